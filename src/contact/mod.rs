@@ -1,0 +1,1 @@
+//! The pipeline: gaps, candidates, response, complementarity, deformed skin, outcome.

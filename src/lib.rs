@@ -1,0 +1,39 @@
+//! Quasi-rigid contact of hand skin with products.
+//!
+//! A posed hand (a triangle mesh, the *skin*) is pressed against a product (the *obstacle*). The skin is
+//! rigid but for a small elastic deformation near the contact. At the candidate nodes `i`, the vertices that
+//! start inside the obstacle, the unknowns are node forces `f` (k, N) and gaps `g` (k, m):
+//!
+//! ```text
+//! g = g0 + R f,    g >= 0,    f >= 0,    g·f = 0
+//! ```
+//!
+//! `g0` (k, m) is the signed distance of the undeformed skin from the obstacle, positive outside it, and
+//! `R` (k × k, m/N) the response matrix: `R[i, j]` is the displacement of node `i` along the obstacle's
+//! outward normal per newton at node `j`, so a force that pushes the skin out of the obstacle is positive.
+//! The pressure is `p_i = f_i / S_i` (Pa) with `S_i` (m²) a third of the area of the triangles around `i`.
+//!
+//! The pipeline, one module a step:
+//!
+//! 1. [`surface`]: the skin, checked once, with its neighbourhoods, areas and normals;
+//! 2. [`obstacle`]: the product, with signed distance, closest point and outward normal;
+//! 3. [`contact`]: the gaps and from them the candidate nodes;
+//! 4. [`response`]: the response matrix over the candidates;
+//! 5. [`lcp`]: the complementarity problem, its ending and its certificate;
+//! 6. [`contact`]: deformed skin, pressure map, force, moment, area, and how far each can be trusted.
+//!
+//! Units are SI throughout: m, N, Pa, rad, s. Faces are counter-clockwise seen from outside.
+//!
+//! Sources: Xie, Kanai, Date 2011 ("Simulating Deformable Contact Property of Digital Hand Skin"); Pauly,
+//! Pai, Guibas 2004 ("Quasi-rigid objects in contact"); Johnson 1985 ("Contact Mechanics").
+
+pub mod contact;
+pub mod lcp;
+pub mod mesh;
+pub mod obstacle;
+pub mod reference;
+pub mod response;
+pub mod surface;
+
+#[cfg(feature = "python")]
+mod python;

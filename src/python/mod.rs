@@ -1,0 +1,1 @@
+//! Thin PyO3 layer: convert, detach, call, convert back.

@@ -1,0 +1,1 @@
+//! Closed-form and tabulated answers to check against.

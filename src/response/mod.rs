@@ -1,0 +1,1 @@
+//! Displacement of the skin per unit contact force.

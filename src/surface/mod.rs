@@ -1,0 +1,1 @@
+//! The skin: a validated triangle mesh with neighbourhoods, areas, normals and patches.
