@@ -1,0 +1,141 @@
+//! Borders that run along each other without being joined.
+
+use nalgebra::Vector3;
+
+use super::adjacency::NO_FACE;
+use super::csr::Csr;
+use super::error::MeshError;
+use super::grid::PointGrid;
+use super::topology::are_joined;
+
+/// Border vertices closer than this part of the mean edge length are one vertex left unwelded (dimensionless).
+const UNWELDED_DISTANCE: f64 = 1e-3;
+/// How far to look for the twins of border vertices once some are known to be unwelded, in mean edge lengths.
+const TWIN_DISTANCE: f64 = 0.05;
+
+/// Looks for border vertices that lie on another border vertex, or on a border edge, without being joined to it.
+pub(super) fn check_borders(
+    vertices: &[Vector3<f64>],
+    faces: &[[u32; 3]],
+    across: &[[u32; 3]],
+    incident: &Csr,
+    mean_edge_length: f64,
+) -> Result<(), MeshError> {
+    let mut edges = Vec::new();
+    for (corners, others) in faces.iter().zip(across) {
+        for k in 0..3 {
+            if others[k] == NO_FACE {
+                edges.push([corners[k], corners[(k + 1) % 3]]);
+            }
+        }
+    }
+    let mut ids: Vec<u32> = edges.iter().flatten().copied().collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let points: Vec<Vector3<f64>> = ids.iter().map(|id| vertices[*id as usize]).collect();
+    let border = Border { ids, points, faces, incident };
+    border.check_twins(mean_edge_length)?;
+    border.check_edges(vertices, &edges, mean_edge_length)
+}
+
+struct Border<'a> {
+    ids: Vec<u32>,
+    points: Vec<Vector3<f64>>,
+    faces: &'a [[u32; 3]],
+    incident: &'a Csr,
+}
+
+impl Border<'_> {
+    fn are_joined(&self, a: u32, b: u32) -> bool {
+        a == b || are_joined(a, b, self.faces, self.incident)
+    }
+
+    /// For every border vertex the nearest one within `radius` that no edge joins to it.
+    fn twins(&self, radius: f64) -> Vec<Option<(u32, f64)>> {
+        let grid = PointGrid::new(&self.points, radius);
+        let nearest = |(i, point)| {
+            let mut best: Option<(u32, f64)> = None;
+            grid.for_each_near(point, |j, distance| {
+                let nearer = best.is_none_or(|(other, least)| (distance, self.ids[j]) < (least, other));
+                if nearer && !self.are_joined(self.ids[i], self.ids[j]) {
+                    best = Some((self.ids[j], distance));
+                }
+            });
+            best
+        };
+        self.points.iter().enumerate().map(nearest).collect()
+    }
+
+    fn check_twins(&self, mean_edge_length: f64) -> Result<(), MeshError> {
+        let twins = self.twins(UNWELDED_DISTANCE * mean_edge_length);
+        let Some(first) = twins.iter().position(Option::is_some) else { return Ok(()) };
+        let (other, distance) = twins[first].expect("the position of a twin");
+        let widest = self.twins(TWIN_DISTANCE * mean_edge_length).into_iter().flatten().map(|twin| twin.1);
+        // Twice the widest gap, as corners of several faces scatter around their common place.
+        let weld_tolerance = (2.0 * widest.fold(0.0, f64::max)).max(1e-6 * mean_edge_length);
+        Err(MeshError::Unwelded {
+            vertex: self.ids[first] as usize,
+            other: other as usize,
+            distance,
+            count: twins.iter().flatten().count(),
+            weld_tolerance: round_up(weld_tolerance),
+        })
+    }
+
+    /// Vertices on the inner part of a border edge that they do not belong to.
+    fn check_edges(
+        &self,
+        vertices: &[Vector3<f64>],
+        edges: &[[u32; 2]],
+        mean_edge_length: f64,
+    ) -> Result<(), MeshError> {
+        let tolerance = UNWELDED_DISTANCE * mean_edge_length;
+        let ends = |edge: &[u32; 2]| edge.map(|vertex| vertices[vertex as usize]);
+        let length = |edge: &[u32; 2]| {
+            let [a, b] = ends(edge);
+            (b - a).norm()
+        };
+        let mean = edges.iter().map(length).sum::<f64>() / edges.len() as f64;
+        // Balls of radius `step` at distances of at most `step` along an edge cover all that is near it.
+        let step = mean.max(2.0 * tolerance);
+        let grid = PointGrid::new(&self.points, step);
+        let mut found: Vec<(u32, [u32; 2], f64)> = Vec::new();
+        for edge in edges {
+            let [a, b] = ends(edge);
+            let along = b - a;
+            let pieces = (along.norm() / step).ceil().max(1.0) as usize;
+            for piece in 0..pieces {
+                let centre = a + along * ((piece as f64 + 0.5) / pieces as f64);
+                grid.for_each_near(&centre, |j, _| {
+                    let id = self.ids[j];
+                    let s = (self.points[j] - a).dot(&along) / along.norm_squared();
+                    let distance = (self.points[j] - (a + along * s)).norm();
+                    let inner = s > 0.0 && s < 1.0 && distance <= tolerance && !edge.contains(&id);
+                    // A thin face on the border joins its tip to both ends of its own border edge.
+                    if inner && !edge.iter().all(|end| self.are_joined(id, *end)) {
+                        found.push((id, *edge, distance));
+                    }
+                });
+            }
+        }
+        found.sort_by_key(|hit| (hit.0, hit.1));
+        found.dedup_by_key(|hit| hit.0);
+        match found.first() {
+            Some((vertex, edge, distance)) => Err(MeshError::UnjoinedBorder {
+                vertex: *vertex as usize,
+                edge: edge.map(|end| end as usize),
+                distance: *distance,
+                count: found.len(),
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Rounds a positive number up to two digits, to be typed in again.
+fn round_up(value: f64) -> f64 {
+    let unit = 10f64.powi(value.log10().floor() as i32 - 1);
+    let rounded = (value / unit).ceil() * unit;
+    // The decimal text is what a person copies; it must not fall below the value.
+    format!("{rounded:.1e}").parse().unwrap_or(rounded)
+}

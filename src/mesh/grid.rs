@@ -1,0 +1,66 @@
+//! Points in a uniform grid, for neighbours within a fixed distance.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+/// Points sorted into cubic cells of the search radius.
+pub(super) struct PointGrid<'a> {
+    points: &'a [Vector3<f64>],
+    radius: f64,
+    cell: f64,
+    origin: Vector3<f64>,
+    cells: HashMap<[i64; 3], (u32, u32)>,
+    order: Vec<u32>,
+}
+
+impl<'a> PointGrid<'a> {
+    /// * `points`: finite
+    /// * `radius`: search distance, >= 0
+    pub(super) fn new(points: &'a [Vector3<f64>], radius: f64) -> PointGrid<'a> {
+        let mut low = Vector3::repeat(f64::INFINITY);
+        let mut high = Vector3::repeat(f64::NEG_INFINITY);
+        for point in points {
+            low = low.inf(point);
+            high = high.sup(point);
+        }
+        let extent = if points.is_empty() { 0.0 } else { (high - low).max() };
+        // Cells no finer than 1e-12 of the extent keep their numbers far from the limits of i64.
+        let cell = radius.max(1e-12 * extent).max(f64::MIN_POSITIVE);
+        let mut keyed: Vec<([i64; 3], u32)> =
+            points.iter().enumerate().map(|(i, point)| (key(point, &low, cell), i as u32)).collect();
+        keyed.sort_unstable();
+        let mut cells = HashMap::with_capacity(keyed.len());
+        let mut start = 0;
+        for run in keyed.chunk_by(|a, b| a.0 == b.0) {
+            cells.insert(run[0].0, (start, start + run.len() as u32));
+            start += run.len() as u32;
+        }
+        let order = keyed.into_iter().map(|(_, i)| i).collect();
+        PointGrid { points, radius, cell, origin: low, cells, order }
+    }
+
+    /// Calls `visit(index, distance)` for every point within the radius of `point`.
+    pub(super) fn for_each_near(&self, point: &Vector3<f64>, mut visit: impl FnMut(usize, f64)) {
+        let centre = key(point, &self.origin, self.cell);
+        for dx in -1..=1 {
+            for dy in -1..=1 {
+                for dz in -1..=1 {
+                    let cell = [centre[0] + dx, centre[1] + dy, centre[2] + dz];
+                    let Some(&(start, end)) = self.cells.get(&cell) else { continue };
+                    for &i in &self.order[start as usize..end as usize] {
+                        let distance = (self.points[i as usize] - point).norm();
+                        if distance <= self.radius {
+                            visit(i as usize, distance);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn key(point: &Vector3<f64>, origin: &Vector3<f64>, cell: f64) -> [i64; 3] {
+    let scaled = (point - origin) / cell;
+    [scaled.x.floor() as i64, scaled.y.floor() as i64, scaled.z.floor() as i64]
+}
