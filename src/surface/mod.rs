@@ -1,1 +1,17 @@
 //! The skin: a validated triangle mesh with neighbourhoods, areas, normals and patches.
+//!
+//! [`Surface::new`] checks the mesh once (see [`mesh::check`](crate::mesh::check)) and keeps what the later
+//! stages ask for: one-rings, face and vertex normals, face areas and the vertex areas `S_i` (m²), a third of
+//! the area of the faces around `i`, so that `Σ S_i` is the area of the skin. Open surfaces are welcome.
+//!
+//! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`] and
+//! [`Surface::flat_cap_mask`].
+
+mod cap;
+mod geometry;
+mod path;
+mod rings;
+#[allow(clippy::module_inception)]
+mod surface;
+
+pub use surface::{Surface, SurfaceError};

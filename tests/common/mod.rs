@@ -1,0 +1,166 @@
+//! What the tests share: the meshes on disk and small meshes with known properties.
+#![allow(dead_code)] // each test program uses a part of it
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::Vector3;
+
+/// Vertices (m) and faces.
+pub type Mesh = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
+
+/// The folder of test meshes: `QUASIRIGID_DATA`, default `../shared/data`; prints why if it is absent.
+pub fn data_dir() -> Option<PathBuf> {
+    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let path = std::env::var_os("QUASIRIGID_DATA").map_or_else(default, PathBuf::from);
+    if path.join("hands").is_dir() {
+        Some(path)
+    } else {
+        println!("skipped: no meshes in {} (set QUASIRIGID_DATA)", path.display());
+        None
+    }
+}
+
+/// Reads a binary little-endian PLY of float32 points and triangles (list uchar int), and nothing else.
+///
+/// Panics with the reason if the file is another.
+pub fn read_ply(path: &Path) -> Mesh {
+    try_read_ply(path).unwrap_or_else(|reason| panic!("{}: {reason}", path.display()))
+}
+
+/// As [`read_ply`], with the reason as an error.
+pub fn try_read_ply(path: &Path) -> Result<Mesh, String> {
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    let marker = b"end_header\n";
+    let header_end =
+        bytes.windows(marker.len()).position(|window| window == marker).ok_or("no end_header")?
+            + marker.len();
+    let header = std::str::from_utf8(&bytes[..header_end]).map_err(|error| error.to_string())?;
+    let count = |element: &str| {
+        let prefix = format!("element {element} ");
+        let line = header.lines().find_map(|line| line.strip_prefix(&prefix));
+        line.and_then(|number| number.trim().parse::<usize>().ok()).ok_or(format!("no element {element}"))
+    };
+    let (vertex_count, face_count) = (count("vertex")?, count("face")?);
+    let body = &bytes[header_end..];
+    let expected = 12 * vertex_count + 13 * face_count;
+    if body.len() != expected {
+        return Err(format!("{} bytes after the header, expected {expected}", body.len()));
+    }
+    let word = |at: usize| <[u8; 4]>::try_from(&body[at..at + 4]).expect("four bytes");
+    let vertices = (0..vertex_count)
+        .map(|i| Vector3::from_fn(|k, _| f64::from(f32::from_le_bytes(word(12 * i + 4 * k)))))
+        .collect();
+    let faces = (0..face_count)
+        .map(|i| {
+            let at = 12 * vertex_count + 13 * i;
+            assert_eq!(body[at], 3, "face {i} is no triangle");
+            [0, 1, 2].map(|k| u32::from_le_bytes(word(at + 1 + 4 * k)))
+        })
+        .collect();
+    Ok((vertices, faces))
+}
+
+/// Flat open grid of `nx` × `ny` cells in the plane z = 0, normals up, one corner at the origin.
+///
+/// Vertex (i, j) is `i + j (nx + 1)`; the diagonals alternate.
+pub fn grid(nx: usize, ny: usize, spacing: f64) -> Mesh {
+    let mut vertices = Vec::new();
+    for j in 0..=ny {
+        for i in 0..=nx {
+            vertices.push(Vector3::new(i as f64 * spacing, j as f64 * spacing, 0.0));
+        }
+    }
+    let mut faces = Vec::new();
+    for j in 0..ny {
+        for i in 0..nx {
+            let at = |di: usize, dj: usize| ((i + di) + (j + dj) * (nx + 1)) as u32;
+            let (a, b, c, d) = (at(0, 0), at(1, 0), at(1, 1), at(0, 1));
+            if (i + j) % 2 == 0 {
+                faces.extend([[a, b, c], [a, c, d]]);
+            } else {
+                faces.extend([[a, b, d], [b, c, d]]);
+            }
+        }
+    }
+    (vertices, faces)
+}
+
+/// Sphere about the origin: an icosahedron whose faces are cut in four `subdivisions` times.
+pub fn icosphere(radius: f64, subdivisions: usize) -> Mesh {
+    let g = (1.0 + 5f64.sqrt()) / 2.0;
+    let corners = [
+        [-1.0, g, 0.0],
+        [1.0, g, 0.0],
+        [-1.0, -g, 0.0],
+        [1.0, -g, 0.0],
+        [0.0, -1.0, g],
+        [0.0, 1.0, g],
+        [0.0, -1.0, -g],
+        [0.0, 1.0, -g],
+        [g, 0.0, -1.0],
+        [g, 0.0, 1.0],
+        [-g, 0.0, -1.0],
+        [-g, 0.0, 1.0],
+    ];
+    let mut vertices: Vec<Vector3<f64>> = corners.map(|corner| Vector3::from(corner).normalize()).to_vec();
+    #[rustfmt::skip]
+    let mut faces: Vec<[u32; 3]> = vec![
+        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6],
+        [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10],
+        [8, 6, 7], [9, 8, 1],
+    ];
+    for _ in 0..subdivisions {
+        let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                vertices.push((vertices[a as usize] + vertices[b as usize]).normalize());
+                vertices.len() as u32 - 1
+            })
+        };
+        faces = faces
+            .iter()
+            .flat_map(|&[a, b, c]| {
+                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+            })
+            .collect();
+    }
+    (vertices.into_iter().map(|point| point * radius).collect(), faces)
+}
+
+/// The faces turned over.
+pub fn flipped(faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    faces.iter().map(|&[a, b, c]| [a, c, b]).collect()
+}
+
+/// Two meshes as one, as separate components.
+pub fn joined(first: &Mesh, second: &Mesh) -> Mesh {
+    let offset = first.0.len() as u32;
+    let vertices = first.0.iter().chain(&second.0).copied().collect();
+    let faces = first.1.iter().copied().chain(second.1.iter().map(|face| face.map(|vertex| vertex + offset)));
+    (vertices, faces.collect())
+}
+
+/// Repeatable pseudo-random numbers in [0, 1) (SplitMix64, Steele, Lea, Flood 2014).
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next number.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A shuffled list of 0..n.
+    pub fn permutation(&mut self, n: usize) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..n).collect();
+        for i in (1..n).rev() {
+            order.swap(i, (self.next() * (i + 1) as f64) as usize);
+        }
+        order
+    }
+}
