@@ -1,1 +1,34 @@
 //! Displacement of the skin per unit contact force.
+//!
+//! A unit force at node j, spread over the triangles around it as a pressure p_j (1/m²), moves the surface
+//! at x by
+//!
+//! ```text
+//! u(x) = ∫ k(|x - y|) p_j(y) dA(y)  (m/N),    half-space: k(r) = K / r,  K = (1 - ν) / (2 π G)  (m²/N)
+//! ```
+//!
+//! and the response matrix collects it at the candidate nodes: `R[i, j] = u(x_i)` (m/N). The triangle
+//! integrals are exact near the point, so the singularity of 1/r costs no accuracy.
+//!
+//! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
+
+mod assemble;
+mod cut;
+mod error;
+mod gaussian;
+mod options;
+mod parallel;
+#[cfg(test)]
+mod reference_values;
+mod rule;
+mod skin;
+mod source;
+mod subdivide;
+mod triangle;
+
+pub use assemble::assemble;
+pub use error::ResponseError;
+pub use gaussian::gaussian_hat_integrals;
+pub use options::{AssemblyOptions, matrix_bytes};
+pub use skin::{Pressure, Response, Skin};
+pub use triangle::hat_integrals;

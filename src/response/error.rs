@@ -1,0 +1,82 @@
+//! Why a skin or a response matrix was refused.
+
+/// Why a skin or a response matrix was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResponseError {
+    /// A material or kernel constant is outside its range.
+    #[error("{name} is {value:e}, but must be {expected}")]
+    Constant {
+        /// Name of the constant.
+        name: &'static str,
+        /// The value found (SI).
+        value: f64,
+        /// The range, in words.
+        expected: &'static str,
+    },
+    /// A node is no vertex of the surface.
+    #[error("entry {index} of nodes is vertex {vertex}, but the surface has {vertex_count} vertices")]
+    NodeOutOfRange {
+        /// Position in the list of nodes.
+        index: usize,
+        /// The vertex it names.
+        vertex: usize,
+        /// Number of vertices of the surface.
+        vertex_count: usize,
+    },
+    /// A vertex occurs twice among the nodes, so the matrix would be singular.
+    #[error("vertex {vertex} occurs twice in nodes, at {first} and {second}")]
+    RepeatedNode {
+        /// The vertex.
+        vertex: usize,
+        /// Position of its first occurrence.
+        first: usize,
+        /// Position of its second occurrence.
+        second: usize,
+    },
+    /// The number of directions differs from the number of nodes.
+    #[error("{directions} directions were given for {nodes} nodes")]
+    DirectionCount {
+        /// Directions given.
+        directions: usize,
+        /// Nodes given.
+        nodes: usize,
+    },
+    /// A direction is not finite or is zero.
+    #[error("direction {index} is ({}, {}, {}), but must be finite and not zero", value[0], value[1], value[2])]
+    Direction {
+        /// Position in the list of directions.
+        index: usize,
+        /// The value found.
+        value: [f64; 3],
+    },
+    /// The matrix would need more memory than allowed.
+    #[error(
+        "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit}; \
+         take fewer nodes or a kernel that decays"
+    )]
+    TooLarge {
+        /// Number of nodes.
+        nodes: usize,
+        /// Bytes needed.
+        bytes: usize,
+        /// Bytes allowed.
+        limit: usize,
+    },
+    /// The assembly was interrupted.
+    #[error("assembly was interrupted after {columns} of {nodes} columns")]
+    Interrupted {
+        /// Columns finished.
+        columns: usize,
+        /// Columns in all.
+        nodes: usize,
+    },
+    /// The worker threads could not be started.
+    #[error("could not start {threads} threads: {reason}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}

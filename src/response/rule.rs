@@ -1,0 +1,111 @@
+//! Gauss quadrature over an interval and over a triangle.
+
+use std::sync::OnceLock;
+
+/// The largest number of points in each direction that [`triangle_rule`] offers.
+pub(crate) const MAX_POINTS: usize = 24;
+
+/// A point of a triangle rule: weights of the three corners, which sum to 1, and the share of the area.
+pub(crate) type RulePoint = ([f64; 3], f64);
+
+/// Gauss rule over a triangle with n × n points, collapsed at corner 0 (Stroud 1971, conical product).
+///
+/// Exact for polynomials of degree 2n - 1; the weights are positive and sum to 1.
+pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
+    static RULES: [OnceLock<Vec<RulePoint>>; MAX_POINTS + 1] = [const { OnceLock::new() }; MAX_POINTS + 1];
+    let n = n.clamp(1, MAX_POINTS);
+    RULES[n].get_or_init(|| {
+        let along = gauss(n, 0.0);
+        let mut rule = Vec::with_capacity(n * n);
+        for (u, wu) in gauss(n, 1.0) {
+            for &(v, wv) in &along {
+                rule.push(([1.0 - u, u * (1.0 - v), u * v], wu * wv));
+            }
+        }
+        rule
+    })
+}
+
+/// Nodes and weights on [0, 1] for the weight function `(1 + power) t^power`, power 0 or 1; the weights sum
+/// to 1. Roots of the orthogonal polynomials by bisection of their sign changes and Newton steps.
+pub(crate) fn gauss(n: usize, power: f64) -> Vec<(f64, f64)> {
+    // Monic three-term recurrence on [-1, 1]: p_(k+1) = (x - a_k) p_k - b_k p_(k-1), Jacobi (0, power).
+    let a = |k: f64| if power == 0.0 { 0.0 } else { 1.0 / ((2.0 * k + 1.0) * (2.0 * k + 3.0)) };
+    let b = |k: f64| {
+        if power == 0.0 { k * k / (4.0 * k * k - 1.0) } else { k * (k + 1.0) / (2.0 * k + 1.0).powi(2) }
+    };
+    // p_n, its derivative and p_(n-1)
+    let polynomial = |x: f64| {
+        let (mut before, mut p) = (0.0, 1.0);
+        let (mut slope_before, mut slope) = (0.0, 0.0);
+        for k in 0..n {
+            let (ak, bk) = (a(k as f64), if k == 0 { 0.0 } else { b(k as f64) });
+            (before, p, slope_before, slope) =
+                (p, (x - ak) * p - bk * before, slope, p + (x - ak) * slope - bk * slope_before);
+        }
+        (p, slope, before)
+    };
+    let norm: f64 = (1..n).map(|k| b(k as f64)).product();
+    let cells = 40 * n;
+    let at = |i: usize| -(std::f64::consts::PI * i as f64 / cells as f64).cos();
+    let mut points = Vec::with_capacity(n);
+    for i in 0..cells {
+        let (mut low, mut high) = (at(i), at(i + 1));
+        let rising = polynomial(low).0 < 0.0;
+        if rising == (polynomial(high).0 < 0.0) {
+            continue;
+        }
+        for _ in 0..30 {
+            let middle = 0.5 * (low + high);
+            if (polynomial(middle).0 < 0.0) == rising { low = middle } else { high = middle }
+        }
+        let mut x = 0.5 * (low + high);
+        for _ in 0..3 {
+            let (p, slope, _) = polynomial(x);
+            x -= p / slope;
+        }
+        let (_, slope, before) = polynomial(x);
+        points.push((0.5 * (1.0 + x), norm / (slope * before)));
+    }
+    debug_assert_eq!(points.len(), n);
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn interval_rules_integrate_their_degree() {
+        for n in 1..=MAX_POINTS {
+            for power in [0.0, 1.0] {
+                let rule = gauss(n, power);
+                for degree in 0..2 * n {
+                    let sum: f64 = rule.iter().map(|(t, w)| w * t.powi(degree as i32)).sum();
+                    let exact = (1.0 + power) / (degree as f64 + 1.0 + power);
+                    assert_relative_eq!(sum, exact, max_relative = 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn triangle_rules_integrate_their_degree() {
+        // int l0^p l1^q l2^r dA / A = 2 p! q! r! / (p + q + r + 2)!
+        let factorial = |k: usize| (1..=k).map(|v| v as f64).product::<f64>();
+        for n in 1..=8 {
+            for p in 0..2 * n {
+                for q in 0..2 * n - p {
+                    let r = 2 * n - 1 - p - q;
+                    let sum: f64 = triangle_rule(n)
+                        .iter()
+                        .map(|(l, w)| w * l[0].powi(p as i32) * l[1].powi(q as i32) * l[2].powi(r as i32))
+                        .sum();
+                    let exact = 2.0 * factorial(p) * factorial(q) * factorial(r) / factorial(p + q + r + 2);
+                    assert_relative_eq!(sum, exact, max_relative = 1e-12);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! The skin's material and the kernel by which it answers a force.
+
+use super::error::ResponseError;
+use std::f64::consts::TAU;
+
+/// How the force of a node is spread over the surface around it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pressure {
+    /// Hat functions: the pressure is linear over each triangle and equals f / S at the node. Accurate and
+    /// well conditioned (condition number some 50 in a Hertz contact): the one to take.
+    #[default]
+    Linear,
+    /// The force spread evenly over the one-ring (eq. 8 of Xie, Kanai, Date 2011). Kept to reproduce that
+    /// paper: on regular meshes the matrix is close to singular and the pressure oscillates.
+    OneRing,
+}
+
+/// Displacement of the skin at distance r from a unit force; r is the straight-line distance and
+/// K = (1-ν)/(2πG) (m²/N).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Response {
+    /// Elastic half-space, `u(r) = K / r` (Boussinesq; Johnson 1985, §3.2).
+    HalfSpace {
+        /// How a node's force is spread.
+        pressure: Pressure,
+    },
+    /// The kernel of Xie, Kanai, Date 2011 (eq. 6), which keeps volume by a Gaussian taken off:
+    /// `u(r) = K / r - a exp(-r²/2c²)` for r < cutoff, 0 beyond.
+    ///
+    /// It bulges, so entries can be negative, and it is well posed only for some constants: without a cutoff
+    /// for a <= K √e / c; balanced (no net volume) and cut off at L from about c >= L/2. The paper's
+    /// constants (a = 0.8 mm/N, c = 5 mm, cutoff 3 c) are not: a patch wider than some 6 mm can push itself in
+    /// without end, and the contact problem then has no solution.
+    GaussianCorrected {
+        /// a (m/N), >= 0.
+        height: f64,
+        /// c (m), > 0.
+        width: f64,
+        /// Distance beyond which the kernel is 0 (m), > 0; may be infinite.
+        cutoff: f64,
+        /// How a node's force is spread.
+        pressure: Pressure,
+    },
+}
+
+/// Elastic skin: material and response.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Skin {
+    /// Shear modulus G (Pa), > 0.
+    pub shear_modulus: f64,
+    /// Poisson's ratio ν, in 0 ..= 0.5.
+    pub poisson_ratio: f64,
+    /// How the skin answers a force.
+    pub response: Response,
+}
+
+fn require(ok: bool, name: &'static str, value: f64, expected: &'static str) -> Result<(), ResponseError> {
+    if ok { Ok(()) } else { Err(ResponseError::Constant { name, value, expected }) }
+}
+
+impl Skin {
+    /// A skin with checked constants.
+    ///
+    /// * `shear_modulus`: G (Pa), finite, > 0
+    /// * `poisson_ratio`: ν, 0 ..= 0.5
+    /// * `response`: the kernel and its constants
+    ///
+    /// # Errors
+    /// [`ResponseError::Constant`] names the constant that is out of range.
+    pub fn new(shear_modulus: f64, poisson_ratio: f64, response: Response) -> Result<Self, ResponseError> {
+        let skin = Self { shear_modulus, poisson_ratio, response };
+        skin.validate()?;
+        Ok(skin)
+    }
+
+    /// Checks all constants again; the fields are open.
+    pub(crate) fn validate(&self) -> Result<(), ResponseError> {
+        let (g, nu) = (self.shear_modulus, self.poisson_ratio);
+        require(g > 0.0 && g.is_finite(), "shear_modulus", g, "finite and positive (Pa)")?;
+        require((0.0..=0.5).contains(&nu), "poisson_ratio", nu, "from 0 to 0.5")?;
+        match self.response {
+            Response::HalfSpace { .. } => Ok(()),
+            Response::GaussianCorrected { height, width, cutoff, .. } => {
+                let height_ok = height >= 0.0 && height.is_finite();
+                require(height_ok, "height", height, "finite and not negative (m/N)")?;
+                require(width > 0.0 && width.is_finite(), "width", width, "finite and positive (m)")?;
+                require(cutoff > 0.0, "cutoff", cutoff, "positive (m)")
+            }
+        }
+    }
+
+    /// K = (1-ν)/(2πG) (m²/N): the half-space moves by K / r at distance r per newton.
+    pub fn kernel_constant(&self) -> f64 {
+        (1.0 - self.poisson_ratio) / (TAU * self.shear_modulus)
+    }
+
+    /// How a node's force is spread.
+    pub fn pressure(&self) -> Pressure {
+        match self.response {
+            Response::HalfSpace { pressure } | Response::GaussianCorrected { pressure, .. } => pressure,
+        }
+    }
+
+    /// Whether the response matrix can have negative entries, so that a force can press nodes into contact
+    /// that lie outside the obstacle. Where it cannot, the candidates are exactly the penetrating nodes.
+    pub fn has_negative_entries(&self) -> bool {
+        match self.response {
+            Response::HalfSpace { .. } => false,
+            Response::GaussianCorrected { height, .. } => height > 0.0,
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! A unit force at one node, spread over the triangles around it.
+
+use super::skin::Pressure;
+use super::triangle::Frame;
+use crate::surface::Surface;
+use nalgebra::Vector3;
+
+/// A triangle that carries part of a node's unit force.
+#[derive(Debug, Clone)]
+pub(crate) struct LoadedFace {
+    /// Geometry.
+    pub(crate) frame: Frame,
+    /// Pressure at the corners per newton (1/m²).
+    pub(crate) density: [f64; 3],
+    /// Centre of a ball around the triangle (m).
+    pub(crate) center: Vector3<f64>,
+    /// Radius of that ball (m).
+    pub(crate) radius: f64,
+}
+
+/// Appends the triangles that carry a unit force at `vertex`; their densities integrate to 1.
+pub(crate) fn loaded_faces(
+    surface: &Surface,
+    vertex: usize,
+    pressure: Pressure,
+    faces: &mut Vec<LoadedFace>,
+) {
+    let (points, triangles) = (surface.vertices(), surface.faces());
+    let vertex_area = surface.vertex_areas()[vertex];
+    for &face in surface.faces_around(vertex) {
+        let corners = triangles[face as usize];
+        let vertices = corners.map(|v| points[v as usize]);
+        let center = (vertices[0] + vertices[1] + vertices[2]) / 3.0;
+        let density = match pressure {
+            Pressure::Linear => corners.map(|v| if v as usize == vertex { 1.0 / vertex_area } else { 0.0 }),
+            // the area of the one-ring is three vertex areas
+            Pressure::OneRing => [1.0 / (3.0 * vertex_area); 3],
+        };
+        let radius = vertices.iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
+        faces.push(LoadedFace { frame: Frame::new(vertices), density, center, radius });
+    }
+}
+
+/// `Σ density · hat integrals` of one face.
+pub(crate) fn weighted(density: &[f64; 3], hats: &[f64; 3]) -> f64 {
+    density[0] * hats[0] + density[1] * hats[1] + density[2] * hats[2]
+}

@@ -1,0 +1,323 @@
+//! The response matrix through the public interface: known answers, properties, twins, errors.
+
+use approx::assert_relative_eq;
+use nalgebra::{Isometry3, Vector3};
+use quasirigid::response::{
+    AssemblyOptions, Pressure, Response, ResponseError, Skin, assemble, hat_integrals, matrix_bytes,
+};
+use quasirigid::surface::Surface;
+use std::f64::consts::PI;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const HALF_SPACE: Response = Response::HalfSpace { pressure: Pressure::Linear };
+const PAPER: Response =
+    Response::GaussianCorrected { height: 0.8e-3, width: 5e-3, cutoff: 15e-3, pressure: Pressure::Linear };
+
+/// Repeatable numbers in 0 .. 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// A grid of (n + 1)² vertices with side `size` (m), one diagonal direction, bent to a bowl of height `bowl`
+/// (m) and jittered in its plane by `jitter` cells.
+fn grid(n: usize, size: f64, bowl: f64, jitter: f64) -> Surface {
+    let mut random = Random(7);
+    let h = size / n as f64;
+    let mut vertices = Vec::new();
+    for i in 0..=n {
+        for j in 0..=n {
+            let inner = i > 0 && j > 0 && i < n && j < n;
+            let mut shift = || if inner { jitter * h * (2.0 * random.next() - 1.0) } else { 0.0 };
+            let (x, y) = (i as f64 * h - 0.5 * size + shift(), j as f64 * h - 0.5 * size + shift());
+            vertices.push(Vector3::new(x, y, bowl * (x * x + y * y) / (size * size)));
+        }
+    }
+    let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+    let mut faces = Vec::new();
+    for i in 0..n {
+        for j in 0..n {
+            faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+            faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+        }
+    }
+    Surface::new(vertices, faces).expect("a grid is a valid surface")
+}
+
+fn skin(response: Response) -> Skin {
+    Skin::new(60e3, 0.5, response).expect("valid constants")
+}
+
+fn all(surface: &Surface) -> Vec<usize> {
+    (0..surface.vertices().len()).collect()
+}
+
+fn matrix(surface: &Surface, skin: &Skin, tolerance: f64) -> faer::Mat<f64> {
+    let options = AssemblyOptions { tolerance, ..Default::default() };
+    assemble(surface, skin, &all(surface), None, &options).expect("a valid request")
+}
+
+/// The matrix by a plain double loop over the exact triangle integrals.
+fn naive_half_space(surface: &Surface, skin: &Skin, nodes: &[usize]) -> faer::Mat<f64> {
+    let (points, faces) = (surface.vertices(), surface.faces());
+    let pressure = skin.pressure();
+    faer::Mat::from_fn(nodes.len(), nodes.len(), |i, j| {
+        let mut sum = 0.0;
+        for &f in surface.faces_around(nodes[j]) {
+            let corners = faces[f as usize].map(|v| points[v as usize]);
+            let hats = hat_integrals(&points[nodes[i]], &corners);
+            for (k, &v) in faces[f as usize].iter().enumerate() {
+                sum += match pressure {
+                    Pressure::Linear if v as usize == nodes[j] => hats[k],
+                    Pressure::Linear => 0.0,
+                    Pressure::OneRing => hats[k] / 3.0,
+                };
+            }
+        }
+        skin.kernel_constant() * sum / surface.vertex_areas()[nodes[j]]
+    })
+}
+
+// ---- known answers ----
+
+#[test]
+fn kernel_constant_is_that_of_boussinesq() {
+    assert_relative_eq!(skin(HALF_SPACE).kernel_constant(), 1.3263e-6, max_relative = 1e-4);
+}
+
+#[test]
+fn a_hexagon_moves_its_own_centre_by_the_closed_form() {
+    // ∫ hat / r over six equilateral triangles of side s: in each, with t the distance from the far edge,
+    // ∫∫ (1 - r cos(θ)/h) dr dθ over θ in ±30° = h/2 ∫ dθ / cos θ = h/2 ln 3, h = s √3 / 2.
+    let side = 1e-3;
+    let mut vertices = vec![Vector3::zeros()];
+    let mut faces = Vec::new();
+    for k in 0..6u32 {
+        let angle = k as f64 * PI / 3.0;
+        vertices.push(Vector3::new(side * angle.cos(), side * angle.sin(), 0.0));
+        faces.push([0, k + 1, (k + 1) % 6 + 1]);
+    }
+    let surface = Surface::new(vertices, faces).expect("a hexagon");
+    let area = 6.0 * side * side * 3f64.sqrt() / 4.0;
+    let height = side * 3f64.sqrt() / 2.0;
+    let constant = skin(HALF_SPACE).kernel_constant();
+    let options = AssemblyOptions::default();
+    let linear = assemble(&surface, &skin(HALF_SPACE), &[0], None, &options).expect("valid");
+    let expected = constant * 6.0 * 0.5 * height * 3f64.ln() / (area / 3.0);
+    assert_relative_eq!(linear[(0, 0)], expected, max_relative = 1e-14);
+    let one_ring = skin(Response::HalfSpace { pressure: Pressure::OneRing });
+    let even = assemble(&surface, &one_ring, &[0], None, &options).expect("valid");
+    assert_relative_eq!(even[(0, 0)], constant * 6.0 * height * 3f64.ln() / area, max_relative = 1e-14);
+}
+
+#[test]
+fn far_away_a_node_acts_as_a_point_load() {
+    let surface = grid(40, 40e-3, 0.0, 0.0);
+    let r = matrix(&surface, &skin(HALF_SPACE), 1e-9);
+    let (i, j) = (5 * 41 + 5, 35 * 41 + 35);
+    let distance = (surface.vertices()[i] - surface.vertices()[j]).norm();
+    // the hat's second moments leave (h / r)² / 24 or so
+    assert_relative_eq!(r[(i, j)] * distance, skin(HALF_SPACE).kernel_constant(), max_relative = 2e-4);
+}
+
+// ---- properties ----
+
+#[test]
+fn response_scales_with_the_material_and_the_unit() {
+    let surface = grid(6, 6e-3, 1e-3, 0.2);
+    let soft = matrix(&surface, &skin(HALF_SPACE), 1e-6);
+    let hard = matrix(&surface, &Skin::new(120e3, 0.5, HALF_SPACE).expect("valid"), 1e-6);
+    let in_mm = grid(6, 6.0, 1.0, 0.2);
+    // mm, N, MPa: lengths 1e3, modulus 1e-6, so mm/N is 1e3 times m/N
+    let mm = matrix(&in_mm, &Skin::new(60e-3, 0.5, HALF_SPACE).expect("valid"), 1e-6);
+    for j in 0..soft.ncols() {
+        for i in 0..soft.nrows() {
+            assert_relative_eq!(soft[(i, j)], 2.0 * hard[(i, j)], max_relative = 1e-14);
+            assert_relative_eq!(mm[(i, j)], 1e3 * soft[(i, j)], max_relative = 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_moved_surface_has_the_same_response() {
+    let surface = grid(8, 8e-3, 2e-3, 0.2);
+    let pose = Isometry3::new(Vector3::new(0.1, -0.05, 0.2), Vector3::new(0.3, 1.1, -0.4));
+    for response in [HALF_SPACE, PAPER] {
+        let here = matrix(&surface, &skin(response), 1e-9);
+        let there = matrix(&surface.moved(&pose), &skin(response), 1e-9);
+        let scale = here[(0, 0)];
+        for j in 0..here.ncols() {
+            for i in 0..here.nrows() {
+                assert!((here[(i, j)] - there[(i, j)]).abs() < 1e-9 * scale);
+            }
+        }
+    }
+}
+
+#[test]
+fn half_space_is_positive_and_close_to_reciprocal() {
+    let surface = grid(10, 10e-3, 2e-3, 0.0);
+    let r = matrix(&surface, &skin(HALF_SPACE), 1e-6);
+    let at = |i: usize, j: usize| i * 11 + j;
+    assert!((0..r.ncols()).all(|j| (0..r.nrows()).all(|i| r[(i, j)] > 0.0)));
+    for (a, b) in [(at(3, 3), at(3, 4)), (at(4, 4), at(6, 7)), (at(2, 5), at(8, 3))] {
+        assert_relative_eq!(r[(a, b)], r[(b, a)], max_relative = 0.02);
+    }
+    assert!(!skin(HALF_SPACE).has_negative_entries());
+    assert!(skin(PAPER).has_negative_entries());
+}
+
+// ---- twins ----
+
+#[test]
+fn assembly_equals_the_double_loop_over_exact_integrals() {
+    let surface = grid(9, 9e-3, 4e-3, 0.3);
+    for pressure in [Pressure::Linear, Pressure::OneRing] {
+        let skin = skin(Response::HalfSpace { pressure });
+        let naive = naive_half_space(&surface, &skin, &all(&surface));
+        for (tolerance, allowed) in [(1e-3, 1e-3), (1e-6, 1e-6), (1e-9, 1e-9), (0.0, 1e-11)] {
+            let fast = matrix(&surface, &skin, tolerance);
+            for j in 0..naive.ncols() {
+                for i in 0..naive.nrows() {
+                    let error = (fast[(i, j)] / naive[(i, j)] - 1.0).abs();
+                    assert!(error <= allowed, "({i}, {j}) at {tolerance:e}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_flat_gaussian_of_no_height_is_the_half_space() {
+    let surface = grid(9, 9e-3, 4e-3, 0.3);
+    let flat = Response::GaussianCorrected {
+        height: 0.0,
+        width: 2e-3,
+        cutoff: f64::INFINITY,
+        pressure: Pressure::Linear,
+    };
+    let (one, other) = (matrix(&surface, &skin(flat), 1e-9), matrix(&surface, &skin(HALF_SPACE), 1e-9));
+    for j in 0..one.ncols() {
+        for i in 0..one.nrows() {
+            assert_relative_eq!(one[(i, j)], other[(i, j)], max_relative = 2e-9);
+        }
+    }
+}
+
+#[test]
+fn the_corrected_kernel_falls_to_zero_beyond_its_cutoff() {
+    let surface = grid(40, 40e-3, 0.0, 0.0);
+    let r = matrix(&surface, &skin(PAPER), 1e-6);
+    let constant = skin(PAPER).kernel_constant();
+    let center = 20 * 41 + 20;
+    let kernel = |distance: f64| constant / distance - 0.8e-3 * (-0.5 * (distance / 5e-3).powi(2)).exp();
+    for steps in [4, 8, 12] {
+        let entry = r[(center + steps, center)];
+        // a hat of 1 mm in place of a point
+        assert!((entry - kernel(steps as f64 * 1e-3)).abs() < 0.02 * constant / (steps as f64 * 1e-3));
+    }
+    assert!(r[(center + 14, center)] != 0.0);
+    assert!((17..20).all(|steps| r[(center + steps, center)] == 0.0));
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let surface = grid(14, 14e-3, 4e-3, 0.2);
+    for response in [HALF_SPACE, PAPER] {
+        let run = |num_threads| {
+            let options = AssemblyOptions { num_threads, ..Default::default() };
+            assemble(&surface, &skin(response), &all(&surface), None, &options).expect("valid")
+        };
+        let one = run(Some(1));
+        assert!(one == run(Some(2)) && one == run(Some(3)) && one == run(None));
+    }
+}
+
+#[test]
+fn a_subset_of_nodes_gives_the_block_of_the_full_matrix() {
+    let surface = grid(9, 9e-3, 4e-3, 0.2);
+    let full = matrix(&surface, &skin(HALF_SPACE), 1e-6);
+    let nodes = [44, 3, 45, 99, 0];
+    let options = AssemblyOptions::default();
+    let part = assemble(&surface, &skin(HALF_SPACE), &nodes, None, &options).expect("valid");
+    for (j, &b) in nodes.iter().enumerate() {
+        for (i, &a) in nodes.iter().enumerate() {
+            assert_relative_eq!(part[(i, j)], full[(a, b)], max_relative = 2e-6);
+        }
+    }
+    let none = assemble(&surface, &skin(HALF_SPACE), &[], None, &options).expect("no nodes is no error");
+    assert_eq!((none.nrows(), none.ncols()), (0, 0));
+}
+
+// ---- errors ----
+
+fn constant_error(result: Result<Skin, ResponseError>) -> (&'static str, f64) {
+    match result {
+        Err(ResponseError::Constant { name, value, .. }) => (name, value),
+        other => panic!("expected a refused constant, found {other:?}"),
+    }
+}
+
+#[test]
+fn constants_out_of_range_are_named_with_their_value() {
+    assert_eq!(constant_error(Skin::new(0.0, 0.5, HALF_SPACE)), ("shear_modulus", 0.0));
+    assert_eq!(constant_error(Skin::new(-1.0, 0.5, HALF_SPACE)), ("shear_modulus", -1.0));
+    assert_eq!(constant_error(Skin::new(f64::NAN, 0.5, HALF_SPACE)).0, "shear_modulus");
+    assert_eq!(constant_error(Skin::new(60e3, 0.51, HALF_SPACE)), ("poisson_ratio", 0.51));
+    assert_eq!(constant_error(Skin::new(60e3, -0.1, HALF_SPACE)), ("poisson_ratio", -0.1));
+    let gaussian = |height, width, cutoff| {
+        let pressure = Pressure::Linear;
+        Skin::new(60e3, 0.5, Response::GaussianCorrected { height, width, cutoff, pressure })
+    };
+    assert_eq!(constant_error(gaussian(-1e-3, 5e-3, 15e-3)), ("height", -1e-3));
+    assert_eq!(constant_error(gaussian(1e-3, 0.0, 15e-3)), ("width", 0.0));
+    assert_eq!(constant_error(gaussian(1e-3, 5e-3, -1.0)), ("cutoff", -1.0));
+    assert!(gaussian(1e-3, 5e-3, f64::INFINITY).is_ok());
+}
+
+#[test]
+fn malformed_requests_say_what_is_wrong_and_where() {
+    let surface = grid(3, 3e-3, 0.0, 0.0);
+    let ask = |nodes: &[usize], directions: Option<&[Vector3<f64>]>, options: AssemblyOptions| {
+        assemble(&surface, &skin(HALF_SPACE), nodes, directions, &options).expect_err("malformed")
+    };
+    let plain = AssemblyOptions::default();
+    assert_eq!(
+        ask(&[1, 16], None, plain),
+        ResponseError::NodeOutOfRange { index: 1, vertex: 16, vertex_count: 16 }
+    );
+    assert_eq!(ask(&[4, 2, 4], None, plain), ResponseError::RepeatedNode { vertex: 4, first: 0, second: 2 });
+    let up = Vector3::z();
+    assert_eq!(ask(&[4, 2], Some(&[up]), plain), ResponseError::DirectionCount { directions: 1, nodes: 2 });
+    assert_eq!(
+        ask(&[4, 2], Some(&[up, Vector3::zeros()]), plain),
+        ResponseError::Direction { index: 1, value: [0.0; 3] }
+    );
+    let small = AssemblyOptions { memory_limit: Some(100), ..plain };
+    assert_eq!(matrix_bytes(4), 128);
+    assert_eq!(ask(&[0, 1, 2, 3], None, small), ResponseError::TooLarge { nodes: 4, bytes: 128, limit: 100 });
+    for (options, name) in [
+        (AssemblyOptions { tolerance: -1.0, ..plain }, "tolerance"),
+        (AssemblyOptions { tolerance: f64::NAN, ..plain }, "tolerance"),
+        (AssemblyOptions { num_threads: Some(0), ..plain }, "num_threads"),
+    ] {
+        match ask(&[0], None, options) {
+            ResponseError::Constant { name: found, .. } => assert_eq!(found, name),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_assembly_says_how_far_it_came() {
+    let surface = grid(14, 14e-3, 0.0, 0.0);
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) == 1;
+    let options = AssemblyOptions { num_threads: Some(1), interrupt: Some(&stop), ..Default::default() };
+    let result = assemble(&surface, &skin(HALF_SPACE), &all(&surface), None, &options);
+    assert_eq!(result.expect_err("stopped"), ResponseError::Interrupted { columns: 64, nodes: 225 });
+}
