@@ -1,1 +1,45 @@
-//! The linear complementarity problem `w = M z + q`, `w >= 0`, `z >= 0`, `w·z = 0`.
+//! The linear complementarity problem: for a square matrix `M` and a vector `q`, find `z` and `w` with
+//!
+//! ```text
+//! w = M z + q,    w >= 0,    z >= 0,    w·z = 0
+//! ```
+//!
+//! In contact `M` is the response matrix (m/N), `q` the initial gap (m), `z` the node forces (N) and `w` the
+//! gaps (m), but nothing here knows of it: any real `M` is welcome, nonsymmetric, indefinite or singular.
+//!
+//! ```
+//! use quasirigid::lcp::{LcpMethod, LcpOptions, LcpProblem, LcpStatus, solve};
+//!
+//! let m = faer::mat![[2.0, 1.0], [1.0, 2.0_f64]];
+//! let q = [-5.0, -6.0];
+//! let problem = LcpProblem::new(m.as_ref(), &q)?;
+//! let solution = solve(&problem, LcpMethod::Lemke, &LcpOptions::default())?;
+//! assert_eq!(solution.status, LcpStatus::Solved);
+//! assert!((solution.z[0] - 4.0 / 3.0).abs() < 1e-15 && (solution.z[1] - 7.0 / 3.0).abs() < 1e-15);
+//! # Ok::<(), quasirigid::lcp::LcpError>(())
+//! ```
+//!
+//! Every answer, whichever method found it, is checked against the `M` and `q` as given; only one whose
+//! [natural residual](Certificate::natural_residual) passes is called [`LcpStatus::Solved`].
+//!
+//! Sources: Lemke 1965 (Management Science 11, 681-689); Cottle, Pang, Stone 1992 ("The Linear
+//! Complementarity Problem"); Júdice, Pires 1994 (Computers & Operations Research 21, 587-596); Polonsky,
+//! Keer 1999 (Wear 231, 206-219).
+
+mod basis;
+mod certificate;
+mod kernels;
+mod lemke;
+mod options;
+mod problem;
+mod ray;
+mod reduced;
+mod solution;
+mod solve;
+
+pub use certificate::{Certificate, Definiteness};
+pub use options::{LcpMethod, LcpOptions};
+pub use problem::{LcpError, LcpProblem};
+pub use ray::{LcpRay, RayConclusion};
+pub use solution::{LcpAttempt, LcpSolution, LcpStatus};
+pub use solve::solve;

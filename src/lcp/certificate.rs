@@ -1,0 +1,81 @@
+//! How good an answer is, measured against M and q as given.
+
+use super::problem::LcpProblem;
+
+/// What is known of M.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Definiteness {
+    /// The symmetric part has a Cholesky factor, on the rows that can touch; the solution is unique.
+    PositiveDefinite,
+    /// The caller states that every principal minor is positive; the solution is unique.
+    PMatrix,
+    /// The symmetric part has no Cholesky factor; there may be several solutions or none.
+    NotPositiveDefinite,
+    /// Not looked at, as that would have cost more than the solve.
+    Unknown,
+}
+
+impl Definiteness {
+    /// The name used in reports.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::PositiveDefinite => "positive_definite",
+            Self::PMatrix => "p_matrix",
+            Self::NotPositiveDefinite => "not_positive_definite",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+/// Measures of an answer, all dimensionless and unchanged when M or q is scaled.
+///
+/// `delta = max(-q)` is the length they are divided by; where it is zero, z = 0 is exact and they are zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Certificate {
+    /// `max |min(M_ii z_i, w_i)| / delta`; a row whose diagonal is not positive is scaled by its largest entry.
+    pub natural_residual: f64,
+    /// `Σ |z_i w_i| / (delta max(delta / mean diagonal, Σ z))`.
+    pub complementarity: f64,
+    /// `max(-w_i, 0) / delta`.
+    pub infeasibility: f64,
+    /// What is known of M.
+    pub definiteness: Definiteness,
+}
+
+impl Certificate {
+    /// Measures `z` with `w = M z + q` as recomputed from the problem.
+    pub(super) fn measure(problem: &LcpProblem, z: &[f64], w: &[f64]) -> Self {
+        let definiteness = if problem.known_p_matrix { Definiteness::PMatrix } else { Definiteness::Unknown };
+        let delta = problem.deficit();
+        if delta == 0.0 && z.iter().all(|&z| z == 0.0) {
+            return Self { natural_residual: 0.0, complementarity: 0.0, infeasibility: 0.0, definiteness };
+        }
+        let (mut natural, mut products, mut infeasibility, mut total) = (0.0, 0.0, 0.0, 0.0);
+        for (i, (&z, &w)) in z.iter().zip(w).enumerate() {
+            let force = if z == 0.0 { 0.0 } else { problem.diagonal_scale(i) * z };
+            natural = nan_max(natural, force.min(w).abs() / delta);
+            infeasibility = nan_max(infeasibility, (-w).max(0.0) / delta);
+            if z < 0.0 {
+                natural = nan_max(natural, f64::INFINITY);
+            }
+            products += (z * (w / delta)).abs();
+            total += z;
+        }
+        let n = z.len();
+        let mean = (0..n).map(|i| problem.diagonal_scale(i) / n as f64).sum::<f64>();
+        let load = if mean > 0.0 { (delta / mean).max(total) } else { total };
+        let complementarity = if products == 0.0 { 0.0 } else { products / load };
+        Self { natural_residual: natural, complementarity, infeasibility, definiteness }
+    }
+
+    /// Whether the solution is known to be the only one.
+    pub fn is_unique(&self) -> bool {
+        matches!(self.definiteness, Definiteness::PositiveDefinite | Definiteness::PMatrix)
+    }
+}
+
+/// The larger of two, where NaN counts as infinite.
+pub(super) fn nan_max(a: f64, b: f64) -> f64 {
+    if b.is_nan() { f64::INFINITY } else { a.max(b) }
+}

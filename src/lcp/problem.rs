@@ -1,0 +1,273 @@
+//! The problem as given, checked once, and what that check learned about the rows of `M`.
+
+use faer::{ContiguousFwd, MatRef};
+use rayon::prelude::*;
+
+use super::kernels;
+
+/// Why a problem or its options were rejected.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LcpError {
+    /// M is not square.
+    #[error("M must be square, but it has {rows} rows and {columns} columns")]
+    NotSquare {
+        /// Rows of M.
+        rows: usize,
+        /// Columns of M.
+        columns: usize,
+    },
+    /// A vector is not as long as the problem.
+    #[error("{name} has {found} entries, but M has {expected} rows")]
+    LengthMismatch {
+        /// The vector at fault.
+        name: &'static str,
+        /// Its length.
+        found: usize,
+        /// Number of rows of M.
+        expected: usize,
+    },
+    /// An entry of M is infinite or not a number.
+    #[error("M[{row}, {column}] is {value}; {count} entries of M are not finite")]
+    NonFiniteMatrix {
+        /// Row of the first such entry.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Its value.
+        value: f64,
+        /// Number of such entries.
+        count: usize,
+    },
+    /// An entry of a vector is infinite or not a number.
+    #[error("{name}[{index}] is {value}; {count} of its entries are not finite")]
+    NonFiniteVector {
+        /// The vector at fault.
+        name: &'static str,
+        /// The first such entry.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// Number of such entries.
+        count: usize,
+    },
+    /// An entry of the covering vector is not above zero.
+    #[error("covering[{index}] is {value}, expected a value above 0")]
+    CoveringNotPositive {
+        /// The first such entry.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The guessed active set names an unknown that does not exist, or one twice.
+    #[error("initial_active[{position}] is {index}, expected distinct unknowns below {size}")]
+    InitialActive {
+        /// Place in the guess.
+        position: usize,
+        /// What stands there.
+        index: usize,
+        /// Number of unknowns.
+        size: usize,
+    },
+    /// An option is out of its range.
+    #[error("{name} is {value}, expected {expected}")]
+    OptionOutOfRange {
+        /// The option.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// Projected conjugate gradients were asked for, but M is not symmetric.
+    #[error(
+        "projected_cg needs a symmetric M, but M[{row}, {column}] and M[{column}, {row}] differ by {difference:e} \
+         of the largest entry (limit 1e-10); use lemke or block_pivoting"
+    )]
+    NotSymmetric {
+        /// Row of the worst pair.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Their difference divided by the largest entry of M.
+        difference: f64,
+    },
+}
+
+/// `w = M z + q` with `w >= 0`, `z >= 0`, `w·z = 0`, shape and values checked.
+///
+/// M may be stored by columns (best), by rows or with any strides; it is not copied here.
+#[derive(Debug, Clone)]
+pub struct LcpProblem<'a> {
+    pub(super) m: MatRef<'a, f64>,
+    pub(super) q: &'a [f64],
+    /// Smallest entry of each row.
+    pub(super) row_min: Vec<f64>,
+    /// Largest magnitude of each row.
+    pub(super) row_scale: Vec<f64>,
+    pub(super) known_p_matrix: bool,
+}
+
+impl<'a> LcpProblem<'a> {
+    /// Checks `m` (n × n) and `q` (n); one pass over M.
+    ///
+    /// # Errors
+    /// [`LcpError::NotSquare`], [`LcpError::LengthMismatch`], [`LcpError::NonFiniteMatrix`],
+    /// [`LcpError::NonFiniteVector`].
+    pub fn new(m: MatRef<'a, f64>, q: &'a [f64]) -> Result<Self, LcpError> {
+        let n = m.nrows();
+        if m.ncols() != n {
+            return Err(LcpError::NotSquare { rows: n, columns: m.ncols() });
+        }
+        check_vector("q", q, n)?;
+        let (row_min, row_high) = row_extremes(m);
+        if row_high.iter().any(|&bits| !f64::from_bits(bits).is_finite()) {
+            return Err(first_non_finite(m));
+        }
+        let row_scale = row_high.into_iter().map(f64::from_bits).collect();
+        Ok(Self { m, q, row_min, row_scale, known_p_matrix: false })
+    }
+
+    /// States that every principal minor of M is positive, so that the solution exists and is unique.
+    ///
+    /// The caller's word is taken: it is reported in the certificate and changes no answer.
+    #[must_use]
+    pub fn with_known_p_matrix(mut self) -> Self {
+        self.known_p_matrix = true;
+        self
+    }
+
+    /// Number of unknowns.
+    pub fn size(&self) -> usize {
+        self.q.len()
+    }
+
+    /// M as given.
+    pub fn matrix(&self) -> MatRef<'a, f64> {
+        self.m
+    }
+
+    /// q as given.
+    pub fn vector(&self) -> &'a [f64] {
+        self.q
+    }
+
+    /// `max(-q, 0)`, the length by which residuals are divided.
+    pub fn deficit(&self) -> f64 {
+        self.q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q))
+    }
+
+    /// Unit in which `z_i` counts in row i: the diagonal where positive, else the row's largest magnitude.
+    pub(super) fn diagonal_scale(&self, row: usize) -> f64 {
+        let diagonal = self.m[(row, row)];
+        if diagonal > 0.0 { diagonal } else { self.row_scale[row] }
+    }
+
+    /// `M z + q`, with the columns where z is not zero alone.
+    pub(super) fn residual(&self, z: &[f64]) -> Vec<f64> {
+        let mut w = self.q.to_vec();
+        add_product(self.m, z, &mut w);
+        w
+    }
+}
+
+/// `w += M z`, with the columns where z is not zero alone.
+pub(super) fn add_product(m: MatRef<'_, f64>, z: &[f64], w: &mut [f64]) {
+    let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
+    let parallel = w.len() * active.len() > 1 << 18;
+    if let Some(columns) = m.try_as_col_major() {
+        let block = |start: usize, part: &mut [f64]| {
+            let rows = start..start + part.len();
+            let terms: Vec<(&[f64], f64)> =
+                active.iter().map(|&j| (&columns.col(j).as_slice()[rows.clone()], z[j])).collect();
+            kernels::add_columns(part, &terms);
+        };
+        if parallel {
+            w.par_chunks_mut(ROW_BLOCK).enumerate().for_each(|(k, part)| block(k * ROW_BLOCK, part));
+        } else {
+            block(0, w);
+        }
+    } else {
+        let row = |(i, w): (usize, &mut f64)| {
+            *w += active.iter().map(|&j| m[(i, j)] * z[j]).sum::<f64>();
+        };
+        if parallel {
+            w.par_iter_mut().enumerate().for_each(row);
+        } else {
+            w.iter_mut().enumerate().for_each(row);
+        }
+    }
+}
+
+/// Rows that one task of a parallel product takes.
+const ROW_BLOCK: usize = 1024;
+
+/// A matrix whose columns are contiguous.
+pub(super) type Columns<'a> = MatRef<'a, f64, usize, usize, ContiguousFwd>;
+
+/// Checks the length of a vector and that its entries are finite.
+pub(super) fn check_vector(name: &'static str, vector: &[f64], expected: usize) -> Result<(), LcpError> {
+    if vector.len() != expected {
+        return Err(LcpError::LengthMismatch { name, found: vector.len(), expected });
+    }
+    match vector.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(index) => Err(LcpError::NonFiniteVector {
+            name,
+            index,
+            value: vector[index],
+            count: vector.iter().filter(|value| !value.is_finite()).count(),
+        }),
+    }
+}
+
+/// Smallest entry and largest magnitude (bits) of every row.
+fn row_extremes(m: MatRef<'_, f64>) -> (Vec<f64>, Vec<u64>) {
+    let n = m.nrows();
+    let mut low = vec![f64::INFINITY; n];
+    let mut high = vec![0_u64; n];
+    let parallel = n >= 512;
+    if let Some(rows) = m.transpose().try_as_col_major() {
+        let row = |((i, low), high): ((usize, &mut f64), &mut u64)| {
+            (*low, *high) = kernels::extremes(rows.col(i).as_slice());
+        };
+        if parallel {
+            low.par_iter_mut().enumerate().zip(high.par_iter_mut()).for_each(row);
+        } else {
+            low.iter_mut().enumerate().zip(high.iter_mut()).for_each(row);
+        }
+    } else if let Some(columns) = m.try_as_col_major() {
+        let block = |((k, low), high): ((usize, &mut [f64]), &mut [u64])| {
+            let rows = k * ROW_BLOCK..k * ROW_BLOCK + low.len();
+            for j in 0..n {
+                kernels::fold_extremes(&columns.col(j).as_slice()[rows.clone()], low, high);
+            }
+        };
+        if parallel {
+            low.par_chunks_mut(ROW_BLOCK).enumerate().zip(high.par_chunks_mut(ROW_BLOCK)).for_each(block);
+        } else {
+            low.chunks_mut(ROW_BLOCK).enumerate().zip(high.chunks_mut(ROW_BLOCK)).for_each(block);
+        }
+    } else {
+        for i in 0..n {
+            let row: Vec<f64> = (0..n).map(|j| m[(i, j)]).collect();
+            (low[i], high[i]) = kernels::extremes(&row);
+        }
+    }
+    (low, high)
+}
+
+fn first_non_finite(m: MatRef<'_, f64>) -> LcpError {
+    let mut first = None;
+    let mut count = 0;
+    for i in 0..m.nrows() {
+        for j in 0..m.ncols() {
+            if !m[(i, j)].is_finite() {
+                first.get_or_insert((i, j));
+                count += 1;
+            }
+        }
+    }
+    let (row, column) = first.expect("an entry that is not finite was seen");
+    LcpError::NonFiniteMatrix { row, column, value: m[(row, column)], count }
+}

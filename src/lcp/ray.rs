@@ -1,0 +1,92 @@
+//! The ray on which Lemke's method may end, and what it proves.
+
+use faer::MatRef;
+
+use super::certificate::nan_max;
+use super::problem::{LcpProblem, add_product};
+
+/// What a ray proves about the problem, up to rounding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum RayConclusion {
+    /// `M' z <= 0` and `q·z < 0`: no `z >= 0` has `M z + q >= 0`, so there is no solution.
+    Infeasible,
+    /// `z·Mz < 0` with `z >= 0`: M is not copositive and Lemke's method cannot tell.
+    NotCopositive,
+    /// Neither could be shown.
+    Inconclusive,
+}
+
+/// Direction of the unbounded path: `w = M z + d z0` with w, z, z0 >= 0 and `w·z = 0`, d the covering vector.
+///
+/// Scaled so that its largest `M_ii z_i` (or z0, if larger) is 1 in units of `max(-q)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LcpRay {
+    /// Direction of z (n).
+    pub z: Vec<f64>,
+    /// Direction of w (n).
+    pub w: Vec<f64>,
+    /// Direction of the covering variable.
+    pub z0: f64,
+    /// Largest violation of the ray's equations and signs, relative to its own size.
+    pub residual: f64,
+    /// `z·Mz` relative to `Σ |z_i M_ij z_j|`.
+    pub curvature: f64,
+    /// What it proves.
+    pub conclusion: RayConclusion,
+}
+
+/// Share of a sum's magnitudes that is taken for rounding.
+const ROUNDING: f64 = 1e-12;
+
+impl LcpRay {
+    /// Checks a ray of the whole problem against M and q as given.
+    pub(super) fn verify(problem: &LcpProblem, z: Vec<f64>, z0: f64, covering: &[f64]) -> Self {
+        let n = z.len();
+        let m = problem.m;
+        let mut product = vec![0.0; n];
+        add_product(m, &z, &mut product);
+        let w: Vec<f64> = product.iter().zip(covering).map(|(p, d)| p + d * z0).collect();
+        let magnitudes = magnitude_product(m, &z);
+        let size = (0..n).fold(0.0, |size: f64, i| size.max(magnitudes[i] + covering[i] * z0));
+        let mut residual = 0.0_f64;
+        let (mut curvature, mut weight) = (0.0, 0.0);
+        for i in 0..n {
+            let force = if z[i] > 0.0 { problem.diagonal_scale(i) * z[i] } else { 0.0 };
+            residual = nan_max(nan_max(residual, force.min(w[i]).abs()), -w[i]);
+            curvature += z[i] * product[i];
+            weight += z[i].abs() * magnitudes[i];
+        }
+        let relative = |value: f64, scale: f64| if scale > 0.0 { value / scale } else { 0.0 };
+        let (residual, curvature) = (relative(residual, size), relative(curvature, weight));
+        let conclusion = if proves_infeasible(problem, &z) {
+            RayConclusion::Infeasible
+        } else if curvature < -ROUNDING {
+            RayConclusion::NotCopositive
+        } else {
+            RayConclusion::Inconclusive
+        };
+        Self { z, w, z0, residual, curvature, conclusion }
+    }
+}
+
+/// Farkas: `z >= 0`, `M' z <= 0`, `q·z < 0`.
+fn proves_infeasible(problem: &LcpProblem, z: &[f64]) -> bool {
+    let (product, magnitude) =
+        problem.q.iter().zip(z).fold((0.0, 0.0), |(p, m), (q, z)| (p + q * z, m + (q * z).abs()));
+    if product >= -ROUNDING * magnitude || product.is_nan() {
+        return false;
+    }
+    let transposed = problem.m.transpose();
+    let mut columns = vec![0.0; z.len()];
+    add_product(transposed, z, &mut columns);
+    let magnitudes = magnitude_product(transposed, z);
+    // A column that is only rounding above zero could still be lifted by a huge z_j, hence the strict bound.
+    columns.iter().zip(magnitudes).all(|(&sum, magnitude)| sum <= 16.0 * f64::EPSILON * magnitude)
+}
+
+/// `|M| |z|`.
+fn magnitude_product(m: MatRef<'_, f64>, z: &[f64]) -> Vec<f64> {
+    let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
+    (0..m.nrows()).map(|i| active.iter().map(|&j| (m[(i, j)] * z[j]).abs()).sum()).collect()
+}

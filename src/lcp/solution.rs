@@ -1,0 +1,129 @@
+//! How a solve ended and what it found.
+
+use super::certificate::Certificate;
+use super::options::LcpMethod;
+use super::ray::{LcpRay, RayConclusion};
+
+/// How a solve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LcpStatus {
+    /// z and w solve the problem; the certificate passed.
+    Solved,
+    /// Lemke's path left for infinity along [`LcpSolution::ray`].
+    Ray,
+    /// The pivot budget was used up.
+    PivotLimit,
+    /// Rounding errors took over; no answer passed the certificate.
+    Breakdown,
+    /// The caller's interrupt said stop.
+    Interrupted,
+}
+
+impl LcpStatus {
+    /// The name used in reports and in Python.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Ray => "ray",
+            Self::PivotLimit => "pivot_limit",
+            Self::Breakdown => "breakdown",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+impl std::fmt::Display for LcpStatus {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// One method's run within a solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LcpAttempt {
+    /// What ran.
+    pub method: LcpMethod,
+    /// How it ended.
+    pub status: LcpStatus,
+    /// Basis exchanges of this run (iterations for projected_cg).
+    pub pivots: usize,
+    /// Whether it began from a guessed active set.
+    pub warm: bool,
+}
+
+/// What a solve found; z and w are an answer only where the status is [`LcpStatus::Solved`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LcpSolution {
+    /// How the solve ended.
+    pub status: LcpStatus,
+    /// Unknowns (n), never negative.
+    pub z: Vec<f64>,
+    /// `M z + q` (n) as recomputed from the M and q given.
+    pub w: Vec<f64>,
+    /// Basis exchanges of every run together.
+    pub pivots: usize,
+    /// `certificate.natural_residual`.
+    pub natural_residual: f64,
+    /// `certificate.complementarity`.
+    pub complementarity: f64,
+    /// The method that gave this ending.
+    pub method: LcpMethod,
+    /// Measures against the M and q given.
+    pub certificate: Certificate,
+    /// Where the path left for, when it did.
+    pub ray: Option<LcpRay>,
+    /// Every run, in order.
+    pub attempts: Vec<LcpAttempt>,
+    /// Number of unknowns that the method looked at; the others cannot leave zero.
+    pub candidates: usize,
+}
+
+impl LcpSolution {
+    /// Unknowns with `z > 0`, ascending.
+    pub fn active(&self) -> Vec<usize> {
+        (0..self.z.len()).filter(|&i| self.z[i] > 0.0).collect()
+    }
+
+    /// What happened, why that usually is, and what to try.
+    pub fn advice(&self) -> String {
+        match self.status {
+            LcpStatus::Solved => {
+                let unique = if self.certificate.is_unique() { "; it is the only solution" } else { "" };
+                format!("solved: the natural residual is {:.1e} of max(-q){unique}", self.natural_residual)
+            }
+            LcpStatus::Ray => {
+                let meaning = match self.ray.as_ref().map(|ray| ray.conclusion) {
+                    Some(RayConclusion::Infeasible) => {
+                        "along it no z >= 0 can make M z + q >= 0, so the problem has no solution. Usually M has \
+                         rows without enough positive entries for the negative q: check the signs of M and q"
+                    }
+                    Some(RayConclusion::NotCopositive) => {
+                        "it shows a z >= 0 with z·Mz < 0, so M is not copositive: there may be no solution, one or \
+                         several, and Lemke's method cannot tell. For a response matrix this means that the kernel is \
+                         not well posed on a patch this wide: use a well-posed response (half-space, layer, body), a \
+                         smaller depth or a coarser mesh, or try method auto"
+                    }
+                    _ => {
+                        "it proves nothing about M beyond that Lemke's method cannot process it with this covering \
+                         vector: try method auto, another covering vector or an initial active set"
+                    }
+                };
+                format!("ray: after {} pivots the path left for infinity; {meaning}", self.pivots)
+            }
+            LcpStatus::PivotLimit => format!(
+                "pivot_limit: {} pivots were not enough; usual are about as many as unknowns above zero. Raise \
+                 max_pivots, start from an initial active set, or try method auto",
+                self.pivots
+            ),
+            LcpStatus::Breakdown => format!(
+                "breakdown: rounding errors left a natural residual of {:.1e} of max(-q). Usually M is nearly singular \
+                 on the active set (coincident nodes, one-ring pressures on a regular mesh): merge coincident \
+                 nodes or use linear pressure, or accept less by raising tolerance",
+                self.natural_residual
+            ),
+            LcpStatus::Interrupted => {
+                format!("interrupted: the caller stopped the solve after {} pivots", self.pivots)
+            }
+        }
+    }
+}
