@@ -23,19 +23,26 @@ pub(super) fn check_borders(
 ) -> Result<(), MeshError> {
     let mut edges = Vec::new();
     for (corners, others) in faces.iter().zip(across) {
-        for k in 0..3 {
-            if others[k] == NO_FACE {
-                edges.push([corners[k], corners[(k + 1) % 3]]);
-            }
+        for k in (0..3).filter(|k| others[*k] == NO_FACE) {
+            edges.push(BorderEdge {
+                ends: [corners[k], corners[(k + 1) % 3]],
+                opposite: corners[(k + 2) % 3],
+            });
         }
     }
-    let mut ids: Vec<u32> = edges.iter().flatten().copied().collect();
+    let mut ids: Vec<u32> = edges.iter().flat_map(|edge| edge.ends).collect();
     ids.sort_unstable();
     ids.dedup();
     let points: Vec<Vector3<f64>> = ids.iter().map(|id| vertices[*id as usize]).collect();
     let border = Border { ids, points, faces, incident };
     border.check_twins(mean_edge_length)?;
     border.check_edges(vertices, &edges, mean_edge_length)
+}
+
+struct BorderEdge {
+    ends: [u32; 2],
+    /// Third corner of the face on the edge.
+    opposite: u32,
 }
 
 struct Border<'a> {
@@ -86,34 +93,32 @@ impl Border<'_> {
     fn check_edges(
         &self,
         vertices: &[Vector3<f64>],
-        edges: &[[u32; 2]],
+        edges: &[BorderEdge],
         mean_edge_length: f64,
     ) -> Result<(), MeshError> {
         let tolerance = UNWELDED_DISTANCE * mean_edge_length;
-        let ends = |edge: &[u32; 2]| edge.map(|vertex| vertices[vertex as usize]);
-        let length = |edge: &[u32; 2]| {
-            let [a, b] = ends(edge);
-            (b - a).norm()
+        let start_and_way = |edge: &BorderEdge| {
+            let [a, b] = edge.ends.map(|vertex| vertices[vertex as usize]);
+            (a, b - a)
         };
-        let mean = edges.iter().map(length).sum::<f64>() / edges.len() as f64;
+        let total: f64 = edges.iter().map(|edge| start_and_way(edge).1.norm()).sum();
         // Balls of radius `step` at distances of at most `step` along an edge cover all that is near it.
-        let step = mean.max(2.0 * tolerance);
+        let step = (total / edges.len() as f64).max(2.0 * tolerance);
         let grid = PointGrid::new(&self.points, step);
         let mut found: Vec<(u32, [u32; 2], f64)> = Vec::new();
         for edge in edges {
-            let [a, b] = ends(edge);
-            let along = b - a;
-            let pieces = (along.norm() / step).ceil().max(1.0) as usize;
+            let (a, way) = start_and_way(edge);
+            let pieces = (way.norm() / step).ceil().max(1.0) as usize;
             for piece in 0..pieces {
-                let centre = a + along * ((piece as f64 + 0.5) / pieces as f64);
+                let centre = a + way * ((piece as f64 + 0.5) / pieces as f64);
                 grid.for_each_near(&centre, |j, _| {
                     let id = self.ids[j];
-                    let s = (self.points[j] - a).dot(&along) / along.norm_squared();
-                    let distance = (self.points[j] - (a + along * s)).norm();
-                    let inner = s > 0.0 && s < 1.0 && distance <= tolerance && !edge.contains(&id);
-                    // A thin face on the border joins its tip to both ends of its own border edge.
-                    if inner && !edge.iter().all(|end| self.are_joined(id, *end)) {
-                        found.push((id, *edge, distance));
+                    let s = (self.points[j] - a).dot(&way) / way.norm_squared();
+                    let distance = (self.points[j] - (a + way * s)).norm();
+                    let is_on = s > 0.0 && s < 1.0 && distance <= tolerance;
+                    // The tip of a thin face on the border may come this close to its own border edge.
+                    if is_on && !edge.ends.contains(&id) && id != edge.opposite {
+                        found.push((id, edge.ends, distance));
                     }
                 });
             }
@@ -121,9 +126,9 @@ impl Border<'_> {
         found.sort_by_key(|hit| (hit.0, hit.1));
         found.dedup_by_key(|hit| hit.0);
         match found.first() {
-            Some((vertex, edge, distance)) => Err(MeshError::UnjoinedBorder {
+            Some((vertex, ends, distance)) => Err(MeshError::UnjoinedBorder {
                 vertex: *vertex as usize,
-                edge: edge.map(|end| end as usize),
+                edge: ends.map(|end| end as usize),
                 distance: *distance,
                 count: found.len(),
             }),

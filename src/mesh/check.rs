@@ -1,10 +1,8 @@
 //! Everything that the later stages rely on, looked at once.
 
-use std::cmp::Ordering;
-
 use nalgebra::Vector3;
 
-use super::adjacency::{order_fans, pair_edges};
+use super::adjacency::{NO_FACE, order_fans, pair_edges};
 use super::borders::check_borders;
 use super::csr::Csr;
 use super::error::MeshError;
@@ -145,9 +143,10 @@ fn check_areas(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), Mesh
     Ok(())
 }
 
-/// Calls `visit(face, earlier)` for every face that has the vertices of an earlier one.
-pub(super) fn for_each_duplicate(faces: &[[u32; 3]], incident: &Csr, mut visit: impl FnMut(usize, usize)) {
+/// Calls `visit` with the numbers of the faces that have the same three vertices, in ascending order.
+pub(super) fn for_each_duplicate(faces: &[[u32; 3]], incident: &Csr, mut visit: impl FnMut(&[u32])) {
     let mut at_lowest: Vec<([u32; 3], u32)> = Vec::new();
+    let mut same: Vec<u32> = Vec::new();
     for vertex in 0..incident.rows() {
         at_lowest.clear();
         for &face in incident.row(vertex) {
@@ -158,29 +157,31 @@ pub(super) fn for_each_duplicate(faces: &[[u32; 3]], incident: &Csr, mut visit: 
             }
         }
         at_lowest.sort_unstable();
-        for group in at_lowest.chunk_by(|a, b| a.0 == b.0) {
-            for surplus in &group[1..] {
-                visit(surplus.1 as usize, group[0].1 as usize);
-            }
+        for group in at_lowest.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
+            same.clear();
+            same.extend(group.iter().map(|entry| entry.1));
+            visit(&same);
         }
     }
 }
 
 fn check_duplicates(faces: &[[u32; 3]], incident: &Csr) -> Result<(), MeshError> {
-    let mut first: Option<(usize, usize)> = None;
+    let mut first: Option<(u32, u32)> = None;
     let mut count = 0;
-    for_each_duplicate(faces, incident, |face, earlier| {
-        count += 1;
-        if first.is_none_or(|found| face.cmp(&found.0) == Ordering::Less) {
-            first = Some((face, earlier));
+    for_each_duplicate(faces, incident, |same| {
+        count += same.len() - 1;
+        if first.is_none_or(|(face, _)| same[1] < face) {
+            first = Some((same[1], same[0]));
         }
     });
-    first.map_or(Ok(()), |(face, earlier)| Err(MeshError::DuplicateFace { face, earlier, count }))
+    first.map_or(Ok(()), |(face, earlier)| {
+        Err(MeshError::DuplicateFace { face: face as usize, earlier: earlier as usize, count })
+    })
 }
 
 /// Faces without a neighbour, unless the mesh is a single face.
 fn check_loose(across: &[[u32; 3]]) -> Result<(), MeshError> {
-    let loose = |face: &usize| across[*face] == [super::adjacency::NO_FACE; 3];
+    let loose = |face: &usize| across[*face] == [NO_FACE; 3];
     match first_and_count((0..across.len()).filter(loose)) {
         Some((face, count)) if across.len() > 1 => {
             Err(MeshError::LooseFace { face, count, face_count: across.len() })

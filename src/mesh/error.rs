@@ -254,8 +254,8 @@ pub enum MeshError {
     },
     /// `repair` would leave no face.
     #[error(
-        "repair leaves no face: of {face_count} faces {collapsed} collapsed in welding and {degenerate} have no \
-         area; weld_tolerance = {weld_tolerance:e} m may be larger than the mesh"
+        "repair leaves no face: of {face_count} faces {collapsed} collapsed in welding, {degenerate} have no area \
+         and {duplicates} cover one another; weld_tolerance = {weld_tolerance:e} m may be larger than the mesh"
     )]
     NothingLeft {
         /// Number of faces given.
@@ -264,6 +264,8 @@ pub enum MeshError {
         collapsed: usize,
         /// Faces without area.
         degenerate: usize,
+        /// Faces dropped because another has the same vertices.
+        duplicates: usize,
         /// The tolerance used (m).
         weld_tolerance: f64,
     },

@@ -30,7 +30,7 @@ pub struct RepairReport {
     pub collapsed_faces: usize,
     /// Faces dropped because they have no area.
     pub zero_area_faces: usize,
-    /// Faces dropped because an earlier face has the same three vertices.
+    /// Faces dropped because another face has the same three vertices.
     pub duplicate_faces: usize,
     /// Vertices dropped because no face is left that uses them.
     pub unused_vertices: usize,
@@ -90,7 +90,7 @@ impl fmt::Display for RepairReport {
 ///
 /// In this order: vertices within `weld_tolerance` become one (chains of them too; the lowest index stays where
 /// it is); faces that so lost a corner, faces without area and faces with the vertices of an earlier one are
-/// dropped; the faces of each component are flipped to agree with their neighbours, the smaller part of them;
+/// dropped (the earlier one too where the two are the sides of a fin, which stands on the surface); the faces of each component are flipped to agree with their neighbours, the smaller part of them;
 /// closed components are turned outward, or inward where they are cavities; unused vertices are dropped. Holes
 /// are not filled and crossings stay, so [`check`](super::check) may still find something.
 ///
@@ -130,6 +130,7 @@ pub fn repair(
             face_count: faces.len(),
             collapsed: report.collapsed_faces,
             degenerate: report.zero_area_faces,
+            duplicates: report.duplicate_faces,
             weld_tolerance,
         });
     }
@@ -187,13 +188,34 @@ fn drop_faces(
     }
     let incident = Csr::faces_of_vertices(vertices.len(), &kept);
     let mut surplus = vec![false; kept.len()];
-    for_each_duplicate(&kept, &incident, |face, _| surplus[face] = true);
+    for_each_duplicate(&kept, &incident, |same| {
+        let stays = usize::from(!is_fin(&kept, &incident, same));
+        same[stays..].iter().for_each(|face| surplus[*face as usize] = true);
+    });
     report.duplicate_faces = surplus.iter().filter(|surplus| **surplus).count();
     let mut flags = surplus.iter();
     kept.retain(|_| !*flags.next().expect("one flag a face"));
     let mut flags = surplus.iter();
     origin.retain(|_| !*flags.next().expect("one flag a face"));
     (kept, origin)
+}
+
+/// Whether faces with the same vertices are the two sides of a fin: as many turned one way as the other, an edge
+/// that is theirs alone, and an even number of other faces on the rest, so that no hole is left without them.
+fn is_fin(faces: &[[u32; 3]], incident: &Csr, same: &[u32]) -> bool {
+    let [a, b, c] = faces[same[0] as usize];
+    let like_first = |face: &&u32| {
+        let other = faces[**face as usize];
+        [[a, b, c], [b, c, a], [c, a, b]].contains(&other)
+    };
+    let others_on = |a: u32, b: u32| {
+        let around = incident.row(a as usize).iter();
+        around.filter(|face| faces[**face as usize].contains(&b)).count() - same.len()
+    };
+    let others = [others_on(a, b), others_on(b, c), others_on(c, a)];
+    2 * same.iter().filter(like_first).count() == same.len()
+        && others.contains(&0)
+        && others.iter().all(|count| count % 2 == 0)
 }
 
 /// Flips faces to agree with their neighbours, then turns closed components outward (cavities inward).
