@@ -1,6 +1,31 @@
 //! The product: a closed mesh or a primitive at a rigid pose, answering signed distances.
+//!
+//! For a point `p` and the obstacle's surface `S` (a closed set of points) the signed distance is
+//!
+//! ```text
+//! d(p) = ± min over s in S of |p - s|        + outside, - inside (m)
+//! ```
+//!
+//! together with a closest point `c` and the outward unit normal `n`, so that `p = c + d n`. Primitives are
+//! answered in closed form. A mesh is searched best-first through parry's tree of boxes; the sign comes from
+//! the angle-weighted pseudo-normal of the closest feature (Baerentzen and Aanaes 2005,
+//! doi:10.1109/TVCG.2005.49) and, where that is nearly perpendicular to `p - c`, from the solid angle of all
+//! triangles (van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207).
+//!
+//! That needs a closed mesh whose faces do not cross, which [`Obstacle::mesh`] checks once, in exact
+//! arithmetic.
 
 mod crossings;
+mod distance;
+mod error;
+mod mesh;
+mod posed;
+mod primitive;
+mod triangle;
 mod triangle_pair;
 
 pub use crossings::find_crossings;
+pub use distance::SignedDistances;
+pub use error::ObstacleError;
+pub use mesh::MeshObstacleOptions;
+pub use posed::{Obstacle, Triangles};

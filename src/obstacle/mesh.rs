@@ -1,0 +1,220 @@
+//! A closed triangle mesh as obstacle: checks, search tree, nearest point.
+
+use nalgebra::Vector3;
+use parry3d_f64::math::Vector;
+use parry3d_f64::partitioning::BvhNode;
+use parry3d_f64::shape::{TriMesh, TriMeshFlags};
+
+use crate::mesh;
+
+use super::ObstacleError;
+use super::crossings::crossing_pairs;
+use super::distance::Nearest;
+use super::primitive::SURFACE_TOLERANCE;
+use super::triangle::{Closest, Feature, closest_on_triangle};
+
+/// Below this cosine between `p - c` and a pseudo-normal the solid angle decides the sign (dimensionless).
+const AMBIGUOUS_COSINE: f64 = 1e-6;
+
+/// Slack of a bound taken from another triangle, far above rounding (dimensionless).
+const BOUND_SLACK: f64 = 1.0 + 1e-9;
+
+/// Choices of [`Obstacle::mesh`](super::Obstacle::mesh).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MeshObstacleOptions {
+    /// Look for faces that cross; `true` unless the mesh is known to be free of them.
+    pub check_crossings: bool,
+}
+
+impl Default for MeshObstacleOptions {
+    fn default() -> Self {
+        MeshObstacleOptions { check_crossings: true }
+    }
+}
+
+/// A checked closed mesh in its own frame.
+pub(super) struct MeshShape {
+    vertices: Vec<Vector3<f64>>,
+    faces: Vec<[u32; 3]>,
+    /// Unit normal of each face.
+    normals: Vec<Vector3<f64>>,
+    /// The boxes around the faces, and the pseudo-normals of edges and vertices.
+    tree: TriMesh,
+    /// Diagonal of the bounding box (m).
+    size: f64,
+}
+
+impl MeshShape {
+    /// Checks the mesh and builds its tree.
+    pub fn new(
+        vertices: Vec<Vector3<f64>>,
+        faces: Vec<[u32; 3]>,
+        options: &MeshObstacleOptions,
+    ) -> Result<MeshShape, ObstacleError> {
+        check_closed(&vertices, &faces)?;
+        let shape = MeshShape::unchecked(vertices, faces);
+        if options.check_crossings {
+            let pairs = crossing_pairs(&shape.vertices, &shape.faces, shape.tree.bvh());
+            if let Some(&[first, second]) = pairs.first() {
+                let location = overlap_center(&shape.vertices, shape.faces[first], shape.faces[second]);
+                return Err(ObstacleError::CrossingFaces { count: pairs.len(), first, second, location });
+            }
+        }
+        Ok(shape)
+    }
+
+    fn unchecked(vertices: Vec<Vector3<f64>>, faces: Vec<[u32; 3]>) -> MeshShape {
+        let normals = faces
+            .iter()
+            .map(|face| {
+                let [a, b, c] = face.map(|v| vertices[v as usize]);
+                (b - a).cross(&(c - a)).normalize()
+            })
+            .collect();
+        let corners = vertices.iter().map(|v| Vector::new(v.x, v.y, v.z)).collect();
+        let mut tree = TriMesh::new(corners, faces.clone()).expect("a checked mesh has faces");
+        tree.set_flags(TriMeshFlags::ORIENTED).expect("a checked mesh has a sound topology");
+        let (low, high) = corners_of(&vertices);
+        MeshShape { size: (high - low).norm(), vertices, faces, normals, tree }
+    }
+
+    /// The vertices (m).
+    pub fn vertices(&self) -> &[Vector3<f64>] {
+        &self.vertices
+    }
+
+    /// The faces.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    fn closest_on_face(&self, p: &Vector3<f64>, face: u32) -> Closest {
+        let corners = self.faces[face as usize].map(|v| &self.vertices[v as usize]);
+        closest_on_triangle(p, corners, &self.normals[face as usize])
+    }
+
+    /// The closest face and the point on it, if nearer than the square root of `bound` (m²).
+    fn closest(&self, p: &Vector3<f64>, bound: f64) -> Option<(u32, Closest)> {
+        let found = self.tree.bvh().find_best(
+            bound,
+            |node: &BvhNode, _| {
+                let (low, high) = (node.mins(), node.maxs());
+                let gap = |p: f64, low: f64, high: f64| (low - p).max(p - high).max(0.0);
+                let [x, y, z] = [gap(p.x, low.x, high.x), gap(p.y, low.y, high.y), gap(p.z, low.z, high.z)];
+                x * x + y * y + z * z
+            },
+            |face, _| {
+                let closest = self.closest_on_face(p, face);
+                Some((closest.distance_squared, closest))
+            },
+        )?;
+        Some((found.0, found.1.1))
+    }
+
+    /// Signed distance and normal from the closest point on `face`.
+    fn signed(&self, p: &Vector3<f64>, face: u32, closest: &Closest) -> Nearest {
+        let pseudo_normals = self.tree.pseudo_normals_if_oriented().expect("the tree is built oriented");
+        let pseudo_normal = match closest.feature {
+            Feature::Face => {
+                // p - c is parallel to the face normal, which has no rounding noise however near p is.
+                let normal = self.normals[face as usize];
+                let corner = self.vertices[self.faces[face as usize][0] as usize];
+                return Nearest { distance: (p - corner).dot(&normal), closest: closest.point, normal };
+            }
+            Feature::Edge(i) => pseudo_normals.edges_pseudo_normal[face as usize][i],
+            Feature::Corner(i) => {
+                pseudo_normals.vertices_pseudo_normal[self.faces[face as usize][i] as usize]
+            }
+        };
+        let pseudo_normal = Vector3::new(pseudo_normal.x, pseudo_normal.y, pseudo_normal.z);
+        // A knife edge folded flat has none; its face's normal is as good as any.
+        let pseudo_normal = pseudo_normal.try_normalize(0.0).unwrap_or(self.normals[face as usize]);
+
+        let offset = p - closest.point;
+        let length = offset.norm();
+        let height = offset.dot(&pseudo_normal);
+        if length <= SURFACE_TOLERANCE * self.size {
+            return Nearest {
+                distance: length.copysign(height),
+                closest: closest.point,
+                normal: pseudo_normal,
+            };
+        }
+        let outside = if height.abs() > AMBIGUOUS_COSINE * length {
+            height > 0.0
+        } else {
+            mesh::winding_number(p, &self.vertices, self.faces.iter().copied()) < 0.5
+        };
+        let sign = if outside { 1.0 } else { -1.0 };
+        Nearest { distance: sign * length, closest: closest.point, normal: offset * (sign / length) }
+    }
+}
+
+impl std::fmt::Debug for MeshShape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MeshShape")
+            .field("vertices", &self.vertices.len())
+            .field("faces", &self.faces.len())
+            .finish_non_exhaustive()
+    }
+}
+
+/// Nearest points of a mesh for a run of points.
+///
+/// The face found for one point bounds the search for the next. The bound only prunes what cannot win, so the
+/// answers do not depend on the order of the points.
+pub(super) struct MeshSearch<'a> {
+    mesh: &'a MeshShape,
+    bound: f64,
+    last_face: Option<u32>,
+}
+
+impl<'a> MeshSearch<'a> {
+    /// A search as far as `reach` (m).
+    pub fn new(mesh: &'a MeshShape, reach: f64) -> Self {
+        MeshSearch { mesh, bound: loosened(reach * reach), last_face: None }
+    }
+
+    /// Nearest point of the mesh; `None` if it is surely farther than the reach.
+    pub fn nearest(&mut self, p: &Vector3<f64>) -> Option<Nearest> {
+        let bound = match self.last_face {
+            Some(face) => loosened(self.mesh.closest_on_face(p, face).distance_squared).min(self.bound),
+            None => self.bound,
+        };
+        let (face, closest) = self.mesh.closest(p, bound)?;
+        self.last_face = Some(face);
+        Some(self.mesh.signed(p, face, &closest))
+    }
+}
+
+fn loosened(distance_squared: f64) -> f64 {
+    distance_squared * BOUND_SLACK + f64::MIN_POSITIVE
+}
+
+fn check_closed(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), ObstacleError> {
+    let topology = mesh::check(vertices, faces)?;
+    let loops = topology.boundary_loops();
+    match loops.first() {
+        None => Ok(mesh::check_nesting(vertices, faces, &topology)?),
+        Some(first) => Err(ObstacleError::NotClosed {
+            loops: loops.len(),
+            edges: loops.iter().map(Vec::len).sum(),
+            vertex: first[0] as usize,
+        }),
+    }
+}
+
+/// Smallest and largest coordinates of some points.
+pub(super) fn corners_of(points: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
+    points
+        .iter()
+        .fold((Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
+            (low.inf(p), high.sup(p))
+        })
+}
+
+fn overlap_center(vertices: &[Vector3<f64>], first: [u32; 3], second: [u32; 3]) -> [f64; 3] {
+    let corners = |face: [u32; 3]| corners_of(&face.map(|v| vertices[v as usize]));
+    let ((low_a, high_a), (low_b, high_b)) = (corners(first), corners(second));
+    ((low_a.sup(&low_b) + high_a.inf(&high_b)) * 0.5).into()
+}

@@ -1,0 +1,291 @@
+//! [`Obstacle`]: a shape at a rigid pose.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use super::ObstacleError;
+use super::distance::Nearest;
+use super::mesh::{MeshObstacleOptions, MeshSearch, MeshShape, corners_of};
+use super::primitive::Primitive;
+
+/// Largest entry of `|RᵀR - I|` that passes for a rotation (dimensionless).
+const ROTATION_TOLERANCE: f64 = 1e-9;
+
+/// A rigid product: a closed mesh or a primitive, at a pose.
+///
+/// Clones and moved copies share the shape, so they cost next to nothing.
+#[derive(Debug, Clone)]
+pub struct Obstacle {
+    shape: Arc<Shape>,
+    pose: Isometry3<f64>,
+}
+
+/// Vertices (m) and faces.
+pub type Triangles = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
+
+/// A shape in its own frame.
+#[derive(Debug)]
+pub(super) enum Shape {
+    Mesh(Box<MeshShape>),
+    Primitive(Primitive),
+}
+
+impl Obstacle {
+    /// A closed mesh, in its own coordinates.
+    ///
+    /// It is checked as a skin is and must besides be closed, its components turned as their nesting asks (a
+    /// cavity inward), and its faces must not cross. [`Obstacle::signed_distance`] needs all of that.
+    ///
+    /// * `vertices`: (n) points (m)
+    /// * `faces`: (m) triangles, counter-clockwise seen from outside
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::Mesh`], [`ObstacleError::NotClosed`], [`ObstacleError::CrossingFaces`].
+    pub fn mesh(
+        vertices: Vec<Vector3<f64>>,
+        faces: Vec<[u32; 3]>,
+        options: &MeshObstacleOptions,
+    ) -> Result<Obstacle, ObstacleError> {
+        Ok(Obstacle::at_rest(Shape::Mesh(Box::new(MeshShape::new(vertices, faces, options)?))))
+    }
+
+    /// Everything behind a plane.
+    ///
+    /// * `point`: a point of the plane (m)
+    /// * `normal`: its outward normal, of any length but 0
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NotFinite`] and [`ObstacleError::ZeroNormal`].
+    pub fn half_space(point: Vector3<f64>, normal: Vector3<f64>) -> Result<Obstacle, ObstacleError> {
+        check_finite("half-space", "the point", &point)?;
+        check_finite("half-space", "the normal", &normal)?;
+        let normal = unit(&normal).ok_or(ObstacleError::ZeroNormal)?;
+        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::HalfSpace { point, normal })))
+    }
+
+    /// A ball.
+    ///
+    /// * `center`: its centre (m)
+    /// * `radius`: > 0 (m)
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NotFinite`] and [`ObstacleError::NotPositive`].
+    pub fn sphere(center: Vector3<f64>, radius: f64) -> Result<Obstacle, ObstacleError> {
+        check_finite("sphere", "the centre", &center)?;
+        check_positive("sphere", "the radius", radius)?;
+        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Sphere { center, radius })))
+    }
+
+    /// A box around the origin, its edges along the axes.
+    ///
+    /// * `half_extents`: half the edge lengths, > 0 (m)
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NotPositive`].
+    pub fn cuboid(half_extents: Vector3<f64>) -> Result<Obstacle, ObstacleError> {
+        for extent in half_extents.iter() {
+            check_positive("box", "every half extent", *extent)?;
+        }
+        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Cuboid { half_extents })))
+    }
+
+    /// All points within `radius` of a segment.
+    ///
+    /// * `a`, `b`: the ends of the segment, not the same point (m)
+    /// * `radius`: > 0 (m)
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NotFinite`], [`ObstacleError::NotPositive`] and [`ObstacleError::CoincidentEnds`].
+    pub fn capsule(a: Vector3<f64>, b: Vector3<f64>, radius: f64) -> Result<Obstacle, ObstacleError> {
+        check_finite("capsule", "end a", &a)?;
+        check_finite("capsule", "end b", &b)?;
+        check_positive("capsule", "the radius", radius)?;
+        if (b - a).norm_squared() == 0.0 {
+            return Err(ObstacleError::CoincidentEnds { end: a.into() });
+        }
+        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Capsule { a, b, radius })))
+    }
+
+    /// A cylinder with flat caps around the z axis, centred on the origin.
+    ///
+    /// * `half_height`: half its length along z, > 0 (m)
+    /// * `radius`: > 0 (m)
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NotPositive`].
+    pub fn cylinder(half_height: f64, radius: f64) -> Result<Obstacle, ObstacleError> {
+        check_positive("cylinder", "the half height", half_height)?;
+        check_positive("cylinder", "the radius", radius)?;
+        Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Cylinder { half_height, radius })))
+    }
+
+    fn at_rest(shape: Shape) -> Obstacle {
+        Obstacle { shape: Arc::new(shape), pose: Isometry3::identity() }
+    }
+
+    /// A copy turned about the origin, then shifted: a point at `x` comes to `rotation x + translation`.
+    ///
+    /// * `rotation`: a proper rotation, orthonormal to 1e-9
+    /// * `translation`: (m)
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NotOrthonormal`], [`ObstacleError::Reflection`] and [`ObstacleError::Translation`].
+    pub fn moved(
+        &self,
+        rotation: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+    ) -> Result<Obstacle, ObstacleError> {
+        let excess = rotation.transpose() * rotation - Matrix3::identity();
+        let is_finite = excess.iter().all(|x| x.is_finite());
+        let deviation = if is_finite { excess.amax() } else { f64::INFINITY };
+        if deviation > ROTATION_TOLERANCE {
+            return Err(ObstacleError::NotOrthonormal { deviation, tolerance: ROTATION_TOLERANCE });
+        }
+        let determinant = rotation.determinant();
+        if determinant < 0.0 {
+            return Err(ObstacleError::Reflection { determinant });
+        }
+        if !translation.iter().all(|x| x.is_finite()) {
+            return Err(ObstacleError::Translation { translation: (*translation).into() });
+        }
+        let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
+        let motion = Isometry3::from_parts(Translation3::from(*translation), turn);
+        let mut pose = motion * self.pose;
+        pose.rotation.renormalize();
+        Ok(Obstacle { shape: Arc::clone(&self.shape), pose })
+    }
+
+    /// A copy shifted by `translation` (m).
+    pub fn translated(&self, translation: &Vector3<f64>) -> Obstacle {
+        let mut pose = self.pose;
+        pose.translation.vector += translation;
+        Obstacle { shape: Arc::clone(&self.shape), pose }
+    }
+
+    /// Where the obstacle's own frame stands in the world.
+    pub fn pose(&self) -> &Isometry3<f64> {
+        &self.pose
+    }
+
+    /// `"mesh"`, `"half_space"`, `"sphere"`, `"box"`, `"capsule"` or `"cylinder"`.
+    pub fn kind(&self) -> &'static str {
+        match &*self.shape {
+            Shape::Mesh(_) => "mesh",
+            Shape::Primitive(Primitive::HalfSpace { .. }) => "half_space",
+            Shape::Primitive(Primitive::Sphere { .. }) => "sphere",
+            Shape::Primitive(Primitive::Cuboid { .. }) => "box",
+            Shape::Primitive(Primitive::Capsule { .. }) => "capsule",
+            Shape::Primitive(Primitive::Cylinder { .. }) => "cylinder",
+        }
+    }
+
+    /// Smallest and largest coordinates in the world (m); `None` for the half-space.
+    pub fn bounding_box(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let frame = self.frame();
+        match &*self.shape {
+            Shape::Mesh(_) => self.triangles().map(|(vertices, _)| corners_of(&vertices)),
+            Shape::Primitive(primitive) => primitive
+                .bounding_box(&frame.rotation)
+                .map(|(low, high)| (low + frame.translation, high + frame.translation)),
+        }
+    }
+
+    /// Vertices in the world (m) and faces of a mesh; `None` for a primitive.
+    pub fn triangles(&self) -> Option<Triangles> {
+        let frame = self.frame();
+        match &*self.shape {
+            Shape::Mesh(mesh) => {
+                Some((mesh.vertices().iter().map(|v| frame.to_world(v)).collect(), mesh.faces().to_vec()))
+            }
+            Shape::Primitive(_) => None,
+        }
+    }
+
+    pub(super) fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    pub(super) fn frame(&self) -> Frame {
+        Frame {
+            rotation: self.pose.rotation.to_rotation_matrix().into_inner(),
+            translation: self.pose.translation.vector,
+        }
+    }
+}
+
+/// The pose as a matrix, which is quicker to apply than a quaternion.
+pub(super) struct Frame {
+    rotation: Matrix3<f64>,
+    translation: Vector3<f64>,
+}
+
+impl Frame {
+    /// A point of the world in the obstacle's frame.
+    pub fn to_local(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(&(point - self.translation))
+    }
+
+    /// A point of the obstacle's frame in the world.
+    pub fn to_world(&self, point: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * point + self.translation
+    }
+
+    /// A direction of the obstacle's frame in the world.
+    pub fn turn(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * direction
+    }
+}
+
+/// Nearest points of a shape for a run of points.
+pub(super) enum Search<'a> {
+    Mesh(MeshSearch<'a>),
+    Primitive(&'a Primitive),
+}
+
+impl Shape {
+    /// A search as far as `reach` (m).
+    pub fn search(&self, reach: f64) -> Search<'_> {
+        match self {
+            Shape::Mesh(mesh) => Search::Mesh(MeshSearch::new(mesh, reach)),
+            Shape::Primitive(primitive) => Search::Primitive(primitive),
+        }
+    }
+}
+
+impl Search<'_> {
+    /// Nearest point of the surface, in its frame; `None` if it is surely farther than the reach.
+    pub fn nearest(&mut self, p: &Vector3<f64>) -> Option<Nearest> {
+        match self {
+            Search::Mesh(search) => search.nearest(p),
+            Search::Primitive(primitive) => Some(primitive.nearest(p)),
+        }
+    }
+}
+
+/// The unit vector along `direction`; `None` if it is zero. Any length that a float can have will do.
+fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let largest = direction.amax();
+    (largest > 0.0).then(|| (direction / largest).normalize())
+}
+
+fn check_finite(kind: &'static str, what: &'static str, value: &Vector3<f64>) -> Result<(), ObstacleError> {
+    if value.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(ObstacleError::NotFinite { kind, what, value: (*value).into() })
+}
+
+fn check_positive(kind: &'static str, what: &'static str, value: f64) -> Result<(), ObstacleError> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ObstacleError::NotPositive { kind, what, value })
+}
