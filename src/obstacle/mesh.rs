@@ -88,6 +88,16 @@ impl MeshShape {
         &self.faces
     }
 
+    /// The tree of boxes around the faces.
+    pub fn tree(&self) -> &TriMesh {
+        &self.tree
+    }
+
+    /// Diagonal of the bounding box (m).
+    pub fn size(&self) -> f64 {
+        self.size
+    }
+
     fn closest_on_face(&self, p: &Vector3<f64>, face: u32) -> Closest {
         let corners = self.faces[face as usize].map(|v| &self.vertices[v as usize]);
         closest_on_triangle(p, corners, &self.normals[face as usize])

@@ -13,19 +13,23 @@
 //! triangles (van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207).
 //!
 //! That needs a closed mesh whose faces do not cross, which [`Obstacle::mesh`] checks once, in exact
-//! arithmetic.
+//! arithmetic. [`Obstacle::first_touch`] moves the obstacle along a line until it meets the first of many points.
 
 mod crossings;
 mod distance;
 mod error;
+mod first_touch;
 mod mesh;
 mod posed;
 mod primitive;
+mod shadow;
+mod sweep;
 mod triangle;
 mod triangle_pair;
 
 pub use crossings::find_crossings;
 pub use distance::SignedDistances;
 pub use error::ObstacleError;
+pub use first_touch::FirstTouch;
 pub use mesh::MeshObstacleOptions;
 pub use posed::{Obstacle, Triangles};

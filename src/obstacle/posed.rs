@@ -242,6 +242,11 @@ impl Frame {
     pub fn turn(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * direction
     }
+
+    /// A direction of the world in the obstacle's frame.
+    pub fn turn_back(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(direction)
+    }
 }
 
 /// Nearest points of a shape for a run of points.
@@ -271,7 +276,7 @@ impl Search<'_> {
 }
 
 /// The unit vector along `direction`; `None` if it is zero. Any length that a float can have will do.
-fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+pub(super) fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
     let largest = direction.amax();
     (largest > 0.0).then(|| (direction / largest).normalize())
 }

@@ -1,0 +1,102 @@
+//! The travel at which an obstacle first meets one of many points.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::distance::check_points;
+use super::posed::unit;
+use super::sweep::Sweep;
+use super::{Obstacle, ObstacleError};
+
+/// A point that rounding puts this share of the obstacle's size inside still counts as not yet met.
+const START_TOLERANCE: f64 = 1e-12;
+
+/// Where a moving obstacle first meets a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstTouch {
+    /// Way of the obstacle along the direction from where it stands now (m); negative if it would have met the
+    /// point before.
+    pub travel: f64,
+    /// The point that it meets; of several, the one with the smallest index.
+    pub point: usize,
+}
+
+impl Obstacle {
+    /// The travel along `direction` at which the obstacle, coming from infinity, first has one of the points on
+    /// its surface; `None` if it passes all of them by.
+    ///
+    /// Each point looks along its line to the side that the obstacle comes from for the farthest point of the
+    /// surface. A mesh is met at its edges and vertices as surely as at its faces, since sides are decided by
+    /// exact predicates in the plane across the line. So at the travel found no point is deeper inside the
+    /// obstacle than rounding, about 1e-15 of its size.
+    ///
+    /// * `points`: (n) points (m), finite
+    /// * `direction`: of the obstacle's travel, of any length but 0
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NonFinitePoint`], [`ObstacleError::Direction`] and, for a half-space that does not
+    /// travel along its outward normal, [`ObstacleError::HalfSpaceDirection`].
+    pub fn first_touch(
+        &self,
+        points: &[Vector3<f64>],
+        direction: &Vector3<f64>,
+    ) -> Result<Option<FirstTouch>, ObstacleError> {
+        let sweep = self.sweep(points, direction)?;
+        sweep.check_arrival()?;
+        Ok(earliest(points.len(), |point, latest| sweep.meeting(point, f64::NEG_INFINITY, latest)))
+    }
+
+    /// As [`Obstacle::first_touch`], but the obstacle starts where it stands, so `travel >= 0`.
+    ///
+    /// No point may be inside to begin with: the surface that such a point meets first is the far side.
+    /// A point on the surface, up to 1e-12 of the obstacle's size, is met at 0.
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NonFinitePoint`] and [`ObstacleError::Direction`].
+    pub fn first_touch_from_current(
+        &self,
+        points: &[Vector3<f64>],
+        direction: &Vector3<f64>,
+    ) -> Result<Option<FirstTouch>, ObstacleError> {
+        let sweep = self.sweep(points, direction)?;
+        let start = -START_TOLERANCE * sweep.size();
+        let met = earliest(points.len(), |point, latest| sweep.meeting(point, start, latest));
+        Ok(met.map(|touch| FirstTouch { travel: touch.travel.max(0.0), ..touch }))
+    }
+
+    fn sweep(&self, points: &[Vector3<f64>], direction: &Vector3<f64>) -> Result<Sweep<'_>, ObstacleError> {
+        check_points(points)?;
+        let direction = Some(*direction)
+            .filter(|direction| direction.iter().all(|x| x.is_finite()))
+            .and_then(|direction| unit(&direction))
+            .ok_or(ObstacleError::Direction { direction: (*direction).into() })?;
+        let frame = self.frame();
+        let local = points.par_iter().map(|point| frame.to_local(point)).collect();
+        Ok(Sweep::new(self.shape(), local, frame.turn_back(&direction)))
+    }
+}
+
+/// The smallest of `meeting(point, latest)` over all points; the smallest index among equals.
+///
+/// `latest` is the best travel so far. It may only spare the search for what is later, never for what is equal,
+/// so the outcome is the same whichever thread comes first.
+fn earliest(count: usize, meeting: impl Fn(usize, f64) -> Option<f64> + Sync) -> Option<FirstTouch> {
+    let best = AtomicU64::new(f64::INFINITY.to_bits());
+    (0..count)
+        .into_par_iter()
+        .filter_map(|point| {
+            let travel = meeting(point, f64::from_bits(best.load(Ordering::Relaxed)))?;
+            let lower = |bits: u64| (travel < f64::from_bits(bits)).then(|| travel.to_bits());
+            // A failed update means that another point did better already.
+            let _ = best.fetch_update(Ordering::Relaxed, Ordering::Relaxed, lower);
+            Some(FirstTouch { travel, point })
+        })
+        .reduce_with(|a, b| {
+            let b_first = b.travel < a.travel || (b.travel == a.travel && b.point < a.point);
+            if b_first { b } else { a }
+        })
+}
