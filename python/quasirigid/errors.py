@@ -55,3 +55,7 @@ class MeshFileError(QuasirigidError, ValueError):
 
 class QuasirigidWarning(UserWarning):
     """Something in a question or its answer that the user should know."""
+
+
+class MissingExtraError(QuasirigidError, ImportError):
+    """A part of the package needs a library that is not installed; the message says how to get it."""

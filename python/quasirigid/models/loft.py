@@ -1,0 +1,114 @@
+"""Closed meshes from a stack of rings: the mesher behind the built-in fingers and round products."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Height of an equilateral triangle over its edge: strips of this height carry near-equilateral triangles.
+ROW = 3.0**0.5 / 2.0
+
+
+def rows_along(length: float, edge_length: float) -> int:
+    """Number of strips (at least 1) that cut a way of `length` (m) into rows of equilateral triangles."""
+    return max(1, round(length / (ROW * edge_length)))
+
+
+def ring_size(perimeter: float, edge_length: float) -> int:
+    """Number of vertices (at least 5) of a closed curve of `perimeter` (m) at `edge_length` (m)."""
+    return max(5, round(perimeter / edge_length))
+
+
+def spread_on_curve(
+    curve: Callable[[Floats], Floats], count: int, shifted: bool, samples: int = 720
+) -> Floats:
+    """Points at equal arc length on a closed curve.
+
+    Parameters
+    ----------
+    curve : callable
+        Maps angles (k,) in rad to points (k, 3) in m; periodic with 2 pi.
+    count : int
+        Number of points.
+    shifted : bool
+        Start half a spacing later, as every other row of a triangular grid does.
+    samples : int
+        Chords that measure the arc length.
+
+    Returns
+    -------
+    (count, 3) float64
+        The points (m), each on the curve itself.
+    """
+    angles = np.linspace(0.0, 2.0 * np.pi, samples + 1)
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(angles), axis=0), axis=1))])
+    stations = (np.arange(count) + (0.5 if shifted else 0.0)) / count * way[-1]
+    return curve(np.interp(stations, way, angles))
+
+
+def perimeter_of(curve: Callable[[Floats], Floats], samples: int = 720) -> float:
+    """Length (m) of a closed curve that maps angles (k,) in rad to points (k, 3) in m."""
+    points = curve(np.linspace(0.0, 2.0 * np.pi, samples + 1))
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def loft(rings: list[Floats], first_pole: Floats, last_pole: Floats) -> tuple[Floats, Indices]:
+    """Join rings of any sizes, and a pole at either end, to a closed mesh.
+
+    Rings have their points at equal steps, those of every odd ring (counted from 0) half a step further on.
+    Between neighbours each edge of either ring gets a triangle whose tip is the vertex of the other ring
+    nearest to the edge's middle, so rows of similar rings hold near-equilateral triangles.
+
+    Parameters
+    ----------
+    rings : list of (k, 3) float64
+        Points of each ring (m), counter-clockwise seen from the last pole back to the first.
+    first_pole, last_pole : (3,) float64
+        The points (m) that close the ends.
+
+    Returns
+    -------
+    vertices : (n, 3) float64
+        First pole, rings in order, last pole (m).
+    faces : (m, 3) int64
+        Counter-clockwise seen from outside.
+    """
+    sizes = np.array([len(ring) for ring in rings])
+    starts = 1 + np.concatenate([[0], np.cumsum(sizes)])
+    vertices = np.concatenate([first_pole[None], *rings, last_pole[None]])
+    faces = [_fan(0, int(starts[0]), int(sizes[0]))[:, [0, 2, 1]]]
+    for row in range(len(rings) - 1):
+        strip_faces = _strip(int(sizes[row]), int(sizes[row + 1]), row % 2)
+        # Local numbers run through this ring and on into the next one, as the vertices do.
+        faces.append(strip_faces + starts[row])
+    faces.append(_fan(len(vertices) - 1, int(starts[-2]), int(sizes[-1])))
+    return vertices, np.concatenate(faces)
+
+
+def _fan(pole: int, start: int, size: int) -> Indices:
+    around = np.arange(size)
+    return np.stack([np.full(size, pole), start + around, start + (around + 1) % size], axis=1)
+
+
+def _strip(lower: int, upper: int, shift: int) -> Indices:
+    """Triangles between a ring of `lower` and a ring of `upper` points; `shift`: 1 when the lower one is odd.
+
+    Middles of edges are compared as whole numbers, in units of a 2 * lower * upper-th of the turn, so that
+    both rings agree on the order even where two middles coincide.
+    """
+    turn = 2 * lower * upper
+    lower_middles = (2 * np.arange(lower) + 1 + shift) * upper
+    upper_middles = (2 * np.arange(upper) + 1 + (1 - shift)) * lower
+    unrolled_lower = np.concatenate([lower_middles - turn, lower_middles, lower_middles + turn])
+    unrolled_upper = np.concatenate([upper_middles - turn, upper_middles, upper_middles + turn])
+    above = np.searchsorted(unrolled_upper, lower_middles, side="left") % upper
+    below = np.searchsorted(unrolled_lower, upper_middles, side="right") % lower
+    low, up = np.arange(lower), np.arange(upper)
+    from_lower = np.stack([low, (low + 1) % lower, lower + above], axis=1)
+    from_upper = np.stack([lower + (up + 1) % upper, lower + up, below], axis=1)
+    return np.concatenate([from_lower, from_upper])

@@ -1,0 +1,208 @@
+"""Smooth, closed products of simple form: handle, box, bottle. Arrays in m, faces seen from outside."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..errors import ObstacleError
+from .loft import Floats, Indices, loft, ring_size, rows_along, spread_on_curve
+
+
+def build_cylinder_handle(
+    radius: float, length: float, edge_radius: float, edge_length: float
+) -> tuple[Floats, Indices]:
+    """A round bar about the z axis, centred at the origin, its two rims rounded."""
+    _check_lengths(radius=radius, length=length, edge_radius=edge_radius, edge_length=edge_length)
+    if edge_radius > min(radius, 0.5 * length):
+        raise ObstacleError(
+            f"edge_radius is {edge_radius} m, expected at most the radius and half the length"
+        )
+    _check_edge_length(edge_length, edge_radius)
+    bottom, top = -0.5 * length, 0.5 * length
+    quarter = np.linspace(0.0, 0.5 * np.pi, 40)
+    inner = radius - edge_radius
+    profile = np.concatenate(
+        [
+            [[0.0, bottom]],
+            np.stack(
+                [inner + edge_radius * np.sin(quarter), bottom + edge_radius * (1 - np.cos(quarter))], axis=1
+            ),
+            np.stack(
+                [inner + edge_radius * np.cos(quarter), top - edge_radius * (1 - np.sin(quarter))], axis=1
+            ),
+            [[0.0, top]],
+        ]
+    )
+    return revolve(profile, edge_length)
+
+
+def build_bottle(
+    radius: float,
+    height: float,
+    neck_radius: float,
+    neck_height: float,
+    edge_radius: float,
+    edge_length: float,
+) -> tuple[Floats, Indices]:
+    """A standing bottle about the z axis: body, shoulder as a half wave, neck; bounding box centred."""
+    _check_lengths(
+        radius=radius,
+        height=height,
+        neck_radius=neck_radius,
+        neck_height=neck_height,
+        edge_radius=edge_radius,
+        edge_length=edge_length,
+    )
+    if neck_radius > radius:
+        raise ObstacleError(f"neck_radius is {neck_radius} m, expected at most the radius of {radius} m")
+    shoulder = 1.6 * (radius - neck_radius)
+    if height < 2.0 * edge_radius + shoulder + neck_height:
+        raise ObstacleError(
+            f"height is {height} m, expected at least {2.0 * edge_radius + shoulder + neck_height:.4g} m"
+            " for rim, shoulder and neck"
+        )
+    if edge_radius > neck_radius:
+        raise ObstacleError(
+            f"edge_radius is {edge_radius} m, expected at most the neck_radius of {neck_radius} m"
+        )
+    _check_edge_length(edge_length, edge_radius)
+    bottom, top = -0.5 * height, 0.5 * height
+    quarter = np.linspace(0.0, 0.5 * np.pi, 40)
+    wave = np.linspace(0.0, 1.0, 80)
+    shoulder_top = top - neck_height
+    profile = np.concatenate(
+        [
+            [[0.0, bottom]],
+            np.stack(
+                [radius - edge_radius * (1 - np.sin(quarter)), bottom + edge_radius * (1 - np.cos(quarter))],
+                axis=1,
+            ),
+            np.stack(
+                [
+                    radius + (neck_radius - radius) * 0.5 * (1 - np.cos(np.pi * wave)),
+                    shoulder_top + shoulder * (wave - 1.0),
+                ],
+                axis=1,
+            ),
+            np.stack(
+                [
+                    neck_radius - edge_radius * (1 - np.cos(quarter)),
+                    top - edge_radius * (1 - np.sin(quarter)),
+                ],
+                axis=1,
+            ),
+            [[0.0, top]],
+        ]
+    )
+    return revolve(profile, edge_length)
+
+
+def revolve(profile: Floats, edge_length: float) -> tuple[Floats, Indices]:
+    """Turn a profile about the z axis.
+
+    Parameters
+    ----------
+    profile : (k, 2) float64
+        Radius and height (m), from the lower pole (radius 0) to the upper one (radius 0).
+    edge_length : float
+        Wanted length of the edges (m).
+    """
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
+    rows = max(2, rows_along(way[-1], edge_length))
+    stations = np.arange(1, rows) / rows * way[-1]
+    radii, heights = np.interp(stations, way, profile[:, 0]), np.interp(stations, way, profile[:, 1])
+    rings = []
+    for row, (radius, height) in enumerate(zip(radii, heights, strict=True)):
+
+        def circle(angle: Floats, radius: float = radius, height: float = height) -> Floats:
+            return np.stack(
+                [radius * np.cos(angle), radius * np.sin(angle), np.full_like(angle, height)], axis=1
+            )
+
+        size = ring_size(2.0 * np.pi * radius, edge_length)
+        rings.append(spread_on_curve(circle, size, row % 2 == 1))
+    lower, upper = np.array([0.0, 0.0, profile[0, 1]]), np.array([0.0, 0.0, profile[-1, 1]])
+    return loft(rings, lower, upper)
+
+
+def build_rounded_box(
+    size: Sequence[float], edge_radius: float, edge_length: float
+) -> tuple[Floats, Indices]:
+    """A box of outer `size` (3,) about the origin, edges and corners rounded by `edge_radius`.
+
+    Each face is a grid; a grid point past the inner box is drawn back onto the rounding around it.
+    """
+    sides = np.asarray(size, dtype=np.float64)
+    if sides.shape != (3,):
+        raise ObstacleError(f"size has shape {sides.shape}, expected three lengths")
+    _check_lengths(
+        size_x=float(sides[0]), size_y=float(sides[1]), size_z=float(sides[2]), edge_radius=edge_radius,
+        edge_length=edge_length,
+    )  # fmt: skip
+    if 2.0 * edge_radius > sides.min():
+        raise ObstacleError(
+            f"edge_radius is {edge_radius} m, expected at most half the shortest side, {sides.min()} m"
+        )
+    _check_edge_length(edge_length, edge_radius)
+    inner = 0.5 * sides - edge_radius
+    axes = [_grid_line(float(half), edge_radius, edge_length) for half in inner]
+    vertices, faces, count = [], [], 0
+    for axis in range(3):
+        # (axis, first, second) is right-handed, so first x second is the outward normal on the + side.
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        grid_u, grid_v = np.meshgrid(axes[first], axes[second], indexing="ij")
+        columns, rows = grid_u.shape
+        for side in (1.0, -1.0):
+            points = np.empty((columns * rows, 3))
+            points[:, axis] = side * (inner[axis] + edge_radius)
+            points[:, first], points[:, second] = grid_u.ravel(), grid_v.ravel()
+            vertices.append(points)
+            faces.append(_grid_faces(columns, rows, side < 0.0) + count)
+            count += len(points)
+    grid = np.concatenate(vertices)
+    # Neighbouring faces share their border points bit by bit, as all come from the same grid lines.
+    unique, which = np.unique(grid, axis=0, return_inverse=True)
+    kept = np.clip(unique, -inner, inner)
+    outward = unique - kept
+    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    return kept + edge_radius * outward, which.reshape(-1)[np.concatenate(faces)]
+
+
+def _grid_line(half: float, edge_radius: float, edge_length: float) -> Floats:
+    """Grid coordinates (m) along one side: the flat part, both roundings in equal angles to 45 degrees."""
+    bend = max(1, round(0.25 * np.pi * edge_radius / edge_length))
+    rounding = edge_radius * np.tan(np.arange(1, bend + 1) / bend * 0.25 * np.pi)
+    rounding[-1] = edge_radius
+    flat = (
+        np.linspace(-half, half, max(1, round(2.0 * half / edge_length)) + 1) if half > 0.0 else np.zeros(1)
+    )
+    return np.concatenate([-half - rounding[::-1], flat, half + rounding])
+
+
+def _grid_faces(columns: int, rows: int, turned: bool) -> Indices:
+    """Two triangles a cell, the diagonal towards the middle of the face so that corners are cut evenly."""
+    u, v = (
+        index.ravel() for index in np.meshgrid(np.arange(columns - 1), np.arange(rows - 1), indexing="ij")
+    )
+    a, b, c, d = u * rows + v, (u + 1) * rows + v, (u + 1) * rows + v + 1, u * rows + v + 1
+    outwards = (2 * u < columns - 1) == (2 * v < rows - 1)
+    rising = np.stack([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)], axis=1)
+    falling = np.stack([np.stack([a, b, d], axis=1), np.stack([b, c, d], axis=1)], axis=1)
+    faces = np.where(outwards[:, None, None], rising, falling).reshape(-1, 3)
+    return faces[:, ::-1] if turned else faces
+
+
+def _check_lengths(**lengths: float) -> None:
+    for name, value in lengths.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise ObstacleError(f"{name} is {value} m, expected a length above 0")
+
+
+def _check_edge_length(edge_length: float, edge_radius: float) -> None:
+    # Beyond this the rounding would be cut into slivers or lost.
+    if edge_length > 1.25 * edge_radius:
+        raise ObstacleError(
+            f"edge_length is {edge_length} m, expected at most 1.25 times the edge_radius of {edge_radius} m"
+        )
