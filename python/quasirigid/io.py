@@ -1,0 +1,114 @@
+"""Mesh files in, with their unit: PLY, STL and OBJ as arrays, as skin or as product."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import MeshFileError, QuasirigidError
+from .mesh_files import read_file
+from .obstacle import Obstacle
+from .surface import Surface
+
+__all__ = ["read_mesh", "read_obstacle", "read_surface"]
+
+LengthUnit: TypeAlias = Literal["m", "mm"]
+
+_METRES = {"m": 1.0, "mm": 1e-3}
+
+
+def read_mesh(
+    path: str | os.PathLike[str], *, unit: LengthUnit
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Read vertices and faces as they are stored.
+
+    Parameters
+    ----------
+    path : path
+        A file that ends in .ply (ASCII or binary), .stl (ASCII or binary) or .obj.
+    unit : {"m", "mm"}
+        Unit of the coordinates in the file; files do not say it themselves.
+
+    Returns
+    -------
+    vertices : (n, 3) float64
+        Positions (m), in the order of the file. STL and OBJ join points with equal coordinates, as those
+        formats need, and nothing else is joined or dropped.
+    faces : (m, 3) int64
+        In the order of the file; a face of more than three corners becomes a fan from its first corner.
+
+    Raises
+    ------
+    MeshFileError
+        The file cannot be read, ends too early, holds a coordinate that is not finite, a face of fewer than
+        three corners or one that names a missing vertex; or the unit is not known.
+
+    Examples
+    --------
+    >>> import quasirigid as qr, tempfile, pathlib
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "triangle.obj"
+    >>> _ = path.write_text("v 0 0 0\\nv 20 0 0\\nv 0 10 0\\nf 1 2 3\\n")
+    >>> vertices, faces = qr.read_mesh(path, unit="mm")
+    >>> vertices[1], faces
+    (array([0.02, 0.  , 0.  ]), array([[0, 1, 2]]))
+    """
+    if unit not in _METRES:
+        raise MeshFileError(f"unit is {unit!r}, expected 'm' or 'mm'")
+    vertices, faces = read_file(Path(path))
+    return (vertices if unit == "m" else vertices * _METRES[unit]), faces
+
+
+def read_surface(
+    path: str | os.PathLike[str], *, unit: LengthUnit, skin_mask: ArrayLike | None = None
+) -> Surface:
+    """Read a mesh file as skin.
+
+    Parameters
+    ----------
+    path, unit
+        As for `read_mesh`.
+    skin_mask : (n,) bool, optional
+        Vertices that may touch; all when left out.
+
+    Raises
+    ------
+    MeshFileError
+        As for `read_mesh`.
+    SurfaceError
+        The mesh is no surface; the message names the file, the element and how many there are.
+    """
+    vertices, faces = read_mesh(path, unit=unit)
+    try:
+        return Surface(vertices, faces, skin_mask=skin_mask)
+    except QuasirigidError as error:
+        raise type(error)(f"{path}: {error}") from None
+
+
+def read_obstacle(
+    path: str | os.PathLike[str], *, unit: LengthUnit, check_crossings: bool = True
+) -> Obstacle:
+    """Read a mesh file as product.
+
+    Parameters
+    ----------
+    path, unit
+        As for `read_mesh`.
+    check_crossings : bool
+        Look for faces that cross each other, where inside and outside are undefined.
+
+    Raises
+    ------
+    MeshFileError
+        As for `read_mesh`.
+    ObstacleError
+        The mesh encloses no body; the message names the file, the element and how many there are.
+    """
+    vertices, faces = read_mesh(path, unit=unit)
+    try:
+        return Obstacle.mesh(vertices, faces, check_crossings=check_crossings)
+    except QuasirigidError as error:
+        raise type(error)(f"{path}: {error}") from None

@@ -1,0 +1,54 @@
+"""Wavefront OBJ: its points and faces. Texture, normals, groups and materials do not matter here."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import MeshFileError
+from .check import Floats, Indices, fans, weld_equal
+
+_FREE_FORM = {"vp", "cstype", "curv", "curv2", "surf"}
+
+
+def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
+    """Vertices (n, 3), equal ones joined, and faces (m, 3); faces of more than three corners become fans."""
+    points: list[tuple[float, float, float]] = []
+    faces: list[list[int]] = []
+    text = data.decode("latin-1").replace("\\\r\n", "  ").replace("\\\n", " ")
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.partition("#")[0].split()
+        if not words:
+            continue
+        here = f"{name}: line {number} ('{line.strip()[:60]}')"
+        if words[0] == "v":
+            try:
+                x, y, z = (float(word) for word in words[1:4])
+            except ValueError:
+                raise MeshFileError(f"{here}: expected 3 coordinates") from None
+            points.append((x, y, z))
+        elif words[0] == "f":
+            if len(words) < 4:
+                raise MeshFileError(
+                    f"{here}: face {len(faces)} has {len(words) - 1} corners, expected at least 3"
+                )
+            faces.append([_corner(word, len(points), here) for word in words[1:]])
+        elif words[0] in _FREE_FORM:
+            raise MeshFileError(f"{here}: free-form curves and surfaces are not read, only points and faces")
+    wrong = [corner for face in faces for corner in face if corner >= len(points)]
+    if wrong:
+        raise MeshFileError(
+            f"{name}: a face refers to vertex {wrong[0] + 1}, but the file has {len(points)} vertices"
+        )
+    return weld_equal(np.array(points, dtype=np.float64).reshape(-1, 3), fans(faces))
+
+
+def _corner(word: str, known: int, here: str) -> int:
+    """Number of a vertex, counted from 0: files count from 1, or back from the last one read."""
+    try:
+        index = int(word.split("/")[0])
+    except ValueError:
+        raise MeshFileError(f"{here}: '{word}' names no vertex") from None
+    corner = index - 1 if index > 0 else known + index
+    if index == 0 or corner < 0:
+        raise MeshFileError(f"{here}: refers to vertex {index}, but {known} vertices were given before it")
+    return corner

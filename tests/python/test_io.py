@@ -1,0 +1,303 @@
+"""Mesh files: read as stored, or refused with the defect and its place."""
+
+from __future__ import annotations
+
+import os
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from quasirigid.errors import MeshFileError
+from quasirigid.export import write_mesh
+from quasirigid.models.fingers import build_finger
+
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+
+POINTS = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
+
+PLY_HEADER = (
+    "ply\nformat {order} 1.0\ncomment unit cube corner\nelement vertex {vertices}\nproperty float x\n"
+    "property float y\nproperty float z\nelement face {faces}\nproperty list uchar int vertex_indices\n"
+    "end_header\n"
+)
+
+
+def ply_text(rows: list[str], vertices: int = 4, faces: int = 4) -> bytes:
+    return (
+        PLY_HEADER.format(order="ascii", vertices=vertices, faces=faces) + "\n".join(rows) + "\n"
+    ).encode()
+
+
+def good_ply_rows() -> list[str]:
+    return [f"{x} {y} {z}" for x, y, z in POINTS] + [f"3 {a} {b} {c}" for a, b, c in FACES]
+
+
+def stl_text(faces: list[tuple[int, int, int]]) -> str:
+    facets = [
+        "  facet normal 0 0 0\n    outer loop\n"
+        + "".join("      vertex {} {} {}\n".format(*POINTS[corner]) for corner in face)
+        + "    endloop\n  endfacet\n"
+        for face in faces
+    ]
+    return "solid corner of a box\n" + "".join(facets) + "endsolid corner of a box\n"
+
+
+def stl_bytes(faces: list[tuple[int, int, int]], header: bytes = b"solid or not") -> bytes:
+    rows = [
+        struct.pack("<12fH", 0, 0, 0, *(x for corner in face for x in POINTS[corner]), 0) for face in faces
+    ]
+    return header.ljust(80, b"\0") + struct.pack("<I", len(faces)) + b"".join(rows)
+
+
+def obj_text() -> str:
+    lines = ["# a corner", "o corner", *(f"v {x} {y} {z}" for x, y, z in POINTS)]
+    return "\n".join([*lines, *(f"f {a + 1}/1 {b + 1}//2 {c + 1}/1/2" for a, b, c in FACES)]) + "\n"
+
+
+def read(folder: Path, name: str, content: bytes | str) -> tuple[np.ndarray, np.ndarray]:
+    path = folder / name
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return qr.read_mesh(path, unit="m")
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("ascii.ply", ply_text(good_ply_rows())),
+        ("text.stl", stl_text(FACES)),
+        ("binary.STL", stl_bytes(FACES)),
+        ("plain.obj", obj_text()),
+    ],
+)
+def test_every_format_gives_the_same_tetrahedron(tmp_path: Path, name: str, content: bytes | str) -> None:
+    vertices, faces = read(tmp_path, name, content)
+    assert vertices.dtype == np.float64
+    assert faces.dtype == np.int64
+    assert np.array_equal(vertices[faces], np.array(POINTS)[np.array(FACES)])
+    assert len(vertices) == 4
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_binary_ply_keeps_order_bits_and_further_properties_apart(tmp_path: Path, order: str) -> None:
+    points = np.array(POINTS) + 1.0 / 3.0
+    header = (
+        f"ply\nformat binary_{'little' if order == '<' else 'big'}_endian 1.0\nobj_info made by a test\n"
+        "element vertex 4\nproperty uchar red\nproperty double x\nproperty double y\nproperty double z\n"
+        "element edge 1\nproperty list uchar int ends\n"
+        "element face 4\nproperty float weight\nproperty list uint8 uint32 vertex_index\nend_header\n"
+    )
+    body = b"".join(struct.pack(f"{order}B3d", 7, *point) for point in points)
+    body += struct.pack(f"{order}B2i", 2, 0, 1)
+    body += b"".join(struct.pack(f"{order}fB3I", 0.5, 3, *face) for face in FACES)
+    vertices, faces = read(tmp_path, "mesh.ply", header.encode() + body)
+    assert np.array_equal(vertices, points)
+    assert faces.tolist() == [list(face) for face in FACES]
+
+
+def test_faces_of_more_corners_become_fans_in_their_place(tmp_path: Path) -> None:
+    header = PLY_HEADER.format(order="binary_little_endian", vertices=4, faces=2).encode()
+    body = (
+        np.array(POINTS, dtype="<f4").tobytes()
+        + struct.pack("<B4i", 4, 0, 1, 2, 3)
+        + struct.pack("<B3i", 3, 3, 2, 1)
+    )
+    expected = [[0, 1, 2], [0, 2, 3], [3, 2, 1]]
+    assert read(tmp_path, "mixed.ply", header + body)[1].tolist() == expected
+    rows = [f"{x} {y} {z}" for x, y, z in POINTS] + ["4 0 1 2 3", "3 3 2 1"]
+    assert read(tmp_path, "mixed_ascii.ply", ply_text(rows, faces=2))[1].tolist() == expected
+    lines = [f"v {x} {y} {z}" for x, y, z in POINTS] + ["f -4 -3 -2 -1", "f 4 3 \\", "  2"]
+    assert read(tmp_path, "mixed.obj", "\n".join(lines))[1].tolist() == expected
+
+
+def test_millimetres_become_metres(tmp_path: Path) -> None:
+    path = tmp_path / "mesh.obj"
+    path.write_text(obj_text())
+    assert qr.read_mesh(path, unit="mm")[0] == pytest.approx(1e-3 * np.array(POINTS), rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", ["cm", "", None, "M"])
+def test_an_unknown_unit_is_refused(tmp_path: Path, unit: str) -> None:
+    with pytest.raises(MeshFileError, match="expected 'm' or 'mm'"):
+        qr.read_mesh(tmp_path / "mesh.ply", unit=unit)  # type: ignore[arg-type]
+
+
+def test_stl_and_obj_join_equal_points_and_nothing_else(tmp_path: Path) -> None:
+    nudged = stl_text(FACES).replace("vertex 1.0 0.0 0.0", "vertex 1.0000000001 0.0 0.0", 1)
+    assert len(read(tmp_path, "nudged.stl", nudged)[0]) == 5
+    assert len(read(tmp_path, "zero.stl", stl_text(FACES).replace("vertex 0.0", "vertex -0.0", 2))[0]) == 4
+    twice = obj_text().replace("f 1", "v 1 0 0\nv 9 9 9\nf 1", 1)
+    vertices, faces = read(tmp_path, "twice.obj", twice)
+    # The doubled point is joined; the point that no face uses stays.
+    assert len(vertices) == 5
+    assert faces.max() == 3
+
+
+def test_ply_joins_nothing(tmp_path: Path) -> None:
+    rows = [f"{x} {y} {z}" for x, y, z in [*POINTS, POINTS[1]]] + [f"3 {a} {b} {c}" for a, b, c in FACES]
+    assert len(read(tmp_path, "mesh.ply", ply_text(rows, vertices=5))[0]) == 5
+
+
+TRUNCATED = PLY_HEADER.format(order="binary_little_endian", vertices=4, faces=4).encode()
+TRUNCATED += np.array(POINTS, dtype="<f4").tobytes() + struct.pack("<B3i", 3, 0, 2, 1)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("cut.ply", TRUNCATED, "ends in face 1 of 4"),
+        ("cut.ply", TRUNCATED[:-20], "ends in vertex 3 of 4"),
+        ("long.ply", TRUNCATED + struct.pack("<B3i", 3, 0, 1, 3) * 3 + b"xx", "2 bytes are left"),
+        ("cut.ply", ply_text(good_ply_rows()[:-1]), "ends in face 3 of 4"),
+        ("long.ply", ply_text([*good_ply_rows(), "3 0 1 2"]), "1 lines are left"),
+        ("two.ply", ply_text([*good_ply_rows()[:-1], "2 0 1"]), "face 3 has 2 corners"),
+        ("word.ply", ply_text(["0 zero 0", *good_ply_rows()[1:]]), "vertex 0 is not understood: '0 zero 0'"),
+        ("short.ply", ply_text(["0 0", *good_ply_rows()[1:]]), "vertex 0 is not understood"),
+        (
+            "nan.ply",
+            ply_text(["0 nan 0", *good_ply_rows()[1:]]),
+            r"vertex 0 is at \(0.0, nan, 0.0\), the only one",
+        ),
+        (
+            "far.ply",
+            ply_text([*good_ply_rows()[:-2], "3 0 1 7", "3 0 -1 2"]),
+            "face 2 refers to vertex 7.*2 such faces",
+        ),
+        ("none.ply", ply_text(good_ply_rows()[:4], faces=0), "no faces"),
+        ("kind.ply", b"ply\nformat ascii 2.0\nend_header\n", "line 2 of the header"),
+        ("no.ply", b"solid\n", "does not start with 'ply'"),
+        (
+            "flat.ply",
+            ply_text(good_ply_rows()).replace(b"property float z\n", b""),
+            "vertex 0 is not understood",
+        ),
+        ("empty.ply", b"", "does not start"),
+        (
+            "cut.stl",
+            stl_bytes(FACES)[:-1],
+            "is 283 bytes long, but its header promises 4 triangles, 284 bytes",
+        ),
+        ("long.stl", stl_bytes(FACES) + b"x", "is 285 bytes long"),
+        ("empty.stl", b"", "0 bytes long"),
+        ("cut_text.stl", stl_text(FACES).rpartition("endsolid")[0], "ends after line"),
+        (
+            "gap.stl",
+            stl_text(FACES).replace("      vertex 1.0 0.0 0.0\n", "", 1),
+            "line 6 is 'endloop', expected 'vertex'",
+        ),
+        (
+            "word.stl",
+            stl_text(FACES).replace("vertex 1.0 0.0", "vertex x 0.0", 1),
+            "line 6 .*expected 3 numbers",
+        ),
+        ("two.obj", obj_text() + "f 1// 2//\n", r"line 11 \('f 1// 2//'\): face 4 has 2 corners"),
+        ("far.obj", obj_text() + "f 1 2 9\n", "refers to vertex 9, but the file has 4"),
+        ("zero.obj", obj_text() + "f 0 1 2\n", "refers to vertex 0"),
+        ("back.obj", obj_text() + "f -9 1 2\n", "refers to vertex -9"),
+        ("word.obj", obj_text() + "f a b c\n", "'a' names no vertex"),
+        ("short.obj", obj_text() + "v 1 2\n", "expected 3 coordinates"),
+        ("inf.obj", obj_text() + "v 1 2 inf\n", r"vertex 4 is at \(1.0, 2.0, inf\)"),
+        ("curved.obj", obj_text() + "surf 0 1 0 1 1 2 3 4\n", "free-form"),
+        ("empty.obj", "", "no faces"),
+        ("mesh.off", "OFF", "expected .ply, .stl or .obj"),
+    ],
+)
+def test_a_broken_file_is_refused_with_its_defect(
+    tmp_path: Path, name: str, content: bytes | str, message: str
+) -> None:
+    with pytest.raises(MeshFileError, match=message) as refusal:
+        read(tmp_path, name, content)
+    assert name in str(refusal.value)
+
+
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(MeshFileError, match=r"nowhere\.ply: No such file"):
+        qr.read_mesh(tmp_path / "nowhere.ply", unit="m")
+
+
+@pytest.mark.parametrize("ending", [".ply", ".stl"])
+def test_what_is_written_is_read_back(tmp_path: Path, ending: str) -> None:
+    vertices, faces = build_finger(0.03, 0.018, None, 2e-3, 1.0)
+    path = tmp_path / f"finger{ending}"
+    write_mesh(vertices, faces, path, unit="mm")
+    read_vertices, read_faces = qr.read_mesh(path, unit="mm")
+    assert len(read_vertices) == len(vertices)
+    # STL stores float32: half a unit in the last place of 30 mm.
+    assert np.abs(read_vertices[read_faces] - vertices[faces]).max() < (1e-16 if ending == ".ply" else 1e-9)
+
+
+def test_a_refused_surface_names_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "doubled.ply"
+    path.write_bytes(ply_text([*good_ply_rows(), "3 0 2 1"], faces=5))
+    with pytest.raises(qr.SurfaceError, match=r"doubled\.ply: "):
+        qr.read_surface(path, unit="m")
+    with pytest.raises(qr.ObstacleError, match=r"doubled\.ply: "):
+        qr.read_obstacle(path, unit="m")
+
+
+@pytest.fixture(scope="module")
+def shared_files() -> list[Path]:
+    files = sorted(path for path in DATA.glob("*/*") if path.suffix in (".ply", ".stl", ".obj"))
+    if not files:
+        pytest.skip(f"no meshes at {DATA}; QUASIRIGID_DATA says where they are")
+    return files
+
+
+def test_real_binary_ply_files_are_read_bit_by_bit(shared_files: list[Path]) -> None:
+    for path in shared_files:
+        if path.suffix != ".ply" or path.stem in (
+            "finger_nan",
+            "finger_index_out_of_range",
+            "finger_truncated",
+        ):
+            continue
+        data = path.read_bytes()
+        end = data.index(b"end_header\n") + len(b"end_header\n")
+        header = data[:end].decode()
+        count = int(header.split("element vertex ")[1].split()[0])
+        raw = np.frombuffer(data, "<f4", 3 * count, end).reshape(-1, 3)
+        rows = np.frombuffer(data[end + 12 * count :], np.dtype([("n", "u1"), ("v", "<i4", 3)]))
+        vertices, faces = qr.read_mesh(path, unit="m")
+        assert np.array_equal(vertices, raw.astype(np.float64)), path
+        assert np.array_equal(faces, rows["v"]), path
+
+
+# Vertices after joining equal points and faces, as that collection's own list has them.
+COUNTS = {
+    "trimesh_soup.stl": (300, 100),
+    "trimesh_shared_edge.stl": (14, 24),
+    "trimesh_multibody.stl": (20, 32),
+    "trimesh_box_assembly.stl": (4455, 8954),
+    "trimesh_wallhole.obj": (35, 66),
+    "trimesh_not_convex.obj": (44, 96),
+    "gc_fan3.obj": (5, 3),
+    "gc_triple_vierbein.obj": (75, 108),
+    "gc_moebius.obj": (280, 448),
+}
+
+
+def test_real_stl_and_obj_files_have_the_listed_sizes(shared_files: list[Path]) -> None:
+    found = {path.name: path for path in shared_files}
+    for name, counts in COUNTS.items():
+        vertices, faces = qr.read_mesh(found[name], unit="m")
+        assert (len(vertices), len(faces)) == counts, name
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("finger_truncated.ply", "ends in face 1234 of 2988"),
+        ("finger_nan.ply", "vertex 397 is at .*nan.*3 such vertices"),
+        (
+            "finger_index_out_of_range.ply",
+            "face 335 refers to vertex 1508, but the file has 1496.*5 such faces",
+        ),
+        ("trimesh_notenoughindices.obj", "line 9 .*2 corners"),
+    ],
+)
+def test_real_broken_files_are_refused(shared_files: list[Path], name: str, message: str) -> None:
+    path = next(path for path in shared_files if path.name == name)
+    with pytest.raises(MeshFileError, match=message):
+        qr.read_mesh(path, unit="m")
