@@ -460,7 +460,7 @@ fn counts(topology: &Topology) -> [usize; 4] {
 }
 
 proptest::proptest! {
-    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(32))]
+    #![proptest_config(proptest::prelude::ProptestConfig { cases: 32, failure_persistence: None, ..Default::default() })]
 
     #[test]
     fn renumbering_vertices_and_faces_changes_no_neighbourhood(seed in 0u64..1000) {
