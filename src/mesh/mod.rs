@@ -6,6 +6,8 @@
 //! meshes. [`check_nesting`] looks at how the closed components of a mesh lie in one another and which way they
 //! are turned. [`repair`] mends what can be mended without guessing, as a separate, explicit step.
 //!
+//! [`rigid_motion`] checks the rotation and translation by which either is moved.
+//!
 //! All tolerances are relative to the size of the mesh, so a mesh is judged alike in m and in mm.
 
 mod adjacency;
@@ -17,6 +19,7 @@ mod grid;
 mod nesting;
 mod orient;
 mod repair;
+mod rigid;
 mod topology;
 mod winding;
 
@@ -24,6 +27,7 @@ pub use check::{DEGENERATE_HEIGHT, check};
 pub use error::MeshError;
 pub use nesting::{check_nesting, component_volumes};
 pub use repair::{Repair, RepairOptions, RepairReport, repair};
+pub use rigid::{RigidMotionError, rigid_motion};
 pub use topology::Topology;
 pub use winding::{solid_angle, winding_number};
 

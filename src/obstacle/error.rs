@@ -1,6 +1,6 @@
 //! What an obstacle refuses, and why.
 
-use crate::mesh::MeshError;
+use crate::mesh::{MeshError, RigidMotionError};
 
 /// Why an obstacle, a pose or a question to it was rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -68,31 +68,9 @@ pub enum ObstacleError {
         /// That point (m).
         end: [f64; 3],
     },
-    /// The matrix is no rotation.
-    #[error(
-        "the rotation must be orthonormal to {tolerance:e}, but |RᵀR - I| reaches {deviation:e}; \
-         scale or shear the mesh itself instead"
-    )]
-    NotOrthonormal {
-        /// Largest entry of `|RᵀR - I|`.
-        deviation: f64,
-        /// The largest that is accepted.
-        tolerance: f64,
-    },
-    /// The matrix mirrors.
-    #[error(
-        "the rotation is a reflection (determinant {determinant}); mirror the mesh and turn its faces instead"
-    )]
-    Reflection {
-        /// Determinant, near -1.
-        determinant: f64,
-    },
-    /// The translation is not finite.
-    #[error("the translation must be finite, found {translation:?} (m)")]
-    Translation {
-        /// Its value (m).
-        translation: [f64; 3],
-    },
+    /// The matrix or the translation is no rigid motion.
+    #[error(transparent)]
+    Motion(#[from] RigidMotionError),
     /// A point is not finite.
     #[error("point {point} is {value:?}, but points must be finite ({count} are not)")]
     NonFinitePoint {

@@ -2,15 +2,13 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::ObstacleError;
 use super::distance::Nearest;
 use super::mesh::{MeshObstacleOptions, MeshSearch, MeshShape, corners_of};
 use super::primitive::Primitive;
-
-/// Largest entry of `|RᵀR - I|` that passes for a rotation (dimensionless).
-const ROTATION_TOLERANCE: f64 = 1e-9;
+use crate::mesh::rigid_motion;
 
 /// A rigid product: a closed mesh or a primitive, at a pose.
 ///
@@ -137,27 +135,13 @@ impl Obstacle {
     ///
     /// # Errors
     ///
-    /// [`ObstacleError::NotOrthonormal`], [`ObstacleError::Reflection`] and [`ObstacleError::Translation`].
+    /// [`ObstacleError::Motion`].
     pub fn moved(
         &self,
         rotation: &Matrix3<f64>,
         translation: &Vector3<f64>,
     ) -> Result<Obstacle, ObstacleError> {
-        let excess = rotation.transpose() * rotation - Matrix3::identity();
-        let is_finite = excess.iter().all(|x| x.is_finite());
-        let deviation = if is_finite { excess.amax() } else { f64::INFINITY };
-        if deviation > ROTATION_TOLERANCE {
-            return Err(ObstacleError::NotOrthonormal { deviation, tolerance: ROTATION_TOLERANCE });
-        }
-        let determinant = rotation.determinant();
-        if determinant < 0.0 {
-            return Err(ObstacleError::Reflection { determinant });
-        }
-        if !translation.iter().all(|x| x.is_finite()) {
-            return Err(ObstacleError::Translation { translation: (*translation).into() });
-        }
-        let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
-        let motion = Isometry3::from_parts(Translation3::from(*translation), turn);
+        let motion = rigid_motion(rotation, translation)?;
         let mut pose = motion * self.pose;
         pose.rotation.renormalize();
         Ok(Obstacle { shape: Arc::clone(&self.shape), pose })
