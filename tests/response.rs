@@ -298,7 +298,7 @@ fn malformed_requests_say_what_is_wrong_and_where() {
         ResponseError::Direction { index: 1, value: [0.0; 3] }
     );
     let small = AssemblyOptions { memory_limit: Some(100), ..plain };
-    assert_eq!(matrix_bytes(4), 128);
+    assert_eq!(matrix_bytes(4, 4), 128);
     assert_eq!(ask(&[0, 1, 2, 3], None, small), ResponseError::TooLarge { nodes: 4, bytes: 128, limit: 100 });
     for (options, name) in [
         (AssemblyOptions { tolerance: -1.0, ..plain }, "tolerance"),

@@ -14,6 +14,9 @@ pub enum LcpMethod {
 }
 
 impl LcpMethod {
+    /// Every method.
+    pub const ALL: [Self; 1] = [Self::Lemke];
+
     /// The name by which the method is asked for.
     pub fn as_str(self) -> &'static str {
         match self {

@@ -36,15 +36,43 @@ pub fn assemble(
     directions: Option<&[Vector3<f64>]>,
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
+    check_request(surface, nodes, nodes.len(), directions, options)?;
+    fill_block(surface, skin, nodes, nodes, options)
+}
+
+/// Displacement of `rows` per newton at each of `columns`: [`assemble`] for two sets of vertices.
+///
+/// Returns a block of R (rows × columns, m/N).
+///
+/// # Errors
+/// As [`assemble`].
+pub fn assemble_block(
+    surface: &Surface,
+    skin: &Skin,
+    rows: &[usize],
+    columns: &[usize],
+    options: &AssemblyOptions,
+) -> Result<Mat<f64>, ResponseError> {
+    check_request(surface, rows, columns.len(), None, options)?;
+    check_request(surface, columns, rows.len(), None, options)?;
+    fill_block(surface, skin, rows, columns, options)
+}
+
+fn fill_block(
+    surface: &Surface,
+    skin: &Skin,
+    rows: &[usize],
+    columns: &[usize],
+    options: &AssemblyOptions,
+) -> Result<Mat<f64>, ResponseError> {
     skin.validate()?;
-    check_request(surface, nodes, directions, options)?;
-    let mut matrix = Mat::zeros(nodes.len(), nodes.len());
-    let points: Vec<_> = nodes.iter().map(|&v| surface.vertices()[v]).collect();
+    let mut matrix = Mat::zeros(rows.len(), columns.len());
+    let points: Vec<_> = rows.iter().map(|&v| surface.vertices()[v]).collect();
     let constant = skin.kernel_constant();
     let pressure = skin.pressure();
     fill_columns(&mut matrix, options, Vec::new, |faces: &mut Vec<LoadedFace>, j, column| {
         faces.clear();
-        loaded_faces(surface, nodes[j], pressure, faces);
+        loaded_faces(surface, columns[j], pressure, faces);
         column.fill(0.0);
         for face in faces.iter() {
             match skin.response {

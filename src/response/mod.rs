@@ -26,7 +26,7 @@ mod source;
 mod subdivide;
 mod triangle;
 
-pub use assemble::assemble;
+pub use assemble::{assemble, assemble_block};
 pub use error::ResponseError;
 pub use gaussian::gaussian_hat_integrals;
 pub use options::{AssemblyOptions, matrix_bytes};

@@ -49,15 +49,16 @@ impl AssemblyOptions<'_> {
     }
 }
 
-/// Bytes of a dense response matrix over `nodes` nodes; scratch memory is small beside it.
-pub fn matrix_bytes(nodes: usize) -> usize {
-    nodes.saturating_mul(nodes).saturating_mul(size_of::<f64>())
+/// Bytes of a dense block of the response matrix; scratch memory is small beside it.
+pub fn matrix_bytes(rows: usize, columns: usize) -> usize {
+    rows.saturating_mul(columns).saturating_mul(size_of::<f64>())
 }
 
-/// Checks nodes, directions and memory before anything is computed.
+/// Checks nodes, directions and the memory of a matrix with `others` entries a node before anything is computed.
 pub(crate) fn check_request(
     surface: &Surface,
     nodes: &[usize],
+    others: usize,
     directions: Option<&[Vector3<f64>]>,
     options: &AssemblyOptions,
 ) -> Result<(), ResponseError> {
@@ -82,7 +83,7 @@ pub(crate) fn check_request(
             }
         }
     }
-    let bytes = matrix_bytes(nodes.len());
+    let bytes = matrix_bytes(nodes.len(), others);
     match options.memory_limit {
         Some(limit) if bytes > limit => Err(ResponseError::TooLarge { nodes: nodes.len(), bytes, limit }),
         _ => Ok(()),

@@ -103,6 +103,14 @@ impl Skin {
         }
     }
 
+    /// Distance beyond which a force is not felt (m); `None` where it is felt everywhere.
+    pub fn reach(&self) -> Option<f64> {
+        match self.response {
+            Response::GaussianCorrected { cutoff, .. } => cutoff.is_finite().then_some(cutoff),
+            Response::HalfSpace { .. } => None,
+        }
+    }
+
     /// Whether the response matrix can have negative entries, so that a force can press nodes into contact
     /// that lie outside the obstacle. Where it cannot, the candidates are exactly the penetrating nodes.
     pub fn has_negative_entries(&self) -> bool {
