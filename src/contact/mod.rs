@@ -1,1 +1,32 @@
 //! The pipeline: gaps, candidates, response, complementarity, deformed skin, outcome.
+//!
+//! At the candidates, the skin vertices that start inside the obstacle,
+//!
+//! ```text
+//! g = g0 + R f,    g >= 0,    f >= 0,    g·f = 0
+//! ```
+//!
+//! with g, g0 (m) along the obstacle's outward normal, R (m/N) the response matrix and f (N) the node forces
+//! (Xie, Kanai, Date 2011, eq. 9). Where R has no negative entry, a vertex outside the obstacle can never touch and
+//! the problem on the penetrating vertices is exact. Otherwise their rings are added, and the set grows while a
+//! vertex outside gets pressed or the rim carries force.
+
+mod accuracy;
+mod candidates;
+mod compliance;
+mod deform;
+mod equilibrium;
+mod error;
+mod gaps;
+mod options;
+mod outcome;
+mod press;
+mod resultant;
+mod solve;
+
+pub use accuracy::Accuracy;
+pub use error::ContactError;
+pub use options::{ContactOptions, Interrupt};
+pub use outcome::{Contact, ContactStatus, LeftOut, Patch, Resultant, Timing};
+pub use press::{Press, Start, press};
+pub use solve::solve_contact;

@@ -1,0 +1,94 @@
+//! The skin as it looks under the solved forces, and the volume it moves.
+
+use super::ContactError;
+use super::compliance::Compliance;
+use super::equilibrium::Equilibrium;
+use super::gaps::InitialGaps;
+use crate::surface::Surface;
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+/// The drawn displacement fades to zero over this many equivalent radii of the candidate region, so that the
+/// skin has no step where the response is cut off.
+const FADE_RADII: f64 = 3.0;
+
+/// Displacement of every vertex.
+#[derive(Debug)]
+pub(super) struct Deformation {
+    /// u (n, m), faded.
+    pub displacement: Vec<Vector3<f64>>,
+    /// Distance along the skin at which it has faded to zero (m).
+    pub fade_distance: f64,
+    /// Σ S_i N_i · u_i over the skin, without the fade (m³).
+    pub volume_change: f64,
+}
+
+impl Deformation {
+    /// Nothing moves.
+    pub fn none(vertex_count: usize) -> Self {
+        Self { displacement: vec![Vector3::zeros(); vertex_count], fade_distance: 0.0, volume_change: 0.0 }
+    }
+}
+
+/// Displaces the skin under the forces of `solved`.
+///
+/// On a candidate `u_i = (R f)_i n_i`, with the obstacle's normal there. Elsewhere the magnitude is `(R f)_i` too
+/// and the direction that of `Σ_j R_ij f_j n_j`, which goes over into the former without a need for the obstacle's
+/// normal far away.
+pub(super) fn deform(
+    surface: &Surface,
+    compliance: &Compliance,
+    gaps: &InitialGaps,
+    solved: &Equilibrium,
+) -> Result<Deformation, ContactError> {
+    let vertex_count = surface.vertices().len();
+    let active = solved.active();
+    let everywhere: Vec<usize> = (0..vertex_count).collect();
+    let field = compliance.displacement(&everywhere, &active, &solved.node_force, &gaps.normal)?;
+    let mut displacement: Vec<Vector3<f64>> = field
+        .direction
+        .iter()
+        .zip(&field.magnitude)
+        .map(|(direction, magnitude)| direction * *magnitude)
+        .collect();
+    for &vertex in &solved.candidates {
+        let rise = solved.gap[vertex] - gaps.distance[vertex];
+        displacement[vertex] = rise * gaps.normal[vertex];
+    }
+    let volume_change = surface
+        .skin_mask()
+        .iter()
+        .enumerate()
+        .filter(|&(_, &may_touch)| may_touch)
+        .map(|(vertex, _)| {
+            surface.vertex_areas()[vertex] * surface.vertex_normals()[vertex].dot(&displacement[vertex])
+        })
+        .sum();
+
+    let candidate_area: f64 = solved.candidates.iter().map(|&vertex| surface.vertex_areas()[vertex]).sum();
+    let fade_distance = FADE_RADII * (candidate_area / PI).sqrt();
+    let mut share = vec![0.0; vertex_count];
+    for (vertex, distance) in surface.skin_distances(&solved.candidates, fade_distance) {
+        share[vertex] = fade(distance / fade_distance);
+    }
+    displacement.iter_mut().zip(share).for_each(|(u, share)| *u *= share);
+    Ok(Deformation { displacement, fade_distance, volume_change })
+}
+
+/// 1 at 0, 0 from 1 on, level at both ends.
+fn fade(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    1.0 - x * x * (3.0 - 2.0 * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fade;
+
+    #[test]
+    fn fade_is_whole_at_the_contact_gone_at_its_end_and_level_at_both() {
+        assert_eq!((fade(0.0), fade(1.0), fade(7.0)), (1.0, 0.0, 0.0));
+        let slope = |x: f64| (fade(x + 1e-6) - fade(x - 1e-6)) / 2e-6;
+        assert!(slope(1e-6).abs() < 1e-5 && slope(1.0 - 1e-6).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,172 @@
+//! Node forces that end all penetration: solve, look at the rest, add what got pressed, repeat.
+
+use super::candidates::{loaded_rim, penetrating, uncoupled_groups, with_rings};
+use super::compliance::Compliance;
+use super::gaps::InitialGaps;
+use super::{ContactError, ContactOptions, Interrupt};
+use crate::lcp::{self, LcpOptions, LcpProblem, LcpSolution, LcpStatus};
+use crate::obstacle::Obstacle;
+use crate::surface::Surface;
+use std::time::Instant;
+
+/// Rings added to the penetrating vertices where a response has negative entries (Xie, Kanai, Date 2011, §2.5).
+const DEFAULT_RINGS: usize = 3;
+
+/// A vertex outside the candidates counts as pressed when its gap falls below this share of the deepest
+/// penetration; well above the rounding of `g0 + R f`, well below anything visible.
+const PRESSED_SHARE: f64 = 1e-9;
+
+/// Solved node forces and what it took to find them.
+#[derive(Debug)]
+pub(super) struct Equilibrium {
+    /// Vertices in the complementarity problems, ascending.
+    pub candidates: Vec<usize>,
+    /// One solution per uncoupled group of candidates.
+    pub solutions: Vec<LcpSolution>,
+    /// f (n, N): node forces, zero outside the candidates; NaN on candidates of a problem that did not solve.
+    pub node_force: Vec<f64>,
+    /// g = g0 + R f on the candidates (n, m), g0 elsewhere.
+    pub gap: Vec<f64>,
+    /// First ending other than `Solved`.
+    pub failure: Option<LcpStatus>,
+    /// Seconds in assembly and in the solver.
+    pub response_seconds: f64,
+    /// Seconds in the solver.
+    pub lcp_seconds: f64,
+}
+
+/// Finds the node forces. `gaps` is completed where growth asks for vertices beyond the search distance.
+pub(super) fn solve(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    compliance: &Compliance,
+    gaps: &mut InitialGaps,
+    options: &ContactOptions,
+    interrupt: Interrupt,
+) -> Result<Equilibrium, ContactError> {
+    let inside = penetrating(surface, &gaps.distance);
+    let deepest = inside.iter().map(|&vertex| -gaps.distance[vertex]).fold(0.0, f64::max);
+    let grows = compliance.has_negative_entries();
+    let rings = options.rings.unwrap_or(if grows { DEFAULT_RINGS } else { 0 });
+    let mut candidates = with_rings(surface, &inside, rings);
+    let (mut response_seconds, mut lcp_seconds) = (0.0, 0.0);
+
+    for growth in 0.. {
+        gaps.complete(surface.vertices(), obstacle, &candidates)?;
+        let mut round = Equilibrium {
+            solutions: Vec::new(),
+            node_force: vec![0.0; surface.vertices().len()],
+            gap: gaps.distance.clone(),
+            failure: None,
+            response_seconds: 0.0,
+            lcp_seconds: 0.0,
+            candidates,
+        };
+        for group in uncoupled_groups(surface, &round.candidates, compliance.reach()) {
+            let started = Instant::now();
+            let response = compliance.square(&group, &gaps.normal)?;
+            response_seconds += started.elapsed().as_secs_f64();
+            let started = Instant::now();
+            let q: Vec<f64> = group.iter().map(|&vertex| gaps.distance[vertex]).collect();
+            let problem = LcpProblem::new(response.as_ref(), &q)?;
+            let lcp_options = LcpOptions { interrupt: Some(interrupt), ..LcpOptions::default() };
+            let solution = lcp::solve(&problem, options.method, &lcp_options)?;
+            lcp_seconds += started.elapsed().as_secs_f64();
+            if solution.status == LcpStatus::Interrupted {
+                return Err(ContactError::Interrupted { stage: "lcp" });
+            }
+            round.adopt(&group, solution);
+        }
+        round.response_seconds = response_seconds;
+        round.lcp_seconds = lcp_seconds;
+        if round.failure.is_some() || rings == 0 && !grows {
+            return Ok(round);
+        }
+        let started = Instant::now();
+        let mut added = loaded_rim(surface, &round.candidates, &round.node_force);
+        if grows {
+            added.extend(pressed_outside(surface, obstacle, compliance, gaps, &round, deepest)?);
+        }
+        response_seconds += started.elapsed().as_secs_f64();
+        if added.is_empty() {
+            return Ok(Equilibrium { response_seconds, ..round });
+        }
+        if growth == options.max_growths {
+            let skin_vertices = surface.skin_mask().iter().filter(|&&may_touch| may_touch).count();
+            let candidates = round.candidates.len();
+            return Err(ContactError::Growth { growths: growth, candidates, skin_vertices });
+        }
+        let mut grown = with_rings(surface, &added, rings.max(1));
+        grown.extend(&round.candidates);
+        grown.sort_unstable();
+        grown.dedup();
+        candidates = grown;
+        if interrupt() {
+            return Err(ContactError::Interrupted { stage: "candidates" });
+        }
+    }
+    unreachable!("the loop ends by a return")
+}
+
+impl Equilibrium {
+    /// Skin and obstacle are apart.
+    pub fn none(vertex_count: usize, gaps: &InitialGaps) -> Self {
+        Self {
+            candidates: Vec::new(),
+            solutions: Vec::new(),
+            node_force: vec![0.0; vertex_count],
+            gap: gaps.distance.clone(),
+            failure: None,
+            response_seconds: 0.0,
+            lcp_seconds: 0.0,
+        }
+    }
+
+    /// Takes over the solution of one group.
+    fn adopt(&mut self, group: &[usize], solution: LcpSolution) {
+        let solved = solution.status == LcpStatus::Solved;
+        for (node, &vertex) in group.iter().enumerate() {
+            self.node_force[vertex] = if solved { solution.z[node] } else { f64::NAN };
+            self.gap[vertex] = if solved { solution.w[node] } else { f64::NAN };
+        }
+        if !solved {
+            self.failure.get_or_insert(solution.status);
+        }
+        self.solutions.push(solution);
+    }
+
+    /// Vertices with f > 0, ascending.
+    pub fn active(&self) -> Vec<usize> {
+        self.candidates.iter().copied().filter(|&vertex| self.node_force[vertex] > 0.0).collect()
+    }
+}
+
+/// Vertices outside the candidates that the solved forces press into the obstacle.
+fn pressed_outside(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    compliance: &Compliance,
+    gaps: &mut InitialGaps,
+    round: &Equilibrium,
+    deepest: f64,
+) -> Result<Vec<usize>, ContactError> {
+    let active = round.active();
+    let outside: Vec<usize> = (0..surface.vertices().len())
+        .filter(|&vertex| surface.skin_mask()[vertex] && round.candidates.binary_search(&vertex).is_err())
+        .collect();
+    let displacement = compliance.displacement(&outside, &active, &round.node_force, &gaps.normal)?;
+    // An unmeasured vertex stays clear unless it sinks by more than the search distance.
+    let clear_below = |vertex: usize| gaps.distance[vertex].min(gaps.search_distance);
+    let sinking: Vec<(usize, f64)> = outside
+        .into_iter()
+        .zip(displacement.magnitude)
+        .filter(|&(vertex, magnitude)| magnitude < 0.0 && clear_below(vertex) + magnitude < 0.0)
+        .collect();
+    let vertices: Vec<usize> = sinking.iter().map(|&(vertex, _)| vertex).collect();
+    gaps.complete(surface.vertices(), obstacle, &vertices)?;
+    Ok(sinking
+        .into_iter()
+        .filter(|&(vertex, magnitude)| gaps.distance[vertex] + magnitude < -PRESSED_SHARE * deepest)
+        .map(|(vertex, _)| vertex)
+        .collect())
+}

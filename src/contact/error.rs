@@ -1,0 +1,88 @@
+//! Why a contact could not be posed or carried through.
+
+use crate::lcp::LcpError;
+use crate::obstacle::ObstacleError;
+use crate::response::ResponseError;
+
+/// Why a contact could not be posed or carried through; an ending of a well-posed solve is a
+/// [`ContactStatus`](super::ContactStatus) instead.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContactError {
+    /// An option is out of range.
+    #[error("option `{option}` is {value}, expected {expected}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// The direction of a press has no length or is not finite.
+    #[error("direction ({0}, {1}, {2}) cannot be normalised: give a finite vector that is not zero", direction[0], direction[1], direction[2])]
+    Direction {
+        /// The direction given.
+        direction: [f64; 3],
+    },
+    /// The depth of a press is negative or not finite.
+    #[error("depth is {depth} m, expected a finite depth >= 0")]
+    Depth {
+        /// The depth given (m).
+        depth: f64,
+    },
+    /// No vertex may touch.
+    #[error("the skin mask leaves no vertex that may touch ({vertex_count} vertices, all masked out)")]
+    NoSkin {
+        /// Vertices of the surface.
+        vertex_count: usize,
+    },
+    /// Moving along the direction, the obstacle never meets the skin.
+    #[error(
+        "the obstacle never meets the skin along direction ({:.4}, {:.4}, {:.4}): move it into line with the skin, or turn the direction",
+        direction[0], direction[1], direction[2]
+    )]
+    NeverTouches {
+        /// The unit direction.
+        direction: [f64; 3],
+    },
+    /// A press from the current position starts inside the skin.
+    #[error(
+        "the obstacle already penetrates the skin by {penetration:.6e} m at vertex {vertex} ({count} vertices in all): start=\"current\" needs a free start, use start=\"infinity\" or move the obstacle"
+    )]
+    StartsPenetrating {
+        /// Deepest vertex.
+        vertex: usize,
+        /// Its depth (m).
+        penetration: f64,
+        /// Penetrating vertices.
+        count: usize,
+    },
+    /// Candidates were still being added when the limit was reached.
+    #[error(
+        "the candidate set still grew after {growths} rounds ({candidates} of {skin_vertices} skin vertices): raise `max_growths`, or take a response without negative entries"
+    )]
+    Growth {
+        /// Rounds done.
+        growths: usize,
+        /// Candidates then.
+        candidates: usize,
+        /// Skin vertices of the surface.
+        skin_vertices: usize,
+    },
+    /// The caller asked to stop.
+    #[error("interrupted during {stage}")]
+    Interrupted {
+        /// The stage under way.
+        stage: &'static str,
+    },
+    /// The obstacle could not answer.
+    #[error(transparent)]
+    Obstacle(#[from] ObstacleError),
+    /// The response matrix could not be built.
+    #[error(transparent)]
+    Response(#[from] ResponseError),
+    /// The complementarity problem could not be posed.
+    #[error(transparent)]
+    Lcp(#[from] LcpError),
+}

@@ -1,0 +1,62 @@
+//! How a contact is solved: options, their defaults, their checks.
+
+use super::ContactError;
+use crate::lcp::LcpMethod;
+
+/// Asked between and inside the stages; `true` stops the solve with [`ContactError::Interrupted`].
+pub type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// Options of [`solve_contact`](super::solve_contact) and [`press`](super::press).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactOptions {
+    /// Relative quadrature tolerance of every entry of the response matrix (dimensionless, 0 ≤ tolerance < 1;
+    /// 0 asks for all that double precision gives).
+    pub tolerance: f64,
+    /// Rings of neighbours added to the penetrating vertices. `None`: none where the response has no negative
+    /// entry (further vertices can never touch), 3 otherwise, as in Xie, Kanai, Date 2011.
+    pub rings: Option<usize>,
+    /// Solver of the complementarity problem.
+    pub method: LcpMethod,
+    /// Threads; `None`: all that the machine has. Results are the same to the bit for any number.
+    pub num_threads: Option<usize>,
+    /// Largest memory for response matrices (bytes); `None`: no limit.
+    pub memory_limit: Option<usize>,
+    /// Distance (m) from the obstacle up to which gaps are reported; `None`: depth plus two mean edge lengths.
+    pub search_distance: Option<f64>,
+    /// How often candidates may be added before the solve gives up (growth ends by itself in a few steps).
+    pub max_growths: usize,
+}
+
+impl Default for ContactOptions {
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-6,
+            rings: None,
+            method: LcpMethod::Lemke,
+            num_threads: None,
+            memory_limit: None,
+            search_distance: None,
+            max_growths: 50,
+        }
+    }
+}
+
+impl ContactOptions {
+    /// # Errors
+    /// [`ContactError::Option`] naming the option and its value.
+    pub(super) fn validate(&self) -> Result<(), ContactError> {
+        let fail = |option, value: f64, expected| Err(ContactError::Option { option, value, expected });
+        if !(0.0..1.0).contains(&self.tolerance) {
+            return fail("tolerance", self.tolerance, "a number in [0, 1)");
+        }
+        if let Some(distance) = self.search_distance
+            && !(distance >= 0.0 && distance.is_finite())
+        {
+            return fail("search_distance", distance, "a finite length >= 0 (m)");
+        }
+        if self.num_threads == Some(0) {
+            return fail("num_threads", 0.0, "at least 1, or none for all");
+        }
+        Ok(())
+    }
+}
