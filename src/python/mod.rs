@@ -1,1 +1,52 @@
-//! Thin PyO3 layer: convert, detach, call, convert back.
+//! Thin PyO3 layer: convert, detach, call, convert back. The typed facade in `python/quasirigid` builds on it.
+
+mod contact;
+mod convert;
+mod errors;
+mod interrupt;
+mod lcp;
+mod obstacle;
+mod skin;
+mod surface;
+
+use pyo3::prelude::*;
+
+/// The compiled core of quasirigid.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::contact::{PyContact, PyContactOptions, press, solve_contact};
+    #[pymodule_export]
+    use super::lcp::{PyLcpOptions, PyLcpSolution, solve_lcp};
+    #[pymodule_export]
+    use super::obstacle::PyObstacle;
+    #[pymodule_export]
+    use super::skin::{PySkin, response_matrix};
+    #[pymodule_export]
+    use super::surface::{PySurface, flat_cap_mask, repair};
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add(
+            "__all__",
+            [
+                "Contact",
+                "ContactOptions",
+                "LcpOptions",
+                "LcpSolution",
+                "Obstacle",
+                "Skin",
+                "Surface",
+                "flat_cap_mask",
+                "press",
+                "repair",
+                "response_matrix",
+                "solve_contact",
+                "solve_lcp",
+            ],
+        )
+    }
+}

@@ -1,0 +1,170 @@
+"""Types of the compiled core. All numbers are SI: m, N, Pa, rad, s."""
+
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "Contact",
+    "ContactOptions",
+    "LcpOptions",
+    "LcpSolution",
+    "Obstacle",
+    "Skin",
+    "Surface",
+    "flat_cap_mask",
+    "press",
+    "repair",
+    "response_matrix",
+    "solve_contact",
+    "solve_lcp",
+]
+
+__version__: str
+
+@final
+class Surface:
+    def __new__(
+        cls, vertices: ArrayLike, faces: ArrayLike, skin_mask: ArrayLike | None = None
+    ) -> Surface: ...
+    @property
+    def vertices(self) -> NDArray[np.float64]: ...
+    @property
+    def faces(self) -> NDArray[np.int64]: ...
+    @property
+    def vertex_normals(self) -> NDArray[np.float64]: ...
+    @property
+    def vertex_areas(self) -> NDArray[np.float64]: ...
+    @property
+    def skin_mask(self) -> NDArray[np.bool_]: ...
+    @property
+    def area(self) -> float: ...
+    @property
+    def volume(self) -> float: ...
+    @property
+    def is_closed(self) -> bool: ...
+    @property
+    def mean_edge_length(self) -> float: ...
+    def with_skin_mask(self, skin_mask: ArrayLike) -> Surface: ...
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> Surface: ...
+    def k_ring(self, nodes: ArrayLike, rings: int) -> NDArray[np.int64]: ...
+    def patches(self, nodes: ArrayLike) -> list[NDArray[np.int64]]: ...
+    def __reduce__(
+        self,
+    ) -> tuple[type[Surface], tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]]: ...
+
+@final
+class Obstacle:
+    @staticmethod
+    def mesh(vertices: ArrayLike, faces: ArrayLike, *, check_crossings: bool = True) -> Obstacle: ...
+    @staticmethod
+    def half_space(point: ArrayLike, normal: ArrayLike) -> Obstacle: ...
+    @staticmethod
+    def sphere(center: ArrayLike, radius: float) -> Obstacle: ...
+    @staticmethod
+    def box(half_extents: ArrayLike) -> Obstacle: ...
+    @staticmethod
+    def capsule(a: ArrayLike, b: ArrayLike, radius: float) -> Obstacle: ...
+    @staticmethod
+    def cylinder(half_height: float, radius: float) -> Obstacle: ...
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> Obstacle: ...
+    def signed_distance(
+        self, points: ArrayLike, max_distance: float | None = None
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def bounding_box(self) -> NDArray[np.float64] | None: ...
+    @property
+    def rotation(self) -> NDArray[np.float64]: ...
+    @property
+    def translation(self) -> NDArray[np.float64]: ...
+    def triangles(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None: ...
+
+@final
+class Skin:
+    @staticmethod
+    def half_space(shear_modulus: float, poisson_ratio: float, pressure: str) -> Skin: ...
+    @staticmethod
+    def gaussian_corrected(
+        shear_modulus: float,
+        poisson_ratio: float,
+        height: float,
+        width: float,
+        cutoff: float,
+        pressure: str,
+    ) -> Skin: ...
+
+@final
+class ContactOptions:
+    def __new__(
+        cls,
+        *,
+        tolerance: float,
+        rings: int | None,
+        method: str,
+        num_threads: int | None,
+        memory_limit: int | None,
+        search_distance: float | None,
+        max_growths: int,
+    ) -> ContactOptions: ...
+    @staticmethod
+    def defaults() -> dict[str, Any]: ...
+
+@final
+class Contact:
+    def fields(self) -> dict[str, Any]: ...
+    def patches(self) -> list[dict[str, Any]]: ...
+    def accuracy(self) -> dict[str, Any]: ...
+    def deformed(self) -> Surface: ...
+    def obstacle(self) -> Obstacle: ...
+    def lcp_solutions(self) -> list[LcpSolution]: ...
+
+def flat_cap_mask(surface: Surface) -> NDArray[np.bool_]: ...
+def repair(
+    vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], dict[str, int]]: ...
+def response_matrix(
+    surface: Surface,
+    skin: Skin,
+    nodes: ArrayLike,
+    directions: ArrayLike | None,
+    *,
+    tolerance: float,
+    num_threads: int | None,
+) -> NDArray[np.float64]: ...
+def solve_contact(surface: Surface, obstacle: Obstacle, skin: Skin, options: ContactOptions) -> Contact: ...
+def press(
+    surface: Surface,
+    obstacle: Obstacle,
+    skin: Skin,
+    direction: ArrayLike,
+    *,
+    depth: float,
+    start: str,
+    options: ContactOptions,
+) -> Contact: ...
+
+@final
+class LcpOptions:
+    def __new__(
+        cls,
+        *,
+        max_pivots: int | None,
+        pivot_tol: float,
+        tolerance: float,
+        initial_active: list[int] | None,
+        covering: ArrayLike | None,
+    ) -> LcpOptions: ...
+    @staticmethod
+    def defaults() -> dict[str, Any]: ...
+
+@final
+class LcpSolution:
+    def fields(self) -> dict[str, Any]: ...
+    def certificate(self) -> dict[str, Any]: ...
+    def ray(self) -> dict[str, Any] | None: ...
+    def attempts(self) -> list[tuple[str, str, int, bool]]: ...
+
+def solve_lcp(matrix: ArrayLike, q: ArrayLike, *, method: str, options: LcpOptions) -> LcpSolution: ...

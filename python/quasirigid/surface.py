@@ -1,0 +1,76 @@
+"""The skin: a validated triangle mesh, and repair of raw vertices and faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from . import _core
+from ._core import Surface as Surface
+from ._core import flat_cap_mask as flat_cap_mask
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Repair", "Surface", "flat_cap_mask", "repair"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Repair:
+    """Repaired raw mesh and what was changed.
+
+    Attributes
+    ----------
+    vertices : (n, 3) float64
+        Vertices kept (m).
+    faces : (m, 3) int64
+        Faces kept.
+    vertex_map : (n_before,) int64
+        New number of each old vertex, -1 for a dropped one.
+    report : dict of str to int
+        How many of each thing were changed.
+    """
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    vertex_map: NDArray[np.int64]
+    report: dict[str, int]
+
+
+def repair(vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float) -> Repair:
+    """Weld, drop what is unused, degenerate or double, and turn faces the same way.
+
+    Nothing else in the package repairs anything: a mesh with a defect is refused, and this call is the remedy.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like
+        Positions (m).
+    faces : (m, 3) array_like of int
+        Corners of each triangle.
+    weld_tolerance : float
+        Vertices at most this far apart (m, >= 0) become one; 0 welds bit-equal points.
+
+    Returns
+    -------
+    Repair
+        The mesh, the map from old to new vertices, and a count of every change.
+
+    Raises
+    ------
+    SurfaceError
+        Where no repair is possible: not finite, index out of range, not orientable.
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> fixed = qr.repair(corners, [[0, 1, 2], [3, 4, 5]], weld_tolerance=0.0)
+    >>> len(fixed.vertices), fixed.vertex_map.tolist()
+    (4, [0, 1, 2, 1, 3, 2])
+    """
+    fixed_vertices, fixed_faces, vertex_map, report = _core.repair(
+        vertices, faces, weld_tolerance=weld_tolerance
+    )
+    return Repair(vertices=fixed_vertices, faces=fixed_faces, vertex_map=vertex_map, report=report)

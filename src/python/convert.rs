@@ -1,0 +1,200 @@
+//! NumPy arrays in and out.
+
+use faer::{Mat, MatRef};
+use nalgebra::{Matrix3, Vector3};
+use numpy::{
+    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
+    PyUntypedArrayMethods,
+};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// `numpy.asarray(value, dtype)`, with the argument's name in the error.
+fn as_array<'py>(value: &Bound<'py, PyAny>, name: &str, dtype: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+    let py = value.py();
+    let options = PyDict::new(py);
+    options.set_item("order", "C")?;
+    if let Some(dtype) = dtype {
+        options.set_item("dtype", dtype)?;
+    }
+    py.import("numpy")?.call_method("asarray", (value,), Some(&options)).map_err(|error| {
+        PyTypeError::new_err(format!(
+            "`{name}` cannot be read as an array of {}: {error}",
+            dtype.unwrap_or("numbers")
+        ))
+    })
+}
+
+fn shape_error(name: &str, expected: &str, shape: &[usize]) -> PyErr {
+    PyValueError::new_err(format!("`{name}` has shape {shape:?}, expected {expected}"))
+}
+
+fn float_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
+    let array = as_array(value, name, None)?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    if !"fiu".contains(&kind) {
+        return Err(PyTypeError::new_err(format!(
+            "`{name}` has dtype {}, expected real numbers",
+            array.getattr("dtype")?
+        )));
+    }
+    Ok(as_array(&array, name, Some("float64"))?.cast_into::<PyArrayDyn<f64>>()?.readonly())
+}
+
+/// (n, 3) points or vectors.
+pub(super) fn vectors(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vector3<f64>>> {
+    let array = float_array(value, name)?;
+    match array.shape() {
+        [_, 3] => Ok(array.as_slice()?.chunks_exact(3).map(Vector3::from_column_slice).collect()),
+        shape => Err(shape_error(name, "(n, 3)", shape)),
+    }
+}
+
+/// (3,) vector.
+pub(super) fn vector(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vector3<f64>> {
+    let array = float_array(value, name)?;
+    match array.shape() {
+        [3] => Ok(Vector3::from_column_slice(array.as_slice()?)),
+        shape => Err(shape_error(name, "(3,)", shape)),
+    }
+}
+
+/// (3, 3) matrix.
+pub(super) fn matrix3(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Matrix3<f64>> {
+    let array = float_array(value, name)?;
+    match array.shape() {
+        [3, 3] => Ok(Matrix3::from_row_slice(array.as_slice()?)),
+        shape => Err(shape_error(name, "(3, 3)", shape)),
+    }
+}
+
+/// (n,) numbers.
+pub(super) fn scalars(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
+    let array = float_array(value, name)?;
+    match array.shape() {
+        [_] => Ok(array.as_slice()?.to_vec()),
+        shape => Err(shape_error(name, "(n,)", shape)),
+    }
+}
+
+/// (n,) booleans.
+pub(super) fn mask(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<bool>> {
+    let array = as_array(value, name, None)?;
+    let Ok(array) = array.cast_into::<PyArrayDyn<bool>>() else {
+        return Err(PyTypeError::new_err(format!("`{name}` must be an array of booleans")));
+    };
+    match array.shape() {
+        [_] => Ok(array.readonly().as_slice()?.to_vec()),
+        shape => Err(shape_error(name, "(n,) booleans", shape)),
+    }
+}
+
+fn integer_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, i64>> {
+    let array = as_array(value, name, None)?;
+    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    let empty = array.getattr("size")?.extract::<usize>()? == 0;
+    if !"iu".contains(&kind) && !empty {
+        return Err(PyTypeError::new_err(format!(
+            "`{name}` has dtype {}, expected integers",
+            array.getattr("dtype")?
+        )));
+    }
+    Ok(as_array(&array, name, Some("int64"))?.cast_into::<PyArrayDyn<i64>>()?.readonly())
+}
+
+/// (m, 3) vertex indices; a negative one names no vertex, and is refused here with the face that has it.
+pub(super) fn faces(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 3]>> {
+    let array = integer_array(value, name)?;
+    let [_, 3] = array.shape() else {
+        return Err(shape_error(name, "(m, 3)", array.shape()));
+    };
+    let flat = array.as_slice()?;
+    let unusable = |index: &&i64| u32::try_from(**index).is_err();
+    if let Some(first) = flat.iter().position(|index| unusable(&index)) {
+        let count = flat.iter().filter(unusable).count();
+        return Err(super::errors::SurfaceError::new_err(format!(
+            "face {} refers to vertex {}, which cannot exist ({count} such references): indices count from 0",
+            first / 3,
+            flat[first]
+        )));
+    }
+    Ok(flat
+        .chunks_exact(3)
+        .map(|corners| [corners[0] as u32, corners[1] as u32, corners[2] as u32])
+        .collect())
+}
+
+/// (k,) node numbers below `count`.
+pub(super) fn nodes(value: &Bound<'_, PyAny>, name: &str, count: usize) -> PyResult<Vec<usize>> {
+    let array = integer_array(value, name)?;
+    let [_] = array.shape() else {
+        return Err(shape_error(name, "(k,)", array.shape()));
+    };
+    array
+        .as_slice()?
+        .iter()
+        .enumerate()
+        .map(|(row, &index)| match usize::try_from(index) {
+            Ok(index) if index < count => Ok(index),
+            _ => Err(PyValueError::new_err(format!(
+                "`{name}[{row}]` is {index}, but there are {count} vertices"
+            ))),
+        })
+        .collect()
+}
+
+/// (n, 3) array of vectors.
+pub(super) fn vectors_out<'py>(py: Python<'py>, vectors: &[Vector3<f64>]) -> Bound<'py, PyArray2<f64>> {
+    let flat: Vec<f64> = vectors.iter().flat_map(|vector| [vector.x, vector.y, vector.z]).collect();
+    PyArray1::from_vec(py, flat).reshape([vectors.len(), 3]).expect("three numbers a vector")
+}
+
+/// (3,) array.
+pub(super) fn vector_out<'py>(py: Python<'py>, vector: &Vector3<f64>) -> Bound<'py, PyArray1<f64>> {
+    PyArray1::from_slice(py, vector.as_slice())
+}
+
+/// (m, 3) int64 array of faces.
+pub(super) fn faces_out<'py>(py: Python<'py>, faces: &[[u32; 3]]) -> Bound<'py, PyArray2<i64>> {
+    let flat: Vec<i64> = faces.iter().flatten().map(|&index| i64::from(index)).collect();
+    PyArray1::from_vec(py, flat).reshape([faces.len(), 3]).expect("three corners a face")
+}
+
+/// (k,) int64 array of vertex numbers.
+pub(super) fn nodes_out<'py>(py: Python<'py>, nodes: &[usize]) -> Bound<'py, PyArray1<i64>> {
+    PyArray1::from_vec(py, nodes.iter().map(|&node| node as i64).collect())
+}
+
+/// A matrix of float64 in C or Fortran order; anything else is copied to C order first.
+pub(super) struct MatrixIn<'py>(PyReadonlyArray2<'py, f64>);
+
+impl<'py> MatrixIn<'py> {
+    pub fn new(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
+        let fits = value.cast::<PyArray2<f64>>().is_ok_and(|array| array.is_contiguous());
+        let array = if fits { value.clone() } else { float_array(value, name)?.as_any().clone() };
+        let shape = array.cast::<PyArrayDyn<f64>>()?.shape().to_vec();
+        match array.cast_into::<PyArray2<f64>>() {
+            Ok(array) => Ok(Self(array.readonly())),
+            Err(_) => Err(shape_error(name, "(n, n)", &shape)),
+        }
+    }
+
+    /// As faer sees it, without a copy.
+    pub fn view(&self) -> MatRef<'_, f64> {
+        let (rows, columns) = (self.0.shape()[0], self.0.shape()[1]);
+        let numbers = self.0.as_slice().expect("contiguous in one of the two orders");
+        if self.0.is_c_contiguous() {
+            MatRef::from_row_major_slice(numbers, rows, columns)
+        } else {
+            MatRef::from_column_major_slice(numbers, rows, columns)
+        }
+    }
+}
+
+/// (n, m) array, C order.
+pub(super) fn matrix_out<'py>(py: Python<'py>, matrix: &Mat<f64>) -> Bound<'py, PyArray2<f64>> {
+    let (rows, columns) = (matrix.nrows(), matrix.ncols());
+    let flat: Vec<f64> = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)])).collect();
+    PyArray1::from_vec(py, flat).reshape([rows, columns]).expect("as many numbers as entries")
+}

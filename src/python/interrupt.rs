@@ -1,0 +1,68 @@
+//! Long work outside the interpreter that Ctrl-C still ends.
+
+use pyo3::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How often signals are looked at.
+const POLL: Duration = Duration::from_millis(20);
+
+/// Runs `work` with the interpreter released. `work` gets a function that answers whether to stop; a pending
+/// signal (KeyboardInterrupt) makes it answer yes, and is raised once `work` has returned.
+pub(super) fn detached<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
+) -> PyResult<T> {
+    let signal: Mutex<Option<PyErr>> = Mutex::new(None);
+    let last_look = Mutex::new(Instant::now());
+    let result = py.detach(|| {
+        work(&|| {
+            let mut last_look = last_look.lock().expect("no panic while the lock is held");
+            if last_look.elapsed() >= POLL {
+                *last_look = Instant::now();
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    *signal.lock().expect("no panic while the lock is held") = Some(error);
+                }
+            }
+            signal.lock().expect("no panic while the lock is held").is_some()
+        })
+    });
+    match signal.into_inner().expect("no panic while the lock is held") {
+        Some(error) => Err(error),
+        None => Ok(result),
+    }
+}
+
+/// As [`detached`], for work that moves to other threads, where signals cannot be seen: the calling thread waits
+/// and looks.
+pub(super) fn detached_on_thread<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
+) -> PyResult<T> {
+    let stop = AtomicBool::new(false);
+    let (result, signal) = py.detach(|| {
+        thread::scope(|scope| {
+            let worker = scope.spawn(|| work(&|| stop.load(Ordering::Relaxed)));
+            let mut signal = None;
+            let mut wait = Duration::from_micros(50);
+            while !worker.is_finished() {
+                thread::sleep(wait);
+                wait = (2 * wait).min(POLL);
+                if signal.is_none()
+                    && let Err(error) = Python::attach(|py| py.check_signals())
+                {
+                    signal = Some(error);
+                    stop.store(true, Ordering::Relaxed);
+                }
+            }
+            (worker.join(), signal)
+        })
+    });
+    match (result, signal) {
+        (_, Some(error)) => Err(error),
+        (Ok(result), None) => Ok(result),
+        (Err(panic), None) => std::panic::resume_unwind(panic),
+    }
+}

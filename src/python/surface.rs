@@ -1,0 +1,225 @@
+//! `quasirigid.Surface` and what works on raw vertices and faces.
+
+use super::convert::{faces, faces_out, mask, matrix3, nodes, nodes_out, vector, vectors, vectors_out};
+use super::errors::{IntoPyErr, SurfaceError};
+use crate::mesh::{self, RepairOptions};
+use crate::surface::Surface;
+use nalgebra::Isometry3;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+
+/// A validated triangle mesh of skin.
+#[pyclass(name = "Surface", module = "quasirigid", frozen, weakref)]
+pub(super) struct PySurface {
+    pub inner: Surface,
+    vertices: PyOnceLock<Py<PyArray2<f64>>>,
+    faces: PyOnceLock<Py<PyArray2<i64>>>,
+    vertex_normals: PyOnceLock<Py<PyArray2<f64>>>,
+    vertex_areas: PyOnceLock<Py<PyArray1<f64>>>,
+    skin_mask: PyOnceLock<Py<PyArray1<bool>>>,
+}
+
+impl From<Surface> for PySurface {
+    fn from(inner: Surface) -> Self {
+        Self {
+            inner,
+            vertices: PyOnceLock::new(),
+            faces: PyOnceLock::new(),
+            vertex_normals: PyOnceLock::new(),
+            vertex_areas: PyOnceLock::new(),
+            skin_mask: PyOnceLock::new(),
+        }
+    }
+}
+
+/// The array made once, read-only since it is shared.
+macro_rules! shared_array {
+    ($cell:expr, $py:expr, $make:expr) => {
+        $cell
+            .get_or_init($py, || {
+                let array = $make;
+                array.readwrite().make_nonwriteable();
+                array.unbind()
+            })
+            .bind($py)
+            .clone()
+    };
+}
+
+#[pymethods]
+impl PySurface {
+    #[new]
+    #[pyo3(signature = (vertices, faces, skin_mask=None), text_signature = "(vertices, faces, skin_mask=None)")]
+    fn new(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        faces: &Bound<'_, PyAny>,
+        skin_mask: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let vertices = vectors(vertices, "vertices")?;
+        let faces = self::faces(faces, "faces")?;
+        let skin_mask = skin_mask.map(|value| mask(value, "skin_mask")).transpose()?;
+        let surface = py.detach(|| {
+            let surface = Surface::new(vertices, faces)?;
+            match skin_mask {
+                Some(skin_mask) => surface.with_skin_mask(skin_mask),
+                None => Ok(surface),
+            }
+        });
+        surface.map(Self::from).map_err(IntoPyErr::into_py_err)
+    }
+
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        shared_array!(self.vertices, py, vectors_out(py, self.inner.vertices()))
+    }
+
+    #[getter]
+    fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
+        shared_array!(self.faces, py, faces_out(py, self.inner.faces()))
+    }
+
+    #[getter]
+    fn vertex_normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        shared_array!(self.vertex_normals, py, vectors_out(py, self.inner.vertex_normals()))
+    }
+
+    #[getter]
+    fn vertex_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        shared_array!(self.vertex_areas, py, PyArray1::from_slice(py, self.inner.vertex_areas()))
+    }
+
+    #[getter]
+    fn skin_mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        shared_array!(self.skin_mask, py, PyArray1::from_slice(py, self.inner.skin_mask()))
+    }
+
+    #[getter]
+    fn area(&self) -> f64 {
+        self.inner.area()
+    }
+
+    #[getter]
+    fn volume(&self) -> f64 {
+        self.inner.volume()
+    }
+
+    #[getter]
+    fn is_closed(&self) -> bool {
+        self.inner.is_closed()
+    }
+
+    #[getter]
+    fn mean_edge_length(&self) -> f64 {
+        self.inner.mean_edge_length()
+    }
+
+    #[pyo3(signature = (skin_mask), text_signature = "(self, skin_mask)")]
+    fn with_skin_mask(&self, skin_mask: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let skin_mask = mask(skin_mask, "skin_mask")?;
+        self.inner.clone().with_skin_mask(skin_mask).map(Self::from).map_err(IntoPyErr::into_py_err)
+    }
+
+    #[pyo3(text_signature = "(self, rotation, translation)")]
+    fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let pose = rigid(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)?;
+        Ok(self.inner.moved(&pose).into())
+    }
+
+    #[pyo3(signature = (nodes, rings), text_signature = "(self, nodes, rings)")]
+    fn k_ring<'py>(
+        &self,
+        py: Python<'py>,
+        nodes: &Bound<'py, PyAny>,
+        rings: usize,
+    ) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        let nodes = self::nodes(nodes, "nodes", self.inner.vertices().len())?;
+        Ok(nodes_out(py, &self.inner.k_ring(&nodes, rings)))
+    }
+
+    #[pyo3(text_signature = "(self, nodes)")]
+    fn patches<'py>(
+        &self,
+        py: Python<'py>,
+        nodes: &Bound<'py, PyAny>,
+    ) -> PyResult<Vec<Bound<'py, PyArray1<i64>>>> {
+        let nodes = self::nodes(nodes, "nodes", self.inner.vertices().len())?;
+        Ok(self.inner.patches(&nodes).iter().map(|patch| nodes_out(py, patch)).collect())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Surface({} vertices, {} faces, {}, area {:.6e} m^2)",
+            self.inner.vertices().len(),
+            self.inner.faces().len(),
+            if self.inner.is_closed() { "closed" } else { "open" },
+            self.inner.area()
+        )
+    }
+
+    /// Arguments that make the same surface again: pickling, copying.
+    #[expect(clippy::type_complexity, reason = "the tuple that pickle asks for")]
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> (Bound<'py, PyAny>, (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray1<bool>>))
+    {
+        let (py, this) = (slf.py(), slf.get());
+        (slf.get_type().into_any(), (this.vertices(py), this.faces(py), this.skin_mask(py)))
+    }
+}
+
+/// A rigid motion, after a check that the rotation is one.
+pub(super) fn rigid(
+    rotation: &nalgebra::Matrix3<f64>,
+    translation: &nalgebra::Vector3<f64>,
+) -> PyResult<Isometry3<f64>> {
+    crate::mesh::rigid_motion(rotation, translation).map_err(|error| SurfaceError::new_err(error.to_string()))
+}
+
+/// Marks the vertices that are skin: all but those of flat cut faces, rims included.
+#[pyfunction]
+#[pyo3(text_signature = "(surface)")]
+pub(super) fn flat_cap_mask<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {
+    PyArray1::from_vec(py, py.detach(|| surface.inner.flat_cap_mask()))
+}
+
+/// Repairs raw vertices and faces; returns vertices, faces, vertex map (-1: dropped) and a report.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, *, weld_tolerance), text_signature = "(vertices, faces, *, weld_tolerance)")]
+#[expect(clippy::type_complexity, reason = "a tuple for the facade to name")]
+pub(super) fn repair<'py>(
+    py: Python<'py>,
+    vertices: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    weld_tolerance: f64,
+) -> PyResult<(
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<i64>>,
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyDict>,
+)> {
+    let vertices = vectors(vertices, "vertices")?;
+    let faces = self::faces(faces, "faces")?;
+    let repaired = py
+        .detach(|| mesh::repair(&vertices, &faces, &RepairOptions { weld_tolerance }))
+        .map_err(|error| SurfaceError::new_err(error.to_string()))?;
+    let map: Vec<i64> =
+        repaired.vertex_map.iter().map(|vertex| vertex.map_or(-1, |vertex| vertex as i64)).collect();
+    let report = PyDict::new(py);
+    let counts = &repaired.report;
+    report.set_item("welded_vertices", counts.welded_vertices)?;
+    report.set_item("collapsed_faces", counts.collapsed_faces)?;
+    report.set_item("zero_area_faces", counts.zero_area_faces)?;
+    report.set_item("duplicate_faces", counts.duplicate_faces)?;
+    report.set_item("unused_vertices", counts.unused_vertices)?;
+    report.set_item("flipped_faces", counts.flipped_faces)?;
+    report.set_item("turned_components", counts.turned_components)?;
+    Ok((
+        vectors_out(py, &repaired.vertices),
+        faces_out(py, &repaired.faces),
+        PyArray1::from_vec(py, map),
+        report,
+    ))
+}
