@@ -144,3 +144,18 @@ fn round_up(value: f64) -> f64 {
     // The decimal text is what a person copies; it must not fall below the value.
     format!("{rounded:.1e}").parse().unwrap_or(rounded)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::round_up;
+
+    #[test]
+    fn tolerances_round_up_to_two_digits() {
+        for (value, expected) in
+            [(8.21e-6, 8.3e-6), (8.3e-6, 8.3e-6), (1.0, 1.0), (9.91, 10.0), (1.4e-9, 1.4e-9), (123.0, 130.0)]
+        {
+            assert_eq!(round_up(value), expected);
+            assert!(round_up(value) >= value);
+        }
+    }
+}

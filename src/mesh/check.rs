@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::adjacency::{NO_FACE, order_fans, pair_edges};
+use super::adjacency::{NO_FACE, pair_edges};
 use super::borders::check_borders;
 use super::csr::Csr;
 use super::error::MeshError;
+use super::fan::order_fans;
 use super::orient::orient;
 use super::topology::{Topology, boundary_loops, label_components};
 

@@ -213,7 +213,7 @@ pub enum MeshError {
     /// A closed component lies in another one that is turned the same way.
     #[error(
         "closed component {component} (from face {face} on, {volume:.3e} m^3) lies inside component {outer} and is \
-         turned outward as well ({count} such components); remove it, or turn its faces if it is a cavity"
+         turned outward as well ({count} such components); remove it, or call `repair` if it is a cavity"
     )]
     NestedShell {
         /// First component at fault, numbered from 0 in the order of their first faces.

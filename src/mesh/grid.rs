@@ -64,3 +64,26 @@ fn key(point: &Vector3<f64>, origin: &Vector3<f64>, cell: f64) -> [i64; 3] {
     let scaled = (point - origin) / cell;
     [scaled.x.floor() as i64, scaled.y.floor() as i64, scaled.z.floor() as i64]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    proptest::proptest! {
+        #[test]
+        fn neighbours_equal_those_of_all_pairs(
+            points in proptest::collection::vec(proptest::array::uniform3(-1.0..1.0), 1..60),
+            radius in 0.0..0.8,
+        ) {
+            let points: Vec<Vector3<f64>> = points.into_iter().map(Vector3::from).collect();
+            let grid = PointGrid::new(&points, radius);
+            for point in &points {
+                let mut found = Vec::new();
+                grid.for_each_near(point, |i, distance| found.push((i, distance)));
+                found.sort_by_key(|entry| entry.0);
+                let all = points.iter().enumerate().map(|(i, other)| (i, (other - point).norm()));
+                proptest::prop_assert_eq!(found, all.filter(|entry| entry.1 <= radius).collect::<Vec<_>>());
+            }
+        }
+    }
+}

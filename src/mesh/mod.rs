@@ -13,14 +13,18 @@
 mod adjacency;
 mod borders;
 mod check;
+mod component;
 mod csr;
+mod distance;
 mod error;
+mod fan;
 mod grid;
 mod nesting;
 mod orient;
 mod repair;
 mod rigid;
 mod topology;
+mod weld;
 mod winding;
 
 pub use check::{DEGENERATE_HEIGHT, check};

@@ -6,11 +6,12 @@ use nalgebra::Vector3;
 
 use super::adjacency::{NO_FACE, pair_edges};
 use super::check::{check_elements, for_each_duplicate, is_degenerate, repeated_vertex};
+use super::component::split_closed;
 use super::csr::Csr;
 use super::error::MeshError;
-use super::grid::PointGrid;
-use super::nesting::{components_to_turn, split_closed};
+use super::nesting::components_to_turn;
 use super::orient::orient;
+use super::weld::weld;
 
 /// Parameters of [`repair`].
 #[derive(Debug, Clone, PartialEq)]
@@ -136,34 +137,6 @@ pub fn repair(
     }
     turn_faces(vertices, &mut kept, &origin, &mut report)?;
     Ok(compact(vertices, kept, &root, report))
-}
-
-/// The lowest vertex of the cluster of each vertex: clusters are joined by steps of at most `tolerance`.
-fn weld(vertices: &[Vector3<f64>], tolerance: f64) -> Vec<u32> {
-    let mut root: Vec<u32> = (0..vertices.len() as u32).collect();
-    let grid = PointGrid::new(vertices, tolerance);
-    for (i, point) in vertices.iter().enumerate() {
-        grid.for_each_near(point, |j, _| {
-            if j < i {
-                let (a, b) = (find(&mut root, i as u32), find(&mut root, j as u32));
-                root[a.max(b) as usize] = a.min(b);
-            }
-        });
-    }
-    for i in 0..vertices.len() as u32 {
-        find(&mut root, i);
-        root[i as usize] = root[root[i as usize] as usize];
-    }
-    root
-}
-
-/// Root of a union-find tree whose parents have lower indices; halves the path.
-fn find(root: &mut [u32], mut i: u32) -> u32 {
-    while root[i as usize] != i {
-        root[i as usize] = root[root[i as usize] as usize];
-        i = root[i as usize];
-    }
-    i
 }
 
 /// The faces that stay, with welded vertices, and their numbers in the mesh given.

@@ -55,3 +55,27 @@ pub(crate) fn signed_volume(
         .sum();
     six_volumes / 6.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_octant_has_an_eighth_of_the_full_angle() {
+        let corners = [&Vector3::x(), &Vector3::y(), &Vector3::z()];
+        let angle = solid_angle(&Vector3::zeros(), corners);
+        assert!((angle - PI / 2.0).abs() < 1e-15, "seen from behind: positive");
+        let turned = solid_angle(&Vector3::zeros(), [corners[0], corners[2], corners[1]]);
+        assert!((turned + PI / 2.0).abs() < 1e-15);
+        assert_eq!(solid_angle(&Vector3::x(), corners), 0.0);
+    }
+
+    #[test]
+    fn the_volume_of_a_tetrahedron_does_not_depend_on_the_origin() {
+        let vertices = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        for origin in [Vector3::zeros(), Vector3::new(0.3, 0.2, 0.1), Vector3::new(-2.0, 5.0, 1.0)] {
+            assert!((signed_volume(&origin, &vertices, faces) - 1.0 / 6.0).abs() < 1e-14);
+        }
+    }
+}
