@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::{Obstacle, ObstacleError};
 
-/// Points per parallel task; fixed, so that the work is cut the same way for any number of threads.
-const CHUNK: usize = 256;
+/// Fewest points that are worth a task of their own.
+const POINTS_PER_TASK: usize = 64;
 
 /// What [`Obstacle::signed_distance`] found, one entry a point.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -64,20 +64,19 @@ impl Obstacle {
             return Err(ObstacleError::MaxDistance { max_distance: reach });
         }
         let frame = self.frame();
-        let mut answers = vec![Nearest::BEYOND; points.len()];
-        answers.par_chunks_mut(CHUNK).zip(points.par_chunks(CHUNK)).for_each(|(answers, points)| {
-            let mut search = self.shape().search(reach);
-            for (answer, point) in answers.iter_mut().zip(points) {
-                let found = search.nearest(&frame.to_local(point));
-                if let Some(found) = found.filter(|found| found.distance.abs() <= reach) {
-                    *answer = Nearest {
-                        distance: found.distance,
-                        closest: frame.to_world(&found.closest),
-                        normal: frame.turn(&found.normal),
-                    };
-                }
-            }
-        });
+        let answer = |point: &Vector3<f64>| {
+            let found = self.shape().nearest(&frame.to_local(point), reach)?;
+            (found.distance.abs() <= reach).then(|| Nearest {
+                distance: found.distance,
+                closest: frame.to_world(&found.closest),
+                normal: frame.turn(&found.normal),
+            })
+        };
+        let answers: Vec<Nearest> = points
+            .par_iter()
+            .with_min_len(POINTS_PER_TASK)
+            .map(|point| answer(point).unwrap_or(Nearest::BEYOND))
+            .collect();
         Ok(SignedDistances {
             distance: answers.iter().map(|answer| answer.distance).collect(),
             closest: answers.iter().map(|answer| answer.closest).collect(),

@@ -16,8 +16,8 @@ use super::triangle::{Closest, Feature, closest_on_triangle};
 /// Below this cosine between `p - c` and a pseudo-normal the solid angle decides the sign (dimensionless).
 const AMBIGUOUS_COSINE: f64 = 1e-6;
 
-/// Slack of a bound taken from another triangle, far above rounding (dimensionless).
-const BOUND_SLACK: f64 = 1.0 + 1e-9;
+/// Slack of the search's reach squared, far above rounding (dimensionless).
+const REACH_SLACK: f64 = 1.0 + 1e-9;
 
 /// Choices of [`Obstacle::mesh`](super::Obstacle::mesh).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -98,15 +98,10 @@ impl MeshShape {
         self.size
     }
 
-    fn closest_on_face(&self, p: &Vector3<f64>, face: u32) -> Closest {
-        let corners = self.faces[face as usize].map(|v| &self.vertices[v as usize]);
-        closest_on_triangle(p, corners, &self.normals[face as usize])
-    }
-
-    /// The closest face and the point on it, if nearer than the square root of `bound` (m²).
-    fn closest(&self, p: &Vector3<f64>, bound: f64) -> Option<(u32, Closest)> {
-        let found = self.tree.bvh().find_best(
-            bound,
+    /// Nearest point of the surface; `None` if it is surely farther than `reach` (m).
+    pub fn nearest(&self, p: &Vector3<f64>, reach: f64) -> Option<Nearest> {
+        let (face, (_, closest)) = self.tree.bvh().find_best(
+            reach * reach * REACH_SLACK + f64::MIN_POSITIVE,
             |node: &BvhNode, _| {
                 let (low, high) = (node.mins(), node.maxs());
                 let gap = |p: f64, low: f64, high: f64| (low - p).max(p - high).max(0.0);
@@ -114,11 +109,12 @@ impl MeshShape {
                 x * x + y * y + z * z
             },
             |face, _| {
-                let closest = self.closest_on_face(p, face);
+                let corners = self.faces[face as usize].map(|v| &self.vertices[v as usize]);
+                let closest = closest_on_triangle(p, corners, &self.normals[face as usize]);
                 Some((closest.distance_squared, closest))
             },
         )?;
-        Some((found.0, found.1.1))
+        Some(self.signed(p, face, &closest))
     }
 
     /// Signed distance and normal from the closest point on `face`.
@@ -167,38 +163,6 @@ impl std::fmt::Debug for MeshShape {
             .field("faces", &self.faces.len())
             .finish_non_exhaustive()
     }
-}
-
-/// Nearest points of a mesh for a run of points.
-///
-/// The face found for one point bounds the search for the next. The bound only prunes what cannot win, so the
-/// answers do not depend on the order of the points.
-pub(super) struct MeshSearch<'a> {
-    mesh: &'a MeshShape,
-    bound: f64,
-    last_face: Option<u32>,
-}
-
-impl<'a> MeshSearch<'a> {
-    /// A search as far as `reach` (m).
-    pub fn new(mesh: &'a MeshShape, reach: f64) -> Self {
-        MeshSearch { mesh, bound: loosened(reach * reach), last_face: None }
-    }
-
-    /// Nearest point of the mesh; `None` if it is surely farther than the reach.
-    pub fn nearest(&mut self, p: &Vector3<f64>) -> Option<Nearest> {
-        let bound = match self.last_face {
-            Some(face) => loosened(self.mesh.closest_on_face(p, face).distance_squared).min(self.bound),
-            None => self.bound,
-        };
-        let (face, closest) = self.mesh.closest(p, bound)?;
-        self.last_face = Some(face);
-        Some(self.mesh.signed(p, face, &closest))
-    }
-}
-
-fn loosened(distance_squared: f64) -> f64 {
-    distance_squared * BOUND_SLACK + f64::MIN_POSITIVE
 }
 
 fn check_closed(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), ObstacleError> {

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::ObstacleError;
 use super::distance::Nearest;
-use super::mesh::{MeshObstacleOptions, MeshSearch, MeshShape, corners_of};
+use super::mesh::{MeshObstacleOptions, MeshShape, corners_of};
 use super::primitive::Primitive;
 use crate::mesh::rigid_motion;
 
@@ -233,28 +233,12 @@ impl Frame {
     }
 }
 
-/// Nearest points of a shape for a run of points.
-pub(super) enum Search<'a> {
-    Mesh(MeshSearch<'a>),
-    Primitive(&'a Primitive),
-}
-
 impl Shape {
-    /// A search as far as `reach` (m).
-    pub fn search(&self, reach: f64) -> Search<'_> {
+    /// Nearest point of the surface, in its frame; `None` if it is surely farther than `reach` (m).
+    pub fn nearest(&self, p: &Vector3<f64>, reach: f64) -> Option<Nearest> {
         match self {
-            Shape::Mesh(mesh) => Search::Mesh(MeshSearch::new(mesh, reach)),
-            Shape::Primitive(primitive) => Search::Primitive(primitive),
-        }
-    }
-}
-
-impl Search<'_> {
-    /// Nearest point of the surface, in its frame; `None` if it is surely farther than the reach.
-    pub fn nearest(&mut self, p: &Vector3<f64>) -> Option<Nearest> {
-        match self {
-            Search::Mesh(search) => search.nearest(p),
-            Search::Primitive(primitive) => Some(primitive.nearest(p)),
+            Shape::Mesh(mesh) => mesh.nearest(p, reach),
+            Shape::Primitive(primitive) => Some(primitive.nearest(p)),
         }
     }
 }
