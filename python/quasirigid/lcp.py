@@ -15,7 +15,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Certificate", "LcpAttempt", "LcpMethod", "LcpOptions", "LcpRay", "LcpSolution", "LcpStatus", "solve_lcp"]
+__all__ = [
+    "Certificate",
+    "LcpAttempt",
+    "LcpMethod",
+    "LcpOptions",
+    "LcpRay",
+    "LcpSolution",
+    "LcpStatus",
+    "solve_lcp",
+]
 
 LcpMethod = Literal["lemke", "block_pivoting", "projected_cg", "auto"]
 

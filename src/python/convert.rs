@@ -103,8 +103,13 @@ fn integer_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReado
     Ok(as_array(&array, name, Some("int64"))?.cast_into::<PyArrayDyn<i64>>()?.readonly())
 }
 
-/// (m, 3) vertex indices; a negative one names no vertex, and is refused here with the face that has it.
-pub(super) fn faces(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 3]>> {
+/// (m, 3) vertex indices; a negative one names no vertex, and is refused here with the face that has it, by the
+/// exception that `refuse` makes.
+pub(super) fn faces(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    refuse: fn(String) -> PyErr,
+) -> PyResult<Vec<[u32; 3]>> {
     let array = integer_array(value, name)?;
     let [_, 3] = array.shape() else {
         return Err(shape_error(name, "(m, 3)", array.shape()));
@@ -113,7 +118,7 @@ pub(super) fn faces(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[u32; 
     let unusable = |index: &&i64| u32::try_from(**index).is_err();
     if let Some(first) = flat.iter().position(|index| unusable(&index)) {
         let count = flat.iter().filter(unusable).count();
-        return Err(super::errors::SurfaceError::new_err(format!(
+        return Err(refuse(format!(
             "face {} refers to vertex {}, which cannot exist ({count} such references): indices count from 0",
             first / 3,
             flat[first]

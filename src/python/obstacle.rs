@@ -1,12 +1,22 @@
 //! `quasirigid.Obstacle`.
 
 use super::convert::{faces, faces_out, matrix3, vector, vector_out, vectors, vectors_out};
-use super::errors::IntoPyErr;
+use super::errors::{IntoPyErr, ObstacleError};
 use crate::obstacle::{MeshObstacleOptions, Obstacle};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-/// A rigid product at a pose: a closed mesh or a primitive.
+/// The product: a closed mesh or a primitive, rigid, at a pose.
+///
+/// Make one by `mesh`, `half_space`, `sphere`, `box`, `capsule` or `cylinder`, and place it by `moved`.
+///
+/// Examples
+/// --------
+/// >>> import quasirigid as qr
+/// >>> ball = qr.Obstacle.sphere([0, 0, 0], 0.02)
+/// >>> distance, closest, normal = ball.signed_distance([[0.03, 0, 0]])
+/// >>> round(float(distance[0]), 6), normal[0].tolist()
+/// (0.01, [1.0, 0.0, 0.0])
 #[pyclass(name = "Obstacle", module = "quasirigid", frozen, weakref)]
 pub(super) struct PyObstacle {
     pub inner: Obstacle,
@@ -27,6 +37,21 @@ type Distances<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bou
 
 #[pymethods]
 impl PyObstacle {
+    /// A closed triangle mesh.
+    ///
+    /// Parameters
+    /// ----------
+    /// vertices : (n, 3) array_like
+    ///     Positions (m).
+    /// faces : (m, 3) array_like of int
+    ///     Corners of each triangle, counter-clockwise seen from outside.
+    /// check_crossings : bool
+    ///     Look for faces that cross, where inside and outside are not defined.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     As `Surface`, and for a mesh that is open, nested or crosses itself.
     #[staticmethod]
     #[pyo3(signature = (vertices, faces, *, check_crossings=true), text_signature = "(vertices, faces, *, check_crossings=True)")]
     fn mesh(
@@ -36,45 +61,113 @@ impl PyObstacle {
         check_crossings: bool,
     ) -> PyResult<Self> {
         let vertices = vectors(vertices, "vertices")?;
-        let faces = self::faces(faces, "faces")?;
+        let faces = self::faces(faces, "faces", ObstacleError::new_err)?;
         made(py.detach(|| Obstacle::mesh(vertices, faces, &MeshObstacleOptions { check_crossings })))
     }
 
+    /// All points below a plane.
+    ///
+    /// Parameters
+    /// ----------
+    /// point : (3,) array_like
+    ///     A point of the plane (m).
+    /// normal : (3,) array_like
+    ///     Its outward normal; normalised here.
     #[staticmethod]
     #[pyo3(text_signature = "(point, normal)")]
     fn half_space(point: &Bound<'_, PyAny>, normal: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(Obstacle::half_space(vector(point, "point")?, vector(normal, "normal")?))
     }
 
+    /// A sphere.
+    ///
+    /// Parameters
+    /// ----------
+    /// center : (3,) array_like
+    ///     Centre (m).
+    /// radius : float
+    ///     Radius (m), > 0.
     #[staticmethod]
     #[pyo3(text_signature = "(center, radius)")]
     fn sphere(center: &Bound<'_, PyAny>, radius: f64) -> PyResult<Self> {
         made(Obstacle::sphere(vector(center, "center")?, radius))
     }
 
+    /// A box about the origin, its edges along the axes.
+    ///
+    /// Parameters
+    /// ----------
+    /// half_extents : (3,) array_like
+    ///     Half its edges (m), > 0.
     #[staticmethod]
     #[pyo3(name = "box", text_signature = "(half_extents)")]
     fn cuboid(half_extents: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(Obstacle::cuboid(vector(half_extents, "half_extents")?))
     }
 
+    /// All points within a distance of a segment.
+    ///
+    /// Parameters
+    /// ----------
+    /// a, b : (3,) array_like
+    ///     Ends of the segment (m).
+    /// radius : float
+    ///     Radius (m), > 0.
     #[staticmethod]
     #[pyo3(text_signature = "(a, b, radius)")]
     fn capsule(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, radius: f64) -> PyResult<Self> {
         made(Obstacle::capsule(vector(a, "a")?, vector(b, "b")?, radius))
     }
 
+    /// A cylinder about the origin, its axis along z.
+    ///
+    /// Parameters
+    /// ----------
+    /// half_height : float
+    ///     Half its height (m), > 0.
+    /// radius : float
+    ///     Radius (m), > 0.
     #[staticmethod]
     #[pyo3(text_signature = "(half_height, radius)")]
     fn cylinder(half_height: f64, radius: f64) -> PyResult<Self> {
         made(Obstacle::cylinder(half_height, radius))
     }
 
+    /// A copy turned about the origin, then shifted: a point at x comes to ``rotation @ x + translation``.
+    ///
+    /// Parameters
+    /// ----------
+    /// rotation : (3, 3) array_like
+    ///     Proper rotation, orthonormal to 1e-9.
+    /// translation : (3,) array_like
+    ///     Shift (m).
+    ///
+    /// Returns
+    /// -------
+    /// Obstacle
+    ///     The copy; it shares the shape, so it costs next to nothing.
     #[pyo3(text_signature = "(self, rotation, translation)")]
     fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(self.inner.moved(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?))
     }
 
+    /// Signed distance, closest point and outward normal.
+    ///
+    /// Parameters
+    /// ----------
+    /// points : (n, 3) array_like
+    ///     Points (m).
+    /// max_distance : float, optional
+    ///     Search no farther (m): beyond it the distance is inf, the others nan.
+    ///
+    /// Returns
+    /// -------
+    /// distance : (n,) float64
+    ///     Signed distance (m), positive outside.
+    /// closest : (n, 3) float64
+    ///     Closest point of the surface (m).
+    /// normal : (n, 3) float64
+    ///     Outward unit normal there.
     #[pyo3(signature = (points, max_distance=None), text_signature = "(self, points, max_distance=None)")]
     fn signed_distance<'py>(
         &self,
@@ -93,6 +186,7 @@ impl PyObstacle {
         ))
     }
 
+    /// "mesh", "half_space", "sphere", "box", "capsule" or "cylinder".
     #[getter]
     fn kind(&self) -> &'static str {
         self.inner.kind()
@@ -109,6 +203,7 @@ impl PyObstacle {
         self.inner.triangles().map(|(vertices, faces)| (vectors_out(py, &vertices), faces_out(py, &faces)))
     }
 
+    /// (3, 3) float64: rotation of the pose.
     #[getter]
     fn rotation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         let rotation = self.inner.pose().rotation.to_rotation_matrix();
@@ -116,6 +211,7 @@ impl PyObstacle {
         vectors_out(py, &rows)
     }
 
+    /// (3,) float64: translation of the pose (m).
     #[getter]
     fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector_out(py, &self.inner.pose().translation.vector)

@@ -4,13 +4,40 @@ use super::convert::{faces, faces_out, mask, matrix3, nodes, nodes_out, vector, 
 use super::errors::{IntoPyErr, SurfaceError};
 use crate::mesh::{self, RepairOptions};
 use crate::surface::Surface;
-use nalgebra::Isometry3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 
-/// A validated triangle mesh of skin.
+/// The skin: a triangle mesh, checked once.
+///
+/// Parameters
+/// ----------
+/// vertices : (n, 3) array_like
+///     Positions (m).
+/// faces : (m, 3) array_like of int
+///     Corners of each triangle, counter-clockwise seen from outside.
+/// skin_mask : (n,) array_like of bool, optional
+///     Vertices that may touch; None for all.
+///
+/// Raises
+/// ------
+/// SurfaceError
+///     Naming the first element at fault, its value and how many there are: not finite, out of range, degenerate
+///     (height under 1e-12 of the longest edge), duplicate, non-manifold, inconsistently turned, pinched, unused,
+///     unwelded, nested or inside out. Nothing is mended in silence; `repair` is the remedy.
+///
+/// Notes
+/// -----
+/// Open surfaces are welcome; their volume is nan. Arrays are read-only and shared.
+///
+/// Examples
+/// --------
+/// >>> import quasirigid as qr
+/// >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+/// >>> surface = qr.Surface(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+/// >>> surface.is_closed, round(surface.volume, 6)
+/// (True, 0.166667)
 #[pyclass(name = "Surface", module = "quasirigid", frozen, weakref)]
 pub(super) struct PySurface {
     pub inner: Surface,
@@ -59,7 +86,7 @@ impl PySurface {
         skin_mask: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let vertices = vectors(vertices, "vertices")?;
-        let faces = self::faces(faces, "faces")?;
+        let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
         let skin_mask = skin_mask.map(|value| mask(value, "skin_mask")).transpose()?;
         let surface = py.detach(|| {
             let surface = Surface::new(vertices, faces)?;
@@ -71,63 +98,101 @@ impl PySurface {
         surface.map(Self::from).map_err(IntoPyErr::into_py_err)
     }
 
+    /// (n, 3) float64: positions (m).
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         shared_array!(self.vertices, py, vectors_out(py, self.inner.vertices()))
     }
 
+    /// (m, 3) int64: corners of each triangle.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
         shared_array!(self.faces, py, faces_out(py, self.inner.faces()))
     }
 
+    /// (n, 3) float64: outward unit normals.
     #[getter]
     fn vertex_normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
         shared_array!(self.vertex_normals, py, vectors_out(py, self.inner.vertex_normals()))
     }
 
+    /// (n,) float64: a third of the area of the triangles around each vertex (m^2).
     #[getter]
     fn vertex_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         shared_array!(self.vertex_areas, py, PyArray1::from_slice(py, self.inner.vertex_areas()))
     }
 
+    /// (n,) bool: vertices that may touch.
     #[getter]
     fn skin_mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
         shared_array!(self.skin_mask, py, PyArray1::from_slice(py, self.inner.skin_mask()))
     }
 
+    /// Area (m^2).
     #[getter]
     fn area(&self) -> f64 {
         self.inner.area()
     }
 
+    /// Enclosed volume (m^3); nan where the surface is open.
     #[getter]
     fn volume(&self) -> f64 {
         self.inner.volume()
     }
 
+    /// Whether every edge has two faces.
     #[getter]
     fn is_closed(&self) -> bool {
         self.inner.is_closed()
     }
 
+    /// Mean length of the edges (m).
     #[getter]
     fn mean_edge_length(&self) -> f64 {
         self.inner.mean_edge_length()
     }
 
+    /// The same surface with another skin mask.
+    ///
+    /// Parameters
+    /// ----------
+    /// skin_mask : (n,) array_like of bool
+    ///     Vertices that may touch.
     #[pyo3(signature = (skin_mask), text_signature = "(self, skin_mask)")]
     fn with_skin_mask(&self, skin_mask: &Bound<'_, PyAny>) -> PyResult<Self> {
         let skin_mask = mask(skin_mask, "skin_mask")?;
         self.inner.clone().with_skin_mask(skin_mask).map(Self::from).map_err(IntoPyErr::into_py_err)
     }
 
+    /// The surface after a rigid motion: a point at x comes to ``rotation @ x + translation``.
+    ///
+    /// Parameters
+    /// ----------
+    /// rotation : (3, 3) array_like
+    ///     Proper rotation, orthonormal to 1e-9.
+    /// translation : (3,) array_like
+    ///     Shift (m).
     #[pyo3(text_signature = "(self, rotation, translation)")]
     fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let pose = rigid(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)?;
-        Ok(self.inner.moved(&pose).into())
+        let motion =
+            mesh::rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?);
+        let motion = motion.map_err(|error| SurfaceError::new_err(error.to_string()))?;
+        Ok(self.inner.moved(&motion).into())
     }
 
+    /// The vertices within some rings of neighbours, the nodes among them.
+    ///
+    /// Parameters
+    /// ----------
+    /// nodes : (k,) array_like of int
+    ///     Vertices to start from.
+    /// rings : int
+    ///     How many rings.
+    ///
+    /// Returns
+    /// -------
+    /// (j,) int64
+    ///     Vertices, ascending.
     #[pyo3(signature = (nodes, rings), text_signature = "(self, nodes, rings)")]
     fn k_ring<'py>(
         &self,
@@ -139,6 +204,17 @@ impl PySurface {
         Ok(nodes_out(py, &self.inner.k_ring(&nodes, rings)))
     }
 
+    /// The connected components of a set of vertices.
+    ///
+    /// Parameters
+    /// ----------
+    /// nodes : (k,) array_like of int
+    ///     Vertices.
+    ///
+    /// Returns
+    /// -------
+    /// list of (j,) int64
+    ///     The components, each ascending.
     #[pyo3(text_signature = "(self, nodes)")]
     fn patches<'py>(
         &self,
@@ -170,15 +246,17 @@ impl PySurface {
     }
 }
 
-/// A rigid motion, after a check that the rotation is one.
-pub(super) fn rigid(
-    rotation: &nalgebra::Matrix3<f64>,
-    translation: &nalgebra::Vector3<f64>,
-) -> PyResult<Isometry3<f64>> {
-    crate::mesh::rigid_motion(rotation, translation).map_err(|error| SurfaceError::new_err(error.to_string()))
-}
-
 /// Marks the vertices that are skin: all but those of flat cut faces, rims included.
+///
+/// Parameters
+/// ----------
+/// surface : Surface
+///     A finger or hand whose cut end is capped flat.
+///
+/// Returns
+/// -------
+/// (n,) bool
+///     A `skin_mask`: False on large flat faces behind a sharp rim.
 #[pyfunction]
 #[pyo3(text_signature = "(surface)")]
 pub(super) fn flat_cap_mask<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {
@@ -201,7 +279,7 @@ pub(super) fn repair<'py>(
     Bound<'py, PyDict>,
 )> {
     let vertices = vectors(vertices, "vertices")?;
-    let faces = self::faces(faces, "faces")?;
+    let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
     let repaired = py
         .detach(|| mesh::repair(&vertices, &faces, &RepairOptions { weld_tolerance }))
         .map_err(|error| SurfaceError::new_err(error.to_string()))?;

@@ -1,0 +1,125 @@
+"""Presses from Python: what comes back, and how failures look."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from shapes import ball, grid
+
+SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+PAPER = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.GaussianCorrected(0.8e-3, 5e-3, 15e-3))
+PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+
+
+@pytest.fixture(scope="module")
+def contact() -> qr.Contact:
+    return qr.press(qr.Surface(*ball(8e-3, 4)), PLATE, SKIN, [0, 0, 2], depth=0.5e-3)
+
+
+def test_a_sphere_on_flat_skin_gives_hertz(contact: qr.Contact) -> None:
+    radius, approach, cells = 0.2, 0.5e-3, 8
+    spacing = np.sqrt(radius * approach) / cells
+    surface = qr.Surface(*grid(24, spacing))
+    sphere = qr.Obstacle.sphere([0, 0, radius - approach], radius)
+    hertz = qr.solve_contact(surface, sphere, SKIN)
+    modulus = 2 * 60e3 / (1 - 0.5)
+    # The true sphere differs by 0.1 % from Hertz's parabola, the mesh by 0.1 % at 8 cells.
+    assert -hertz.force[2] == pytest.approx(4 / 3 * modulus * radius**0.5 * approach**1.5, rel=2e-3)
+    peak = 2 / np.pi * modulus * np.sqrt(approach / radius)
+    assert hertz.max_pressure == pytest.approx(peak, rel=5e-3)
+
+
+def test_the_arrays_add_up_to_the_scalars(contact: qr.Contact) -> None:
+    n = len(contact.deformed.vertices)
+    assert contact.pressure.shape == contact.node_force.shape == contact.gap.shape == (n,)
+    assert contact.displacement.shape == (n, 3)
+    assert contact.force[2] == pytest.approx(contact.node_force.sum(), rel=1e-12)
+    assert contact.max_pressure == contact.pressure.max()
+    np.testing.assert_array_equal(np.flatnonzero(contact.node_force > 0), contact.active)
+    assert set(contact.active) <= set(contact.candidates)
+    position = contact.deformed.vertices
+    center = (contact.node_force[:, None] * position).sum(0) / contact.node_force.sum()
+    np.testing.assert_allclose(contact.center_of_pressure, center, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(contact.moment, np.cross(center, contact.force), atol=1e-12)
+    assert sum(patch.area for patch in contact.patches) == pytest.approx(contact.contact_area)
+
+
+def test_the_gaps_are_complementary(contact: qr.Contact) -> None:
+    gap, force = contact.gap[contact.candidates], contact.node_force[contact.candidates]
+    assert gap.min() >= -1e-12
+    assert np.abs(gap * force).max() <= 1e-12 * 0.5e-3 * force.max()
+    assert np.isinf(contact.gap).any(), "far vertices are not measured"
+
+
+def test_a_contact_says_what_it_cost_left_out_and_is_worth(contact: qr.Contact) -> None:
+    assert contact.status == "solved"
+    assert {"first_touch", "signed_distance", "response", "lcp", "outcome"} == set(contact.timings)
+    assert any("product" in what for what, _ in contact.left_out)
+    assert contact.natural_residual == contact.accuracy.natural_residual <= 1e-10
+    assert contact.accuracy.cells_per_radius > 2
+    assert 0 < contact.accuracy.area_resolution < contact.contact_area
+    assert contact.advice == ""
+
+
+def test_results_and_options_are_frozen(contact: qr.Contact) -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        contact.travel = 0.0  # type: ignore[misc]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        SKIN.shear_modulus = 1.0  # type: ignore[misc]
+
+
+def test_an_ending_raises_with_the_contact_or_is_returned() -> None:
+    surface = qr.Surface(*ball(8e-3, 3))
+    with pytest.raises(qr.ContactError, match="ray") as caught:
+        qr.press(surface, PLATE, PAPER, [0, 0, 1], depth=1.5e-3)
+    assert caught.value.contact is not None
+    assert caught.value.contact.status is qr.ContactStatus.RAY
+    quiet = qr.press(surface, PLATE, PAPER, [0, 0, 1], depth=1.5e-3, throw=False)
+    assert quiet.status == "ray"
+    assert quiet.advice
+    assert np.isnan(quiet.force).all()
+
+
+def test_no_contact_is_no_error() -> None:
+    apart = qr.solve_contact(qr.Surface(*ball(8e-3, 2)), PLATE.moved(np.eye(3), [0, 0, -1e-3]), SKIN)
+    assert apart.status == "no_contact"
+    assert not apart.force.any()
+    assert apart.contact_area == 0
+    assert np.isnan(apart.center_of_pressure).all()
+    assert apart.lcp_solutions == ()
+
+
+def test_bad_questions_raise_and_name_the_fault() -> None:
+    surface = qr.Surface(*ball(8e-3, 2))
+    with pytest.raises(qr.ContactError, match="cannot be normalised"):
+        qr.press(surface, PLATE, SKIN, [0, 0, 0], depth=1e-3)
+    with pytest.raises(qr.ContactError, match=r"depth is -0\.001"):
+        qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=-1e-3)
+    with pytest.raises(qr.ContactError, match="already penetrates"):
+        qr.press(surface, PLATE.moved(np.eye(3), [0, 0, 1e-3]), SKIN, [0, 0, 1], depth=1e-3, start="current")
+    with pytest.raises(ValueError, match="start is"):
+        qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, start="somewhere")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="method is"):
+        options = qr.ContactOptions(method="guess")  # type: ignore[arg-type]
+        qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, options=options)
+    with pytest.raises(qr.ResponseError, match="poisson_ratio"):
+        qr.Skin(shear_modulus=60e3, poisson_ratio=0.6, response=qr.HalfSpace())
+
+
+def test_a_product_in_another_unit_is_warned_about() -> None:
+    vertices, faces = ball(8e-3, 2)
+    huge = qr.Obstacle.mesh(vertices * 1e3 - [0, 0, 17], faces)
+    with pytest.warns(qr.QuasirigidWarning, match="unit"):
+        qr.solve_contact(qr.Surface(vertices, faces), huge, SKIN)
+
+
+def test_the_response_matrix_is_what_the_contact_uses(contact: qr.Contact) -> None:
+    surface = qr.Surface(*ball(8e-3, 4))
+    matrix = qr.response_matrix(surface, SKIN, contact.candidates)
+    rise = matrix @ contact.node_force[contact.candidates]
+    start = surface.vertices[contact.candidates, 2] - contact.travel
+    # Entries hold to 1e-6 relative and are all positive.
+    np.testing.assert_allclose(start + rise, contact.gap[contact.candidates], atol=2e-6 * rise.max())
