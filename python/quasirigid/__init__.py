@@ -1,7 +1,8 @@
 """Quasi-rigid contact of hand skin with products.
 
-Press a posed hand (a triangle mesh) against a product (a triangle mesh or a primitive) and read off the deformed skin,
-the pressure map, area, force and moment, and how far each can be trusted. All numbers are SI: m, N, Pa, rad, s.
+Press a posed hand (a triangle mesh) against a product (a triangle mesh or a primitive) and read off the
+deformed skin, the pressure map, area, force and moment, and how far each can be trusted. All numbers are
+SI: m, N, Pa, rad, s.
 """
 
 from . import models as models

@@ -45,8 +45,8 @@ class ContactOptions:
     tolerance : float
         Relative quadrature tolerance of the response matrix's entries; 0 for all that double precision gives.
     rings : int or None
-        Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative entry
-        (further vertices can never touch), 3 otherwise.
+        Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
+        entry (further vertices can never touch), 3 otherwise.
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
         Solver of the complementarity problem.
     num_threads : int or None
@@ -125,8 +125,8 @@ class Accuracy:
     condition : float or None
         Condition number of the response matrix, where it was estimated.
     definite : bool or None
-        True: the symmetric part of every response matrix was shown to be positive definite, so the answer is the
-        only one. False: shown not to be. None: not examined.
+        True: the symmetric part of every response matrix was shown to be positive definite, so the answer
+        is the only one. False: shown not to be. None: not examined.
     cells_per_radius : float
         Mesh cells per equivalent contact radius; under about 4 force and area are coarse, at 8 the force of a
         sphere is good to 0.2 %.
@@ -150,8 +150,8 @@ class Contact:
     Attributes
     ----------
     status : ContactStatus
-        "solved", "no_contact" (no error: all zero) or the ending of the complementarity problem. For any other
-        ending than these two the figures are nan, and `advice` says what happened and what to try.
+        "solved", "no_contact" (no error: all zero) or the ending of the complementarity problem. For any
+        other ending than these two the figures are nan, and `advice` says what happened and what to try.
     force : (3,) float64
         Force on the skin (N).
     moment : (3,) float64
@@ -173,7 +173,8 @@ class Contact:
     gap : (n,) float64
         Gap (m): ``g0 + R f`` on the candidates, g0 within the search distance, inf beyond.
     displacement : (n, 3) float64
-        Displacement (m), faded to zero at `fade_distance` from the candidates; the fade enters no other number.
+        Displacement (m), faded to zero at `fade_distance` from the candidates; the fade enters no other
+        number.
     fade_distance : float
         Distance along the skin at which the drawn displacement has faded to zero (m).
     candidates : (k,) int64
@@ -331,9 +332,9 @@ def press(
     depth : float
         Travel beyond the start (m, >= 0).
     start : {"infinity", "current"}
-        "infinity": the depth counts from first touch, the position on the line of travel at which the obstacle,
-        coming from infinity, first brings a skin vertex to distance 0. "current": from where the obstacle stands,
-        which must be free of penetration.
+        "infinity": the depth counts from first touch, the position on the line of travel at which the
+        obstacle, coming from infinity, first brings a skin vertex to distance 0. "current": from where the
+        obstacle stands, which must be free of penetration.
     options : ContactOptions, optional
         How it is solved.
     throw : bool
@@ -347,8 +348,8 @@ def press(
     Raises
     ------
     ContactError
-        For a zero direction, a negative depth, an obstacle that never meets the skin, a start that penetrates, or a
-        bad ending (the error carries `contact`).
+        For a zero direction, a negative depth, an obstacle that never meets the skin, a start that
+        penetrates, or a bad ending (the error carries `contact`).
 
     Examples
     --------

@@ -210,13 +210,13 @@ def solve_lcp(
     Parameters
     ----------
     M : (n, n) array_like
-        Any real matrix: nonsymmetric, indefinite and singular ones are welcome. Column-major (Fortran) order is
-        the fastest; float64 in either order is not copied.
+        Any real matrix: nonsymmetric, indefinite and singular ones are welcome. Column-major (Fortran)
+        order is the fastest; float64 in either order is not copied.
     q : (n,) array_like
         Any real vector.
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
-        "lemke" takes any M; "block_pivoting" is fast for P-matrices; "projected_cg" needs a symmetric M and is for
-        large problems; "auto" chooses and says in `LcpSolution.attempts` what it did.
+        "lemke" takes any M; "block_pivoting" is fast for P-matrices; "projected_cg" needs a symmetric M
+        and is for large problems; "auto" chooses and says in `LcpSolution.attempts` what it did.
     options : LcpOptions, optional
         How it is solved.
     throw : bool

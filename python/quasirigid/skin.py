@@ -25,9 +25,9 @@ class HalfSpace:
     Parameters
     ----------
     pressure : {"linear", "one_ring"}
-        Pressure basis. "linear" (hat functions) is accurate and well posed. "one_ring" spreads the force of a node
-        evenly over its one-ring, as Xie, Kanai, Date 2011 do; it is numerically singular on regular meshes and its
-        pressures oscillate, and is here to reproduce that paper.
+        Pressure basis. "linear" (hat functions) is accurate and well posed. "one_ring" spreads the force of
+        a node evenly over its one-ring, as Xie, Kanai, Date 2011 do; it is numerically singular on regular
+        meshes and its pressures oscillate, and is here to reproduce that paper.
 
     References
     ----------
@@ -39,7 +39,9 @@ class HalfSpace:
 
 @dataclass(frozen=True)
 class GaussianCorrected:
-    """Half-space less a Gaussian, to keep volume: ``u(r) = K / r - height exp(-r^2 / 2 width^2)`` to the cutoff.
+    """Half-space less a Gaussian, to keep volume.
+
+    ``u(r) = K / r - height exp(-r^2 / 2 width^2)`` for r < cutoff, 0 beyond.
 
     Parameters
     ----------
@@ -54,9 +56,9 @@ class GaussianCorrected:
 
     Notes
     -----
-    The constants printed in the paper (0.8 mm/N, 5 mm, balanced at a cutoff of 15 mm) are not well posed on a
-    fingertip: from a depth of some tenths of a millimetre the complementarity problem has no solution, and the
-    contact ends with status "ray".
+    The constants printed in the paper (0.8 mm/N, 5 mm, balanced at a cutoff of 15 mm) are not well posed on
+    a fingertip: from a depth of some tenths of a millimetre the complementarity problem has no solution,
+    and the contact ends with status "ray".
 
     References
     ----------
@@ -133,8 +135,8 @@ def response_matrix(
     nodes : (k,) array_like of int
         Vertices, each at most once.
     directions : (k, 3) array_like, optional
-        Unit directions of force and displacement; None means minus the vertex normal. Kernels that depend on the
-        distance alone ignore it.
+        Unit directions of force and displacement; None means minus the vertex normal. Kernels that depend
+        on the distance alone ignore it.
     tolerance : float
         Relative tolerance of every entry; 0 means all that double precision gives.
     num_threads : int, optional

@@ -41,7 +41,8 @@ class Repair:
 def repair(vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float) -> Repair:
     """Weld, drop what is unused, degenerate or double, and turn faces the same way.
 
-    Nothing else in the package repairs anything: a mesh with a defect is refused, and this call is the remedy.
+    Nothing else in the package repairs anything: a mesh with a defect is refused, and this call is the
+    remedy.
 
     Parameters
     ----------

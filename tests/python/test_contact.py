@@ -102,8 +102,8 @@ def test_bad_questions_raise_and_name_the_fault() -> None:
         qr.press(surface, PLATE.moved(np.eye(3), [0, 0, 1e-3]), SKIN, [0, 0, 1], depth=1e-3, start="current")
     with pytest.raises(ValueError, match="start is"):
         qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, start="somewhere")  # type: ignore[arg-type]
+    options = qr.ContactOptions(method="guess")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="method is"):
-        options = qr.ContactOptions(method="guess")  # type: ignore[arg-type]
         qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, options=options)
     with pytest.raises(qr.ResponseError, match="poisson_ratio"):
         qr.Skin(shear_modulus=60e3, poisson_ratio=0.6, response=qr.HalfSpace())

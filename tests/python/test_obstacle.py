@@ -64,7 +64,7 @@ def test_bad_obstacles_are_named() -> None:
 
 def test_crossing_faces_are_found_unless_told_not_to_look() -> None:
     vertices, faces = tetrahedron()
-    both = np.concatenate([vertices, vertices + [0.2, 0.2, -0.1]])
+    both = np.concatenate([vertices, vertices + np.array([0.2, 0.2, -0.1])])
     twice = np.concatenate([faces, faces + 4])
     with pytest.raises(qr.ObstacleError, match="faces cross"):
         qr.Obstacle.mesh(both, twice)
