@@ -17,6 +17,7 @@ from .contact import solve_contact as solve_contact
 from .errors import ContactError as ContactError
 from .errors import LcpError as LcpError
 from .errors import MeshFileError as MeshFileError
+from .errors import MissingExtraError as MissingExtraError
 from .errors import ObstacleError as ObstacleError
 from .errors import QuasirigidError as QuasirigidError
 from .errors import QuasirigidWarning as QuasirigidWarning
