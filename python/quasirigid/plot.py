@@ -1,0 +1,302 @@
+"""Pictures of a contact: the skin with its pressure map, a cut through the contact, the footprint.
+
+Lengths are drawn in mm and pressures in kPa. Every function takes and returns a matplotlib `Axes`, or returns
+a `Figure`; matplotlib (the extra `plot`) is imported where it is used, and no window is opened.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from .drawing import (
+    AFTER,
+    BEFORE,
+    FAINT,
+    INK,
+    PRODUCT,
+    PRODUCT_EDGE,
+    Window,
+    axes_or_new,
+    colour_bar,
+    contact_side,
+    cut_lines,
+    joined,
+    lit_skin,
+    new_figure,
+    overlap_colours,
+    pressure_colours,
+    round_steps,
+    scale_bar,
+    window_around,
+)
+from .raster import Floats, View
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .contact import Contact
+
+__all__ = ["before_and_after", "footprint", "pad_view", "plot_footprint", "plot_section", "plot_skin"]
+
+MM = 1e3
+KPA = 1e-3
+
+
+def pad_view(contact: Contact) -> View:
+    """The view from the product onto the skin: along the contact force, the skin's long axis upwards.
+
+    Parameters
+    ----------
+    contact : Contact
+        Where it has no force the view runs along +z.
+    """
+    force = np.asarray(contact.force, dtype=np.float64)
+    pressed = np.isfinite(force).all() and np.any(force)
+    sight = force / np.linalg.norm(force) if pressed else np.array([0.0, 0.0, 1.0])
+    # A press along an axis of the scene is drawn square to that axis.
+    axis = int(np.argmax(np.abs(sight)))
+    if abs(sight[axis]) > 0.95:
+        sight = np.sign(sight[axis]) * np.eye(3)[axis]
+    vertices = np.asarray(contact.deformed.vertices)
+    spread = vertices - vertices.mean(axis=0)
+    flat = spread - np.outer(spread @ sight, sight)
+    longest = np.linalg.eigh(flat.T @ flat)[1][:, -1]
+    # Towards the touching end where there is one, else towards the larger coordinates.
+    tip = np.nan_to_num(np.asarray(contact.center_of_pressure) - vertices.mean(axis=0)) @ longest
+    up = longest * np.sign(tip if abs(tip) > 0.05 * np.abs(spread @ longest).max() else longest.sum() or 1.0)
+    axis = int(np.argmax(np.abs(up)))
+    if abs(up[axis]) > 0.95:
+        up = np.sign(up[axis]) * np.eye(3)[axis]
+    return View.along(sight, up)
+
+
+def plot_skin(
+    contact: Contact,
+    *,
+    show: Literal["overlap", "pressure"] = "pressure",
+    ax: Axes | None = None,
+    view: View | None = None,
+    pixels: int = 800,
+) -> Axes:
+    """The lit skin, coloured by what it carries.
+
+    Parameters
+    ----------
+    contact : Contact
+        What to draw.
+    show : {"pressure", "overlap"}
+        The deformed skin with its pressure (kPa), or the skin before with its depth inside the product (mm).
+    ax : Axes, optional
+        Where to draw; a new figure when left out.
+    view : View, optional
+        From where; `pad_view` when left out.
+    pixels : int
+        Height of the picture.
+    """
+    view = pad_view(contact) if view is None else view
+    ax = axes_or_new(ax, (4.4, 6.0))
+    faces = np.asarray(contact.deformed.faces, dtype=np.int64)
+    if show == "pressure":
+        vertices = np.asarray(contact.deformed.vertices)
+        pressure = np.nan_to_num(np.asarray(contact.pressure))
+        values, colours, label = pressure * KPA, pressure_colours(), "pressure (kPa)"
+        inside = contact_side(vertices, faces, pressure, np.asarray(contact.gap))
+    else:
+        vertices = vertices_before(contact)
+        distance = np.asarray(contact.obstacle.signed_distance(vertices)[0])
+        inside = np.where(np.asarray(contact.deformed.skin_mask), -distance, -np.abs(distance))
+        values, colours, label = inside.clip(0.0) * MM, overlap_colours(), "depth inside the product (mm)"
+    window = window_around(view.project(vertices) * MM)
+    picture = lit_skin(vertices * MM, faces, view, values, inside, colours, window, pixels)
+    ax.imshow(picture, extent=window, interpolation="antialiased")
+    ax.set_axis_off()
+    scale_bar(ax, window)
+    if values.max() > 0.0:
+        colour_bar(ax, colours, float(values.max()), label)
+    return ax
+
+
+def plot_section(contact: Contact, *, ax: Axes | None = None, view: View | None = None) -> Axes:
+    """A cut through the centre of pressure, along the finger: skin before and after, and the product.
+
+    Parameters
+    ----------
+    contact : Contact
+        What to draw.
+    ax : Axes, optional
+        Where to draw; a new figure when left out.
+    view : View, optional
+        The view whose `up` and `toward` span the cut; `pad_view` when left out. The product is drawn below.
+    """
+    view = pad_view(contact) if view is None else view
+    ax = axes_or_new(ax, (4.4, 6.0))
+    before, after = vertices_before(contact), np.asarray(contact.deformed.vertices)
+    centre = np.asarray(contact.center_of_pressure, dtype=np.float64)
+    if not np.isfinite(centre).all():
+        centre = after.mean(axis=0)
+    cuts = [_cut(contact, points, centre, view) for points in (before, after)]
+    window = _section_window(cuts[1], view.project(centre[None])[0] * MM)
+    # The product fills every point of the cut inside it.
+    along, away = np.linspace(window[0], window[1], 420), np.linspace(window[2], window[3], 300)
+    grid_along, grid_away = np.meshgrid(along, away)
+    points = (
+        grid_along.ravel()[:, None] / MM * view.up
+        - grid_away.ravel()[:, None] / MM * view.toward
+        + np.dot(centre, view.right) * view.right
+    )
+    distance = np.asarray(contact.obstacle.signed_distance(points)[0]).reshape(grid_along.shape)
+    ax.contourf(along, away, distance, levels=[-np.inf, 0.0], colors=[PRODUCT])
+    ax.contour(along, away, distance, levels=[0.0], colors=[PRODUCT_EDGE], linewidths=1.0)
+    styles = [(BEFORE, 1.1, (0, (3.5, 2.0)), "skin before"), (AFTER, 2.0, "solid", "skin after")]
+    for segments, (colour, thickness, dashes, name) in zip(cuts, styles, strict=True):
+        _draw_cut(ax, segments, colour, thickness, dashes, name)
+    ax.fill_between([], [], color=PRODUCT, label="product")
+    ax.set_xlim(window[0], window[1])
+    ax.set_ylim(window[2], window[3])
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    scale_bar(ax, window)
+    ax.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        ncols=3,
+        frameon=False,
+        fontsize=8.5,
+        labelcolor=INK,
+        handlelength=1.8,
+        columnspacing=1.4,
+    )
+    return ax
+
+
+def plot_footprint(contact: Contact, *, ax: Axes | None = None, view: View | None = None) -> Axes:
+    """The pressure (kPa) in the contact plane (mm), with the outline of the contact.
+
+    Parameters
+    ----------
+    contact : Contact
+        What to draw.
+    ax : Axes, optional
+        Where to draw; a new figure when left out.
+    view : View, optional
+        The view whose `right` and `up` span the plane; `pad_view` when left out.
+
+    Notes
+    -----
+    The outline crosses the edges between touching and free vertices where pressure and gap, extended to the
+    rim, both vanish. The origin is the centre of pressure; thin lines mark steps of the pressure.
+    """
+    from matplotlib.tri import Triangulation
+
+    view = pad_view(contact) if view is None else view
+    ax = axes_or_new(ax, (6.4, 5.4))
+    pressure = np.nan_to_num(np.asarray(contact.pressure)) * KPA
+    ax.set_aspect("equal")
+    for spine in ("top", "right"):
+        ax.spines[spine].set_visible(False)
+    ax.set_xlabel("across (mm)")
+    ax.set_ylabel("along (mm)")
+    if not pressure.max() > 0.0:
+        ax.text(0.5, 0.5, "no pressure", transform=ax.transAxes, ha="center", va="center", color=FAINT)
+        return ax
+    faces = np.asarray(contact.deformed.faces, dtype=np.int64)
+    vertices = np.asarray(contact.deformed.vertices)
+    plane = view.project(vertices - np.asarray(contact.center_of_pressure)) * MM
+    touched = pressure > 0.0
+    low, high = plane[touched].min(axis=0), plane[touched].max(axis=0)
+    margin = 0.22 * float((high - low)[:2].max()) + 1e-3
+    # Faces that look at the product and lie near the contact: no other finger, not the back of this one.
+    corners = plane[faces]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    facing = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0] > 0.0
+    near = ((corners > low - 2 * margin) & (corners < high + 2 * margin)).all(axis=(1, 2))
+    kept = faces[facing & near]
+    net = Triangulation(plane[:, 0], plane[:, 1], kept)
+    ax.triplot(net, color="#e3e5e9", linewidth=0.4, zorder=0)
+    side = contact_side(vertices, faces, np.asarray(contact.pressure), np.asarray(contact.gap))
+    colours, top = pressure_colours(), float(pressure.max())
+    filled = ax.tricontourf(
+        net, pressure.clip(0.0, top), levels=np.linspace(0.0, top, 65), cmap=colours, zorder=1
+    )
+    steps = [level for level in round_steps(top) if level < 0.97 * top]
+    lines = ax.tricontour(net, pressure, levels=steps, colors="white", linewidths=0.6, alpha=0.75, zorder=2)
+    outline = ax.tricontour(net, side, levels=[0.0], colors=INK, linewidths=1.5, zorder=3)
+    for drawn in (filled, lines):
+        drawn.set_clip_path(outline.get_paths()[0], transform=ax.transData)
+    ax.plot(0.0, 0.0, marker="+", color="white", markersize=9, markeredgewidth=1.4, zorder=4)
+    ax.set_xlim(low[0] - margin, high[0] + margin)
+    ax.set_ylim(low[1] - margin, high[1] + margin)
+    colour_bar(ax, colours, top, "pressure (kPa)", beside=True)
+    return ax
+
+
+def before_and_after(contact: Contact, *, view: View | None = None) -> Figure:
+    """Three panels: the skin before, the skin after with its pressure, and the cut through the contact."""
+    figure = new_figure((11.0, 5.6))
+    view = pad_view(contact) if view is None else view
+    axes = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.25])
+    plot_skin(contact, show="overlap", ax=axes[0], view=view)
+    plot_skin(contact, show="pressure", ax=axes[1], view=view)
+    plot_section(contact, ax=axes[2], view=view)
+    for ax, title in zip(
+        axes, ("Before: overlap", "After: pressure", "Cut through the contact"), strict=True
+    ):
+        ax.set_title(title, fontsize=11, color=INK, pad=10)
+        ax.set_anchor("N")
+    figure.suptitle(_headline(contact), fontsize=13, color=INK, x=0.02, ha="left", weight="bold")
+    return figure
+
+
+def footprint(contact: Contact, *, view: View | None = None) -> Figure:
+    """One figure with the footprint of pressure in the contact plane."""
+    figure = new_figure((6.6, 5.6))
+    plot_footprint(contact, ax=figure.subplots(), view=view)
+    figure.suptitle(_headline(contact), fontsize=12, color=INK, x=0.03, ha="left", weight="bold")
+    return figure
+
+
+def vertices_before(contact: Contact) -> Floats:
+    """Vertices (n, 3) of the skin before it gave way (m)."""
+    before: Floats = np.asarray(contact.deformed.vertices) - np.asarray(contact.displacement)
+    return before
+
+
+def _cut(contact: Contact, vertices: Floats, centre: Floats, view: View) -> Floats:
+    """Segments (k, 2, 2) in mm of the skin in the plane through `centre` square to the view's `right`."""
+    faces = np.asarray(contact.deformed.faces, dtype=np.int64)
+    projected = view.project(vertices) * MM
+    offset = projected[:, 0] - view.project(centre[None])[0, 0] * MM
+    return cut_lines(faces, offset, np.stack([projected[:, 1], -projected[:, 2]], axis=1))
+
+
+def _section_window(cut: Floats, centre: Floats) -> Window:
+    """The whole cut of a finger; of a long skin the 60 mm around the contact."""
+    points = cut.reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = np.array([centre[1], -centre[2]])
+    low, high = np.maximum(low, middle - 30.0), np.minimum(high, middle + 30.0)
+    rim = 0.08 * float((high - low).max())
+    return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 3.0 * rim, float(high[1]) + 2.0 * rim
+
+
+def _draw_cut(ax: Axes, segments: Floats, colour: str, thickness: float, dashes: Any, name: str) -> None:
+    # Joined by nan, so that dashes run on along the line and not anew in each triangle.
+    line = joined(segments)
+    ax.plot(line[:, 0], line[:, 1], color=colour, linewidth=thickness, linestyle=dashes, label=name, zorder=3)
+
+
+def _headline(contact: Contact) -> str:
+    if contact.status == "no_contact":
+        return "No contact"
+    if contact.status != "solved":
+        return f"No result: the contact ended with '{contact.status}'"
+    force = float(np.linalg.norm(contact.force))
+    parts = [
+        f"{force:.3g} N on {contact.contact_area * MM**2:.3g} mm²",
+        f"up to {contact.max_pressure * KPA:.3g} kPa",
+        f"{contact.max_penetration_before * MM:.3g} mm deep",
+    ]
+    return ", ".join(parts)

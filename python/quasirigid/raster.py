@@ -1,0 +1,126 @@
+"""A small z-buffer in NumPy: which triangle each pixel of a parallel view shows, and where on it.
+
+Pictures must come out on a bare machine with nothing but pip. VTK's wheel ends in a segmentation fault where
+no OpenGL library is installed, so the drawing is done here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+CHUNK = 4_000_000  # pairs of triangle and pixel looked at together
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """Directions of a parallel view, orthonormal: `right` and `up` in the picture, `toward` the viewer."""
+
+    right: Floats
+    up: Floats
+    toward: Floats
+
+    @classmethod
+    def along(cls, sight: Floats, up: Floats) -> View:
+        """View along `sight` (3,), with `up` (3,), made perpendicular to it, upwards in the picture."""
+        toward = -np.asarray(sight, dtype=np.float64) / np.linalg.norm(sight)
+        upward = np.asarray(up, dtype=np.float64) - np.dot(up, toward) * toward
+        upward /= np.linalg.norm(upward)
+        return cls(right=np.cross(upward, toward), up=upward, toward=toward)
+
+    def project(self, points: Floats) -> Floats:
+        """Points (n, 3) as (n, 3): right, up, towards the viewer, in the same unit."""
+        return points @ np.stack([self.right, self.up, self.toward], axis=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """What the covered pixels show.
+
+    Attributes
+    ----------
+    pixel : (k,) int64
+        Their numbers, row by row from the top.
+    face : (k,) int64
+        The triangle in front.
+    weights : (k, 3) float64
+        Barycentric coordinates on it.
+    """
+
+    pixel: Indices
+    face: Indices
+    weights: Floats
+
+    def interpolate(self, faces: Indices, values: Floats) -> Floats:
+        """Per-vertex values (n,) or (n, j) at each covered pixel, (k,) or (k, j)."""
+        corners = faces[self.face]
+        picture: Floats = np.einsum("kc,kc...->k...", self.weights, values[corners])
+        return picture
+
+
+def rasterise(
+    projected: Floats, faces: Indices, window: tuple[float, float, float, float], width: int, height: int
+) -> Frame:
+    """Draw triangles that face the viewer.
+
+    Parameters
+    ----------
+    projected : (n, 3) float64
+        Vertices as `View.project` gives them.
+    faces : (m, 3) int64
+        Counter-clockwise seen from outside; those turned away are left out.
+    window : (left, right, bottom, top)
+        Part of the picture plane to show, in the unit of `projected`.
+    width, height : int
+        Size in pixels.
+    """
+    left, right, bottom, top = window
+    # Pixel coordinates: pixel (row, column) has its middle at (column, row); rows count downwards.
+    x = (projected[:, 0] - left) / (right - left) * width - 0.5
+    y = (top - projected[:, 1]) / (top - bottom) * height - 0.5
+    ax, bx, cx = (x[faces[:, corner]] for corner in range(3))
+    ay, by, cy = (y[faces[:, corner]] for corner in range(3))
+    # Twice the signed area; rows count downwards, so a triangle seen from outside has a negative one.
+    doubled = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    first_column = np.clip(np.ceil(np.minimum(np.minimum(ax, bx), cx)), 0, width).astype(np.int64)
+    last_column = np.clip(np.floor(np.maximum(np.maximum(ax, bx), cx)), -1, width - 1).astype(np.int64)
+    first_row = np.clip(np.ceil(np.minimum(np.minimum(ay, by), cy)), 0, height).astype(np.int64)
+    last_row = np.clip(np.floor(np.maximum(np.maximum(ay, by), cy)), -1, height - 1).astype(np.int64)
+    columns = np.maximum(last_column - first_column + 1, 0)
+    counts = np.where(doubled < 0.0, columns * np.maximum(last_row - first_row + 1, 0), 0)
+
+    seen = np.full(height * width, -1, dtype=np.int64)
+    weights = np.zeros((height * width, 3))
+    nearest = np.full(height * width, -np.inf)
+    depth = projected[:, 2]
+    drawn = np.flatnonzero(counts)
+    batches = np.cumsum(counts[drawn]) // CHUNK
+    for batch in np.unique(batches):
+        part = drawn[batches == batch]
+        face = np.repeat(part, counts[part])
+        place = np.arange(len(face)) - np.repeat(np.cumsum(counts[part]) - counts[part], counts[part])
+        column = first_column[face] + place % columns[face]
+        row = first_row[face] + place // columns[face]
+        second = (
+            (column - ax[face]) * (cy[face] - ay[face]) - (row - ay[face]) * (cx[face] - ax[face])
+        ) / doubled[face]
+        third = (
+            (bx[face] - ax[face]) * (row - ay[face]) - (by[face] - ay[face]) * (column - ax[face])
+        ) / doubled[face]
+        share = np.stack([1.0 - second - third, second, third], axis=1)
+        inside = (share >= -1e-9).all(axis=1)
+        face, share, pixel = face[inside], share[inside], (row * width + column)[inside]
+        height_here = (depth[faces[face]] * share).sum(axis=1)
+        front = height_here > nearest[pixel]
+        face, share, pixel, height_here = face[front], share[front], pixel[front], height_here[front]
+        # Of several triangles on one pixel the last one written stays, so write the nearest last.
+        order = np.argsort(height_here, kind="stable")
+        pixel = pixel[order]
+        seen[pixel], weights[pixel], nearest[pixel] = face[order], share[order], height_here[order]
+    covered = np.flatnonzero(seen >= 0)
+    return Frame(pixel=covered, face=seen[covered], weights=weights[covered])

@@ -1,0 +1,145 @@
+"""Pictures: what is drawn where, and that every ending can be drawn."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+
+pytest.importorskip("matplotlib")
+
+from quasirigid import plot
+from quasirigid.drawing import contact_side, cut_lines, joined, round_steps
+from quasirigid.errors import MissingExtraError
+from quasirigid.raster import View, rasterise
+
+FRONT = View.along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
+
+
+def test_a_view_is_right_handed() -> None:
+    view = View.along(np.array([0.0, 0.0, 2.0]), np.array([0.0, 1.0, 0.5]))
+    assert view.toward == pytest.approx([0.0, 0.0, -1.0])
+    assert view.up == pytest.approx([0.0, 1.0, 0.0])
+    # Seen from below, with +y upwards, +x lies to the left.
+    assert view.right == pytest.approx([-1.0, 0.0, 0.0])
+
+
+def test_the_nearest_triangle_is_seen_and_those_turned_away_are_not() -> None:
+    corners = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]])
+    vertices = np.concatenate([np.column_stack([corners, np.full(3, height)]) for height in (0.0, 1.0, 2.0)])
+    faces = np.array([[0, 1, 2], [3, 4, 5], [6, 8, 7]])
+    frame = rasterise(FRONT.project(vertices), faces, (0.0, 4.0, 0.0, 4.0), 4, 4)
+    assert set(frame.face.tolist()) == {1}
+    # Middles of pixels below the long side, counted from the top row.
+    assert frame.pixel.tolist() == [0, 4, 5, 8, 9, 10, 12, 13, 14, 15]
+
+
+def test_values_are_interpolated_linearly_over_a_triangle() -> None:
+    vertices = np.array([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0]])
+    faces = np.array([[0, 1, 2]])
+    frame = rasterise(FRONT.project(vertices), faces, (0.0, 8.0, 0.0, 8.0), 8, 8)
+    rows, columns = np.divmod(frame.pixel, 8)
+    x, y = columns + 0.5, 7.5 - rows
+    assert frame.interpolate(faces, 3.0 * vertices[:, 0] - vertices[:, 1]) == pytest.approx(3.0 * x - y)
+
+
+def test_the_picture_covers_the_area_of_the_mesh(pressed: qr.Contact) -> None:
+    vertices, faces = pressed.deformed.vertices, pressed.deformed.faces
+    projected = FRONT.project(vertices)
+    low, high = projected.min(axis=0), projected.max(axis=0)
+    frame = rasterise(projected, faces, (low[0], high[0], low[1], high[1]), 400, 600)
+    a, b, c = (projected[faces[:, corner], :2] for corner in range(3))
+    areas = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    # A closed body without overhangs: its shadow is the sum over the faces that look up.
+    shadow = areas[areas > 0.0].sum() / np.prod((high - low)[:2])
+    assert len(frame.pixel) / 240_000 == pytest.approx(shadow, rel=5e-3)
+
+
+def test_a_press_from_below_is_seen_from_below_with_the_tip_on_top(pressed: qr.Contact) -> None:
+    view = plot.pad_view(pressed)
+    assert view.toward == pytest.approx([0.0, 0.0, -1.0])
+    assert view.up == pytest.approx([0.0, 1.0, 0.0])
+
+
+def test_the_rim_of_a_hertz_contact_is_found_between_the_vertices() -> None:
+    # p = sqrt(1 - r^2) inside, and outside the gap of a sphere on a half-space (Johnson 1985, section 3.4).
+    step, radius = 0.2, 1.0
+    across = np.arange(-10, 11) * step
+    x, y = (grid.ravel() for grid in np.meshgrid(across, across, indexing="ij"))
+    r = np.maximum(np.hypot(x, y), 1e-9)
+    inside = r < radius
+    pressure = np.where(inside, np.sqrt(np.maximum(1.0 - r**2, 0.0)), 0.0)
+    far = np.maximum(r, radius)
+    lift = ((2.0 - far**2) * np.arcsin(1.0 / far) + np.sqrt(far**2 - 1.0)) / np.pi
+    gap = np.where(inside, 0.0, 0.5 * r**2 - 1.0 + lift)
+    vertices = np.column_stack([x, y, np.zeros_like(x)])
+    corner = np.arange(20)[:, None] * 21 + np.arange(20)
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + 21, corner + 22], axis=-1).reshape(-1, 3),
+            np.stack([corner, corner + 22, corner + 1], axis=-1).reshape(-1, 3),
+        ]
+    )
+    side = contact_side(vertices, faces, pressure, gap)
+    assert np.array_equal(side > 0.0, inside)
+    crossing = joined(cut_lines(faces, side, vertices[:, :2]))
+    radii = np.hypot(*crossing[~np.isnan(crossing[:, 0])].T)
+    # Half-way points would stray by half a step or more; the fit stays within a fifth of it.
+    assert np.abs(radii - radius).max() < 0.2 * step
+
+
+def test_a_cut_through_a_mesh_is_one_closed_line(pressed: qr.Contact) -> None:
+    vertices, faces = pressed.deformed.vertices, pressed.deformed.faces
+    line = joined(cut_lines(faces, vertices[:, 0] - 1e-4, vertices[:, 1:]))
+    assert np.isnan(line[:, 0]).sum() == 1
+    assert line[0] == pytest.approx(line[-2])
+
+
+@pytest.mark.parametrize("largest", [0.03, 1.0, 7.3, 64.0, 950.0])
+def test_levels_are_round_and_few(largest: float) -> None:
+    steps = round_steps(largest)
+    assert 3 <= len(steps) <= 9
+    assert steps[-1] < largest
+
+
+def test_every_panel_draws_into_the_axes_it_is_given(pressed: qr.Contact) -> None:
+    figure = plot.before_and_after(pressed)
+    ax = figure.axes[0]
+    assert plot.plot_skin(pressed, ax=ax, pixels=60) is ax
+    assert plot.plot_footprint(pressed, ax=ax) is ax
+    assert plot.plot_section(pressed, ax=ax) is ax
+
+
+def test_pictures_name_their_units(pressed: qr.Contact) -> None:
+    figure = plot.footprint(pressed)
+    labels = [text for ax in figure.axes for text in (ax.get_xlabel(), ax.get_ylabel())]
+    assert {"across (mm)", "along (mm)", "pressure (kPa)"} <= set(labels)
+    force = float(np.linalg.norm(pressed.force))
+    assert f"{force:.3g} N" in figure.get_suptitle()
+
+
+@pytest.mark.parametrize("ending", ["pressed", "apart", "unsolved"])
+def test_every_ending_can_be_drawn(ending: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    contact = request.getfixturevalue(ending)
+    plot.before_and_after(contact).savefig(tmp_path / "skin.png", dpi=40)
+    plot.footprint(contact).savefig(tmp_path / "footprint.png", dpi=40)
+    assert (tmp_path / "skin.png").stat().st_size > 3000
+
+
+def test_drawing_opens_no_window(pressed: qr.Contact) -> None:
+    import matplotlib
+
+    backend = matplotlib.get_backend()
+    plot.footprint(pressed)
+    assert matplotlib.get_backend() == backend
+
+
+def test_a_missing_matplotlib_is_named_with_its_remedy(
+    pressed: qr.Contact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_agg", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'quasirigid\[plot\]'"):
+        plot.footprint(pressed)
