@@ -96,7 +96,7 @@ def finger(
 
 
 def cylinder_handle(
-    *, radius: float = 0.016, length: float = 0.110, edge_radius: float = 0.003, edge_length: float = 2.5e-3
+    *, radius: float = 0.016, length: float = 0.110, edge_radius: float = 0.003, edge_length: float = 1e-3
 ) -> Obstacle:
     """A round bar along z with rounded rims.
 
@@ -107,7 +107,8 @@ def cylinder_handle(
     edge_radius : float
         Of the rounding at both rims (m); at most the radius and half the length.
     edge_length : float
-        Mean edge of the mesh (m); at most 1.25 edge radii.
+        Mean edge of the mesh (m); at most 1.25 edge radii. Facets lie up to ``edge_length**2 / 8 / radius``
+        inside the round, which a fine skin mesh feels.
 
     Returns
     -------
@@ -142,7 +143,8 @@ def rounded_box(
     edge_radius : float
         Of all edges and corners (m); at most half the shortest side.
     edge_length : float
-        Mean edge of the mesh (m); at most 1.25 edge radii.
+        Mean edge of the mesh (m); at most 1.25 edge radii. Facets lie up to ``edge_length**2 / 8 / radius``
+        inside the round, which a fine skin mesh feels.
 
     Returns
     -------
@@ -172,7 +174,7 @@ def bottle(
     neck_radius: float = 0.014,
     neck_height: float = 0.030,
     edge_radius: float = 0.003,
-    edge_length: float = 3e-3,
+    edge_length: float = 2e-3,
 ) -> Obstacle:
     """A standing bottle: body, shoulder and neck; by default about the size of a half-litre drink.
 

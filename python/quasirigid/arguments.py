@@ -1,0 +1,89 @@
+"""From the words of a command line to the objects of the package."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .io import LengthUnit
+from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
+from .skin import GaussianCorrected, HalfSpace
+from .surface import Surface, flat_cap_mask
+
+_CONSTANTS: dict[str, dict[str, dict[str, float]]] = {
+    "half-space": {},
+    "gaussian": {"height": COMPLIANCE, "width": LENGTH, "cutoff": LENGTH},
+}
+
+
+def one_of(text: str, choices: Sequence[str], option: str) -> str:
+    """`text`, where it is one of `choices`."""
+    if text not in choices:
+        raise QuantityError(f"{option}: '{text}' is not known, expected {' or '.join(choices)}")
+    return text
+
+
+def file_unit(text: str, option: str) -> LengthUnit:
+    """The unit of a mesh file."""
+    return cast(LengthUnit, one_of(text, ("m", "mm"), option))
+
+
+def response_of(text: str) -> HalfSpace | GaussianCorrected:
+    """A response from its name and constants, as in `gaussian:height=0.8mm/N,width=5mm,cutoff=15mm`."""
+    name, _, rest = text.partition(":")
+    values: dict[str, str] = {}
+    for part in filter(None, (part.strip() for part in rest.split(","))):
+        key, equals, value = part.partition("=")
+        if not equals:
+            raise QuantityError(f"--response: '{part}' is not of the form name=value")
+        values[key] = value
+    pressure: Any = one_of(values.pop("pressure", "linear"), ("linear", "one_ring"), "--response pressure")
+    one_of(name, tuple(_CONSTANTS), "--response")
+    units = _CONSTANTS[name]
+    if wrong := sorted(values.keys() - units.keys()):
+        raise QuantityError(f"--response: {name} has no constant '{wrong[0]}'")
+    if missing := [key for key in units if key not in values]:
+        example = "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"
+        raise QuantityError(f"--response: {name} needs {', '.join(missing)}, as in {example}")
+    constants = {key: parse_quantity(values[key], units[key], f"--response {key}") for key in units}
+    if name == "half-space":
+        return HalfSpace(pressure=pressure)
+    return GaussianCorrected(**constants, pressure=pressure)
+
+
+def masked(surface: Surface, text: str) -> Surface:
+    """The surface with the mask that `caps`, `none` or the name of a NumPy file stands for."""
+    if text == "none":
+        return surface
+    if text == "caps":
+        mask = flat_cap_mask(surface)
+    elif text.endswith(".npy"):
+        try:
+            mask = np.load(text, allow_pickle=False)
+        except (OSError, ValueError) as error:
+            raise QuantityError(f"--skin-mask: {text} is no NumPy array: {error}") from None
+        if mask.dtype != np.bool_ or mask.shape != (len(surface.vertices),):
+            raise QuantityError(
+                f"--skin-mask: {text} is {mask.dtype} of shape {mask.shape}, expected bool of shape"
+                f" ({len(surface.vertices)},)"
+            )
+    else:
+        raise QuantityError(
+            f"--skin-mask: '{text}' is not known, expected caps, none or a file that ends in .npy"
+        )
+    return surface.with_skin_mask(mask)
+
+
+def rotation(angles: Sequence[float]) -> NDArray[np.float64]:
+    """Turns about the fixed axes x, then y, then z, as one (3, 3) matrix."""
+    total = np.eye(3)
+    for axis, angle in enumerate(angles):
+        turn = np.eye(3)
+        first, second = (axis + 1) % 3, (axis + 2) % 3
+        turn[first, first] = turn[second, second] = np.cos(angle)
+        turn[second, first], turn[first, second] = np.sin(angle), -np.sin(angle)
+        total = turn @ total
+    return total

@@ -1,0 +1,263 @@
+"""The command line: parse, call, print. Lengths in mm, forces in N, pressures in kPa here."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+import numpy as np
+import typer
+from rich.table import Table
+
+import quasirigid as qr
+
+from .arguments import file_unit, masked, one_of, response_of, rotation
+from .console import MM, console, print_contacts, progress, refuse, show_warning
+from .errors import MissingExtraError, QuasirigidError
+from .export import write_contact, write_mesh
+from .models.products import build_cylinder_handle
+from .quantities import ANGLE, LENGTH, STRESS, parse_numbers, parse_quantities, parse_quantity
+from .scenes import demo_scenes
+
+Made = TypeVar("Made")
+
+app = typer.Typer(
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Press a hand mesh against a product and read off deformed skin, pressure, area and force.",
+    epilog="Example:\n\n\b\n  quasirigid demo --quick --out demo-output",
+)
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Carry out a command line.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        Without the program's name.
+
+    Returns
+    -------
+    int
+        0: done; 1: done, but the contact did not end solved; 2: bad input, one line on stderr says what.
+    """
+    warnings.showwarning = show_warning
+    try:
+        status = app(list(arguments) or ["--help"], prog_name="quasirigid", standalone_mode=False)
+    except (QuasirigidError, OSError) as error:
+        return refuse(str(error))
+    except (KeyboardInterrupt, typer.Abort):
+        return refuse("interrupted", status=130)
+    except Exception as error:
+        # Typer's own refusals (a missing option, an unknown command) carry this method; nothing else does.
+        message = getattr(error, "format_message", None)
+        if message is None:
+            raise
+        return refuse(message())
+    return status if isinstance(status, int) else 0
+
+
+@app.command(
+    short_help="Press the built-in fingertip on two products.",
+    epilog="Example:\n\n\b\n  quasirigid demo --quick --out demo-output",
+)
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for meshes, results and pictures.")] = Path("demo-output"),
+    quick: Annotated[bool, typer.Option("--quick", help="A coarse mesh: done in a moment.")] = False,
+) -> int:
+    """Press the built-in fingertip on a handle and on a phone-sized box, 1.12 mm deep.
+
+    Needs no file. Prints the figures and writes, in a folder for each product, what `press` writes.
+    """
+    _need_matplotlib()
+    edge_length = 1.2e-3 if quick else 0.6e-3
+    with progress("building finger and products"):
+        scenes = demo_scenes(edge_length)
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    inputs = {
+        "depth": {"value": 1.12e-3, "unit": "m"},
+        "shear_modulus": {"value": 60e3, "unit": "Pa"},
+        "poisson_ratio": {"value": 0.5, "unit": "1"},
+        "response": "half-space",
+        "skin_mask": "caps",
+    }
+    contacts = {}
+    for scene in scenes:
+        with progress(f"pressing the {scene.name}"):
+            contacts[scene.name] = qr.press(
+                scene.surface, scene.obstacle, skin, scene.direction, depth=1.12e-3
+            )
+        with progress(f"drawing and writing {out / scene.name}"):
+            write_contact(contacts[scene.name], out / scene.name, inputs=inputs | {"scene": scene.name})
+    write_mesh(scenes[0].surface.vertices, scenes[0].surface.faces, out / "fingertip.ply", unit="m")
+    write_mesh(*build_cylinder_handle(0.016, 0.110, 0.003, edge_length), out / "handle.stl", unit="mm")
+    print_contacts(contacts)
+    for scene in scenes:
+        typer.echo(f"{scene.name}: {out / scene.name / 'skin.png'}, {out / scene.name / 'footprint.png'}")
+    return 0
+
+
+_PRESS_EXAMPLE = (
+    "quasirigid press demo-output/fingertip.ply demo-output/handle.stl --unit m --product-unit mm"
+    " --translate 0,19.2,-40mm --rotate 0,90,0deg --direction 0,0,1 --depth 1.12mm --shear-modulus 60kPa"
+    " --poisson-ratio 0.5 --response half-space --skin-mask caps --out press-output"
+)
+
+
+@app.command(
+    short_help="Press a product against a skin mesh.",
+    epilog=f"Example (on the meshes that `quasirigid demo` writes):\n\n\b\n  {_PRESS_EXAMPLE}",
+)
+def press(
+    skin_file: Annotated[
+        Path, typer.Argument(metavar="SKIN", help="Hand or finger mesh: .ply, .stl or .obj.")
+    ],
+    product_file: Annotated[Path, typer.Argument(metavar="PRODUCT", help="Closed product mesh.")],
+    unit: Annotated[str, typer.Option(help="Unit of the skin file: m or mm.")],
+    direction: Annotated[str, typer.Option(help="The way the product comes, as in 0,0,1.")],
+    depth: Annotated[str, typer.Option(help="How far past first touch, as in 1.12mm.")],
+    shear_modulus: Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")],
+    poisson_ratio: Annotated[float, typer.Option(help="Of the skin, 0 to 0.5.")],
+    out: Annotated[Path, typer.Option(help="Folder for the results.")],
+    product_unit: Annotated[
+        str | None, typer.Option(help="Unit of the product file [default: as --unit].")
+    ] = None,
+    translate: Annotated[
+        str, typer.Option(help="Shift of the product, after turning it, as in 0,0,-20mm.")
+    ] = "0,0,0mm",
+    rotate: Annotated[
+        str,
+        typer.Option(help="Turns of the product about the fixed axes x, then y, then z, as in 0,0,90deg."),
+    ] = "0,0,0deg",
+    response: Annotated[
+        str,
+        typer.Option(
+            help="half-space, or gaussian:height=0.8mm/N,width=5mm,cutoff=15mm (the paper's); either takes"
+            " pressure=linear or pressure=one_ring, as in half-space:pressure=one_ring."
+        ),
+    ] = "half-space",
+    skin_mask: Annotated[
+        str,
+        typer.Option(
+            help="What may touch: caps leaves out flat cut faces, none leaves out nothing, FILE.npy holds a"
+            " bool for each vertex."
+        ),
+    ] = "caps",
+    start: Annotated[
+        str, typer.Option(help="infinity: first touch counts from far away; current: from here.")
+    ] = "infinity",
+    pictures: Annotated[bool, typer.Option(help="Draw skin.png and footprint.png.")] = True,
+) -> int:
+    """Press a product against a skin mesh by a depth and write what happens.
+
+    Writes deformed.ply, deformed.vtp, contact.npz, contact.json, skin.png and footprint.png. Leaves with 0
+    when solved or without contact, 1 when the solver ended otherwise, 2 on bad input.
+    """
+    # Everything is read and checked before anything is computed.
+    begin: Any = one_of(start, ("infinity", "current"), "--start")
+    way = parse_numbers(direction, 3, "--direction")
+    travel = parse_quantity(depth, LENGTH, "--depth")
+    shift = parse_quantities(translate, 3, LENGTH, "--translate")
+    angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
+    skin = qr.Skin(
+        shear_modulus=parse_quantity(shear_modulus, STRESS, "--shear-modulus"),
+        poisson_ratio=poisson_ratio,
+        response=response_of(response),
+    )
+    if pictures:
+        _need_matplotlib()
+    if out.exists() and not out.is_dir():
+        raise NotADirectoryError(f"--out: {out} is a file, expected a folder")
+    with progress(f"reading {skin_file} and {product_file}"):
+        surface = masked(qr.read_surface(skin_file, unit=file_unit(unit, "--unit")), skin_mask)
+        obstacle = qr.read_obstacle(product_file, unit=file_unit(product_unit or unit, "--product-unit"))
+        obstacle = obstacle.moved(rotation(angles), np.array(shift))
+    with progress("pressing"):
+        contact = qr.press(surface, obstacle, skin, way, depth=travel, start=begin, throw=False)
+    inputs = {
+        "skin": str(skin_file),
+        "product": str(product_file),
+        "unit": unit,
+        "product_unit": product_unit or unit,
+        "translate": {"value": shift, "unit": "m"},
+        "rotate": {"value": angles, "unit": "rad"},
+        "direction": way,
+        "depth": {"value": travel, "unit": "m"},
+        "start": start,
+        "shear_modulus": {"value": skin.shear_modulus, "unit": "Pa"},
+        "poisson_ratio": {"value": skin.poisson_ratio, "unit": "1"},
+        "response": response,
+        "skin_mask": skin_mask,
+        "quasirigid": qr.__version__,
+    }
+    with progress(f"writing {out}"):
+        files = write_contact(contact, out, inputs=inputs, pictures=pictures)
+    print_contacts({skin_file.stem: contact})
+    typer.echo("wrote " + ", ".join(str(path) for path in files))
+    if contact.status in ("solved", "no_contact"):
+        return 0
+    return refuse(f"the contact ended with '{contact.status}': {contact.advice}", status=1)
+
+
+_INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"
+
+
+@app.command(
+    short_help="Say what a mesh file can serve as.",
+    epilog=f"Example (on a mesh that `quasirigid demo` writes):\n\n\b\n  {_INFO_EXAMPLE}",
+)
+def info(
+    file: Annotated[Path, typer.Argument(metavar="MESH", help="Mesh file: .ply, .stl or .obj.")],
+    unit: Annotated[str, typer.Option(help="Unit of the file: m or mm.")],
+) -> int:
+    """Say what a mesh file holds, and whether it can serve as skin and as product.
+
+    Leaves with 2 when it can serve as neither.
+    """
+    with progress(f"reading {file}"):
+        vertices, faces = qr.read_mesh(file, unit=file_unit(unit, "--unit"))
+        surface, no_skin = _tried(lambda: qr.Surface(vertices, faces))
+        _, no_product = _tried(lambda: qr.Obstacle.mesh(vertices, faces))
+    size = np.ptp(vertices, axis=0) * MM
+    rows = [
+        ("vertices, faces", f"{len(vertices)}, {len(faces)}"),
+        ("size (mm)", " x ".join(f"{length:.4g}" for length in size)),
+    ]
+    if surface is not None:
+        caps = int(np.count_nonzero(~qr.flat_cap_mask(surface)))
+        rows += [
+            ("closed", "yes" if surface.is_closed else "no"),
+            ("area (mm²)", f"{surface.area * MM**2:.5g}"),
+            ("volume (mm³)", f"{surface.volume * MM**3:.5g}" if surface.is_closed else "-"),
+            ("mean edge (mm)", f"{surface.mean_edge_length * MM:.4g}"),
+            ("vertices on flat cuts", str(caps)),
+        ]
+    for use, why_not in (("as skin", no_skin), ("as product", no_product)):
+        rows.append((use, f"no: {why_not}" if why_not else "yes"))
+    table = Table(title=str(file), title_justify="left", show_header=False, box=None, pad_edge=False)
+    for name, value in rows:
+        table.add_row(name, value)
+    console().print(table)
+    if no_skin and no_product:
+        return refuse(f"{file}: neither skin nor product: {no_skin}")
+    return 0
+
+
+def _tried(make: Callable[[], Made]) -> tuple[Made | None, str]:
+    """What is made, or why not."""
+    try:
+        return make(), ""
+    except QuasirigidError as error:
+        return None, str(error)
+
+
+def _need_matplotlib() -> None:
+    try:
+        import matplotlib
+    except ModuleNotFoundError:
+        raise MissingExtraError("pictures need matplotlib: pip install 'quasirigid[plot]'") from None
+    matplotlib.use("Agg")

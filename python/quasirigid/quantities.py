@@ -1,0 +1,111 @@
+"""Quantities as people write them on the command line: a number and its unit, `1.12mm` or `0,0,90deg`."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from .errors import QuasirigidError
+
+__all__ = ["QuantityError", "parse_numbers", "parse_quantities", "parse_quantity"]
+
+# What one of each unit is in SI.
+LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
+ANGLE = {"rad": 1.0, "deg": math.pi / 180.0}
+COMPLIANCE = {"m/N": 1.0, "mm/N": 1e-3}
+
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+class QuantityError(QuasirigidError, ValueError):
+    """A quantity on the command line is not understood; the message says which units it may have."""
+
+
+def parse_quantity(text: str, units: dict[str, float], what: str) -> float:
+    """Read one number with its unit.
+
+    Parameters
+    ----------
+    text : str
+        As `1.12mm`; blanks around are allowed.
+    units : dict of str to float
+        The units it may have and what one of each is in SI.
+    what : str
+        Name of the option, for messages.
+
+    Returns
+    -------
+    float
+        In SI.
+
+    Examples
+    --------
+    >>> parse_quantity("60kPa", STRESS, "--shear-modulus")
+    60000.0
+    """
+    return parse_quantities(text, 1, units, what)[0]
+
+
+def parse_quantities(text: str, count: int, units: dict[str, float], what: str) -> list[float]:
+    """Read `count` numbers parted by commas; one unit at the end counts for all before it.
+
+    Examples
+    --------
+    >>> parse_quantities("0,0,-20mm", 3, LENGTH, "--translate")
+    [0.0, 0.0, -0.02]
+    """
+    parts = _parts(text, count, what)
+    values: list[float] = []
+    factor: float | None = None
+    # From the last one, so that a unit reaches back over the bare numbers before it.
+    for part in reversed(parts):
+        match = _NUMBER.match(part)
+        unit = part[match.end() :].strip() if match else ""
+        if match is None or (unit and unit not in units):
+            raise QuantityError(f"{what}: '{part}' is not a number with a unit, {_allowed(units, part)}")
+        if unit:
+            factor = units[unit]
+        if factor is None:
+            raise QuantityError(f"{what}: '{text}' has no unit, {_allowed(units, text)}")
+        values.append(_finite(match.group(), what) * factor)
+    return values[::-1]
+
+
+def parse_numbers(text: str, count: int, what: str) -> list[float]:
+    """Read `count` plain numbers parted by commas.
+
+    Examples
+    --------
+    >>> parse_numbers("0,0,1", 3, "--direction")
+    [0.0, 0.0, 1.0]
+    """
+    values = []
+    for part in _parts(text, count, what):
+        if _NUMBER.fullmatch(part) is None:
+            raise QuantityError(f"{what}: '{part}' is not a plain number")
+        values.append(_finite(part, what))
+    return values
+
+
+def _parts(text: str, count: int, what: str) -> list[str]:
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != count:
+        wanted = "one value" if count == 1 else f"{count} values parted by commas"
+        raise QuantityError(f"{what}: '{text}' has {len(parts)} values, expected {wanted}")
+    return parts
+
+
+def _finite(text: str, what: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise QuantityError(f"{what}: '{text}' is too large")
+    return value
+
+
+def _allowed(units: dict[str, float], example: str) -> str:
+    names = list(units)
+    number = _NUMBER.match(example.split(",")[-1].strip())
+    best = "mm" if "mm" in names else names[1]
+    sample = number.group() if number else "1"
+    return f"expected {', '.join(names[:-1])} or {names[-1]} after it, as in {sample}{best}"

@@ -1,0 +1,229 @@
+"""The command line: its examples run, its files are there, and bad input is one line and status 2."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("typer")
+pytest.importorskip("rich")
+pytest.importorskip("matplotlib")
+
+import quasirigid as qr
+from quasirigid.cli import run
+
+COMMANDS = [[], ["demo"], ["press"], ["info"]]
+
+
+DEMO = ["demo", "--quick", "--out", "demo-output"]
+
+
+@pytest.fixture(scope="module")
+def demo_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the demo has run."""
+    folder = tmp_path_factory.mktemp("demo")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert run(DEMO) == 0
+    return folder
+
+
+@pytest.fixture
+def in_demo_folder(demo_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(demo_folder)
+    return demo_folder
+
+
+def press_arguments(**changes: str | None) -> list[str]:
+    """A press that works in the demo's folder, with options changed or (None) left out."""
+    options: dict[str, str | None] = {
+        "unit": "m",
+        "product-unit": "mm",
+        "translate": "0,19.2,-40mm",
+        "rotate": "0,90,0deg",
+        "direction": "0,0,1",
+        "depth": "1.12mm",
+        "shear-modulus": "60kPa",
+        "poisson-ratio": "0.5",
+        "out": "out",
+    }
+    options |= {name.replace("_", "-"): value for name, value in changes.items()}
+    words = [word for name, value in options.items() if value is not None for word in (f"--{name}", value)]
+    return ["press", "demo-output/fingertip.ply", "demo-output/handle.stl", *words, "--no-pictures"]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda words: " ".join(words) or "quasirigid")
+def test_every_help_ends_with_an_example_that_works(
+    command: list[str], in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run([*command, "--help"]) == 0
+    lines = [line.strip() for line in capsys.readouterr().out.splitlines() if line.strip()]
+    assert lines[-2].startswith("Example")
+    program, *arguments = shlex.split(lines[-1])
+    assert program == "quasirigid"
+    # The demo has just run for this folder.
+    assert arguments == DEMO or run(arguments) == 0
+
+
+def test_no_words_at_all_print_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run([]) == 0
+    assert "press" in capsys.readouterr().out
+
+
+def test_the_demo_writes_pictures_files_and_meshes(demo_folder: Path) -> None:
+    for name in ("handle", "phone"):
+        names = {path.name for path in (demo_folder / "demo-output" / name).iterdir()}
+        assert names == {
+            "contact.json",
+            "contact.npz",
+            "deformed.ply",
+            "deformed.vtp",
+            "footprint.png",
+            "skin.png",
+        }
+        document = json.loads((demo_folder / "demo-output" / name / "contact.json").read_text())
+        assert document["status"] == "solved"
+        # A fingertip of G = 60 kPa, 1.12 mm deep: about 1 N.
+        assert 0.5 < document["force"]["value"][2] < 2.0
+
+
+def test_a_press_prints_and_writes_the_same_figures_as_the_library(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(press_arguments(out="press-out")) == 0
+    printed = capsys.readouterr()
+    document = json.loads((in_demo_folder / "press-out" / "contact.json").read_text())
+
+    surface = qr.read_surface("demo-output/fingertip.ply", unit="m")
+    surface = surface.with_skin_mask(qr.flat_cap_mask(surface))
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    handle = qr.read_obstacle("demo-output/handle.stl", unit="mm").moved(turn, [0.0, 19.2e-3, -40e-3])
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    contact = qr.press(surface, handle, skin, [0.0, 0.0, 1.0], depth=1.12e-3)
+    # The command line's turn by 90 degrees has a cosine of 6e-17, not 0.
+    assert document["force"]["value"] == pytest.approx(contact.force, rel=1e-9, abs=1e-9)
+    assert f"{np.linalg.norm(contact.force):.4g}" in printed.out
+    assert document["inputs"]["depth"] == {"value": pytest.approx(1.12e-3), "unit": "m"}
+    assert printed.err == "" or printed.err.endswith("...\n")
+
+
+def test_a_turn_is_about_fixed_axes_x_then_y_then_z() -> None:
+    from quasirigid.arguments import rotation
+
+    turned = rotation([np.pi / 2, 0.0, np.pi / 2]) @ np.array([0.0, 1.0, 0.0])
+    # About x: y to z; about z: z stays.
+    assert turned == pytest.approx([0.0, 0.0, 1.0], abs=1e-15)
+
+
+def test_a_mask_file_decides_what_may_touch(in_demo_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    surface = qr.read_surface("demo-output/fingertip.ply", unit="m")
+    np.save("mask.npy", np.zeros(len(surface.vertices), dtype=bool))
+    assert run(press_arguments(skin_mask="mask.npy", out="masked")) == 2
+    capsys.readouterr()
+    np.save("mask.npy", surface.vertices[:, 1] > 5e-3)
+    assert run(press_arguments(skin_mask="mask.npy", out="masked")) == 0
+
+
+BAD_INPUT = {
+    "no unit on a length": ({"depth": "1.12"}, "--depth: '1.12' has no unit"),
+    "a wrong unit": ({"shear_modulus": "60mm"}, "--shear-modulus: '60mm' is not a number with a unit"),
+    "an unknown file unit": ({"unit": "cm"}, "--unit: 'cm' is not known, expected m or mm"),
+    "two numbers for three": ({"direction": "0,1"}, "--direction: '0,1' has 2 values"),
+    "a zero direction": ({"direction": "0,0,0"}, "direction"),
+    "a negative depth": ({"depth": "-1mm"}, "depth"),
+    "an impossible ratio": ({"poisson_ratio": "0.7"}, "poisson_ratio is 7e-1"),
+    "an unknown response": ({"response": "jelly"}, "--response: 'jelly' is not known"),
+    "a missing constant": ({"response": "gaussian:height=0.8mm/N,width=5mm"}, "gaussian needs cutoff"),
+    "an unknown constant": ({"response": "half-space:cutoff=1mm"}, "half-space has no constant 'cutoff'"),
+    "an unknown basis": ({"response": "half-space:pressure=cubic"}, "'cubic' is not known"),
+    "an unknown mask": ({"skin_mask": "nails"}, "--skin-mask: 'nails' is not known"),
+    "a missing mask file": ({"skin_mask": "nowhere.npy"}, "--skin-mask: nowhere.npy"),
+    "an unknown start": ({"start": "here"}, "--start: 'here' is not known"),
+    "a missing option": ({"depth": None}, "Missing option '--depth'"),
+    "a start in overlap": ({"start": "current", "translate": "0,19.2,-22mm"}, "penetrat"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), BAD_INPUT.values(), ids=BAD_INPUT.keys())
+def test_bad_input_is_one_line_and_status_2(
+    changes: dict[str, str | None], message: str, in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = sorted(in_demo_folder.iterdir())
+    assert run(press_arguments(**{"out": "refused", **changes})) == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith("error: ")
+    assert printed.err.count("\n") == 1
+    assert message in printed.err
+    assert sorted(in_demo_folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["info", "nowhere.ply", "--unit", "m"], "nowhere.ply: No such file"),
+        (["info", "demo-output/fingertip.ply"], "Missing option '--unit'"),
+        (["levitate"], "No such command 'levitate'"),
+        (["demo", "--loud"], "--loud"),
+    ],
+)
+def test_other_refusals_are_one_line_too(
+    arguments: list[str], message: str, in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.err.count("\n") == 1
+    assert message in printed.err
+
+
+def test_a_file_in_the_place_of_the_output_is_refused(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (in_demo_folder / "taken").write_text("mine")
+    assert run(press_arguments(out="taken")) == 2
+    assert "taken is a file" in capsys.readouterr().err
+    assert (in_demo_folder / "taken").read_text() == "mine"
+
+
+def test_an_ending_without_result_is_written_and_status_1(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    gaussian = "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"
+    assert run(press_arguments(response=gaussian, depth="2mm", out="ray")) == 1
+    printed = capsys.readouterr()
+    assert printed.err.splitlines()[-1].startswith("error: the contact ended with '")
+    assert json.loads((in_demo_folder / "ray" / "contact.json").read_text())["status"] != "solved"
+
+
+def test_info_names_the_defect_of_an_open_product(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (in_demo_folder / "open.obj").write_text("v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n")
+    assert run(["info", "open.obj", "--unit", "mm"]) == 0
+    printed = capsys.readouterr().out
+    assert "size (mm)" in printed
+    assert "9 x 9 x 0" in printed
+    assert "as product" in printed
+    assert "no: " in printed
+
+
+@pytest.mark.parametrize("library", ["typer", "rich"])
+def test_a_missing_extra_is_one_line_with_its_remedy(library: str) -> None:
+    code = f"import sys; sys.modules['{library}'] = None; from quasirigid.__main__ import main; main()"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "error: the command line needs typer and rich: pip install 'quasirigid[cli]'\n"
+
+
+def test_the_package_itself_imports_no_extra() -> None:
+    code = (
+        "import sys, quasirigid; "
+        "print([name for name in ('matplotlib', 'typer', 'rich', 'trimesh') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
