@@ -13,9 +13,14 @@
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
 
 mod assemble;
+mod column;
+mod corrected;
 mod cut;
+mod elementary;
 mod error;
 mod gaussian;
+mod multipole;
+mod near;
 mod options;
 mod parallel;
 #[cfg(test)]
@@ -24,6 +29,7 @@ mod rule;
 mod skin;
 mod source;
 mod subdivide;
+mod targets;
 mod triangle;
 
 pub use assemble::{assemble, assemble_block};

@@ -18,6 +18,16 @@ pub(crate) struct LoadedFace {
     pub(crate) radius: f64,
 }
 
+impl LoadedFace {
+    /// Whether the closed form would err by more than `tolerance` within `reach` (m) of the triangle.
+    pub(crate) fn loses_digits(&self, reach: f64, tolerance: f64) -> bool {
+        let height = self.frame.heights.into_iter().fold(f64::INFINITY, f64::min);
+        let length = 2.0 * self.frame.area / height;
+        let loss = 40.0 * f64::EPSILON * (length / height).powi(2) * (reach / length).max(1.0).powi(3);
+        loss > tolerance.max(2e-11)
+    }
+}
+
 /// Appends the triangles that carry a unit force at `vertex`; their densities integrate to 1.
 pub(crate) fn loaded_faces(
     surface: &Surface,

@@ -1,0 +1,56 @@
+//! The points at which a column is evaluated, laid out for vector code.
+
+use nalgebra::Vector3;
+
+/// Coordinates in separate lists, in an order that keeps neighbours together (a Z-order curve) so that points
+/// of a vector lie at similar distances from any load.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) z: Vec<f64>,
+    /// Row of each point in the matrix; shorter than the coordinates, which are padded by repeating the last.
+    pub(crate) rows: Vec<u32>,
+}
+
+/// Points in a vector block, a multiple of every vector length.
+pub(crate) const BLOCK: usize = 16;
+
+impl Targets {
+    pub(crate) fn new(points: &[Vector3<f64>]) -> Self {
+        let low = points.iter().fold(Vector3::repeat(f64::INFINITY), |a, p| a.inf(p));
+        let high = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, p| a.sup(p));
+        let scale = 1023.0 / (high - low).max().max(f64::MIN_POSITIVE);
+        let key = |p: &Vector3<f64>| {
+            let cell = (p - low) * scale;
+            spread(cell.x as u32) | spread(cell.y as u32) << 1 | spread(cell.z as u32) << 2
+        };
+        let mut keyed: Vec<(u32, u32)> = points.iter().zip(0..).map(|(p, row)| (key(p), row)).collect();
+        keyed.sort_unstable();
+        let rows: Vec<u32> = keyed.iter().map(|&(_, row)| row).collect();
+        let padded = rows.len().next_multiple_of(BLOCK);
+        let coordinate = |axis: usize| {
+            let mut list: Vec<f64> = rows.iter().map(|&row| points[row as usize][axis]).collect();
+            if let Some(&last) = list.last() {
+                list.resize(padded, last);
+            }
+            list
+        };
+        Self { x: coordinate(0), y: coordinate(1), z: coordinate(2), rows }
+    }
+
+    /// Copies the values of a column, in the order of the points, to their rows.
+    pub(crate) fn scatter(&self, values: &[f64], column: &mut [f64]) {
+        for (&row, &value) in self.rows.iter().zip(values) {
+            column[row as usize] = value;
+        }
+    }
+}
+
+/// Every bit of a 10-bit number moved to every third place.
+fn spread(v: u32) -> u32 {
+    let v = (v | v << 16) & 0x0300_00ff;
+    let v = (v | v << 8) & 0x0300_f00f;
+    let v = (v | v << 4) & 0x030c_30c3;
+    (v | v << 2) & 0x0924_9249
+}
