@@ -607,3 +607,45 @@ fn repair_refuses_what_it_cannot_work_on() {
     broken.1[0][0] = 9;
     assert!(matches!(welded(&broken, 0.0).unwrap_err(), MeshError::VertexOutOfRange { vertex: 9, .. }));
 }
+
+/// Faces at random on few points of a coarse lattice: all defects at once.
+fn rubble() -> impl proptest::strategy::Strategy<Value = Mesh> {
+    use proptest::prelude::*;
+    let points = proptest::collection::vec(proptest::array::uniform3(0i8..3), 3..9);
+    points.prop_flat_map(|points| {
+        let n = points.len() as u32;
+        let vertices: Vec<Vector3<f64>> =
+            points.into_iter().map(|point| Vector3::from(point.map(f64::from))).collect();
+        (Just(vertices), proptest::collection::vec(proptest::array::uniform3(0..n), 1..16))
+    })
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn rubble_is_named_or_mended_and_a_second_repair_changes_nothing(mesh in rubble(), weld_tolerance in 0.0..1.5) {
+        if let Ok(topology) = check(&mesh.0, &mesh.1) {
+            let corners: usize = (0..mesh.0.len()).map(|vertex| topology.faces_around(vertex).len()).sum();
+            proptest::prop_assert_eq!(corners, 3 * mesh.1.len());
+            let ends: usize = (0..mesh.0.len()).map(|vertex| topology.neighbours(vertex).len()).sum();
+            proptest::prop_assert_eq!(ends, 2 * topology.edge_count());
+            let border: usize = topology.boundary_loops().iter().map(Vec::len).sum();
+            proptest::prop_assert_eq!(3 * mesh.1.len() + border, 2 * topology.edge_count());
+        }
+        match welded(&mesh, weld_tolerance) {
+            Ok(once) => {
+                let twice = welded(&(once.vertices.clone(), once.faces.clone()), 0.0).unwrap();
+                proptest::prop_assert!(twice.report.is_unchanged(), "{}", twice.report);
+                for (vertex, new) in once.vertex_map.iter().enumerate() {
+                    if let Some(new) = new {
+                        let way = (once.vertices[*new] - mesh.0[vertex]).norm();
+                        proptest::prop_assert!(way <= once.report.largest_move);
+                    }
+                }
+            }
+            Err(MeshError::NotOrientable { faces, .. }) => proptest::prop_assert!(faces[1] < mesh.1.len()),
+            Err(error) => proptest::prop_assert!(matches!(error, MeshError::NothingLeft { .. }), "{}", error),
+        }
+    }
+}

@@ -13,6 +13,7 @@
 mod adjacency;
 mod borders;
 mod check;
+mod columns;
 mod component;
 mod csr;
 mod distance;

@@ -3,16 +3,13 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::columns::{Columns, Location};
 use super::component::{Closed, closed_components};
-use super::distance::triangle_distance_squared;
 use super::error::MeshError;
 use super::topology::Topology;
-use super::winding::solid_angle;
 
-/// Most and fewest points of one component that are looked at to place it inside, outside or on another.
-const SAMPLES: (usize, usize) = (64, 4);
-/// Pairs of points and faces that are looked at before the number of points is cut down to the fewest.
-const PAIRS: usize = 20_000_000;
+/// Points of one component that are looked at to place it inside, outside or on another.
+const SAMPLES: usize = 64;
 /// Points closer to a component than this part of the mean edge length lie on it (dimensionless).
 const COINCIDENT_DISTANCE: f64 = 1e-3;
 
@@ -28,7 +25,7 @@ pub fn component_volumes(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology
 
 /// Checks that the closed components of a mesh bound a body: turned outward, or inward where they are cavities.
 ///
-/// A component lies in another if its points have the winding number 1 in it (solid angle of all its faces).
+/// A component lies in another if its points have a winding number other than 0 in it.
 /// One at even depth must have a positive volume, one at odd depth (a cavity) a negative one. Components that
 /// cross each other count as side by side. Open components are left out.
 ///
@@ -124,16 +121,22 @@ fn place_all(vertices: &[Vector3<f64>], closed: &[&Closed], tolerance: f64) -> V
     let candidates: Vec<Vec<usize>> = (0..closed.len())
         .map(|inner| (0..closed.len()).filter(|outer| may_hold(inner, *outer)).collect())
         .collect();
-    let face_count: usize = candidates.iter().flatten().map(|outer| closed[*outer].faces.len()).sum();
-    let sample_count = (PAIRS / face_count.max(1)).clamp(SAMPLES.1, SAMPLES.0);
+    let mut holds = vec![false; closed.len()];
+    candidates.iter().flatten().for_each(|outer| holds[*outer] = true);
+    let columns: Vec<Option<Columns>> = closed
+        .par_iter()
+        .zip(&holds)
+        .map(|(component, holds)| holds.then(|| Columns::new(vertices, &component.faces)))
+        .collect();
     let place = |(inner, candidates): (usize, &Vec<usize>)| {
         let mut place = Place { inner, around: Vec::new(), on: None };
         if candidates.is_empty() {
             return place;
         }
-        let samples = closed[inner].samples(vertices, sample_count);
+        let samples = closed[inner].samples(vertices, SAMPLES);
         for &outer in candidates {
-            match relate(vertices, &samples, closed[outer], tolerance) {
+            let columns = columns[outer].as_ref().expect("made for every component that may hold another");
+            match relate(&samples, columns, tolerance) {
                 Relation::Inside => place.around.push(outer),
                 Relation::On(distance) if outer < inner && place.on.is_none() => {
                     place.on = Some((outer, distance));
@@ -153,24 +156,20 @@ enum Relation {
     Apart,
 }
 
-/// Places sample points inside, on or outside (or across) a closed component, whichever way it is turned.
-fn relate(vertices: &[Vector3<f64>], samples: &[Vector3<f64>], other: &Closed, tolerance: f64) -> Relation {
-    let measured: Vec<(f64, bool)> = samples
-        .par_iter()
-        .map(|point| {
-            let mut angle = 0.0;
-            let mut distance_squared = f64::INFINITY;
-            for face in &other.faces {
-                let corners = face.map(|vertex| &vertices[vertex as usize]);
-                angle += solid_angle(point, corners);
-                distance_squared = distance_squared.min(triangle_distance_squared(point, corners));
-            }
-            (distance_squared.sqrt(), angle.abs() > 2.0 * std::f64::consts::PI)
-        })
-        .collect();
-    let mut off = measured.iter().filter(|(distance, _)| *distance > tolerance).peekable();
-    if off.peek().is_none() {
-        return Relation::On(measured.iter().map(|sample| sample.0).fold(0.0, f64::max));
+/// Places the points of a component inside, on or outside (or across) another, whichever way that is turned.
+fn relate(samples: &[Vector3<f64>], other: &Columns, tolerance: f64) -> Relation {
+    let (mut inside, mut outside, mut farthest) = (0, 0, 0.0f64);
+    for point in samples {
+        match other.locate(point, tolerance) {
+            Location::Inside => inside += 1,
+            Location::Outside => outside += 1,
+            Location::On(distance) => farthest = farthest.max(distance),
+            Location::Unclear => {}
+        }
     }
-    if off.all(|(_, inside)| *inside) { Relation::Inside } else { Relation::Apart }
+    match (inside, outside) {
+        (0, 0) => Relation::On(farthest),
+        (_, 0) => Relation::Inside,
+        _ => Relation::Apart,
+    }
 }
