@@ -4,14 +4,21 @@
 mod problems;
 
 use faer::{Mat, mat};
-use problems::{Noise, RAY_MEANS_INFEASIBLE, grid_contact, small_problem};
+use problems::{
+    Noise, P_MATRICES, RAY_MEANS_INFEASIBLE, circulant, exponential_examples, graded_p_matrix, grid_contact,
+    small_problem,
+};
 use quasirigid::lcp::{
     LcpError, LcpMethod, LcpOptions, LcpProblem, LcpSolution, LcpStatus, RayConclusion, solve,
 };
 
 fn run(m: &Mat<f64>, q: &[f64]) -> LcpSolution {
+    run_with(m, q, LcpMethod::Lemke, &LcpOptions::default())
+}
+
+fn run_with(m: &Mat<f64>, q: &[f64], method: LcpMethod, options: &LcpOptions) -> LcpSolution {
     let problem = LcpProblem::new(m.as_ref(), q).unwrap();
-    solve(&problem, LcpMethod::Lemke, &LcpOptions::default()).unwrap()
+    solve(&problem, method, options).unwrap()
 }
 
 /// Checks an answer by its definition, apart from the certificate.
@@ -22,7 +29,7 @@ fn assert_solves(m: &Mat<f64>, q: &[f64], solution: &LcpSolution, tolerance: f64
     for i in 0..n {
         let w = q[i] + (0..n).map(|j| m[(i, j)] * solution.z[j]).sum::<f64>();
         let row = (0..n).map(|j| m[(i, j)].abs()).fold(0.0, f64::max);
-        assert!(solution.z[i] >= 0.0 && w >= -limit, "w[{i}] = {w:e}");
+        assert!(solution.z[i] >= 0.0 && w >= -limit, "w[{i}] = {w:e} for {m:?} {q:?} {solution:?}");
         assert!(w <= limit || solution.z[i] * row <= limit, "w[{i}] = {w:e}, z = {:e}", solution.z[i]);
     }
 }
@@ -122,7 +129,12 @@ fn enumerate(m: &Mat<f64>, q: &[f64]) -> Vec<Vec<f64>> {
         let Some(block) = block_solution(m, q, &set) else { continue };
         let mut z = vec![0.0; n];
         set.iter().zip(block).for_each(|(&i, value)| z[i] = value);
-        let rounding = 1e-9 * (1.0 + z.iter().map(|z| z.abs()).sum::<f64>());
+        // Larger than this comes from a block that is singular up to rounding.
+        let size = z.iter().map(|z| z.abs()).sum::<f64>();
+        if size > 1e5 {
+            continue;
+        }
+        let rounding = 1e-10 * (1.0 + size);
         let w = |i: usize| q[i] + (0..n).map(|j| m[(i, j)] * z[j]).sum::<f64>();
         if (0..n).all(|i| z[i] >= -rounding && w(i) >= -rounding) {
             found.push(z);
@@ -131,21 +143,23 @@ fn enumerate(m: &Mat<f64>, q: &[f64]) -> Vec<Vec<f64>> {
     found
 }
 
-fn agree_with_enumeration(cases: usize, seed: u64, largest: usize) {
+fn agree_with_enumeration(method: LcpMethod, cases: usize, seed: u64, largest: usize) {
     let mut noise = Noise(seed);
     let mut endings = std::collections::BTreeMap::<String, usize>::new();
     for case in 0..cases {
         let (m, q, kind) = small_problem(&mut noise, largest);
-        let solution = run(&m, &q);
+        let solution = run_with(&m, &q, method, &LcpOptions::default());
         *endings.entry(format!("{kind}: {}", solution.status)).or_default() += 1;
-        let context = || format!("case {case} ({kind}): {} for {m:?} {q:?}", solution.advice());
+        let context =
+            || format!("case {case} ({kind}): {} for {m:?} {q:?} {:?}", solution.advice(), solution.attempts);
         match solution.status {
             LcpStatus::Solved => assert_solves(&m, &q, &solution, 1e-9),
             LcpStatus::Ray => {
                 let ray = solution.ray.as_ref().expect("a ray comes with its direction");
                 let none =
                     ray.conclusion == RayConclusion::Infeasible || RAY_MEANS_INFEASIBLE.contains(&kind);
-                assert!(!none || enumerate(&m, &q).is_empty(), "{}", context());
+                let basic = if none { enumerate(&m, &q) } else { Vec::new() };
+                assert!(basic.is_empty(), "{} {basic:?}", context());
             }
             _ => panic!("{}", context()),
         }
@@ -155,13 +169,88 @@ fn agree_with_enumeration(cases: usize, seed: u64, largest: usize) {
 
 #[test]
 fn small_problems_of_every_kind_agree_with_enumeration() {
-    agree_with_enumeration(4000, 1, 8);
+    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+        agree_with_enumeration(method, 4000, 1, 8);
+    }
 }
 
 #[test]
 #[ignore = "takes minutes; the short version always runs"]
 fn a_hundred_thousand_small_problems_agree_with_enumeration() {
-    agree_with_enumeration(100_000, 2, 10);
+    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+        agree_with_enumeration(method, 100_000, 2, 10);
+    }
+}
+
+#[test]
+fn block_pivoting_and_lemke_find_the_one_solution_of_a_p_matrix() {
+    let mut noise = Noise(5);
+    for _ in 0..3000 {
+        let (m, q, kind) = small_problem(&mut noise, 9);
+        if P_MATRICES.contains(&kind) {
+            let pivoting = run_with(&m, &q, LcpMethod::BlockPivoting, &LcpOptions::default());
+            assert_solves(&m, &q, &pivoting, 1e-10);
+            let lemke = run(&m, &q);
+            for (a, b) in lemke.z.iter().zip(&pivoting.z) {
+                assert!((a - b).abs() <= 1e-9 * (1.0 + a.abs()), "{kind}: {a} and {b} for {m:?} {q:?}");
+            }
+        }
+    }
+}
+
+// Hard cases of the literature
+
+#[test]
+fn exponential_examples_end_solved_by_every_method() {
+    for n in [1, 2, 5, 10, 15, 20] {
+        for (name, m, q) in exponential_examples(n) {
+            for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+                let solution = run_with(&m, &q, method, &LcpOptions::default());
+                println!("{name} {n} {method}: {} pivots, {} runs", solution.pivots, solution.attempts.len());
+                assert_solves(&m, &q, &solution, 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pivot_limit_that_the_caller_set_is_kept() {
+    let (_, m, q) = exponential_examples(12).swap_remove(3);
+    let options = LcpOptions { max_pivots: Some(100), ..LcpOptions::default() };
+    let solution = run_with(&m, &q, LcpMethod::Lemke, &options);
+    assert_eq!((solution.status, solution.pivots), (LcpStatus::PivotLimit, 100));
+    assert!(solution.advice().contains("max_pivots"));
+}
+
+#[test]
+fn circulants_on_which_exchanges_can_cycle_end_solved() {
+    for n in [3, 5, 7, 9, 31] {
+        let (m, q) = circulant(n);
+        for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+            // From every corner: block exchanges jump between sets here without end.
+            for first in [vec![], vec![0], (0..n - 1).collect::<Vec<_>>()] {
+                let options = LcpOptions { initial_active: Some(first), ..LcpOptions::default() };
+                let solution = run_with(&m, &q, method, &options);
+                assert_solves(&m, &q, &solution, 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn graded_p_matrices_are_solved_up_to_condition_1e14() {
+    let mut noise = Noise(11);
+    for exponent in [0, 4, 8, 12, 14] {
+        for n in [5, 20, 60] {
+            let m = graded_p_matrix(&mut noise, n, 10_f64.powi(exponent));
+            let q: Vec<f64> = (0..n).map(|_| noise.value()).collect();
+            for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+                let solution = run_with(&m, &q, method, &LcpOptions::default());
+                println!("1e{exponent}, {n}, {method}: {:e}", solution.natural_residual);
+                assert_eq!(solution.status, LcpStatus::Solved, "{}", solution.advice());
+            }
+        }
+    }
 }
 
 // Contact

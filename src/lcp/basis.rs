@@ -5,9 +5,12 @@
 //! Hessenberg form that adjacent interchanges mend (Bartels, Golub 1969, Communications of the ACM 12,
 //! 266-268), and a lost row goes out through the combination of rows that has just become zero.
 
-use faer::{Mat, Par};
+use faer::Mat;
+use rayon::prelude::*;
 
+use super::dense::{Factor, NoFactor};
 use super::kernels::{axpy, dot};
+use super::problem::{SHARED, row_block};
 
 /// A new row's entry must exceed the pivot by this factor before the two rows change places; above 1 so that
 /// `T` stays triangular, and half as dear, where no interchange is needed.
@@ -28,12 +31,6 @@ pub(super) struct Basis {
 }
 
 impl Basis {
-    pub(super) fn clear(&mut self) {
-        self.rows = 0;
-        self.columns = 0;
-        self.extent.clear();
-    }
-
     /// Makes room for `size` rows and columns and the one more that a change needs.
     fn reserve(&mut self, size: usize) {
         if size < self.stride {
@@ -51,44 +48,53 @@ impl Basis {
         self.stride = stride;
     }
 
-    /// Factors afresh the matrix whose columns `fill` writes; partial pivoting.
-    pub(super) fn factor(&mut self, size: usize, mut fill: impl FnMut(usize, &mut [f64])) {
-        self.clear();
-        self.reserve(size);
+    /// Factors afresh the matrix whose columns `fill` writes; partial pivoting. On failure the old factor stays.
+    pub(super) fn factor(
+        &mut self,
+        size: usize,
+        mut fill: impl FnMut(usize, &mut [f64]),
+        interrupted: &dyn Fn() -> bool,
+    ) -> Result<(), NoFactor> {
         let mut k = Mat::<f64>::zeros(size, size);
         for j in 0..size {
             fill(j, k.col_as_slice_mut(j));
         }
-        let lu = k.partial_piv_lu();
-        let permutation = lu.P().arrays().0;
-        let mut t = Mat::<f64>::zeros(size, size);
-        for (i, &from) in permutation.iter().enumerate() {
-            t[(i, from)] = 1.0;
-        }
-        faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place(lu.L(), t.as_mut(), Par::Seq);
-        let upper = lu.U();
+        let (lu, t) = Factor::lu(k, interrupted)?.split(interrupted)?;
+        (self.rows, self.columns) = (0, 0);
+        self.reserve(size);
         self.t.fill(0.0);
         for i in 0..size {
             for j in 0..size {
                 self.t[i * self.stride + j] = t[(i, j)];
-                self.u[i * self.stride + j] = upper[(i, j)];
+                self.u[i * self.stride + j] = lu[(i, j)];
             }
         }
         self.extent = vec![size; size];
         (self.rows, self.columns) = (size, size);
+        Ok(())
     }
 
     /// `y = T a`.
     pub(super) fn transform(&self, a: &[f64], y: &mut Vec<f64>) {
         y.clear();
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for (row, &extent) in self.t.chunks_exact(self.stride.max(1)).zip(&self.extent) {
-                    y.push(dot(&row[..extent], &a[..extent]));
-                }
-            },
-        );
+        y.resize(self.rows, 0.0);
+        let rows_each = if self.rows * self.rows < SHARED { self.rows.max(1) } else { row_block(self.rows) };
+        let block = |(k, y): (usize, &mut [f64])| {
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for (i, y) in (k * rows_each..).zip(y) {
+                        let extent = self.extent[i];
+                        *y = dot(&self.t[i * self.stride..][..extent], &a[..extent]);
+                    }
+                },
+            );
+        };
+        if rows_each < self.rows {
+            y.par_chunks_mut(rows_each).enumerate().for_each(block);
+        } else {
+            block((0, y));
+        }
     }
 
     /// Solves `U x = y` in place.
@@ -264,7 +270,7 @@ mod tests {
         let mut seed = 7;
         let mut k: Vec<Vec<f64>> = vec![vec![1.5]];
         let mut basis = Basis::default();
-        basis.factor(1, |_, column| column[0] = 1.5);
+        basis.factor(1, |_, column| column[0] = 1.5, &|| false).unwrap();
         for step in 0..400 {
             let size = k.len();
             let choice = (noise(&mut seed) * 2.0 + 2.0) as usize;
@@ -293,9 +299,10 @@ mod tests {
             assert_solves(&basis, &k, &mut seed);
             if step % 50 == 49 {
                 let copy = k.clone();
-                basis.factor(k.len(), |j, column| {
+                let fill = |j: usize, column: &mut [f64]| {
                     column.iter_mut().zip(&copy).for_each(|(entry, row)| *entry = row[j]);
-                });
+                };
+                basis.factor(k.len(), fill, &|| false).unwrap();
                 assert_solves(&basis, &k, &mut seed);
             }
         }

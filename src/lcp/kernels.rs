@@ -36,6 +36,33 @@ pub(super) fn axpy(y: &mut [f64], c: f64, x: &[f64]) {
     }
 }
 
+/// `y + tail += c x` with the rounding errors gathered in `tail` (Ogita, Rump, Oishi 2005).
+pub(super) fn add_column_compensated(y: &mut [f64], tail: &mut [f64], x: &[f64], c: f64) {
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let n = y.len();
+            let (tail, x) = (&mut tail[..n], &x[..n]);
+            for i in 0..n {
+                let product = c * x[i];
+                let error = c.mul_add(x[i], -product);
+                let sum = y[i] + product;
+                let back = sum - y[i];
+                tail[i] += ((y[i] - (sum - back)) + (product - back)) + error;
+                y[i] = sum;
+            }
+        },
+    );
+}
+
+/// Inner product, chosen at run time.
+pub(super) fn inner_product(x: &[f64], y: &[f64]) -> f64 {
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || dot(x, y),
+    )
+}
+
 /// Inner product, summed in 16 lanes.
 #[inline(always)]
 pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
@@ -57,22 +84,46 @@ pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
     (quarter[0] + quarter[2]) + (quarter[1] + quarter[3]) + tail
 }
 
-/// Smallest entry and largest magnitude (as bits, so that infinities and NaN come out on top) of each row of
-/// a block of columns, folded into `low` and `high`.
-pub(super) fn fold_extremes(column: &[f64], low: &mut [f64], high: &mut [u64]) {
+/// Folds columns into the smallest entry `low` and the largest magnitude `high` of each row.
+///
+/// Magnitudes are compared as bits, so that infinities and NaN come out on top.
+pub(super) fn fold_extremes(columns: &[&[f64]], low: &mut [f64], high: &mut [u64]) {
+    const COLUMNS: usize = 8;
+    const ROWS: usize = 1024;
+    let n = low.len();
     pulp::Arch::new().dispatch(
         #[inline(always)]
         || {
-            let n = column.len();
-            let (low, high) = (&mut low[..n], &mut high[..n]);
-            for i in 0..n {
-                let value = column[i];
-                let bits = value.to_bits() & MAGNITUDE;
-                low[i] = if value < low[i] { value } else { low[i] };
-                high[i] = if bits > high[i] { bits } else { high[i] };
+            for start in (0..n).step_by(ROWS) {
+                let rows = start..(start + ROWS).min(n);
+                let mut chunks = columns.chunks_exact(COLUMNS);
+                for chunk in &mut chunks {
+                    let chunk: [&[f64]; COLUMNS] = std::array::from_fn(|k| &chunk[k][rows.clone()]);
+                    fold_block(chunk, &mut low[rows.clone()], &mut high[rows.clone()]);
+                }
+                for column in chunks.remainder() {
+                    fold_block([&column[rows.clone()]], &mut low[rows.clone()], &mut high[rows.clone()]);
+                }
             }
         },
     );
+}
+
+#[inline(always)]
+fn fold_block<const K: usize>(columns: [&[f64]; K], low: &mut [f64], high: &mut [u64]) {
+    let n = low.len();
+    let columns: [&[f64]; K] = std::array::from_fn(|k| &columns[k][..n]);
+    let high = &mut high[..n];
+    for i in 0..n {
+        let (mut least, mut most) = (low[i], high[i]);
+        for column in columns {
+            let value = column[i];
+            let bits = value.to_bits() & MAGNITUDE;
+            least = if value < least { value } else { least };
+            most = if bits > most { bits } else { most };
+        }
+        (low[i], high[i]) = (least, most);
+    }
 }
 
 /// Smallest entry and largest magnitude (as bits) of one row.

@@ -10,11 +10,14 @@
 
 use std::collections::HashSet;
 
+use rayon::prelude::*;
+
 use super::basis::Basis;
 use super::certificate::nan_max;
+use super::dense::NoFactor;
 use super::kernels;
 use super::options::LcpOptions;
-use super::problem::Columns;
+use super::problem::{Columns, SHARED, row_block};
 use super::reduced::power_of_two;
 use super::solution::LcpStatus;
 
@@ -25,6 +28,8 @@ pub(super) struct Outcome {
     pub(super) pivots: usize,
     /// Direction of z and of z0 where the status is a ray.
     pub(super) ray: Option<(Vec<f64>, f64)>,
+    /// Multiplications, roughly.
+    pub(super) work: f64,
 }
 
 /// Pivots after which values are recomputed from q.
@@ -55,8 +60,15 @@ enum Leaving {
 }
 
 /// Solves `w = M z + q` from z = 0 with covering vector `d`.
-pub(super) fn solve_cold(m: Columns<'_>, q: &[f64], d: Vec<f64>, options: &LcpOptions) -> Outcome {
+pub(super) fn solve_cold(
+    m: Columns<'_>,
+    q: &[f64],
+    d: Vec<f64>,
+    pivot_tol: f64,
+    options: &LcpOptions,
+) -> Outcome {
     let mut path = Path::new(m, q, d, options);
+    path.pivot_tol = pivot_tol;
     let entering = path.start_cold();
     path.run(entering)
 }
@@ -104,6 +116,10 @@ struct Path<'a> {
     active_hash: u64,
     perturbations: u64,
     stale: bool,
+    /// Whether the last factor came about.
+    factored: Result<(), NoFactor>,
+    work: f64,
+    pivot_tol: f64,
     options: &'a LcpOptions<'a>,
 }
 
@@ -133,6 +149,9 @@ impl<'a> Path<'a> {
             active_hash: 0,
             perturbations: 0,
             stale: false,
+            factored: Ok(()),
+            work: 0.0,
+            pivot_tol: options.pivot_tol,
             options,
         }
     }
@@ -150,7 +169,7 @@ impl<'a> Path<'a> {
         self.x.push(z0);
         self.x_tie.push(0.0);
         let pivot = self.d[row];
-        self.basis.factor(1, |_, column| column[0] = pivot);
+        self.factored = self.basis.factor(1, |_, column| column[0] = pivot, &|| false);
         self.pivots = 1;
         self.perturb();
         Entering::Z(row)
@@ -167,6 +186,9 @@ impl<'a> Path<'a> {
         self.x = vec![0.0; active.len()];
         self.x_tie = self.x.clone();
         self.refactor();
+        if self.factored.is_err() {
+            return None;
+        }
         self.refresh();
         if !self.x.iter().chain(&self.w).all(|value| value.is_finite()) {
             return None;
@@ -237,11 +259,16 @@ impl<'a> Path<'a> {
                 self.refresh();
                 self.perturb();
             }
+            let k = self.columns.len() as f64;
+            self.work += k * (self.n as f64 + 2.0 * k);
             let mut leaving = self.try_direction(entering);
             if leaving.is_none() {
                 self.refactor();
                 self.refresh();
                 leaving = self.try_direction(entering);
+            }
+            if let Err(reason) = self.factored {
+                return self.finish(reason.into());
             }
             let Some(leaving) = leaving else {
                 if !self.dx.iter().chain(&self.dw).all(|rate| rate.is_finite()) {
@@ -327,7 +354,7 @@ impl<'a> Path<'a> {
     /// The basic variable that reaches zero first; z0 before others, then by the second right-hand side.
     fn ratio_test(&self) -> Option<Leaving> {
         let size = self.dx.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
-        let smallest = self.options.pivot_tol * size;
+        let smallest = self.pivot_tol * size;
         let mut step = f64::INFINITY;
         for (&x, &rate) in self.x.iter().zip(&self.dx).chain(self.w.iter().zip(&self.dw)) {
             if rate < -smallest && x.max(0.0) < -rate * step {
@@ -446,17 +473,27 @@ impl<'a> Path<'a> {
                 false => (self.m.col(c).as_slice(), self.scale[c] * x),
             })
             .collect();
-        kernels::add_columns(y, &terms);
+        if self.n * terms.len() < SHARED {
+            return kernels::add_columns(y, &terms);
+        }
+        let rows_each = row_block(self.n);
+        y.par_chunks_mut(rows_each).enumerate().for_each(|(k, part)| {
+            let rows = k * rows_each..k * rows_each + part.len();
+            let terms: Vec<_> = terms.iter().map(|&(column, x)| (&column[rows.clone()], x)).collect();
+            kernels::add_columns(part, &terms);
+        });
     }
 
     fn refactor(&mut self) {
         let (m, d, n, scale, rows, columns) =
             (self.m, &self.d, self.n, &self.scale, &self.rows, &self.columns);
-        self.basis.factor(columns.len(), |j, out| {
+        let interrupted = || self.options.is_interrupted();
+        let fill = |j: usize, out: &mut [f64]| {
             let c = columns[j];
             let (source, factor) = if c == n { (&d[..], 1.0) } else { (m.col(c).as_slice(), scale[c]) };
             out.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = factor * source[i]);
-        });
+        };
+        self.factored = self.basis.factor(columns.len(), fill, &interrupted);
         self.stale = false;
     }
 
@@ -484,10 +521,7 @@ impl<'a> Path<'a> {
     fn perturb(&mut self) {
         self.perturbations += 1;
         self.visited.clear();
-        let draw = |k: usize| {
-            let bits = hash((k as u64) ^ (self.perturbations << 40)) >> 11;
-            1.0 + bits as f64 / (1_u64 << 53) as f64
-        };
+        let draw = |k: usize| draw(k, self.perturbations);
         self.x_tie = self.columns.iter().map(|&c| draw(c)).collect();
         let mut tie: Vec<f64> = (0..self.n).map(|i| draw(self.n + 1 + i)).collect();
         self.rows.iter().for_each(|&i| tie[i] = 0.0);
@@ -503,7 +537,7 @@ impl<'a> Path<'a> {
 
     fn ray(&self, entering: Entering) -> (Vec<f64>, f64) {
         let size = self.dx.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
-        let clean = |rate: f64| if rate > self.options.pivot_tol * size { rate / size } else { 0.0 };
+        let clean = |rate: f64| if rate > self.pivot_tol * size { rate / size } else { 0.0 };
         let mut z = vec![0.0; self.n];
         let mut z0 = 0.0;
         for (&c, &rate) in self.columns.iter().zip(&self.dx) {
@@ -547,7 +581,16 @@ impl<'a> Path<'a> {
                 z[c] = self.scale[c] * x.max(0.0);
             }
         }
-        Outcome { status, z, pivots: self.pivots, ray: None }
+        Outcome { status, z, pivots: self.pivots, ray: None, work: self.work }
+    }
+}
+
+impl From<NoFactor> for LcpStatus {
+    fn from(reason: NoFactor) -> Self {
+        match reason {
+            NoFactor::Singular => Self::Breakdown,
+            NoFactor::Interrupted => Self::Interrupted,
+        }
     }
 }
 
@@ -562,6 +605,11 @@ impl Entering {
 
 fn advance(values: &mut [f64], rates: &[f64], step: f64) {
     values.iter_mut().zip(rates).for_each(|(value, rate)| *value += step * rate);
+}
+
+/// A value in [1, 2) for each index and seed.
+pub(super) fn draw(index: usize, seed: u64) -> f64 {
+    1.0 + (hash(index as u64 ^ (seed << 40)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014).

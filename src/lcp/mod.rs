@@ -27,18 +27,21 @@
 //! Keer 1999 (Wear 231, 206-219).
 
 mod basis;
+mod block_pivoting;
 mod certificate;
+mod dense;
 mod kernels;
 mod lemke;
 mod options;
 mod problem;
+mod projected_cg;
 mod ray;
 mod reduced;
 mod solution;
 mod solve;
 
 pub use certificate::{Certificate, Definiteness};
-pub use options::{LcpMethod, LcpOptions};
+pub use options::{DefinitenessCheck, LcpMethod, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
 pub use ray::{LcpRay, RayConclusion};
 pub use solution::{LcpAttempt, LcpSolution, LcpStatus};

@@ -8,6 +8,10 @@ use super::problem::{LcpError, check_vector};
 pub enum LcpMethod {
     /// Lemke's complementary pivoting; any M.
     Lemke,
+    /// Block principal pivoting; M with positive principal minors (a P-matrix).
+    BlockPivoting,
+    /// Projected conjugate gradients; M symmetric (within 1e-10 of its largest entry) and positive definite.
+    ProjectedCg,
     /// Whatever suits the problem; [`LcpSolution::attempts`](super::LcpSolution::attempts) says what ran.
     #[default]
     Auto,
@@ -21,6 +25,8 @@ impl LcpMethod {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Lemke => "lemke",
+            Self::BlockPivoting => "block_pivoting",
+            Self::ProjectedCg => "projected_cg",
             Self::Auto => "auto",
         }
     }
@@ -30,6 +36,18 @@ impl std::fmt::Display for LcpMethod {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.as_str())
     }
+}
+
+/// Whether M is looked at for positive definiteness, which makes a solution the only one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum DefinitenessCheck {
+    /// Only where that costs no more than the solve did.
+    #[default]
+    Cheap,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
 }
 
 /// Parameters of [`solve`](super::solve).
@@ -47,6 +65,10 @@ pub struct LcpOptions<'a> {
     pub covering: Option<Vec<f64>>,
     /// Asked again and again while the solve runs; `true` ends it as interrupted.
     pub interrupt: Option<&'a (dyn Fn() -> bool + Sync)>,
+    /// Load control, for projected_cg alone: `Σ z` (> 0); q is then known up to one shift for all rows.
+    pub total: Option<f64>,
+    /// Whether the certificate looks for positive definiteness.
+    pub definiteness: DefinitenessCheck,
 }
 
 impl Default for LcpOptions<'_> {
@@ -58,6 +80,8 @@ impl Default for LcpOptions<'_> {
             initial_active: None,
             covering: None,
             interrupt: None,
+            total: None,
+            definiteness: DefinitenessCheck::Cheap,
         }
     }
 }
@@ -71,13 +95,32 @@ impl std::fmt::Debug for LcpOptions<'_> {
             .field("initial_active", &self.initial_active)
             .field("covering", &self.covering)
             .field("interrupt", &self.interrupt.map(|_| "Fn() -> bool"))
+            .field("total", &self.total)
+            .field("definiteness", &self.definiteness)
             .finish()
     }
 }
 
 impl LcpOptions<'_> {
     /// Checks every option against a problem of `size` unknowns.
-    pub(super) fn validate(&self, size: usize) -> Result<(), LcpError> {
+    pub(super) fn validate(&self, size: usize, method: LcpMethod) -> Result<(), LcpError> {
+        if let Some(total) = self.total {
+            let name = "total";
+            if method != LcpMethod::ProjectedCg {
+                return Err(LcpError::OptionOutOfRange {
+                    name,
+                    value: total,
+                    expected: "none but for projected_cg",
+                });
+            }
+            if !(total > 0.0 && total.is_finite()) {
+                return Err(LcpError::OptionOutOfRange {
+                    name,
+                    value: total,
+                    expected: "a finite value above 0",
+                });
+            }
+        }
         if !(self.pivot_tol > 0.0 && self.pivot_tol <= 1e-3) {
             let expected = "a value in (0, 1e-3]";
             return Err(LcpError::OptionOutOfRange { name: "pivot_tol", value: self.pivot_tol, expected });

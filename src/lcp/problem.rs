@@ -163,44 +163,70 @@ impl<'a> LcpProblem<'a> {
         if diagonal > 0.0 { diagonal } else { self.row_scale[row] }
     }
 
-    /// `M z + q`, with the columns where z is not zero alone.
-    pub(super) fn residual(&self, z: &[f64]) -> Vec<f64> {
+    /// `M z + q`, with errors far below `tolerance · max(-q)`: where rounding could come near, with twice the digits.
+    ///
+    /// A huge z on singular columns would otherwise look like an answer once its terms cancel to zero.
+    pub(super) fn residual(&self, z: &[f64], tolerance: f64) -> Vec<f64> {
         let mut w = self.q.to_vec();
-        add_product(self.m, z, &mut w);
+        let largest = self.row_scale.iter().copied().fold(0.0, f64::max);
+        let terms = z.iter().map(|z| z.abs()).sum::<f64>() * largest + self.deficit();
+        if terms * f64::EPSILON <= 0.01 * tolerance * self.deficit() {
+            add_product(self.m, z, &mut w);
+            return w;
+        }
+        let mut tail = vec![0.0; w.len()];
+        let mut column = tail.clone();
+        for j in (0..z.len()).filter(|&j| z[j] != 0.0) {
+            column.iter_mut().enumerate().for_each(|(i, entry)| *entry = self.m[(i, j)]);
+            kernels::add_column_compensated(&mut w, &mut tail, &column, z[j]);
+        }
+        w.iter_mut().zip(tail).for_each(|(w, tail)| *w += tail);
         w
     }
 }
 
-/// `w += M z`, with the columns where z is not zero alone.
+/// `w += M z`, with the columns where z is not zero alone; equal to the bit for any number of threads.
 pub(super) fn add_product(m: MatRef<'_, f64>, z: &[f64], w: &mut [f64]) {
     let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
-    let parallel = w.len() * active.len() > 1 << 18;
+    let parallel = w.len() * active.len() > SHARED;
+    let rows_each = row_block(w.len());
     if let Some(columns) = m.try_as_col_major() {
-        let block = |start: usize, part: &mut [f64]| {
-            let rows = start..start + part.len();
-            let terms: Vec<(&[f64], f64)> =
-                active.iter().map(|&j| (&columns.col(j).as_slice()[rows.clone()], z[j])).collect();
-            kernels::add_columns(part, &terms);
+        let block = |(k, part): (usize, &mut [f64])| {
+            let rows = k * rows_each..k * rows_each + part.len();
+            let term = |&j: &usize| (&columns.col(j).as_slice()[rows.clone()], z[j]);
+            kernels::add_columns(part, &active.iter().map(term).collect::<Vec<_>>());
         };
         if parallel {
-            w.par_chunks_mut(ROW_BLOCK).enumerate().for_each(|(k, part)| block(k * ROW_BLOCK, part));
+            w.par_chunks_mut(rows_each).enumerate().for_each(block);
         } else {
-            block(0, w);
+            w.chunks_mut(rows_each).enumerate().for_each(block);
         }
+        return;
+    }
+    let rows = m.transpose().try_as_col_major();
+    let row = |(i, w): (usize, &mut f64)| {
+        *w += match rows {
+            // Reading past zeros in order beats picking the others out of most of a row.
+            Some(rows) if 4 * active.len() > z.len() => kernels::inner_product(rows.col(i).as_slice(), z),
+            _ => active.iter().map(|&j| m[(i, j)] * z[j]).sum::<f64>(),
+        };
+    };
+    if parallel {
+        w.par_iter_mut().enumerate().for_each(row);
     } else {
-        let row = |(i, w): (usize, &mut f64)| {
-            *w += active.iter().map(|&j| m[(i, j)] * z[j]).sum::<f64>();
-        };
-        if parallel {
-            w.par_iter_mut().enumerate().for_each(row);
-        } else {
-            w.iter_mut().enumerate().for_each(row);
-        }
+        w.iter_mut().enumerate().for_each(row);
     }
 }
 
-/// Rows that one task of a parallel product takes.
-const ROW_BLOCK: usize = 1024;
+/// Columns that one step of the check takes.
+const COLUMN_BLOCK: usize = 32;
+/// Multiplications from which a product is worth sharing among threads.
+pub(super) const SHARED: usize = 1 << 18;
+
+/// Rows that one task of a shared product takes.
+pub(super) fn row_block(rows: usize) -> usize {
+    rows.div_ceil(8).max(256)
+}
 
 /// A matrix whose columns are contiguous.
 pub(super) type Columns<'a> = MatRef<'a, f64, usize, usize, ContiguousFwd>;
@@ -237,17 +263,26 @@ fn row_extremes(m: MatRef<'_, f64>) -> (Vec<f64>, Vec<u64>) {
             low.iter_mut().enumerate().zip(high.iter_mut()).for_each(row);
         }
     } else if let Some(columns) = m.try_as_col_major() {
-        let block = |((k, low), high): ((usize, &mut [f64]), &mut [u64])| {
-            let rows = k * ROW_BLOCK..k * ROW_BLOCK + low.len();
-            for j in 0..n {
-                kernels::fold_extremes(&columns.col(j).as_slice()[rows.clone()], low, high);
-            }
+        let fold = |(mut low, mut high): (Vec<f64>, Vec<u64>), first: usize| {
+            let block: Vec<&[f64]> =
+                (first..(first + COLUMN_BLOCK).min(n)).map(|j| columns.col(j).as_slice()).collect();
+            kernels::fold_extremes(&block, &mut low, &mut high);
+            (low, high)
         };
-        if parallel {
-            low.par_chunks_mut(ROW_BLOCK).enumerate().zip(high.par_chunks_mut(ROW_BLOCK)).for_each(block);
-        } else {
-            low.chunks_mut(ROW_BLOCK).enumerate().zip(high.chunks_mut(ROW_BLOCK)).for_each(block);
+        let blocks = n.div_ceil(COLUMN_BLOCK);
+        if !parallel {
+            return (0..blocks).fold((low, high), |extremes, k| fold(extremes, k * COLUMN_BLOCK));
         }
+        let start = || (low.clone(), high.clone());
+        return (0..blocks)
+            .into_par_iter()
+            .with_min_len(blocks.div_ceil(16))
+            .fold(start, |extremes, k| fold(extremes, k * COLUMN_BLOCK))
+            .reduce(start, |(mut low, mut high), (other_low, other_high)| {
+                low.iter_mut().zip(other_low).for_each(|(a, b)| *a = a.min(b));
+                high.iter_mut().zip(other_high).for_each(|(a, b)| *a = (*a).max(b));
+                (low, high)
+            });
     } else {
         for i in 0..n {
             let row: Vec<f64> = (0..n).map(|j| m[(i, j)]).collect();

@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use super::problem::{Columns, LcpProblem};
+use super::problem::LcpProblem;
 
 /// The problem on the rows that matter, q divided by a power of two near `max(-q)`.
 ///
@@ -11,14 +11,14 @@ use super::problem::{Columns, LcpProblem};
 pub(super) struct Reduced<'a> {
     /// Rows kept; `None` when all are.
     kept: Option<Vec<usize>>,
-    m: Storage<'a>,
+    storage: Storage<'a>,
     pub(super) q: Vec<f64>,
     /// z and w of the reduced problem are those of the whole divided by this.
     pub(super) unit: f64,
 }
 
 enum Storage<'a> {
-    Borrowed(Columns<'a>),
+    Borrowed(MatRef<'a, f64>),
     Owned(Mat<f64>),
 }
 
@@ -27,17 +27,30 @@ impl<'a> Reduced<'a> {
         let n = problem.size();
         let (m, q) = (problem.m, problem.q);
         let unit = power_of_two(problem.deficit());
-        let keep: Vec<usize> = (0..n).filter(|&i| q[i] < 0.0 || problem.row_min[i] < 0.0).collect();
+        let keep = Self::kept(problem);
         // Copying most of M to spare the rest of it would not pay.
-        if let Some(columns) = m.try_as_col_major()
-            && (keep.len() == n || 4 * keep.len() > 3 * n)
-        {
-            let q = q.iter().map(|q| q / unit).collect();
-            return Self { kept: None, m: Storage::Borrowed(columns), q, unit };
+        if keep.len() == n || 4 * keep.len() > 3 * n {
+            return Self::whole(problem, unit);
         }
-        let m = gather(m, &keep, &keep);
         let q = keep.iter().map(|&i| q[i] / unit).collect();
-        Self { kept: (keep.len() < n).then_some(keep), m: Storage::Owned(m), q, unit }
+        let m = gather(m, &keep, &keep);
+        Self { kept: Some(keep), storage: Storage::Owned(m), q, unit }
+    }
+
+    /// Rows that may have to leave zero.
+    pub(super) fn kept(problem: &LcpProblem) -> Vec<usize> {
+        (0..problem.size()).filter(|&i| problem.q[i] < 0.0 || problem.row_min[i] < 0.0).collect()
+    }
+
+    /// Row of the whole problem that stands at `place` here.
+    pub(super) fn index(&self, place: usize) -> usize {
+        self.kept.as_ref().map_or(place, |kept| kept[place])
+    }
+
+    /// All rows, in place.
+    pub(super) fn whole(problem: &LcpProblem<'a>, unit: f64) -> Self {
+        let q = problem.q.iter().map(|q| q / unit).collect();
+        Self { kept: None, storage: Storage::Borrowed(problem.m), q, unit }
     }
 
     pub(super) fn size(&self) -> usize {
@@ -45,13 +58,21 @@ impl<'a> Reduced<'a> {
     }
 
     /// M on the rows kept.
-    pub(super) fn columns(&self) -> Columns<'_> {
-        match &self.m {
-            Storage::Borrowed(columns) => *columns,
-            Storage::Owned(m) => {
-                m.as_ref().try_as_col_major().expect("an owned matrix has contiguous columns")
-            }
+    pub(super) fn m(&self) -> MatRef<'_, f64> {
+        match &self.storage {
+            Storage::Borrowed(m) => *m,
+            Storage::Owned(m) => m.as_ref(),
         }
+    }
+
+    /// The same with contiguous columns, copied if it has none.
+    pub(super) fn into_columns(self) -> Self {
+        if self.m().try_as_col_major().is_some() {
+            return self;
+        }
+        let all: Vec<usize> = (0..self.size()).collect();
+        let storage = Storage::Owned(gather(self.m(), &all, &all));
+        Self { storage, ..self }
     }
 
     /// Entries of a vector of the whole problem on the rows kept.
@@ -85,9 +106,27 @@ impl<'a> Reduced<'a> {
     }
 }
 
-/// The block of `m` on `rows` and `columns`.
+/// The block of `m` on `rows` and `columns`, copied in tiles so that any storage order does.
 pub(super) fn gather(m: MatRef<'_, f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-    Mat::from_fn(rows.len(), columns.len(), |i, j| m[(rows[i], columns[j])])
+    const TILE: usize = 16;
+    let mut block = Mat::zeros(rows.len(), columns.len());
+    if let Some(source) = m.try_as_col_major() {
+        for (j, &column) in columns.iter().enumerate() {
+            let source = source.col(column).as_slice();
+            block.col_as_slice_mut(j).iter_mut().zip(rows).for_each(|(entry, &i)| *entry = source[i]);
+        }
+        return block;
+    }
+    for first_row in (0..rows.len()).step_by(TILE) {
+        for first_column in (0..columns.len()).step_by(TILE) {
+            for i in first_row..(first_row + TILE).min(rows.len()) {
+                for j in first_column..(first_column + TILE).min(columns.len()) {
+                    block[(i, j)] = m[(rows[i], columns[j])];
+                }
+            }
+        }
+    }
+    block
 }
 
 /// The power of two at or below a positive value; dividing by it rounds nothing.

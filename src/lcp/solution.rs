@@ -74,8 +74,10 @@ pub struct LcpSolution {
     pub ray: Option<LcpRay>,
     /// Every run, in order.
     pub attempts: Vec<LcpAttempt>,
-    /// Number of unknowns that the method looked at; the others cannot leave zero.
+    /// Number of unknowns that the method looked at; the others can stay at zero.
     pub candidates: usize,
+    /// What load control added to every entry of q, so that `w = M z + q + shift`; 0 without it.
+    pub shift: f64,
 }
 
 impl LcpSolution {

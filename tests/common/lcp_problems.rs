@@ -77,6 +77,64 @@ pub const RAY_MEANS_INFEASIBLE: [&str; 7] = [
     "coincident nodes",
 ];
 
+/// Kinds with positive principal minors.
+pub const P_MATRICES: [&str; 3] = ["definite", "M-matrix", "triangular P"];
+
+/// Triangle of ones and twos below the diagonal.
+fn twos_below(n: usize) -> Mat<f64> {
+    Mat::from_fn(n, n, |i, j| match i.cmp(&j) {
+        std::cmp::Ordering::Equal => 1.0,
+        std::cmp::Ordering::Less => 0.0,
+        std::cmp::Ordering::Greater => 2.0,
+    })
+}
+
+/// Murty's q, on which complementary pivoting from a covering vector of ones is exponential.
+fn murty_q(n: usize) -> Vec<f64> {
+    (0..n).map(|i| -(0..=i).map(|j| 2_f64.powi((n - j) as i32)).sum::<f64>()).collect()
+}
+
+/// Exponential examples: name, M, q (Murty 1978; Fathi 1979; Chandrasekaran, Pang, Stone 1987).
+pub fn exponential_examples(n: usize) -> Vec<(&'static str, Mat<f64>, Vec<f64>)> {
+    let below = twos_below(n);
+    let above = below.transpose().to_owned();
+    let symmetric = &below * &above;
+    let mut examples = Vec::new();
+    for (kind, q) in [("ones", vec![-1.0; n]), ("powers", murty_q(n))] {
+        for (name, m) in [("below", &below), ("above", &above), ("symmetric", &symmetric)] {
+            let name = match (name, kind) {
+                ("below", "ones") => "twos below, ones",
+                ("above", "ones") => "twos above, ones",
+                ("symmetric", "ones") => "Fathi, ones",
+                ("below", _) => "twos below, powers",
+                ("above", _) => "twos above, powers",
+                _ => "Fathi, powers",
+            };
+            examples.push((name, m.clone(), q.clone()));
+        }
+    }
+    examples
+}
+
+/// Murty's circulant on which block exchanges run in circles: M e_i + 2 e_{i+1}, q = -1 (n odd: a P-matrix).
+pub fn circulant(n: usize) -> (Mat<f64>, Vec<f64>) {
+    let m = Mat::from_fn(n, n, |i, j| match (j + n - i) % n {
+        0 => 1.0,
+        1 => 2.0,
+        _ => 0.0,
+    });
+    (m, vec![-1.0; n])
+}
+
+/// A P-matrix of about the given condition, `D1 (A A' + skew) D2` with graded positive diagonals.
+pub fn graded_p_matrix(noise: &mut Noise, n: usize, condition: f64) -> Mat<f64> {
+    let a = noise.matrix(n, n);
+    let b = noise.matrix(n, n);
+    let core = &a * a.transpose() * (1.0 / n as f64) + &b - b.transpose() + Mat::<f64>::identity(n, n);
+    let grade = |i: usize| condition.powf(-0.5 * i as f64 / (n - 1).max(1) as f64);
+    Mat::from_fn(n, n, |i, j| grade(i) * core[(i, j)] * grade(j))
+}
+
 /// A rigid sphere on an elastic half-space over a square grid of `side × side` nodes.
 pub struct GridContact {
     /// Response (m/N), symmetric.

@@ -1,0 +1,242 @@
+//! Factors of a dense block, made in panels so that a large one can be interrupted and shared among threads.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor as llt;
+use faer::linalg::lu::partial_pivoting::factor as lu;
+use faer::linalg::matmul::{self, triangular};
+use faer::linalg::triangular_solve as substitution;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+use super::kernels::axpy;
+
+/// Columns of a panel; between panels the interrupt is asked.
+const PANEL: usize = 128;
+/// Columns of the rest that one task updates. It depends on no number of threads, so neither do the results.
+const STRIP: usize = 256;
+
+/// Why there is no factor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NoFactor {
+    /// A pivot was zero, not a number, or not positive.
+    Singular,
+    /// The interrupt said stop.
+    Interrupted,
+}
+
+/// `P A = L U`, or `A = L L'` where A is symmetric positive definite.
+pub(super) struct Factor {
+    a: Mat<f64>,
+    /// Row i of P A is this row of A; `None` for Cholesky.
+    order: Option<Vec<usize>>,
+}
+
+impl Factor {
+    /// LU with partial pivoting.
+    pub(super) fn lu(mut a: Mat<f64>, interrupted: &dyn Fn() -> bool) -> Result<Self, NoFactor> {
+        let n = a.nrows();
+        let mut order: Vec<usize> = (0..n).collect();
+        for start in (0..n).step_by(PANEL) {
+            if interrupted() {
+                return Err(NoFactor::Interrupted);
+            }
+            let end = (start + PANEL).min(n);
+            let height = n - start;
+            let (mut forward, mut backward) = (vec![0_usize; height], vec![0_usize; height]);
+            let scratch =
+                lu::lu_in_place_scratch::<usize, f64>(height, end - start, Par::Seq, Default::default());
+            let panel = a.as_mut().submatrix_mut(start, start, height, end - start);
+            let mut buffer = MemBuffer::new(scratch);
+            let stack = MemStack::new(&mut buffer);
+            lu::lu_in_place(panel, &mut forward, &mut backward, Par::Seq, stack, Default::default());
+            if !(start..end).all(|i| a[(i, i)] != 0.0 && a[(i, i)].is_finite()) {
+                return Err(NoFactor::Singular);
+            }
+            let permuted: Vec<usize> = forward.iter().map(|&from| order[start + from]).collect();
+            order[start..].copy_from_slice(&permuted);
+            let mut column = vec![0.0; height];
+            for j in (0..start).chain(end..n) {
+                let entries = &mut a.col_as_slice_mut(j)[start..];
+                forward.iter().zip(&mut column).for_each(|(&from, to)| *to = entries[from]);
+                entries.copy_from_slice(&column);
+            }
+            let (left, right) = a.as_mut().split_at_col_mut(end);
+            let left = left.rb();
+            let (triangle, below) = (
+                left.submatrix(start, start, end - start, end - start),
+                left.submatrix(end, start, n - end, end - start),
+            );
+            in_strips(right.submatrix_mut(start, 0, height, n - end), |_, strip| {
+                let (mut top, mut rest) = strip.split_at_row_mut(end - start);
+                substitution::solve_unit_lower_triangular_in_place(triangle, top.rb_mut(), Par::Seq);
+                matmul::matmul(rest.rb_mut(), Accum::Add, below, top.rb(), -1.0, Par::Seq);
+            });
+        }
+        Ok(Self { a, order: Some(order) })
+    }
+
+    /// Cholesky; the lower triangle of `a` is read.
+    pub(super) fn cholesky(mut a: Mat<f64>, interrupted: &dyn Fn() -> bool) -> Result<Self, NoFactor> {
+        let n = a.nrows();
+        for start in (0..n).step_by(PANEL) {
+            if interrupted() {
+                return Err(NoFactor::Interrupted);
+            }
+            let end = (start + PANEL).min(n);
+            let width = end - start;
+            let (mut left, right) = a.as_mut().split_at_col_mut(end);
+            let (triangle, mut below) =
+                left.rb_mut().submatrix_mut(start, start, n - start, width).split_at_row_mut(width);
+            let mut triangle = triangle;
+            let scratch = llt::cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
+            let mut buffer = MemBuffer::new(scratch);
+            let stack = MemStack::new(&mut buffer);
+            llt::cholesky_in_place(
+                triangle.rb_mut(),
+                Default::default(),
+                Par::Seq,
+                stack,
+                Default::default(),
+            )
+            .map_err(|_| NoFactor::Singular)?;
+            if !(0..width).all(|i| triangle[(i, i)] > 0.0 && triangle[(i, i)].is_finite()) {
+                return Err(NoFactor::Singular);
+            }
+            // L21 = A21 L11'^-1, that is L11 L21' = A21'.
+            substitution::solve_lower_triangular_in_place(
+                triangle.rb(),
+                below.rb_mut().transpose_mut(),
+                Par::Seq,
+            );
+            let below = below.rb();
+            in_strips(right.submatrix_mut(end, 0, n - end, n - end), |first, strip| {
+                let columns = strip.ncols();
+                let (_, strip) = strip.split_at_row_mut(first);
+                let (top, mut rest) = strip.split_at_row_mut(columns);
+                let own = below.subrows(first, columns);
+                triangular::matmul(
+                    top,
+                    triangular::BlockStructure::TriangularLower,
+                    Accum::Add,
+                    own,
+                    triangular::BlockStructure::Rectangular,
+                    own.transpose(),
+                    triangular::BlockStructure::Rectangular,
+                    -1.0,
+                    Par::Seq,
+                );
+                let under = below.subrows(first + columns, rest.nrows());
+                matmul::matmul(rest.rb_mut(), Accum::Add, under, own.transpose(), -1.0, Par::Seq);
+            });
+        }
+        Ok(Self { a, order: None })
+    }
+
+    /// L and U in one matrix, and `L⁻¹ P`.
+    pub(super) fn split(self, interrupted: &dyn Fn() -> bool) -> Result<(Mat<f64>, Mat<f64>), NoFactor> {
+        let n = self.a.nrows();
+        let mut inverse = Mat::<f64>::zeros(n, n);
+        let order = self.order.expect("an LU factor has an order of rows");
+        order.iter().enumerate().for_each(|(i, &from)| inverse[(i, from)] = 1.0);
+        for start in (0..n).step_by(STRIP) {
+            if interrupted() {
+                return Err(NoFactor::Interrupted);
+            }
+            let strip = inverse.as_mut().subcols_mut(start, STRIP.min(n - start));
+            substitution::solve_unit_lower_triangular_in_place(self.a.as_ref(), strip, Par::Seq);
+        }
+        Ok((self.a, inverse))
+    }
+
+    /// `A x = b`.
+    pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let n = b.len();
+        let a = self.a.as_ref();
+        let mut x: Vec<f64> = match &self.order {
+            Some(order) => order.iter().map(|&i| b[i]).collect(),
+            None => b.to_vec(),
+        };
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for j in 0..n {
+                    let column = column(a, j);
+                    if self.order.is_none() {
+                        x[j] /= column[j];
+                    }
+                    let value = -x[j];
+                    axpy(&mut x[j + 1..], value, &column[j + 1..]);
+                }
+                for j in (0..n).rev() {
+                    let column = column(a, j);
+                    if self.order.is_some() {
+                        x[j] /= column[j];
+                        let value = -x[j];
+                        axpy(&mut x[..j], value, &column[..j]);
+                    } else {
+                        let sum = super::kernels::dot(&column[j + 1..], &x[j + 1..]);
+                        x[j] = (x[j] - sum) / column[j];
+                    }
+                }
+            },
+        );
+        x
+    }
+}
+
+#[inline(always)]
+fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
+    a.col(j).try_as_col_major().expect("an owned matrix has contiguous columns").as_slice()
+}
+
+/// Runs `update` on strips of columns, with the number of the first; several at a time where there are many.
+fn in_strips(rest: MatMut<'_, f64>, update: impl Fn(usize, MatMut<'_, f64>) + Sync) {
+    match rest.ncols() {
+        0 => {}
+        1..=STRIP => update(0, rest),
+        _ => rest.par_col_chunks_mut(STRIP).enumerate().for_each(|(k, strip)| update(k * STRIP, strip)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(n: usize) -> Mat<f64> {
+        let mut seed = 3_u64;
+        Mat::from_fn(n, n, |_, _| {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        })
+    }
+
+    fn assert_solves(a: &Mat<f64>, factor: &Factor) {
+        let n = a.nrows();
+        let x: Vec<f64> = (0..n).map(|i| (i % 7) as f64 - 3.0).collect();
+        let b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| a[(i, j)] * x[j]).sum()).collect();
+        for (found, expected) in factor.solve(&b).iter().zip(&x) {
+            assert!((found - expected).abs() < 1e-8, "{found} is not {expected} at n = {n}");
+        }
+    }
+
+    #[test]
+    fn both_factors_solve_at_every_size_around_a_panel() {
+        for n in [0, 1, 2, 3, 127, 128, 129, 300, 700] {
+            let a = matrix(n);
+            assert_solves(&a, &Factor::lu(a.clone(), &|| false).ok().unwrap());
+            let definite = &a * a.transpose() + Mat::<f64>::identity(n, n) * n as f64;
+            assert_solves(&definite, &Factor::cholesky(definite.clone(), &|| false).ok().unwrap());
+        }
+    }
+
+    #[test]
+    fn singular_indefinite_and_interrupted_give_no_factor() {
+        let zero = Mat::<f64>::zeros(3, 3);
+        assert_eq!(Factor::lu(zero.clone(), &|| false).err(), Some(NoFactor::Singular));
+        assert_eq!(Factor::cholesky(zero.clone(), &|| false).err(), Some(NoFactor::Singular));
+        let indefinite = Mat::<f64>::identity(200, 200) * -1.0;
+        assert_eq!(Factor::cholesky(indefinite, &|| false).err(), Some(NoFactor::Singular));
+        assert_eq!(Factor::lu(zero, &|| true).err(), Some(NoFactor::Interrupted));
+    }
+}

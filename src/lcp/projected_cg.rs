@@ -1,0 +1,179 @@
+//! Projected conjugate gradients (Polonsky, Keer 1999, Wear 231, 206-219) for symmetric M.
+//!
+//! They need only products with M. The diagonal is taken out first (Jacobi), which changes no sign; after
+//! each step what became negative is cut off, and unknowns at zero with w < 0 are let in.
+
+use faer::MatRef;
+
+use super::certificate::nan_max;
+use super::lemke::Outcome;
+use super::options::LcpOptions;
+use super::problem::add_product;
+use super::solution::LcpStatus;
+
+/// Iterations without a smaller residual before the run is given up.
+const STALLED: usize = 500;
+
+/// An outcome and the shift of q that a given load brings.
+pub(super) struct Gradients {
+    pub(super) outcome: Outcome,
+    pub(super) shift: f64,
+}
+
+/// Solves on `m` (columns contiguous where that is possible) from the guess `active`.
+///
+/// With `total`, `Σ z` is given and q known up to the same shift everywhere.
+pub(super) fn solve(
+    m: MatRef<'_, f64>,
+    q: &[f64],
+    active: &[usize],
+    total: Option<f64>,
+    tolerance: f64,
+    options: &LcpOptions,
+) -> Gradients {
+    let n = q.len();
+    let diagonal: Vec<f64> = (0..n).map(|i| m[(i, i)]).collect();
+    let mut run = Gradients {
+        outcome: Outcome { status: LcpStatus::Breakdown, z: vec![0.0; n], pivots: 0, ray: None, work: 0.0 },
+        shift: 0.0,
+    };
+    if diagonal.iter().any(|&m| m <= 0.0) {
+        return run;
+    }
+    let budget = options.pivot_budget(n);
+    let mut z = start(m, q, &diagonal, active, total);
+    let mut direction = vec![0.0; n];
+    let mut curved = vec![0.0; n];
+    let (mut conjugate, mut last) = (false, 1.0);
+    let (mut best, mut best_at) = (f64::INFINITY, 0);
+    let mut w = gap(m, q, &z);
+    loop {
+        if total.is_some() {
+            run.shift = -mean(&w, &diagonal, &z);
+        }
+        let shift = run.shift;
+        // Natural residual, by which the best iterate so far is kept.
+        let unit = q.iter().fold(0.0, |unit: f64, &q| unit.max(-q - shift));
+        let residual =
+            (0..n).fold(0.0, |worst: f64, i| nan_max(worst, (diagonal[i] * z[i]).min(w[i] + shift).abs()));
+        if residual < best * unit {
+            (best, best_at) = (residual / unit, run.outcome.pivots);
+            run.outcome.z.copy_from_slice(&z);
+        }
+        run.outcome.status = if residual <= tolerance * unit {
+            LcpStatus::Solved
+        } else if options.is_interrupted() {
+            LcpStatus::Interrupted
+        } else if run.outcome.pivots >= budget {
+            LcpStatus::PivotLimit
+        } else if !residual.is_finite() || run.outcome.pivots > best_at + STALLED {
+            LcpStatus::Breakdown
+        } else {
+            LcpStatus::Solved
+        };
+        if run.outcome.status != LcpStatus::Solved || residual <= tolerance * unit {
+            return run;
+        }
+        run.outcome.pivots += 1;
+        let square: f64 = (0..n).filter(|&i| z[i] > 0.0).map(|i| (w[i] + shift).powi(2) / diagonal[i]).sum();
+        let keep = if conjugate && last > 0.0 { square / last } else { 0.0 };
+        last = square;
+        for i in 0..n {
+            direction[i] = if z[i] > 0.0 { (w[i] + shift) / diagonal[i] + keep * direction[i] } else { 0.0 };
+        }
+        curved.fill(0.0);
+        add_product(m, &direction, &mut curved);
+        let slope: f64 = (0..n).map(|i| (w[i] + shift) * direction[i]).sum();
+        let curvature: f64 = (0..n).map(|i| curved[i] * direction[i]).sum();
+        if curvature <= 0.0 && slope != 0.0 {
+            run.outcome.status = LcpStatus::Breakdown;
+            return run;
+        }
+        let step = if curvature > 0.0 { slope / curvature } else { 1.0 };
+        let mut cut = false;
+        conjugate = true;
+        for i in 0..n {
+            if z[i] > 0.0 {
+                z[i] -= step * direction[i];
+                if z[i] <= 0.0 {
+                    z[i] = 0.0;
+                    cut = true;
+                }
+            }
+            if z[i] == 0.0 && w[i] + shift < 0.0 && direction[i] == 0.0 {
+                z[i] = -step.abs().min(1.0) * (w[i] + shift) / diagonal[i];
+                conjugate = false;
+                cut = true;
+            }
+        }
+        if let Some(total) = total {
+            let factor = total / z.iter().sum::<f64>();
+            z.iter_mut().for_each(|z| *z *= factor);
+            cut = true;
+        }
+        if cut || run.outcome.pivots.is_multiple_of(50) {
+            w = gap(m, q, &z);
+        } else {
+            w.iter_mut().zip(&curved).for_each(|(w, curved)| *w -= step * curved);
+        }
+    }
+}
+
+/// A load on the guess alone, of the size that suits it best.
+fn start(m: MatRef<'_, f64>, q: &[f64], diagonal: &[f64], active: &[usize], total: Option<f64>) -> Vec<f64> {
+    let mut z = vec![0.0; q.len()];
+    for &i in active {
+        z[i] = (-q[i]).max(0.0) / diagonal[i];
+    }
+    if let Some(total) = total {
+        if active.is_empty() {
+            z.iter_mut().zip(diagonal).for_each(|(z, diagonal)| *z = 1.0 / diagonal);
+        }
+        let sum: f64 = z.iter().sum();
+        z.iter_mut().for_each(|z| *z *= total / sum);
+        return z;
+    }
+    let mut curved = vec![0.0; q.len()];
+    add_product(m, &z, &mut curved);
+    let slope: f64 = q.iter().zip(&z).map(|(q, z)| -q * z).sum();
+    let curvature: f64 = curved.iter().zip(&z).map(|(c, z)| c * z).sum();
+    let factor = if curvature > 0.0 && slope > 0.0 { slope / curvature } else { 1.0 };
+    z.iter_mut().for_each(|z| *z *= factor);
+    z
+}
+
+fn gap(m: MatRef<'_, f64>, q: &[f64], z: &[f64]) -> Vec<f64> {
+    let mut w = q.to_vec();
+    add_product(m, z, &mut w);
+    w
+}
+
+/// Mean of w over the loaded unknowns, weighted as the scaled directions need it.
+fn mean(w: &[f64], diagonal: &[f64], z: &[f64]) -> f64 {
+    let mut sums = (0.0, 0.0);
+    for i in (0..z.len()).filter(|&i| z[i] > 0.0) {
+        sums = (sums.0 + w[i] / diagonal[i], sums.1 + 1.0 / diagonal[i]);
+    }
+    if sums.1 > 0.0 { sums.0 / sums.1 } else { 0.0 }
+}
+
+/// The worst pair of entries of a matrix that is not symmetric: row, column, difference over the largest entry.
+pub(super) fn asymmetry(m: MatRef<'_, f64>) -> (usize, usize, f64) {
+    const TILE: usize = 32;
+    let n = m.nrows();
+    let (mut worst, mut largest) = ((0, 0, 0.0), 0.0_f64);
+    for first_column in (0..n).step_by(TILE) {
+        for first_row in (first_column..n).step_by(TILE) {
+            for j in first_column..(first_column + TILE).min(n) {
+                for i in first_row.max(j)..(first_row + TILE).min(n) {
+                    let (a, b) = (m[(i, j)], m[(j, i)]);
+                    largest = largest.max(a.abs()).max(b.abs());
+                    if (a - b).abs() > worst.2 {
+                        worst = (j, i, (a - b).abs());
+                    }
+                }
+            }
+        }
+    }
+    if largest > 0.0 { (worst.0, worst.1, worst.2 / largest) } else { worst }
+}
