@@ -19,7 +19,7 @@ pub enum LcpMethod {
 
 impl LcpMethod {
     /// Every method.
-    pub const ALL: [Self; 1] = [Self::Lemke];
+    pub const ALL: [Self; 4] = [Self::Lemke, Self::BlockPivoting, Self::ProjectedCg, Self::Auto];
 
     /// The name by which the method is asked for.
     pub fn as_str(self) -> &'static str {

@@ -150,6 +150,7 @@ pub(super) fn solve_lcp(
             initial_active: options.initial_active.clone(),
             covering: options.covering.clone(),
             interrupt: Some(interrupt),
+            ..LcpOptions::default()
         };
         LcpProblem::new(view, &q).and_then(|problem| lcp::solve(&problem, method, &options))
     })?;
