@@ -13,6 +13,7 @@
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
 
 mod assemble;
+pub mod body;
 mod column;
 mod corrected;
 mod cut;

@@ -1,0 +1,224 @@
+//! What a body response keeps: the displacement of the whole skin per unit force at chosen nodes.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use nalgebra::{Matrix3, Vector3};
+
+use super::error::BodyError;
+use super::tissue::TissueReport;
+
+/// Everything in a [`BodyCompliance`], to store it and to build it again.
+#[derive(Debug, Clone)]
+pub struct BodyParts {
+    /// Loaded skin vertices, in the order of the columns.
+    pub nodes: Vec<usize>,
+    /// `(3 n, 3 k)` (m/N): entry (3 i + a, 3 j + b) is the displacement of skin vertex i along a per newton at node
+    /// j along b, before `rotation`.
+    pub displacement: Mat<f64>,
+    /// `(n)`: a third of the area vectors of the faces around each skin vertex (m²), before `rotation`.
+    pub area_vectors: Vec<Vector3<f64>>,
+    /// `(m, 3 k)` (1/m²): pressure on each bone vertex per newton, before `rotation`; `None` if not asked for.
+    pub bone_pressure: Option<Mat<f64>>,
+    /// How the body has been turned since.
+    pub rotation: Matrix3<f64>,
+    /// G (Pa).
+    pub shear_modulus: f64,
+    /// ν.
+    pub poisson_ratio: f64,
+}
+
+/// Displacement of the whole skin per unit force at chosen nodes; cheap to copy and to turn.
+#[derive(Debug, Clone)]
+pub struct BodyCompliance {
+    parts: Arc<BodyParts>,
+    rotation: Matrix3<f64>,
+    report: Arc<TissueReport>,
+}
+
+/// Deviation of a direction's length, or of Q'Q from 1, that still counts as rounding.
+const UNIT: f64 = 1e-9;
+
+impl BodyCompliance {
+    pub(crate) fn new(parts: BodyParts, report: TissueReport) -> Self {
+        let rotation = parts.rotation;
+        BodyCompliance { parts: Arc::new(parts), rotation, report: Arc::new(report) }
+    }
+
+    /// Builds a compliance from stored parts; its report is empty.
+    ///
+    /// # Errors
+    /// [`BodyError::Parts`]: sizes that do not belong together; [`BodyError::Rotation`];
+    /// [`BodyError::NodeOutOfRange`].
+    pub fn from_parts(parts: BodyParts) -> Result<Self, BodyError> {
+        let (vertex_count, columns) = (parts.area_vectors.len(), 3 * parts.nodes.len());
+        let sizes = [
+            ("displacement rows", parts.displacement.nrows(), 3 * vertex_count),
+            ("displacement columns", parts.displacement.ncols(), columns),
+            ("bone pressure columns", parts.bone_pressure.as_ref().map_or(columns, Mat::ncols), columns),
+        ];
+        if let Some(&(what, found, expected)) = sizes.iter().find(|(_, found, expected)| found != expected) {
+            return Err(BodyError::Parts { what, found, expected });
+        }
+        if let Some((position, &vertex)) =
+            parts.nodes.iter().enumerate().find(|&(_, &node)| node >= vertex_count)
+        {
+            return Err(BodyError::NodeOutOfRange { position, vertex, vertex_count });
+        }
+        check_rotation(&parts.rotation)?;
+        Ok(Self::new(parts, TissueReport { min_thickness: f64::NAN, thinnest: None, warnings: Vec::new() }))
+    }
+
+    /// The stored numbers; their rotation is the one at construction, see [`BodyCompliance::rotation`].
+    pub fn parts(&self) -> &BodyParts {
+        &self.parts
+    }
+
+    /// How the body has been turned in all, since its equations were solved.
+    pub fn rotation(&self) -> &Matrix3<f64> {
+        &self.rotation
+    }
+
+    /// What the checks found.
+    pub fn report(&self) -> &TissueReport {
+        &self.report
+    }
+
+    /// Loaded skin vertices, in the order of the matrices' rows and columns.
+    pub fn nodes(&self) -> &[usize] {
+        &self.parts.nodes
+    }
+
+    /// Number of skin vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.parts.area_vectors.len()
+    }
+
+    /// Displacement of skin vertex `vertex` per unit force at node number `node` (3 × 3, m/N).
+    pub fn block(&self, vertex: usize, node: usize) -> Matrix3<f64> {
+        self.rotation * self.stored_block(vertex, node) * self.rotation.transpose()
+    }
+
+    fn stored_block(&self, vertex: usize, node: usize) -> Matrix3<f64> {
+        Matrix3::from_fn(|a, b| self.parts.displacement[(3 * vertex + a, 3 * node + b)])
+    }
+
+    /// The same body turned by `rotation`.
+    ///
+    /// # Errors
+    /// [`BodyError::Rotation`] if it is no rotation.
+    pub fn moved(&self, rotation: &Matrix3<f64>) -> Result<Self, BodyError> {
+        check_rotation(rotation)?;
+        Ok(BodyCompliance { rotation: rotation * self.rotation, ..self.clone() })
+    }
+
+    /// Directions as the stored matrices see them.
+    fn stored_directions(&self, directions: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
+        let expected = self.parts.nodes.len();
+        if directions.len() != expected {
+            return Err(BodyError::Length { what: "directions", found: directions.len(), expected });
+        }
+        for (index, direction) in directions.iter().enumerate() {
+            let length = direction.norm();
+            if length.is_nan() || (length - 1.0).abs() > UNIT {
+                return Err(BodyError::DirectionLength { index, length });
+            }
+        }
+        let back = self.rotation.transpose();
+        Ok(directions.iter().map(|direction| back * direction).collect())
+    }
+
+    /// Forces (N) at the nodes as the stored matrices see them.
+    fn stored_forces(&self, forces: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
+        let expected = self.parts.nodes.len();
+        if forces.len() != expected {
+            return Err(BodyError::Length { what: "forces", found: forces.len(), expected });
+        }
+        let back = self.rotation.transpose();
+        Ok(forces.iter().map(|force| back * force).collect())
+    }
+
+    /// Response matrix `R_ij = n_i · C_ij n_j` along the nodes' directions.
+    ///
+    /// * `directions`: (k) unit vectors, the obstacle's outward normal at each node
+    ///
+    /// Returns R (k × k, m/N).
+    ///
+    /// # Errors
+    /// [`BodyError::Length`], [`BodyError::DirectionLength`].
+    pub fn response_along(&self, directions: &[Vector3<f64>]) -> Result<Mat<f64>, BodyError> {
+        let directions = self.stored_directions(directions)?;
+        let nodes = &self.parts.nodes;
+        let mut response = Mat::zeros(nodes.len(), nodes.len());
+        for (j, n_j) in directions.iter().enumerate() {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * j + axis));
+            let column = response.col_as_slice_mut(j);
+            for ((entry, &node), n_i) in column.iter_mut().zip(nodes).zip(&directions) {
+                let along =
+                    |a: usize| x[3 * node + a] * n_j.x + y[3 * node + a] * n_j.y + z[3 * node + a] * n_j.z;
+                *entry = n_i.x * along(0) + n_i.y * along(1) + n_i.z * along(2);
+            }
+        }
+        Ok(response)
+    }
+
+    /// Displacement (m) of every skin vertex under forces (N) at the nodes.
+    ///
+    /// # Errors
+    /// [`BodyError::Length`].
+    pub fn displacements(&self, forces: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
+        let mut flat = vec![0.0; 3 * self.vertex_count()];
+        for (j, force) in
+            self.stored_forces(forces)?.iter().enumerate().filter(|(_, force)| force.norm_squared() > 0.0)
+        {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * j + axis));
+            for (((sum, x), y), z) in flat.iter_mut().zip(x).zip(y).zip(z) {
+                *sum += x * force.x + y * force.y + z * force.z;
+            }
+        }
+        Ok(flat.chunks_exact(3).map(|u| self.rotation * Vector3::new(u[0], u[1], u[2])).collect())
+    }
+
+    /// Pressure (Pa) on every bone vertex under forces (N) at the nodes; `None` if it was not asked for.
+    ///
+    /// # Errors
+    /// [`BodyError::Length`].
+    pub fn bone_pressures(&self, forces: &[Vector3<f64>]) -> Result<Option<Vec<f64>>, BodyError> {
+        let forces = self.stored_forces(forces)?;
+        Ok(self.parts.bone_pressure.as_ref().map(|stored| {
+            let mut sums = vec![0.0; stored.nrows()];
+            for (j, force) in forces.iter().enumerate() {
+                for axis in 0..3 {
+                    let column = stored.col_as_slice(3 * j + axis);
+                    sums.iter_mut().zip(column).for_each(|(sum, value)| *sum += value * force[axis]);
+                }
+            }
+            sums
+        }))
+    }
+
+    /// Change of the enclosed volume per newton at each node along its direction (m³/N), to first order.
+    ///
+    /// Zero at ν = 0.5 but for rounding; the measure of how much a compressible body gives way.
+    ///
+    /// # Errors
+    /// [`BodyError::Length`], [`BodyError::DirectionLength`].
+    pub fn volume_change_along(&self, directions: &[Vector3<f64>]) -> Result<Vec<f64>, BodyError> {
+        let directions = self.stored_directions(directions)?;
+        let areas = &self.parts.area_vectors;
+        let change = |(j, direction): (usize, &Vector3<f64>)| {
+            let along = |axis: usize| -> f64 {
+                let column = self.parts.displacement.col_as_slice(3 * j + axis);
+                column.chunks_exact(3).zip(areas).map(|(u, s)| u[0] * s.x + u[1] * s.y + u[2] * s.z).sum()
+            };
+            direction.x * along(0) + direction.y * along(1) + direction.z * along(2)
+        };
+        Ok(directions.iter().enumerate().map(change).collect())
+    }
+}
+
+fn check_rotation(rotation: &Matrix3<f64>) -> Result<(), BodyError> {
+    let skewness = (rotation.transpose() * rotation - Matrix3::identity()).amax();
+    let deviation = if rotation.determinant() < 0.0 { 2.0 } else { skewness };
+    if deviation.is_nan() || deviation > UNIT { Err(BodyError::Rotation { deviation }) } else { Ok(()) }
+}

@@ -1,0 +1,48 @@
+//! Memory and operations of a body response, known before it is solved.
+
+use super::assemble::Element;
+
+/// What [`Body::prepare`](super::Body::prepare) costs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyCost {
+    /// Unknowns: three per skin and bone vertex.
+    pub unknowns: usize,
+    /// Right-hand sides: three per loaded node.
+    pub right_hand_sides: usize,
+    /// Peak memory (bytes).
+    pub peak_bytes: usize,
+    /// Memory of the result (bytes).
+    pub kept_bytes: usize,
+    /// Floating-point operations of factorization and solution.
+    pub flops: f64,
+}
+
+/// Right-hand sides solved between two looks at the interrupt.
+pub(crate) const SOLVE_BLOCK: usize = 192;
+
+impl BodyCost {
+    /// The cost for a skin and bones of so many vertices and so many loaded nodes.
+    pub fn estimate(skin_count: usize, bone_count: usize, node_count: usize) -> BodyCost {
+        let unknowns = 3 * (skin_count + bone_count);
+        let right_hand_sides = 3 * node_count;
+        let (n, k) = (unknowns as f64, right_hand_sides as f64);
+        let kept = 8 * 3 * skin_count * right_hand_sides;
+        // matrix, right-hand sides, one block of them twice, result, faces with their geometry
+        let working = 8 * unknowns * (unknowns + right_hand_sides + 2 * SOLVE_BLOCK.min(right_hand_sides));
+        let faces = 2 * (skin_count + bone_count) * size_of::<Element>();
+        BodyCost {
+            unknowns,
+            right_hand_sides,
+            peak_bytes: working + kept + faces,
+            kept_bytes: kept,
+            flops: 2.0 / 3.0 * n.powi(3) + 2.0 * n * n * k,
+        }
+    }
+
+    /// Skin and bone vertices possible within `limit` bytes for `node_count` loaded nodes, about.
+    pub(crate) fn affordable_vertices(limit: usize, node_count: usize) -> usize {
+        // 8 (3 n)² + 8 (3 n) (2 · 3 k) = limit
+        let (k, words) = (3.0 * node_count as f64, limit as f64 / 8.0);
+        (((k * k + words).sqrt() - k) / 3.0) as usize
+    }
+}

@@ -1,0 +1,243 @@
+//! Every way in which a body response is refused, warned about or stopped.
+
+mod common;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use quasirigid::response::body::{
+    Body, BodyCompliance, BodyCost, BodyError, BodyOptions, BodyProgress, TissueWarning,
+};
+use quasirigid::surface::Surface;
+
+fn surface((vertices, faces): common::Mesh) -> Surface {
+    Surface::new(vertices, faces).expect("a sound mesh")
+}
+
+fn sphere(radius: f64, center: Vector3<f64>) -> Surface {
+    let (vertices, faces) = common::icosphere(radius, 1);
+    surface((vertices.into_iter().map(|v| v + center).collect(), faces))
+}
+
+fn skin() -> Surface {
+    sphere(8e-3, Vector3::zeros())
+}
+
+fn with_bone(bone: Surface) -> Body {
+    Body { bone: Some(bone), fixed: None }
+}
+
+fn with_core() -> Body {
+    with_bone(sphere(3e-3, Vector3::zeros()))
+}
+
+fn with_fixed(is_fixed: impl Fn(usize, &Vector3<f64>) -> bool) -> Body {
+    let skin = skin();
+    let fixed = skin.vertices().iter().enumerate().map(|(i, v)| is_fixed(i, v)).collect();
+    Body { bone: None, fixed: Some(fixed) }
+}
+
+fn prepare(body: &Body, nodes: &[usize], options: &BodyOptions) -> Result<BodyCompliance, BodyError> {
+    body.prepare(&skin(), 60e3, 0.5, nodes, options)
+}
+
+fn refusal(body: &Body) -> BodyError {
+    let error = body.inspect(&skin()).expect_err("it cannot be prepared");
+    println!("{error}");
+    let same = prepare(body, &[0], &BodyOptions::default()).expect_err("it cannot be prepared");
+    assert_eq!(same, error);
+    error
+}
+
+#[test]
+fn a_body_that_nothing_holds_is_refused() {
+    assert_eq!(refusal(&Body::default()), BodyError::Unsupported);
+}
+
+#[test]
+fn material_and_tolerance_must_be_in_range() {
+    let with = |modulus: f64, nu: f64, tolerance: f64| {
+        let options = BodyOptions { tolerance, ..BodyOptions::default() };
+        with_core().prepare(&skin(), modulus, nu, &[0], &options).expect_err("out of range")
+    };
+    for modulus in [0.0, -1.0, f64::INFINITY] {
+        assert_eq!(with(modulus, 0.5, 1e-6), BodyError::ShearModulus { value: modulus });
+    }
+    for nu in [-0.1, 0.5000001] {
+        assert_eq!(with(60e3, nu, 1e-6), BodyError::PoissonRatio { value: nu });
+    }
+    assert!(matches!(with(60e3, f64::NAN, 1e-6), BodyError::PoissonRatio { value } if value.is_nan()));
+    for tolerance in [0.0, 0.1] {
+        assert_eq!(with(60e3, 0.5, tolerance), BodyError::Tolerance { value: tolerance });
+    }
+}
+
+#[test]
+fn the_skin_must_bound_one_body() {
+    let (vertices, faces) = common::icosphere(8e-3, 1);
+    let open = surface((vertices.clone(), faces[1..].to_vec()));
+    assert_eq!(with_core().inspect(&open).expect_err("open"), BodyError::SkinOpen { border_count: 1 });
+
+    let beside = (vertices.iter().map(|v| v + Vector3::x()).collect(), faces.clone());
+    let two = surface(common::joined(&(vertices.clone(), faces), &beside));
+    assert_eq!(with_core().inspect(&two).expect_err("two"), BodyError::SkinPieces { count: 2 });
+
+    let mirrored = skin().with_vertices(vertices.iter().map(|v| -v).collect());
+    let error = with_core().inspect(&mirrored).expect_err("inside out");
+    assert!(matches!(error, BodyError::SkinInverted { volume } if volume < 0.0));
+}
+
+#[test]
+fn a_bone_that_is_open_inverted_outside_crossing_or_touching_is_named() {
+    let (vertices, faces) = common::icosphere(3e-3, 1);
+    let open = refusal(&with_bone(surface((vertices.clone(), faces[1..].to_vec()))));
+    assert!(matches!(open, BodyError::BoneOpen { component: 0, .. }), "{open}");
+
+    let core = sphere(3e-3, Vector3::zeros());
+    let mirrored = core.with_vertices(vertices.iter().map(|v| -v).collect());
+    let inverted = refusal(&with_bone(mirrored));
+    assert!(
+        matches!(inverted, BodyError::BoneInverted { component: 0, volume } if volume < 0.0),
+        "{inverted}"
+    );
+
+    let outside = refusal(&with_bone(sphere(3e-3, Vector3::x() * 0.02)));
+    assert_eq!(outside, BodyError::BoneOutside { component: 0, vertex: 0, count: 42 });
+    let around = refusal(&with_bone(sphere(9e-3, Vector3::zeros())));
+    assert!(matches!(around, BodyError::BoneOutside { .. }), "{around}");
+
+    let crossing = refusal(&with_bone(sphere(3e-3, Vector3::x() * 7e-3)));
+    assert!(matches!(crossing, BodyError::BoneCrossesSkin { count, .. } if count > 4), "{crossing}");
+
+    // a vertex of a small bone points at a face's centroid from within and all but meets it
+    let corners = skin().faces()[0].map(|v| skin().vertices()[v as usize]);
+    let centroid = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let small = sphere(1e-3, Vector3::zeros());
+    let tip = small.vertices()[0];
+    let turn = Rotation3::rotation_between(&tip, &skin().face_normals()[0]).expect("not opposite");
+    let place = |v: &Vector3<f64>| turn * (v - tip) + centroid * (1.0 - 1e-9);
+    let touching = small.with_vertices(small.vertices().iter().map(place).collect());
+    let error = refusal(&with_bone(touching));
+    assert!(
+        matches!(error, BodyError::BoneTouchesSkin { distance, limit, skin_face: 0, .. } if distance < limit),
+        "{error}"
+    );
+}
+
+#[test]
+fn bones_that_cross_each_other_are_named() {
+    let (vertices, faces) = common::icosphere(2e-3, 1);
+    let shifted = |x: f64| (vertices.iter().map(|v| v + Vector3::new(x, 0.0, 0.0)).collect(), faces.clone());
+    let crossing = surface(common::joined(&shifted(1e-3), &shifted(-1.2e-3)));
+    assert!(matches!(refusal(&with_bone(crossing)), BodyError::BonesMeet { first: 0, second: 1, .. }));
+}
+
+#[test]
+fn fixed_vertices_must_hold_something_and_leave_something() {
+    assert_eq!(
+        refusal(&Body { bone: None, fixed: Some(vec![true; 3]) }),
+        BodyError::FixedLength { found: 3, expected: 42 }
+    );
+    assert_eq!(refusal(&with_fixed(|_, _| false)), BodyError::FixedNothing { vertex_count: 42 });
+    assert_eq!(refusal(&with_fixed(|_, _| true)), BodyError::FixedEverything { vertex_count: 42 });
+    assert_eq!(refusal(&with_fixed(|i, _| i == 7)), BodyError::FixedWithoutFace { count: 1, first: 7 });
+    assert_eq!(
+        refusal(&with_fixed(|i, _| i == 3 || i == 2)),
+        BodyError::FixedWithoutFace { count: 2, first: 2 }
+    );
+}
+
+#[test]
+fn nodes_must_be_free_skin_vertices_each_listed_once() {
+    let options = BodyOptions::default();
+    let error = |nodes: &[usize]| prepare(&with_core(), nodes, &options).expect_err("bad nodes");
+    assert_eq!(error(&[]), BodyError::NoNodes);
+    assert_eq!(error(&[0, 42]), BodyError::NodeOutOfRange { position: 1, vertex: 42, vertex_count: 42 });
+    assert_eq!(error(&[4, 0, 4]), BodyError::NodeRepeated { vertex: 4, first: 0, second: 2 });
+    let body = with_fixed(|_, v| v.z > 0.0);
+    let above: Vec<usize> = (0..42).filter(|&i| skin().vertices()[i].z > 0.0).collect();
+    let error = prepare(&body, &above, &options).expect_err("fixed");
+    assert_eq!(error, BodyError::NodeFixed { vertex: above[0], count: above.len() });
+}
+
+#[test]
+fn thin_tissue_and_loose_fixed_vertices_are_warned_about() {
+    let thick = with_bone(sphere(1e-3, Vector3::zeros())).inspect(&skin()).expect("sound");
+    assert!(thick.warnings.is_empty() && thick.min_thickness > 6e-3 && thick.min_thickness < 7e-3);
+
+    let thin = with_bone(sphere(7.6e-3, Vector3::zeros())).inspect(&skin()).expect("sound");
+    assert!((thin.min_thickness - 0.4e-3).abs() < 0.05e-3);
+    assert!(
+        matches!(&thin.warnings[..], [TissueWarning::ThinnerThanMesh { count: 80, thickness, edge, .. }]
+            if *thickness < *edge),
+        "{:?}",
+        thin.warnings
+    );
+
+    let lowest = |v: &Vector3<f64>| v.z < -7.9e-3 || v.x > 3e-3;
+    let loose = with_fixed(|i, v| lowest(v) || i == far_from_the_rest());
+    let report = loose.inspect(&skin()).expect("sound");
+    assert_eq!(report.warnings, vec![TissueWarning::LooseFixed { count: 1, first: far_from_the_rest() }]);
+    println!("{} / {}", thin.warnings[0], report.warnings[0]);
+}
+
+/// The vertex with the smallest x, none of whose neighbours has x > 3 mm.
+fn far_from_the_rest() -> usize {
+    let skin = skin();
+    (0..42).min_by(|&a, &b| skin.vertices()[a].x.total_cmp(&skin.vertices()[b].x)).expect("vertices")
+}
+
+#[test]
+fn the_memory_limit_is_kept_and_says_what_would_fit() {
+    let cost = with_core().estimate(&skin(), 10);
+    assert_eq!(cost, BodyCost::estimate(42, 42, 10));
+    assert_eq!((cost.unknowns, cost.right_hand_sides, cost.kept_bytes), (252, 30, 8 * 126 * 30));
+    let nodes: Vec<usize> = (0..10).collect();
+    let options = BodyOptions { memory_limit: Some(cost.peak_bytes - 1), ..BodyOptions::default() };
+    let error = prepare(&with_core(), &nodes, &options).expect_err("one byte short");
+    println!("{error}");
+    let BodyError::MemoryLimit { needed, limit, affordable, .. } = error else { panic!("{error}") };
+    assert_eq!((needed, limit), (cost.peak_bytes, cost.peak_bytes - 1));
+    assert!(affordable > 0 && affordable < 120);
+    let enough = BodyOptions { memory_limit: Some(cost.peak_bytes), ..BodyOptions::default() };
+    assert!(prepare(&with_core(), &nodes, &enough).is_ok());
+}
+
+#[test]
+fn progress_goes_through_the_stages_and_an_interrupt_ends_each() {
+    let seen: Mutex<Vec<BodyProgress>> = Mutex::new(Vec::new());
+    let progress = |step: BodyProgress| seen.lock().expect("no panic elsewhere").push(step);
+    let options = BodyOptions { progress: Some(&progress), num_threads: Some(1), ..BodyOptions::default() };
+    prepare(&with_core(), &[0], &options).expect("sound");
+    let seen = seen.into_inner().expect("no panic elsewhere");
+    let mut stages: Vec<&str> = seen.iter().map(|step| step.stage).collect();
+    stages.dedup();
+    assert_eq!(stages, ["assembly", "factorization", "solution"]);
+    assert!(seen.iter().all(|step| step.done > 0.0 && step.done <= 1.0));
+
+    for (patience, stage) in [(0, "assembly"), (2, "factorization"), (3, "solution")] {
+        let asked = AtomicUsize::new(0);
+        let interrupt = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
+        let options =
+            BodyOptions { interrupt: Some(&interrupt), num_threads: Some(1), ..BodyOptions::default() };
+        let error = prepare(&with_core(), &[0], &options).expect_err("interrupted");
+        assert!(matches!(error, BodyError::Interrupted { stage: found, .. } if found == stage), "{error}");
+    }
+}
+
+#[test]
+fn directions_forces_and_rotations_are_checked() {
+    let compliance = prepare(&with_core(), &[0, 5], &BodyOptions::default()).expect("sound");
+    let z = Vector3::z();
+    let error = compliance.response_along(&[z]).expect_err("too few");
+    assert_eq!(error, BodyError::Length { what: "directions", found: 1, expected: 2 });
+    let error = compliance.response_along(&[z, z * 2.0]).expect_err("too long");
+    assert_eq!(error, BodyError::DirectionLength { index: 1, length: 2.0 });
+    let error = compliance.displacements(&[z]).expect_err("too few");
+    assert_eq!(error, BodyError::Length { what: "forces", found: 1, expected: 2 });
+    let error = compliance.moved(&-Matrix3::identity()).expect_err("a reflection");
+    assert_eq!(error, BodyError::Rotation { deviation: 2.0 });
+    assert!(compliance.moved(&(Matrix3::identity() * 1.001)).is_err());
+    assert_eq!(compliance.bone_pressures(&[z, z]).expect("two forces"), None);
+}
