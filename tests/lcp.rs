@@ -9,7 +9,8 @@ use problems::{
     small_problem,
 };
 use quasirigid::lcp::{
-    LcpError, LcpMethod, LcpOptions, LcpProblem, LcpSolution, LcpStatus, RayConclusion, solve,
+    Definiteness, DefinitenessCheck, LcpError, LcpMethod, LcpOptions, LcpProblem, LcpSolution, LcpStatus,
+    RayConclusion, solve,
 };
 
 fn run(m: &Mat<f64>, q: &[f64]) -> LcpSolution {
@@ -273,11 +274,286 @@ fn spheres_on_a_grid_are_solved_to_rounding() {
     }
 }
 
+#[test]
+fn every_method_finds_the_same_forces() {
+    for (side, radius) in [(15, 10e-3), (30, 200e-3)] {
+        let contact = grid_contact(side, 0.8e-3, radius, 0.5e-3);
+        let lemke = run(&contact.m, &contact.q);
+        let largest = lemke.z.iter().copied().fold(0.0, f64::max);
+        for method in [LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+            let other = run_with(&contact.m, &contact.q, method, &LcpOptions::default());
+            assert_solves(&contact.m, &contact.q, &other, 1e-10);
+            for (a, b) in lemke.z.iter().zip(&other.z) {
+                // The residual bound times the condition number, about 50.
+                assert!((a - b).abs() < 1e-8 * largest, "{method}: {a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn scaling_m_or_q_changes_no_active_set() {
+    let contact = grid_contact(20, 0.8e-3, 10e-3, 1.12e-3);
+    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+        let plain = run_with(&contact.m, &contact.q, method, &LcpOptions::default());
+        for (m_scale, q_scale) in [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-6), (1e-9, 1e-6), (1e200, 1e-100)] {
+            let m = &contact.m * m_scale;
+            let q: Vec<f64> = contact.q.iter().map(|q| q * q_scale).collect();
+            let scaled = run_with(&m, &q, method, &LcpOptions::default());
+            assert_eq!(
+                scaled.status,
+                LcpStatus::Solved,
+                "{method}, {m_scale:e}, {q_scale:e}: {}",
+                scaled.advice()
+            );
+            assert_eq!(scaled.active(), plain.active(), "{method}, {m_scale:e}, {q_scale:e}");
+            let factor = q_scale / m_scale;
+            for (a, b) in plain.z.iter().zip(&scaled.z) {
+                assert!((a * factor - b).abs() <= 1e-8 * factor * a.abs().max(1e-6));
+            }
+        }
+    }
+}
+
+#[test]
+fn coincident_nodes_share_their_force() {
+    // Every node twice: M is singular and semidefinite.
+    let contact = grid_contact(9, 0.8e-3, 10e-3, 0.5e-3);
+    let n = contact.q.len();
+    let m = Mat::from_fn(2 * n, 2 * n, |i, j| contact.m[(i % n, j % n)]);
+    let q = [contact.q.clone(), contact.q.clone()].concat();
+    let single = run(&contact.m, &contact.q);
+    for method in [LcpMethod::Lemke, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+        let double = run_with(&m, &q, method, &LcpOptions::default());
+        assert_solves(&m, &q, &double, 1e-10);
+        assert!(!double.certificate.is_unique());
+        for i in 0..n {
+            assert!((double.z[i] + double.z[n + i] - single.z[i]).abs() < 1e-8);
+        }
+    }
+}
+
+#[test]
+fn a_step_deeper_starts_from_the_last_contact() {
+    let contact = grid_contact(30, 0.8e-3, 10e-3, 2e-3);
+    let mut active = Vec::new();
+    let mut pivots = 0;
+    for step in 1..=50 {
+        let back = 2e-3 * (1.0 - step as f64 / 50.0);
+        let q: Vec<f64> = contact.q.iter().map(|q| q + back).collect();
+        let options = LcpOptions { initial_active: Some(active), ..LcpOptions::default() };
+        let solution = run_with(&contact.m, &q, LcpMethod::Lemke, &options);
+        assert_solves(&contact.m, &q, &solution, 1e-12);
+        pivots += solution.pivots;
+        active = solution.active();
+    }
+    let cold = run(&contact.m, &contact.q);
+    assert_eq!(active, cold.active());
+    assert!(2 * pivots <= 3 * cold.pivots, "{pivots} pivots warm, {} cold", cold.pivots);
+}
+
+#[test]
+fn a_useless_guess_costs_nothing_but_time() {
+    let contact = grid_contact(15, 0.8e-3, 10e-3, 0.5e-3);
+    let cold = run(&contact.m, &contact.q);
+    let far: Vec<usize> = (0..20).collect();
+    let singular = mat![[0.0, 1.0], [-1.0, 0.0]];
+    let options = |guess: Vec<usize>| LcpOptions { initial_active: Some(guess), ..LcpOptions::default() };
+    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+        let solution = run_with(&contact.m, &contact.q, method, &options(far.clone()));
+        assert_solves(&contact.m, &contact.q, &solution, 1e-10);
+        assert_eq!(solution.active(), cold.active());
+    }
+    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+        let solution = run_with(&singular, &[-1.0, 2.0], method, &options(vec![0]));
+        assert_eq!(solution.z, [2.0, 1.0]);
+    }
+}
+
+#[test]
+fn load_control_meets_the_load_and_the_depth_that_belongs_to_it() {
+    let contact = grid_contact(21, 0.8e-3, 10e-3, 1e-3);
+    let by_depth = run_with(&contact.m, &contact.q, LcpMethod::ProjectedCg, &LcpOptions::default());
+    let load: f64 = by_depth.z.iter().sum();
+    let lifted: Vec<f64> = contact.q.iter().map(|q| q + 3e-3).collect();
+    let options = LcpOptions { total: Some(load), ..LcpOptions::default() };
+    let by_load = run_with(&contact.m, &lifted, LcpMethod::ProjectedCg, &options);
+    assert_eq!(by_load.status, LcpStatus::Solved, "{}", by_load.advice());
+    assert!((by_load.z.iter().sum::<f64>() / load - 1.0).abs() < 1e-12);
+    assert!((by_load.shift + 3e-3).abs() < 1e-11, "shift {}", by_load.shift);
+    for (a, b) in by_load.z.iter().zip(&by_depth.z) {
+        assert!((a - b).abs() < 1e-8 * load);
+    }
+}
+
+#[test]
+fn a_kernel_that_pulls_its_neighbours_in_ends_on_a_ray_or_is_flagged() {
+    // The paper's Gaussian, K/r - a exp(-r²/2c²) within 15 mm: balanced, but not well posed on a wide patch.
+    let (side, spacing) = (31, 1e-3);
+    let table = grid_contact(side, spacing, 8e-3, 0.0);
+    let at = |i: usize| ((i / side) as f64 * spacing, (i % side) as f64 * spacing);
+    let m = Mat::from_fn(side * side, side * side, |i, j| {
+        let ((a, b), (c, d)) = (at(i), at(j));
+        let r = (a - c).hypot(b - d);
+        let bulge = 0.805e-3 * (-r * r / (2.0 * 5e-3 * 5e-3)).exp();
+        if r < 15e-3 { table.m[(i, j)] - bulge } else { 0.0 }
+    });
+    let press = |depth: f64| table.q.iter().map(|q| q - depth).collect::<Vec<_>>();
+    let shallow = run(&m, &press(0.1e-3));
+    assert_solves(&m, &press(0.1e-3), &shallow, 1e-10);
+    let deep = run(&m, &press(1.5e-3));
+    assert_eq!(deep.status, LcpStatus::Ray);
+    let ray = deep.ray.as_ref().unwrap();
+    assert_eq!(ray.conclusion, RayConclusion::NotCopositive);
+    assert!(ray.curvature < 0.0 && ray.residual < 1e-10);
+    assert!(deep.advice().contains("well-posed response"));
+}
+
+#[test]
+fn an_indefinite_response_is_named_so() {
+    let contact = grid_contact(8, 0.8e-3, 10e-3, 0.5e-3);
+    let always = LcpOptions { definiteness: DefinitenessCheck::Always, ..LcpOptions::default() };
+    let sound = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &always);
+    assert_eq!(sound.certificate.definiteness, Definiteness::PositiveDefinite);
+    assert!(sound.certificate.is_unique() && sound.advice().contains("only solution"));
+    let never = LcpOptions { definiteness: DefinitenessCheck::Never, ..LcpOptions::default() };
+    let silent = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &never);
+    assert_eq!(silent.certificate.definiteness, Definiteness::Unknown);
+    // A checkerboard that yields: -0.1 times its own energy.
+    let n = contact.q.len();
+    let diagonal = contact.m[(0, 0)];
+    let sign = |i: usize| if (i / 8 + i % 8).is_multiple_of(2) { 1.0 } else { -1.0 };
+    let m = Mat::from_fn(n, n, |i, j| contact.m[(i, j)] - 0.01 * diagonal * sign(i) * sign(j));
+    let solution = run_with(&m, &contact.q, LcpMethod::Lemke, &always);
+    assert_eq!(solution.certificate.definiteness, Definiteness::NotPositiveDefinite);
+    let known = LcpProblem::new(contact.m.as_ref(), &contact.q).unwrap().with_known_p_matrix();
+    let solution = solve(&known, LcpMethod::Auto, &LcpOptions::default()).unwrap();
+    assert_eq!(solution.certificate.definiteness, Definiteness::PMatrix);
+    assert_eq!(solution.method, LcpMethod::BlockPivoting);
+}
+
+#[test]
+fn storage_order_and_threads_change_nothing() {
+    let contact = grid_contact(25, 0.8e-3, 60e-3, 0.5e-3);
+    let n = contact.q.len();
+    // Not symmetric, so that a mixed-up order would show.
+    let m = Mat::from_fn(n, n, |i, j| contact.m[(i, j)] * (1.0 + 0.01 * (i as f64 / n as f64)));
+    let rows = m.transpose().to_owned();
+    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+        let by_columns = run_with(&m, &contact.q, method, &LcpOptions::default());
+        assert_solves(&m, &contact.q, &by_columns, 1e-12);
+        let problem = LcpProblem::new(rows.transpose(), &contact.q).unwrap();
+        let by_rows = solve(&problem, method, &LcpOptions::default()).unwrap();
+        assert_eq!(by_rows.active(), by_columns.active());
+        for (a, b) in by_rows.z.iter().zip(&by_columns.z) {
+            assert!((a - b).abs() < 1e-11);
+        }
+        let again = run_with(&m, &contact.q, method, &LcpOptions::default());
+        assert_eq!(again, by_columns, "a second run is equal to the bit");
+    }
+}
+
 // Endings
 
 #[test]
+fn an_interrupt_ends_every_method_soon() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let contact = grid_contact(25, 0.8e-3, 10e-3, 1e-3);
+    let q = vec![-1e-3; contact.q.len()];
+    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+        let asked = AtomicUsize::new(0);
+        let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
+        let options = LcpOptions { interrupt: Some(&stop), ..LcpOptions::default() };
+        let solution = run_with(&contact.m, &q, method, &options);
+        assert_eq!(solution.status, LcpStatus::Interrupted, "{method}");
+        assert!(solution.advice().starts_with("interrupted"));
+        assert!(asked.into_inner() < 10, "{method} went on asking");
+    }
+}
+
+#[test]
+fn nothing_is_called_solved_that_tolerance_does_not_pass() {
+    let contact = grid_contact(15, 0.8e-3, 10e-3, 0.5e-3);
+    let options = LcpOptions { tolerance: 1e-30, ..LcpOptions::default() };
+    let solution = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &options);
+    assert_eq!(solution.status, LcpStatus::Breakdown);
+    assert!(solution.natural_residual > 1e-30 && solution.advice().contains("tolerance"));
+}
+
+#[test]
+fn extreme_numbers_end_without_panic() {
+    let mut noise = Noise(77);
+    for _ in 0..2000 {
+        let n = 1 + noise.below(6);
+        let mut entry = || {
+            let exponent = noise.integer(300);
+            noise.value() * if noise.below(3) == 0 { 10_f64.powf(exponent) } else { 1.0 }
+        };
+        let m = Mat::from_fn(n, n, |_, _| entry());
+        let q: Vec<f64> = (0..n).map(|_| entry()).collect();
+        for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+            let solution = run_with(&m, &q, method, &LcpOptions::default());
+            if solution.status == LcpStatus::Solved {
+                assert!(solution.z.iter().all(|&z| z >= 0.0 && z.is_finite()));
+                assert!(solution.natural_residual <= 1e-10);
+            }
+        }
+    }
+}
+
+// Malformed questions
+
+#[test]
 fn malformed_problems_are_named() {
-    let m = mat![[1.0, 0.0], [0.0, f64::NAN]];
+    let m = mat![[1.0, 0.0, 2.0], [0.0, 1.0, 2.0]];
     let error = LcpProblem::new(m.as_ref(), &[1.0, 1.0]).unwrap_err();
-    assert!(matches!(error, LcpError::NonFiniteMatrix { row: 1, column: 1, count: 1, .. }));
+    assert_eq!(error, LcpError::NotSquare { rows: 2, columns: 3 });
+    let m = mat![[1.0, 0.0], [0.0, 1.0]];
+    let error = LcpProblem::new(m.as_ref(), &[1.0]).unwrap_err();
+    assert_eq!(error, LcpError::LengthMismatch { name: "q", found: 1, expected: 2 });
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let error = LcpProblem::new(m.as_ref(), &[1.0, bad]).unwrap_err();
+        assert!(matches!(error, LcpError::NonFiniteVector { name: "q", index: 1, count: 1, .. }));
+        for n in [1, 3, 16, 17, 40, 600] {
+            let at = (n / 2, n - 1);
+            let m = Mat::from_fn(n, n, |i, j| if (i, j) == at { bad } else { 1.0 });
+            let q = vec![1.0; n];
+            for view in [m.as_ref(), m.transpose()] {
+                let error = LcpProblem::new(view, &q).unwrap_err();
+                let LcpError::NonFiniteMatrix { row, column, count: 1, .. } = error else {
+                    panic!("{error}")
+                };
+                assert!((row, column) == at || (column, row) == at);
+            }
+        }
+    }
+}
+
+#[test]
+fn malformed_options_are_named() {
+    let m = mat![[2.0, 1.0], [0.0, 2.0]];
+    let problem = LcpProblem::new(m.as_ref(), &[-1.0, -1.0]).unwrap();
+    let fail = |method: LcpMethod, options: LcpOptions| solve(&problem, method, &options).unwrap_err();
+    let default = LcpOptions::default;
+    let error = fail(LcpMethod::Lemke, LcpOptions { covering: Some(vec![1.0, 0.0]), ..default() });
+    assert_eq!(error, LcpError::CoveringNotPositive { index: 1, value: 0.0 });
+    let error = fail(LcpMethod::Lemke, LcpOptions { covering: Some(vec![1.0]), ..default() });
+    assert_eq!(error, LcpError::LengthMismatch { name: "covering", found: 1, expected: 2 });
+    for (guess, position, index) in [(vec![0, 2], 1, 2), (vec![1, 1], 1, 1)] {
+        let error = fail(LcpMethod::Auto, LcpOptions { initial_active: Some(guess), ..default() });
+        assert_eq!(error, LcpError::InitialActive { position, index, size: 2 });
+    }
+    for (options, name) in [
+        (LcpOptions { pivot_tol: 0.0, ..default() }, "pivot_tol"),
+        (LcpOptions { pivot_tol: f64::NAN, ..default() }, "pivot_tol"),
+        (LcpOptions { tolerance: f64::INFINITY, ..default() }, "tolerance"),
+        (LcpOptions { total: Some(1.0), ..default() }, "total"),
+    ] {
+        let error = fail(LcpMethod::Lemke, options);
+        assert!(matches!(error, LcpError::OptionOutOfRange { name: found, .. } if found == name), "{error}");
+    }
+    let error = fail(LcpMethod::ProjectedCg, LcpOptions { total: Some(-1.0), ..default() });
+    assert!(matches!(error, LcpError::OptionOutOfRange { name: "total", .. }));
+    let error = fail(LcpMethod::ProjectedCg, default());
+    assert_eq!(error, LcpError::NotSymmetric { row: 0, column: 1, difference: 0.5 });
 }

@@ -6,8 +6,8 @@
 
 use super::certificate::nan_max;
 use super::dense::{Factor, NoFactor};
-use super::lemke::Outcome;
 use super::options::LcpOptions;
+use super::outcome::Outcome;
 use super::problem::add_product;
 use super::reduced::{Reduced, gather};
 use super::solution::LcpStatus;
@@ -42,8 +42,7 @@ pub(super) fn solve(
     let scale: Vec<f64> = (0..n).map(|i| if m[(i, i)] > 0.0 { m[(i, i)] } else { 1.0 }).collect();
     let mut is_active = vec![false; n];
     active.iter().for_each(|&i| is_active[i] = true);
-    let mut outcome =
-        Outcome { status: LcpStatus::Breakdown, z: vec![0.0; n], pivots: 0, ray: None, work: 0.0 };
+    let mut outcome = Outcome::zero(LcpStatus::Breakdown, n);
     let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
     loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();

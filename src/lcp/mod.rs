@@ -33,6 +33,7 @@ mod dense;
 mod kernels;
 mod lemke;
 mod options;
+mod outcome;
 mod problem;
 mod projected_cg;
 mod ray;

@@ -50,7 +50,7 @@ pub enum DefinitenessCheck {
     Never,
 }
 
-/// Parameters of [`solve`](super::solve).
+/// Parameters of [`solve`](super::solve()).
 #[derive(Clone)]
 pub struct LcpOptions<'a> {
     /// Pivot budget of each method that runs; `None` means `50 n`, at least 1000.

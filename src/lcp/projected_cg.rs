@@ -6,8 +6,8 @@
 use faer::MatRef;
 
 use super::certificate::nan_max;
-use super::lemke::Outcome;
 use super::options::LcpOptions;
+use super::outcome::Outcome;
 use super::problem::add_product;
 use super::solution::LcpStatus;
 
@@ -33,10 +33,7 @@ pub(super) fn solve(
 ) -> Gradients {
     let n = q.len();
     let diagonal: Vec<f64> = (0..n).map(|i| m[(i, i)]).collect();
-    let mut run = Gradients {
-        outcome: Outcome { status: LcpStatus::Breakdown, z: vec![0.0; n], pivots: 0, ray: None, work: 0.0 },
-        shift: 0.0,
-    };
+    let mut run = Gradients { outcome: Outcome::zero(LcpStatus::Breakdown, n), shift: 0.0 };
     if diagonal.iter().any(|&m| m <= 0.0) {
         return run;
     }
@@ -122,17 +119,18 @@ pub(super) fn solve(
 /// A load on the guess alone, of the size that suits it best.
 fn start(m: MatRef<'_, f64>, q: &[f64], diagonal: &[f64], active: &[usize], total: Option<f64>) -> Vec<f64> {
     let mut z = vec![0.0; q.len()];
-    for &i in active {
-        z[i] = (-q[i]).max(0.0) / diagonal[i];
-    }
     if let Some(total) = total {
-        if active.is_empty() {
+        // q is known up to a shift: its level is that of the highest in the guess.
+        let highest = active.iter().fold(f64::NEG_INFINITY, |a: f64, &i| a.max(q[i]));
+        active.iter().for_each(|&i| z[i] = (highest - q[i]) / diagonal[i]);
+        if z.iter().all(|&z| z == 0.0) {
             z.iter_mut().zip(diagonal).for_each(|(z, diagonal)| *z = 1.0 / diagonal);
         }
         let sum: f64 = z.iter().sum();
         z.iter_mut().for_each(|z| *z *= total / sum);
         return z;
     }
+    active.iter().for_each(|&i| z[i] = (-q[i]).max(0.0) / diagonal[i]);
     let mut curved = vec![0.0; q.len()];
     add_product(m, &z, &mut curved);
     let slope: f64 = q.iter().zip(&z).map(|(q, z)| -q * z).sum();

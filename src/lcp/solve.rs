@@ -5,8 +5,9 @@ use faer::Mat;
 use super::block_pivoting::{self, Fallback, first_guess};
 use super::certificate::{Certificate, Definiteness};
 use super::dense::{Factor, NoFactor};
-use super::lemke::{self, Outcome};
+use super::lemke;
 use super::options::{DefinitenessCheck, LcpMethod, LcpOptions};
+use super::outcome::Outcome;
 use super::problem::{LcpError, LcpProblem};
 use super::projected_cg;
 use super::ray::{LcpRay, RayConclusion};
@@ -47,7 +48,7 @@ pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> R
         return run.load_control();
     }
     if problem.deficit() == 0.0 {
-        let zero = Outcome { status: LcpStatus::Solved, z: Vec::new(), pivots: 0, ray: None, work: 0.0 };
+        let zero = Outcome::zero(LcpStatus::Solved, 0);
         return Ok(run.conclude(method, &zero, vec![0.0; problem.size()]));
     }
     let reduced = Reduced::new(problem);

@@ -1,0 +1,206 @@
+//! Where the path stands: the basis, the values on it, and how both follow from M and q.
+
+use std::collections::HashSet;
+
+use rayon::prelude::*;
+
+use super::super::basis::Basis;
+use super::super::dense::NoFactor;
+use super::super::kernels;
+use super::super::options::LcpOptions;
+use super::super::problem::{Columns, SHARED, row_block};
+use super::super::reduced::power_of_two;
+
+/// Values closer than this are equal, relative to the largest.
+const TIE: f64 = 64.0 * f64::EPSILON;
+pub(super) const NOWHERE: usize = usize::MAX;
+
+/// State of the path. M's columns are scaled to magnitude one, so every tolerance here is dimensionless.
+pub(super) struct Path<'a> {
+    pub(super) m: Columns<'a>,
+    pub(super) q: &'a [f64],
+    pub(super) d: Vec<f64>,
+    pub(super) n: usize,
+    /// Factor by which column j is scaled; 0 until it is first needed.
+    pub(super) scale: Vec<f64>,
+    pub(super) basis: Basis,
+    /// B, in the order of the factor's rows.
+    pub(super) rows: Vec<usize>,
+    /// A and z0 (written n), in the order of the factor's columns.
+    pub(super) columns: Vec<usize>,
+    pub(super) row_place: Vec<usize>,
+    /// Values of the basic variables and of the second right-hand side.
+    pub(super) x: Vec<f64>,
+    pub(super) x_tie: Vec<f64>,
+    pub(super) w: Vec<f64>,
+    pub(super) w_tie: Vec<f64>,
+    pub(super) tie: Vec<f64>,
+    /// Rates of change along the entering variable, and the transform of its column.
+    pub(super) dx: Vec<f64>,
+    pub(super) dw: Vec<f64>,
+    pub(super) y: Vec<f64>,
+    pub(super) pivots: usize,
+    pub(super) visited: HashSet<u64>,
+    pub(super) active_hash: u64,
+    pub(super) perturbations: u64,
+    pub(super) stale: bool,
+    /// Whether the last factor came about.
+    pub(super) factored: Result<(), NoFactor>,
+    pub(super) work: f64,
+    pub(super) pivot_tol: f64,
+    pub(super) options: &'a LcpOptions<'a>,
+}
+
+impl<'a> Path<'a> {
+    pub(super) fn new(m: Columns<'a>, q: &'a [f64], d: Vec<f64>, options: &'a LcpOptions<'a>) -> Self {
+        let n = q.len();
+        Self {
+            m,
+            q,
+            d,
+            n,
+            scale: vec![0.0; n],
+            basis: Basis::default(),
+            rows: Vec::new(),
+            columns: Vec::new(),
+            row_place: vec![NOWHERE; n],
+            x: Vec::new(),
+            x_tie: Vec::new(),
+            w: vec![0.0; n],
+            w_tie: vec![0.0; n],
+            tie: vec![0.0; n],
+            dx: Vec::new(),
+            dw: vec![0.0; n],
+            y: Vec::new(),
+            pivots: 0,
+            visited: HashSet::new(),
+            active_hash: 0,
+            perturbations: 0,
+            stale: false,
+            factored: Ok(()),
+            work: 0.0,
+            pivot_tol: options.pivot_tol,
+            options,
+        }
+    }
+
+    pub(super) fn push_row(&mut self, row: usize) {
+        self.row_place[row] = self.rows.len();
+        self.rows.push(row);
+        self.w[row] = 0.0;
+        self.w_tie[row] = 0.0;
+    }
+
+    pub(super) fn append_row(&mut self, row: usize) {
+        let mut entries: Vec<f64> = self.columns.iter().map(|&c| self.entry(row, c)).collect();
+        self.basis.append_row(&mut entries);
+        self.push_row(row);
+    }
+
+    pub(super) fn remove_column(&mut self, c: usize) {
+        self.basis.delete_column(c);
+        let index = self.columns.remove(c);
+        self.x.remove(c);
+        self.x_tie.remove(c);
+        if index != self.n {
+            self.active_hash ^= hash(index as u64);
+        }
+    }
+
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        if column == self.n { self.d[row] } else { self.scale[column] * self.m[(row, column)] }
+    }
+
+    pub(super) fn scale_column(&mut self, j: usize) {
+        if self.scale[j] == 0.0 {
+            let largest = self.m.col(j).as_slice().iter().fold(0.0, |a: f64, m| a.max(m.abs()));
+            self.scale[j] = if largest > 0.0 { 1.0 / power_of_two(largest) } else { 1.0 };
+        }
+    }
+
+    /// `y += Σ x_c (column c)` over the basic columns.
+    pub(super) fn combine(&self, x: &[f64], y: &mut [f64]) {
+        let terms: Vec<(&[f64], f64)> = self
+            .columns
+            .iter()
+            .zip(x)
+            .map(|(&c, &x)| match c == self.n {
+                true => (&self.d[..], x),
+                false => (self.m.col(c).as_slice(), self.scale[c] * x),
+            })
+            .collect();
+        if self.n * terms.len() < SHARED {
+            return kernels::add_columns(y, &terms);
+        }
+        let rows_each = row_block(self.n);
+        y.par_chunks_mut(rows_each).enumerate().for_each(|(k, part)| {
+            let rows = k * rows_each..k * rows_each + part.len();
+            let terms: Vec<_> = terms.iter().map(|&(column, x)| (&column[rows.clone()], x)).collect();
+            kernels::add_columns(part, &terms);
+        });
+    }
+
+    pub(super) fn refactor(&mut self) {
+        let (m, d, n, scale, rows, columns) =
+            (self.m, &self.d, self.n, &self.scale, &self.rows, &self.columns);
+        let interrupted = || self.options.is_interrupted();
+        let fill = |j: usize, out: &mut [f64]| {
+            let c = columns[j];
+            let (source, factor) = if c == n { (&d[..], 1.0) } else { (m.col(c).as_slice(), scale[c]) };
+            out.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = factor * source[i]);
+        };
+        self.factored = self.basis.factor(columns.len(), fill, &interrupted);
+        self.stale = false;
+    }
+
+    /// Values of the basic variables from q (and from p), with one step of refinement.
+    pub(super) fn refresh(&mut self) {
+        (self.x, self.w) = self.values(self.q);
+        (self.x_tie, self.w_tie) = self.values(&self.tie);
+    }
+
+    pub(super) fn values(&self, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut x = vec![0.0; self.columns.len()];
+        let mut w = q.to_vec();
+        for _ in 0..2 {
+            let mut error: Vec<f64> = self.rows.iter().map(|&i| w[i]).collect();
+            self.basis.solve(&mut error);
+            x.iter_mut().zip(error).for_each(|(x, e)| *x -= e);
+            w.copy_from_slice(q);
+            self.combine(&x, &mut w);
+        }
+        self.rows.iter().for_each(|&i| w[i] = 0.0);
+        (x, w)
+    }
+
+    /// Draws positive values of the second right-hand side here and works out the p that belongs to them.
+    pub(super) fn perturb(&mut self) {
+        self.perturbations += 1;
+        self.visited.clear();
+        let draw = |k: usize| draw(k, self.perturbations);
+        self.x_tie = self.columns.iter().map(|&c| draw(c)).collect();
+        let mut tie: Vec<f64> = (0..self.n).map(|i| draw(self.n + 1 + i)).collect();
+        self.rows.iter().for_each(|&i| tie[i] = 0.0);
+        self.w_tie = tie.clone();
+        let down: Vec<f64> = self.x_tie.iter().map(|x| -x).collect();
+        self.combine(&down, &mut tie);
+        self.tie = tie;
+    }
+
+    pub(super) fn tie_tolerance(&self) -> f64 {
+        TIE * self.x.iter().fold(1.0, |size: f64, x| size.max(x.abs()))
+    }
+}
+
+/// A value in [1, 2) for each index and seed.
+pub(in crate::lcp) fn draw(index: usize, seed: u64) -> f64 {
+    1.0 + (hash(index as u64 ^ (seed << 40)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+pub(super) fn hash(seed: u64) -> u64 {
+    let mut x = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}

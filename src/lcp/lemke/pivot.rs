@@ -1,0 +1,164 @@
+//! One pivot: the direction along the entering variable, the variable that blocks it, the exchange.
+
+use super::super::certificate::nan_max;
+use super::path::{NOWHERE, Path, hash};
+
+/// Multiple of rows (see [`Basis::delete_row`](super::super::basis::Basis::delete_row)) above which the basis is
+/// factored anew.
+const GROWTH: f64 = 1e6;
+
+/// The variable that grows from zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Entering {
+    Z(usize),
+    W(usize),
+}
+
+/// The basic variable that reaches zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Leaving {
+    /// The basic variable at this place of `columns`.
+    Column(usize),
+    /// w of this row.
+    Row(usize),
+}
+
+impl Path<'_> {
+    /// Fills `dx`, `dw` and `y`; returns how far the rows of B are from what they should be.
+    pub(super) fn direction(&mut self, entering: Entering) -> f64 {
+        let mut a: Vec<f64> = match entering {
+            Entering::Z(r) => {
+                self.scale_column(r);
+                let column = self.m.col(r).as_slice();
+                self.rows.iter().map(|&i| self.scale[r] * column[i]).collect()
+            }
+            Entering::W(r) => {
+                let mut a = vec![0.0; self.rows.len()];
+                a[self.row_place[r]] = -1.0;
+                a
+            }
+        };
+        self.basis.transform(&a, &mut self.y);
+        a.copy_from_slice(&self.y);
+        self.basis.back_substitute(&mut a);
+        a.iter_mut().for_each(|x| *x = -*x);
+        self.dx = a;
+        self.measure_direction(entering)
+    }
+
+    fn measure_direction(&mut self, entering: Entering) -> f64 {
+        let mut dw = std::mem::take(&mut self.dw);
+        match entering {
+            Entering::Z(r) => {
+                let (factor, column) = (self.scale[r], self.m.col(r).as_slice());
+                dw.iter_mut().zip(column).for_each(|(dw, m)| *dw = factor * m);
+            }
+            Entering::W(_) => dw.fill(0.0),
+        }
+        self.combine(&self.dx, &mut dw);
+        if let Entering::W(r) = entering {
+            dw[r] -= 1.0;
+        }
+        let size = self.dx.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+        let worst = self.rows.iter().fold(0.0, |worst: f64, &i| nan_max(worst, dw[i].abs()));
+        self.dw = dw;
+        worst / size
+    }
+
+    pub(super) fn refine_direction(&mut self, entering: Entering) -> f64 {
+        let mut error: Vec<f64> = self.rows.iter().map(|&i| self.dw[i]).collect();
+        self.basis.solve(&mut error);
+        self.dx.iter_mut().zip(error).for_each(|(x, e)| *x -= e);
+        self.measure_direction(entering)
+    }
+
+    /// The basic variable that reaches zero first; z0 before others, then by the second right-hand side.
+    pub(super) fn ratio_test(&self) -> Option<Leaving> {
+        let size = self.dx.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+        let smallest = self.pivot_tol * size;
+        let mut step = f64::INFINITY;
+        for (&x, &rate) in self.x.iter().zip(&self.dx).chain(self.w.iter().zip(&self.dw)) {
+            if rate < -smallest && x.max(0.0) < -rate * step {
+                step = x.max(0.0) / -rate;
+            }
+        }
+        if !step.is_finite() {
+            return None;
+        }
+        let slack = self.tie_tolerance();
+        let mut best: Option<(f64, f64, Leaving)> = None;
+        let mut consider = |x: f64, rate: f64, x_tie: f64, leaving: Leaving| {
+            if rate < -smallest && x.max(0.0) + rate * step <= slack {
+                let ratio = x_tie / -rate;
+                if best.is_none_or(|(lowest, _, _)| ratio < lowest) {
+                    best = Some((ratio, rate, leaving));
+                }
+            }
+        };
+        for (c, &column) in self.columns.iter().enumerate() {
+            let x_tie = if column == self.n { f64::NEG_INFINITY } else { self.x_tie[c] };
+            consider(self.x[c], self.dx[c], x_tie, Leaving::Column(c));
+        }
+        for i in 0..self.n {
+            consider(self.w[i], self.dw[i], self.w_tie[i], Leaving::Row(i));
+        }
+        best.map(|(_, _, leaving)| leaving)
+    }
+
+    /// Moves to the next basis; `None` once z0 has left.
+    pub(super) fn pivot(&mut self, entering: Entering, leaving: Leaving) -> Option<Entering> {
+        let (step, step_tie) = match leaving {
+            Leaving::Column(c) => (self.x[c].max(0.0) / -self.dx[c], self.x_tie[c] / -self.dx[c]),
+            Leaving::Row(i) => (self.w[i].max(0.0) / -self.dw[i], self.w_tie[i] / -self.dw[i]),
+        };
+        advance(&mut self.x, &self.dx, step);
+        advance(&mut self.x_tie, &self.dx, step_tie);
+        advance(&mut self.w, &self.dw, step);
+        advance(&mut self.w_tie, &self.dw, step_tie);
+        if let Entering::Z(r) = entering {
+            self.basis.append_column(&self.y);
+            self.columns.push(r);
+            self.x.push(step);
+            self.x_tie.push(step_tie);
+            self.active_hash ^= hash(r as u64);
+        }
+        let next = match leaving {
+            Leaving::Row(row) => {
+                self.append_row(row);
+                Some(Entering::Z(row))
+            }
+            Leaving::Column(c) => {
+                let index = self.columns[c];
+                self.remove_column(c);
+                (index != self.n).then_some(Entering::W(index))
+            }
+        };
+        if let Entering::W(r) = entering {
+            let place = self.row_place[r];
+            if self.basis.delete_row(place) > GROWTH {
+                self.stale = true;
+            }
+            self.rows.swap_remove(place);
+            self.row_place[r] = NOWHERE;
+            if let Some(&moved) = self.rows.get(place) {
+                self.row_place[moved] = place;
+            }
+            self.w[r] = step;
+            self.w_tie[r] = step_tie;
+        }
+        next
+    }
+}
+
+impl Entering {
+    pub(super) fn hash(self) -> u64 {
+        match self {
+            Self::Z(i) => hash((1 << 62) | i as u64),
+            Self::W(i) => hash((1 << 63) | i as u64),
+        }
+    }
+}
+
+fn advance(values: &mut [f64], rates: &[f64], step: f64) {
+    values.iter_mut().zip(rates).for_each(|(value, rate)| *value += step * rate);
+}

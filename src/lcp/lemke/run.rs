@@ -1,0 +1,163 @@
+//! The path from start to ending.
+
+use super::super::certificate::nan_max;
+use super::super::options::LcpOptions;
+use super::super::outcome::Outcome;
+use super::super::problem::Columns;
+use super::super::solution::LcpStatus;
+use super::path::Path;
+use super::pivot::{Entering, Leaving};
+
+/// Pivots after which values are recomputed from q.
+const REFRESH: usize = 64;
+/// Relative error of a direction above which it is refined, and above which the basis is factored anew.
+const REFINE: f64 = 1e-12;
+const REFACTOR: f64 = 1e-8;
+/// Perturbations drawn before the run is given up as a breakdown.
+const PERTURBATIONS: u64 = 8;
+
+/// Solves `w = M z + q` from z = 0 with covering vector `d`.
+pub(in crate::lcp) fn solve_cold(
+    m: Columns<'_>,
+    q: &[f64],
+    d: Vec<f64>,
+    pivot_tol: f64,
+    options: &LcpOptions,
+) -> Outcome {
+    let mut path = Path::new(m, q, d, options);
+    path.pivot_tol = pivot_tol;
+    let entering = path.start_cold();
+    path.run(entering)
+}
+
+/// Solves from the basis of a guessed active set; `None` where that basis is singular.
+pub(in crate::lcp) fn solve_warm(
+    m: Columns<'_>,
+    q: &[f64],
+    active: &[usize],
+    options: &LcpOptions,
+) -> Option<Outcome> {
+    let mut path = Path::new(m, q, vec![0.0; q.len()], options);
+    match path.start_warm(active)? {
+        None => Some(path.finish(LcpStatus::Solved)),
+        Some(entering) => Some(path.run(entering)),
+    }
+}
+
+impl Path<'_> {
+    fn run(&mut self, mut entering: Entering) -> Outcome {
+        let budget = self.options.pivot_budget(self.n);
+        loop {
+            if self.options.is_interrupted() {
+                return self.finish(LcpStatus::Interrupted);
+            }
+            if self.pivots >= budget {
+                return self.finish(LcpStatus::PivotLimit);
+            }
+            if self.stale || self.pivots.is_multiple_of(REFRESH) {
+                if self.stale {
+                    self.refactor();
+                }
+                self.refresh();
+            }
+            if !self.visited.insert(self.active_hash ^ entering.hash()) {
+                if self.perturbations >= PERTURBATIONS {
+                    return self.finish(LcpStatus::Breakdown);
+                }
+                self.refactor();
+                self.refresh();
+                self.perturb();
+            }
+            let k = self.columns.len() as f64;
+            self.work += k * (self.n as f64 + 2.0 * k);
+            let mut leaving = self.try_direction(entering);
+            if leaving.is_none() {
+                self.refactor();
+                self.refresh();
+                leaving = self.try_direction(entering);
+            }
+            if let Err(reason) = self.factored {
+                return self.finish(reason.into());
+            }
+            let Some(leaving) = leaving else {
+                if !self.dx.iter().chain(&self.dw).all(|rate| rate.is_finite()) {
+                    return self.finish(LcpStatus::Breakdown);
+                }
+                let ray = self.ray(entering);
+                return Outcome { ray: Some(ray), ..self.finish(LcpStatus::Ray) };
+            };
+            self.pivots += 1;
+            match self.pivot(entering, leaving) {
+                Some(next) => entering = next,
+                None => return self.finish(LcpStatus::Solved),
+            }
+        }
+    }
+
+    /// Rates of change along `entering` and the variable that blocks it first.
+    fn try_direction(&mut self, entering: Entering) -> Option<Leaving> {
+        let mut error = self.direction(entering);
+        if error > REFINE {
+            error = self.refine_direction(entering);
+        }
+        if error > REFACTOR {
+            self.refactor();
+            self.refresh();
+            self.direction(entering);
+            self.refine_direction(entering);
+        }
+        for &i in &self.rows {
+            self.dw[i] = 0.0;
+        }
+        self.ratio_test()
+    }
+
+    fn ray(&self, entering: Entering) -> (Vec<f64>, f64) {
+        let size = self.dx.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
+        let clean = |rate: f64| if rate > self.pivot_tol * size { rate / size } else { 0.0 };
+        let mut z = vec![0.0; self.n];
+        let mut z0 = 0.0;
+        for (&c, &rate) in self.columns.iter().zip(&self.dx) {
+            if c == self.n { z0 = clean(rate) } else { z[c] = self.scale[c] * clean(rate) }
+        }
+        if let Entering::Z(r) = entering {
+            z[r] = self.scale[r] / size;
+        }
+        (z, z0)
+    }
+
+    /// z in the reduced problem's units: for an answer solved from the final basis and refined, else as it stands.
+    fn finish(&mut self, status: LcpStatus) -> Outcome {
+        if status == LcpStatus::Solved {
+            let mut best = f64::INFINITY;
+            let mut chosen = self.x.clone();
+            for attempt in 0..2 {
+                if attempt == 1 {
+                    self.refactor();
+                }
+                let (x, mut w) = self.values(self.q);
+                w.copy_from_slice(self.q);
+                let clipped: Vec<f64> = x.iter().map(|&x| x.max(0.0)).collect();
+                self.combine(&clipped, &mut w);
+                let mut worst = w.iter().fold(0.0, |worst: f64, &w| nan_max(worst, -w));
+                for (&c, &x) in self.columns.iter().zip(&clipped) {
+                    worst = nan_max(worst, w[c].min(x).abs());
+                }
+                if worst < best {
+                    (best, chosen) = (worst, clipped);
+                }
+                if best < 1e-13 {
+                    break;
+                }
+            }
+            self.x = chosen;
+        }
+        let mut z = vec![0.0; self.n];
+        for (&c, &x) in self.columns.iter().zip(&self.x) {
+            if c != self.n {
+                z[c] = self.scale[c] * x.max(0.0);
+            }
+        }
+        Outcome { status, z, pivots: self.pivots, ray: None, work: self.work }
+    }
+}
