@@ -3,8 +3,8 @@
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Vector3};
 use quasirigid::response::{
-    AssemblyOptions, Pressure, Response, ResponseError, Skin, assemble, gaussian_hat_integrals,
-    hat_integrals, matrix_bytes,
+    AssemblyOptions, LayerKernel, Pressure, Response, ResponseError, Skin, Thickness, assemble,
+    assemble_block, gaussian_hat_integrals, hat_integrals, matrix_bytes,
 };
 use quasirigid::surface::Surface;
 use std::f64::consts::PI;
@@ -148,7 +148,7 @@ fn a_moved_surface_has_the_same_response() {
     let surface = grid(8, 8e-3, 2e-3, 0.2);
     let pose = Isometry3::new(Vector3::new(0.1, -0.05, 0.2), Vector3::new(0.3, 1.1, -0.4));
     for response in [HALF_SPACE, PAPER] {
-        let here = matrix(&surface, &skin(response), 1e-9);
+        let here = matrix(&surface, &skin(response.clone()), 1e-9);
         let there = matrix(&surface.moved(&pose), &skin(response), 1e-9);
         let scale = here[(0, 0)];
         for j in 0..here.ncols() {
@@ -238,7 +238,7 @@ fn the_gaussian_matrix_equals_the_double_loop_over_closed_forms() {
     {
         let response = Response::GaussianCorrected { height, width, cutoff, pressure: Pressure::Linear };
         for tolerance in [1e-3, 1e-6, 1e-9] {
-            let r = matrix(&surface, &skin(response), tolerance);
+            let r = matrix(&surface, &skin(response.clone()), tolerance);
             let mut compared = 0;
             for j in (0..r.ncols()).step_by(7) {
                 for i in 0..r.nrows() {
@@ -295,7 +295,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     for response in [HALF_SPACE, PAPER] {
         let run = |num_threads| {
             let options = AssemblyOptions { num_threads, ..Default::default() };
-            assemble(&surface, &skin(response), &all(&surface), None, &options).expect("valid")
+            assemble(&surface, &skin(response.clone()), &all(&surface), None, &options).expect("valid")
         };
         let one = run(Some(1));
         assert!(one == run(Some(2)) && one == run(Some(3)) && one == run(None));
@@ -316,6 +316,158 @@ fn a_subset_of_nodes_gives_the_block_of_the_full_matrix() {
     }
     let none = assemble(&surface, &skin(HALF_SPACE), &[], None, &options).expect("no nodes is no error");
     assert_eq!((none.nrows(), none.ncols()), (0, 0));
+}
+
+// ---- the layer ----
+
+fn layer(thickness: f64) -> Response {
+    Response::Layer { thickness: thickness.into(), pressure: Pressure::Linear }
+}
+
+/// Smallest and largest eigenvalue of the symmetric part, entries scaled by the vertex areas so that the
+/// answer does not depend on the size of border triangles.
+fn extreme_eigenvalues(surface: &Surface, r: &faer::Mat<f64>) -> (f64, f64) {
+    let area = surface.vertex_areas();
+    let symmetric = faer::Mat::from_fn(r.nrows(), r.ncols(), |i, j| {
+        0.5 * (r[(i, j)] + r[(j, i)]) * (area[i] * area[j]).sqrt()
+    });
+    let values = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).expect("converges");
+    (values[0], values[values.len() - 1])
+}
+
+#[test]
+fn layer_matrix_equals_the_double_loop_with_fine_quadrature() {
+    let surface = grid(8, 8e-3, 2e-3, 0.25);
+    let half_space = naive_half_space(&surface, &skin(HALF_SPACE), &all(&surface));
+    let (points, faces) = (surface.vertices(), surface.faces());
+    let gauss = [(-0.774596669241483f64, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774596669241483, 5.0 / 9.0)];
+    for thickness in [0.4e-3, 2e-3, 10e-3] {
+        let kernel = LayerKernel::new(0.5).expect("in range");
+        let smooth = |i: usize, j: usize| {
+            // 3 x 3 points on 20² parallelogram cells folded into the triangle
+            let mut sum = 0.0;
+            for &f in surface.faces_around(j) {
+                let face = faces[f as usize];
+                let k = face.iter().position(|&v| v as usize == j).expect("its own face");
+                let c = [k, (k + 1) % 3, (k + 2) % 3].map(|k| points[face[k] as usize]);
+                let area = 0.5 * (c[1] - c[0]).cross(&(c[2] - c[0])).norm();
+                let cells = 20;
+                for a in 0..cells {
+                    for (s, w) in gauss {
+                        let u = (a as f64 + 0.5 + 0.5 * s) / cells as f64;
+                        for b in 0..cells {
+                            for (t, v) in gauss {
+                                let along = (b as f64 + 0.5 + 0.5 * t) / cells as f64;
+                                let y = c[0] * (1.0 - u) + (c[1] * (1.0 - along) + c[2] * along) * u;
+                                let weight = 2.0 * area * u * w * v / 4.0 / (cells * cells) as f64;
+                                sum += weight
+                                    * (1.0 - u)
+                                    * kernel.smooth_part((points[i] - y).norm() / thickness);
+                            }
+                        }
+                    }
+                }
+            }
+            sum / thickness / surface.vertex_areas()[j]
+        };
+        let constant = skin(HALF_SPACE).kernel_constant();
+        for tolerance in [1e-3, 1e-6] {
+            let r = matrix(&surface, &skin(layer(thickness)), tolerance);
+            for j in [0, 13, 40, 57] {
+                for i in 0..r.nrows() {
+                    let expected = half_space[(i, j)] - constant * smooth(i, j);
+                    let error = (r[(i, j)] - expected).abs() / half_space[(i, j)];
+                    assert!(error < tolerance.max(2e-7), "({i}, {j}) at {thickness}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn layers_of_any_thickness_and_ratio_are_positive_definite() {
+    // Border nodes are left out: on them an incompressible layer of a tenth of the mesh size loses 0.9 %.
+    let n = 9;
+    let surface = grid(n, n as f64 * 1e-3, 0.0, 0.2);
+    let inner = |v: &usize| [v / (n + 1), v % (n + 1)].iter().all(|&i| i > 0 && i < n);
+    let nodes: Vec<usize> = all(&surface).into_iter().filter(inner).collect();
+    for (nu, thickness) in [(0.0, 0.1e-3), (0.0, 3e-3), (0.3, 1e-3), (0.45, 0.3e-3), (0.499, 10e-3)]
+        .into_iter()
+        .chain([0.1e-3, 0.3e-3, 1e-3, 3e-3, 10e-3, 100e-3].map(|h| (0.5, h)))
+    {
+        let skin = Skin::new(60e3, nu, layer(thickness)).expect("valid constants");
+        let options = AssemblyOptions { tolerance: 1e-4, ..Default::default() };
+        let r = assemble(&surface, &skin, &nodes, None, &options).expect("valid");
+        assert!((0..r.ncols()).all(|j| (0..r.nrows()).all(|i| r[(i, j)].is_finite())));
+        let symmetric = faer::Mat::from_fn(r.nrows(), r.ncols(), |i, j| 0.5 * (r[(i, j)] + r[(j, i)]));
+        let values = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).expect("converges");
+        assert!(values[0] > 0.01 * values[values.len() - 1], "nu {nu}, thickness {thickness}: {values:?}");
+    }
+}
+
+#[test]
+fn a_layer_of_varying_thickness_is_positive_definite() {
+    let surface = grid(9, 9e-3, 0.0, 0.2);
+    let mut random = Random(3);
+    // 1 to 6 mm in steps from vertex to vertex, far rougher than any hand
+    let list: Vec<f64> = surface.vertices().iter().map(|_| 1e-3 + 5e-3 * random.next()).collect();
+    let response =
+        Response::Layer { thickness: Thickness::PerVertex(list.into()), pressure: Pressure::Linear };
+    let (least, largest) = extreme_eigenvalues(&surface, &matrix(&surface, &skin(response), 1e-4));
+    assert!(least > 0.0, "{least:e} of {largest:e}");
+}
+
+#[test]
+fn a_thick_layer_is_the_half_space() {
+    let surface = grid(8, 8e-3, 2e-3, 0.2);
+    let half_space = matrix(&surface, &skin(HALF_SPACE), 1e-9);
+    let mut before = f64::INFINITY;
+    for thickness in [0.1, 1.0, 10.0, 100.0] {
+        let r = matrix(&surface, &skin(layer(thickness)), 1e-9);
+        let mut worst: f64 = 0.0;
+        for j in 0..r.ncols() {
+            for i in 0..r.nrows() {
+                worst = worst.max((r[(i, j)] / half_space[(i, j)] - 1.0).abs());
+            }
+        }
+        // φ(0) r / h at the far corner of the grid
+        assert!(worst < 1.8 * 12e-3 / thickness && worst < 0.2 * before, "{thickness}: {worst:e}");
+        before = worst;
+    }
+}
+
+#[test]
+fn an_incompressible_layer_displaces_no_net_volume() {
+    // hats sum to 1 on a regular grid, so that the sum over nodes is exact up to the grid's finite width
+    let n = 80;
+    let surface = grid(n, 80e-3, 0.0, 0.0);
+    let center = (n / 2) * (n + 1) + n / 2;
+    let skin = skin(layer(2e-3));
+    let options = AssemblyOptions { tolerance: 1e-9, ..Default::default() };
+    let column = assemble_block(&surface, &skin, &all(&surface), &[center], &options).expect("valid");
+    let (mut net, mut gross) = (0.0, 0.0);
+    for (i, area) in surface.vertex_areas().iter().enumerate() {
+        net += area * column[(i, 0)];
+        gross += area * column[(i, 0)].abs();
+    }
+    assert!(net.abs() < 1e-6 * gross, "{net:e} of {gross:e}");
+    // and it fades exponentially
+    let at = |steps: usize| column[(center + steps, 0)].abs();
+    assert!(at(20) < 2e-3 * at(4) && at(36) < 4e-3 * at(20));
+}
+
+#[test]
+fn thicknesses_are_checked() {
+    assert_eq!(constant_error(Skin::new(60e3, 0.5, layer(0.0))), ("thickness", 0.0));
+    assert_eq!(constant_error(Skin::new(60e3, 0.5, layer(-1e-3))), ("thickness", -1e-3));
+    let response =
+        Response::Layer { thickness: Thickness::PerVertex(vec![1e-3; 5].into()), pressure: Pressure::Linear };
+    let surface = grid(3, 3e-3, 0.0, 0.0);
+    let refused = assemble(&surface, &skin(response), &[0], None, &AssemblyOptions::default());
+    assert_eq!(
+        refused.expect_err("too short"),
+        ResponseError::ThicknessCount { thicknesses: 5, vertex_count: 16 }
+    );
 }
 
 // ---- errors ----

@@ -3,6 +3,7 @@
 use super::column::{Scratch, half_space_values};
 use super::corrected::Corrected;
 use super::error::ResponseError;
+use super::layer_column::PreparedLayer;
 use super::options::{AssemblyOptions, check_request};
 use super::parallel::fill_columns;
 use super::skin::{Response, Skin};
@@ -65,16 +66,27 @@ fn fill_block(
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
     skin.validate()?;
+    skin.check_against(surface)?;
     let mut matrix = Mat::zeros(rows.len(), columns.len());
     let points: Vec<_> = rows.iter().map(|&v| surface.vertices()[v]).collect();
     let targets = Targets::new(&points);
     let constant = skin.kernel_constant();
     let (pressure, tolerance) = (skin.pressure(), options.tolerance);
+    let layer = match &skin.response {
+        Response::Layer { thickness, .. } => {
+            Some(PreparedLayer::new(skin, thickness, rows, &targets, options)?)
+        }
+        _ => None,
+    };
     let scratch = || Scratch::new(&targets);
     fill_columns(&mut matrix, options, scratch, |scratch: &mut Scratch, j, column| {
         scratch.faces.clear();
         loaded_faces(surface, columns[j], pressure, &mut scratch.faces);
         match skin.response {
+            Response::Layer { ref thickness, .. } => {
+                let layer = layer.as_ref().expect("prepared for a layer");
+                layer.column(thickness.at(columns[j])).values(&targets, scratch);
+            }
             Response::HalfSpace { .. } => {
                 half_space_values(&targets, scratch, constant, tolerance, f64::INFINITY);
             }

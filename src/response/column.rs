@@ -45,6 +45,13 @@ impl Scratch {
         (self.expansion.center, self.expansion.radius)
     }
 
+    /// Distance of the farthest corner of the loaded triangles from their mean corner (m).
+    pub(crate) fn load_radius(&self) -> f64 {
+        let corners = || self.faces.iter().flat_map(|f| &f.frame.vertices);
+        let center = corners().sum::<Vector3<f64>>() / (3 * self.faces.len()) as f64;
+        corners().map(|v| (v - center).norm()).fold(0.0, f64::max)
+    }
+
     /// The point loads that [`spread_load`] left, and the values.
     pub(crate) fn loads_and_values(&mut self) -> (&PointLoads, &mut [f64]) {
         (&self.loads, &mut self.values)
@@ -97,6 +104,35 @@ pub(crate) fn spread_load(scratch: &mut Scratch, n: usize, lanes: usize) {
         }
     }
     scratch.loads.pad(lanes);
+}
+
+/// As [`spread_load`], with each triangle first divided into `pieces`² equal ones.
+pub(crate) fn spread_load_finely(scratch: &mut Scratch, n: usize, pieces: usize) {
+    if pieces == 1 {
+        return spread_load(scratch, n, 1);
+    }
+    scratch.loads.clear();
+    let step = 1.0 / pieces as f64;
+    for face in &scratch.faces {
+        let [a, b, c] = face.frame.vertices;
+        let mut add = |u: f64, v: f64, size: f64| {
+            for (l, weight) in triangle_rule(n) {
+                let (u, v) = (u + size * l[1], v + size * l[2]);
+                let hats = [1.0 - u - v, u, v];
+                let place = a * hats[0] + b * hats[1] + c * hats[2];
+                let share = weight * face.frame.area * step * step * weighted(&face.density, &hats);
+                scratch.loads.push(&place, share);
+            }
+        };
+        for i in 0..pieces {
+            for j in 0..pieces - i {
+                add(i as f64 * step, j as f64 * step, step);
+                if i + j + 1 < pieces {
+                    add((i + 1) as f64 * step, (j + 1) as f64 * step, -step);
+                }
+            }
+        }
+    }
 }
 
 /// The load's centre, about which it has no dipole, and the farthest corner from it.

@@ -50,6 +50,14 @@ pub enum ResponseError {
         /// The value found.
         value: [f64; 3],
     },
+    /// The number of thicknesses differs from the number of vertices.
+    #[error("{thicknesses} thicknesses were given for a surface of {vertex_count} vertices")]
+    ThicknessCount {
+        /// Thicknesses given.
+        thicknesses: usize,
+        /// Vertices of the surface.
+        vertex_count: usize,
+    },
     /// The matrix would need more memory than allowed.
     #[error(
         "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit}; \

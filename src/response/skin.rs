@@ -1,6 +1,9 @@
 //! The skin's material and the kernel by which it answers a force.
 
 use super::error::ResponseError;
+use super::layer::LayerKernel;
+use super::thickness::Thickness;
+use crate::surface::Surface;
 use std::f64::consts::TAU;
 
 /// How the force of a node is spread over the surface around it.
@@ -17,7 +20,7 @@ pub enum Pressure {
 
 /// Displacement of the skin at distance r from a unit force; r is the straight-line distance and
 /// K = (1-ν)/(2πG) (m²/N).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Response {
     /// Elastic half-space, `u(r) = K / r` (Boussinesq; Johnson 1985, §3.2).
@@ -42,10 +45,18 @@ pub enum Response {
         /// How a node's force is spread.
         pressure: Pressure,
     },
+    /// Elastic layer bonded to rigid bone: [`LayerKernel`](super::LayerKernel). Wide flat tissue such as the
+    /// palm; on a fingertip it is too stiff, up to twice the true force.
+    Layer {
+        /// Thickness h (m), > 0.
+        thickness: Thickness,
+        /// How a node's force is spread.
+        pressure: Pressure,
+    },
 }
 
 /// Elastic skin: material and response.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Skin {
     /// Shear modulus G (Pa), > 0.
@@ -55,6 +66,9 @@ pub struct Skin {
     /// How the skin answers a force.
     pub response: Response,
 }
+
+/// A layer's kernel below this times K/h is not felt.
+const LAYER_SILENCE: f64 = 1e-8;
 
 fn require(ok: bool, name: &'static str, value: f64, expected: &'static str) -> Result<(), ResponseError> {
     if ok { Ok(()) } else { Err(ResponseError::Constant { name, value, expected }) }
@@ -80,14 +94,29 @@ impl Skin {
         let (g, nu) = (self.shear_modulus, self.poisson_ratio);
         require(g > 0.0 && g.is_finite(), "shear_modulus", g, "finite and positive (Pa)")?;
         require((0.0..=0.5).contains(&nu), "poisson_ratio", nu, "from 0 to 0.5")?;
-        match self.response {
+        match &self.response {
             Response::HalfSpace { .. } => Ok(()),
-            Response::GaussianCorrected { height, width, cutoff, .. } => {
+            &Response::GaussianCorrected { height, width, cutoff, .. } => {
                 let height_ok = height >= 0.0 && height.is_finite();
                 require(height_ok, "height", height, "finite and not negative (m/N)")?;
                 require(width > 0.0 && width.is_finite(), "width", width, "finite and positive (m)")?;
                 require(cutoff > 0.0, "cutoff", cutoff, "positive (m)")
             }
+            Response::Layer { thickness, .. } => {
+                let bad = thickness.first_bad();
+                require(bad.is_none(), "thickness", bad.unwrap_or(0.0), "finite and positive (m)")
+            }
+        }
+    }
+
+    /// Checks what depends on the surface.
+    pub(crate) fn check_against(&self, surface: &Surface) -> Result<(), ResponseError> {
+        let vertex_count = surface.vertices().len();
+        match &self.response {
+            Response::Layer { thickness: Thickness::PerVertex(list), .. } if list.len() != vertex_count => {
+                Err(ResponseError::ThicknessCount { thicknesses: list.len(), vertex_count })
+            }
+            _ => Ok(()),
         }
     }
 
@@ -99,7 +128,9 @@ impl Skin {
     /// How a node's force is spread.
     pub fn pressure(&self) -> Pressure {
         match self.response {
-            Response::HalfSpace { pressure } | Response::GaussianCorrected { pressure, .. } => pressure,
+            Response::HalfSpace { pressure }
+            | Response::GaussianCorrected { pressure, .. }
+            | Response::Layer { pressure, .. } => pressure,
         }
     }
 
@@ -108,6 +139,10 @@ impl Skin {
         match self.response {
             Response::GaussianCorrected { cutoff, .. } => cutoff.is_finite().then_some(cutoff),
             Response::HalfSpace { .. } => None,
+            Response::Layer { ref thickness, .. } => {
+                let kernel = LayerKernel::new(self.poisson_ratio).ok()?;
+                Some(kernel.reach(LAYER_SILENCE) * thickness.largest())
+            }
         }
     }
 
@@ -117,6 +152,7 @@ impl Skin {
         match self.response {
             Response::HalfSpace { .. } => false,
             Response::GaussianCorrected { height, .. } => height > 0.0,
+            Response::Layer { .. } => true,
         }
     }
 }

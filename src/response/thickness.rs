@@ -1,0 +1,50 @@
+//! Thickness of the soft layer over the bone.
+
+use std::sync::Arc;
+
+/// Thickness of the elastic layer (m).
+///
+/// Where it varies, a pair of nodes answers as on a layer of the *smaller* of their two thicknesses. Because
+/// the layer's symbol W grows with the thickness at every wave length, that kernel is a sum over thicknesses
+/// h' of positive definite kernels, each seen only by nodes with h >= h', and so stays positive definite for
+/// any thickness field; a mean of the two would not.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Thickness {
+    /// The same everywhere (m), > 0.
+    Uniform(f64),
+    /// One for each vertex of the surface (m), all > 0.
+    PerVertex(Arc<[f64]>),
+}
+
+impl Thickness {
+    /// Thickness at a vertex (m).
+    pub fn at(&self, vertex: usize) -> f64 {
+        match self {
+            Self::Uniform(h) => *h,
+            Self::PerVertex(list) => list[vertex],
+        }
+    }
+
+    /// The largest thickness (m); 0 of an empty list.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Self::Uniform(h) => *h,
+            Self::PerVertex(list) => list.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// The first value that is not finite and positive.
+    pub(crate) fn first_bad(&self) -> Option<f64> {
+        let bad = |h: &f64| !(*h > 0.0 && h.is_finite());
+        match self {
+            Self::Uniform(h) => Some(*h).filter(bad),
+            Self::PerVertex(list) => list.iter().copied().find(bad),
+        }
+    }
+}
+
+impl From<f64> for Thickness {
+    fn from(thickness: f64) -> Self {
+        Self::Uniform(thickness)
+    }
+}
