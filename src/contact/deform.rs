@@ -17,7 +17,7 @@ const FADE_RADII: f64 = 3.0;
 pub(super) struct Deformation {
     /// u (n, m), faded.
     pub displacement: Vec<Vector3<f64>>,
-    /// Distance along the skin at which it has faded to zero (m).
+    /// Distance along the skin at which it has faded to zero (m); infinite where nothing fades.
     pub fade_distance: f64,
     /// Σ S_i N_i · u_i over the skin, without the fade (m³).
     pub volume_change: f64,
@@ -34,7 +34,7 @@ impl Deformation {
 ///
 /// On a candidate `u_i = (R f)_i n_i`, with the obstacle's normal there. Elsewhere the magnitude is `(R f)_i` too
 /// and the direction that of `Σ_j R_ij f_j n_j`, which goes over into the former without a need for the obstacle's
-/// normal far away.
+/// normal far away. A body tells the whole displacement of every vertex, and nothing fades.
 pub(super) fn deform(
     surface: &Surface,
     compliance: &Compliance,
@@ -45,16 +45,22 @@ pub(super) fn deform(
     let active = solved.active();
     let everywhere: Vec<usize> = (0..vertex_count).collect();
     let field = compliance.displacement(&everywhere, &active, &solved.node_force, &gaps.normal)?;
-    let mut displacement: Vec<Vector3<f64>> = field
-        .direction
-        .iter()
-        .zip(&field.magnitude)
-        .map(|(direction, magnitude)| direction * *magnitude)
-        .collect();
-    for &vertex in &solved.candidates {
-        let rise = solved.gap[vertex] - gaps.distance[vertex];
-        displacement[vertex] = rise * gaps.normal[vertex];
-    }
+    let moves_all = field.along_normal.is_none();
+    let mut displacement = match field.along_normal {
+        None => field.vectors,
+        Some(along_normal) => {
+            let mut along: Vec<Vector3<f64>> = field
+                .vectors
+                .iter()
+                .zip(&along_normal)
+                .map(|(vector, rise)| resized(vector, *rise))
+                .collect();
+            for &vertex in &solved.candidates {
+                along[vertex] = (solved.gap[vertex] - gaps.distance[vertex]) * gaps.normal[vertex];
+            }
+            along
+        }
+    };
     let volume_change = surface
         .skin_mask()
         .iter()
@@ -65,6 +71,9 @@ pub(super) fn deform(
         })
         .sum();
 
+    if moves_all {
+        return Ok(Deformation { displacement, fade_distance: f64::INFINITY, volume_change });
+    }
     let candidate_area: f64 = solved.candidates.iter().map(|&vertex| surface.vertex_areas()[vertex]).sum();
     let fade_distance = FADE_RADII * (candidate_area / PI).sqrt();
     let mut share = vec![0.0; vertex_count];
@@ -73,6 +82,12 @@ pub(super) fn deform(
     }
     displacement.iter_mut().zip(share).for_each(|(u, share)| *u *= share);
     Ok(Deformation { displacement, fade_distance, volume_change })
+}
+
+/// The vector at the length of `rise`, its direction kept: it points against the normals already where they sink.
+fn resized(vector: &Vector3<f64>, rise: f64) -> Vector3<f64> {
+    let norm = vector.norm();
+    if norm > 0.0 { vector * (rise.abs() / norm) } else { Vector3::zeros() }
 }
 
 /// 1 at 0, 0 from 1 on, level at both ends.

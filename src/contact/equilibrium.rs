@@ -46,9 +46,14 @@ pub(super) fn solve(
 ) -> Result<Equilibrium, ContactError> {
     let inside = penetrating(surface, &gaps.distance);
     let deepest = inside.iter().map(|&vertex| -gaps.distance[vertex]).fold(0.0, f64::max);
-    let grows = compliance.has_negative_entries();
+    let grows = compliance.skin.has_negative_entries();
     let rings = options.rings.unwrap_or(if grows { DEFAULT_RINGS } else { 0 });
-    let mut candidates = with_rings(surface, &inside, rings);
+    // Growth stays among the vertices whose response is known; a penetrating one must be.
+    let known = |mut vertices: Vec<usize>| {
+        vertices.retain(|&vertex| compliance.skin.knows(vertex) || inside.binary_search(&vertex).is_ok());
+        vertices
+    };
+    let mut candidates = known(with_rings(surface, &inside, rings));
     let (mut response_seconds, mut lcp_seconds) = (0.0, 0.0);
 
     for growth in 0.. {
@@ -62,7 +67,7 @@ pub(super) fn solve(
             lcp_seconds: 0.0,
             candidates,
         };
-        for group in uncoupled_groups(surface, &round.candidates, compliance.reach()) {
+        for group in uncoupled_groups(surface, &round.candidates, compliance.skin.reach()) {
             let started = Instant::now();
             let response = compliance.square(&group, &gaps.normal)?;
             response_seconds += started.elapsed().as_secs_f64();
@@ -96,7 +101,8 @@ pub(super) fn solve(
             let candidates = round.candidates.len();
             return Err(ContactError::Growth { growths: growth, candidates, skin_vertices });
         }
-        let mut grown = with_rings(surface, &added, rings.max(1));
+        let mut grown = known(with_rings(surface, &added, rings.max(1)));
+        grown.extend(&added);
         grown.extend(&round.candidates);
         grown.sort_unstable();
         grown.dedup();
@@ -155,18 +161,22 @@ fn pressed_outside(
         .filter(|&vertex| surface.skin_mask()[vertex] && round.candidates.binary_search(&vertex).is_err())
         .collect();
     let displacement = compliance.displacement(&outside, &active, &round.node_force, &gaps.normal)?;
+    // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
+    let sinks = |row: usize| match &displacement.along_normal {
+        Some(along_normal) => -along_normal[row],
+        None => displacement.vectors[row].norm(),
+    };
     // An unmeasured vertex stays clear unless it sinks by more than the search distance.
     let clear_below = |vertex: usize| gaps.distance[vertex].min(gaps.search_distance);
-    let sinking: Vec<(usize, f64)> = outside
-        .into_iter()
-        .zip(displacement.magnitude)
-        .filter(|&(vertex, magnitude)| magnitude < 0.0 && clear_below(vertex) + magnitude < 0.0)
+    let sinking: Vec<usize> = (0..outside.len())
+        .filter(|&row| sinks(row) > 0.0 && clear_below(outside[row]) < sinks(row))
         .collect();
-    let vertices: Vec<usize> = sinking.iter().map(|&(vertex, _)| vertex).collect();
+    let vertices: Vec<usize> = sinking.iter().map(|&row| outside[row]).collect();
     gaps.complete(surface.vertices(), obstacle, &vertices)?;
-    Ok(sinking
-        .into_iter()
-        .filter(|&(vertex, magnitude)| gaps.distance[vertex] + magnitude < -PRESSED_SHARE * deepest)
-        .map(|(vertex, _)| vertex)
-        .collect())
+    let rise = |row: usize| match &displacement.along_normal {
+        Some(along_normal) => along_normal[row],
+        None => displacement.vectors[row].dot(&gaps.normal[outside[row]]),
+    };
+    let is_pressed = |row: &usize| gaps.distance[outside[*row]] + rise(*row) < -PRESSED_SHARE * deepest;
+    Ok(sinking.into_iter().filter(is_pressed).map(|row| outside[row]).collect())
 }

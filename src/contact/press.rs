@@ -3,7 +3,7 @@
 use super::solve::{Place, clock, solve_in_place, with_threads};
 use super::{Contact, ContactError, ContactOptions, Interrupt};
 use crate::obstacle::Obstacle;
-use crate::response::Skin;
+use crate::response::ElasticSkin;
 use crate::surface::Surface;
 use nalgebra::Vector3;
 use std::time::Instant;
@@ -43,7 +43,7 @@ const TOUCH_ROUNDING: f64 = 1e-10;
 pub fn press(
     surface: &Surface,
     obstacle: &Obstacle,
-    skin: &Skin,
+    skin: &dyn ElasticSkin,
     press: &Press,
     options: &ContactOptions,
     interrupt: Interrupt,

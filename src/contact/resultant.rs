@@ -1,7 +1,7 @@
 //! Pressures, forces, moments and areas of solved node forces.
 
 use super::{Patch, Resultant};
-use crate::response::{Pressure, Skin};
+use crate::response::Pressure;
 use crate::surface::Surface;
 use nalgebra::Vector3;
 
@@ -25,13 +25,13 @@ impl Resultant {
 /// `p_t = Σ_{j in t} f_j / (3 S_j)`, and averaged to the vertices by area.
 pub(super) fn node_pressure(
     surface: &Surface,
-    skin: &Skin,
+    spread: Pressure,
     node_force: &[f64],
     active: &[usize],
 ) -> Vec<f64> {
     let areas = surface.vertex_areas();
     let mut pressure = vec![0.0; node_force.len()];
-    match skin.pressure() {
+    match spread {
         Pressure::Linear => {
             for (pressure, (force, area)) in pressure.iter_mut().zip(node_force.iter().zip(areas)) {
                 *pressure = force / area;

@@ -7,7 +7,7 @@ use super::gaps::InitialGaps;
 use super::resultant::{node_pressure, patches, resultant};
 use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, LeftOut, Timing};
 use crate::obstacle::Obstacle;
-use crate::response::Skin;
+use crate::response::ElasticSkin;
 use crate::surface::Surface;
 use nalgebra::Vector3;
 use std::time::Instant;
@@ -33,7 +33,7 @@ const SUSPICIOUS_SIZE_RATIO: f64 = 100.0;
 pub fn solve_contact(
     surface: &Surface,
     obstacle: &Obstacle,
-    skin: &Skin,
+    skin: &dyn ElasticSkin,
     options: &ContactOptions,
     interrupt: Interrupt,
 ) -> Result<Contact, ContactError> {
@@ -75,7 +75,7 @@ pub(super) fn with_threads<T: Send>(
 pub(super) fn solve_in_place(
     surface: &Surface,
     place: Place,
-    skin: &Skin,
+    skin: &dyn ElasticSkin,
     options: &ContactOptions,
     interrupt: Interrupt,
 ) -> Result<Contact, ContactError> {
@@ -83,6 +83,7 @@ pub(super) fn solve_in_place(
     if !surface.skin_mask().contains(&true) {
         return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
     }
+    skin.check_surface(surface)?;
     let mut left_out = Vec::new();
     leave_out(&mut left_out, "product response", "the product is rigid: its displacement under load is zero");
 
@@ -134,7 +135,7 @@ pub(super) fn solve_in_place(
         _ => max_penetration_before,
     };
     let active = solved.active();
-    let pressure = node_pressure(surface, skin, &solved.node_force, &active);
+    let pressure = node_pressure(surface, skin.pressure(), &solved.node_force, &active);
     let resultant_of = |nodes: &[usize]| {
         let areas = surface.vertex_areas();
         resultant(nodes, &solved.node_force, &pressure, &gaps.normal, areas, deformed.vertices())
@@ -219,7 +220,7 @@ fn note_solve(
     options: &ContactOptions,
 ) {
     let rest = surface.vertices().len() - solved.candidates.len();
-    if !compliance.has_negative_entries() && options.rings.is_none() {
+    if !compliance.skin.has_negative_entries() && options.rings.is_none() {
         let why =
             format!("the response has no negative entry, so the {rest} vertices outside can never touch");
         leave_out(left_out, "growth of the candidates", why);

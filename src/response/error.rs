@@ -79,6 +79,65 @@ pub enum ResponseError {
         /// Columns in all.
         nodes: usize,
     },
+    /// A matrix does not belong to the nodes.
+    #[error("the matrix is {rows} x {columns}, expected {nodes} x {nodes} for {nodes} nodes")]
+    MatrixShape {
+        /// Rows found.
+        rows: usize,
+        /// Columns found.
+        columns: usize,
+        /// Number of nodes.
+        nodes: usize,
+    },
+    /// An entry of a matrix is not finite.
+    #[error("entry ({row}, {column}) of the matrix is {value}, expected a finite number (m/N)")]
+    MatrixEntry {
+        /// Row.
+        row: usize,
+        /// Column.
+        column: usize,
+        /// The value found.
+        value: f64,
+    },
+    /// A prepared response is asked about a vertex that it was not prepared for.
+    #[error(
+        "vertex {vertex} may touch, but the response was prepared for {prepared} other vertices ({missing} such \
+         vertices): prepare it for these too, or mask them out"
+    )]
+    NotPrepared {
+        /// First such vertex.
+        vertex: usize,
+        /// How many there are.
+        missing: usize,
+        /// Vertices that it was prepared for.
+        prepared: usize,
+    },
+    /// A prepared response belongs to another mesh.
+    #[error("the response was prepared for another surface: {what}: {found}, expected {expected}")]
+    OtherSurface {
+        /// What differs.
+        what: &'static str,
+        /// Found in the surface.
+        found: usize,
+        /// Expected by the response.
+        expected: usize,
+    },
+    /// A prepared response belongs to the same mesh at another place or in another shape.
+    #[error(
+        "the response was prepared for other vertex positions: vertex {vertex} is {distance:.3e} m away (allowed \
+         {allowed:.1e} m); after a rigid motion move the response too (`moved`), after a deformation prepare it anew"
+    )]
+    OtherShape {
+        /// First such vertex.
+        vertex: usize,
+        /// How far it is away (m).
+        distance: f64,
+        /// How far it may be (m).
+        allowed: f64,
+    },
+    /// The body could not be solved.
+    #[error(transparent)]
+    Body(#[from] super::body::BodyError),
     /// The worker threads could not be started.
     #[error("could not start {threads} threads: {reason}")]
     Threads {

@@ -17,6 +17,7 @@ pub mod body;
 mod column;
 mod corrected;
 mod cut;
+mod elastic;
 mod elementary;
 mod error;
 mod gaussian;
@@ -26,6 +27,7 @@ mod multipole;
 mod near;
 mod options;
 mod parallel;
+mod prepared;
 #[cfg(test)]
 mod reference_values;
 mod rule;
@@ -37,10 +39,12 @@ mod thickness;
 mod triangle;
 
 pub use assemble::{assemble, assemble_block};
+pub use elastic::{Displacements, ElasticSkin};
 pub use error::ResponseError;
 pub use gaussian::gaussian_hat_integrals;
 pub use layer::LayerKernel;
 pub use options::{AssemblyOptions, matrix_bytes};
+pub use prepared::{PreparedResponse, PreparedSkin};
 pub use skin::{Pressure, Response, Skin};
 pub use thickness::Thickness;
 pub use triangle::hat_integrals;

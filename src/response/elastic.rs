@@ -1,0 +1,133 @@
+//! What a contact asks of a skin.
+
+use super::{AssemblyOptions, Pressure, ResponseError, Skin, assemble, assemble_block};
+use crate::surface::Surface;
+use faer::Mat;
+use nalgebra::Vector3;
+
+/// Displacement of some vertices under forces at others.
+#[derive(Debug, Clone)]
+pub struct Displacements {
+    /// u (m), one vector a vertex.
+    pub vectors: Vec<Vector3<f64>>,
+    /// `(R f)_i` (m), along the obstacle's normal at each vertex, for responses that do not depend on directions;
+    /// `None` where the vectors are the whole truth.
+    pub along_normal: Option<Vec<f64>>,
+}
+
+/// What a contact asks of a skin: a [`Skin`] computes it, a [`PreparedSkin`](super::PreparedSkin) looks it up.
+pub trait ElasticSkin: Sync {
+    /// Whether this skin fits the surface.
+    ///
+    /// # Errors
+    /// [`ResponseError`] saying what does not.
+    fn check_surface(&self, surface: &Surface) -> Result<(), ResponseError>;
+
+    /// Whether a force somewhere can pull the skin towards the obstacle elsewhere.
+    fn has_negative_entries(&self) -> bool;
+
+    /// Distance beyond which a force is not felt (m); `None`: felt everywhere.
+    fn reach(&self) -> Option<f64>;
+
+    /// How a node's force is spread.
+    fn pressure(&self) -> Pressure;
+
+    /// Whether the response to a force at `vertex` is known.
+    fn knows(&self, vertex: usize) -> bool;
+
+    /// R over `nodes` along `directions` (k × k, m/N).
+    ///
+    /// # Errors
+    /// [`ResponseError`] by variant.
+    fn response_matrix(
+        &self,
+        surface: &Surface,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+        options: &AssemblyOptions,
+    ) -> Result<Mat<f64>, ResponseError>;
+
+    /// Displacement of `vertices` under `forces` (N) at `nodes`.
+    ///
+    /// # Errors
+    /// [`ResponseError`] by variant.
+    fn displacements(
+        &self,
+        surface: &Surface,
+        vertices: &[usize],
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+        options: &AssemblyOptions,
+    ) -> Result<Displacements, ResponseError>;
+}
+
+/// Rows handled at a time where displacements are wanted over the whole surface, so that memory stays small.
+const ROWS_AT_ONCE: usize = 4096;
+
+impl ElasticSkin for Skin {
+    fn check_surface(&self, _: &Surface) -> Result<(), ResponseError> {
+        Ok(())
+    }
+
+    fn has_negative_entries(&self) -> bool {
+        self.has_negative_entries()
+    }
+
+    fn reach(&self) -> Option<f64> {
+        self.reach()
+    }
+
+    fn pressure(&self) -> Pressure {
+        self.pressure()
+    }
+
+    fn knows(&self, _: usize) -> bool {
+        true
+    }
+
+    fn response_matrix(
+        &self,
+        surface: &Surface,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+        options: &AssemblyOptions,
+    ) -> Result<Mat<f64>, ResponseError> {
+        assemble(surface, self, nodes, Some(directions), options)
+    }
+
+    fn displacements(
+        &self,
+        surface: &Surface,
+        vertices: &[usize],
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+        options: &AssemblyOptions,
+    ) -> Result<Displacements, ResponseError> {
+        let mut vectors = Vec::with_capacity(vertices.len());
+        let mut along_normal = Vec::with_capacity(vertices.len());
+        for rows in vertices.chunks(ROWS_AT_ONCE) {
+            let block = assemble_block(surface, self, rows, nodes, options)?;
+            add_products(&block, forces, &mut vectors, &mut along_normal);
+        }
+        Ok(Displacements { vectors, along_normal: Some(along_normal) })
+    }
+}
+
+/// Appends `Σ_j R_ij f_j` and `Σ_j R_ij |f_j|` of every row of a block.
+pub(super) fn add_products(
+    block: &Mat<f64>,
+    forces: &[Vector3<f64>],
+    vectors: &mut Vec<Vector3<f64>>,
+    along_normal: &mut Vec<f64>,
+) {
+    let first = vectors.len();
+    vectors.resize(first + block.nrows(), Vector3::zeros());
+    along_normal.resize(first + block.nrows(), 0.0);
+    for (column, force) in block.col_iter().zip(forces) {
+        let size = force.norm();
+        for (row, entry) in column.iter().enumerate() {
+            vectors[first + row] += *entry * force;
+            along_normal[first + row] += *entry * size;
+        }
+    }
+}
