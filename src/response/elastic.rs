@@ -65,8 +65,8 @@ pub trait ElasticSkin: Sync {
 const ROWS_AT_ONCE: usize = 4096;
 
 impl ElasticSkin for Skin {
-    fn check_surface(&self, _: &Surface) -> Result<(), ResponseError> {
-        Ok(())
+    fn check_surface(&self, surface: &Surface) -> Result<(), ResponseError> {
+        self.check_against(surface)
     }
 
     fn has_negative_entries(&self) -> bool {

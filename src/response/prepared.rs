@@ -94,7 +94,7 @@ impl PreparedSkin {
         options: &AssemblyOptions,
     ) -> Result<Self, ResponseError> {
         let matrix = Arc::new(assemble(surface, skin, nodes, None, options)?);
-        Self::new(surface, nodes, PreparedResponse::Kernel { skin: Skin::clone(skin), matrix })
+        Self::new(surface, nodes, PreparedResponse::Kernel { skin: skin.clone(), matrix })
     }
 
     /// Solves a body for unit forces at `nodes`.
