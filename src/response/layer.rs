@@ -100,6 +100,11 @@ impl LayerKernel {
         if rho < LARGEST as f64 { value } else { 1.0 / rho }
     }
 
+    /// W(t): the answer to a pressure wave as a share of the half-space's, t = 2π h / wave length.
+    pub fn symbol(t: f64, poisson_ratio: f64) -> f64 {
+        1.0 - one_minus_w(t, poisson_ratio)
+    }
+
     /// h u / K = 1/ρ - φ(ρ) at ρ = r/h > 0.
     pub fn value(&self, rho: f64) -> f64 {
         1.0 / rho - self.smooth_part(rho)
