@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from ._core import Skin as CoreSkin
     from .surface import Surface
 
 __all__ = ["GaussianCorrected", "HalfSpace", "Pressure", "Response", "Skin", "response_matrix"]
@@ -101,12 +102,12 @@ class Skin:
     shear_modulus: float
     poisson_ratio: float
     response: Response
-    _core: _core.Skin = field(init=False, repr=False, compare=False)
+    _core: CoreSkin = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_core", self._build())
 
-    def _build(self) -> _core.Skin:
+    def _build(self) -> CoreSkin:
         material = (self.shear_modulus, self.poisson_ratio)
         match self.response:
             case HalfSpace(pressure):

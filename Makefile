@@ -1,0 +1,65 @@
+# Everything a fresh machine needs is git, cargo, python3.11 and make; `.venv` holds the rest.
+
+PYTHON ?= python3.11
+VENV   := .venv
+BIN    := $(VENV)/bin
+
+# The virtual environment of whoever calls make is none of ours; cargo finds Python through ours.
+unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
+export VIRTUAL_ENV := $(CURDIR)/$(VENV)
+export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+
+# Test binaries of the feature `python` call no Python, so they need no libpython to link against.
+CARGO_PY := PYO3_BUILD_EXTENSION_MODULE=1 cargo
+
+RUST := Cargo.toml Cargo.lock pyproject.toml $(shell find src -type f)
+
+.PHONY: demo test test-rust test-python bench lint clean
+
+## Press the built-in finger on two products: figures printed, files and pictures in demo-output/.
+demo: $(VENV)/installed
+	$(BIN)/quasirigid demo --out demo-output
+
+## Everything that must hold before a change lands.
+test: lint test-rust test-python
+
+test-rust: $(VENV)/made
+	cargo test --quiet
+	$(CARGO_PY) test --quiet --features python
+	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
+
+test-python: $(VENV)/installed $(VENV)/tools
+	$(BIN)/python -m mypy.stubtest quasirigid._core
+	$(BIN)/pytest
+
+## Formatting, lints and types, warnings as errors.
+lint: $(VENV)/installed $(VENV)/tools
+	cargo fmt --check
+	cargo clippy --quiet --all-targets -- -D warnings
+	$(CARGO_PY) clippy --quiet --all-targets --features python -- -D warnings
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+## Criterion benches: distance, response, LCP, whole press.
+bench:
+	cargo bench
+
+clean:
+	rm -rf target $(VENV) demo-output dist python/quasirigid/_core*.so
+	find python tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(VENV)/made:
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	touch $@
+
+# The wheel, editable: Python files are used in place, the extension is built when Rust files change.
+$(VENV)/installed: $(VENV)/made $(RUST)
+	$(BIN)/python -m pip install --quiet --group build
+	PIP_QUIET=1 $(BIN)/maturin develop --release --quiet --extras plot,cli
+	touch $@
+
+$(VENV)/tools: $(VENV)/made pyproject.toml
+	$(BIN)/python -m pip install --quiet --group check
+	touch $@

@@ -1,0 +1,28 @@
+"""The README's Python runs as it stands."""
+
+from __future__ import annotations
+
+import doctest
+import re
+from pathlib import Path
+
+import pytest
+
+README = Path(__file__).parents[2] / "README.md"
+BLOCKS = re.findall(
+    r"^```python\n(.*?)^```", README.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+)
+
+
+@pytest.mark.skipif(not BLOCKS, reason="the README has no Python yet")
+def test_the_python_in_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    # One after the other in one namespace, as a reader would type them.
+    names: dict[str, object] = {}
+    for block in BLOCKS:
+        if ">>>" in block:
+            test = doctest.DocTestParser().get_doctest(block, names, "README.md", str(README), 0)
+            assert doctest.DocTestRunner().run(test, clear_globs=False).failed == 0
+            names |= test.globs
+        else:
+            exec(compile(block, str(README), "exec"), names)
