@@ -87,6 +87,10 @@ def lit_skin(
     frame = rasterise(view.project(vertices), faces, window, width * SAMPLES, height * SAMPLES)
     normals = frame.interpolate(faces, view.project(vertex_normals(vertices, faces)))
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    # Along a sharp rim the mean of both sides is neither: such faces are lit flat.
+    flat = view.project(face_normals(vertices, faces))[frame.face]
+    flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-12)
+    normals = np.where(((normals * flat).sum(axis=1) < 0.8)[:, None], flat, normals)
     brightness = (
         0.36 + 0.56 * _lambert(normals, (-0.50, 0.55, 0.67)) + 0.22 * _lambert(normals, (0.75, -0.10, 0.65))
     )
@@ -141,13 +145,18 @@ def contact_side(vertices: Floats, faces: Indices, pressure: Floats, gap: Floats
     return side
 
 
-def vertex_normals(vertices: Floats, faces: Indices) -> Floats:
-    """Area-weighted vertex normals (n, 3), not normalised; creases sharper than 60 degrees stay rough."""
+def face_normals(vertices: Floats, faces: Indices) -> Floats:
+    """Normals (m, 3) of the faces, as long as twice their area."""
     corners = vertices[faces]
-    face_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def vertex_normals(vertices: Floats, faces: Indices) -> Floats:
+    """Sums (n, 3) of the face normals around each vertex, not normalised."""
     summed = np.zeros_like(vertices)
+    normals = face_normals(vertices, faces)
     for corner in range(3):
-        np.add.at(summed, faces[:, corner], face_normals)
+        np.add.at(summed, faces[:, corner], normals)
     return summed
 
 

@@ -64,12 +64,11 @@ def pad_view(contact: Contact) -> View:
     spread = vertices - vertices.mean(axis=0)
     flat = spread - np.outer(spread @ sight, sight)
     longest = np.linalg.eigh(flat.T @ flat)[1][:, -1]
-    # Towards the touching end where there is one, else towards the larger coordinates.
-    tip = np.nan_to_num(np.asarray(contact.center_of_pressure) - vertices.mean(axis=0)) @ longest
-    up = longest * np.sign(tip if abs(tip) > 0.05 * np.abs(spread @ longest).max() else longest.sum() or 1.0)
-    axis = int(np.argmax(np.abs(up)))
+    # Towards the larger coordinates: fingertips are on top where fingers lie along +y, as most hands have it.
+    axis = int(np.argmax(np.abs(longest)))
+    up = longest * np.sign(longest[axis])
     if abs(up[axis]) > 0.95:
-        up = np.sign(up[axis]) * np.eye(3)[axis]
+        up = np.eye(3)[axis]
     return View.along(sight, up)
 
 
@@ -172,7 +171,9 @@ def plot_section(contact: Contact, *, ax: Axes | None = None, view: View | None 
     return ax
 
 
-def plot_footprint(contact: Contact, *, ax: Axes | None = None, view: View | None = None) -> Axes:
+def plot_footprint(
+    contact: Contact, *, ax: Axes | None = None, view: View | None = None, with_colour_bar: bool = True
+) -> Axes:
     """The pressure (kPa) in the contact plane (mm), with the outline of the contact.
 
     Parameters
@@ -183,6 +184,8 @@ def plot_footprint(contact: Contact, *, ax: Axes | None = None, view: View | Non
         Where to draw; a new figure when left out.
     view : View, optional
         The view whose `right` and `up` span the plane; `pad_view` when left out.
+    with_colour_bar : bool
+        False where a colour bar of the same scale stands beside.
 
     Notes
     -----
@@ -197,8 +200,9 @@ def plot_footprint(contact: Contact, *, ax: Axes | None = None, view: View | Non
     ax.set_aspect("equal")
     for spine in ("top", "right"):
         ax.spines[spine].set_visible(False)
-    ax.set_xlabel("across (mm)")
-    ax.set_ylabel("along (mm)")
+    ax.set_xlabel("across (mm)", color=INK)
+    ax.set_ylabel("along (mm)", color=INK)
+    ax.tick_params(labelsize=8.5, colors=INK)
     if not pressure.max() > 0.0:
         ax.text(0.5, 0.5, "no pressure", transform=ax.transAxes, ha="center", va="center", color=FAINT)
         return ax
@@ -229,23 +233,34 @@ def plot_footprint(contact: Contact, *, ax: Axes | None = None, view: View | Non
     ax.plot(0.0, 0.0, marker="+", color="white", markersize=9, markeredgewidth=1.4, zorder=4)
     ax.set_xlim(low[0] - margin, high[0] + margin)
     ax.set_ylim(low[1] - margin, high[1] + margin)
-    colour_bar(ax, colours, top, "pressure (kPa)", beside=True)
+    if with_colour_bar:
+        colour_bar(ax, colours, top, "pressure (kPa)", beside=True)
     return ax
 
 
 def before_and_after(contact: Contact, *, view: View | None = None) -> Figure:
-    """Three panels: the skin before, the skin after with its pressure, and the cut through the contact."""
-    figure = new_figure((11.0, 5.6))
+    """The skin before, the skin after with its pressure, the cut through the contact, and the footprint."""
+    figure = new_figure((11.0, 6.0))
     view = pad_view(contact) if view is None else view
-    axes = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.25])
-    plot_skin(contact, show="overlap", ax=axes[0], view=view)
-    plot_skin(contact, show="pressure", ax=axes[1], view=view)
-    plot_section(contact, ax=axes[2], view=view)
-    for ax, title in zip(
-        axes, ("Before: overlap", "After: pressure", "Cut through the contact"), strict=True
-    ):
-        ax.set_title(title, fontsize=11, color=INK, pad=10)
-        ax.set_anchor("N")
+    axes = figure.subplot_mosaic(
+        [["before", "after", "cut"], ["before", "after", "footprint"]],
+        width_ratios=[1.0, 1.0, 1.15],
+        height_ratios=[1.0, 1.2],
+    )
+    plot_skin(contact, show="overlap", ax=axes["before"], view=view)
+    plot_skin(contact, show="pressure", ax=axes["after"], view=view)
+    plot_section(contact, ax=axes["cut"], view=view)
+    plot_footprint(contact, ax=axes["footprint"], view=view, with_colour_bar=False)
+    titles = {
+        "before": "Before: overlap",
+        "after": "After: pressure",
+        "cut": "Cut through the contact",
+        "footprint": "Footprint of pressure",
+    }
+    for name, title in titles.items():
+        axes[name].set_title(title, fontsize=11, color=INK, pad=8)
+    for name in ("before", "after", "cut"):
+        axes[name].set_anchor("N")
     figure.suptitle(_headline(contact), fontsize=13, color=INK, x=0.02, ha="left", weight="bold")
     return figure
 
