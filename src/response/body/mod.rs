@@ -28,6 +28,7 @@
 mod assemble;
 mod compliance;
 mod cost;
+mod cut_out;
 mod discretize;
 mod distance;
 mod error;
@@ -41,6 +42,7 @@ mod tissue;
 
 pub use compliance::{BodyCompliance, BodyParts};
 pub use cost::BodyCost;
+pub use cut_out::{CutOut, CutOutError, cut_out};
 pub use error::BodyError;
 pub use prepare::{Body, BodyOptions, BodyProgress};
 pub use tissue::{TissueReport, TissueWarning};

@@ -1,0 +1,237 @@
+//! One finger out of a whole hand, closed and held at the cut.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use super::prepare::Body;
+use crate::surface::{Surface, SurfaceError};
+
+/// A part of a skin, closed by caps, with what a [`Body`] needs to be held there.
+#[derive(Debug, Clone)]
+pub struct CutOut {
+    /// The part: first the vertices of the whole skin that it keeps, in their order, then those of the caps.
+    pub surface: Surface,
+    /// Vertices of the caps, rims included: the fixed vertices of the body.
+    pub fixed: Vec<bool>,
+    /// For each vertex of the part the vertex of the whole skin; `None` inside a cap.
+    pub source_vertices: Vec<Option<usize>>,
+    /// For each vertex of the whole skin its vertex in the part, if it is kept.
+    pub part_vertices: Vec<Option<usize>>,
+}
+
+impl CutOut {
+    /// The body held at the cut, with `bone` inside if there is one.
+    pub fn body(&self, bone: Option<Surface>) -> Body {
+        Body { bone, fixed: Some(self.fixed.clone()) }
+    }
+}
+
+/// Why a part could not be cut out.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CutOutError {
+    /// The tip is no vertex of the skin.
+    #[error("tip vertex {tip}: the skin has {vertex_count} vertices")]
+    TipOutOfRange {
+        /// The vertex named.
+        tip: usize,
+        /// Number of skin vertices.
+        vertex_count: usize,
+    },
+    /// The normal of the plane is zero or not finite.
+    #[error("the plane's normal has length {length}")]
+    Normal {
+        /// Its length.
+        length: f64,
+    },
+    /// No face around the tip lies in front of the plane.
+    #[error("tip vertex {tip} lies {distance:.3e} m in front of the plane: no face around it is left")]
+    TipCutOff {
+        /// The vertex named.
+        tip: usize,
+        /// Its distance from the plane (m), negative behind.
+        distance: f64,
+    },
+    /// The plane does not meet the part that the tip belongs to.
+    #[error("the plane cuts nothing off the part around vertex {tip}: use the skin as it is")]
+    NothingCut {
+        /// The vertex named.
+        tip: usize,
+    },
+    /// The closed part is no sound surface.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+}
+
+/// Takes the part of `skin` around a vertex in front of a plane out of it, as a closed surface.
+///
+/// Keeps the faces in front of the plane that hang together with `tip`, cutting along existing edges, and closes every
+/// border by rings of triangles of the border's edge length around its centroid. What the cut leaves out is
+/// taken as immobile, so cut a finger's width or more away from the contact.
+///
+/// * `skin`: the whole hand
+/// * `tip`: a vertex of the part to keep, such as a fingertip
+/// * `point`: a point of the plane (m)
+/// * `normal`: the plane's normal, towards the part to keep; of any length
+///
+/// # Errors
+/// [`CutOutError`] by variant; [`CutOutError::Surface`] if the border is so crooked that its cap folds.
+pub fn cut_out(
+    skin: &Surface,
+    tip: usize,
+    point: &Vector3<f64>,
+    normal: &Vector3<f64>,
+) -> Result<CutOut, CutOutError> {
+    let vertex_count = skin.vertices().len();
+    if tip >= vertex_count {
+        return Err(CutOutError::TipOutOfRange { tip, vertex_count });
+    }
+    let length = normal.norm();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(CutOutError::Normal { length });
+    }
+    let normal = normal / length;
+    let kept = keep_faces(skin, tip, point, &normal);
+    if !kept.contains(&true) {
+        return Err(CutOutError::TipCutOff { tip, distance: (skin.vertices()[tip] - point).dot(&normal) });
+    }
+    let loops = border_loops(skin, &kept);
+    if loops.is_empty() {
+        return Err(CutOutError::NothingCut { tip });
+    }
+
+    let mut part_vertices = vec![None; vertex_count];
+    let kept_faces = || skin.faces().iter().zip(&kept).filter(|(_, kept)| **kept).map(|(face, _)| face);
+    kept_faces().flatten().for_each(|&v| part_vertices[v as usize] = Some(0));
+    let mut source_vertices = Vec::new();
+    for (vertex, part) in part_vertices.iter_mut().enumerate().filter(|(_, part)| part.is_some()) {
+        *part = Some(source_vertices.len());
+        source_vertices.push(Some(vertex));
+    }
+    let renamed = |v: u32| part_vertices[v as usize].expect("a kept vertex") as u32;
+    let mut vertices: Vec<_> =
+        source_vertices.iter().flatten().map(|&v: &usize| skin.vertices()[v]).collect();
+    let mut faces: Vec<[u32; 3]> = kept_faces().map(|face| face.map(renamed)).collect();
+    let mut fixed = vec![false; vertices.len()];
+    for border in &loops {
+        let rim: Vec<u32> = border.iter().map(|&v| renamed(v)).collect();
+        rim.iter().for_each(|&v| fixed[v as usize] = true);
+        add_cap(&rim, &mut vertices, &mut faces);
+    }
+    fixed.resize(vertices.len(), true);
+    source_vertices.resize(vertices.len(), None);
+    Ok(CutOut { surface: Surface::new(vertices, faces)?, fixed, source_vertices, part_vertices })
+}
+
+/// The faces in front of the plane that hang together with `tip`, less those that meet others in a mere vertex.
+fn keep_faces(skin: &Surface, tip: usize, point: &Vector3<f64>, normal: &Vector3<f64>) -> Vec<bool> {
+    let in_front = |v: u32| (skin.vertices()[v as usize] - point).dot(normal) > 0.0;
+    let mut allowed: Vec<bool> = skin.faces().iter().map(|face| face.iter().all(|&v| in_front(v))).collect();
+    loop {
+        let mut kept = vec![false; allowed.len()];
+        let mut waiting: Vec<usize> = skin.faces_around(tip).iter().map(|&face| face as usize).collect();
+        waiting.truncate(waiting.iter().position(|&face| allowed[face]).map_or(0, |first| first + 1));
+        waiting.drain(..waiting.len().saturating_sub(1));
+        while let Some(face) = waiting.pop() {
+            if std::mem::replace(&mut kept[face], true) {
+                continue;
+            }
+            let across = (0..3).filter_map(|edge| skin.topology().across(face, edge));
+            waiting.extend(across.filter(|&next| allowed[next] && !kept[next]));
+        }
+        let mut starts: HashMap<u32, usize> = HashMap::new();
+        border_edges(skin, &kept).for_each(|[a, _]| *starts.entry(a).or_default() += 1);
+        let pinched: Vec<u32> =
+            starts.into_iter().filter(|&(_, count)| count > 1).map(|(vertex, _)| vertex).collect();
+        if pinched.is_empty() {
+            return kept;
+        }
+        for &vertex in &pinched {
+            skin.faces_around(vertex as usize).iter().for_each(|&face| allowed[face as usize] = false);
+        }
+    }
+}
+
+/// Directed edges of kept faces without a kept face across.
+fn border_edges<'a>(skin: &'a Surface, kept: &'a [bool]) -> impl Iterator<Item = [u32; 2]> + 'a {
+    let edges =
+        (0..kept.len()).filter(|&face| kept[face]).flat_map(|face| (0..3).map(move |edge| (face, edge)));
+    edges
+        .filter(|&(face, edge)| !skin.topology().across(face, edge).is_some_and(|next| kept[next]))
+        .map(|(face, edge)| [skin.faces()[face][edge], skin.faces()[face][(edge + 1) % 3]])
+}
+
+/// Border loops in the direction of the caps' faces, against that of the kept faces.
+fn border_loops(skin: &Surface, kept: &[bool]) -> Vec<Vec<u32>> {
+    let before: HashMap<u32, u32> = border_edges(skin, kept).map(|[a, b]| (b, a)).collect();
+    let mut ends: Vec<u32> = before.keys().copied().collect();
+    ends.sort_unstable();
+    let mut seen = std::collections::HashSet::new();
+    let mut loops = Vec::new();
+    for start in ends {
+        let mut border = Vec::new();
+        let mut vertex = start;
+        while seen.insert(vertex) {
+            border.push(vertex);
+            vertex = before[&vertex];
+        }
+        if !border.is_empty() {
+            loops.push(border);
+        }
+    }
+    loops
+}
+
+/// Closes a rim by rings around its centroid, with fewer and fewer vertices towards it.
+fn add_cap(rim: &[u32], vertices: &mut Vec<Vector3<f64>>, faces: &mut Vec<[u32; 3]>) {
+    let points: Vec<Vector3<f64>> = rim.iter().map(|&v| vertices[v as usize]).collect();
+    let count = points.len();
+    let center = points.iter().sum::<Vector3<f64>>() / count as f64;
+    let lengths: Vec<f64> = (0..count).map(|i| (points[(i + 1) % count] - points[i]).norm()).collect();
+    let perimeter: f64 = lengths.iter().sum();
+    let radius = points.iter().map(|p| (p - center).norm()).sum::<f64>() / count as f64;
+    let rings = ((radius * count as f64 / perimeter).round() as usize).max(1);
+
+    // position along the rim, 0 to 1, of its vertices
+    let mut along = vec![0.0];
+    lengths.iter().for_each(|length| along.push(along[along.len() - 1] + length / perimeter));
+    let at = |t: f64| {
+        let i = along.partition_point(|&a| a <= t).clamp(1, count) - 1;
+        let part = (t - along[i]) / (along[i + 1] - along[i]);
+        points[i] * (1.0 - part) + points[(i + 1) % count] * part
+    };
+    let mut outer: Vec<(f64, u32)> = along.iter().copied().zip(rim.iter().copied()).collect();
+    for ring in 1..rings {
+        let scale = 1.0 - ring as f64 / rings as f64;
+        let number = ((count as f64 * scale).round() as usize).max(3);
+        let first = vertices.len() as u32;
+        let inner: Vec<(f64, u32)> =
+            (0..number).map(|j| (j as f64 / number as f64, first + j as u32)).collect();
+        vertices.extend(inner.iter().map(|&(t, _)| center + (at(t) - center) * scale));
+        join_rings(&outer, &inner, faces);
+        outer = inner;
+    }
+    let middle = vertices.len() as u32;
+    vertices.push(center);
+    for i in 0..outer.len() {
+        faces.push([outer[i].1, outer[(i + 1) % outer.len()].1, middle]);
+    }
+}
+
+/// Triangles between two rings around the same centre, each with its position along the rim and its vertex.
+fn join_rings(outer: &[(f64, u32)], inner: &[(f64, u32)], faces: &mut Vec<[u32; 3]>) {
+    let position = |ring: &[(f64, u32)], i: usize| ring[i % ring.len()].0 + (i / ring.len()) as f64;
+    let vertex = |ring: &[(f64, u32)], i: usize| ring[i % ring.len()].1;
+    let (mut i, mut j) = (0, 0);
+    while i < outer.len() || j < inner.len() {
+        let outer_is_next = position(outer, i + 1) <= position(inner, j + 1);
+        if j == inner.len() || (i < outer.len() && outer_is_next) {
+            faces.push([vertex(outer, i), vertex(outer, i + 1), vertex(inner, j)]);
+            i += 1;
+        } else {
+            faces.push([vertex(outer, i), vertex(inner, j + 1), vertex(inner, j)]);
+            j += 1;
+        }
+    }
+}

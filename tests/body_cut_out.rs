@@ -1,0 +1,116 @@
+//! Cutting a finger out of a hand for its body response.
+
+mod common;
+
+use nalgebra::Vector3;
+use quasirigid::response::body::{BodyOptions, CutOut, CutOutError, cut_out};
+use quasirigid::surface::Surface;
+
+fn sphere(subdivisions: usize) -> Surface {
+    let (vertices, faces) = common::icosphere(8e-3, subdivisions);
+    Surface::new(vertices, faces).expect("a sound mesh")
+}
+
+fn lowest(skin: &Surface) -> usize {
+    (0..skin.vertices().len())
+        .min_by(|&a, &b| skin.vertices()[a].z.total_cmp(&skin.vertices()[b].z))
+        .expect("vertices")
+}
+
+/// What must hold of every part: closed, its kept vertices those of the whole, faces of a tame shape.
+fn check_part(skin: &Surface, part: &CutOut) {
+    assert!(part.surface.is_closed() && part.surface.volume() > 0.0);
+    assert_eq!(part.fixed.len(), part.surface.vertices().len());
+    assert_eq!(part.source_vertices.len(), part.surface.vertices().len());
+    for (vertex, source) in part.source_vertices.iter().enumerate() {
+        match source {
+            Some(source) => {
+                assert_eq!(skin.vertices()[*source], part.surface.vertices()[vertex]);
+                assert_eq!(part.part_vertices[*source], Some(vertex));
+            }
+            None => assert!(part.fixed[vertex], "cap vertices are fixed"),
+        }
+    }
+    let kept = part.part_vertices.iter().flatten().count();
+    assert_eq!(kept, part.source_vertices.iter().flatten().count());
+}
+
+#[test]
+fn a_cap_of_a_sphere_has_the_volume_of_the_segment_and_can_be_solved() {
+    let skin = sphere(3);
+    let part = cut_out(&skin, lowest(&skin), &Vector3::new(0.0, 0.0, -1e-3), &Vector3::new(0.0, 0.0, -3.0))
+        .expect("a cap");
+    check_part(&skin, &part);
+    let rim = part.surface.vertices().iter().zip(&part.fixed).filter(|(_, fixed)| **fixed).map(|(v, _)| v.z);
+    let height = 8e-3 + rim.clone().sum::<f64>() / rim.count() as f64;
+    let segment = std::f64::consts::PI * height * height * (3.0 * 8e-3 - height) / 3.0;
+    assert!((part.surface.volume() / segment - 1.0).abs() < 0.03, "{} {segment}", part.surface.volume());
+    let worst = |faces: &[f64]| faces.iter().fold(f64::INFINITY, |a: f64, &b| a.min(b));
+    assert!(worst(part.surface.face_areas()) > 0.1 * worst(skin.face_areas()));
+
+    let node = part.part_vertices[lowest(&skin)].expect("the tip is kept");
+    let compliance = part
+        .body(None)
+        .prepare(&part.surface, 60e3, 0.5, &[node], &BodyOptions::default())
+        .expect("held at its cut");
+    assert!(compliance.block(node, 0)[(2, 2)] > 0.0);
+    assert_eq!(compliance.block(part.fixed.iter().position(|&f| f).expect("a rim"), 0).amax(), 0.0);
+}
+
+#[test]
+fn a_part_can_be_cut_again() {
+    let skin = sphere(3);
+    let lower = cut_out(&skin, lowest(&skin), &(Vector3::z() * 3e-3), &-Vector3::z()).expect("a part");
+    let side = lower
+        .surface
+        .vertices()
+        .iter()
+        .enumerate()
+        .max_by(|a, b| a.1.x.total_cmp(&b.1.x))
+        .map(|(i, _)| i)
+        .expect("vertices");
+    let belt = cut_out(&lower.surface, side, &(Vector3::z() * -3e-3), &Vector3::z()).expect("a belt");
+    check_part(&lower.surface, &belt);
+}
+
+#[test]
+fn a_finger_comes_out_of_a_whole_hand() {
+    let Some(data) = common::data_dir() else { return };
+    let (vertices, faces) = common::read_ply(&data.join("hands/makehuman_male_right_13k.ply"));
+    let hand = Surface::new(vertices, faces).expect("a sound hand");
+    // an open hand, fingers along y: the middle finger reaches farthest
+    let tip = (0..hand.vertices().len())
+        .max_by(|&a, &b| hand.vertices()[a].y.total_cmp(&hand.vertices()[b].y))
+        .expect("vertices");
+    let point = hand.vertices()[tip] - Vector3::y() * 45e-3;
+    let finger = cut_out(&hand, tip, &point, &Vector3::y()).expect("a finger");
+    check_part(&hand, &finger);
+    let (low, high) = finger.surface.bounding_box();
+    println!(
+        "{} of {} vertices, {} in the caps, {:.1} x {:.1} x {:.1} mm",
+        finger.surface.vertices().len(),
+        hand.vertices().len(),
+        finger.source_vertices.iter().filter(|source| source.is_none()).count(),
+        (high.x - low.x) * 1e3,
+        (high.y - low.y) * 1e3,
+        (high.z - low.z) * 1e3
+    );
+    assert!((high.y - low.y - 45e-3).abs() < 4e-3 && high.x - low.x < 30e-3 && high.z - low.z < 35e-3);
+    finger.body(None).inspect(&finger.surface).expect("a sound body");
+}
+
+#[test]
+fn a_cut_that_leaves_nothing_or_everything_is_named() {
+    let skin = sphere(1);
+    let (tip, z) = (lowest(&skin), Vector3::z());
+    let error = |tip: usize, point: Vector3<f64>, normal: Vector3<f64>| {
+        cut_out(&skin, tip, &point, &normal).expect_err("no part")
+    };
+    assert_eq!(error(42, z, z), CutOutError::TipOutOfRange { tip: 42, vertex_count: 42 });
+    assert_eq!(error(0, z, z * 0.0), CutOutError::Normal { length: 0.0 });
+    assert_eq!(
+        error(tip, -z, -z),
+        CutOutError::TipCutOff { tip, distance: -1.0 + skin.vertices()[tip].z.abs() }
+    );
+    assert_eq!(error(tip, -z, z), CutOutError::NothingCut { tip });
+}
