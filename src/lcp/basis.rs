@@ -62,12 +62,15 @@ impl Basis {
         let (lu, t) = Factor::lu(k, interrupted)?.split(interrupted)?;
         (self.rows, self.columns) = (0, 0);
         self.reserve(size);
+        let stride = self.stride;
         self.t.fill(0.0);
-        for i in 0..size {
-            for j in 0..size {
-                self.t[i * self.stride + j] = t[(i, j)];
-                self.u[i * self.stride + j] = lu[(i, j)];
-            }
+        for (to, from) in [(&mut self.t, &t), (&mut self.u, &lu)] {
+            to[..size * stride].par_chunks_mut(16 * stride).enumerate().for_each(|(k, rows)| {
+                for j in 0..size {
+                    let column = &from.col_as_slice(j)[16 * k..];
+                    rows.chunks_exact_mut(stride).zip(column).for_each(|(row, &entry)| row[j] = entry);
+                }
+            });
         }
         self.extent = vec![size; size];
         (self.rows, self.columns) = (size, size);

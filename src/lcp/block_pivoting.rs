@@ -60,7 +60,7 @@ pub(super) fn solve(
             Err(NoFactor::Interrupted) => return Outcome { status: LcpStatus::Interrupted, ..outcome },
             Err(NoFactor::Singular) => return outcome,
         };
-        let (z, w, error) = block_values(reduced, &set, &factor);
+        let (z, w, error) = block_values(reduced, &set, &factor, &interrupted);
         outcome.z = z;
         let z = &outcome.z;
         let size = (0..n).fold(1.0, |size: f64, i| nan_max(size, scale[i] * z[i].abs()));
@@ -95,7 +95,12 @@ pub(super) fn solve(
 }
 
 /// z and w of the complementary basis of `set`, refined once, and how far w is from zero on it.
-fn block_values(reduced: &Reduced, set: &[usize], factor: &Factor) -> (Vec<f64>, Vec<f64>, f64) {
+fn block_values(
+    reduced: &Reduced,
+    set: &[usize],
+    factor: &Factor,
+    interrupted: &dyn Fn() -> bool,
+) -> (Vec<f64>, Vec<f64>, f64) {
     let mut z = vec![0.0; reduced.size()];
     let mut w = reduced.q.clone();
     for _ in 0..2 {
@@ -105,6 +110,9 @@ fn block_values(reduced: &Reduced, set: &[usize], factor: &Factor) -> (Vec<f64>,
         }
         w.copy_from_slice(&reduced.q);
         add_product(reduced.m(), &z, &mut w);
+        if interrupted() {
+            break;
+        }
     }
     let error = set.iter().fold(0.0, |worst: f64, &i| nan_max(worst, w[i].abs()));
     (z, w, error)

@@ -11,8 +11,10 @@ use rayon::prelude::*;
 
 use super::kernels::axpy;
 
-/// Columns of a panel; between panels the interrupt is asked.
-const PANEL: usize = 128;
+/// Columns of a panel; between panels the interrupt is asked, so those of a tall matrix are narrow.
+fn panel(n: usize) -> usize {
+    if n > 2048 { 64 } else { 128 }
+}
 /// Columns of the rest that one task updates. It depends on no number of threads, so neither do the results.
 const STRIP: usize = 256;
 
@@ -37,11 +39,11 @@ impl Factor {
     pub(super) fn lu(mut a: Mat<f64>, interrupted: &dyn Fn() -> bool) -> Result<Self, NoFactor> {
         let n = a.nrows();
         let mut order: Vec<usize> = (0..n).collect();
-        for start in (0..n).step_by(PANEL) {
+        for start in (0..n).step_by(panel(n)) {
             if interrupted() {
                 return Err(NoFactor::Interrupted);
             }
-            let end = (start + PANEL).min(n);
+            let end = (start + panel(n)).min(n);
             let height = n - start;
             let (mut forward, mut backward) = (vec![0_usize; height], vec![0_usize; height]);
             let scratch =
@@ -79,11 +81,11 @@ impl Factor {
     /// Cholesky; the lower triangle of `a` is read.
     pub(super) fn cholesky(mut a: Mat<f64>, interrupted: &dyn Fn() -> bool) -> Result<Self, NoFactor> {
         let n = a.nrows();
-        for start in (0..n).step_by(PANEL) {
+        for start in (0..n).step_by(panel(n)) {
             if interrupted() {
                 return Err(NoFactor::Interrupted);
             }
-            let end = (start + PANEL).min(n);
+            let end = (start + panel(n)).min(n);
             let width = end - start;
             let (mut left, right) = a.as_mut().split_at_col_mut(end);
             let (triangle, mut below) =

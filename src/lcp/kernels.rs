@@ -84,76 +84,98 @@ pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
     (quarter[0] + quarter[2]) + (quarter[1] + quarter[3]) + tail
 }
 
-/// Folds columns into the smallest entry `low` and the largest magnitude `high` of each row.
-///
-/// Magnitudes are compared as bits, so that infinities and NaN come out on top.
-pub(super) fn fold_extremes(columns: &[&[f64]], low: &mut [f64], high: &mut [u64]) {
-    const COLUMNS: usize = 8;
-    const ROWS: usize = 1024;
-    let n = low.len();
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            for start in (0..n).step_by(ROWS) {
-                let rows = start..(start + ROWS).min(n);
-                let mut chunks = columns.chunks_exact(COLUMNS);
-                for chunk in &mut chunks {
-                    let chunk: [&[f64]; COLUMNS] = std::array::from_fn(|k| &chunk[k][rows.clone()]);
-                    fold_block(chunk, &mut low[rows.clone()], &mut high[rows.clone()]);
-                }
-                for column in chunks.remainder() {
-                    fold_block([&column[rows.clone()]], &mut low[rows.clone()], &mut high[rows.clone()]);
-                }
-            }
-        },
-    );
+/// What a pass over some rows of a matrix learns about each.
+#[derive(Debug, Clone)]
+pub(super) struct Extremes {
+    /// Smallest entry.
+    pub(super) low: Vec<f64>,
+    /// Largest magnitude.
+    pub(super) high: Vec<f64>,
+    /// Zero unless an entry is infinite or not a number.
+    pub(super) flaw: Vec<f64>,
 }
 
-#[inline(always)]
-fn fold_block<const K: usize>(columns: [&[f64]; K], low: &mut [f64], high: &mut [u64]) {
-    let n = low.len();
-    let columns: [&[f64]; K] = std::array::from_fn(|k| &columns[k][..n]);
-    let high = &mut high[..n];
-    for i in 0..n {
-        let (mut least, mut most) = (low[i], high[i]);
-        for column in columns {
-            let value = column[i];
-            let bits = value.to_bits() & MAGNITUDE;
-            least = if value < least { value } else { least };
-            most = if bits > most { bits } else { most };
+impl Extremes {
+    pub(super) fn new(rows: usize) -> Self {
+        Self { low: vec![f64::INFINITY; rows], high: vec![0.0; rows], flaw: vec![0.0; rows] }
+    }
+
+    /// Takes in columns, each with one entry for every row; the pass is as fast as memory is.
+    pub(super) fn fold(&mut self, columns: &[&[f64]]) {
+        const COLUMNS: usize = 8;
+        const ROWS: usize = 1024;
+        let n = self.low.len();
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for start in (0..n).step_by(ROWS) {
+                    let rows = start..(start + ROWS).min(n);
+                    let (low, high) = (&mut self.low[rows.clone()], &mut self.high[rows.clone()]);
+                    let flaw = &mut self.flaw[rows.clone()];
+                    let mut chunks = columns.chunks_exact(COLUMNS);
+                    for chunk in &mut chunks {
+                        let chunk: [&[f64]; COLUMNS] = std::array::from_fn(|k| &chunk[k][rows.clone()]);
+                        fold_block(chunk, low, high, flaw);
+                    }
+                    for column in chunks.remainder() {
+                        fold_block([&column[rows.clone()]], low, high, flaw);
+                    }
+                }
+            },
+        );
+    }
+
+    /// Takes in what another pass learnt about the same rows.
+    pub(super) fn merge(mut self, other: &Self) -> Self {
+        for i in 0..self.low.len() {
+            self.low[i] = self.low[i].min(other.low[i]);
+            self.high[i] = self.high[i].max(other.high[i]);
+            self.flaw[i] += other.flaw[i];
         }
-        (low[i], high[i]) = (least, most);
+        self
     }
 }
 
-/// Smallest entry and largest magnitude (as bits) of one row.
-pub(super) fn extremes(row: &[f64]) -> (f64, u64) {
+#[inline(always)]
+fn fold_block<const K: usize>(columns: [&[f64]; K], low: &mut [f64], high: &mut [f64], flaw: &mut [f64]) {
+    let n = low.len();
+    let columns: [&[f64]; K] = std::array::from_fn(|k| &columns[k][..n]);
+    let (high, flaw) = (&mut high[..n], &mut flaw[..n]);
+    for i in 0..n {
+        let (mut least, mut most, mut sum) = (low[i], high[i], flaw[i]);
+        for column in columns {
+            let value = column[i];
+            least = if value < least { value } else { least };
+            most = if value.abs() > most { value.abs() } else { most };
+            sum += value * 0.0;
+        }
+        (low[i], high[i], flaw[i]) = (least, most, sum);
+    }
+}
+
+/// Smallest entry, largest magnitude and flaw of one row, as [`Extremes`] has them.
+pub(super) fn extremes(row: &[f64]) -> (f64, f64, f64) {
+    const LANES: usize = 16;
+    let mut lanes = ([f64::INFINITY; LANES], [0.0; LANES], [0.0; LANES]);
+    let mut last = ([f64::INFINITY], [0.0], [0.0]);
     pulp::Arch::new().dispatch(
         #[inline(always)]
         || {
-            let mut low = [f64::INFINITY; 16];
-            let mut high = [0_u64; 16];
-            let chunks = row.chunks_exact(16);
-            for &value in chunks.remainder() {
-                let bits = value.to_bits() & MAGNITUDE;
-                low[0] = if value < low[0] { value } else { low[0] };
-                high[0] = if bits > high[0] { bits } else { high[0] };
+            let chunks = row.chunks_exact(LANES);
+            for value in chunks.remainder().chunks_exact(1) {
+                fold_block([value], &mut last.0, &mut last.1, &mut last.2);
             }
             for chunk in chunks {
-                for k in 0..16 {
-                    let bits = chunk[k].to_bits() & MAGNITUDE;
-                    low[k] = if chunk[k] < low[k] { chunk[k] } else { low[k] };
-                    high[k] = if bits > high[k] { bits } else { high[k] };
-                }
+                fold_block([chunk], &mut lanes.0, &mut lanes.1, &mut lanes.2);
             }
-            let low = low.into_iter().fold(f64::INFINITY, f64::min);
-            (low, high.into_iter().max().unwrap_or(0))
         },
+    );
+    (
+        lanes.0.into_iter().fold(last.0[0], f64::min),
+        lanes.1.into_iter().fold(last.1[0], f64::max),
+        lanes.2.into_iter().sum::<f64>() + last.2[0],
     )
 }
-
-/// Every bit of a double but its sign.
-const MAGNITUDE: u64 = u64::MAX >> 1;
 
 #[cfg(test)]
 mod tests {
@@ -187,13 +209,14 @@ mod tests {
 
     #[test]
     fn extremes_see_signs_and_values_that_are_not_finite() {
-        let (low, high) = extremes(&[1.0, -3.0, 2.0]);
-        assert_eq!((low, f64::from_bits(high)), (-3.0, 3.0));
-        let mut row = vec![1.0; 40];
-        for at in [0, 17, 39] {
-            row[at] = f64::NAN;
-            assert!(f64::from_bits(extremes(&row).1).is_nan());
-            row[at] = 1.0;
+        assert_eq!(extremes(&[1.0, -3.0, 2.0]), (-3.0, 3.0, 0.0));
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut row = vec![1.0; 40];
+            for at in [0, 17, 39] {
+                row[at] = bad;
+                assert!(extremes(&row).2.is_nan());
+                row[at] = 1.0;
+            }
         }
     }
 }

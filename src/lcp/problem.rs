@@ -3,7 +3,7 @@
 use faer::{ContiguousFwd, MatRef};
 use rayon::prelude::*;
 
-use super::kernels;
+use super::kernels::{self, Extremes};
 
 /// Why a problem or its options were rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -120,11 +120,11 @@ impl<'a> LcpProblem<'a> {
             return Err(LcpError::NotSquare { rows: n, columns: m.ncols() });
         }
         check_vector("q", q, n)?;
-        let (row_min, row_high) = row_extremes(m);
-        if row_high.iter().any(|&bits| !f64::from_bits(bits).is_finite()) {
+        let Extremes { low, high, flaw } = row_extremes(m);
+        if flaw.iter().any(|&flaw| flaw != 0.0) {
             return Err(first_non_finite(m));
         }
-        let row_scale = row_high.into_iter().map(f64::from_bits).collect();
+        let (row_min, row_scale) = (low, high);
         Ok(Self { m, q, row_min, row_scale, known_p_matrix: false })
     }
 
@@ -247,49 +247,41 @@ pub(super) fn check_vector(name: &'static str, vector: &[f64], expected: usize) 
     }
 }
 
-/// Smallest entry and largest magnitude (bits) of every row.
-fn row_extremes(m: MatRef<'_, f64>) -> (Vec<f64>, Vec<u64>) {
+fn row_extremes(m: MatRef<'_, f64>) -> Extremes {
     let n = m.nrows();
-    let mut low = vec![f64::INFINITY; n];
-    let mut high = vec![0_u64; n];
-    let parallel = n >= 512;
+    let mut found = Extremes::new(n);
+    let parallel = n * n >= 4 * SHARED;
     if let Some(rows) = m.transpose().try_as_col_major() {
-        let row = |((i, low), high): ((usize, &mut f64), &mut u64)| {
-            (*low, *high) = kernels::extremes(rows.col(i).as_slice());
+        let row = |((i, low), (high, flaw)): ((usize, &mut f64), (&mut f64, &mut f64))| {
+            (*low, *high, *flaw) = kernels::extremes(rows.col(i).as_slice());
         };
+        let Extremes { low, high, flaw } = &mut found;
         if parallel {
-            low.par_iter_mut().enumerate().zip(high.par_iter_mut()).for_each(row);
+            let others = high.par_iter_mut().zip(flaw);
+            low.par_iter_mut().enumerate().zip(others).with_min_len(64).for_each(row);
         } else {
-            low.iter_mut().enumerate().zip(high.iter_mut()).for_each(row);
+            low.iter_mut().enumerate().zip(high.iter_mut().zip(flaw)).for_each(row);
         }
     } else if let Some(columns) = m.try_as_col_major() {
-        let fold = |(mut low, mut high): (Vec<f64>, Vec<u64>), first: usize| {
-            let block: Vec<&[f64]> =
-                (first..(first + COLUMN_BLOCK).min(n)).map(|j| columns.col(j).as_slice()).collect();
-            kernels::fold_extremes(&block, &mut low, &mut high);
-            (low, high)
+        let fold = |mut found: Extremes, k: usize| {
+            let block = k * COLUMN_BLOCK..((k + 1) * COLUMN_BLOCK).min(n);
+            found.fold(&block.map(|j| columns.col(j).as_slice()).collect::<Vec<_>>());
+            found
         };
         let blocks = n.div_ceil(COLUMN_BLOCK);
         if !parallel {
-            return (0..blocks).fold((low, high), |extremes, k| fold(extremes, k * COLUMN_BLOCK));
+            return (0..blocks).fold(found, fold);
         }
-        let start = || (low.clone(), high.clone());
-        return (0..blocks)
-            .into_par_iter()
-            .with_min_len(blocks.div_ceil(16))
-            .fold(start, |extremes, k| fold(extremes, k * COLUMN_BLOCK))
-            .reduce(start, |(mut low, mut high), (other_low, other_high)| {
-                low.iter_mut().zip(other_low).for_each(|(a, b)| *a = a.min(b));
-                high.iter_mut().zip(other_high).for_each(|(a, b)| *a = (*a).max(b));
-                (low, high)
-            });
+        let folds = (0..blocks).into_par_iter().with_min_len(blocks.div_ceil(16));
+        let folds = folds.fold(|| Extremes::new(n), fold);
+        return folds.reduce(|| Extremes::new(n), |found, other| found.merge(&other));
     } else {
         for i in 0..n {
             let row: Vec<f64> = (0..n).map(|j| m[(i, j)]).collect();
-            (low[i], high[i]) = kernels::extremes(&row);
+            (found.low[i], found.high[i], found.flaw[i]) = kernels::extremes(&row);
         }
     }
-    (low, high)
+    found
 }
 
 fn first_non_finite(m: MatRef<'_, f64>) -> LcpError {

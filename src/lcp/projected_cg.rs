@@ -4,6 +4,7 @@
 //! each step what became negative is cut off, and unknowns at zero with w < 0 are let in.
 
 use faer::MatRef;
+use rayon::prelude::*;
 
 use super::certificate::nan_max;
 use super::options::LcpOptions;
@@ -159,8 +160,8 @@ fn mean(w: &[f64], diagonal: &[f64], z: &[f64]) -> f64 {
 pub(super) fn asymmetry(m: MatRef<'_, f64>) -> (usize, usize, f64) {
     const TILE: usize = 32;
     let n = m.nrows();
-    let (mut worst, mut largest) = ((0, 0, 0.0), 0.0_f64);
-    for first_column in (0..n).step_by(TILE) {
+    let strip = |first_column: usize| {
+        let (mut worst, mut largest) = ((0, 0, 0.0), 0.0_f64);
         for first_row in (first_column..n).step_by(TILE) {
             for j in first_column..(first_column + TILE).min(n) {
                 for i in first_row.max(j)..(first_row + TILE).min(n) {
@@ -172,6 +173,11 @@ pub(super) fn asymmetry(m: MatRef<'_, f64>) -> (usize, usize, f64) {
                 }
             }
         }
-    }
+        (worst, largest)
+    };
+    let columns = (0..n).into_par_iter().step_by(TILE);
+    let (worst, largest) = columns
+        .map(strip)
+        .reduce(|| ((0, 0, 0.0), 0.0), |a, b| (if b.0.2 > a.0.2 { b.0 } else { a.0 }, a.1.max(b.1)));
     if largest > 0.0 { (worst.0, worst.1, worst.2 / largest) } else { worst }
 }

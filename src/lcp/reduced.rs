@@ -1,8 +1,10 @@
 //! What is left of a problem once the unknowns that can stay at zero are gone.
 
-use faer::{Mat, MatRef};
+use faer::prelude::ReborrowMut;
+use faer::{Mat, MatMut, MatRef};
+use rayon::prelude::*;
 
-use super::problem::LcpProblem;
+use super::problem::{LcpProblem, SHARED};
 
 /// The problem on the rows that matter, q divided by a power of two near `max(-q)`.
 ///
@@ -106,25 +108,42 @@ impl<'a> Reduced<'a> {
     }
 }
 
-/// The block of `m` on `rows` and `columns`, copied in tiles so that any storage order does.
+/// The block of `m` on `rows` and `columns`.
 pub(super) fn gather(m: MatRef<'_, f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-    const TILE: usize = 16;
-    let mut block = Mat::zeros(rows.len(), columns.len());
-    if let Some(source) = m.try_as_col_major() {
-        for (j, &column) in columns.iter().enumerate() {
-            let source = source.col(column).as_slice();
-            block.col_as_slice_mut(j).iter_mut().zip(rows).for_each(|(entry, &i)| *entry = source[i]);
+    let source = m.try_as_col_major();
+    build(rows.len(), columns.len(), |j, first, entries| {
+        let rows = &rows[first..first + entries.len()];
+        match source {
+            Some(source) => {
+                let column = source.col(columns[j]).as_slice();
+                entries.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = column[i]);
+            }
+            None => entries.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = m[(i, columns[j])]),
         }
-        return block;
-    }
-    for first_row in (0..rows.len()).step_by(TILE) {
-        for first_column in (0..columns.len()).step_by(TILE) {
-            for i in first_row..(first_row + TILE).min(rows.len()) {
-                for j in first_column..(first_column + TILE).min(columns.len()) {
-                    block[(i, j)] = m[(rows[i], columns[j])];
-                }
+    })
+}
+
+/// A matrix made in tiles, so that reading across the storage order does not starve; `fill` is given a column,
+/// the first row of a run in it and that run.
+pub(super) fn build(rows: usize, columns: usize, fill: impl Fn(usize, usize, &mut [f64]) + Sync) -> Mat<f64> {
+    const TILE: usize = 32;
+    let mut block = Mat::zeros(rows, columns);
+    let tiles = |first: usize, mut strip: MatMut<'_, f64>| {
+        for row in (0..rows).step_by(TILE) {
+            for j in 0..strip.ncols() {
+                let column = strip.rb_mut().col_mut(j).try_as_col_major_mut();
+                let column = column.expect("an owned matrix has contiguous columns").as_slice_mut();
+                fill(first + j, row, &mut column[row..(row + TILE).min(rows)]);
             }
         }
+    };
+    if rows * columns < SHARED {
+        for first in (0..columns).step_by(TILE) {
+            tiles(first, block.as_mut().subcols_mut(first, TILE.min(columns - first)));
+        }
+    } else {
+        let strips = block.par_col_chunks_mut(TILE).enumerate();
+        strips.for_each(|(k, strip)| tiles(k * TILE, strip));
     }
     block
 }

@@ -1,7 +1,5 @@
 //! One entry for every method: leave out what cannot matter, run, check against the problem as given.
 
-use faer::Mat;
-
 use super::block_pivoting::{self, Fallback, first_guess};
 use super::certificate::{Certificate, Definiteness};
 use super::dense::{Factor, NoFactor};
@@ -11,7 +9,7 @@ use super::outcome::Outcome;
 use super::problem::{LcpError, LcpProblem};
 use super::projected_cg;
 use super::ray::{LcpRay, RayConclusion};
-use super::reduced::{Reduced, power_of_two};
+use super::reduced::{Reduced, build, power_of_two};
 use super::solution::{LcpAttempt, LcpSolution, LcpStatus};
 
 /// Rays further than this from their own equations are rounding.
@@ -290,8 +288,10 @@ impl Run<'_> {
         if (0..q.len()).any(|i| !is_kept[i] && q[i] == 0.0 && m[(i, i)] == 0.0) {
             return Definiteness::Unknown;
         }
-        let symmetric = Mat::from_fn(kept.len(), kept.len(), |i, j| {
-            0.5 * m[(kept[i], kept[j])] + 0.5 * m[(kept[j], kept[i])]
+        let symmetric = build(kept.len(), kept.len(), |j, first, entries| {
+            for (entry, &i) in entries.iter_mut().zip(&kept[first..]) {
+                *entry = 0.5 * m[(i, kept[j])] + 0.5 * m[(kept[j], i)];
+            }
         });
         match Factor::cholesky(symmetric, &|| self.options.is_interrupted()) {
             Ok(_) => Definiteness::PositiveDefinite,
