@@ -31,8 +31,14 @@ from .lcp import LcpSolution as LcpSolution
 from .lcp import LcpStatus as LcpStatus
 from .lcp import solve_lcp as solve_lcp
 from .obstacle import Obstacle as Obstacle
-from .skin import GaussianCorrected as GaussianCorrected
-from .skin import HalfSpace as HalfSpace
+from .prepared import PreparedSkin as PreparedSkin
+from .prepared import load_prepared as load_prepared
+from .response import Body as Body
+from .response import GaussianCorrected as GaussianCorrected
+from .response import GivenMatrix as GivenMatrix
+from .response import HalfSpace as HalfSpace
+from .response import Layer as Layer
+from .response import Response as Response
 from .skin import Skin as Skin
 from .skin import response_matrix as response_matrix
 from .surface import Repair as Repair

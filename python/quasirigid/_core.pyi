@@ -1,5 +1,6 @@
 """Types of the compiled core. All numbers are SI: m, N, Pa, rad, s."""
 
+from collections.abc import Callable
 from typing import Any, final
 
 import numpy as np
@@ -95,6 +96,40 @@ class Skin:
         cutoff: float,
         pressure: str,
     ) -> Skin: ...
+    @staticmethod
+    def layer(shear_modulus: float, poisson_ratio: float, thickness: ArrayLike, pressure: str) -> Skin: ...
+    @staticmethod
+    def given(surface: Surface, nodes: ArrayLike, matrix: ArrayLike) -> Skin: ...
+    @staticmethod
+    def body(
+        surface: Surface,
+        shear_modulus: float,
+        poisson_ratio: float,
+        bone: Surface | None,
+        fixed: ArrayLike | None,
+        nodes: ArrayLike,
+        *,
+        num_threads: int | None,
+        memory_limit: int | None,
+        progress: Callable[[str, float], None] | None,
+    ) -> Skin: ...
+    @staticmethod
+    def restore_body(
+        surface: Surface,
+        shear_modulus: float,
+        poisson_ratio: float,
+        nodes: ArrayLike,
+        displacement: ArrayLike,
+        area_vectors: ArrayLike,
+        rotation: ArrayLike,
+    ) -> Skin: ...
+    @staticmethod
+    def body_cost(skin_vertices: int, bone_vertices: int, nodes: int) -> tuple[int, float]: ...
+    def prepare(self, surface: Surface, nodes: ArrayLike) -> Skin: ...
+    def restore(self, surface: Surface, nodes: ArrayLike, matrix: ArrayLike) -> Skin: ...
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> Skin: ...
+    def check_surface(self, surface: Surface) -> None: ...
+    def parts(self) -> dict[str, NDArray[Any]]: ...
 
 @final
 class ContactOptions:

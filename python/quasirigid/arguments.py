@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .io import LengthUnit
 from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
-from .skin import GaussianCorrected, HalfSpace
+from .response import GaussianCorrected, HalfSpace
 from .surface import Surface, flat_cap_mask
 
 _CONSTANTS: dict[str, dict[str, dict[str, float]]] = {

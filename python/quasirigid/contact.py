@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from .obstacle import Obstacle
+    from .prepared import PreparedSkin
     from .skin import Skin
     from .surface import Surface
 
@@ -255,7 +256,7 @@ def _finish(result: _core.Contact, throw: bool) -> Contact:
 def solve_contact(
     surface: Surface,
     obstacle: Obstacle,
-    skin: Skin,
+    skin: Skin | PreparedSkin,
     *,
     options: ContactOptions | None = None,
     throw: bool = True,
@@ -270,7 +271,7 @@ def solve_contact(
         The undeformed skin.
     obstacle : Obstacle
         The product, at its pose.
-    skin : Skin
+    skin : Skin or PreparedSkin
         Material and response.
     options : ContactOptions, optional
         How it is solved.
@@ -303,13 +304,13 @@ def solve_contact(
     'no_contact'
     """
     core_options = (options or ContactOptions())._to_core()
-    return _finish(_core.solve_contact(surface, obstacle, skin._core, core_options), throw)
+    return _finish(_core.solve_contact(surface, obstacle, skin._on(surface), core_options), throw)
 
 
 def press(
     surface: Surface,
     obstacle: Obstacle,
-    skin: Skin,
+    skin: Skin | PreparedSkin,
     direction: ArrayLike,
     *,
     depth: float,
@@ -325,7 +326,7 @@ def press(
         The undeformed skin.
     obstacle : Obstacle
         The product.
-    skin : Skin
+    skin : Skin or PreparedSkin
         Material and response.
     direction : (3,) array_like
         Direction in which the obstacle travels; normalised here.
@@ -363,6 +364,6 @@ def press(
     """
     core_options = (options or ContactOptions())._to_core()
     result = _core.press(
-        surface, obstacle, skin._core, direction, depth=depth, start=start, options=core_options
+        surface, obstacle, skin._on(surface), direction, depth=depth, start=start, options=core_options
     )
     return _finish(result, throw)

@@ -3,76 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from . import _core
+from .errors import ResponseError
+from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from ._core import Skin as CoreSkin
+    from .prepared import PreparedSkin
     from .surface import Surface
 
-__all__ = ["GaussianCorrected", "HalfSpace", "Pressure", "Response", "Skin", "response_matrix"]
-
-Pressure = Literal["linear", "one_ring"]
-
-
-@dataclass(frozen=True)
-class HalfSpace:
-    """Elastic half-space: ``u(r) = K / r`` per newton, ``K = (1 - nu) / (2 pi G)``.
-
-    Parameters
-    ----------
-    pressure : {"linear", "one_ring"}
-        Pressure basis. "linear" (hat functions) is accurate and well posed. "one_ring" spreads the force of
-        a node evenly over its one-ring, as Xie, Kanai, Date 2011 do; it is numerically singular on regular
-        meshes and its pressures oscillate, and is here to reproduce that paper.
-
-    References
-    ----------
-    Johnson 1985, "Contact Mechanics", section 3.2; Xie, Kanai, Date 2011, eq. 1 and 8.
-    """
-
-    pressure: Pressure = "linear"
-
-
-@dataclass(frozen=True)
-class GaussianCorrected:
-    """Half-space less a Gaussian, to keep volume.
-
-    ``u(r) = K / r - height exp(-r^2 / 2 width^2)`` for r < cutoff, 0 beyond.
-
-    Parameters
-    ----------
-    height : float
-        Height of the Gaussian a (m/N).
-    width : float
-        Width of the Gaussian c (m).
-    cutoff : float
-        Distance beyond which the response is zero (m).
-    pressure : {"linear", "one_ring"}
-        Pressure basis, see `HalfSpace`.
-
-    Notes
-    -----
-    The constants printed in the paper (0.8 mm/N, 5 mm, balanced at a cutoff of 15 mm) are not well posed on
-    a fingertip: from a depth of some tenths of a millimetre the complementarity problem has no solution,
-    and the contact ends with status "ray".
-
-    References
-    ----------
-    Xie, Kanai, Date 2011, eq. 6.
-    """
-
-    height: float
-    width: float
-    cutoff: float
-    pressure: Pressure = "linear"
-
-
-Response = HalfSpace | GaussianCorrected
+__all__ = ["Skin", "response_matrix"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +30,7 @@ class Skin:
         G (Pa), > 0. About 60 kPa for a fingertip (Xie, Kanai, Date 2011).
     poisson_ratio : float
         nu, in [0, 0.5]; 0.5 is incompressible.
-    response : HalfSpace or GaussianCorrected
+    response : HalfSpace, GaussianCorrected, Layer, Body or GivenMatrix
         Displacement of the surface per unit force.
 
     Raises
@@ -102,24 +47,106 @@ class Skin:
     shear_modulus: float
     poisson_ratio: float
     response: Response
-    _core: CoreSkin = field(init=False, repr=False, compare=False)
+    _kernel: _core.Skin | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_core", self._build())
+        object.__setattr__(self, "_kernel", self._build())
 
-    def _build(self) -> CoreSkin:
+    def _build(self) -> _core.Skin | None:
+        """The core's skin; None where the response depends on the surface."""
         material = (self.shear_modulus, self.poisson_ratio)
         match self.response:
             case HalfSpace(pressure):
                 return _core.Skin.half_space(*material, pressure)
             case GaussianCorrected(height, width, cutoff, pressure):
                 return _core.Skin.gaussian_corrected(*material, height, width, cutoff, pressure)
+            case Layer(thickness, pressure):
+                return _core.Skin.layer(*material, thickness, pressure)
+            case Body() | GivenMatrix():
+                _core.Skin.half_space(*material, "linear")  # checks the material
+                return None
         raise TypeError(f"response is {self.response!r}, expected one of {Response}")
+
+    def prepared(self, surface: Surface, nodes: ArrayLike | None = None) -> PreparedSkin:
+        """Compute the response for a surface once, to use it for every product.
+
+        Parameters
+        ----------
+        surface : Surface
+            The skin's mesh.
+        nodes : (k,) array_like of int, optional
+            Vertices that may touch; None for all of the skin mask (less the fixed ones of a body).
+
+        Returns
+        -------
+        PreparedSkin
+            Goes wherever a `Skin` goes; can be saved, loaded, and moved with the surface.
+
+        Raises
+        ------
+        ResponseError
+            If a part does not fit, or the preparation needs too much memory.
+        """
+        from .prepared import PreparedSkin
+
+        return PreparedSkin(skin=self, _response=self._prepare(surface, nodes))
+
+    def _prepare(self, surface: Surface, nodes: ArrayLike | None) -> _core.Skin:
+        chosen = np.flatnonzero(surface.skin_mask) if nodes is None else np.asarray(nodes)
+        match self.response:
+            case GivenMatrix(known, compliance):
+                return _given(surface, self, np.asarray(known), np.asarray(compliance, dtype=np.float64))
+            case Body(bone=bone, fixed=fixed, memory_limit=memory_limit):
+                if fixed is not None and nodes is None:
+                    chosen = chosen[~np.asarray(fixed)[chosen]]
+                return _core.Skin.body(
+                    surface,
+                    self.shear_modulus,
+                    self.poisson_ratio,
+                    bone,
+                    fixed,
+                    chosen,
+                    num_threads=None,
+                    memory_limit=memory_limit,
+                    progress=None,
+                )
+        assert self._kernel is not None
+        return self._kernel.prepare(surface, chosen)
+
+    def _on(self, surface: Surface) -> _core.Skin:
+        """The core's skin for a surface, prepared where it must be."""
+        return self._prepare(surface, None) if self._kernel is None else self._kernel
+
+
+def _given(
+    surface: Surface, skin: Skin, nodes: NDArray[np.int64], compliance: NDArray[np.float64]
+) -> _core.Skin:
+    """The core's skin for a given matrix, scalar or in 3 x 3 blocks."""
+    if compliance.ndim == 2:
+        return _core.Skin.given(surface, nodes, compliance)
+    count = len(nodes)
+    if compliance.shape != (count, 3, count, 3):
+        raise ResponseError(
+            f"compliance has shape {compliance.shape}, expected ({count}, {count}) or "
+            f"({count}, 3, {count}, 3) for {count} nodes"
+        )
+    displacement = np.zeros((len(surface.vertices), 3, 3 * count))
+    displacement[nodes] = compliance.reshape(count, 3, 3 * count)
+    area_vectors = surface.vertex_areas[:, None] * surface.vertex_normals
+    return _core.Skin.restore_body(
+        surface,
+        skin.shear_modulus,
+        skin.poisson_ratio,
+        nodes,
+        displacement.reshape(-1, 3 * count),
+        area_vectors,
+        np.eye(3),
+    )
 
 
 def response_matrix(
     surface: Surface,
-    skin: Skin,
+    skin: Skin | PreparedSkin,
     nodes: ArrayLike,
     directions: ArrayLike | None = None,
     tolerance: float = 1e-6,
@@ -131,7 +158,7 @@ def response_matrix(
     ----------
     surface : Surface
         The skin.
-    skin : Skin
+    skin : Skin or PreparedSkin
         Material and response.
     nodes : (k,) array_like of int
         Vertices, each at most once.
@@ -154,5 +181,5 @@ def response_matrix(
         If a node, the tolerance or the memory needed is out of range.
     """
     return _core.response_matrix(
-        surface, skin._core, nodes, directions, tolerance=tolerance, num_threads=num_threads
+        surface, skin._on(surface), nodes, directions, tolerance=tolerance, num_threads=num_threads
     )

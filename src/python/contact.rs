@@ -178,7 +178,7 @@ pub(super) fn solve_contact(
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
     run(py, options, |interrupt| {
-        contact::solve_contact(&surface.inner, &obstacle.inner, &skin.inner, &options.inner, interrupt)
+        contact::solve_contact(&surface.inner, &obstacle.inner, skin.elastic(), &options.inner, interrupt)
     })
 }
 
@@ -205,6 +205,6 @@ pub(super) fn press(
     };
     let press = Press { direction: vector(direction, "direction")?, depth, start };
     run(py, options, |interrupt| {
-        contact::press(&surface.inner, &obstacle.inner, &skin.inner, &press, &options.inner, interrupt)
+        contact::press(&surface.inner, &obstacle.inner, skin.elastic(), &press, &options.inner, interrupt)
     })
 }

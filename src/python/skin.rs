@@ -1,18 +1,31 @@
-//! `quasirigid.Skin` as the core keeps it, and the response matrix.
+//! `quasirigid.Skin` and prepared skins as the core keeps them, and the response matrix.
 
-use super::convert::{matrix_out, nodes, vectors};
-use super::errors::IntoPyErr;
+use super::convert::{
+    MatrixIn, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors, vectors_out,
+};
+use super::errors::{IntoPyErr, ResponseError};
 use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
-use crate::response::{self, AssemblyOptions, Pressure, Response, Skin};
+use crate::mesh::rigid_motion;
+use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
+use crate::response::{
+    self, AssemblyOptions, ElasticSkin, PreparedResponse, PreparedSkin, Pressure, Response, Skin, Thickness,
+};
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
 
-/// Material and response, checked.
+/// Material and response, checked; computed as it is needed, or once.
 #[pyclass(name = "Skin", module = "quasirigid._core", frozen)]
 pub(super) struct PySkin {
-    pub inner: Skin,
+    inner: Elastic,
+}
+
+enum Elastic {
+    Computed(Skin),
+    Prepared(PreparedSkin),
 }
 
 fn pressure_named(name: &str) -> PyResult<Pressure> {
@@ -27,8 +40,35 @@ fn pressure_named(name: &str) -> PyResult<Pressure> {
 
 fn made(shear_modulus: f64, poisson_ratio: f64, response: Response) -> PyResult<PySkin> {
     Skin::new(shear_modulus, poisson_ratio, response)
-        .map(|inner| PySkin { inner })
+        .map(|skin| PySkin { inner: Elastic::Computed(skin) })
         .map_err(IntoPyErr::into_py_err)
+}
+
+fn prepared(skin: Result<PreparedSkin, response::ResponseError>) -> PyResult<PySkin> {
+    skin.map(|skin| PySkin { inner: Elastic::Prepared(skin) }).map_err(IntoPyErr::into_py_err)
+}
+
+impl PySkin {
+    pub(super) fn elastic(&self) -> &dyn ElasticSkin {
+        match &self.inner {
+            Elastic::Computed(skin) => skin,
+            Elastic::Prepared(skin) => skin,
+        }
+    }
+
+    fn computed(&self) -> PyResult<&Skin> {
+        match &self.inner {
+            Elastic::Computed(skin) => Ok(skin),
+            Elastic::Prepared(_) => Err(ResponseError::new_err("this skin is prepared already")),
+        }
+    }
+
+    fn prepared(&self) -> PyResult<&PreparedSkin> {
+        match &self.inner {
+            Elastic::Prepared(skin) => Ok(skin),
+            Elastic::Computed(_) => Err(ResponseError::new_err("this skin is not prepared")),
+        }
+    }
 }
 
 #[pymethods]
@@ -50,6 +90,158 @@ impl PySkin {
         let pressure = pressure_named(pressure)?;
         made(shear_modulus, poisson_ratio, Response::GaussianCorrected { height, width, cutoff, pressure })
     }
+
+    #[staticmethod]
+    fn layer(
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        thickness: &Bound<'_, PyAny>,
+        pressure: &str,
+    ) -> PyResult<Self> {
+        let thickness = match thickness.extract::<f64>() {
+            Ok(uniform) => Thickness::Uniform(uniform),
+            Err(_) => Thickness::PerVertex(scalars(thickness, "thickness")?.into()),
+        };
+        let pressure = pressure_named(pressure)?;
+        made(shear_modulus, poisson_ratio, Response::Layer { thickness, pressure })
+    }
+
+    /// The kernel's matrix over `nodes`, computed once.
+    fn prepare(&self, py: Python<'_>, surface: &PySurface, nodes: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let skin = self.computed()?;
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        prepared(detached(py, |interrupt| {
+            let options = AssemblyOptions { interrupt: Some(interrupt), ..AssemblyOptions::default() };
+            PreparedSkin::of_kernel(&surface.inner, skin, &nodes, &options)
+        })?)
+    }
+
+    /// The kernel's matrix over `nodes`, as stored.
+    fn restore(
+        &self,
+        surface: &PySurface,
+        nodes: &Bound<'_, PyAny>,
+        matrix: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        let matrix = Arc::new(MatrixIn::new(matrix, "matrix")?.view().to_owned());
+        let skin = self.computed()?.clone();
+        prepared(PreparedSkin::new(&surface.inner, &nodes, PreparedResponse::Kernel { skin, matrix }))
+    }
+
+    /// A matrix that somebody else computed or measured.
+    #[staticmethod]
+    fn given(surface: &PySurface, nodes: &Bound<'_, PyAny>, matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        let matrix = Arc::new(MatrixIn::new(matrix, "compliance")?.view().to_owned());
+        prepared(PreparedSkin::new(&surface.inner, &nodes, PreparedResponse::Given(matrix)))
+    }
+
+    /// A body solved for unit forces at `nodes`.
+    #[staticmethod]
+    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, num_threads, memory_limit, progress))]
+    #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
+    fn body(
+        py: Python<'_>,
+        surface: &PySurface,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        bone: Option<&PySurface>,
+        fixed: Option<&Bound<'_, PyAny>>,
+        nodes: &Bound<'_, PyAny>,
+        num_threads: Option<usize>,
+        memory_limit: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let fixed = fixed.map(|value| mask(value, "fixed")).transpose()?;
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        let body = Body { bone: bone.map(|bone| bone.inner.clone()), fixed };
+        let report = |told: BodyProgress| {
+            if let Some(progress) = &progress {
+                // A failing progress line is no reason to lose the work.
+                let _ = Python::attach(|py| progress.call1(py, (told.stage, told.done)).map(drop));
+            }
+        };
+        prepared(detached_on_thread(py, |interrupt| {
+            let options = BodyOptions {
+                num_threads,
+                memory_limit,
+                interrupt: Some(interrupt),
+                progress: progress.is_some().then_some(&report as _),
+                ..BodyOptions::default()
+            };
+            PreparedSkin::of_body(&surface.inner, &body, shear_modulus, poisson_ratio, &nodes, &options)
+        })?)
+    }
+
+    /// Blocks of a body: `displacement` (3 n, 3 k) and `area_vectors` (n, 3) as stored, turned by `rotation` since.
+    #[staticmethod]
+    fn restore_body(
+        surface: &PySurface,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        nodes: &Bound<'_, PyAny>,
+        displacement: &Bound<'_, PyAny>,
+        area_vectors: &Bound<'_, PyAny>,
+        rotation: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        let rotation = matrix3(rotation, "rotation")?;
+        let displacement = MatrixIn::new(displacement, "displacement")?.view().to_owned();
+        let area_vectors = vectors(area_vectors, "area_vectors")?;
+        let compliance = BodyCompliance::from_parts(BodyParts {
+            nodes: nodes.clone(),
+            displacement,
+            area_vectors,
+            bone_pressure: None,
+            rotation,
+            shear_modulus,
+            poisson_ratio,
+        });
+        let compliance = compliance.map_err(|error| ResponseError::new_err(error.to_string()))?;
+        prepared(PreparedSkin::new(&surface.inner, &nodes, PreparedResponse::Body(compliance)))
+    }
+
+    /// Memory (bytes) and operations that `body` would take, before it is asked for.
+    #[staticmethod]
+    fn body_cost(skin_vertices: usize, bone_vertices: usize, nodes: usize) -> (usize, f64) {
+        let cost = BodyCost::estimate(skin_vertices, bone_vertices, nodes);
+        (cost.peak_bytes, cost.flops)
+    }
+
+    /// The prepared skin after a rigid motion of its surface.
+    fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)
+            .map_err(|error| ResponseError::new_err(error.to_string()))?;
+        prepared(self.prepared()?.moved(&motion))
+    }
+
+    /// Whether the surface is the one that this skin fits.
+    fn check_surface(&self, surface: &PySurface) -> PyResult<()> {
+        self.elastic().check_surface(&surface.inner).map_err(IntoPyErr::into_py_err)
+    }
+
+    /// Arrays of a prepared skin: nodes, vertices, faces, and matrix or displacement and rotation.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let skin = self.prepared()?;
+        let parts = PyDict::new(py);
+        parts.set_item("nodes", nodes_out(py, skin.nodes()))?;
+        parts.set_item("vertices", vectors_out(py, skin.vertices()))?;
+        parts.set_item("faces", faces_out(py, skin.faces()))?;
+        match skin.response() {
+            PreparedResponse::Kernel { matrix, .. } | PreparedResponse::Given(matrix) => {
+                parts.set_item("matrix", matrix_out(py, matrix))?;
+            }
+            PreparedResponse::Body(compliance) => {
+                parts.set_item("displacement", matrix_out(py, &compliance.parts().displacement))?;
+                parts.set_item("area_vectors", vectors_out(py, &compliance.parts().area_vectors))?;
+                let rotation = compliance.rotation();
+                let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
+                parts.set_item("rotation", vectors_out(py, &rows))?;
+            }
+        }
+        Ok(parts)
+    }
 }
 
 #[pyfunction]
@@ -64,7 +256,10 @@ pub(super) fn response_matrix<'py>(
     num_threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-    let directions = directions.map(|value| vectors(value, "directions")).transpose()?;
+    let directions = match directions {
+        Some(value) => vectors(value, "directions")?,
+        None => nodes.iter().map(|&vertex| -surface.inner.vertex_normals()[vertex]).collect(),
+    };
     let assemble = |interrupt: &(dyn Fn() -> bool + Sync)| {
         let options = AssemblyOptions {
             tolerance,
@@ -72,7 +267,8 @@ pub(super) fn response_matrix<'py>(
             interrupt: Some(interrupt),
             ..AssemblyOptions::default()
         };
-        response::assemble(&surface.inner, &skin.inner, &nodes, directions.as_deref(), &options)
+        skin.elastic().check_surface(&surface.inner)?;
+        skin.elastic().response_matrix(&surface.inner, &nodes, &directions, &options)
     };
     let matrix = match num_threads {
         None => detached(py, assemble)?,

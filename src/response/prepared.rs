@@ -218,6 +218,9 @@ impl ElasticSkin for PreparedSkin {
     ) -> Result<Mat<f64>, ResponseError> {
         let rows = self.rows(nodes)?;
         let size = nodes.len();
+        if directions.len() != size {
+            return Err(ResponseError::DirectionCount { directions: directions.len(), nodes: size });
+        }
         Ok(match &self.response {
             PreparedResponse::Kernel { matrix, .. } | PreparedResponse::Given(matrix) => {
                 Mat::from_fn(size, size, |i, j| matrix[(rows[i], rows[j])])

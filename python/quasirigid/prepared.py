@@ -1,0 +1,188 @@
+"""A skin's response, computed once for a surface and stored."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _core
+from .errors import ResponseError
+from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer
+from .skin import Skin
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from .surface import Surface
+
+__all__ = ["PreparedSkin", "load_prepared"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PreparedSkin:
+    """A skin whose response is computed for one surface; made by `Skin.prepared` or `load_prepared`.
+
+    Attributes
+    ----------
+    skin : Skin
+        Material and response that it came from; after loading, a body is without its bone surface.
+    nodes : (k,) int64
+        Vertices whose response is known.
+    """
+
+    skin: Skin
+    _response: _core.Skin = field(repr=False)
+
+    @property
+    def nodes(self) -> NDArray[np.int64]:
+        """(k,) int64: vertices whose response is known."""
+        nodes: NDArray[np.int64] = self._response.parts()["nodes"]
+        return nodes
+
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> PreparedSkin:
+        """The response of the surface after a rigid motion, ``rotation @ x + translation``.
+
+        Parameters
+        ----------
+        rotation : (3, 3) array_like
+            Proper rotation.
+        translation : (3,) array_like
+            Shift (m).
+
+        Returns
+        -------
+        PreparedSkin
+            For ``surface.moved(rotation, translation)``.
+        """
+        return PreparedSkin(skin=self.skin, _response=self._response.moved(rotation, translation))
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write it to a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : path
+            A file, by custom named ``.npz``: numbers of the response, and the mesh and material that it is
+            for.
+        """
+        target = Path(path)
+        arrays: dict[str, Any] = {**self._response.parts(), **_fields(self.skin)}
+        header = {"format": _FORMAT, "version": _VERSION, **_describe(self.skin)}
+        partial = target.with_name(target.name + ".partial")
+        try:
+            with partial.open("wb") as file:
+                np.savez(file, header=np.array(json.dumps(header)), **arrays)
+            partial.replace(target)
+        finally:
+            partial.unlink(missing_ok=True)
+
+    def _on(self, surface: Surface) -> _core.Skin:
+        return self._response
+
+
+_FORMAT = "quasirigid prepared skin"
+_VERSION = 1
+_KERNELS = (HalfSpace, GaussianCorrected, Layer)
+
+
+def _describe(skin: Skin) -> dict[str, Any]:
+    """The material and the response's numbers."""
+    response = skin.response
+    numbers = {
+        name: value
+        for name, value in vars(response).items()
+        if isinstance(value, (int, float, str)) or value is None
+    }
+    return {
+        "shear_modulus": skin.shear_modulus,
+        "poisson_ratio": skin.poisson_ratio,
+        "response": type(response).__name__,
+        "numbers": numbers if not isinstance(response, (Body, GivenMatrix)) else {},
+    }
+
+
+def _fields(skin: Skin) -> dict[str, NDArray[np.float64]]:
+    """The response's fields over the surface."""
+    if isinstance(skin.response, Layer) and not isinstance(skin.response.thickness, (int, float)):
+        return {"thickness": np.asarray(skin.response.thickness, dtype=np.float64)}
+    return {}
+
+
+def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
+    """Read what `PreparedSkin.save` wrote.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    PreparedSkin
+        Equal to the one saved, to the bit. Using it with another surface is an error that says what differs.
+
+    Raises
+    ------
+    ResponseError
+        If the file is no prepared skin, is damaged or from a later version.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            stored = {name: file[name] for name in file.files}
+        header = json.loads(str(stored["header"]))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
+        if isinstance(error, FileNotFoundError):
+            raise
+        raise ResponseError(f"{path} cannot be read as a prepared skin: {error}") from error
+    if not isinstance(header, dict) or header.get("format") != _FORMAT or header.get("version") != _VERSION:
+        raise ResponseError(f"{path} is no prepared skin of version {_VERSION}")
+    try:
+        return _restore(header, stored)
+    except (KeyError, TypeError) as error:
+        raise ResponseError(f"{path} lacks or misnames a part of a prepared skin: {error}") from error
+
+
+def _restore(header: dict[str, Any], stored: dict[str, NDArray[Any]]) -> PreparedSkin:
+    surface = _core.Surface(stored["vertices"], stored["faces"])
+    nodes = stored["nodes"]
+    material = {name: header[name] for name in ("shear_modulus", "poisson_ratio")}
+    kind = header["response"]
+    if kind == "Body":
+        skin = Skin(**material, response=Body())
+        core = _restore_body(surface, skin, stored)
+    elif kind == "GivenMatrix":
+        if "matrix" in stored:
+            skin = Skin(**material, response=GivenMatrix(nodes, stored["matrix"]))
+            core = _core.Skin.given(surface, nodes, stored["matrix"])
+        else:
+            blocks = stored["displacement"].reshape(-1, 3, len(nodes), 3)[nodes]
+            skin = Skin(**material, response=GivenMatrix(nodes, blocks))
+            core = _restore_body(surface, skin, stored)
+    else:
+        kernels: dict[str, Any] = {
+            kernel.__name__: kernel for kernel in (HalfSpace, GaussianCorrected, Layer)
+        }
+        fields = {name: stored[name] for name in ("thickness",) if name in stored}
+        skin = Skin(**material, response=kernels[kind](**header["numbers"], **fields))
+        assert skin._kernel is not None
+        core = skin._kernel.restore(surface, nodes, stored["matrix"])
+    return PreparedSkin(skin=skin, _response=core)
+
+
+def _restore_body(surface: Surface, skin: Skin, stored: dict[str, NDArray[Any]]) -> _core.Skin:
+    return _core.Skin.restore_body(
+        surface,
+        skin.shear_modulus,
+        skin.poisson_ratio,
+        stored["nodes"],
+        stored["displacement"],
+        stored["area_vectors"],
+        stored["rotation"],
+    )

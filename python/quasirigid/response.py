@@ -1,0 +1,139 @@
+"""How the skin answers a force: the choices for `Skin.response`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .surface import Surface
+
+__all__ = ["Body", "GaussianCorrected", "GivenMatrix", "HalfSpace", "Layer", "Pressure", "Response"]
+
+Pressure = Literal["linear", "one_ring"]
+
+
+@dataclass(frozen=True)
+class HalfSpace:
+    """Elastic half-space: ``u(r) = K / r`` per newton, ``K = (1 - nu) / (2 pi G)``.
+
+    Parameters
+    ----------
+    pressure : {"linear", "one_ring"}
+        Pressure basis. "linear" (hat functions) is accurate and well posed. "one_ring" spreads the force of
+        a node evenly over its one-ring, as Xie, Kanai, Date 2011 do; it is numerically singular on regular
+        meshes and its pressures oscillate, and is here to reproduce that paper.
+
+    References
+    ----------
+    Johnson 1985, "Contact Mechanics", section 3.2; Xie, Kanai, Date 2011, eq. 1 and 8.
+    """
+
+    pressure: Pressure = "linear"
+
+
+@dataclass(frozen=True)
+class GaussianCorrected:
+    """Half-space less a Gaussian, to keep volume.
+
+    ``u(r) = K / r - height exp(-r^2 / 2 width^2)`` for r < cutoff, 0 beyond.
+
+    Parameters
+    ----------
+    height : float
+        Height of the Gaussian a (m/N).
+    width : float
+        Width of the Gaussian c (m).
+    cutoff : float
+        Distance beyond which the response is zero (m).
+    pressure : {"linear", "one_ring"}
+        Pressure basis, see `HalfSpace`.
+
+    Notes
+    -----
+    The constants printed in the paper (0.8 mm/N, 5 mm, balanced at a cutoff of 15 mm) are not well posed on
+    a fingertip: from a depth of some tenths of a millimetre the complementarity problem has no solution,
+    and the contact ends with status "ray".
+
+    References
+    ----------
+    Xie, Kanai, Date 2011, eq. 6.
+    """
+
+    height: float
+    width: float
+    cutoff: float
+    pressure: Pressure = "linear"
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Elastic layer bonded to rigid bone: ``u(r) = K (1 / r - phi(r / h) / h)``.
+
+    Parameters
+    ----------
+    thickness : float or (n,) array_like
+        Thickness h (m), the same everywhere or one per vertex of the surface; a pair of vertices answers as
+        on a layer of the smaller of its two, which keeps the matrix well posed.
+    pressure : {"linear", "one_ring"}
+        Pressure basis, see `HalfSpace`.
+
+    Notes
+    -----
+    For wide flat tissue, as the palm. On a fingertip it is too stiff, by up to twice the true force.
+
+    References
+    ----------
+    Johnson 1985, "Contact Mechanics", section 5.8.
+    """
+
+    thickness: float | ArrayLike
+    pressure: Pressure = "linear"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Body:
+    """The body under this skin with its bone, by boundary elements: the true linear answer.
+
+    Its compliance is computed once for a surface (`Skin.prepared`), in seconds; presses then take
+    milliseconds.
+
+    Parameters
+    ----------
+    bone : Surface, optional
+        Rigid bones inside the skin, each a closed surface.
+    fixed : (n,) array_like of bool, optional
+        Skin vertices that do not move, such as those of a finger's cut end. A body needs a bone or fixed
+        vertices.
+    memory_limit : int, optional
+        Largest memory of the preparation (bytes).
+
+    References
+    ----------
+    Brebbia, Telles, Wrobel 1984, "Boundary Element Techniques"; Pauly, Pai, Guibas 2004.
+    """
+
+    bone: Surface | None = None
+    fixed: ArrayLike | None = None
+    memory_limit: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class GivenMatrix:
+    """A response that was computed or measured elsewhere.
+
+    Parameters
+    ----------
+    nodes : (k,) array_like of int
+        Vertices that it is known for; all that touch must be among them.
+    compliance : (k, k) or (k, 3, k, 3) array_like
+        Displacement per newton (m/N) in the order of the nodes: along the obstacle's normals, or as vectors.
+    """
+
+    nodes: ArrayLike
+    compliance: ArrayLike
+
+
+Response = HalfSpace | GaussianCorrected | Layer | Body | GivenMatrix

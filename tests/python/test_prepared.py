@@ -1,0 +1,143 @@
+"""Responses computed once: stored, moved, given."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from shapes import ball
+
+SHEAR_MODULUS = 60e3
+PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
+
+
+def skin_of(response: qr.Response) -> qr.Skin:
+    return qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.45, response=response)
+
+
+@pytest.fixture(scope="module")
+def surface() -> qr.Surface:
+    return qr.Surface(*ball(8e-3, 3))
+
+
+def core() -> qr.Surface:
+    vertices, faces = ball(3e-3, 2)
+    return qr.Surface(vertices + np.array([0, 0, 5e-3]), faces)
+
+
+RESPONSES = {
+    "half_space": qr.HalfSpace(),
+    "layer": qr.Layer(20e-3),
+    "field": qr.Layer(np.full(642, 20e-3)),
+    "body": qr.Body(bone=core()),
+}
+
+
+@pytest.mark.parametrize("name", ["half_space", "layer", "field"])
+def test_a_prepared_kernel_gives_the_contact_of_the_kernel(name: str, surface: qr.Surface) -> None:
+    skin = skin_of(RESPONSES[name])
+    direct = qr.press(surface, PLATE, skin, [0, 0, 1], depth=0.5e-3)
+    prepared = qr.press(surface, PLATE, skin.prepared(surface), [0, 0, 1], depth=0.5e-3)
+    # Entries of the matrix hold to 1e-6, whichever nodes it is assembled over.
+    np.testing.assert_allclose(prepared.force, direct.force, rtol=1e-5, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", RESPONSES)
+def test_saved_and_loaded_it_is_equal_to_the_bit(name: str, surface: qr.Surface, tmp_path: Path) -> None:
+    low = np.flatnonzero(surface.vertices[:, 2] < 2e-3)
+    prepared = skin_of(RESPONSES[name]).prepared(surface, low)
+    prepared.save(tmp_path / "skin.npz")
+    assert [path.name for path in tmp_path.iterdir()] == ["skin.npz"]
+    loaded = qr.load_prepared(tmp_path / "skin.npz")
+    np.testing.assert_array_equal(loaded.nodes, low)
+    one, two = (qr.press(surface, PLATE, skin, [0, 0, 1], depth=0.4e-3) for skin in (prepared, loaded))
+    np.testing.assert_array_equal(one.node_force, two.node_force)
+    np.testing.assert_array_equal(one.displacement, two.displacement)
+
+
+@pytest.mark.parametrize("name", ["half_space", "body"])
+def test_it_moves_with_its_surface(name: str, surface: qr.Surface, tmp_path: Path) -> None:
+    low = np.flatnonzero(surface.vertices[:, 2] < 2e-3)
+    prepared = skin_of(RESPONSES[name]).prepared(surface, low)
+    still = qr.press(surface, PLATE, prepared, [0, 0, 1], depth=0.4e-3)
+    shift = [0.1, -0.2, 0.3]
+    moved = prepared.moved(TURN, shift)
+    there = surface.moved(TURN, shift)
+    turned = qr.press(there, PLATE.moved(TURN, shift), moved, TURN @ [0, 0, 1], depth=0.4e-3)
+    np.testing.assert_allclose(turned.force, TURN @ still.force, rtol=1e-7, atol=1e-9)
+    # Away from the candidates a kernel's displacement holds to 1e-3, and its far field to the axes' choice.
+    scale = np.abs(still.displacement).max()
+    np.testing.assert_allclose(turned.displacement, still.displacement @ TURN.T, atol=1e-3 * scale)
+    moved.save(tmp_path / "moved.npz")
+    again = qr.press(
+        there,
+        PLATE.moved(TURN, shift),
+        qr.load_prepared(tmp_path / "moved.npz"),
+        TURN @ [0, 0, 1],
+        depth=0.4e-3,
+    )
+    np.testing.assert_array_equal(again.node_force, turned.node_force)
+
+
+def test_another_surface_is_refused_with_what_differs(surface: qr.Surface) -> None:
+    prepared = skin_of(qr.HalfSpace()).prepared(surface, np.arange(20))
+    with pytest.raises(qr.ResponseError, match="number of vertices: 162, expected 642"):
+        qr.solve_contact(qr.Surface(*ball(8e-3, 2)), PLATE, prepared)
+    with pytest.raises(qr.ResponseError, match=r"vertex 0 is 1\.000e-3 m away"):
+        qr.solve_contact(surface.moved(np.eye(3), [1e-3, 0, 0]), PLATE, prepared)
+    flipped = qr.Surface(surface.vertices, np.roll(surface.faces, 1, axis=1))
+    with pytest.raises(qr.ResponseError, match="faces that differ: 1280"):
+        qr.solve_contact(flipped, PLATE, prepared)
+    with pytest.raises(qr.ResponseError, match="prepared for 20 other vertices"):
+        qr.press(surface, PLATE, prepared, [0, 0, 1], depth=0.5e-3)
+
+
+def test_a_file_that_is_no_prepared_skin_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.npz"
+    np.savez(path, numbers=np.arange(3))
+    with pytest.raises(qr.ResponseError, match="cannot be read as a prepared skin"):
+        qr.load_prepared(path)
+    path.write_text("text")
+    with pytest.raises(qr.ResponseError, match="cannot be read"):
+        qr.load_prepared(path)
+    with pytest.raises(FileNotFoundError):
+        qr.load_prepared(tmp_path / "missing.npz")
+
+
+def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
+    low = np.flatnonzero(surface.vertices[:, 2] < 1e-3)
+    matrix = qr.response_matrix(surface, skin_of(qr.HalfSpace()), low)
+    given = skin_of(qr.GivenMatrix(low, matrix))
+    one = qr.press(surface, PLATE, given, [0, 0, 1], depth=0.3e-3)
+    two = qr.press(surface, PLATE, skin_of(qr.HalfSpace()), [0, 0, 1], depth=0.3e-3)
+    np.testing.assert_allclose(one.force, two.force, rtol=1e-5, atol=1e-9)
+    blocks = np.einsum("ij,ab->iajb", matrix, np.eye(3))
+    three = qr.press(surface, PLATE, skin_of(qr.GivenMatrix(low, blocks)), [0, 0, 1], depth=0.3e-3)
+    np.testing.assert_allclose(three.force, one.force, rtol=1e-9, atol=1e-12)
+    with pytest.raises(qr.ResponseError, match="the matrix is 3 x 3, expected"):
+        qr.press(surface, PLATE, skin_of(qr.GivenMatrix(low, np.eye(3))), [0, 0, 1], depth=0.3e-3)
+    with pytest.raises(qr.ResponseError, match="compliance has shape"):
+        skin_of(qr.GivenMatrix(low, np.zeros((2, 3, 2, 3)))).prepared(surface)
+
+
+def test_a_body_on_its_bone_is_right_against_finite_elements(surface: qr.Surface) -> None:
+    """Axisymmetric finite elements and the exact shell series agree to 0.2 % on these forces."""
+    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr.Body(bone=core()))
+    low = np.flatnonzero(surface.vertices[:, 2] < 4e-3)
+    prepared = skin.prepared(surface, low)
+    # Uniform edges of 1.1 mm against contact radii of 2 and 3 mm: two and three cells.
+    for depth, force, error in [(0.6e-3, 0.495, 0.04), (1.12e-3, 1.297, 0.02)]:
+        contact = qr.press(surface, PLATE, prepared, [0, 0, 1], depth=depth)
+        assert contact.force[2] == pytest.approx(force, rel=error)
+        # Incompressible: what is pushed in comes out elsewhere.
+        inward = -np.einsum("ij,ij->i", contact.displacement, surface.vertex_normals)
+        pushed = np.maximum(inward, 0) @ surface.vertex_areas
+        assert abs(contact.volume_change) < 5e-3 * pushed
+
+
+def test_a_body_that_nothing_holds_is_refused(surface: qr.Surface) -> None:
+    with pytest.raises(qr.ResponseError, match="bone"):
+        skin_of(qr.Body()).prepared(surface)
