@@ -155,6 +155,8 @@ TRUNCATED += np.array(POINTS, dtype="<f4").tobytes() + struct.pack("<B3i", 3, 0,
         ("two.ply", ply_text([*good_ply_rows()[:-1], "2 0 1"]), "face 3 has 2 corners"),
         ("word.ply", ply_text(["0 zero 0", *good_ply_rows()[1:]]), "vertex 0 is not understood: '0 zero 0'"),
         ("short.ply", ply_text(["0 0", *good_ply_rows()[1:]]), "vertex 0 is not understood"),
+        ("grouped.ply", ply_text(["0 1_0 0", *good_ply_rows()[1:]]), "vertex 0 is not understood"),
+        ("huge.ply", ply_text([*good_ply_rows()[:-1], f"3 0 1 {10**30}"]), "face 3 is not understood"),
         (
             "nan.ply",
             ply_text(["0 nan 0", *good_ply_rows()[1:]]),
@@ -171,9 +173,29 @@ TRUNCATED += np.array(POINTS, dtype="<f4").tobytes() + struct.pack("<B3i", 3, 0,
         (
             "flat.ply",
             ply_text(good_ply_rows()).replace(b"property float z\n", b""),
-            "vertex 0 is not understood",
+            "no element 'vertex' with a number 'z'",
         ),
         ("empty.ply", b"", "does not start"),
+        (
+            "real.ply",
+            ply_text(good_ply_rows()).replace(b"uchar int", b"uchar float"),
+            "list of whole numbers",
+        ),
+        (
+            "count.ply",
+            ply_text(good_ply_rows()).replace(b"list uchar", b"list float"),
+            "line 9 of the header",
+        ),
+        (
+            "bare.ply",
+            ply_text(good_ply_rows()).replace(b"end_header", b"element edge 9\nend_header"),
+            "no properties",
+        ),
+        (
+            "twice.ply",
+            ply_text(good_ply_rows()).replace(b"property float y", b"property float x"),
+            "one of them twice",
+        ),
         (
             "cut.stl",
             stl_bytes(FACES)[:-1],
@@ -210,6 +232,37 @@ def test_a_broken_file_is_refused_with_its_defect(
     with pytest.raises(MeshFileError, match=message) as refusal:
         read(tmp_path, name, content)
     assert name in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("binary.ply", TRUNCATED + struct.pack("<B3i", 3, 0, 1, 3) * 3),
+        ("ascii.ply", ply_text(good_ply_rows())),
+        ("binary.stl", stl_bytes(FACES)),
+        ("text.stl", stl_text(FACES).encode()),
+        ("plain.obj", obj_text().encode()),
+    ],
+)
+def test_a_damaged_file_is_read_or_refused_but_never_worse(tmp_path: Path, name: str, content: bytes) -> None:
+    random = np.random.default_rng(20)
+    for _ in range(400):
+        damaged = bytearray(content)
+        for _ in range(random.integers(1, 4)):
+            place = int(random.integers(len(damaged)))
+            match random.integers(3):
+                case 0:
+                    damaged[place] = int(random.integers(256))
+                case 1:
+                    del damaged[place : place + int(random.integers(1, 9))]
+                case _:
+                    damaged[place:place] = damaged[: int(random.integers(1, 9))]
+        try:
+            vertices, faces = read(tmp_path, name, bytes(damaged))
+        except MeshFileError:
+            continue
+        assert np.isfinite(vertices).all()
+        assert 0 <= faces.min() <= faces.max() < len(vertices)
 
 
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:

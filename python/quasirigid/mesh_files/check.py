@@ -37,6 +37,20 @@ def _so_many(count: int, what: str) -> str:
     return "the only one" if count == 1 else f"{count} such {what} in all"
 
 
+def to_float(word: str) -> float:
+    """A number as mesh files write it; Python's own `1_000` is none."""
+    if "_" in word:
+        raise ValueError(word)
+    return float(word)
+
+
+def to_int(word: str) -> int:
+    """A whole number that 64 bits hold."""
+    if "_" in word or not -(2**63) <= int(word) < 2**63:
+        raise ValueError(word)
+    return int(word)
+
+
 def fans(corners: list[list[int]]) -> Indices:
     """Faces of three or more corners as triangles from their first corner, in order."""
     triangles = [(face[0], second, third) for face in corners for second, third in pairwise(face[1:])]

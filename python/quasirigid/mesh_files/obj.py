@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import MeshFileError
-from .check import Floats, Indices, fans, weld_equal
+from .check import Floats, Indices, fans, to_float, to_int, weld_equal
 
 _FREE_FORM = {"vp", "cstype", "curv", "curv2", "surf"}
 
@@ -22,7 +22,7 @@ def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
         here = f"{name}: line {number} ('{line.strip()[:60]}')"
         if words[0] == "v":
             try:
-                x, y, z = (float(word) for word in words[1:4])
+                x, y, z = (to_float(word) for word in words[1:4])
             except ValueError:
                 raise MeshFileError(f"{here}: expected 3 coordinates") from None
             points.append((x, y, z))
@@ -45,7 +45,7 @@ def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
 def _corner(word: str, known: int, here: str) -> int:
     """Number of a vertex, counted from 0: files count from 1, or back from the last one read."""
     try:
-        index = int(word.split("/")[0])
+        index = to_int(word.split("/")[0])
     except ValueError:
         raise MeshFileError(f"{here}: '{word}' names no vertex") from None
     corner = index - 1 if index > 0 else known + index

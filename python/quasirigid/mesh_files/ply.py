@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import MeshFileError
-from .check import Floats, Indices, fans
+from .check import Floats, Indices, fans, to_float, to_int
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
     "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4",
     "float32": "f4", "float64": "f8",
 }  # fmt: skip
+_COUNTERS = {kind for kind, dtype in _TYPES.items() if dtype[0] != "f"}
 _FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
@@ -31,28 +33,17 @@ class _Element:
     count: int
     properties: list[_Property]
 
-    @property
-    def has_lists(self) -> bool:
-        return any(prop.counter for prop in self.properties)
-
 
 def read_ply(data: bytes, name: str) -> tuple[Floats, Indices]:
     """Vertices (n, 3) and faces (m, 3) as stored; faces of more than three corners become fans."""
     order, elements, start = _header(data, name)
-    columns = (
-        _ascii(data[start:], elements, name) if order == "" else _binary(data, start, order, elements, name)
-    )
-    for element, axes in (("vertex", "xyz"),):
-        if element not in columns:
-            raise MeshFileError(f"{name}: the header has no element '{element}'")
-        missing = [axis for axis in axes if axis not in columns[element]]
-        if missing:
-            raise MeshFileError(f"{name}: vertices have no property '{missing[0]}'")
+    corner_name = _check_header(elements, name)
+    if order == "":
+        columns = _ascii(data[start:], elements, name)
+    else:
+        columns = _binary(data, start, order, elements, name)
     vertices = np.stack([np.asarray(columns["vertex"][axis], dtype=np.float64) for axis in "xyz"], axis=1)
-    face_columns = columns.get("face", {})
-    corners = face_columns.get("vertex_indices", face_columns.get("vertex_index"))
-    if corners is None:
-        raise MeshFileError(f"{name}: the header has no element 'face' with a list 'vertex_indices'")
+    corners = columns["face"][corner_name]
     if isinstance(corners, np.ndarray) and corners.ndim == 2 and corners.shape[1] == 3:
         return vertices, corners.astype(np.int64)
     rows = [[int(corner) for corner in face] for face in corners]
@@ -68,13 +59,12 @@ def read_ply(data: bytes, name: str) -> tuple[Floats, Indices]:
 def _header(data: bytes, name: str) -> tuple[str, list[_Element], int]:
     if not data.startswith((b"ply\n", b"ply\r")):
         raise MeshFileError(f"{name}: does not start with 'ply'")
-    end = data.find(b"end_header")
-    stop = data.find(b"\n", end)
-    if end < 0 or stop < 0:
+    end = re.search(rb"[\r\n]end_header(?:\r\n|\n|\r)", data)
+    if end is None:
         raise MeshFileError(f"{name}: the header has no end ('end_header')")
     order: str | None = None
     elements: list[_Element] = []
-    for number, line in enumerate(data[:end].decode("latin-1").splitlines(), start=1):
+    for number, line in enumerate(data[: end.start()].decode("latin-1").splitlines(), start=1):
         match line.split():
             case [] | ["ply"] | ["comment", *_] | ["obj_info", *_]:
                 pass
@@ -82,7 +72,9 @@ def _header(data: bytes, name: str) -> tuple[str, list[_Element], int]:
                 order = _FORMATS[kind]
             case ["element", element, count] if count.isdigit():
                 elements.append(_Element(element, int(count), []))
-            case ["property", "list", counter, kind, prop] if elements and {counter, kind} <= _TYPES.keys():
+            case ["property", "list", counter, kind, prop] if (
+                elements and counter in _COUNTERS and kind in _TYPES
+            ):
                 elements[-1].properties.append(_Property(prop, _TYPES[kind], _TYPES[counter]))
             case ["property", kind, prop] if elements and kind in _TYPES:
                 elements[-1].properties.append(_Property(prop, _TYPES[kind], None))
@@ -92,7 +84,29 @@ def _header(data: bytes, name: str) -> tuple[str, list[_Element], int]:
                 )
     if order is None:
         raise MeshFileError(f"{name}: the header names no format")
-    return order, elements, stop + 1
+    return order, elements, end.end()
+
+
+def _check_header(elements: list[_Element], name: str) -> str:
+    """Refuse headers without what a mesh needs; returns the name of the list of corners."""
+    for element in elements:
+        names = [prop.name for prop in element.properties]
+        if not names or len(set(names)) < len(names):
+            raise MeshFileError(f"{name}: element '{element.name}' has no properties, or one of them twice")
+    if len({element.name for element in elements}) < len(elements):
+        raise MeshFileError(f"{name}: the header names an element twice")
+    found = {(element.name, prop.name): prop for element in elements for prop in element.properties}
+    for axis in "xyz":
+        prop = found.get(("vertex", axis))
+        if prop is None or prop.counter:
+            raise MeshFileError(f"{name}: the header has no element 'vertex' with a number '{axis}'")
+    for corner_name in ("vertex_indices", "vertex_index"):
+        prop = found.get(("face", corner_name))
+        if prop is not None and prop.counter and prop.kind[0] != "f":
+            return corner_name
+    raise MeshFileError(
+        f"{name}: the header has no element 'face' with a list of whole numbers 'vertex_indices'"
+    )
 
 
 def _binary(
@@ -127,6 +141,8 @@ def _row_type(data: bytes, at: int, order: str, element: _Element) -> np.dtype[A
             if element.count == 0 or at + counter.itemsize > len(data):
                 return np.dtype(fields) if element.count == 0 else None
             length = max(0, int(np.frombuffer(data, counter, 1, at)[0]))
+            if at + length * np.dtype(prop.kind).itemsize > len(data):
+                return None
             fields += [(f"#{prop.name}", counter), (prop.name, order + prop.kind, (length,))]
             at += counter.itemsize + length * np.dtype(prop.kind).itemsize
     return np.dtype(fields)
@@ -170,11 +186,11 @@ def _ascii(text: bytes, elements: list[_Element], name: str) -> dict[str, dict[s
             at += 1
             try:
                 for prop in element.properties:
-                    length = int(words.pop(0)) if prop.counter else 1
+                    length = to_int(words.pop(0)) if prop.counter else 1
                     taken, words = words[:length], words[length:]
                     if len(taken) < length or length < 0:
                         raise IndexError
-                    values = [float(word) if prop.kind[0] == "f" else int(word) for word in taken]
+                    values = [to_float(word) if prop.kind[0] == "f" else to_int(word) for word in taken]
                     table[prop.name].append(values if prop.counter else values[0])
                 if words:
                     raise IndexError

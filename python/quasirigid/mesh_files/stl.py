@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import MeshFileError
-from .check import Floats, Indices, weld_equal
+from .check import Floats, Indices, to_float, weld_equal
 
 _ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -48,7 +48,7 @@ def _ascii(data: bytes, name: str) -> Floats:
             raise MeshFileError(f"{name}: line {number} is '{line.strip()[:60]}', expected '{wanted}'")
         if word == "vertex":
             try:
-                x, y, z = (float(value) for value in words[1:])
+                x, y, z = (to_float(value) for value in words[1:])
             except ValueError:
                 raise MeshFileError(
                     f"{name}: line {number} is '{line.strip()[:60]}', expected 3 numbers"
