@@ -13,7 +13,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
 use quasirigid::contact::{Contact, ContactOptions, Press, Start, press};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
-use quasirigid::response::{Pressure, Response, Skin};
+use quasirigid::response::{Gap, Pressure, Response, Skin};
 use quasirigid::surface::Surface;
 
 /// Subdivisions k of the ball of skin, which has 10 · 4^k + 2 vertices.
@@ -28,7 +28,7 @@ fn skin(subdivisions: usize) -> Surface {
 }
 
 fn half_space() -> Skin {
-    let response = Response::HalfSpace { pressure: Pressure::Linear };
+    let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
     Skin::new(60e3, 0.5, response).expect("constants of a fingertip")
 }
 

@@ -5,7 +5,7 @@
 
 use faer::Mat;
 use nalgebra::Vector3;
-use quasirigid::response::{AssemblyOptions, Pressure, Response, Skin, assemble};
+use quasirigid::response::{AssemblyOptions, Gap, Pressure, Response, Skin, assemble};
 use quasirigid::surface::Surface;
 use std::time::Instant;
 
@@ -72,7 +72,7 @@ fn median(mut run: impl FnMut(), times: usize) -> f64 {
 }
 
 fn main() {
-    let response = Response::HalfSpace { pressure: Pressure::Linear };
+    let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
     let skin = Skin::new(60e3, 0.5, response).expect("valid constants");
     for n in [400, 1500] {
         let surface = capsule(n);

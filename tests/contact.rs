@@ -11,7 +11,7 @@ use quasirigid::contact::{
 use quasirigid::lcp::LcpStatus;
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
-use quasirigid::response::{Pressure, Response, Skin};
+use quasirigid::response::{Gap, Pressure, Response, Skin};
 use quasirigid::surface::Surface;
 
 const SHEAR_MODULUS: f64 = 60e3;
@@ -19,7 +19,7 @@ const POISSON_RATIO: f64 = 0.5;
 const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
 
 fn half_space(pressure: Pressure) -> Skin {
-    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure }).unwrap()
+    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Node }).unwrap()
 }
 
 fn linear() -> Skin {
@@ -199,7 +199,7 @@ fn force_grows_with_the_square_of_the_scale() {
 #[test]
 fn force_is_proportional_to_the_shear_modulus() {
     let at = |modulus: f64| {
-        let response = Response::HalfSpace { pressure: Pressure::Linear };
+        let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
         let skin = Skin::new(modulus, POISSON_RATIO, response).unwrap();
         press_up(&ball(8e-3, 3), &plate(), &skin, 0.5e-3).resultant.force.z
     };

@@ -3,14 +3,14 @@
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Vector3};
 use quasirigid::response::{
-    AssemblyOptions, LayerKernel, Pressure, Response, ResponseError, Skin, Thickness, assemble,
-    assemble_block, gaussian_hat_integrals, hat_integrals, matrix_bytes,
+    AssemblyOptions, Gap, LayerKernel, Pressure, Response, ResponseError, Skin, Thickness, assemble,
+    assemble_block, definiteness, gaussian_hat_integrals, hat_average, hat_integrals, matrix_bytes,
 };
 use quasirigid::surface::Surface;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-const HALF_SPACE: Response = Response::HalfSpace { pressure: Pressure::Linear };
+const HALF_SPACE: Response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
 const PAPER: Response =
     Response::GaussianCorrected { height: 0.8e-3, width: 5e-3, cutoff: 15e-3, pressure: Pressure::Linear };
 
@@ -110,7 +110,7 @@ fn a_hexagon_moves_its_own_centre_by_the_closed_form() {
     let linear = assemble(&surface, &skin(HALF_SPACE), &[0], None, &options).expect("valid");
     let expected = constant * 6.0 * 0.5 * height * 3f64.ln() / (area / 3.0);
     assert_relative_eq!(linear[(0, 0)], expected, max_relative = 1e-14);
-    let one_ring = skin(Response::HalfSpace { pressure: Pressure::OneRing });
+    let one_ring = skin(Response::HalfSpace { pressure: Pressure::OneRing, gap: Gap::Node });
     let even = assemble(&surface, &one_ring, &[0], None, &options).expect("valid");
     assert_relative_eq!(even[(0, 0)], constant * 6.0 * height * 3f64.ln() / area, max_relative = 1e-14);
 }
@@ -194,7 +194,7 @@ fn assembly_equals_the_double_loop_over_exact_integrals() {
 
 fn check_against_double_loop(surface: &Surface) {
     for pressure in [Pressure::Linear, Pressure::OneRing] {
-        let skin = skin(Response::HalfSpace { pressure });
+        let skin = skin(Response::HalfSpace { pressure, gap: Gap::Node });
         let naive = naive_half_space(surface, &skin, &all(surface));
         for (tolerance, allowed) in [(1e-3, 1e-3), (1e-6, 1e-6), (1e-9, 1e-9), (0.0, 2e-12)] {
             let fast = matrix(surface, &skin, tolerance);
@@ -316,6 +316,84 @@ fn a_subset_of_nodes_gives_the_block_of_the_full_matrix() {
     }
     let none = assemble(&surface, &skin(HALF_SPACE), &[], None, &options).expect("no nodes is no error");
     assert_eq!((none.nrows(), none.ncols()), (0, 0));
+}
+
+// ---- the weighted form ----
+
+const WEIGHTED: Response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
+
+#[test]
+fn weighted_matrices_are_symmetric_positive_definite_on_any_mesh() {
+    for surface in [
+        grid(8, 8e-3, 0.0, 0.45),
+        grid(7, 7e-3, 4e-3, 0.45),
+        squeezed(&grid(4, 4e-3, 0.0, 0.3), 1e-1),
+        squeezed(&grid(3, 3e-3, 0.0, 0.3), 1e-3),
+    ] {
+        let r = matrix(&surface, &skin(WEIGHTED), 1e-6);
+        assert!((0..r.ncols()).all(|j| (0..j).all(|i| r[(i, j)] == r[(j, i)])));
+        let found = definiteness(r.as_ref());
+        assert!(found.positive_definite && found.smallest > 0.0, "{found:?}");
+    }
+}
+
+#[test]
+fn weighted_entries_of_a_refined_grid_add_up_to_those_of_the_grid() {
+    // A hat is a sum of the hats of the mesh with halved edges, and the energy is bilinear:
+    // S_i S_j R_ij = Σ_kl hat_i(x_k) hat_j(x_l) s_k s_l r_kl, with no discretisation error at all.
+    let n = 4;
+    let (coarse, fine) = (grid(n, 4e-3, 0.0, 0.0), grid(2 * n, 4e-3, 0.0, 0.0));
+    let (big, small) = (matrix(&coarse, &skin(WEIGHTED), 1e-9), matrix(&fine, &skin(WEIGHTED), 1e-9));
+    let hat = |i: usize, k: usize| {
+        let fine_place = [(k / (2 * n + 1)) as f64, (k % (2 * n + 1)) as f64];
+        let (a, b) = (fine_place[0] - 2.0 * (i / (n + 1)) as f64, fine_place[1] - 2.0 * (i % (n + 1)) as f64);
+        // the diagonals run along (1, 1)
+        (1.0 - 0.5 * a.abs().max(b.abs()).max((a - b).abs())).max(0.0)
+    };
+    let mut worst: f64 = 0.0;
+    for i in 0..big.nrows() {
+        for j in 0..=i {
+            let mut sum = 0.0;
+            for k in 0..small.nrows() {
+                for l in 0..small.ncols() {
+                    let share = hat(i, k) * hat(j, l);
+                    if share > 0.0 {
+                        sum += share * fine.vertex_areas()[k] * fine.vertex_areas()[l] * small[(k, l)];
+                    }
+                }
+            }
+            let expected = sum / (coarse.vertex_areas()[i] * coarse.vertex_areas()[j]);
+            let error = (big[(i, j)] / expected - 1.0).abs();
+            // border hats end with a jump, where the outer rule converges more slowly
+            worst = worst.max(error);
+            assert!(error < 1e-6, "({i}, {j}): {error:e}");
+        }
+    }
+    println!("worst relative error {worst:e}");
+}
+
+#[test]
+fn hat_average_is_the_mass_matrix_over_the_vertex_area() {
+    let surface = grid(6, 6e-3, 2e-3, 0.3);
+    let ones = vec![1.0; surface.vertices().len()];
+    let along: Vec<f64> = surface.vertices().iter().map(|v| v.x).collect();
+    for vertex in all(&surface) {
+        assert_relative_eq!(hat_average(&surface, vertex, &ones), 1.0, max_relative = 1e-14);
+        // a linear field: the average lies at the centre of gravity of the hat
+        let mut center = 0.0;
+        for &f in surface.faces_around(vertex) {
+            let corners = surface.faces()[f as usize];
+            let others: f64 = corners.iter().map(|&v| surface.vertices()[v as usize].x).sum();
+            center += surface.face_areas()[f as usize] * (others + surface.vertices()[vertex].x) / 12.0;
+        }
+        let expected = center / surface.vertex_areas()[vertex];
+        assert_relative_eq!(
+            hat_average(&surface, vertex, &along),
+            expected,
+            max_relative = 1e-13,
+            epsilon = 1e-18
+        );
+    }
 }
 
 // ---- the layer ----

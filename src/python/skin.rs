@@ -9,7 +9,8 @@ use super::surface::PySurface;
 use crate::mesh::rigid_motion;
 use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
 use crate::response::{
-    self, AssemblyOptions, ElasticSkin, PreparedResponse, PreparedSkin, Pressure, Response, Skin, Thickness,
+    self, AssemblyOptions, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure, Response, Skin,
+    Thickness,
 };
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
@@ -75,7 +76,11 @@ impl PySkin {
 impl PySkin {
     #[staticmethod]
     fn half_space(shear_modulus: f64, poisson_ratio: f64, pressure: &str) -> PyResult<Self> {
-        made(shear_modulus, poisson_ratio, Response::HalfSpace { pressure: pressure_named(pressure)? })
+        made(
+            shear_modulus,
+            poisson_ratio,
+            Response::HalfSpace { pressure: pressure_named(pressure)?, gap: Gap::Node },
+        )
     }
 
     #[staticmethod]

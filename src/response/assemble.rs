@@ -6,9 +6,10 @@ use super::error::ResponseError;
 use super::layer_column::PreparedLayer;
 use super::options::{AssemblyOptions, check_request};
 use super::parallel::fill_columns;
-use super::skin::{Response, Skin};
+use super::skin::{Gap, Response, Skin};
 use super::source::loaded_faces;
 use super::targets::Targets;
+use super::weighted::weighted_block;
 use crate::surface::Surface;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -67,6 +68,9 @@ fn fill_block(
 ) -> Result<Mat<f64>, ResponseError> {
     skin.validate()?;
     skin.check_against(surface)?;
+    if skin.gap() == Gap::Weighted {
+        return weighted_block(surface, skin, rows, columns, options);
+    }
     let mut matrix = Mat::zeros(rows.len(), columns.len());
     let points: Vec<_> = rows.iter().map(|&v| surface.vertices()[v]).collect();
     let targets = Targets::new(&points);

@@ -67,6 +67,7 @@ pub(crate) fn half_space_values(
     tolerance: f64,
     reach: f64,
 ) {
+    scratch.values.resize(targets.x.len(), 0.0);
     pulp::Arch::new().dispatch(HalfSpaceColumn { targets, scratch, amplitude, tolerance, reach });
 }
 

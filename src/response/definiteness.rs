@@ -141,10 +141,11 @@ impl Definiteness {
 
 #[cfg(test)]
 mod tests {
+    use super::super::skin::Gap;
     use super::*;
 
     fn skin(pressure: Pressure) -> Skin {
-        Skin::new(60e3, 0.5, Response::HalfSpace { pressure }).expect("valid constants")
+        Skin::new(60e3, 0.5, Response::HalfSpace { pressure, gap: Gap::Node }).expect("valid constants")
     }
 
     #[test]

@@ -39,6 +39,7 @@ mod targets;
 mod thickness;
 mod triangle;
 mod volume;
+mod weighted;
 
 pub use assemble::{assemble, assemble_block};
 pub use definiteness::{Definiteness, definiteness};
@@ -48,7 +49,8 @@ pub use gaussian::gaussian_hat_integrals;
 pub use layer::LayerKernel;
 pub use options::{AssemblyOptions, matrix_bytes};
 pub use prepared::{PreparedResponse, PreparedSkin};
-pub use skin::{Pressure, Response, Skin};
+pub use skin::{Gap, Pressure, Response, Skin};
 pub use thickness::Thickness;
 pub use triangle::hat_integrals;
 pub use volume::{NetVolume, balanced_height, net_volume};
+pub use weighted::hat_average;

@@ -18,6 +18,20 @@ pub enum Pressure {
     OneRing,
 }
 
+/// How the gap of a node is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Gap {
+    /// At the node (collocation). No penetration is left at vertices; R is not symmetric and, on badly shaped
+    /// meshes, not always positive definite.
+    #[default]
+    Node,
+    /// Averaged against the node's pressure (Galerkin), `R_ij = ∫∫ p_i(x) K/|x - y| p_j(y) dA dA`. R is
+    /// symmetric positive definite on any surface, as 1/r is an energy, and costs some ten times as much; a
+    /// vertex may keep a penetration of the order of the mesh error. Initial gaps are to be averaged likewise:
+    /// [`hat_average`](super::hat_average).
+    Weighted,
+}
+
 /// Displacement of the skin at distance r from a unit force; r is the straight-line distance and
 /// K = (1-ν)/(2πG) (m²/N).
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +41,8 @@ pub enum Response {
     HalfSpace {
         /// How a node's force is spread.
         pressure: Pressure,
+        /// How the gap is measured.
+        gap: Gap,
     },
     /// The kernel of Xie, Kanai, Date 2011 (eq. 6), which keeps volume by a Gaussian taken off:
     /// `u(r) = K / r - a exp(-r²/2c²)` for r < cutoff, 0 beyond.
@@ -125,10 +141,18 @@ impl Skin {
         (1.0 - self.poisson_ratio) / (TAU * self.shear_modulus)
     }
 
+    /// How the gap of a node is measured.
+    pub fn gap(&self) -> Gap {
+        match self.response {
+            Response::HalfSpace { gap, .. } => gap,
+            _ => Gap::Node,
+        }
+    }
+
     /// How a node's force is spread.
     pub fn pressure(&self) -> Pressure {
         match self.response {
-            Response::HalfSpace { pressure }
+            Response::HalfSpace { pressure, .. }
             | Response::GaussianCorrected { pressure, .. }
             | Response::Layer { pressure, .. } => pressure,
         }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 /// Coordinates in separate lists, in an order that keeps neighbours together (a Z-order curve) so that points
 /// of a vector lie at similar distances from any load.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Targets {
     pub(crate) x: Vec<f64>,
     pub(crate) y: Vec<f64>,
@@ -37,6 +37,31 @@ impl Targets {
             list
         };
         Self { x: coordinate(0), y: coordinate(1), z: coordinate(2), rows }
+    }
+
+    /// Empties the lists, to be filled by [`Targets::push`] in place of [`Targets::new`].
+    pub(crate) fn clear(&mut self) {
+        for list in [&mut self.x, &mut self.y, &mut self.z] {
+            list.clear();
+        }
+        self.rows.clear();
+    }
+
+    pub(crate) fn push(&mut self, point: &Vector3<f64>) {
+        self.rows.push(self.rows.len() as u32);
+        self.x.push(point.x);
+        self.y.push(point.y);
+        self.z.push(point.z);
+    }
+
+    /// Fills up to whole blocks.
+    pub(crate) fn pad(&mut self) {
+        let padded = self.rows.len().next_multiple_of(BLOCK);
+        for list in [&mut self.x, &mut self.y, &mut self.z] {
+            if let Some(&last) = list.last() {
+                list.resize(padded, last);
+            }
+        }
     }
 
     /// Copies the values of a column, in the order of the points, to their rows.
