@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 
 from .io import LengthUnit
 from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
-from .response import GaussianCorrected, HalfSpace
+from .response import GaussianCorrected, HalfSpace, Layer
 from .surface import Surface, flat_cap_mask
 
 _CONSTANTS: dict[str, dict[str, dict[str, float]]] = {
     "half-space": {},
+    "layer": {"thickness": LENGTH},
     "gaussian": {"height": COMPLIANCE, "width": LENGTH, "cutoff": LENGTH},
 }
+
+
+_EXAMPLES = {"layer": "layer:thickness=5mm", "gaussian": "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"}
 
 
 def one_of(text: str, choices: Sequence[str], option: str) -> str:
@@ -31,7 +35,7 @@ def file_unit(text: str, option: str) -> LengthUnit:
     return cast(LengthUnit, one_of(text, ("m", "mm"), option))
 
 
-def response_of(text: str) -> HalfSpace | GaussianCorrected:
+def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected:
     """A response from its name and constants, as in `gaussian:height=0.8mm/N,width=5mm,cutoff=15mm`."""
     name, _, rest = text.partition(":")
     values: dict[str, str] = {}
@@ -46,11 +50,12 @@ def response_of(text: str) -> HalfSpace | GaussianCorrected:
     if wrong := sorted(values.keys() - units.keys()):
         raise QuantityError(f"--response: {name} has no constant '{wrong[0]}'")
     if missing := [key for key in units if key not in values]:
-        example = "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"
-        raise QuantityError(f"--response: {name} needs {', '.join(missing)}, as in {example}")
+        raise QuantityError(f"--response: {name} needs {', '.join(missing)}, as in {_EXAMPLES[name]}")
     constants = {key: parse_quantity(values[key], units[key], f"--response {key}") for key in units}
     if name == "half-space":
         return HalfSpace(pressure=pressure)
+    if name == "layer":
+        return Layer(constants["thickness"], pressure=pressure)
     return GaussianCorrected(**constants, pressure=pressure)
 
 

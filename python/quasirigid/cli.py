@@ -136,8 +136,9 @@ def press(
     response: Annotated[
         str,
         typer.Option(
-            help="half-space, or gaussian:height=0.8mm/N,width=5mm,cutoff=15mm (the paper's); either takes"
-            " pressure=linear or pressure=one_ring, as in half-space:pressure=one_ring."
+            help="half-space; layer:thickness=5mm (on bone); or gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"
+            " (the paper's). Each takes pressure=linear or pressure=one_ring, as in"
+            " half-space:pressure=one_ring."
         ),
     ] = "half-space",
     skin_mask: Annotated[

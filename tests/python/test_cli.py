@@ -16,6 +16,7 @@ pytest.importorskip("rich")
 pytest.importorskip("matplotlib")
 
 import quasirigid as qr
+from quasirigid.arguments import response_of, rotation
 from quasirigid.cli import run
 
 COMMANDS = [[], ["demo"], ["press"], ["info"]]
@@ -113,9 +114,23 @@ def test_a_press_prints_and_writes_the_same_figures_as_the_library(
     assert printed.err == "" or printed.err.endswith("...\n")
 
 
-def test_a_turn_is_about_fixed_axes_x_then_y_then_z() -> None:
-    from quasirigid.arguments import rotation
+@pytest.mark.parametrize(
+    ("text", "response"),
+    [
+        ("half-space", qr.HalfSpace()),
+        ("half-space:pressure=one_ring", qr.HalfSpace(pressure="one_ring")),
+        ("layer:thickness=5mm", qr.Layer(thickness=5e-3)),
+        ("gaussian:height=0.8mm/N,width=5mm,cutoff=15mm", qr.GaussianCorrected(0.8e-3, 5e-3, 15e-3)),
+    ],
+)
+def test_a_response_is_told_by_name_and_constants(text: str, response: object) -> None:
+    told = response_of(text)
+    assert type(told) is type(response)
+    for name, value in vars(response).items():
+        assert getattr(told, name) == (value if isinstance(value, str) else pytest.approx(value))
 
+
+def test_a_turn_is_about_fixed_axes_x_then_y_then_z() -> None:
     turned = rotation([np.pi / 2, 0.0, np.pi / 2]) @ np.array([0.0, 1.0, 0.0])
     # About x: y to z; about z: z stays.
     assert turned == pytest.approx([0.0, 0.0, 1.0], abs=1e-15)
