@@ -199,6 +199,55 @@ fn block_pivoting_and_lemke_find_the_one_solution_of_a_p_matrix() {
     }
 }
 
+#[test]
+fn copositive_plus_problems_built_from_an_answer_are_solved() {
+    let mut noise = Noise(23);
+    for n in [12, 40, 90] {
+        for kind in 0..4 {
+            for degenerate in [false, true] {
+                let g = noise.matrix(n, n);
+                let thin = noise.matrix(n, n / 3);
+                let m = match kind {
+                    0 => &thin * thin.transpose(),
+                    1 => &thin * thin.transpose() + &g - g.transpose(),
+                    2 => &g - g.transpose(),
+                    _ => {
+                        // An obstacle-like matrix: columns repeated, as with coincident nodes.
+                        let half = noise.matrix(n / 2, n / 2);
+                        let core = &half * half.transpose();
+                        Mat::from_fn(n, n, |i, j| core[(i % (n / 2), j % (n / 2))])
+                    }
+                };
+                // z on one third, w on another; the rest has neither when degenerate.
+                let third = |i: usize| i % 3;
+                let z: Vec<f64> =
+                    (0..n).map(|i| if third(i) == 0 { noise.value().abs() } else { 0.0 }).collect();
+                let w: Vec<f64> = (0..n)
+                    .map(|i| {
+                        if third(i) == 1 || (third(i) == 2 && !degenerate) {
+                            noise.value().abs()
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect();
+                let q: Vec<f64> =
+                    (0..n).map(|i| w[i] - (0..n).map(|j| m[(i, j)] * z[j]).sum::<f64>()).collect();
+                for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+                    let solution = run_with(&m, &q, method, &LcpOptions::default());
+                    assert_eq!(
+                        solution.status,
+                        LcpStatus::Solved,
+                        "{method}, n = {n}, kind {kind}, degenerate {degenerate}: {} {:?}",
+                        solution.advice(),
+                        solution.attempts
+                    );
+                }
+            }
+        }
+    }
+}
+
 // Hard cases of the literature
 
 #[test]

@@ -19,6 +19,14 @@
 //! # Ok::<(), quasirigid::lcp::LcpError>(())
 //! ```
 //!
+//! | method | for | needs |
+//! |---|---|---|
+//! | [`Lemke`](LcpMethod::Lemke) | any M; about one pivot for each unknown above zero | columns of M as they enter |
+//! | [`BlockPivoting`](LcpMethod::BlockPivoting) | M with positive principal minors; a few factors of the active block | that block |
+//! | [`ProjectedCg`](LcpMethod::ProjectedCg) | M symmetric positive definite, by depth or by load | products with M |
+//! | [`Auto`](LcpMethod::Auto) | block pivoting, then Lemke; notes what it did | |
+//!
+//! Unknowns that no `z >= 0` can press (`q_i >= 0`, no negative entry in row i) are left out by all of them.
 //! Every answer, whichever method found it, is checked against the `M` and `q` as given; only one whose
 //! [natural residual](Certificate::natural_residual) passes is called [`LcpStatus::Solved`].
 //!

@@ -22,7 +22,7 @@ const TRIES: usize = 3;
 const SYMMETRIC: f64 = 1e-10;
 const SYMMETRIC_FACTOR: f64 = 1e-13;
 /// Unknowns up to which `auto` begins with Lemke's method where M is not known to be a P-matrix.
-const FEW: usize = 48;
+const FEW: usize = 16;
 /// Unknowns from which looking for symmetry pays for itself in block pivoting.
 const MANY: usize = 256;
 
@@ -31,7 +31,7 @@ const MANY: usize = 256;
 /// An answer is called [`LcpStatus::Solved`] only if its natural residual, measured with the M and q given, is
 /// at most [`LcpOptions::tolerance`].
 ///
-/// [`LcpMethod::Auto`] begins with block pivoting, which for a few dozen unknowns of unknown kind would gain
+/// [`LcpMethod::Auto`] begins with block pivoting, which for a handful of unknowns of unknown kind would gain
 /// nothing and is left out; Lemke's method follows. Unless that has proved that there is no solution, block
 /// pivoting is tried again to its end, and conjugate gradients where M is symmetric and not known to be
 /// indefinite.
