@@ -72,33 +72,59 @@ fn fill_block(
         return weighted_block(surface, skin, rows, columns, options);
     }
     let mut matrix = Mat::zeros(rows.len(), columns.len());
-    let points: Vec<_> = rows.iter().map(|&v| surface.vertices()[v]).collect();
-    let targets = Targets::new(&points);
-    let constant = skin.kernel_constant();
-    let (pressure, tolerance) = (skin.pressure(), options.tolerance);
-    let layer = match &skin.response {
-        Response::Layer { thickness, .. } => {
-            Some(PreparedLayer::new(skin, thickness, rows, &targets, options)?)
-        }
-        _ => None,
-    };
-    let scratch = || Scratch::new(&targets);
+    let kernel = Columns::new(surface, skin, rows, options)?;
+    let scratch = || Scratch::new(&kernel.targets);
     fill_columns(&mut matrix, options, scratch, |scratch: &mut Scratch, j, column| {
-        scratch.faces.clear();
-        loaded_faces(surface, columns[j], pressure, &mut scratch.faces);
-        match skin.response {
-            Response::Layer { ref thickness, .. } => {
-                let layer = layer.as_ref().expect("prepared for a layer");
-                layer.column(thickness.at(columns[j])).values(&targets, scratch);
-            }
-            Response::HalfSpace { .. } => {
-                half_space_values(&targets, scratch, constant, tolerance, f64::INFINITY);
-            }
-            Response::GaussianCorrected { height, width, cutoff, .. } => {
-                Corrected { constant, height, cutoff, width }.values(&targets, scratch, tolerance);
-            }
-        }
-        targets.scatter(&scratch.values, column);
+        kernel.fill(scratch, columns[j]);
+        kernel.targets.scatter(&scratch.values, column);
     })?;
     Ok(matrix)
+}
+
+/// What all columns over the same rows share.
+pub(crate) struct Columns<'a> {
+    surface: &'a Surface,
+    skin: &'a Skin,
+    tolerance: f64,
+    layer: Option<PreparedLayer>,
+    pub(crate) targets: Targets,
+}
+
+impl<'a> Columns<'a> {
+    pub(crate) fn new(
+        surface: &'a Surface,
+        skin: &'a Skin,
+        rows: &[usize],
+        options: &AssemblyOptions,
+    ) -> Result<Self, ResponseError> {
+        let points: Vec<_> = rows.iter().map(|&v| surface.vertices()[v]).collect();
+        let targets = Targets::new(&points);
+        let layer = match &skin.response {
+            Response::Layer { thickness, .. } => {
+                Some(PreparedLayer::new(skin, thickness, rows, &targets, options)?)
+            }
+            _ => None,
+        };
+        Ok(Self { surface, skin, tolerance: options.tolerance, layer, targets })
+    }
+
+    /// Sets `scratch.values` to the displacement of the targets per newton at `vertex`.
+    pub(crate) fn fill(&self, scratch: &mut Scratch, vertex: usize) {
+        let (targets, tolerance) = (&self.targets, self.tolerance);
+        let constant = self.skin.kernel_constant();
+        scratch.faces.clear();
+        loaded_faces(self.surface, vertex, self.skin.pressure(), &mut scratch.faces);
+        match self.skin.response {
+            Response::Layer { ref thickness, .. } => {
+                let layer = self.layer.as_ref().expect("prepared for a layer");
+                layer.column(thickness.at(vertex)).values(targets, scratch);
+            }
+            Response::HalfSpace { .. } => {
+                half_space_values(targets, scratch, constant, tolerance, f64::INFINITY);
+            }
+            Response::GaussianCorrected { height, width, cutoff, .. } => {
+                Corrected { constant, height, cutoff, width }.values(targets, scratch, tolerance);
+            }
+        }
+    }
 }

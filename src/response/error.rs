@@ -58,6 +58,12 @@ pub enum ResponseError {
         /// Vertices of the surface.
         vertex_count: usize,
     },
+    /// The kernel is felt everywhere, so its matrix has no entries to leave out.
+    #[error("the {kernel} kernel is felt at any distance, so its response matrix is not sparse")]
+    NotLocal {
+        /// Name of the kernel.
+        kernel: &'static str,
+    },
     /// The matrix would need more memory than allowed.
     #[error(
         "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit}; \

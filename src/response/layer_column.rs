@@ -13,7 +13,7 @@ use pulp::{Simd, WithSimd};
 use std::sync::Arc;
 
 /// Kernel values below this times the tolerance, relative to K/h, are taken as 0.
-const SKIPPED: f64 = 1e-2;
+pub(crate) const SKIPPED: f64 = 1e-2;
 
 /// Most pieces that an edge is divided into; enough for a layer of 1/50 of an edge at 1e-9.
 const MOST_PIECES: usize = 64;

@@ -22,14 +22,7 @@ pub(crate) fn fill_columns<S>(
     if nodes == 0 {
         return Ok(());
     }
-    let pool = match options.num_threads {
-        None | Some(1) => None,
-        Some(threads) => {
-            let reason = |e: rayon::ThreadPoolBuildError| e.to_string();
-            let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            Some(built.map_err(|e| ResponseError::Threads { threads, reason: reason(e) })?)
-        }
-    };
+    let pool = pool(options)?;
     let threads = options.num_threads.unwrap_or_else(rayon::current_num_threads);
     let batch = if options.interrupt.is_some() { BATCH * threads } else { nodes };
     let mut columns: Vec<(usize, &mut [f64])> = matrix
@@ -53,6 +46,51 @@ pub(crate) fn fill_columns<S>(
                 Some(pool) => pool.install(work),
                 None => work(),
             }
+        }
+    }
+    Ok(())
+}
+
+/// The local pool that the options ask for; `None` for the global one, or for a single thread.
+fn pool(options: &AssemblyOptions) -> Result<Option<rayon::ThreadPool>, ResponseError> {
+    match options.num_threads {
+        None | Some(1) => Ok(None),
+        Some(threads) => {
+            let reason = |e: rayon::ThreadPoolBuildError| e.to_string();
+            let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            built.map(Some).map_err(|e| ResponseError::Threads { threads, reason: reason(e) })
+        }
+    }
+}
+
+/// `work(i)` for i in 0 .. count, handed to `take` in order.
+///
+/// `interrupt` is asked on the calling thread between batches; `take` may refuse.
+pub(crate) fn map_in_order<T: Send>(
+    count: usize,
+    options: &AssemblyOptions,
+    work: impl Fn(usize) -> Result<T, ResponseError> + Sync + Send,
+    mut take: impl FnMut(T) -> Result<(), ResponseError>,
+) -> Result<(), ResponseError> {
+    let pool = pool(options)?;
+    let threads = options.num_threads.unwrap_or_else(rayon::current_num_threads);
+    let batch = 4 * threads;
+    for start in (0..count).step_by(batch) {
+        if options.interrupt.is_some_and(|stop| stop()) {
+            return Err(ResponseError::Interrupted { columns: start, nodes: count });
+        }
+        let range = start..count.min(start + batch);
+        let results: Vec<_> = if threads == 1 {
+            range.map(&work).collect()
+        } else {
+            let run = || range.into_par_iter().map(&work).collect();
+            match &pool {
+                Some(pool) => pool.install(run),
+                None => run(),
+            }
+        };
+        for result in results {
+            take(result?)?;
         }
     }
     Ok(())
