@@ -294,6 +294,37 @@ fn a_wide_slab_on_fixed_ground_responds_as_a_flat_layer() {
     assert!(compliance.block(fixed_corner, 0).amax() * scale < 0.01);
 }
 
+/// A thin shell on a large core is nearly flat: the layer's `h f / K` at r/h = 1, 2 and 3, but for the
+/// curvature (h / R = 1/20) and the mesh (four edges per h).
+#[test]
+fn a_thin_shell_on_a_large_core_responds_as_a_flat_layer() {
+    let (radius, h) = (40e-3, 2e-3);
+    let skin = drawn_sphere(radius, 3, 14.0);
+    let pole =
+        (0..skin.vertices().len()).min_by(|&a, &b| skin.vertices()[a].z.total_cmp(&skin.vertices()[b].z));
+    let pole = pole.expect("vertices");
+    let compliance = prepare(&with_bone(drawn_sphere(radius - h, 3, 14.0)), &skin, 0.5, &[pole]);
+    let scale = 4.0 * std::f64::consts::PI * SHEAR_MODULUS * h; // h / K at nu = 0.5
+    let mut profile: Vec<(f64, f64)> = skin
+        .vertices()
+        .iter()
+        .enumerate()
+        .map(|(i, v)| {
+            let inward = -compliance.block(i, 0).column(2).dot(&v.normalize());
+            ((v - skin.vertices()[pole]).norm() / h, inward * scale)
+        })
+        .collect();
+    profile.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (r, expected, tolerance) in [(1.0, -0.12570, 0.013), (2.0, -0.05275, 0.004), (3.0, -0.01672, 0.0015)]
+    {
+        let next = profile.partition_point(|&(at, _)| at < r);
+        let ((r0, u0), (r1, u1)) = (profile[next - 1], profile[next]);
+        let found = u0 + (u1 - u0) * (r - r0) / (r1 - r0);
+        println!("r/h = {r}: {found:.4} of {expected:.4}");
+        assert!((found - expected).abs() < tolerance, "r/h = {r}: {found}");
+    }
+}
+
 /// Close to the force a solid sphere, held far away, responds as a half-space: `u = K / r`.
 #[test]
 fn near_the_force_a_solid_body_responds_as_a_half_space() {
