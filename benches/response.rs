@@ -1,11 +1,18 @@
 //! Assembly of response matrices: a text table of cost and achieved error, then criterion's timings.
 //!
-//! The unit of comparison between machines is `ratio`: seconds over those of a dense product of two matrices
-//! of the same order by faer in the same run, on the same threads.
+//! The unit of comparison between machines is `ratio`: seconds over those of a dense product of two matrices of
+//! the same order by faer in the same run, on the same threads. `error` is the largest relative error of an
+//! entry (of its K/r part for the other kernels) in 16 columns, against the same columns at tolerance 0.
+//!
+//! `cargo bench --bench response -- --quick` runs the short ladder.
 
+use criterion::{BenchmarkId, Criterion};
 use faer::Mat;
 use nalgebra::Vector3;
-use quasirigid::response::{AssemblyOptions, Gap, Pressure, Response, Skin, assemble};
+use quasirigid::response::{
+    AssemblyOptions, Gap, Pressure, Response, Skin, assemble, assemble_block, assemble_local,
+    balanced_height, definiteness,
+};
 use quasirigid::surface::Surface;
 use std::time::Instant;
 
@@ -58,7 +65,8 @@ fn capsule(n: usize) -> Surface {
     Surface::new(vertices, faces).expect("a capsule is a valid surface")
 }
 
-fn median(mut run: impl FnMut(), times: usize) -> f64 {
+/// Seconds of `run`, the median after one warm-up.
+fn median(times: usize, mut run: impl FnMut()) -> f64 {
     run();
     let mut seconds: Vec<f64> = (0..times)
         .map(|_| {
@@ -71,41 +79,138 @@ fn median(mut run: impl FnMut(), times: usize) -> f64 {
     seconds[times / 2]
 }
 
-fn main() {
-    let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
-    let skin = Skin::new(60e3, 0.5, response).expect("valid constants");
-    for n in [400, 1500] {
-        let surface = capsule(n);
-        let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
-        let k = nodes.len();
-        let product = {
-            let a = Mat::<f64>::from_fn(k, k, |i, j| ((i * 7 + j * 3) % 11) as f64);
-            median(|| drop(std::hint::black_box(&a * &a)), 9)
-        };
-        let exact = assemble(
-            &surface,
-            &skin,
-            &nodes,
-            None,
-            &AssemblyOptions { tolerance: 0.0, ..Default::default() },
-        )
-        .unwrap();
-        for tolerance in [1e-3, 1e-6, 1e-9, 0.0] {
-            let options = AssemblyOptions { tolerance, ..Default::default() };
-            let seconds = median(|| drop(assemble(&surface, &skin, &nodes, None, &options)), 9);
-            let r = assemble(&surface, &skin, &nodes, None, &options).unwrap();
-            let mut worst: f64 = 0.0;
-            for j in 0..k {
-                for i in 0..k {
-                    worst = worst.max((r[(i, j)] / exact[(i, j)] - 1.0).abs());
-                }
-            }
-            println!(
-                "{k:6} {tolerance:8.0e} {:9.3} ms  product {:9.3} ms ratio {:.3} error {worst:.1e}",
-                seconds * 1e3,
-                product * 1e3,
-                seconds / product
-            );
+fn skin(response: Response) -> Skin {
+    Skin::new(60e3, 0.5, response).expect("valid constants")
+}
+
+fn half_space(gap: Gap) -> Skin {
+    skin(Response::HalfSpace { pressure: Pressure::Linear, gap })
+}
+
+fn kernels() -> Vec<(&'static str, Skin)> {
+    let pressure = Pressure::Linear;
+    let plain = half_space(Gap::Node);
+    let (width, cutoff) = (8e-3, 15e-3);
+    let height = balanced_height(plain.kernel_constant(), width, cutoff).expect("valid constants");
+    vec![
+        ("half-space, one_ring", skin(Response::HalfSpace { pressure: Pressure::OneRing, gap: Gap::Node })),
+        ("half-space, weighted", half_space(Gap::Weighted)),
+        ("gaussian, balanced", skin(Response::GaussianCorrected { height, width, cutoff, pressure })),
+        ("layer, 2 mm", skin(Response::Layer { thickness: 2e-3.into(), pressure })),
+        ("half-space", plain),
+    ]
+}
+
+fn product_seconds(order: usize, threads: usize, times: usize) -> f64 {
+    let a = Mat::<f64>::from_fn(order, order, |i, j| ((i * 7 + j * 3) % 11) as f64);
+    let mut c = Mat::<f64>::zeros(order, order);
+    let par = if threads == 1 { faer::Par::Seq } else { faer::Par::rayon(threads) };
+    median(times, || {
+        faer::linalg::matmul::matmul(c.as_mut(), faer::Accum::Replace, a.as_ref(), a.as_ref(), 1.0, par)
+    })
+}
+
+/// Largest error in some columns against tolerance 0, relative to the entry of the half-space.
+fn achieved_error(surface: &Surface, skin: &Skin, tolerance: f64) -> f64 {
+    let rows: Vec<usize> = (0..surface.vertices().len()).collect();
+    let columns: Vec<usize> = rows.iter().copied().step_by(rows.len() / 16).collect();
+    let block = |skin: &Skin, tolerance| {
+        let options = AssemblyOptions { tolerance, ..Default::default() };
+        assemble_block(surface, skin, &rows, &columns, &options).expect("a valid request")
+    };
+    let (found, exact) =
+        (block(skin, tolerance), block(skin, if skin.reach().is_some() { 1e-9 } else { 0.0 }));
+    let scale = block(&half_space(Gap::Node), 1e-6);
+    let mut worst: f64 = 0.0;
+    for j in 0..found.ncols() {
+        for i in 0..found.nrows() {
+            worst = worst.max((found[(i, j)] - exact[(i, j)]).abs() / scale[(i, j)]);
         }
     }
+    worst
+}
+
+fn line(name: &str, surface: &Surface, skin: &Skin, tolerance: f64, threads: usize) {
+    let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
+    let order = nodes.len();
+    let times = if order > 3000 { 1 } else { 9 };
+    let options = AssemblyOptions { tolerance, num_threads: Some(threads), ..Default::default() };
+    let run = || drop(std::hint::black_box(assemble(surface, skin, &nodes, None, &options)));
+    let seconds = median(times, run);
+    let product = product_seconds(order, threads, times);
+    let entries = (order * order) as f64;
+    println!(
+        "{name:<22} {order:>6} {threads:>7} {tolerance:>9.0e} {:>10.2} {:>12.3e} {:>10.1} {:>9.1e} {:>7.3}",
+        1e3 * seconds,
+        entries / seconds,
+        8e-6 * entries,
+        achieved_error(surface, skin, tolerance),
+        seconds / product
+    );
+}
+
+fn table(quick: bool) {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    println!(
+        "kernel                  nodes threads tolerance         ms    entries/s         MB     error   ratio"
+    );
+    let plain = half_space(Gap::Node);
+    let ladder: &[usize] = if quick { &[250, 1000] } else { &[250, 500, 1000, 2000, 4000, 8000] };
+    for &n in ladder {
+        line("half-space", &capsule(n), &plain, 1e-6, all);
+    }
+    let surface = capsule(if quick { 500 } else { 1500 });
+    for tolerance in [1e-3, 1e-6, 1e-9, 0.0] {
+        line("half-space", &surface, &plain, tolerance, 1);
+        line("half-space", &surface, &plain, tolerance, all);
+    }
+    let surface = capsule(if quick { 250 } else { 1000 });
+    for (name, skin) in kernels() {
+        line(name, &surface, &skin, 1e-6, all);
+    }
+    println!("\ncondition of the symmetric part over {} nodes", surface.vertices().len());
+    let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
+    for (name, skin) in kernels() {
+        let r =
+            assemble(&surface, &skin, &nodes, None, &AssemblyOptions::default()).expect("a valid request");
+        let found = definiteness(r.as_ref());
+        println!("{name:<22} definite {:<5} condition {:.2e}", found.positive_definite, found.condition);
+    }
+    println!("\nlocal matrix of a 0.5 mm layer, tolerance 1e-3: nodes, entries, bytes, s, entries/s");
+    let thin = skin(Response::Layer { thickness: 0.5e-3.into(), pressure: Pressure::Linear });
+    for &n in if quick { &[1000][..] } else { &[1000, 4000, 16000] } {
+        let surface = capsule(n);
+        let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
+        let options = AssemblyOptions { tolerance: 1e-3, ..Default::default() };
+        let start = Instant::now();
+        let local = assemble_local(&surface, &thin, &nodes, &options).expect("a fading kernel");
+        let seconds = start.elapsed().as_secs_f64();
+        let rate = local.entries() as f64 / seconds;
+        println!(
+            "{:>6} {:>10} {:>11} {seconds:>8.3} {rate:>10.3e}",
+            nodes.len(),
+            local.entries(),
+            local.bytes()
+        );
+    }
+}
+
+fn main() {
+    let quick = std::env::args().any(|argument| argument == "--quick");
+    if !std::env::args().any(|argument| argument == "--test") {
+        table(quick);
+    }
+    let mut criterion = Criterion::default().configure_from_args();
+    let mut group = criterion.benchmark_group("response");
+    group.sample_size(10);
+    for n in [100, 400, 1500] {
+        let surface = capsule(n);
+        let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
+        let (plain, options) = (half_space(Gap::Node), AssemblyOptions::default());
+        group.bench_with_input(BenchmarkId::new("half-space", nodes.len()), &nodes, |bench, nodes| {
+            bench.iter(|| assemble(&surface, &plain, nodes, None, &options));
+        });
+    }
+    group.finish();
+    criterion.final_summary();
 }

@@ -1,7 +1,10 @@
 //! The response matrix through the public interface: known answers, properties, twins, errors.
 
+mod common;
+
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Vector3};
+use quasirigid::lcp::{self, LcpMethod, LcpOptions, LcpProblem, LcpStatus};
 use quasirigid::response::{
     AssemblyOptions, Gap, LayerKernel, Pressure, Response, ResponseError, Skin, Thickness, assemble,
     assemble_block, assemble_local, definiteness, gaussian_hat_integrals, hat_average, hat_integrals,
@@ -319,6 +322,34 @@ fn a_subset_of_nodes_gives_the_block_of_the_full_matrix() {
     assert_eq!((none.nrows(), none.ncols()), (0, 0));
 }
 
+/// Some 200 vertices of a finger's pad: those nearest to its lowest point (pad to -z).
+fn pad_nodes(surface: &Surface, count: usize) -> Vec<usize> {
+    let points = surface.vertices();
+    let low = points.iter().min_by(|a, b| a.z.total_cmp(&b.z)).expect("vertices");
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| (points[a] - low).norm().total_cmp(&(points[b] - low).norm()));
+    order.truncate(count);
+    order
+}
+
+#[test]
+fn patches_of_real_fingers_are_positive_definite_in_both_forms() {
+    let Some(data) = common::data_dir() else { return };
+    for name in ["libhand_right_middle_1500", "webxr_right_middle_1500", "makehuman_female_right_middle_1500"]
+    {
+        let (vertices, faces) = common::read_ply(&data.join(format!("hands/{name}.ply")));
+        let surface = Surface::new(vertices, faces).expect("a good mesh");
+        let nodes = pad_nodes(&surface, 150);
+        let options = AssemblyOptions::default();
+        for response in [HALF_SPACE, WEIGHTED] {
+            let r = assemble(&surface, &skin(response), &nodes, None, &options).expect("valid");
+            let found = definiteness(r.as_ref());
+            assert!(found.positive_definite && found.condition < 1e3, "{name}: {found:?}");
+            println!("{name}: {found:?}");
+        }
+    }
+}
+
 // ---- the weighted form ----
 
 const WEIGHTED: Response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
@@ -533,6 +564,26 @@ fn an_incompressible_layer_displaces_no_net_volume() {
     // and it fades exponentially
     let at = |steps: usize| column[(center + steps, 0)].abs();
     assert!(at(20) < 2e-3 * at(4) && at(36) < 4e-3 * at(20));
+}
+
+#[test]
+fn a_sphere_on_an_incompressible_layer_needs_the_known_force() {
+    // parabolic gap, d/R = 1e-3, 8 cells per √(R d); the LCP on all nodes that can come into contact
+    let (radius, depth) = (0.2, 0.2e-3f64);
+    let scale = (radius * depth).sqrt();
+    let known = quasirigid::reference::sphere_on_layer();
+    let case = known.iter().find(|case| (case.thinness - 0.5).abs() < 1e-12).expect("chi = 0.5");
+    let n = 26;
+    let surface = grid(n, n as f64 * scale / 8.0, 0.0, 0.0);
+    let r = matrix(&surface, &skin(layer(scale / case.thinness)), 1e-6);
+    let gap: Vec<f64> =
+        surface.vertices().iter().map(|v| (v.x * v.x + v.y * v.y) / (2.0 * radius) - depth).collect();
+    let problem = LcpProblem::new(r.as_ref(), &gap).expect("shaped");
+    let solution = lcp::solve(&problem, LcpMethod::Auto, &LcpOptions::default()).expect("valid");
+    assert_eq!(solution.status, LcpStatus::Solved);
+    let force: f64 = solution.z.iter().sum();
+    let hertz = 4.0 / 3.0 * (2.0 * 60e3 / 0.5) * radius.sqrt() * depth.powf(1.5);
+    assert_relative_eq!(force / hertz, case.force_ratio, max_relative = 5e-3);
 }
 
 #[test]
