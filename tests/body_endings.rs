@@ -205,6 +205,24 @@ fn the_memory_limit_is_kept_and_says_what_would_fit() {
 }
 
 #[test]
+fn without_a_limit_the_free_memory_is_the_limit_where_the_system_tells_it() {
+    let (vertices, faces) = common::icosphere(8e-3, 7); // 163,842 vertices: 1.9 terabytes
+    if cfg!(target_os = "linux") {
+        let skin = surface((vertices, faces));
+        let error =
+            with_core().prepare(&skin, 60e3, 0.5, &[0], &BodyOptions::default()).expect_err("too large");
+        assert!(matches!(error, BodyError::MemoryLimit { skin_count: 163_842, .. }), "{error}");
+    }
+}
+
+#[test]
+fn at_least_one_thread_is_needed() {
+    let options = BodyOptions { num_threads: Some(0), ..BodyOptions::default() };
+    let error = prepare(&with_core(), &[0], &options).expect_err("no thread");
+    assert!(matches!(error, BodyError::Threads { threads: 0, .. }));
+}
+
+#[test]
 fn progress_goes_through_the_stages_and_an_interrupt_ends_each() {
     let seen: Mutex<Vec<BodyProgress>> = Mutex::new(Vec::new());
     let progress = |step: BodyProgress| seen.lock().expect("no panic elsewhere").push(step);

@@ -29,9 +29,9 @@ pub struct Body {
 pub struct BodyOptions<'a> {
     /// Relative error of the integral over one face, 1e-9 to 1e-2.
     pub tolerance: f64,
-    /// Threads; `None` takes all that rayon has.
+    /// Threads (>= 1); `None` takes all that rayon has.
     pub num_threads: Option<usize>,
-    /// Peak memory allowed (bytes); `None`: no limit.
+    /// Peak memory allowed (bytes); `None`: what the system has free, where it says so (Linux).
     pub memory_limit: Option<usize>,
     /// Whether to keep the pressure on the bone too.
     pub bone_pressure: bool,
@@ -148,15 +148,16 @@ impl Body {
         if !(1e-9..=1e-2).contains(&options.tolerance) {
             return Err(BodyError::Tolerance { value: options.tolerance });
         }
+        self.check_memory(skin, nodes.len(), options.memory_limit)?;
         let (report, fixed) = self.check(skin)?;
         check_nodes(skin.vertices().len(), &fixed, nodes)?;
-        self.check_memory(skin, nodes.len(), options.memory_limit)?;
         let solve = || {
             let parts = self.solve(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
             Ok(BodyCompliance::new(parts, report))
         };
         match options.num_threads {
             None => solve(),
+            Some(0) => Err(BodyError::Threads { threads: 0, reason: "at least 1 is needed".to_string() }),
             Some(threads) => {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let pool = pool.map_err(|error| BodyError::Threads { threads, reason: error.to_string() })?;
@@ -167,7 +168,7 @@ impl Body {
 
     fn check_memory(&self, skin: &Surface, node_count: usize, limit: Option<usize>) -> Result<(), BodyError> {
         let needed = self.estimate(skin, node_count).peak_bytes;
-        let Some(limit) = limit.filter(|&limit| needed > limit) else { return Ok(()) };
+        let Some(limit) = limit.or_else(free_memory).filter(|&limit| needed > limit) else { return Ok(()) };
         Err(BodyError::MemoryLimit {
             needed,
             limit,
@@ -261,4 +262,11 @@ impl Body {
             poisson_ratio,
         })
     }
+}
+
+/// Memory that the system can give without swapping (bytes), if it says so.
+fn free_memory() -> Option<usize> {
+    let report = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = report.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<usize>().ok()?.checked_mul(1024)
 }
