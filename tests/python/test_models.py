@@ -116,10 +116,10 @@ def test_the_volume_settles_with_the_square_of_the_edge_length() -> None:
 
 
 def test_fifty_thousand_vertices_take_less_than_a_second() -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     vertices, _ = build_finger(0.076, 0.018, None, 0.32e-3, 1.0)
     assert len(vertices) > 50_000
-    assert time.perf_counter() - start < 1.0
+    assert time.process_time() - start < 1.0
 
 
 def test_round_products_have_their_exact_volume_in_the_limit() -> None:
