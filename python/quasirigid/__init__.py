@@ -39,7 +39,11 @@ from .response import GivenMatrix as GivenMatrix
 from .response import HalfSpace as HalfSpace
 from .response import Layer as Layer
 from .response import Response as Response
+from .skin import Definiteness as Definiteness
+from .skin import NetVolume as NetVolume
 from .skin import Skin as Skin
+from .skin import definiteness as definiteness
+from .skin import net_volume as net_volume
 from .skin import response_matrix as response_matrix
 from .surface import Repair as Repair
 from .surface import Surface as Surface

@@ -56,6 +56,8 @@ class ContactOptions:
         Largest memory for response matrices (bytes); None for no limit.
     search_distance : float or None
         Gaps are measured up to this distance from the obstacle (m); None: depth plus two mean edge lengths.
+    condition : bool
+        Examine definiteness and condition of response matrices of any size; small ones always are.
     max_growths : int
         How often candidates may be added before the solve gives up.
     """
@@ -66,6 +68,7 @@ class ContactOptions:
     num_threads: int | None = _DEFAULTS["num_threads"]
     memory_limit: int | None = _DEFAULTS["memory_limit"]
     search_distance: float | None = _DEFAULTS["search_distance"]
+    condition: bool = _DEFAULTS["condition"]
     max_growths: int = _DEFAULTS["max_growths"]
 
     def _to_core(self) -> _core.ContactOptions:
@@ -76,6 +79,7 @@ class ContactOptions:
             num_threads=self.num_threads,
             memory_limit=self.memory_limit,
             search_distance=self.search_distance,
+            condition=self.condition,
             max_growths=self.max_growths,
         )
 

@@ -42,8 +42,8 @@ class GaussianCorrected:
 
     Parameters
     ----------
-    height : float
-        Height of the Gaussian a (m/N).
+    height : float or None
+        Height of the Gaussian a (m/N); None for the one that keeps volume (see `balanced`).
     width : float
         Width of the Gaussian c (m).
     cutoff : float
@@ -62,10 +62,30 @@ class GaussianCorrected:
     Xie, Kanai, Date 2011, eq. 6.
     """
 
-    height: float
+    height: float | None
     width: float
     cutoff: float
     pressure: Pressure = "linear"
+
+    @classmethod
+    def balanced(cls, width: float, cutoff: float, pressure: Pressure = "linear") -> GaussianCorrected:
+        """Take the height that keeps volume, eq. 5 of the paper: no net volume within the cutoff.
+
+        Parameters
+        ----------
+        width : float
+            Width of the Gaussian c (m).
+        cutoff : float
+            Distance beyond which the response is zero (m). Well posed from about ``width >= cutoff / 2``.
+        pressure : {"linear", "one_ring"}
+            Pressure basis, see `HalfSpace`.
+
+        Returns
+        -------
+        GaussianCorrected
+            Its height, ``K L / (c^2 (1 - exp(-L^2 / 2 c^2)))``, follows from the skin that it is given to.
+        """
+        return cls(None, width, cutoff, pressure)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from . import _core
-from .errors import ResponseError
+from .errors import QuasirigidWarning, ResponseError
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from .prepared import PreparedSkin
     from .surface import Surface
 
-__all__ = ["Skin", "response_matrix"]
+__all__ = ["Definiteness", "NetVolume", "Skin", "definiteness", "net_volume", "response_matrix"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +39,11 @@ class Skin:
     ResponseError
         If a constant is out of range.
 
+    Warns
+    -----
+    QuasirigidWarning
+        If the response is not well posed, with the bound on its constants.
+
     Examples
     --------
     >>> import quasirigid as qr
@@ -50,7 +56,11 @@ class Skin:
     _kernel: _core.Skin | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_kernel", self._build())
+        kernel = self._build()
+        object.__setattr__(self, "_kernel", kernel)
+        caution = kernel.caution() if kernel is not None else None
+        if caution is not None:
+            warnings.warn(caution, QuasirigidWarning, stacklevel=3)
 
     def _build(self) -> _core.Skin | None:
         """The core's skin; None where the response depends on the surface."""
@@ -59,6 +69,8 @@ class Skin:
             case HalfSpace(pressure):
                 return _core.Skin.half_space(*material, pressure)
             case GaussianCorrected(height, width, cutoff, pressure):
+                if height is None:
+                    height = _core.Skin.balanced_height(*material, width, cutoff)
                 return _core.Skin.gaussian_corrected(*material, height, width, cutoff, pressure)
             case Layer(thickness, pressure):
                 return _core.Skin.layer(*material, thickness, pressure)
@@ -183,3 +195,84 @@ def response_matrix(
     return _core.response_matrix(
         surface, skin._on(surface), nodes, directions, tolerance=tolerance, num_threads=num_threads
     )
+
+
+class NetVolume(NamedTuple):
+    """Volume under the displacement of a unit force: dents less bulges, and both added up (m^3/N)."""
+
+    net: float
+    gross: float
+
+
+def net_volume(surface: Surface, skin: Skin, node: int) -> NetVolume:
+    """Tell the volume that the mesh moves per newton at a vertex, ``sum S_i R_ij`` over all its vertices.
+
+    The paper's condition (its eq. 4) asks for a net volume of 0.
+
+    Parameters
+    ----------
+    surface : Surface
+        The skin's mesh.
+    skin : Skin
+        A kernel: half-space, Gaussian-corrected or layer.
+    node : int
+        The loaded vertex.
+
+    Returns
+    -------
+    NetVolume
+        Net and gross volume (m^3/N).
+
+    Raises
+    ------
+    ResponseError
+        If the node is out of range or the response is no kernel.
+    """
+    if skin._kernel is None:
+        raise ResponseError("net_volume needs a kernel; for a body read Contact.volume_change")
+    return NetVolume(*skin._kernel.net_volume(surface, node))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Definiteness:
+    """What is known of the symmetric part of a response matrix.
+
+    Attributes
+    ----------
+    positive_definite : bool
+        Whether it has a Cholesky factor: the contact problem then has one solution, and Lemke finds it.
+    smallest, largest : float
+        Its extreme eigenvalues (m/N).
+    condition : float
+        largest / smallest; inf unless positive definite.
+    estimated : bool
+        Whether the eigenvalues are Lanczos estimates (large matrices).
+    """
+
+    positive_definite: bool
+    smallest: float
+    largest: float
+    condition: float
+    estimated: bool
+
+
+def definiteness(matrix: ArrayLike) -> Definiteness:
+    """Examine the symmetric part ``(R + R') / 2`` of a response matrix.
+
+    Parameters
+    ----------
+    matrix : (k, k) array_like
+        R (m/N).
+
+    Returns
+    -------
+    Definiteness
+        Definiteness, extreme eigenvalues and condition number.
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> qr.definiteness([[2.0, 1.0], [0.0, 2.0]]).positive_definite
+    True
+    """
+    return Definiteness(**_core.definiteness(matrix))

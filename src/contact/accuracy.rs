@@ -1,6 +1,7 @@
 //! How far the figures of a contact can be trusted.
 
 use crate::lcp::{Definiteness, LcpSolution};
+use crate::response;
 use crate::surface::Surface;
 
 /// How far the figures of a contact can be trusted, by source of error.
@@ -12,7 +13,7 @@ pub struct Accuracy {
     pub complementarity: f64,
     /// Relative quadrature tolerance of the response matrix.
     pub integration_tolerance: f64,
-    /// Condition number of the response matrix, where it was estimated.
+    /// Largest condition number of the response matrices' symmetric parts, where they were examined.
     pub condition: Option<f64>,
     /// Whether the symmetric part of every response matrix was shown to be positive definite: the answer is
     /// then the only one. `None`: not examined.
@@ -32,6 +33,7 @@ impl Accuracy {
         contact_area: f64,
         integration_tolerance: f64,
         solutions: &[LcpSolution],
+        examined: &[Option<response::Definiteness>],
     ) -> Self {
         let worst = |value: fn(&LcpSolution) -> f64| solutions.iter().map(value).fold(0.0, f64::max);
         let mut rim_area = 0.0;
@@ -53,20 +55,33 @@ impl Accuracy {
             natural_residual: worst(|solution| solution.natural_residual),
             complementarity: worst(|solution| solution.complementarity),
             integration_tolerance,
-            condition: None,
-            definite: definiteness(solutions),
+            condition: worst_condition(examined),
+            definite: definiteness(solutions, examined),
             cells_per_radius: if edges == 0 { 0.0 } else { radius * edges as f64 / length },
             area_resolution: 0.5 * rim_area,
         }
     }
 }
 
-/// Definite if all problems were shown to be; indefinite if one was shown not to be; else unknown.
-fn definiteness(solutions: &[LcpSolution]) -> Option<bool> {
-    let verdicts = || solutions.iter().map(|solution| solution.certificate.definiteness);
-    if verdicts().any(|verdict| verdict == Definiteness::NotPositiveDefinite) {
+/// The largest condition number, where all matrices were examined.
+fn worst_condition(examined: &[Option<response::Definiteness>]) -> Option<f64> {
+    let conditions: Option<Vec<f64>> = examined.iter().map(|one| one.map(|one| one.condition)).collect();
+    conditions.filter(|all| !all.is_empty()).map(|all| all.into_iter().fold(0.0, f64::max))
+}
+
+/// Definite if all matrices were shown to be; indefinite if one was shown not to be; else unknown.
+fn definiteness(solutions: &[LcpSolution], examined: &[Option<response::Definiteness>]) -> Option<bool> {
+    let verdict = |(solution, examined): (&LcpSolution, &Option<response::Definiteness>)| match examined {
+        Some(examined) => Some(examined.positive_definite),
+        None => match solution.certificate.definiteness {
+            Definiteness::PositiveDefinite => Some(true),
+            Definiteness::NotPositiveDefinite => Some(false),
+            _ => None,
+        },
+    };
+    let verdicts: Vec<Option<bool>> = solutions.iter().zip(examined).map(verdict).collect();
+    if verdicts.contains(&Some(false)) {
         return Some(false);
     }
-    let all = verdicts().all(|verdict| verdict == Definiteness::PositiveDefinite);
-    (!solutions.is_empty() && all).then_some(true)
+    (!verdicts.is_empty() && verdicts.iter().all(|verdict| *verdict == Some(true))).then_some(true)
 }

@@ -6,6 +6,7 @@ use super::gaps::InitialGaps;
 use super::{ContactError, ContactOptions, Interrupt};
 use crate::lcp::{self, LcpOptions, LcpProblem, LcpSolution, LcpStatus};
 use crate::obstacle::Obstacle;
+use crate::response::{Definiteness, definiteness};
 use crate::surface::Surface;
 use std::time::Instant;
 
@@ -15,6 +16,10 @@ const DEFAULT_RINGS: usize = 3;
 /// A vertex outside the candidates counts as pressed when its gap falls below this share of the deepest
 /// penetration; well above the rounding of `g0 + R f`, well below anything visible.
 const PRESSED_SHARE: f64 = 1e-9;
+
+/// Response matrices up to this size are examined for definiteness and condition unasked: it costs less there
+/// than their assembly.
+const EXAMINED_SIZE: usize = 64;
 
 /// Solved node forces and what it took to find them.
 #[derive(Debug)]
@@ -27,6 +32,8 @@ pub(super) struct Equilibrium {
     pub node_force: Vec<f64>,
     /// g = g0 + R f on the candidates (n, m), g0 elsewhere.
     pub gap: Vec<f64>,
+    /// What is known of each group's response matrix, where it was examined.
+    pub definiteness: Vec<Option<Definiteness>>,
     /// First ending other than `Solved`.
     pub failure: Option<LcpStatus>,
     /// Seconds in assembly and in the solver.
@@ -60,6 +67,7 @@ pub(super) fn solve(
         gaps.complete(surface.vertices(), obstacle, &candidates)?;
         let mut round = Equilibrium {
             solutions: Vec::new(),
+            definiteness: Vec::new(),
             node_force: vec![0.0; surface.vertices().len()],
             gap: gaps.distance.clone(),
             failure: None,
@@ -80,6 +88,8 @@ pub(super) fn solve(
             if solution.status == LcpStatus::Interrupted {
                 return Err(ContactError::Interrupted { stage: "lcp" });
             }
+            let examined = options.condition || group.len() <= EXAMINED_SIZE;
+            round.definiteness.push(examined.then(|| definiteness(response.as_ref())));
             round.adopt(&group, solution);
         }
         round.response_seconds = response_seconds;
@@ -120,6 +130,7 @@ impl Equilibrium {
         Self {
             candidates: Vec::new(),
             solutions: Vec::new(),
+            definiteness: Vec::new(),
             node_force: vec![0.0; vertex_count],
             gap: gaps.distance.clone(),
             failure: None,

@@ -23,6 +23,8 @@ pub struct ContactOptions {
     pub memory_limit: Option<usize>,
     /// Distance (m) from the obstacle up to which gaps are reported; `None`: depth plus two mean edge lengths.
     pub search_distance: Option<f64>,
+    /// Whether to examine definiteness and condition of response matrices of any size; small ones always are.
+    pub condition: bool,
     /// How often candidates may be added before the solve gives up (growth ends by itself in a few steps).
     pub max_growths: usize,
 }
@@ -36,6 +38,7 @@ impl Default for ContactOptions {
             num_threads: None,
             memory_limit: None,
             search_distance: None,
+            condition: false,
             max_growths: 50,
         }
     }

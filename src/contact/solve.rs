@@ -151,6 +151,7 @@ pub(super) fn solve_in_place(
         total.contact_area,
         options.tolerance,
         &solved.solutions,
+        &solved.definiteness,
     );
     let patches = patches(surface, &active, resultant_of);
     let warnings = size_warning(surface, &place.obstacle)

@@ -22,7 +22,8 @@ pub(super) struct PyContactOptions {
 #[pymethods]
 impl PyContactOptions {
     #[new]
-    #[pyo3(signature = (*, tolerance, rings, method, num_threads, memory_limit, search_distance, max_growths))]
+    #[pyo3(signature = (*, tolerance, rings, method, num_threads, memory_limit, search_distance, condition, max_growths))]
+    #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn new(
         tolerance: f64,
         rings: Option<usize>,
@@ -30,6 +31,7 @@ impl PyContactOptions {
         num_threads: Option<usize>,
         memory_limit: Option<usize>,
         search_distance: Option<f64>,
+        condition: bool,
         max_growths: usize,
     ) -> PyResult<Self> {
         let method = method_named(method)?;
@@ -40,6 +42,7 @@ impl PyContactOptions {
             num_threads,
             memory_limit,
             search_distance,
+            condition,
             max_growths,
         };
         Ok(Self { inner })
@@ -55,6 +58,7 @@ impl PyContactOptions {
             num_threads,
             memory_limit,
             search_distance,
+            condition,
             max_growths,
         } = ContactOptions::default();
         let defaults = PyDict::new(py);
@@ -64,6 +68,7 @@ impl PyContactOptions {
         defaults.set_item("num_threads", num_threads)?;
         defaults.set_item("memory_limit", memory_limit)?;
         defaults.set_item("search_distance", search_distance)?;
+        defaults.set_item("condition", condition)?;
         defaults.set_item("max_growths", max_growths)?;
         Ok(defaults)
     }

@@ -21,7 +21,7 @@ mod _core {
     #[pymodule_export]
     use super::obstacle::PyObstacle;
     #[pymodule_export]
-    use super::skin::{PySkin, response_matrix};
+    use super::skin::{PySkin, definiteness, response_matrix};
     #[pymodule_export]
     use super::surface::{PySurface, flat_cap_mask, repair};
 
@@ -40,6 +40,7 @@ mod _core {
                 "Obstacle",
                 "Skin",
                 "Surface",
+                "definiteness",
                 "flat_cap_mask",
                 "press",
                 "repair",

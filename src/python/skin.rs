@@ -111,6 +111,29 @@ impl PySkin {
         made(shear_modulus, poisson_ratio, Response::Layer { thickness, pressure })
     }
 
+    /// What a user should know of the constants, or None.
+    fn caution(&self) -> Option<String> {
+        match &self.inner {
+            Elastic::Computed(skin) => skin.caution(),
+            Elastic::Prepared(_) => None,
+        }
+    }
+
+    /// Height of the Gaussian that keeps volume (m/N).
+    #[staticmethod]
+    fn balanced_height(shear_modulus: f64, poisson_ratio: f64, width: f64, cutoff: f64) -> PyResult<f64> {
+        let half_space = Response::HalfSpace { pressure: Pressure::Linear };
+        let skin = Skin::new(shear_modulus, poisson_ratio, half_space).map_err(IntoPyErr::into_py_err)?;
+        response::balanced_height(skin.kernel_constant(), width, cutoff).map_err(IntoPyErr::into_py_err)
+    }
+
+    /// Net and gross volume that the mesh moves per newton at a vertex (m^3/N).
+    fn net_volume(&self, surface: &PySurface, node: usize) -> PyResult<(f64, f64)> {
+        let volume =
+            response::net_volume(&surface.inner, self.computed()?, node, &AssemblyOptions::default());
+        volume.map(|volume| (volume.net, volume.gross)).map_err(IntoPyErr::into_py_err)
+    }
+
     /// The kernel's matrix over `nodes`, computed once.
     fn prepare(&self, py: Python<'_>, surface: &PySurface, nodes: &Bound<'_, PyAny>) -> PyResult<Self> {
         let skin = self.computed()?;
@@ -280,4 +303,27 @@ pub(super) fn response_matrix<'py>(
         Some(_) => detached_on_thread(py, assemble)?,
     };
     Ok(matrix_out(py, &matrix.map_err(IntoPyErr::into_py_err)?))
+}
+
+/// Whether the symmetric part of a matrix is positive definite, its extreme eigenvalues and condition number.
+#[pyfunction]
+#[pyo3(text_signature = "(matrix)")]
+pub(super) fn definiteness<'py>(py: Python<'py>, matrix: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    let matrix = MatrixIn::new(matrix, "matrix")?;
+    let view = matrix.view();
+    if view.nrows() != view.ncols() {
+        let message = format!("`matrix` has shape [{}, {}], expected (k, k)", view.nrows(), view.ncols());
+        return Err(PyValueError::new_err(message));
+    }
+    if !view.is_all_finite() {
+        return Err(PyValueError::new_err("`matrix` has entries that are not finite"));
+    }
+    let found = py.detach(|| response::definiteness(view));
+    let fields = PyDict::new(py);
+    fields.set_item("positive_definite", found.positive_definite)?;
+    fields.set_item("smallest", found.smallest)?;
+    fields.set_item("largest", found.largest)?;
+    fields.set_item("condition", found.condition)?;
+    fields.set_item("estimated", found.estimated)?;
+    Ok(fields)
 }

@@ -10,8 +10,15 @@ import quasirigid as qr
 from shapes import ball, grid
 
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
-PAPER = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.GaussianCorrected(0.8e-3, 5e-3, 15e-3))
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+
+
+@pytest.fixture
+def paper_skin() -> qr.Skin:
+    """The constants printed in the paper, which are not well posed."""
+    response = qr.GaussianCorrected(0.8e-3, 5e-3, 15e-3)
+    with pytest.warns(qr.QuasirigidWarning, match="not well posed"):
+        return qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
 
 
 @pytest.fixture(scope="module")
@@ -71,13 +78,13 @@ def test_results_and_options_are_frozen(contact: qr.Contact) -> None:
         SKIN.shear_modulus = 1.0  # type: ignore[misc]
 
 
-def test_an_ending_raises_with_the_contact_or_is_returned() -> None:
+def test_an_ending_raises_with_the_contact_or_is_returned(paper_skin: qr.Skin) -> None:
     surface = qr.Surface(*ball(8e-3, 3))
     with pytest.raises(qr.ContactError, match="ray") as caught:
-        qr.press(surface, PLATE, PAPER, [0, 0, 1], depth=1.5e-3)
+        qr.press(surface, PLATE, paper_skin, [0, 0, 1], depth=1.5e-3)
     assert caught.value.contact is not None
     assert caught.value.contact.status is qr.ContactStatus.RAY
-    quiet = qr.press(surface, PLATE, PAPER, [0, 0, 1], depth=1.5e-3, throw=False)
+    quiet = qr.press(surface, PLATE, paper_skin, [0, 0, 1], depth=1.5e-3, throw=False)
     assert quiet.status == "ray"
     assert quiet.advice
     assert np.isnan(quiet.force).all()
@@ -123,3 +130,31 @@ def test_the_response_matrix_is_what_the_contact_uses(contact: qr.Contact) -> No
     start = surface.vertices[contact.candidates, 2] - contact.travel
     # Entries hold to 1e-6 relative and are all positive.
     np.testing.assert_allclose(start + rise, contact.gap[contact.candidates], atol=2e-6 * rise.max())
+
+
+def test_a_balanced_gaussian_keeps_volume_on_a_wide_flat_mesh() -> None:
+    cells, spacing = 60, 1e-3
+    surface = qr.Surface(*grid(cells, spacing))
+    middle = (cells + 1) * cells // 2 + cells // 2
+    response = qr.GaussianCorrected.balanced(width=10e-3, cutoff=15e-3)
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
+    volume = qr.net_volume(surface, skin, middle)
+    # The mesh sums the kernel's peak and its jump at the cutoff with an error of some spacing / cutoff squared.
+    assert abs(volume.net) < 0.02 * volume.gross
+    half_space = qr.net_volume(surface, SKIN, middle)
+    assert half_space.net == pytest.approx(half_space.gross)
+
+
+def test_condition_and_definiteness_are_told_when_cheap_or_asked_for(contact: qr.Contact) -> None:
+    surface = qr.Surface(*ball(8e-3, 4))
+    small = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.2e-3)
+    assert len(small.candidates) <= 64
+    assert small.accuracy.definite is True
+    matrix = qr.response_matrix(surface, SKIN, small.candidates)
+    assert small.accuracy.condition == pytest.approx(qr.definiteness(matrix).condition, rel=1e-4)
+    asked = qr.press(
+        surface, PLATE, SKIN, [0, 0, 1], depth=1.12e-3, options=qr.ContactOptions(condition=True)
+    )
+    assert len(asked.candidates) > 64
+    assert asked.accuracy.condition is not None
+    assert 1 < asked.accuracy.condition < 1e3
