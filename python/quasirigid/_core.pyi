@@ -87,7 +87,7 @@ class Obstacle:
 @final
 class Skin:
     @staticmethod
-    def half_space(shear_modulus: float, poisson_ratio: float, pressure: str) -> Skin: ...
+    def half_space(shear_modulus: float, poisson_ratio: float, pressure: str, gap: str) -> Skin: ...
     @staticmethod
     def gaussian_corrected(
         shear_modulus: float,

@@ -10,9 +10,10 @@ if TYPE_CHECKING:
 
     from .surface import Surface
 
-__all__ = ["Body", "GaussianCorrected", "GivenMatrix", "HalfSpace", "Layer", "Pressure", "Response"]
+__all__ = ["Body", "Gap", "GaussianCorrected", "GivenMatrix", "HalfSpace", "Layer", "Pressure", "Response"]
 
 Pressure = Literal["linear", "one_ring"]
+Gap = Literal["node", "weighted"]
 
 
 @dataclass(frozen=True)
@@ -26,12 +27,20 @@ class HalfSpace:
         a node evenly over its one-ring, as Xie, Kanai, Date 2011 do; it is numerically singular on regular
         meshes and its pressures oscillate, and is here to reproduce that paper.
 
+    gap : {"node", "weighted"}
+        How the gap of a node is measured. "node": at the vertex (collocation); no penetration is left at
+        vertices. "weighted": averaged against hats (Galerkin); the matrix is symmetric positive definite on
+        any surface, slivers and jittered grids too, costs some ten times as much, and a vertex may keep a
+        penetration of the order of the mesh error. Take "weighted" where "node" is found not to be positive
+        definite.
+
     References
     ----------
     Johnson 1985, "Contact Mechanics", section 3.2; Xie, Kanai, Date 2011, eq. 1 and 8.
     """
 
     pressure: Pressure = "linear"
+    gap: Gap = "node"
 
 
 @dataclass(frozen=True)

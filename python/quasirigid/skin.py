@@ -66,8 +66,8 @@ class Skin:
         """The core's skin; None where the response depends on the surface."""
         material = (self.shear_modulus, self.poisson_ratio)
         match self.response:
-            case HalfSpace(pressure):
-                return _core.Skin.half_space(*material, pressure)
+            case HalfSpace(pressure, gap):
+                return _core.Skin.half_space(*material, pressure, gap)
             case GaussianCorrected(height, width, cutoff, pressure):
                 if height is None:
                     height = _core.Skin.balanced_height(*material, width, cutoff)
@@ -75,7 +75,7 @@ class Skin:
             case Layer(thickness, pressure):
                 return _core.Skin.layer(*material, thickness, pressure)
             case Body() | GivenMatrix():
-                _core.Skin.half_space(*material, "linear")  # checks the material
+                _core.Skin.half_space(*material, "linear", "node")  # checks the material
                 return None
         raise TypeError(f"response is {self.response!r}, expected one of {Response}")
 

@@ -6,7 +6,7 @@ use super::gaps::InitialGaps;
 use super::{ContactError, ContactOptions, Interrupt};
 use crate::lcp::{self, LcpOptions, LcpProblem, LcpSolution, LcpStatus};
 use crate::obstacle::Obstacle;
-use crate::response::{Definiteness, definiteness};
+use crate::response::{Definiteness, Gap, definiteness, hat_average};
 use crate::surface::Surface;
 use std::time::Instant;
 
@@ -60,7 +60,13 @@ pub(super) fn solve(
         vertices.retain(|&vertex| compliance.skin.knows(vertex) || inside.binary_search(&vertex).is_ok());
         vertices
     };
-    let mut candidates = known(with_rings(surface, &inside, rings));
+    let weighted = compliance.skin.gap() == Gap::Weighted;
+    let mut candidates = known(with_rings(surface, &inside, rings.max(usize::from(weighted))));
+    if weighted {
+        // A node's gap is averaged over its triangles: it may be open with its vertex inside, and closed outside.
+        gaps.complete(surface.vertices(), obstacle, &surface.k_ring(&candidates, 1))?;
+        candidates.retain(|&vertex| hat_average(surface, vertex, &gaps.distance) < 0.0);
+    }
     let (mut response_seconds, mut lcp_seconds) = (0.0, 0.0);
 
     for growth in 0.. {
@@ -80,7 +86,11 @@ pub(super) fn solve(
             let response = compliance.square(&group, &gaps.normal)?;
             response_seconds += started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let q: Vec<f64> = group.iter().map(|&vertex| gaps.distance[vertex]).collect();
+            let initial_gap = |&vertex: &usize| match weighted {
+                true => hat_average(surface, vertex, &gaps.distance),
+                false => gaps.distance[vertex],
+            };
+            let q: Vec<f64> = group.iter().map(initial_gap).collect();
             let problem = LcpProblem::new(response.as_ref(), &q)?;
             let lcp_options = LcpOptions { interrupt: Some(interrupt), ..LcpOptions::default() };
             let solution = lcp::solve(&problem, options.method, &lcp_options)?;
@@ -91,6 +101,9 @@ pub(super) fn solve(
             let examined = options.condition || group.len() <= EXAMINED_SIZE;
             round.definiteness.push(examined.then(|| definiteness(response.as_ref())));
             round.adopt(&group, solution);
+        }
+        if weighted && round.failure.is_none() {
+            round.measure_at_vertices(compliance, gaps)?;
         }
         round.response_seconds = response_seconds;
         round.lcp_seconds = lcp_seconds;
@@ -150,6 +163,21 @@ impl Equilibrium {
             self.failure.get_or_insert(solution.status);
         }
         self.solutions.push(solution);
+    }
+
+    /// Replaces averaged gaps by those of the vertices themselves.
+    fn measure_at_vertices(
+        &mut self,
+        compliance: &Compliance,
+        gaps: &InitialGaps,
+    ) -> Result<(), ContactError> {
+        let active = self.active();
+        let moved = compliance.displacement(&self.candidates, &active, &self.node_force, &gaps.normal)?;
+        let along_normal = moved.along_normal.expect("only kernels average the gap");
+        for (&vertex, rise) in self.candidates.iter().zip(along_normal) {
+            self.gap[vertex] = gaps.distance[vertex] + rise;
+        }
+        Ok(())
     }
 
     /// Vertices with f > 0, ascending.

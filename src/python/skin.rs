@@ -75,12 +75,16 @@ impl PySkin {
 #[pymethods]
 impl PySkin {
     #[staticmethod]
-    fn half_space(shear_modulus: f64, poisson_ratio: f64, pressure: &str) -> PyResult<Self> {
-        made(
-            shear_modulus,
-            poisson_ratio,
-            Response::HalfSpace { pressure: pressure_named(pressure)?, gap: Gap::Node },
-        )
+    fn half_space(shear_modulus: f64, poisson_ratio: f64, pressure: &str, gap: &str) -> PyResult<Self> {
+        let gap = match gap {
+            "node" => Gap::Node,
+            "weighted" => Gap::Weighted,
+            other => {
+                let message = format!("gap is {other:?}, expected \"node\" or \"weighted\"");
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        made(shear_modulus, poisson_ratio, Response::HalfSpace { pressure: pressure_named(pressure)?, gap })
     }
 
     #[staticmethod]
@@ -122,7 +126,7 @@ impl PySkin {
     /// Height of the Gaussian that keeps volume (m/N).
     #[staticmethod]
     fn balanced_height(shear_modulus: f64, poisson_ratio: f64, width: f64, cutoff: f64) -> PyResult<f64> {
-        let half_space = Response::HalfSpace { pressure: Pressure::Linear };
+        let half_space = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
         let skin = Skin::new(shear_modulus, poisson_ratio, half_space).map_err(IntoPyErr::into_py_err)?;
         response::balanced_height(skin.kernel_constant(), width, cutoff).map_err(IntoPyErr::into_py_err)
     }

@@ -1,6 +1,6 @@
 //! What a contact asks of a skin.
 
-use super::{AssemblyOptions, Pressure, ResponseError, Skin, assemble, assemble_block};
+use super::{AssemblyOptions, Gap, Pressure, ResponseError, Skin, assemble, assemble_block};
 use crate::surface::Surface;
 use faer::Mat;
 use nalgebra::Vector3;
@@ -31,6 +31,9 @@ pub trait ElasticSkin: Sync {
 
     /// How a node's force is spread.
     fn pressure(&self) -> Pressure;
+
+    /// How the gap of a node is measured.
+    fn gap(&self) -> Gap;
 
     /// Whether the response to a force at `vertex` is known.
     fn knows(&self, vertex: usize) -> bool;
@@ -81,6 +84,10 @@ impl ElasticSkin for Skin {
         self.pressure()
     }
 
+    fn gap(&self) -> Gap {
+        self.gap()
+    }
+
     fn knows(&self, _: usize) -> bool {
         true
     }
@@ -103,10 +110,12 @@ impl ElasticSkin for Skin {
         forces: &[Vector3<f64>],
         options: &AssemblyOptions,
     ) -> Result<Displacements, ResponseError> {
+        // Displacements are those of the vertices, however the gap is measured.
+        let at_vertices = self.with_gap(Gap::Node);
         let mut vectors = Vec::with_capacity(vertices.len());
         let mut along_normal = Vec::with_capacity(vertices.len());
         for rows in vertices.chunks(ROWS_AT_ONCE) {
-            let block = assemble_block(surface, self, rows, nodes, options)?;
+            let block = assemble_block(surface, &at_vertices, rows, nodes, options)?;
             add_products(&block, forces, &mut vectors, &mut along_normal);
         }
         Ok(Displacements { vectors, along_normal: Some(along_normal) })

@@ -2,7 +2,7 @@
 
 use super::body::{Body, BodyCompliance, BodyOptions};
 use super::elastic::{Displacements, ElasticSkin};
-use super::{AssemblyOptions, Pressure, ResponseError, Skin, assemble};
+use super::{AssemblyOptions, Gap, Pressure, ResponseError, Skin, assemble};
 use crate::surface::Surface;
 use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
@@ -202,6 +202,13 @@ impl ElasticSkin for PreparedSkin {
         match &self.response {
             PreparedResponse::Kernel { skin, .. } => skin.pressure(),
             _ => Pressure::Linear,
+        }
+    }
+
+    fn gap(&self) -> Gap {
+        match &self.response {
+            PreparedResponse::Kernel { skin, .. } => skin.gap(),
+            _ => Gap::Node,
         }
     }
 

@@ -150,6 +150,15 @@ impl Skin {
         }
     }
 
+    /// The same skin with the gap of a node measured otherwise, where its response offers that.
+    pub(crate) fn with_gap(&self, gap: Gap) -> Self {
+        let mut skin = self.clone();
+        if let Response::HalfSpace { gap: measured, .. } = &mut skin.response {
+            *measured = gap;
+        }
+        skin
+    }
+
     /// How a node's force is spread.
     pub fn pressure(&self) -> Pressure {
         match self.response {

@@ -139,7 +139,7 @@ def test_a_balanced_gaussian_keeps_volume_on_a_wide_flat_mesh() -> None:
     response = qr.GaussianCorrected.balanced(width=10e-3, cutoff=15e-3)
     skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
     volume = qr.net_volume(surface, skin, middle)
-    # The mesh sums the kernel's peak and its jump at the cutoff with an error of some spacing / cutoff squared.
+    # The mesh sums the kernel's peak and its jump at the cutoff with an error of spacing / cutoff.
     assert abs(volume.net) < 0.02 * volume.gross
     half_space = qr.net_volume(surface, SKIN, middle)
     assert half_space.net == pytest.approx(half_space.gross)
@@ -158,3 +158,23 @@ def test_condition_and_definiteness_are_told_when_cheap_or_asked_for(contact: qr
     assert len(asked.candidates) > 64
     assert asked.accuracy.condition is not None
     assert 1 < asked.accuracy.condition < 1e3
+
+
+def test_the_weighted_gap_nears_hertz_with_a_symmetric_matrix() -> None:
+    radius, approach = 0.2, 0.5e-3
+    hertz = 4 / 3 * (2 * 60e3 / 0.5) * radius**0.5 * approach**1.5
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace(gap="weighted"))
+    errors = []
+    for cells in (5, 10):
+        surface = qr.Surface(*grid(3 * cells, np.sqrt(radius * approach) / cells))
+        sphere = qr.Obstacle.sphere([0, 0, radius - approach], radius)
+        weighted = qr.solve_contact(surface, sphere, skin)
+        errors.append(abs(-weighted.force[2] / hertz - 1))
+        matrix = qr.response_matrix(surface, skin, weighted.candidates)
+        np.testing.assert_array_equal(matrix, matrix.T)
+        assert qr.definiteness(matrix).positive_definite
+        # A vertex may keep a penetration, of the order of the mesh error h^2 / 2 R.
+        assert weighted.max_penetration_after < 2 * approach / (2 * cells**2)
+    # Between vertices the gap is taken as linear, which overrates a parabola's by about h^2 / 6 R.
+    assert errors[1] < 5e-3
+    assert errors[1] < errors[0] / 2.5
