@@ -248,6 +248,23 @@ fn copositive_plus_problems_built_from_an_answer_are_solved() {
     }
 }
 
+#[test]
+fn block_pivoting_that_goes_in_circles_hands_over() {
+    // Far from symmetric: block exchanges do not get on, and single ones would take thousands of factors.
+    let mut noise = Noise(3);
+    let n = 120;
+    let (a, b) = (noise.matrix(n, n), noise.matrix(n, n));
+    let m = &a * a.transpose() * (1.0 / n as f64) + &b - b.transpose() + Mat::<f64>::identity(n, n) * 0.1;
+    let q: Vec<f64> = (0..n).map(|_| noise.value()).collect();
+    let solution = run_with(&m, &q, LcpMethod::BlockPivoting, &LcpOptions::default());
+    assert_solves(&m, &q, &solution, 1e-11);
+    assert_eq!(solution.attempts[0].method, LcpMethod::BlockPivoting);
+    assert_eq!(solution.method, solution.attempts.last().unwrap().method);
+    let options = LcpOptions { max_pivots: Some(500), ..LcpOptions::default() };
+    let bounded = run_with(&m, &q, LcpMethod::BlockPivoting, &options);
+    assert_eq!((bounded.status, bounded.attempts.len()), (LcpStatus::PivotLimit, 1));
+}
+
 // Hard cases of the literature
 
 #[test]

@@ -2,7 +2,8 @@
 //!
 //! A guess F of the active set gives `z_F = -M_FF⁻¹ q_F` and `w = q + M z`; every unknown whose sign is wrong
 //! changes sides. While that keeps lowering their number, a handful of factors solve thousands of unknowns;
-//! when it does not, one unknown at a time changes (Murty's least-index rule), which ends for P-matrices.
+//! when it does not, one unknown at a time changes (Murty's least-index rule), which ends for P-matrices, if
+//! not always soon.
 
 use super::certificate::nan_max;
 use super::dense::{Factor, NoFactor};
@@ -44,11 +45,12 @@ pub(super) fn solve(
     active.iter().for_each(|&i| is_active[i] = true);
     let mut outcome = Outcome::zero(LcpStatus::Breakdown, n);
     let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
+    let mut singles = if options.max_pivots.is_some() { usize::MAX } else { single_budget(n) };
     loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();
         let k = set.len() as f64;
         outcome.work += k * k * k * if definite { 1.0 / 3.0 } else { 2.0 / 3.0 } + 4.0 * k * n as f64;
-        let block = gather(m, &set, &set);
+        let block = gather(m, &set, &set, &interrupted);
         let factor =
             if definite { Factor::cholesky(block, &interrupted) } else { Factor::lu(block, &interrupted) };
         let factor = match factor {
@@ -85,13 +87,19 @@ pub(super) fn solve(
         } else {
             return outcome;
         }
-        if outcome.pivots >= budget {
+        singles -= usize::from(exchanged.len() < wrong.len());
+        if outcome.pivots >= budget || singles == 0 {
             outcome.z.iter_mut().for_each(|z| *z = z.max(0.0));
             return Outcome { status: LcpStatus::PivotLimit, ..outcome };
         }
         exchanged.iter().for_each(|&i| is_active[i] = !is_active[i]);
         outcome.pivots += exchanged.len();
     }
+}
+
+/// Single exchanges, each with a factor of its own, that are bearable.
+fn single_budget(n: usize) -> usize {
+    n + 20_000 / n.max(1)
 }
 
 /// z and w of the complementary basis of `set`, refined once, and how far w is from zero on it.

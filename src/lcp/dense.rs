@@ -57,11 +57,18 @@ impl Factor {
             }
             let permuted: Vec<usize> = forward.iter().map(|&from| order[start + from]).collect();
             order[start..].copy_from_slice(&permuted);
-            let mut column = vec![0.0; height];
+            // At most two rows for each column of the panel have moved.
+            let moved: Vec<(usize, usize)> = forward
+                .iter()
+                .enumerate()
+                .filter(|&(to, &from)| to != from)
+                .map(|(to, &from)| (to, from))
+                .collect();
+            let mut values = vec![0.0; moved.len()];
             for j in (0..start).chain(end..n) {
                 let entries = &mut a.col_as_slice_mut(j)[start..];
-                forward.iter().zip(&mut column).for_each(|(&from, to)| *to = entries[from]);
-                entries.copy_from_slice(&column);
+                values.iter_mut().zip(&moved).for_each(|(value, &(_, from))| *value = entries[from]);
+                values.iter().zip(&moved).for_each(|(&value, &(to, _))| entries[to] = value);
             }
             let (left, right) = a.as_mut().split_at_col_mut(end);
             let left = left.rb();

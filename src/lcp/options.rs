@@ -63,7 +63,8 @@ pub struct LcpOptions<'a> {
     pub initial_active: Option<Vec<usize>>,
     /// Lemke's covering vector (n, > 0); `None` means all ones.
     pub covering: Option<Vec<f64>>,
-    /// Asked again and again while the solve runs; `true` ends it as interrupted.
+    /// Asked again and again by the calling thread while the solve runs; `true`, which must then stay so, ends
+    /// it as interrupted.
     pub interrupt: Option<&'a (dyn Fn() -> bool + Sync)>,
     /// Load control, for projected_cg alone: `Σ z` (> 0); q is then known up to one shift for all rows.
     pub total: Option<f64>,

@@ -45,6 +45,7 @@ pub(super) fn solve(
     let (mut conjugate, mut last) = (false, 1.0);
     let (mut best, mut best_at) = (f64::INFINITY, 0);
     let mut w = gap(m, q, &z);
+    let mut is_fresh = true;
     loop {
         if total.is_some() {
             run.shift = -mean(&w, &diagonal, &z);
@@ -57,6 +58,12 @@ pub(super) fn solve(
         if residual < best * unit {
             (best, best_at) = (residual / unit, run.outcome.pivots);
             run.outcome.z.copy_from_slice(&z);
+        }
+        if residual <= tolerance * unit && !is_fresh {
+            // Updates of w gather rounding; the last word has M itself.
+            w = gap(m, q, &z);
+            is_fresh = true;
+            continue;
         }
         run.outcome.status = if residual <= tolerance * unit {
             LcpStatus::Solved
@@ -88,31 +95,30 @@ pub(super) fn solve(
             return run;
         }
         let step = if curvature > 0.0 { slope / curvature } else { 1.0 };
-        let mut cut = false;
         conjugate = true;
+        // What z is off the straight step, at the few unknowns that were cut off or let in.
+        let mut correction = vec![0.0; n];
         for i in 0..n {
             if z[i] > 0.0 {
-                z[i] -= step * direction[i];
-                if z[i] <= 0.0 {
-                    z[i] = 0.0;
-                    cut = true;
-                }
-            }
-            if z[i] == 0.0 && w[i] + shift < 0.0 && direction[i] == 0.0 {
+                let straight = z[i] - step * direction[i];
+                z[i] = straight.max(0.0);
+                correction[i] = z[i] - straight;
+            } else if w[i] + shift < 0.0 {
                 z[i] = -step.abs().min(1.0) * (w[i] + shift) / diagonal[i];
+                correction[i] = z[i];
                 conjugate = false;
-                cut = true;
             }
         }
+        w.iter_mut().zip(&curved).for_each(|(w, curved)| *w -= step * curved);
+        add_product(m, &correction, &mut w);
         if let Some(total) = total {
             let factor = total / z.iter().sum::<f64>();
             z.iter_mut().for_each(|z| *z *= factor);
-            cut = true;
+            w.iter_mut().zip(q).for_each(|(w, q)| *w = q + factor * (*w - q));
         }
-        if cut || run.outcome.pivots.is_multiple_of(50) {
+        is_fresh = run.outcome.pivots.is_multiple_of(50);
+        if is_fresh {
             w = gap(m, q, &z);
-        } else {
-            w.iter_mut().zip(&curved).for_each(|(w, curved)| *w -= step * curved);
         }
     }
 }
@@ -157,7 +163,13 @@ fn mean(w: &[f64], diagonal: &[f64], z: &[f64]) -> f64 {
 }
 
 /// The worst pair of entries of a matrix that is not symmetric: row, column, difference over the largest entry.
-pub(super) fn asymmetry(m: MatRef<'_, f64>) -> (usize, usize, f64) {
+///
+/// Ends early once a pair is beyond `limit`, or when `interrupted`.
+pub(super) fn asymmetry(
+    m: MatRef<'_, f64>,
+    limit: f64,
+    interrupted: &dyn Fn() -> bool,
+) -> (usize, usize, f64) {
     const TILE: usize = 32;
     let n = m.nrows();
     let strip = |first_column: usize| {
@@ -175,9 +187,23 @@ pub(super) fn asymmetry(m: MatRef<'_, f64>) -> (usize, usize, f64) {
         }
         (worst, largest)
     };
-    let columns = (0..n).into_par_iter().step_by(TILE);
-    let (worst, largest) = columns
-        .map(strip)
-        .reduce(|| ((0, 0, 0.0), 0.0), |a, b| (if b.0.2 > a.0.2 { b.0 } else { a.0 }, a.1.max(b.1)));
-    if largest > 0.0 { (worst.0, worst.1, worst.2 / largest) } else { worst }
+    let join = |a: ((usize, usize, f64), f64), b: ((usize, usize, f64), f64)| {
+        (if b.0.2 > a.0.2 { b.0 } else { a.0 }, a.1.max(b.1))
+    };
+    let nothing = ((0, 0, 0.0), 0.0);
+    let strips: Vec<usize> = (0..n).step_by(TILE).collect();
+    let mut found = nothing;
+    for group in strips.chunks(16) {
+        let part = if n < 256 {
+            group.iter().map(|&first| strip(first)).fold(nothing, join)
+        } else {
+            group.par_iter().map(|&first| strip(first)).reduce(|| nothing, join)
+        };
+        found = join(found, part);
+        if found.0.2 > limit * found.1 || interrupted() {
+            break;
+        }
+    }
+    let ((row, column, difference), largest) = found;
+    (row, column, if largest > 0.0 { difference / largest } else { 0.0 })
 }

@@ -25,7 +25,7 @@ enum Storage<'a> {
 }
 
 impl<'a> Reduced<'a> {
-    pub(super) fn new(problem: &LcpProblem<'a>) -> Self {
+    pub(super) fn new(problem: &LcpProblem<'a>, interrupted: &dyn Fn() -> bool) -> Self {
         let n = problem.size();
         let (m, q) = (problem.m, problem.q);
         let unit = power_of_two(problem.deficit());
@@ -35,7 +35,7 @@ impl<'a> Reduced<'a> {
             return Self::whole(problem, unit);
         }
         let q = keep.iter().map(|&i| q[i] / unit).collect();
-        let m = gather(m, &keep, &keep);
+        let m = gather(m, &keep, &keep, interrupted);
         Self { kept: Some(keep), storage: Storage::Owned(m), q, unit }
     }
 
@@ -68,12 +68,12 @@ impl<'a> Reduced<'a> {
     }
 
     /// The same with contiguous columns, copied if it has none.
-    pub(super) fn into_columns(self) -> Self {
+    pub(super) fn into_columns(self, interrupted: &dyn Fn() -> bool) -> Self {
         if self.m().try_as_col_major().is_some() {
             return self;
         }
         let all: Vec<usize> = (0..self.size()).collect();
-        let storage = Storage::Owned(gather(self.m(), &all, &all));
+        let storage = Storage::Owned(gather(self.m(), &all, &all, interrupted));
         Self { storage, ..self }
     }
 
@@ -108,10 +108,15 @@ impl<'a> Reduced<'a> {
     }
 }
 
-/// The block of `m` on `rows` and `columns`.
-pub(super) fn gather(m: MatRef<'_, f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
+/// The block of `m` on `rows` and `columns`; left unfinished when `interrupted`.
+pub(super) fn gather(
+    m: MatRef<'_, f64>,
+    rows: &[usize],
+    columns: &[usize],
+    interrupted: &dyn Fn() -> bool,
+) -> Mat<f64> {
     let source = m.try_as_col_major();
-    build(rows.len(), columns.len(), |j, first, entries| {
+    build(rows.len(), columns.len(), interrupted, |j, first, entries| {
         let rows = &rows[first..first + entries.len()];
         match source {
             Some(source) => {
@@ -124,9 +129,15 @@ pub(super) fn gather(m: MatRef<'_, f64>, rows: &[usize], columns: &[usize]) -> M
 }
 
 /// A matrix made in tiles, so that reading across the storage order does not starve; `fill` is given a column,
-/// the first row of a run in it and that run.
-pub(super) fn build(rows: usize, columns: usize, fill: impl Fn(usize, usize, &mut [f64]) + Sync) -> Mat<f64> {
+/// the first row of a run in it and that run. Left unfinished when `interrupted`.
+pub(super) fn build(
+    rows: usize,
+    columns: usize,
+    interrupted: &dyn Fn() -> bool,
+    fill: impl Fn(usize, usize, &mut [f64]) + Sync,
+) -> Mat<f64> {
     const TILE: usize = 32;
+    let group = (SHARED / rows.max(1)).next_multiple_of(8 * TILE);
     let mut block = Mat::zeros(rows, columns);
     let tiles = |first: usize, mut strip: MatMut<'_, f64>| {
         for row in (0..rows).step_by(TILE) {
@@ -137,13 +148,20 @@ pub(super) fn build(rows: usize, columns: usize, fill: impl Fn(usize, usize, &mu
             }
         }
     };
-    if rows * columns < SHARED {
-        for first in (0..columns).step_by(TILE) {
-            tiles(first, block.as_mut().subcols_mut(first, TILE.min(columns - first)));
+    for start in (0..columns).step_by(group) {
+        let width = group.min(columns - start);
+        let mut part = block.as_mut().subcols_mut(start, width);
+        if rows * width < SHARED / 2 {
+            for first in (0..width).step_by(TILE) {
+                tiles(start + first, part.rb_mut().subcols_mut(first, TILE.min(width - first)));
+            }
+        } else {
+            let strips = part.par_col_chunks_mut(TILE).enumerate();
+            strips.for_each(|(k, strip)| tiles(start + k * TILE, strip));
         }
-    } else {
-        let strips = block.par_col_chunks_mut(TILE).enumerate();
-        strips.for_each(|(k, strip)| tiles(k * TILE, strip));
+        if columns > group && interrupted() {
+            break;
+        }
     }
     block
 }
@@ -172,7 +190,7 @@ mod tests {
     fn rows_that_cannot_touch_are_left_out() {
         let m = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 1.0 });
         let problem = LcpProblem::new(m.as_ref(), &[1.0, -1.0, 0.0]).unwrap();
-        let reduced = Reduced::new(&problem);
+        let reduced = Reduced::new(&problem, &|| false);
         assert_eq!(reduced.q, [-1.0]);
         assert_eq!(reduced.expand(&[0.5], 3), [0.0, 0.5, 0.0]);
         assert_eq!(reduced.restrict_set(&[2, 1]), [0]);

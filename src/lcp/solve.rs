@@ -21,6 +21,8 @@ const TRIES: usize = 3;
 /// Largest asymmetry that conjugate gradients bear, and that Cholesky does.
 const SYMMETRIC: f64 = 1e-10;
 const SYMMETRIC_FACTOR: f64 = 1e-13;
+/// Share of the tolerance at which conjugate gradients stop, since forces are less exact than gaps.
+const CG_MARGIN: f64 = 0.1;
 /// Unknowns up to which `auto` begins with Lemke's method where M is not known to be a P-matrix.
 const FEW: usize = 16;
 /// Unknowns from which looking for symmetry pays for itself in block pivoting.
@@ -49,15 +51,15 @@ pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> R
         let zero = Outcome::zero(LcpStatus::Solved, 0);
         return Ok(run.conclude(method, &zero, vec![0.0; problem.size()]));
     }
-    let reduced = Reduced::new(problem);
+    let reduced = Reduced::new(problem, &|| options.is_interrupted());
     run.candidates = reduced.size();
     let (mut solution, work) = match method {
         LcpMethod::Lemke => run.lemke(reduced),
-        LcpMethod::BlockPivoting => run.block_pivoting(&reduced, Fallback::Finite),
+        LcpMethod::BlockPivoting => run.block_pivoting_or_lemke(reduced),
         LcpMethod::ProjectedCg => run.projected_cg(&reduced)?,
         LcpMethod::Auto => run.auto(reduced),
     };
-    if !problem.known_p_matrix {
+    if !problem.known_p_matrix && solution.status != LcpStatus::Interrupted {
         solution.certificate.definiteness = run.definiteness(work);
     }
     Ok(solution)
@@ -84,7 +86,7 @@ impl Run<'_> {
                 return answer;
             }
         }
-        let reduced = reduced.into_columns();
+        let reduced = reduced.into_columns(&|| self.options.is_interrupted());
         let lemke = self.lemke_on(&reduced);
         let proved = |ray: &LcpRay| ray.conclusion == RayConclusion::Infeasible;
         if ends(&lemke) || lemke.0.ray.as_ref().is_some_and(proved) {
@@ -108,7 +110,7 @@ impl Run<'_> {
     }
 
     fn lemke(&mut self, reduced: Reduced) -> Answer {
-        self.lemke_on(&reduced.into_columns())
+        self.lemke_on(&reduced.into_columns(&|| self.options.is_interrupted()))
     }
 
     /// Lemke's method: from the guess if there is one and it leads to an answer, else from nothing.
@@ -165,10 +167,22 @@ impl Run<'_> {
         }
     }
 
+    /// Block pivoting to its end; where single exchanges take too long, Lemke's method unless the caller set a
+    /// budget.
+    fn block_pivoting_or_lemke(&mut self, reduced: Reduced) -> Answer {
+        let answer = self.block_pivoting(&reduced, Fallback::Finite);
+        if answer.0.status != LcpStatus::PivotLimit || self.options.max_pivots.is_some() {
+            return answer;
+        }
+        let (solution, work) = self.lemke(reduced);
+        (solution, answer.1 + work)
+    }
+
     fn block_pivoting(&mut self, reduced: &Reduced, fallback: Fallback) -> Answer {
         let guess = self.options.initial_active.as_ref().map(|guess| reduced.restrict_set(guess));
         let start = guess.clone().unwrap_or_else(|| first_guess(&reduced.q));
-        let symmetric = reduced.size() >= MANY && projected_cg::asymmetry(reduced.m()).2 <= SYMMETRIC_FACTOR;
+        let symmetric =
+            reduced.size() >= MANY && self.asymmetry(reduced, SYMMETRIC_FACTOR).2 <= SYMMETRIC_FACTOR;
         let outcome = block_pivoting::solve(reduced, &start, symmetric, fallback, self.options);
         let solution = self.attempt(LcpMethod::BlockPivoting, &outcome, reduced, guess.is_some());
         (solution, outcome.work)
@@ -183,7 +197,7 @@ impl Run<'_> {
             &reduced.q,
             &start,
             None,
-            0.5 * self.options.tolerance,
+            CG_MARGIN * self.options.tolerance,
             self.options,
         );
         let solution = self.attempt(LcpMethod::ProjectedCg, &run.outcome, reduced, guess.is_some());
@@ -202,7 +216,7 @@ impl Run<'_> {
             (0..reduced.size()).filter(|&i| reduced.q[i] <= 0.5 * (lowest + highest)).collect()
         });
         let total = self.options.total.map(|total| total / reduced.unit);
-        let tolerance = 0.5 * self.options.tolerance;
+        let tolerance = CG_MARGIN * self.options.tolerance;
         let run =
             projected_cg::solve(contiguous(&reduced), &reduced.q, &start, total, tolerance, self.options);
         let shift = run.shift * reduced.unit;
@@ -219,8 +233,12 @@ impl Run<'_> {
         Ok(solution)
     }
 
+    fn asymmetry(&self, reduced: &Reduced, limit: f64) -> (usize, usize, f64) {
+        projected_cg::asymmetry(reduced.m(), limit, &|| self.options.is_interrupted())
+    }
+
     fn check_symmetry(&self, reduced: &Reduced) -> Result<(), LcpError> {
-        let (row, column, difference) = projected_cg::asymmetry(reduced.m());
+        let (row, column, difference) = self.asymmetry(reduced, SYMMETRIC);
         if difference <= SYMMETRIC {
             return Ok(());
         }
@@ -288,12 +306,13 @@ impl Run<'_> {
         if (0..q.len()).any(|i| !is_kept[i] && q[i] == 0.0 && m[(i, i)] == 0.0) {
             return Definiteness::Unknown;
         }
-        let symmetric = build(kept.len(), kept.len(), |j, first, entries| {
+        let interrupted = || self.options.is_interrupted();
+        let symmetric = build(kept.len(), kept.len(), &interrupted, |j, first, entries| {
             for (entry, &i) in entries.iter_mut().zip(&kept[first..]) {
                 *entry = 0.5 * m[(i, kept[j])] + 0.5 * m[(kept[j], i)];
             }
         });
-        match Factor::cholesky(symmetric, &|| self.options.is_interrupted()) {
+        match Factor::cholesky(symmetric, &interrupted) {
             Ok(_) => Definiteness::PositiveDefinite,
             Err(NoFactor::Singular) => Definiteness::NotPositiveDefinite,
             Err(NoFactor::Interrupted) => Definiteness::Unknown,
