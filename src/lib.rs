@@ -37,3 +37,8 @@ pub mod surface;
 
 #[cfg(feature = "python")]
 mod python;
+
+/// The README's Rust code compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
