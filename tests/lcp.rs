@@ -499,7 +499,7 @@ fn an_indefinite_response_is_named_so() {
 }
 
 #[test]
-fn storage_order_and_threads_change_nothing() {
+fn storage_order_changes_nothing() {
     let contact = grid_contact(25, 0.8e-3, 60e-3, 0.5e-3);
     let n = contact.q.len();
     // Not symmetric, so that a mixed-up order would show.
@@ -516,6 +516,18 @@ fn storage_order_and_threads_change_nothing() {
         }
         let again = run_with(&m, &contact.q, method, &LcpOptions::default());
         assert_eq!(again, by_columns, "a second run is equal to the bit");
+    }
+}
+
+#[test]
+fn results_are_equal_to_the_bit_for_any_number_of_threads() {
+    let contact = grid_contact(30, 0.8e-3, 200e-3, 0.5e-3);
+    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg] {
+        let [one, three] = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| run_with(&contact.m, &contact.q, method, &LcpOptions::default()))
+        });
+        assert_eq!(one, three, "{method}");
     }
 }
 
