@@ -559,6 +559,24 @@ fn nothing_is_called_solved_that_tolerance_does_not_pass() {
 }
 
 #[test]
+fn gradients_and_blocks_say_when_m_is_not_for_them() {
+    let m = mat![[1.0, 2.0], [2.0, 1.0]];
+    let solution = run_with(&m, &[-1.0, -1.1], LcpMethod::ProjectedCg, &LcpOptions::default());
+    if solution.status != LcpStatus::Solved {
+        assert_eq!(solution.status, LcpStatus::Breakdown);
+        assert!(solution.advice().contains("positive definite"), "{}", solution.advice());
+    }
+    let m = mat![[0.0, 1.0], [1.0, 0.0]];
+    let solution = run_with(&m, &[-1.0, -1.1], LcpMethod::ProjectedCg, &LcpOptions::default());
+    assert_eq!(solution.status, LcpStatus::Breakdown);
+    let singular = mat![[1.0, 1.0], [1.0, 1.0]];
+    let solution = run_with(&singular, &[-1.0, -1.0], LcpMethod::BlockPivoting, &LcpOptions::default());
+    assert_eq!(solution.status, LcpStatus::Breakdown);
+    assert!(solution.advice().contains("lemke"), "{}", solution.advice());
+    assert_solves(&singular, &[-1.0, -1.0], &run(&singular, &[-1.0, -1.0]), 1e-15);
+}
+
+#[test]
 fn extreme_numbers_end_without_panic() {
     let mut noise = Noise(77);
     for _ in 0..2000 {

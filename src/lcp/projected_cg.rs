@@ -88,6 +88,7 @@ pub(super) fn solve(
         }
         curved.fill(0.0);
         add_product(m, &direction, &mut curved);
+        run.outcome.work += (n * direction.iter().filter(|&&d| d != 0.0).count()) as f64;
         let slope: f64 = (0..n).map(|i| (w[i] + shift) * direction[i]).sum();
         let curvature: f64 = (0..n).map(|i| curved[i] * direction[i]).sum();
         if curvature <= 0.0 && slope != 0.0 {

@@ -117,12 +117,26 @@ impl LcpSolution {
                  max_pivots, start from an initial active set, or try method auto",
                 self.pivots
             ),
-            LcpStatus::Breakdown => format!(
-                "breakdown: rounding errors left a natural residual of {:.1e} of max(-q). Usually M is nearly singular \
-                 on the active set (coincident nodes, one-ring pressures on a regular mesh): merge coincident \
-                 nodes or use linear pressure, or accept less by raising tolerance",
-                self.natural_residual
-            ),
+            LcpStatus::Breakdown => {
+                let (what, remedy) = match self.method {
+                    LcpMethod::ProjectedCg => (
+                        "conjugate gradients stalled or met a direction without curvature; usually M is not positive \
+                         definite",
+                        "use method lemke or auto",
+                    ),
+                    LcpMethod::BlockPivoting => (
+                        "an active block had no usable factor; usually M is singular or no P-matrix",
+                        "use method lemke or auto, or merge coincident nodes",
+                    ),
+                    _ => (
+                        "rounding errors took over; usually M is nearly singular on the active set (coincident nodes, \
+                         one-ring pressures on a regular mesh)",
+                        "merge coincident nodes, use linear pressure, or accept less by raising tolerance",
+                    ),
+                };
+                let residual = self.natural_residual;
+                format!("breakdown: {what}. The natural residual is {residual:.1e} of max(-q): {remedy}")
+            }
             LcpStatus::Interrupted => {
                 format!("interrupted: the caller stopped the solve after {} pivots", self.pivots)
             }
