@@ -9,6 +9,7 @@ use numpy::{
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::prelude::*;
 
 /// `numpy.asarray(value, dtype)`, with the argument's name in the error.
 fn as_array<'py>(value: &Bound<'py, PyAny>, name: &str, dtype: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
@@ -197,9 +198,22 @@ impl<'py> MatrixIn<'py> {
     }
 }
 
+/// Rows handled together where a matrix is turned from columns to rows, so that what is written stays in cache.
+const ROWS_AT_ONCE: usize = 32;
+
 /// (n, m) array, C order.
 pub(super) fn matrix_out<'py>(py: Python<'py>, matrix: &Mat<f64>) -> Bound<'py, PyArray2<f64>> {
     let (rows, columns) = (matrix.nrows(), matrix.ncols());
-    let flat: Vec<f64> = (0..rows).flat_map(|i| (0..columns).map(move |j| matrix[(i, j)])).collect();
+    let mut flat = vec![0.0; rows * columns];
+    let fill = |(block, out): (usize, &mut [f64])| {
+        let first = block * ROWS_AT_ONCE;
+        for j in 0..columns {
+            let column = &matrix.col_as_slice(j)[first..];
+            out.chunks_exact_mut(columns).zip(column).for_each(|(row, entry)| row[j] = *entry);
+        }
+    };
+    if columns > 0 {
+        py.detach(|| flat.par_chunks_mut(columns * ROWS_AT_ONCE).enumerate().for_each(fill));
+    }
     PyArray1::from_vec(py, flat).reshape([rows, columns]).expect("as many numbers as entries")
 }
