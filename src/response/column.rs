@@ -89,7 +89,7 @@ impl WithSimd for HalfSpaceColumn<'_> {
         let ball = ball_around(&scratch.faces, &scratch.loads);
         scratch.expansion.fill(simd, &scratch.loads, ball, amplitude, tolerance);
         far_values(simd, targets, scratch, reach);
-        near_values(targets, scratch, amplitude, tolerance);
+        near_values(simd, targets, scratch, amplitude, tolerance);
     }
 }
 
@@ -158,26 +158,30 @@ fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach:
     let far = reach + expansion.radius;
     let far_squared = far * far;
     let [cx, cy, cz] = [expansion.center.x, expansion.center.y, expansion.center.z];
-    let center = [cx, cy, cz].map(|v| simd.splat_f64s(v));
+    let center = [simd.splat_f64s(cx), simd.splat_f64s(cy), simd.splat_f64s(cz)];
     let limit = simd.splat_f64s(near_squared);
     let infinity = simd.splat_f64s(f64::INFINITY);
     let coordinates = [&targets.x, &targets.y, &targets.z].map(|list| S::as_simd_f64s(list).0);
     let values = S::as_mut_simd_f64s(&mut scratch.values).0;
     scratch.near.clear();
     for start in (0..values.len()).step_by(TOGETHER) {
-        let relative: [[S::f64s; TOGETHER]; 3] = std::array::from_fn(|axis| {
-            std::array::from_fn(|k| simd.sub_f64s(coordinates[axis][start + k], center[axis]))
-        });
-        let [x, y, z] = relative;
-        let squared: [S::f64s; TOGETHER] = std::array::from_fn(|k| {
-            simd.mul_add_f64s(x[k], x[k], simd.mul_add_f64s(y[k], y[k], simd.mul_f64s(z[k], z[k])))
-        });
+        let (mut x, mut y, mut z, mut squared) =
+            ([infinity; TOGETHER], [infinity; TOGETHER], [infinity; TOGETHER], [infinity; TOGETHER]);
+        for k in 0..TOGETHER {
+            x[k] = simd.sub_f64s(coordinates[0][start + k], center[0]);
+            y[k] = simd.sub_f64s(coordinates[1][start + k], center[1]);
+            z[k] = simd.sub_f64s(coordinates[2][start + k], center[2]);
+            squared[k] =
+                simd.mul_add_f64s(x[k], x[k], simd.mul_add_f64s(y[k], y[k], simd.mul_f64s(z[k], z[k])));
+        }
         let mut nearest = infinity;
         let mut nearest_far = infinity;
         for s in squared {
             nearest = simd.min_f64s(nearest, s);
             let is_near = simd.less_than_f64s(s, limit);
-            nearest_far = simd.min_f64s(nearest_far, simd.select_f64s(is_near, infinity, s));
+            let bits = simd.transmute_u64s_f64s(s);
+            let kept = simd.select_u64s(is_near, simd.transmute_u64s_f64s(infinity), bits);
+            nearest_far = simd.min_f64s(nearest_far, simd.transmute_f64s_u64s(kept));
         }
         let nearest = simd.reduce_min_f64s(nearest);
         if nearest < near_squared {
@@ -198,24 +202,27 @@ fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach:
 
 /// The exact integral at the listed targets.
 #[inline(always)]
-fn near_values(targets: &Targets, scratch: &mut Scratch, amplitude: f64, tolerance: f64) {
+fn near_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, amplitude: f64, tolerance: f64) {
     let Scratch { near, near_x, near_y, near_z, near_values, .. } = scratch;
     for (list, from) in [(&mut *near_x, &targets.x), (&mut *near_y, &targets.y), (&mut *near_z, &targets.z)] {
         list.clear();
         list.extend(near.iter().map(|&i| from[i as usize]));
+        if let Some(&last) = list.last() {
+            list.resize(near.len().next_multiple_of(BLOCK), last);
+        }
     }
     near_values.clear();
-    near_values.resize(near.len(), 0.0);
+    near_values.resize(near_x.len(), 0.0);
     let reach = scratch.expansion.near_squared().sqrt() + scratch.expansion.radius;
     for face in &scratch.faces {
         if face.loses_digits(reach, tolerance) {
-            for (k, value) in near_values.iter_mut().enumerate() {
+            for (k, value) in near_values.iter_mut().take(near.len()).enumerate() {
                 let point = Vector3::new(near_x[k], near_y[k], near_z[k]);
                 let hats = subdivided_hat_integrals(&face.frame.vertices, &point);
                 *value += amplitude * weighted(&face.density, &hats);
             }
         } else {
-            NearFace::new(face).add(amplitude, near_x, near_y, near_z, near_values);
+            NearFace::new(face).add(simd, amplitude, near_x, near_y, near_z, near_values);
         }
     }
     for (&i, &value) in near.iter().zip(near_values.iter()) {

@@ -4,6 +4,7 @@ use super::column::{Scratch, half_space_values, spread_load};
 use super::cut::{Inverse, hats_within};
 use super::elementary::exp_negative;
 use super::gaussian::Gaussian;
+use super::lanes::Lanes;
 use super::multipole::PointLoads;
 use super::source::{LoadedFace, weighted};
 use super::subdivide::subdivided_hat_integrals;
@@ -94,7 +95,7 @@ impl WithSimd for Subtract<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { kernel, targets, scratch } = self;
         let (center, radius) = scratch.ball();
         let far = kernel.cutoff + radius;
@@ -106,7 +107,7 @@ impl WithSimd for Subtract<'_> {
                 .map(|i| (Vector3::new(x[i], y[i], z[i]) - center).norm_squared())
                 .fold(f64::INFINITY, f64::min);
             if nearest < far * far {
-                kernel.subtract(loads, x, y, z, &mut values[block]);
+                kernel.subtract(simd, loads, [x, y, z], &mut values[block]);
             }
         }
     }
@@ -114,16 +115,23 @@ impl WithSimd for Subtract<'_> {
 
 impl Corrected {
     #[inline(always)]
-    fn subtract(&self, loads: &PointLoads, x: &[f64], y: &[f64], z: &[f64], values: &mut [f64]) {
-        let falloff = -0.5 / (self.width * self.width);
-        let n = values.len();
-        let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
-        for (k, share) in loads.share.iter().enumerate() {
-            let (px, py, pz, height) = (loads.x[k], loads.y[k], loads.z[k], self.height * share);
-            for i in 0..n {
-                let (dx, dy, dz) = (x[i] - px, y[i] - py, z[i] - pz);
-                values[i] -= height * exp_negative((dx * dx + dy * dy + dz * dz) * falloff);
+    fn subtract<S: Simd>(&self, simd: S, loads: &PointLoads, at: [&[f64]; 3], values: &mut [f64]) {
+        let falloff = Lanes::splat(simd, -0.5 / (self.width * self.width));
+        let (x, y, z) = (S::as_simd_f64s(at[0]).0, S::as_simd_f64s(at[1]).0, S::as_simd_f64s(at[2]).0);
+        let values = S::as_mut_simd_f64s(values).0;
+        for (((&x, &y), &z), value) in x.iter().zip(y).zip(z).zip(values) {
+            let place = [Lanes::new(simd, x), Lanes::new(simd, y), Lanes::new(simd, z)];
+            let mut sum = Lanes::splat(simd, 0.0);
+            for (k, &share) in loads.share.iter().enumerate() {
+                let [dx, dy, dz] = [
+                    place[0] - sum.all(loads.x[k]),
+                    place[1] - sum.all(loads.y[k]),
+                    place[2] - sum.all(loads.z[k]),
+                ];
+                let squared = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
+                sum = exp_negative(squared * falloff).mul_add(sum.all(share), sum);
             }
+            *value = simd.mul_add_f64s(simd.splat_f64s(-self.height), sum.v, *value);
         }
     }
 }

@@ -22,6 +22,7 @@ mod elastic;
 mod elementary;
 mod error;
 mod gaussian;
+mod lanes;
 mod layer;
 mod layer_column;
 mod local;

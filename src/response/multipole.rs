@@ -153,7 +153,7 @@ impl Expansion {
         let sums = S::as_mut_simd_f64s(&mut self.sums[..used * lanes]).0;
         let beta = &tables().beta;
         let inverse = simd.splat_f64s(1.0 / radius);
-        let [cx, cy, cz] = [center.x, center.y, center.z].map(|v| simd.splat_f64s(v));
+        let (cx, cy, cz) = (simd.splat_f64s(center.x), simd.splat_f64s(center.y), simd.splat_f64s(center.z));
         let vectors = [&loads.x, &loads.y, &loads.z, &loads.share].map(|list| S::as_simd_f64s(list).0);
         for (((&x, &y), &z), &share) in vectors[0].iter().zip(vectors[1]).zip(vectors[2]).zip(vectors[3]) {
             let x = simd.mul_f64s(simd.sub_f64s(x, cx), inverse);
@@ -269,7 +269,9 @@ impl Expansion {
         let (mut wx, mut wy, mut u, mut v) =
             ([zero; TOGETHER], [zero; TOGETHER], [zero; TOGETHER], [zero; TOGETHER]);
         for k in 0..TOGETHER {
-            let [x, y, z] = [x[k], y[k], z[k]].map(|c| simd.mul_f64s(c, inverse_radius));
+            let x = simd.mul_f64s(x[k], inverse_radius);
+            let y = simd.mul_f64s(y[k], inverse_radius);
+            let z = simd.mul_f64s(z[k], inverse_radius);
             let r2 = simd.mul_add_f64s(x, x, simd.mul_add_f64s(y, y, simd.mul_f64s(z, z)));
             v[k] = simd.div_f64s(one, r2);
             wx[k] = simd.mul_f64s(x, v[k]);
@@ -286,7 +288,7 @@ impl Expansion {
                 ([simd.splat_f64s(cosine[0]); TOGETHER], [simd.splat_f64s(sine[0]); TOGETHER]);
             let (mut before, mut q) = ([one; TOGETHER], u);
             for l in 1..cosine.len() {
-                let [c, s] = [cosine[l], sine[l]].map(|c| simd.splat_f64s(c));
+                let (c, s) = (simd.splat_f64s(cosine[l]), simd.splat_f64s(sine[l]));
                 if l > 1 {
                     let pull = simd.splat_f64s(beta[l]);
                     for k in 0..TOGETHER {
@@ -305,6 +307,10 @@ impl Expansion {
                 re[k] = next;
             }
         }
-        std::array::from_fn(|k| simd.mul_f64s(re[k], simd.sqrt_f64s(v[k])))
+        let mut value = [zero; TOGETHER];
+        for k in 0..TOGETHER {
+            value[k] = simd.mul_f64s(re[k], simd.sqrt_f64s(v[k]));
+        }
+        value
     }
 }

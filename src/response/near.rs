@@ -1,8 +1,10 @@
 //! The exact triangle integral for many points at once.
 
 use super::elementary::{angle, ln_ratio};
+use super::lanes::Lanes;
 use super::source::LoadedFace;
 use nalgebra::Vector3;
+use pulp::Simd;
 
 /// A loaded triangle with everything that does not depend on the point.
 #[derive(Debug, Clone, Copy)]
@@ -47,54 +49,75 @@ impl NearFace {
         }
     }
 
-    /// Adds `amplitude ∫ p(y) / |x - y| dA` at each point. Written without branches, so that the compiler
-    /// makes vector code of it; called within a `pulp` dispatch.
+    /// Adds `amplitude ∫ p(y) / |x - y| dA` at each point; the lists are whole vectors.
     #[inline(always)]
-    pub(crate) fn add(&self, amplitude: f64, x: &[f64], y: &[f64], z: &[f64], out: &mut [f64]) {
-        let n = out.len();
-        let (x, y, z) = (&x[..n], &y[..n], &z[..n]);
-        for i in 0..n {
-            out[i] += amplitude * self.at(x[i], y[i], z[i]);
+    pub(crate) fn add<S: Simd>(
+        &self,
+        simd: S,
+        amplitude: f64,
+        x: &[f64],
+        y: &[f64],
+        z: &[f64],
+        out: &mut [f64],
+    ) {
+        let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
+        let out = S::as_mut_simd_f64s(out).0;
+        let amplitude = simd.splat_f64s(amplitude);
+        for (((&x, &y), &z), out) in x.iter().zip(y).zip(z).zip(out) {
+            let value = self.at([Lanes::new(simd, x), Lanes::new(simd, y), Lanes::new(simd, z)]);
+            *out = simd.mul_add_f64s(amplitude, value.v, *out);
         }
     }
 
     #[inline(always)]
-    fn at(&self, x: f64, y: f64, z: f64) -> f64 {
-        let to = |c: &[f64; 3]| [c[0] - x, c[1] - y, c[2] - z];
-        let [a, b, c] = [to(&self.corners[0]), to(&self.corners[1]), to(&self.corners[2])];
+    fn at<S: Simd>(&self, x: [Lanes<S>; 3]) -> Lanes<S> {
+        let any = x[0];
+        let zero = any.all(0.0);
+        let a = from_point(&self.corners[0], &x);
+        let b = from_point(&self.corners[1], &x);
+        let c = from_point(&self.corners[2], &x);
         let (ra, rb, rc) = (dot(&a, &a).sqrt(), dot(&b, &b).sqrt(), dot(&c, &c).sqrt());
-        let height = dot(&a, &self.normal);
+        let height = along(&a, &self.normal);
         let height_squared = height * height;
-        let mut potential = 0.0;
-        let mut boundary = 0.0;
+        let mut potential = zero;
+        let mut boundary = zero;
         for (k, start, end, r0, r1) in [(0, &b, &c, rb, rc), (1, &c, &a, rc, ra), (2, &a, &b, ra, rb)] {
-            let length = self.lengths[k];
             // of the two ends the nearer one gives the distance with the least rounding
-            let (d0, d1) = (dot(start, &self.outward[k]), dot(end, &self.outward[k]));
-            let d = if r0 <= r1 { d0 } else { d1 };
-            let (s0, s1) = (dot(start, &self.tangents[k]), dot(end, &self.tangents[k]));
-            let rho_squared = d * d + height_squared;
-            // asinh(s1/ρ) - asinh(s0/ρ) as the logarithm of a ratio of sums of positive parts
+            let (d0, d1) = (along(start, &self.outward[k]), along(end, &self.outward[k]));
+            let d = r0.at_most(r1).pick(d0, d1);
+            let (s0, s1) = (along(start, &self.tangents[k]), along(end, &self.tangents[k]));
+            let rho_squared = d.mul_add(d, height_squared);
+            // asinh(s1/ρ) - asinh(s0/ρ) as the logarithm of a ratio of sums of positive parts: t0 t1 / ρ² where
+            // the foot of the point lies on the edge, t1 / t0 before it, t0 / t1 behind it
             let (t0, t1) = (r0 + s0.abs(), r1 + s1.abs());
-            let inside = s0 <= 0.0 && s1 >= 0.0;
-            let numerator = if inside || s0 > 0.0 { t1 } else { t0 };
-            let denominator = if s0 > 0.0 { t0 } else { t1 };
-            let numerator = if inside { t0 * t1 } else { numerator };
-            let denominator = if inside { rho_squared } else { denominator };
-            let log = ln_ratio(numerator, denominator, length, r0 + r1);
-            potential += d * log;
-            boundary += self.edge[k] * (rho_squared * log + s1 * r1 - s0 * r0);
+            let (before, behind) = (zero.less(s0), s1.less(zero));
+            let numerator = before.pick(t1, behind.pick(t0, t0 * t1));
+            let denominator = before.pick(t0, behind.pick(t1, rho_squared));
+            let log = ln_ratio(numerator, denominator, any.all(self.lengths[k]), r0 + r1);
+            potential = d.mul_add(log, potential);
+            let term = rho_squared.mul_add(log, s1 * r1 - s0 * r0);
+            boundary = any.all(self.edge[k]).mul_add(term, boundary);
         }
         let lifted = height.abs();
         let solid = ra * rb * rc + dot(&a, &b) * rc + dot(&a, &c) * rb + dot(&b, &c) * ra;
-        potential -= 2.0 * lifted * angle(self.double_area * lifted, solid);
-        (self.at_corner + dot(&self.gradient, &a)) * potential - boundary
+        potential = potential - any.all(2.0) * lifted * angle(any.all(self.double_area) * lifted, solid);
+        (any.all(self.at_corner) + along(&a, &self.gradient)) * potential - boundary
     }
 }
 
 #[inline(always)]
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+fn from_point<S: Simd>(c: &[f64; 3], x: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    [x[0].all(c[0]) - x[0], x[0].all(c[1]) - x[1], x[0].all(c[2]) - x[2]]
+}
+
+#[inline(always)]
+fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
+    dot(a, &[a[0].all(v[0]), a[0].all(v[1]), a[0].all(v[2])])
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 #[cfg(test)]
@@ -117,7 +140,7 @@ mod tests {
                 density[k] = 1.0;
                 let face = LoadedFace { frame, density, center: Vector3::zeros(), radius: length };
                 let mut out = [0.0; 1];
-                NearFace::new(&face).add(1.0, &[point[0]], &[point[1]], &[point[2]], &mut out);
+                NearFace::new(&face).add(pulp::Scalar, 1.0, &[point[0]], &[point[1]], &[point[2]], &mut out);
                 let error = (out[0] / expected[k] - 1.0).abs();
                 assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");
             }
