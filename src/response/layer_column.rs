@@ -153,11 +153,15 @@ impl LayerColumn<'_> {
         let mut sum = [0.0; BLOCK];
         for (k, &share) in loads.share.iter().enumerate() {
             let (px, py, pz) = (loads.x[k], loads.y[k], loads.z[k]);
+            // distances in vectors first, then the table lookups one by one
+            let mut rho = [0.0; BLOCK];
             for i in 0..BLOCK {
                 let (dx, dy, dz) = (x[i] - px, y[i] - py, z[i] - pz);
-                let rho = (dx * dx + dy * dy + dz * dz).sqrt() * inverse[i];
-                let smooth = self.kernel.smooth_part(rho);
-                sum[i] += share * if split { smooth } else { 1.0 / rho - smooth };
+                rho[i] = (dx * dx + dy * dy + dz * dz).sqrt() * inverse[i];
+            }
+            for i in 0..BLOCK {
+                let smooth = self.kernel.smooth_part(rho[i]);
+                sum[i] += share * if split { smooth } else { 1.0 / rho[i] - smooth };
             }
         }
         sum
