@@ -27,7 +27,7 @@ pub enum Gap {
     #[default]
     Node,
     /// Averaged against the node's pressure (Galerkin), `R_ij = ∫∫ p_i(x) K/|x - y| p_j(y) dA dA`. R is
-    /// symmetric positive definite on any surface, as 1/r is an energy, and costs some ten times as much; a
+    /// symmetric positive definite on any surface, as 1/r is an energy, and costs some 30 times as much; a
     /// vertex may keep a penetration of the order of the mesh error. Initial gaps are to be averaged likewise:
     /// [`hat_average`](super::hat_average).
     Weighted,
