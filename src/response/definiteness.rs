@@ -129,8 +129,9 @@ impl Definiteness {
                  L a width from about L/2; or take a layer or half-space",
                 skin.kernel_constant() * 0.5f64.exp() / width
             ),
-            Response::Layer { .. } => "a nearly incompressible layer much thinner than the mesh size is not \
-                 resolved at border nodes: refine the mesh or lower poisson_ratio a little"
+            Response::Layer { .. } => "a nearly incompressible layer thinner than the mesh size is not resolved, \
+                 and on a surface that bends within its reach the flat kernel does not hold: refine the mesh, \
+                 take fewer nodes, or lower poisson_ratio a little"
                 .to_string(),
             _ => "triangles near the contact are badly shaped: improve the mesh there, or take the weighted form"
                 .to_string(),

@@ -7,7 +7,8 @@ use std::sync::Arc;
 /// Where it varies, a pair of nodes answers as on a layer of the *smaller* of their two thicknesses. Because
 /// the layer's symbol W grows with the thickness at every wave length, that kernel is a sum over thicknesses
 /// h' of positive definite kernels, each seen only by nodes with h >= h', and so stays positive definite for
-/// any thickness field; a mean of the two would not.
+/// any thickness field on a flat surface; a mean of the two would not. Around a whole thin finger it can be
+/// indefinite, as the flat kernel then reaches through the body.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Thickness {
     /// The same everywhere (m), > 0.
