@@ -1,0 +1,88 @@
+"""Scanned and drawn fingers and hands on real products."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from numpy.typing import NDArray
+
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
+pytestmark = pytest.mark.skipif(
+    not (DATA / "hands").is_dir(), reason=f"no meshes in {DATA} (set QUASIRIGID_DATA)"
+)
+
+FINGERS = ("libhand_right_middle_1500", "webxr_right_middle_1500", "makehuman_female_right_middle_1500")
+PRODUCTS = ("gen_phone_slab", "tbm_mug", "ycb_soup_can", "tbm_computer_mouse")
+DEPTHS = (0.5e-3, 1.12e-3, 2e-3)
+SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
+UP = np.array([0.0, 0.0, 1.0])
+
+Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
+
+
+def finger(name: str) -> qr.Surface:
+    """The finger as stored, its cut face masked."""
+    surface = qr.read_surface(DATA / "hands" / f"{name}.ply", unit="m")
+    return surface.with_skin_mask(qr.flat_cap_mask(surface))
+
+
+def product_under(surface: qr.Surface, name: str) -> Mesh:
+    """The product, its bounding box centred under the last 38 % of the finger."""
+    vertices, faces = qr.read_mesh(DATA / "products" / f"{name}.ply", unit="m")
+    along = surface.vertices[:, 1]
+    tip = surface.vertices[along > along.max() - 0.38 * np.ptp(along)].mean(axis=0)
+    center = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    return vertices + (tip - center) * [1, 1, 0], faces
+
+
+# A can's rim is thinner than the depth: the contact says so, and is solved all the same.
+@pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize("product", PRODUCTS)
+@pytest.mark.parametrize("name", FINGERS)
+def test_a_real_finger_on_a_real_product_is_solved(name: str, product: str) -> None:
+    surface = finger(name)
+    obstacle = qr.Obstacle.mesh(*product_under(surface, product))
+    for depth in DEPTHS:
+        contact = qr.press(surface, obstacle, SKIN, UP, depth=depth)
+        assert contact.status == "solved"
+        assert contact.natural_residual <= 1e-10
+        assert contact.gap[contact.candidates].min() >= -1e-9
+        assert surface.skin_mask[contact.candidates].all()
+
+
+def test_a_real_press_does_not_depend_on_place_numbering_or_scale() -> None:
+    surface = finger(FINGERS[0])
+    vertices, faces = product_under(surface, "tbm_computer_mouse")
+    obstacle = qr.Obstacle.mesh(vertices, faces)
+    force = np.linalg.norm(qr.press(surface, obstacle, SKIN, UP, depth=1.12e-3).force)
+
+    shift = [0.4, -0.2, 1.3]
+    there = qr.press(surface.moved(TURN, shift), obstacle.moved(TURN, shift), SKIN, TURN @ UP, depth=1.12e-3)
+    assert np.linalg.norm(there.force) == pytest.approx(force, rel=1e-6)
+
+    order = np.random.default_rng(1).permutation(len(surface.vertices))
+    place = np.argsort(order)
+    renumbered = qr.Surface(surface.vertices[order], place[surface.faces], surface.skin_mask[order])
+    again = qr.press(renumbered, obstacle, SKIN, UP, depth=1.12e-3)
+    assert np.linalg.norm(again.force) == pytest.approx(force, rel=1e-9)
+
+    small = qr.Surface(0.37 * surface.vertices, surface.faces, surface.skin_mask)
+    tiny = qr.press(small, qr.Obstacle.mesh(0.37 * vertices, faces), SKIN, UP, depth=0.37 * 1.12e-3)
+    assert np.linalg.norm(tiny.force) / 0.37**2 == pytest.approx(force, rel=1e-6)
+
+
+def test_a_mug_from_below_meets_the_palm_of_a_whole_hand() -> None:
+    hand = qr.read_surface(DATA / "hands" / "libhand_right_13k.ply", unit="m")
+    vertices, faces = qr.read_mesh(DATA / "products" / "tbm_mug.ply", unit="m")
+    middle = (hand.vertices.min(axis=0) + hand.vertices.max(axis=0)) / 2
+    center = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
+    mug = qr.Obstacle.mesh(vertices + (middle - center) * [1, 1, 0], faces)
+    contact = qr.press(hand, mug, SKIN, UP, depth=2e-3)
+    assert contact.status == "solved"
+    assert contact.force[2] > 0
+    assert any("far" in what for what, _ in contact.left_out)
