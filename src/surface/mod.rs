@@ -5,13 +5,15 @@
 //! the area of the faces around `i`, so that `Σ S_i` is the area of the skin. Open surfaces are welcome.
 //!
 //! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`] and
-//! [`Surface::flat_cap_mask`].
+//! [`Surface::flat_cap_mask`]. [`shares_tissue`] tells neighbours through the tissue from other fingers.
 
 mod cap;
+mod geodesic;
 mod geometry;
 mod path;
 mod rings;
 #[allow(clippy::module_inception)]
 mod surface;
 
+pub use geodesic::{LONGEST_DETOUR, shares_tissue};
 pub use surface::{Surface, SurfaceError};
