@@ -7,8 +7,8 @@ use nalgebra::{Isometry3, Vector3};
 use quasirigid::lcp::{self, LcpMethod, LcpOptions, LcpProblem, LcpStatus};
 use quasirigid::response::{
     AssemblyOptions, Gap, LayerKernel, Pressure, Response, ResponseError, Skin, Thickness, assemble,
-    assemble_block, assemble_local, definiteness, gaussian_hat_integrals, hat_average, hat_integrals,
-    matrix_bytes,
+    assemble_block, assemble_local, definiteness, gaussian_hat_integrals, hat_integrals, matrix_bytes,
+    pressure_average,
 };
 use quasirigid::surface::Surface;
 use std::f64::consts::PI;
@@ -405,26 +405,36 @@ fn weighted_entries_of_a_refined_grid_add_up_to_those_of_the_grid() {
 }
 
 #[test]
-fn hat_average_is_the_mass_matrix_over_the_vertex_area() {
+fn an_average_against_a_node_s_pressure_is_exact_for_quadratic_fields() {
     let surface = grid(6, 6e-3, 2e-3, 0.3);
-    let ones = vec![1.0; surface.vertices().len()];
-    let along: Vec<f64> = surface.vertices().iter().map(|v| v.x).collect();
-    for vertex in all(&surface) {
-        assert_relative_eq!(hat_average(&surface, vertex, &ones), 1.0, max_relative = 1e-14);
-        // a linear field: the average lies at the centre of gravity of the hat
-        let mut center = 0.0;
-        for &f in surface.faces_around(vertex) {
-            let corners = surface.faces()[f as usize];
-            let others: f64 = corners.iter().map(|&v| surface.vertices()[v as usize].x).sum();
-            center += surface.face_areas()[f as usize] * (others + surface.vertices()[vertex].x) / 12.0;
+    let points = surface.vertices();
+    let fields: [fn(&Vector3<f64>) -> f64; 3] =
+        [|_| 1.0, |p| p.x, |p| p.x * p.x + p.y * p.z - 2.0 * p.z * p.z];
+    // Gauss's rule of degree 3 with weights -27/48 and 25/48 (Strang and Fix 1973)
+    let rule = [[1.0 / 3.0; 3], [0.6, 0.2, 0.2], [0.2, 0.6, 0.2], [0.2, 0.2, 0.6]];
+    let weights = [-27.0 / 48.0, 25.0 / 48.0, 25.0 / 48.0, 25.0 / 48.0];
+    for (field, pressure) in
+        fields.iter().flat_map(|field| [(field, Pressure::Linear), (field, Pressure::OneRing)])
+    {
+        let at_vertices: Vec<f64> = points.iter().map(field).collect();
+        let at_middle = |a: u32, b: u32| field(&(0.5 * (points[a as usize] + points[b as usize])));
+        for vertex in all(&surface) {
+            let (mut sum, mut total) = (0.0, 0.0);
+            for &face in surface.faces_around(vertex) {
+                let corners = surface.faces()[face as usize].map(|v| v as usize);
+                let own = corners.iter().position(|&v| v == vertex).expect("a corner");
+                for (l, weight) in rule.iter().zip(weights) {
+                    let at =
+                        points[corners[0]] * l[0] + points[corners[1]] * l[1] + points[corners[2]] * l[2];
+                    let load = if pressure == Pressure::Linear { l[own] } else { 1.0 };
+                    let share = surface.face_areas()[face as usize] * weight * load;
+                    sum += share * field(&at);
+                    total += share;
+                }
+            }
+            let found = pressure_average(&surface, pressure, vertex, &at_vertices, at_middle);
+            assert_relative_eq!(found, sum / total, max_relative = 1e-12, epsilon = 1e-18);
         }
-        let expected = center / surface.vertex_areas()[vertex];
-        assert_relative_eq!(
-            hat_average(&surface, vertex, &along),
-            expected,
-            max_relative = 1e-13,
-            epsilon = 1e-18
-        );
     }
 }
 

@@ -3,10 +3,11 @@
 use super::candidates::{loaded_rim, penetrating, uncoupled_groups, with_rings};
 use super::compliance::Compliance;
 use super::gaps::InitialGaps;
+use super::weighted_gaps::WeightedGaps;
 use super::{ContactError, ContactOptions, Interrupt};
 use crate::lcp::{self, LcpOptions, LcpProblem, LcpSolution, LcpStatus};
 use crate::obstacle::Obstacle;
-use crate::response::{Definiteness, Gap, definiteness, hat_average};
+use crate::response::{Definiteness, Gap, definiteness};
 use crate::surface::Surface;
 use std::time::Instant;
 
@@ -60,17 +61,21 @@ pub(super) fn solve(
         vertices.retain(|&vertex| compliance.skin.knows(vertex) || inside.binary_search(&vertex).is_ok());
         vertices
     };
-    let weighted = compliance.skin.gap() == Gap::Weighted;
-    let mut candidates = known(with_rings(surface, &inside, rings.max(usize::from(weighted))));
-    if weighted {
+    let mut weighted =
+        (compliance.skin.gap() == Gap::Weighted).then(|| WeightedGaps::new(compliance.skin.pressure()));
+    let mut candidates = known(with_rings(surface, &inside, rings.max(usize::from(weighted.is_some()))));
+    if let Some(weighted) = &mut weighted {
         // A node's gap is averaged over its triangles: it may be open with its vertex inside, and closed outside.
-        gaps.complete(surface.vertices(), obstacle, &surface.k_ring(&candidates, 1))?;
-        candidates.retain(|&vertex| hat_average(surface, vertex, &gaps.distance) < 0.0);
+        weighted.complete(surface, obstacle, gaps, &candidates)?;
+        candidates.retain(|&vertex| weighted.average(surface, gaps, vertex) < 0.0);
     }
     let (mut response_seconds, mut lcp_seconds) = (0.0, 0.0);
 
     for growth in 0.. {
         gaps.complete(surface.vertices(), obstacle, &candidates)?;
+        if let Some(weighted) = &mut weighted {
+            weighted.complete(surface, obstacle, gaps, &candidates)?;
+        }
         let mut round = Equilibrium {
             solutions: Vec::new(),
             definiteness: Vec::new(),
@@ -86,9 +91,9 @@ pub(super) fn solve(
             let response = compliance.square(&group, &gaps.normal)?;
             response_seconds += started.elapsed().as_secs_f64();
             let started = Instant::now();
-            let initial_gap = |&vertex: &usize| match weighted {
-                true => hat_average(surface, vertex, &gaps.distance),
-                false => gaps.distance[vertex],
+            let initial_gap = |&vertex: &usize| match &weighted {
+                Some(weighted) => weighted.average(surface, gaps, vertex),
+                None => gaps.distance[vertex],
             };
             let q: Vec<f64> = group.iter().map(initial_gap).collect();
             let problem = LcpProblem::new(response.as_ref(), &q)?;
@@ -102,7 +107,7 @@ pub(super) fn solve(
             round.definiteness.push(examined.then(|| definiteness(response.as_ref())));
             round.adopt(&group, solution);
         }
-        if weighted && round.failure.is_none() {
+        if weighted.is_some() && round.failure.is_none() {
             round.measure_at_vertices(compliance, gaps)?;
         }
         round.response_seconds = response_seconds;

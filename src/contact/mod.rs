@@ -23,6 +23,7 @@ mod outcome;
 mod press;
 mod resultant;
 mod solve;
+mod weighted_gaps;
 
 pub use accuracy::Accuracy;
 pub use error::ContactError;

@@ -7,7 +7,7 @@ use super::gaps::InitialGaps;
 use super::resultant::{node_pressure, patches, resultant};
 use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, LeftOut, Timing};
 use crate::obstacle::Obstacle;
-use crate::response::ElasticSkin;
+use crate::response::{ElasticSkin, Gap};
 use crate::surface::Surface;
 use nalgebra::Vector3;
 use std::time::Instant;
@@ -129,9 +129,13 @@ pub(super) fn solve_in_place(
         _ => surface.clone(),
     };
     let max_penetration_after = match status {
-        ContactStatus::Solved => {
-            deepest_penetration(&deformed, &place.obstacle, &moved.displacement, max_penetration_before)?
-        }
+        ContactStatus::Solved => deepest_penetration(
+            &deformed,
+            &place.obstacle,
+            &inside,
+            &moved.displacement,
+            max_penetration_before,
+        )?,
         _ => max_penetration_before,
     };
     let active = solved.active();
@@ -156,7 +160,7 @@ pub(super) fn solve_in_place(
     let patches = patches(surface, &active, resultant_of);
     let warnings = size_warning(surface, &place.obstacle)
         .into_iter()
-        .chain(linearisation_warning(status, max_penetration_before, max_penetration_after))
+        .chain(penetration_warning(status, skin.gap(), max_penetration_before, max_penetration_after))
         .collect();
     clock(&mut timings, "outcome", started);
 
@@ -243,29 +247,38 @@ fn note_solve(
     }
 }
 
-/// Deepest penetration of a skin vertex that moved, measured anew (m, ≥ 0).
+/// Deepest penetration of a skin vertex that moved or was `inside`, measured anew (m, ≥ 0).
 fn deepest_penetration(
     deformed: &Surface,
     obstacle: &Obstacle,
+    inside: &[usize],
     displacement: &[Vector3<f64>],
     max_penetration_before: f64,
 ) -> Result<f64, ContactError> {
-    let moved: Vec<Vector3<f64>> = (0..displacement.len())
-        .filter(|&vertex| deformed.skin_mask()[vertex] && displacement[vertex] != Vector3::zeros())
-        .map(|vertex| deformed.vertices()[vertex])
-        .collect();
-    let measured = InitialGaps::measure(&moved, obstacle, max_penetration_before, None)?;
+    let may_penetrate = |&vertex: &usize| {
+        deformed.skin_mask()[vertex]
+            && (displacement[vertex] != Vector3::zeros() || inside.binary_search(&vertex).is_ok())
+    };
+    let points: Vec<Vector3<f64>> =
+        (0..displacement.len()).filter(may_penetrate).map(|vertex| deformed.vertices()[vertex]).collect();
+    let measured = InitialGaps::measure(&points, obstacle, max_penetration_before, None)?;
     Ok(measured.distance.iter().map(|distance| -distance).fold(0.0, f64::max))
 }
 
-/// Says when the obstacle is too finely shaped for the gaps linearised at this depth.
-fn linearisation_warning(status: ContactStatus, before: f64, after: f64) -> Option<String> {
+/// Says when the obstacle is too finely shaped for the gaps linearised at this depth, or the mesh too coarse for
+/// averaged gaps.
+fn penetration_warning(status: ContactStatus, gap: Gap, before: f64, after: f64) -> Option<String> {
     let unresolved = status == ContactStatus::Solved && after > UNRESOLVED_SHARE * before;
-    unresolved.then(|| {
-        format!(
-            "the deformed skin still penetrates by {after:.3e} m of {before:.3e} m: the obstacle has features (a thin rim, an edge) no larger than the depth, where gaps along the closest normal do not hold; press less deep or thicken the feature, and do not trust force and area there"
-        )
-    })
+    let cause = match gap {
+        Gap::Node => {
+            "the obstacle has features (a thin rim, an edge) no larger than the depth, where gaps along the closest normal do not hold; press less deep or thicken the feature, and do not trust force and area there"
+        }
+        Gap::Weighted => {
+            "gaps are averaged over triangles as large as the features of this contact; refine the mesh there, or take the gap at the nodes"
+        }
+    };
+    unresolved
+        .then(|| format!("the deformed skin still penetrates by {after:.3e} m of {before:.3e} m: {cause}"))
 }
 
 /// Says when skin and obstacle look as if they were in different units.

@@ -20,6 +20,7 @@
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
 
 mod assemble;
+mod average;
 pub mod body;
 mod column;
 mod corrected;
@@ -51,6 +52,7 @@ mod volume;
 mod weighted;
 
 pub use assemble::{assemble, assemble_block};
+pub use average::pressure_average;
 pub use definiteness::{Definiteness, definiteness};
 pub use elastic::{Displacements, ElasticSkin};
 pub use error::ResponseError;
@@ -63,4 +65,3 @@ pub use skin::{Gap, Pressure, Response, Skin};
 pub use thickness::Thickness;
 pub use triangle::hat_integrals;
 pub use volume::{NetVolume, balanced_height, net_volume};
-pub use weighted::hat_average;

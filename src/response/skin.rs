@@ -29,7 +29,8 @@ pub enum Gap {
     /// Averaged against the node's pressure (Galerkin), `R_ij = ∫∫ p_i(x) K/|x - y| p_j(y) dA dA`. R is
     /// symmetric positive definite on any surface, as 1/r is an energy, and costs some 30 times as much; a
     /// vertex may keep a penetration of the order of the mesh error. Initial gaps are to be averaged likewise:
-    /// [`hat_average`](super::hat_average).
+    /// [`pressure_average`](super::pressure_average). At 4 cells per contact radius Hertz's force is then right
+    /// to 0.07 % (gaps at nodes: 0.3 %), the contact area to 12 % (2 %).
     Weighted,
 }
 

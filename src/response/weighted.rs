@@ -152,19 +152,3 @@ fn row_faces(surface: &Surface, rows: &[usize]) -> Vec<RowFace> {
     };
     surface.faces().iter().zip(surface.face_areas()).filter_map(face).collect()
 }
-
-/// Average of a field against the hat of a vertex, `∫ hat_i g dA / S_i`, the field linear on each triangle.
-///
-/// * `values`: (n,) the field at every vertex of the surface, in any unit; only the vertex and its neighbours
-///   are read
-///
-/// With [`Gap::Weighted`](super::Gap) the initial gap of a node is this average.
-pub fn hat_average(surface: &Surface, vertex: usize, values: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for &face in surface.faces_around(vertex) {
-        let others: f64 = surface.faces()[face as usize].iter().map(|&v| values[v as usize]).sum();
-        // the mass matrix of a triangle: area / 12 between corners, twice that on the diagonal
-        sum += surface.face_areas()[face as usize] / 12.0 * (others + values[vertex]);
-    }
-    sum / surface.vertex_areas()[vertex]
-}

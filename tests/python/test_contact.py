@@ -175,6 +175,5 @@ def test_the_weighted_gap_nears_hertz_with_a_symmetric_matrix() -> None:
         assert qr.definiteness(matrix).positive_definite
         # A vertex may keep a penetration, of the order of the mesh error h^2 / 2 R.
         assert weighted.max_penetration_after < 2 * approach / (2 * cells**2)
-    # Between vertices the gap is taken as linear, which overrates a parabola's by about h^2 / 6 R.
-    assert errors[1] < 5e-3
-    assert errors[1] < errors[0] / 2.5
+    # A true sphere is 0.15 % softer than Hertz's parabola at this depth; the mesh adds less.
+    assert max(errors) < 3e-3
