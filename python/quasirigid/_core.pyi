@@ -148,6 +148,7 @@ class ContactOptions:
         memory_limit: int | None,
         search_distance: float | None,
         condition: bool,
+        couple_fingers: bool,
         max_growths: int,
     ) -> ContactOptions: ...
     @staticmethod

@@ -1,5 +1,6 @@
 //! Which vertices enter the complementarity problem, and which of them share one.
 
+use super::fingers::Fingers;
 use crate::surface::Surface;
 use nalgebra::Vector3;
 
@@ -31,16 +32,20 @@ pub(super) fn loaded_rim(surface: &Surface, candidates: &[usize], node_force: &[
 
 /// Splits candidates into groups that cannot feel each other, each ascending, in order of their first vertex.
 ///
-/// Two connected patches belong together when the boxes around their loaded triangles come within `reach` (m) of
-/// each other; a response without limit of reach couples all.
-pub(super) fn uncoupled_groups(
-    surface: &Surface,
-    candidates: &[usize],
-    reach: Option<f64>,
-) -> Vec<Vec<usize>> {
+/// On a finger, two connected patches belong together when the boxes around their loaded triangles come within
+/// `reach` (m) of each other; a response without limit of reach couples all of a finger.
+pub(super) fn uncoupled_groups(surface: &Surface, fingers: &Fingers, reach: Option<f64>) -> Vec<Vec<usize>> {
     let Some(reach) = reach else {
-        return vec![candidates.to_vec()];
+        return fingers.candidates.clone();
     };
+    let mut groups: Vec<Vec<usize>> =
+        fingers.candidates.iter().flat_map(|finger| within_reach(surface, finger, reach)).collect();
+    groups.sort_unstable_by_key(|group| group[0]);
+    groups
+}
+
+/// The groups of one finger.
+fn within_reach(surface: &Surface, candidates: &[usize], reach: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<(Bounds, Vec<usize>)> =
         surface.patches(candidates).into_iter().map(|patch| (Bounds::of(surface, &patch), patch)).collect();
     // Merge until no pair is within reach; patches are few.
@@ -59,7 +64,6 @@ pub(super) fn uncoupled_groups(
     }
     let mut groups: Vec<Vec<usize>> = groups.into_iter().map(|(_, patch)| patch).collect();
     groups.iter_mut().for_each(|group| group.sort_unstable());
-    groups.sort_unstable_by_key(|group| group[0]);
     groups
 }
 

@@ -1,5 +1,6 @@
 //! The response as the pipeline uses it: a square matrix over candidates, displacements anywhere under forces.
 
+use super::fingers::Fingers;
 use super::{ContactError, ContactOptions, Interrupt};
 use crate::response::{AssemblyOptions, Displacements, ElasticSkin};
 use crate::surface::Surface;
@@ -39,8 +40,40 @@ impl<'a> Compliance<'a> {
         Ok(self.skin.response_matrix(self.surface, nodes, &directions, &self.options)?)
     }
 
-    /// Displacement of `vertices` under the forces of `active`; `node_force` and `normals` are per vertex.
+    /// Displacement of `vertices` under the forces of `active`, each under those of its own finger; `node_force`
+    /// and `normals` are per vertex.
     pub fn displacement(
+        &self,
+        fingers: &Fingers,
+        vertices: &[usize],
+        active: &[usize],
+        node_force: &[f64],
+        normals: &[Vector3<f64>],
+    ) -> Result<Displacements, ContactError> {
+        let count = fingers.candidates.len();
+        if count == 1 {
+            return self.displacement_of_one(vertices, active, node_force, normals);
+        }
+        let mut all = Displacements {
+            vectors: vec![Vector3::zeros(); vertices.len()],
+            along_normal: Some(vec![0.0; vertices.len()]),
+        };
+        for finger in 0..count {
+            let rows: Vec<usize> =
+                (0..vertices.len()).filter(|&row| fingers.of(vertices[row]) == Some(finger)).collect();
+            let own: Vec<usize> = rows.iter().map(|&row| vertices[row]).collect();
+            let active: Vec<usize> =
+                active.iter().copied().filter(|&vertex| fingers.of(vertex) == Some(finger)).collect();
+            let moved = self.displacement_of_one(&own, &active, node_force, normals)?;
+            rows.iter().zip(moved.vectors).for_each(|(&row, vector)| all.vectors[row] = vector);
+            if let (Some(all), Some(moved)) = (&mut all.along_normal, moved.along_normal) {
+                rows.iter().zip(moved).for_each(|(&row, rise)| all[row] = rise);
+            }
+        }
+        Ok(all)
+    }
+
+    fn displacement_of_one(
         &self,
         vertices: &[usize],
         active: &[usize],

@@ -3,6 +3,7 @@
 use super::ContactError;
 use super::compliance::Compliance;
 use super::equilibrium::Equilibrium;
+use super::fingers::Fingers;
 use super::gaps::InitialGaps;
 use crate::surface::Surface;
 use nalgebra::Vector3;
@@ -34,7 +35,8 @@ impl Deformation {
 ///
 /// On a candidate `u_i = (R f)_i n_i`, with the obstacle's normal there. Elsewhere the magnitude is `(R f)_i` too
 /// and the direction that of `Σ_j R_ij f_j n_j`, which goes over into the former without a need for the obstacle's
-/// normal far away. A body tells the whole displacement of every vertex, and nothing fades.
+/// normal far away. A vertex moves with the finger that is nearest along the skin. A body tells the whole
+/// displacement of every vertex, and nothing fades.
 pub(super) fn deform(
     surface: &Surface,
     compliance: &Compliance,
@@ -44,7 +46,8 @@ pub(super) fn deform(
     let vertex_count = surface.vertices().len();
     let active = solved.active();
     let everywhere: Vec<usize> = (0..vertex_count).collect();
-    let field = compliance.displacement(&everywhere, &active, &solved.node_force, &gaps.normal)?;
+    let field =
+        compliance.displacement(&solved.fingers, &everywhere, &active, &solved.node_force, &gaps.normal)?;
     let moves_all = field.along_normal.is_none();
     let mut displacement = match field.along_normal {
         None => field.vectors,
@@ -74,14 +77,35 @@ pub(super) fn deform(
     if moves_all {
         return Ok(Deformation { displacement, fade_distance: f64::INFINITY, volume_change });
     }
-    let candidate_area: f64 = solved.candidates.iter().map(|&vertex| surface.vertex_areas()[vertex]).sum();
-    let fade_distance = FADE_RADII * (candidate_area / PI).sqrt();
-    let mut share = vec![0.0; vertex_count];
-    for (vertex, distance) in surface.skin_distances(&solved.candidates, fade_distance) {
-        share[vertex] = fade(distance / fade_distance);
-    }
+    let (share, fade_distance) = shares(surface, &solved.fingers);
     displacement.iter_mut().zip(share).for_each(|(u, share)| *u *= share);
     Ok(Deformation { displacement, fade_distance, volume_change })
+}
+
+/// How much of its displacement every vertex is drawn with (n), and the largest distance at which that is nothing (m).
+fn shares(surface: &Surface, fingers: &Fingers) -> (Vec<f64>, f64) {
+    let fade_distance = |finger: &Vec<usize>| {
+        let area: f64 = finger.iter().map(|&vertex| surface.vertex_areas()[vertex]).sum();
+        FADE_RADII * (area / PI).sqrt()
+    };
+    let mut share = vec![0.0; surface.vertices().len()];
+    if let [finger] = &fingers.candidates[..] {
+        let fade_distance = fade_distance(finger);
+        for (vertex, distance) in surface.skin_distances(finger, fade_distance) {
+            share[vertex] = fade(distance / fade_distance);
+        }
+        return (share, fade_distance);
+    }
+    // Half-way to the next finger another one's displacement begins, so this one's ends there.
+    let fade_distances: Vec<f64> = (fingers.candidates.iter().enumerate())
+        .map(|(index, finger)| fade_distance(finger).min(0.5 * fingers.to_next(index)))
+        .collect();
+    for (vertex, share) in share.iter_mut().enumerate() {
+        if let (Some(finger), Some(distance)) = (fingers.of(vertex), fingers.distance(vertex)) {
+            *share = fade(distance / fade_distances[finger]);
+        }
+    }
+    (share, fade_distances.into_iter().fold(0.0, f64::max))
 }
 
 /// The vector at the length of `rise`, its direction kept: it points against the normals already where they sink.

@@ -2,7 +2,9 @@
 
 use super::candidates::{loaded_rim, penetrating, uncoupled_groups, with_rings};
 use super::compliance::Compliance;
+use super::fingers::Fingers;
 use super::gaps::InitialGaps;
+use super::growth::pressed_outside;
 use super::weighted_gaps::WeightedGaps;
 use super::{ContactError, ContactOptions, Interrupt};
 use crate::lcp::{self, LcpOptions, LcpProblem, LcpSolution, LcpStatus};
@@ -14,10 +16,6 @@ use std::time::Instant;
 /// Rings added to the penetrating vertices where a response has negative entries (Xie, Kanai, Date 2011, §2.5).
 const DEFAULT_RINGS: usize = 3;
 
-/// A vertex outside the candidates counts as pressed when its gap falls below this share of the deepest
-/// penetration; well above the rounding of `g0 + R f`, well below anything visible.
-const PRESSED_SHARE: f64 = 1e-9;
-
 /// Response matrices up to this size are examined for definiteness and condition unasked: it costs less there
 /// than their assembly.
 const EXAMINED_SIZE: usize = 64;
@@ -27,6 +25,8 @@ const EXAMINED_SIZE: usize = 64;
 pub(super) struct Equilibrium {
     /// Vertices in the complementarity problems, ascending.
     pub candidates: Vec<usize>,
+    /// Which of them feel each other.
+    pub fingers: Fingers,
     /// One solution per uncoupled group of candidates.
     pub solutions: Vec<LcpSolution>,
     /// f (n, N): node forces, zero outside the candidates; NaN on candidates of a problem that did not solve.
@@ -76,7 +76,12 @@ pub(super) fn solve(
         if let Some(weighted) = &mut weighted {
             weighted.complete(surface, obstacle, gaps, &candidates)?;
         }
+        let told_apart = compliance.skin.is_kernel() && !options.couple_fingers;
         let mut round = Equilibrium {
+            fingers: match told_apart {
+                true => Fingers::tell_apart(surface, &candidates),
+                false => Fingers::one(&candidates),
+            },
             solutions: Vec::new(),
             definiteness: Vec::new(),
             node_force: vec![0.0; surface.vertices().len()],
@@ -86,7 +91,7 @@ pub(super) fn solve(
             lcp_seconds: 0.0,
             candidates,
         };
-        for group in uncoupled_groups(surface, &round.candidates, compliance.skin.reach()) {
+        for group in uncoupled_groups(surface, &round.fingers, compliance.skin.reach()) {
             let started = Instant::now();
             let response = compliance.square(&group, &gaps.normal)?;
             response_seconds += started.elapsed().as_secs_f64();
@@ -147,6 +152,7 @@ impl Equilibrium {
     pub fn none(vertex_count: usize, gaps: &InitialGaps) -> Self {
         Self {
             candidates: Vec::new(),
+            fingers: Fingers::one(&[]),
             solutions: Vec::new(),
             definiteness: Vec::new(),
             node_force: vec![0.0; vertex_count],
@@ -177,7 +183,13 @@ impl Equilibrium {
         gaps: &InitialGaps,
     ) -> Result<(), ContactError> {
         let active = self.active();
-        let moved = compliance.displacement(&self.candidates, &active, &self.node_force, &gaps.normal)?;
+        let moved = compliance.displacement(
+            &self.fingers,
+            &self.candidates,
+            &active,
+            &self.node_force,
+            &gaps.normal,
+        )?;
         let along_normal = moved.along_normal.expect("only kernels average the gap");
         for (&vertex, rise) in self.candidates.iter().zip(along_normal) {
             self.gap[vertex] = gaps.distance[vertex] + rise;
@@ -189,38 +201,4 @@ impl Equilibrium {
     pub fn active(&self) -> Vec<usize> {
         self.candidates.iter().copied().filter(|&vertex| self.node_force[vertex] > 0.0).collect()
     }
-}
-
-/// Vertices outside the candidates that the solved forces press into the obstacle.
-fn pressed_outside(
-    surface: &Surface,
-    obstacle: &Obstacle,
-    compliance: &Compliance,
-    gaps: &mut InitialGaps,
-    round: &Equilibrium,
-    deepest: f64,
-) -> Result<Vec<usize>, ContactError> {
-    let active = round.active();
-    let outside: Vec<usize> = (0..surface.vertices().len())
-        .filter(|&vertex| surface.skin_mask()[vertex] && round.candidates.binary_search(&vertex).is_err())
-        .collect();
-    let displacement = compliance.displacement(&outside, &active, &round.node_force, &gaps.normal)?;
-    // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
-    let sinks = |row: usize| match &displacement.along_normal {
-        Some(along_normal) => -along_normal[row],
-        None => displacement.vectors[row].norm(),
-    };
-    // An unmeasured vertex stays clear unless it sinks by more than the search distance.
-    let clear_below = |vertex: usize| gaps.distance[vertex].min(gaps.search_distance);
-    let sinking: Vec<usize> = (0..outside.len())
-        .filter(|&row| sinks(row) > 0.0 && clear_below(outside[row]) < sinks(row))
-        .collect();
-    let vertices: Vec<usize> = sinking.iter().map(|&row| outside[row]).collect();
-    gaps.complete(surface.vertices(), obstacle, &vertices)?;
-    let rise = |row: usize| match &displacement.along_normal {
-        Some(along_normal) => along_normal[row],
-        None => displacement.vectors[row].dot(&gaps.normal[outside[row]]),
-    };
-    let is_pressed = |row: &usize| gaps.distance[outside[*row]] + rise(*row) < -PRESSED_SHARE * deepest;
-    Ok(sinking.into_iter().filter(is_pressed).map(|row| outside[row]).collect())
 }

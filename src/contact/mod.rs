@@ -17,12 +17,16 @@ mod compliance;
 mod deform;
 mod equilibrium;
 mod error;
+mod fingers;
 mod gaps;
+mod growth;
+mod notes;
 mod options;
 mod outcome;
 mod press;
 mod resultant;
 mod solve;
+mod warnings;
 mod weighted_gaps;
 
 pub use accuracy::Accuracy;

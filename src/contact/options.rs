@@ -25,6 +25,9 @@ pub struct ContactOptions {
     pub search_distance: Option<f64>,
     /// Whether to examine definiteness and condition of response matrices of any size; small ones always are.
     pub condition: bool,
+    /// Whether a kernel couples patches on different fingers too, through the air between them. `false`: patches
+    /// that share no tissue ([`shares_tissue`](crate::surface::shares_tissue)) are problems of their own.
+    pub couple_fingers: bool,
     /// How often candidates may be added before the solve gives up (growth ends by itself in a few steps).
     pub max_growths: usize,
 }
@@ -39,6 +42,7 @@ impl Default for ContactOptions {
             memory_limit: None,
             search_distance: None,
             condition: false,
+            couple_fingers: false,
             max_growths: 50,
         }
     }

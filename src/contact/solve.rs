@@ -4,22 +4,18 @@ use super::compliance::Compliance;
 use super::deform::{Deformation, deform};
 use super::equilibrium::{self, Equilibrium};
 use super::gaps::InitialGaps;
+use super::notes::{leave_out, note_search, note_solve};
 use super::resultant::{node_pressure, patches, resultant};
-use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, LeftOut, Timing};
+use super::warnings::{penetration_warning, size_warning};
+use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, Timing};
 use crate::obstacle::Obstacle;
-use crate::response::{ElasticSkin, Gap};
+use crate::response::ElasticSkin;
 use crate::surface::Surface;
 use nalgebra::Vector3;
 use std::time::Instant;
 
 /// Default search distance beyond the depth, in mean edge lengths.
 const SEARCH_EDGES: f64 = 2.0;
-
-/// Penetration left at the deformed skin, as a share of that before, from which the user is warned.
-const UNRESOLVED_SHARE: f64 = 0.05;
-
-/// Skin and obstacle differing in size by this factor suggest that one is in another unit.
-const SUSPICIOUS_SIZE_RATIO: f64 = 100.0;
 
 /// Solves the contact of `surface` with `obstacle` where it stands.
 ///
@@ -193,60 +189,6 @@ pub(super) fn clock(timings: &mut Vec<Timing>, stage: &'static str, started: Ins
     timings.push(Timing { stage, seconds: started.elapsed().as_secs_f64() });
 }
 
-fn leave_out(left_out: &mut Vec<LeftOut>, what: &'static str, why: impl Into<String>) {
-    left_out.push(LeftOut { what, why: why.into() });
-}
-
-fn note_search(left_out: &mut Vec<LeftOut>, gaps: &InitialGaps, surface: &Surface) {
-    let beyond = gaps.distance.iter().filter(|distance| distance.is_infinite()).count();
-    if beyond > 0 {
-        let why = format!(
-            "{beyond} of {} vertices are farther from the obstacle than {:.3e} m",
-            surface.vertices().len(),
-            gaps.search_distance
-        );
-        leave_out(left_out, "exact distance of far vertices", why);
-    }
-    let masked = surface.skin_mask().iter().filter(|&&may_touch| !may_touch).count();
-    if masked > 0 {
-        leave_out(
-            left_out,
-            "masked vertices",
-            format!("the skin mask keeps {masked} vertices out of contact"),
-        );
-    }
-}
-
-fn note_solve(
-    left_out: &mut Vec<LeftOut>,
-    compliance: &Compliance,
-    solved: &Equilibrium,
-    surface: &Surface,
-    options: &ContactOptions,
-) {
-    let rest = surface.vertices().len() - solved.candidates.len();
-    if !compliance.skin.has_negative_entries() && options.rings.is_none() {
-        let why =
-            format!("the response has no negative entry, so the {rest} vertices outside can never touch");
-        leave_out(left_out, "growth of the candidates", why);
-    }
-    if rest > 0 {
-        let why = format!("only the {} candidates are assembled", solved.candidates.len());
-        leave_out(left_out, "response of the remaining vertices", why);
-    }
-    if solved.solutions.len() > 1 {
-        let why = format!(
-            "the response does not reach from one to another: {} separate problems",
-            solved.solutions.len()
-        );
-        leave_out(left_out, "coupling between groups of candidates", why);
-    }
-    if options.tolerance > 0.0 {
-        let why = format!("quadrature keeps every entry within {:.0e} relative", options.tolerance);
-        leave_out(left_out, "exact integrals of far pairs", why);
-    }
-}
-
 /// Deepest penetration of a skin vertex that moved or was `inside`, measured anew (m, ≥ 0).
 fn deepest_penetration(
     deformed: &Surface,
@@ -263,35 +205,4 @@ fn deepest_penetration(
         (0..displacement.len()).filter(may_penetrate).map(|vertex| deformed.vertices()[vertex]).collect();
     let measured = InitialGaps::measure(&points, obstacle, max_penetration_before, None)?;
     Ok(measured.distance.iter().map(|distance| -distance).fold(0.0, f64::max))
-}
-
-/// Says when the obstacle is too finely shaped for the gaps linearised at this depth, or the mesh too coarse for
-/// averaged gaps.
-fn penetration_warning(status: ContactStatus, gap: Gap, before: f64, after: f64) -> Option<String> {
-    let unresolved = status == ContactStatus::Solved && after > UNRESOLVED_SHARE * before;
-    let cause = match gap {
-        Gap::Node => {
-            "the obstacle has features (a thin rim, an edge) no larger than the depth, where gaps along the closest normal do not hold; press less deep or thicken the feature, and do not trust force and area there"
-        }
-        Gap::Weighted => {
-            "gaps are averaged over triangles as large as the features of this contact; refine the mesh there, or take the gap at the nodes"
-        }
-    };
-    unresolved
-        .then(|| format!("the deformed skin still penetrates by {after:.3e} m of {before:.3e} m: {cause}"))
-}
-
-/// Says when skin and obstacle look as if they were in different units.
-fn size_warning(surface: &Surface, obstacle: &Obstacle) -> Option<String> {
-    let (low, high) = surface.bounding_box();
-    let (obstacle_low, obstacle_high) = obstacle.bounding_box()?;
-    let (skin, product) = ((high - low).norm(), (obstacle_high - obstacle_low).norm());
-    let ratio = product / skin;
-    let suspicious =
-        obstacle.kind() == "mesh" && !(1.0 / SUSPICIOUS_SIZE_RATIO..SUSPICIOUS_SIZE_RATIO).contains(&ratio);
-    suspicious.then(|| {
-        format!(
-            "the obstacle's diagonal ({product:.4e} m) is {ratio:.3e} times the skin's ({skin:.4e} m): is one of them in another unit? Lengths are metres; `unit=\"mm\"` converts a file when it is read"
-        )
-    })
 }

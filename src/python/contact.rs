@@ -22,7 +22,7 @@ pub(super) struct PyContactOptions {
 #[pymethods]
 impl PyContactOptions {
     #[new]
-    #[pyo3(signature = (*, tolerance, rings, method, num_threads, memory_limit, search_distance, condition, max_growths))]
+    #[pyo3(signature = (*, tolerance, rings, method, num_threads, memory_limit, search_distance, condition, couple_fingers, max_growths))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn new(
         tolerance: f64,
@@ -32,6 +32,7 @@ impl PyContactOptions {
         memory_limit: Option<usize>,
         search_distance: Option<f64>,
         condition: bool,
+        couple_fingers: bool,
         max_growths: usize,
     ) -> PyResult<Self> {
         let method = method_named(method)?;
@@ -43,6 +44,7 @@ impl PyContactOptions {
             memory_limit,
             search_distance,
             condition,
+            couple_fingers,
             max_growths,
         };
         Ok(Self { inner })
@@ -59,6 +61,7 @@ impl PyContactOptions {
             memory_limit,
             search_distance,
             condition,
+            couple_fingers,
             max_growths,
         } = ContactOptions::default();
         let defaults = PyDict::new(py);
@@ -69,6 +72,7 @@ impl PyContactOptions {
         defaults.set_item("memory_limit", memory_limit)?;
         defaults.set_item("search_distance", search_distance)?;
         defaults.set_item("condition", condition)?;
+        defaults.set_item("couple_fingers", couple_fingers)?;
         defaults.set_item("max_growths", max_growths)?;
         Ok(defaults)
     }

@@ -29,6 +29,9 @@ pub trait ElasticSkin: Sync {
     /// Distance beyond which a force is not felt (m); `None`: felt everywhere.
     fn reach(&self) -> Option<f64>;
 
+    /// Whether a displacement follows from the straight line to the force, in ignorance of the body's shape.
+    fn is_kernel(&self) -> bool;
+
     /// How a node's force is spread.
     fn pressure(&self) -> Pressure;
 
@@ -78,6 +81,10 @@ impl ElasticSkin for Skin {
 
     fn reach(&self) -> Option<f64> {
         self.reach()
+    }
+
+    fn is_kernel(&self) -> bool {
+        true
     }
 
     fn pressure(&self) -> Pressure {

@@ -198,6 +198,10 @@ impl ElasticSkin for PreparedSkin {
         }
     }
 
+    fn is_kernel(&self) -> bool {
+        matches!(self.response, PreparedResponse::Kernel { .. })
+    }
+
     fn pressure(&self) -> Pressure {
         match &self.response {
             PreparedResponse::Kernel { skin, .. } => skin.pressure(),

@@ -4,16 +4,18 @@
 //! stages ask for: one-rings, face and vertex normals, face areas and the vertex areas `S_i` (m²), a third of
 //! the area of the faces around `i`, so that `Σ S_i` is the area of the skin. Open surfaces are welcome.
 //!
-//! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`] and
-//! [`Surface::flat_cap_mask`]. [`shares_tissue`] tells neighbours through the tissue from other fingers.
+//! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`],
+//! [`Surface::nearest_along_skin`] and [`Surface::flat_cap_mask`]. [`shares_tissue`] tells neighbours through the tissue from other fingers.
 
 mod cap;
 mod geodesic;
 mod geometry;
+mod nearest;
 mod path;
 mod rings;
 #[allow(clippy::module_inception)]
 mod surface;
 
 pub use geodesic::{LONGEST_DETOUR, shares_tissue};
+pub use nearest::NearestAlongSkin;
 pub use surface::{Surface, SurfaceError};

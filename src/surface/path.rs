@@ -7,7 +7,7 @@ use super::Surface;
 
 /// A distance (m) and the vertex at it, ordered by distance.
 #[derive(PartialEq)]
-struct Front(f64, u32);
+pub(super) struct Front(pub f64, pub u32);
 
 impl Eq for Front {}
 

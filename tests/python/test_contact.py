@@ -177,3 +177,18 @@ def test_the_weighted_gap_nears_hertz_with_a_symmetric_matrix() -> None:
         assert weighted.max_penetration_after < 2 * approach / (2 * cells**2)
     # A true sphere is 0.15 % softer than Hertz's parabola at this depth; the mesh adds less.
     assert max(errors) < 3e-3
+
+
+def test_fingers_are_solved_apart_unless_asked_otherwise() -> None:
+    vertices, faces = ball(8e-3, 3)
+    two = np.concatenate([vertices, vertices + np.array([20e-3, 0, 0])])
+    surface = qr.Surface(two, np.concatenate([faces, faces + len(vertices)]))
+    apart = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.5e-3)
+    one = qr.press(qr.Surface(vertices, faces), PLATE, SKIN, [0, 0, 1], depth=0.5e-3)
+    assert len(apart.lcp_solutions) == 2
+    assert dict(apart.left_out).get("coupling between fingers")
+    assert apart.force[2] == pytest.approx(2 * one.force[2], rel=1e-9)
+    options = qr.ContactOptions(couple_fingers=True)
+    coupled = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.5e-3, options=options)
+    assert len(coupled.lcp_solutions) == 1
+    assert coupled.force[2] < apart.force[2]

@@ -1,0 +1,65 @@
+"""How a contact is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from . import _core
+from .lcp import LcpMethod
+
+__all__ = ["ContactOptions"]
+
+_DEFAULTS: dict[str, Any] = _core.ContactOptions.defaults()
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactOptions:
+    """How a contact is solved.
+
+    Attributes
+    ----------
+    tolerance : float
+        Relative quadrature tolerance of the response matrix's entries; 0 for all that double precision gives.
+    rings : int or None
+        Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
+        entry (further vertices can never touch), 3 otherwise.
+    method : {"lemke", "block_pivoting", "projected_cg", "auto"}
+        Solver of the complementarity problem.
+    num_threads : int or None
+        Threads; None for all. Results are equal to the bit for any number.
+    memory_limit : int or None
+        Largest memory for response matrices (bytes); None for no limit.
+    search_distance : float or None
+        Gaps are measured up to this distance from the obstacle (m); None: depth plus two mean edge lengths.
+    condition : bool
+        Examine definiteness and condition of response matrices of any size; small ones always are.
+    couple_fingers : bool
+        Let a kernel couple patches on different fingers too, through the air between them. False: patches
+        more than twice as far apart along the skin as in a straight line are problems of their own.
+    max_growths : int
+        How often candidates may be added before the solve gives up.
+    """
+
+    tolerance: float = _DEFAULTS["tolerance"]
+    rings: int | None = _DEFAULTS["rings"]
+    method: LcpMethod = _DEFAULTS["method"]
+    num_threads: int | None = _DEFAULTS["num_threads"]
+    memory_limit: int | None = _DEFAULTS["memory_limit"]
+    search_distance: float | None = _DEFAULTS["search_distance"]
+    condition: bool = _DEFAULTS["condition"]
+    couple_fingers: bool = _DEFAULTS["couple_fingers"]
+    max_growths: int = _DEFAULTS["max_growths"]
+
+    def _to_core(self) -> _core.ContactOptions:
+        return _core.ContactOptions(
+            tolerance=self.tolerance,
+            rings=self.rings,
+            method=self.method,
+            num_threads=self.num_threads,
+            memory_limit=self.memory_limit,
+            search_distance=self.search_distance,
+            condition=self.condition,
+            couple_fingers=self.couple_fingers,
+            max_growths=self.max_growths,
+        )

@@ -1,0 +1,83 @@
+//! What a scene did not need, and why.
+
+use super::compliance::Compliance;
+use super::equilibrium::Equilibrium;
+use super::fingers::Fingers;
+use super::gaps::InitialGaps;
+use super::{ContactOptions, LeftOut};
+use crate::surface::{LONGEST_DETOUR, Surface};
+
+pub(super) fn leave_out(left_out: &mut Vec<LeftOut>, what: &'static str, why: impl Into<String>) {
+    left_out.push(LeftOut { what, why: why.into() });
+}
+
+/// What the measurement of gaps left out.
+pub(super) fn note_search(left_out: &mut Vec<LeftOut>, gaps: &InitialGaps, surface: &Surface) {
+    let beyond = gaps.distance.iter().filter(|distance| distance.is_infinite()).count();
+    if beyond > 0 {
+        let why = format!(
+            "{beyond} of {} vertices are farther from the obstacle than {:.3e} m",
+            surface.vertices().len(),
+            gaps.search_distance
+        );
+        leave_out(left_out, "exact distance of far vertices", why);
+    }
+    let masked = surface.skin_mask().iter().filter(|&&may_touch| !may_touch).count();
+    if masked > 0 {
+        leave_out(
+            left_out,
+            "masked vertices",
+            format!("the skin mask keeps {masked} vertices out of contact"),
+        );
+    }
+}
+
+/// What the solve left out.
+pub(super) fn note_solve(
+    left_out: &mut Vec<LeftOut>,
+    compliance: &Compliance,
+    solved: &Equilibrium,
+    surface: &Surface,
+    options: &ContactOptions,
+) {
+    let rest = surface.vertices().len() - solved.candidates.len();
+    if !compliance.skin.has_negative_entries() && options.rings.is_none() {
+        let why =
+            format!("the response has no negative entry, so the {rest} vertices outside can never touch");
+        leave_out(left_out, "growth of the candidates", why);
+    }
+    if rest > 0 {
+        let why = format!("only the {} candidates are assembled", solved.candidates.len());
+        leave_out(left_out, "response of the remaining vertices", why);
+    }
+    let fingers = solved.fingers.candidates.len();
+    if fingers > 1 {
+        leave_out(left_out, "coupling between fingers", apart(&solved.fingers));
+    }
+    if solved.solutions.len() > fingers {
+        let why = format!(
+            "the response does not reach from one to another: {} separate problems",
+            solved.solutions.len()
+        );
+        leave_out(left_out, "coupling between groups of candidates", why);
+    }
+    if options.tolerance > 0.0 {
+        let why = format!("quadrature keeps every entry within {:.0e} relative", options.tolerance);
+        leave_out(left_out, "exact integrals of far pairs", why);
+    }
+}
+
+/// Why the fingers are solved apart.
+fn apart(fingers: &Fingers) -> String {
+    let way = match fingers.ways.first() {
+        None => "no way along the skin leads from one to another".into(),
+        Some((_, way)) => format!(
+            "the shortest way along the skin from one to another, between vertices {} and {}, is {:.3e} m against {:.3e} m in a straight line, more than {LONGEST_DETOUR} times",
+            way.ends[0], way.ends[1], way.along_skin, way.straight
+        ),
+    };
+    format!(
+        "the candidates lie on {} parts of the skin that share no tissue, each a problem of its own: {way}; `couple_fingers` joins them",
+        fingers.candidates.len()
+    )
+}

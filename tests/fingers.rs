@@ -1,0 +1,203 @@
+//! Fingers side by side: apart where the skin between them is long, together where it is short.
+
+mod common;
+
+use approx::assert_relative_eq;
+use common::{data_dir, grid, icosphere, joined, read_ply};
+use nalgebra::Vector3;
+use quasirigid::contact::{Contact, ContactOptions, Press, Start, press, solve_contact};
+use quasirigid::obstacle::Obstacle;
+use quasirigid::response::{
+    AssemblyOptions, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure, Response, Skin, assemble,
+};
+use quasirigid::surface::{LONGEST_DETOUR, Surface};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
+const PRESSURE: Pressure = Pressure::Linear;
+/// Distance between the two fingertips (m).
+const PITCH: f64 = 20e-3;
+
+fn skin(response: Response) -> Skin {
+    Skin::new(60e3, 0.5, response).unwrap()
+}
+
+fn half_space() -> Skin {
+    skin(Response::HalfSpace { pressure: PRESSURE, gap: Gap::Node })
+}
+
+/// Two ridges of skin with their crests down, `height` (m) above which they meet; the second a little longer.
+fn two_ridges(height: f64) -> Surface {
+    let (columns, rows) = (80, 16);
+    let (flat, faces) = grid(columns, rows, 1.0);
+    let bent = |x: &Vector3<f64>| {
+        let along = 2.0 * x.x / columns as f64;
+        let depth = 0.5 * height * (1.0 - (TAU * along).cos()) * if along > 1.0 { 1.001 } else { 1.0 };
+        let across = 1e-3 * (x.y - 0.5 * rows as f64);
+        Vector3::new(PITCH * along, across, 20.0 * across * across - depth)
+    };
+    let vertices = flat.iter().map(bent).collect();
+    // Outside is below.
+    Surface::new(vertices, common::flipped(&faces)).unwrap()
+}
+
+fn plate_at(surface: &Surface, depth: f64) -> Obstacle {
+    let lowest = surface.vertices().iter().map(|x| x.z).fold(f64::INFINITY, f64::min);
+    Obstacle::half_space((lowest + depth) * UP, UP).unwrap()
+}
+
+fn solve(surface: &Surface, obstacle: &Obstacle, skin: &dyn ElasticSkin, couple_fingers: bool) -> Contact {
+    let options = ContactOptions { couple_fingers, ..ContactOptions::default() };
+    solve_contact(surface, obstacle, skin, &options, &|| false).unwrap()
+}
+
+fn note<'a>(contact: &'a Contact, what: &str) -> Option<&'a str> {
+    contact.left_out.iter().find(|entry| entry.what == what).map(|entry| &entry.why[..])
+}
+
+const APART: &str = "coupling between fingers";
+
+#[test]
+fn two_fingers_under_one_plate_are_two_problems_that_add_up() {
+    let surface = two_ridges(40e-3);
+    let plate = plate_at(&surface, 0.4e-3);
+    let both = solve(&surface, &plate, &half_space(), false);
+    assert_eq!(both.lcp_solutions.len(), 2);
+
+    let only = |first: bool| {
+        let mask = surface.vertices().iter().map(|x| (x.x < PITCH) == first).collect();
+        let masked = surface.clone().with_skin_mask(mask).unwrap();
+        solve(&masked, &plate, &half_space(), false)
+    };
+    let (first, second) = (only(true), only(false));
+    assert!(first.resultant.force.z > 0.0 && second.resultant.force.z > 0.0);
+    for vertex in 0..surface.vertices().len() {
+        assert_eq!(both.node_force[vertex], first.node_force[vertex] + second.node_force[vertex]);
+        // One finger's forces do not move another one.
+        let alone = if surface.vertices()[vertex].x < PITCH { &first } else { &second };
+        if alone.displacement[vertex].norm() > 0.0 && both.candidates.contains(&vertex) {
+            assert_eq!(both.displacement[vertex], alone.displacement[vertex]);
+        }
+    }
+    // The middle between them, far along the skin from both, stays.
+    let web = (0..surface.vertices().len()).filter(|&v| (surface.vertices()[v].x - PITCH).abs() < 1e-9);
+    assert!(web.clone().count() > 0 && web.clone().all(|v| both.displacement[v] == Vector3::zeros()));
+
+    // The way from crest to crest is up one flank and down the other, at least twice the height.
+    let why = note(&both, APART).expect("said to be left out");
+    let number = |before: &str| -> f64 {
+        let rest = &why[why.find(before).expect(before) + before.len()..];
+        rest.split(' ').next().unwrap().parse().unwrap()
+    };
+    assert!((2.0 * 35e-3..2.0 * 45e-3).contains(&number("is ")), "{why}");
+    assert!((0.8 * PITCH..1.2 * PITCH).contains(&number("against ")), "{why}");
+
+    let coupled = solve(&surface, &plate, &half_space(), true);
+    assert_eq!(coupled.lcp_solutions.len(), 1);
+    assert!(note(&coupled, APART).is_none());
+    assert!(coupled.resultant.force.z < 0.97 * both.resultant.force.z);
+}
+
+#[test]
+fn every_kernel_tells_fingers_apart_and_a_matrix_of_its_own_is_left_whole() {
+    let surface = two_ridges(40e-3);
+    let plate = plate_at(&surface, 0.4e-3);
+    let kernels = [
+        Response::HalfSpace { pressure: PRESSURE, gap: Gap::Weighted },
+        Response::GaussianCorrected { height: 0.2e-3, width: 5e-3, cutoff: 40e-3, pressure: PRESSURE },
+        Response::Layer { thickness: 10e-3.into(), pressure: PRESSURE },
+    ];
+    for kernel in kernels {
+        let told_apart = solve(&surface, &plate, &skin(kernel.clone()), false);
+        assert_eq!(told_apart.lcp_solutions.len(), 2, "{kernel:?}");
+        assert!(note(&told_apart, APART).is_some());
+        assert_eq!(solve(&surface, &plate, &skin(kernel), true).lcp_solutions.len(), 1);
+    }
+    let nodes = solve(&surface, &plate, &half_space(), false).candidates;
+    let prepared =
+        PreparedSkin::of_kernel(&surface, &half_space(), &nodes, &AssemblyOptions::default()).unwrap();
+    assert_eq!(solve(&surface, &plate, &prepared, false).lcp_solutions.len(), 2);
+    let matrix = assemble(&surface, &half_space(), &nodes, None, &AssemblyOptions::default()).unwrap();
+    let given = PreparedSkin::new(&surface, &nodes, PreparedResponse::Given(Arc::new(matrix))).unwrap();
+    assert_eq!(solve(&surface, &plate, &given, false).lcp_solutions.len(), 1);
+}
+
+#[test]
+fn two_patches_on_one_pad_stay_one_problem() {
+    let spacing = 0.5e-3;
+    let (vertices, faces) = grid(60, 30, spacing);
+    let surface = Surface::new(vertices, faces).unwrap();
+    let ball = |x: f64| {
+        let (vertices, faces) = icosphere(5e-3, 4);
+        let at = Vector3::new(x, 7.5e-3, 4.7e-3);
+        (vertices.into_iter().map(|v| v + at).collect(), faces)
+    };
+    let (vertices, faces) = joined(&ball(8e-3), &ball(22e-3));
+    let balls = Obstacle::mesh(vertices, faces, &Default::default()).unwrap();
+    let contact = solve(&surface, &balls, &half_space(), false);
+    assert_eq!(contact.patches.len(), 2);
+    assert_eq!(contact.lcp_solutions.len(), 1);
+    assert!(note(&contact, APART).is_none());
+    // So do ridges too low to be fingers.
+    let low = two_ridges(4e-3);
+    let contact = solve(&low, &plate_at(&low, 0.4e-3), &half_space(), false);
+    assert_eq!((contact.patches.len(), contact.lcp_solutions.len()), (2, 1));
+}
+
+#[test]
+fn parts_of_the_skin_that_nothing_joins_do_not_couple() {
+    let (vertices, faces) = grid(20, 20, 0.5e-3);
+    let other = (vertices.iter().map(|x| x + Vector3::new(12e-3, 0.0, 0.0)).collect(), faces.clone());
+    let (vertices, faces) = joined(&(vertices, faces), &other);
+    let surface = Surface::new(vertices, faces).unwrap();
+    let rod = Obstacle::capsule(Vector3::new(-0.01, 5e-3, 4.8e-3), Vector3::new(0.04, 5e-3, 4.8e-3), 5e-3);
+    let contact = solve(&surface, &rod.unwrap(), &half_space(), false);
+    assert_eq!(contact.lcp_solutions.len(), 2);
+    assert!(note(&contact, APART).unwrap().contains("no way along the skin"));
+}
+
+#[test]
+fn the_nearest_source_along_the_skin_is_the_one_that_single_searches_find() {
+    let surface = two_ridges(40e-3);
+    let sources = [7, 300, 900];
+    let single: Vec<Vec<(usize, f64)>> =
+        sources.iter().map(|&source| surface.skin_distances(&[source], f64::INFINITY)).collect();
+    let way = |source: usize, vertex: usize| single[source][vertex].1;
+    let nearest = surface.nearest_along_skin(&sources, f64::INFINITY);
+    for vertex in 0..surface.vertices().len() {
+        let best = (0..3).min_by(|&a, &b| way(a, vertex).total_cmp(&way(b, vertex))).unwrap();
+        assert_eq!(nearest.source[vertex] as usize, sources[best]);
+        assert_eq!(nearest.distance[vertex], way(best, vertex));
+    }
+    let near = surface.nearest_along_skin(&sources, 5e-3);
+    for vertex in 0..surface.vertices().len() {
+        let within = nearest.distance[vertex] <= 5e-3;
+        assert_eq!(near.distance[vertex].is_finite() && near.source[vertex] != u32::MAX, within);
+    }
+}
+
+#[test]
+fn fingertips_of_a_real_hand_are_told_apart() {
+    let Some(data) = data_dir() else { return };
+    let (vertices, faces) = read_ply(&data.join("hands/libhand_right_13k.ply"));
+    let hand = Surface::new(vertices, faces).unwrap();
+    // A plate that meets two fingertips within the depth.
+    let direction = Vector3::new(-0.208, -0.927, -0.313).normalize();
+    let plate = Obstacle::half_space(Vector3::zeros(), direction).unwrap();
+    let pressed = Press { direction, depth: 2.5e-3, start: Start::Infinity };
+    let contact =
+        press(&hand, &plate, &half_space(), &pressed, &ContactOptions::default(), &|| false).unwrap();
+    assert_eq!(contact.lcp_solutions.len(), 2);
+    assert!(note(&contact, APART).unwrap().contains(&format!("more than {LONGEST_DETOUR} times")));
+
+    // One fingertip is what lies within 40 mm along the skin of a patch; the other one is farther.
+    let near = hand.nearest_along_skin(&contact.patches[0].vertices, 40e-3).distance;
+    let alone = |first: bool| {
+        let mask = near.iter().map(|distance| distance.is_finite() == first).collect();
+        let masked = hand.clone().with_skin_mask(mask).unwrap();
+        solve(&masked, &contact.obstacle, &half_space(), false).resultant.force
+    };
+    let alone = alone(true) + alone(false);
+    assert_relative_eq!(alone, contact.resultant.force, max_relative = 1e-12);
+}
