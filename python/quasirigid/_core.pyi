@@ -1,6 +1,6 @@
 """Types of the compiled core. All numbers are SI: m, N, Pa, rad, s."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -19,6 +19,7 @@ __all__ = [
     "press",
     "repair",
     "response_matrix",
+    "restore_obstacle",
     "solve_contact",
     "solve_lcp",
 ]
@@ -83,6 +84,7 @@ class Obstacle:
     @property
     def translation(self) -> NDArray[np.float64]: ...
     def triangles(self) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None: ...
+    def __reduce__(self) -> tuple[Any, tuple[str, Any, list[float]]]: ...
 
 @final
 class Skin:
@@ -177,6 +179,7 @@ def response_matrix(
     tolerance: float,
     num_threads: int | None,
 ) -> NDArray[np.float64]: ...
+def restore_obstacle(kind: str, shape: Any, pose: Sequence[float], /) -> Obstacle: ...
 def solve_contact(surface: Surface, obstacle: Obstacle, skin: Skin, options: ContactOptions) -> Contact: ...
 def press(
     surface: Surface,

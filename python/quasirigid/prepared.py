@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _core
 from .errors import ResponseError
-from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer
+from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 from .skin import Skin
 
 if TYPE_CHECKING:
@@ -83,6 +83,10 @@ class PreparedSkin:
         finally:
             partial.unlink(missing_ok=True)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the numbers, as `save` does, beside the skin as it is."""
+        return _from_parts, (self.skin, self._response.parts())
+
     def _on(self, surface: Surface) -> _core.Skin:
         return self._response
 
@@ -150,39 +154,43 @@ def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
 
 
 def _restore(header: dict[str, Any], stored: dict[str, NDArray[Any]]) -> PreparedSkin:
-    surface = _core.Surface(stored["vertices"], stored["faces"])
-    nodes = stored["nodes"]
     material = {name: header[name] for name in ("shear_modulus", "poisson_ratio")}
     kind = header["response"]
+    response: Response
     if kind == "Body":
-        skin = Skin(**material, response=Body())
-        core = _restore_body(surface, skin, stored)
+        response = Body()
     elif kind == "GivenMatrix":
-        if "matrix" in stored:
-            skin = Skin(**material, response=GivenMatrix(nodes, stored["matrix"]))
-            core = _core.Skin.given(surface, nodes, stored["matrix"])
-        else:
-            blocks = stored["displacement"].reshape(-1, 3, len(nodes), 3)[nodes]
-            skin = Skin(**material, response=GivenMatrix(nodes, blocks))
-            core = _restore_body(surface, skin, stored)
+        nodes = stored["nodes"]
+        blocks = "matrix" not in stored
+        compliance = (
+            stored["displacement"].reshape(-1, 3, len(nodes), 3)[nodes] if blocks else stored["matrix"]
+        )
+        response = GivenMatrix(nodes, compliance)
     else:
         kernels: dict[str, Any] = {
             kernel.__name__: kernel for kernel in (HalfSpace, GaussianCorrected, Layer)
         }
         fields = {name: stored[name] for name in ("thickness",) if name in stored}
-        skin = Skin(**material, response=kernels[kind](**header["numbers"], **fields))
-        assert skin._kernel is not None
+        response = kernels[kind](**header["numbers"], **fields)
+    return _from_parts(Skin(**material, response=response), stored)
+
+
+def _from_parts(skin: Skin, stored: dict[str, NDArray[Any]]) -> PreparedSkin:
+    """The prepared skin of a skin and the numbers that `_core.Skin.parts` told."""
+    surface = _core.Surface(stored["vertices"], stored["faces"])
+    nodes = stored["nodes"]
+    if skin._kernel is not None:
         core = skin._kernel.restore(surface, nodes, stored["matrix"])
+    elif "matrix" in stored:
+        core = _core.Skin.given(surface, nodes, stored["matrix"])
+    else:
+        core = _core.Skin.restore_body(
+            surface,
+            skin.shear_modulus,
+            skin.poisson_ratio,
+            nodes,
+            stored["displacement"],
+            stored["area_vectors"],
+            stored["rotation"],
+        )
     return PreparedSkin(skin=skin, _response=core)
-
-
-def _restore_body(surface: Surface, skin: Skin, stored: dict[str, NDArray[Any]]) -> _core.Skin:
-    return _core.Skin.restore_body(
-        surface,
-        skin.shear_modulus,
-        skin.poisson_ratio,
-        stored["nodes"],
-        stored["displacement"],
-        stored["area_vectors"],
-        stored["rotation"],
-    )

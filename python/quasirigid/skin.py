@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -61,6 +61,15 @@ class Skin:
         caution = kernel.caution() if kernel is not None else None
         if caution is not None:
             warnings.warn(caution, QuasirigidWarning, stacklevel=3)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the core's skin, which is made anew."""
+        return {name: value for name, value in vars(self).items() if name != "_kernel"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Build the core's skin again, without its caution: whoever made the skin has seen it."""
+        vars(self).update(state)
+        object.__setattr__(self, "_kernel", self._build())
 
     def _build(self) -> _core.Skin | None:
         """The core's skin; None where the response depends on the surface."""

@@ -33,3 +33,5 @@ pub use error::ObstacleError;
 pub use first_touch::FirstTouch;
 pub use mesh::MeshObstacleOptions;
 pub use posed::{Obstacle, Triangles};
+#[cfg(feature = "python")]
+pub(crate) use primitive::Primitive;

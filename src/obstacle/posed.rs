@@ -22,6 +22,10 @@ pub struct Obstacle {
 /// Vertices (m) and faces.
 pub type Triangles = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
 
+/// Vertices (m) and faces, as they are stored.
+#[cfg(feature = "python")]
+type OwnTriangles<'a> = (&'a [Vector3<f64>], &'a [[u32; 3]]);
+
 /// A shape in its own frame.
 #[derive(Debug)]
 pub(super) enum Shape {
@@ -191,6 +195,36 @@ impl Obstacle {
             }
             Shape::Primitive(_) => None,
         }
+    }
+
+    /// Vertices (m) and faces of a mesh in its own frame.
+    #[cfg(feature = "python")]
+    pub(crate) fn own_triangles(&self) -> Option<OwnTriangles<'_>> {
+        match &*self.shape {
+            Shape::Mesh(mesh) => Some((mesh.vertices(), mesh.faces())),
+            Shape::Primitive(_) => None,
+        }
+    }
+
+    /// The primitive in its own frame.
+    #[cfg(feature = "python")]
+    pub(crate) fn primitive(&self) -> Option<&Primitive> {
+        match &*self.shape {
+            Shape::Mesh(_) => None,
+            Shape::Primitive(primitive) => Some(primitive),
+        }
+    }
+
+    /// A primitive that was checked before, in its own frame.
+    #[cfg(feature = "python")]
+    pub(crate) fn of_primitive(primitive: Primitive) -> Obstacle {
+        Obstacle::at_rest(Shape::Primitive(primitive))
+    }
+
+    /// The same shape at another pose.
+    #[cfg(feature = "python")]
+    pub(crate) fn at(&self, pose: Isometry3<f64>) -> Obstacle {
+        Obstacle { shape: Arc::clone(&self.shape), pose }
     }
 
     pub(super) fn shape(&self) -> &Shape {

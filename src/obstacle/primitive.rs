@@ -10,7 +10,7 @@ pub(super) const SURFACE_TOLERANCE: f64 = 1e-10;
 
 /// A primitive in its own frame.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Primitive {
+pub(crate) enum Primitive {
     /// Everything behind the plane through `point` (m) with unit `normal`.
     HalfSpace { point: Vector3<f64>, normal: Vector3<f64> },
     /// Ball (m).
@@ -29,7 +29,7 @@ impl Primitive {
     /// Where several points are nearest (centres, axes, medial planes) one is chosen by a fixed rule: +z at
     /// the centre of a sphere, +x on a cylinder's axis, the direction of [`perpendicular`] on a capsule's; of
     /// faces equally near the one along the first axis, on its positive side at 0; a cylinder's side before its caps.
-    pub fn nearest(&self, p: &Vector3<f64>) -> Nearest {
+    pub(super) fn nearest(&self, p: &Vector3<f64>) -> Nearest {
         match self {
             Primitive::HalfSpace { point, normal } => {
                 let distance = (p - point).dot(normal);

@@ -6,6 +6,7 @@ mod errors;
 mod interrupt;
 mod lcp;
 mod obstacle;
+mod pickle;
 mod skin;
 mod surface;
 
@@ -20,6 +21,8 @@ mod _core {
     use super::lcp::{PyLcpOptions, PyLcpSolution, solve_lcp};
     #[pymodule_export]
     use super::obstacle::PyObstacle;
+    #[pymodule_export]
+    use super::pickle::restore_obstacle;
     #[pymodule_export]
     use super::skin::{PySkin, definiteness, response_matrix};
     #[pymodule_export]
@@ -45,6 +48,7 @@ mod _core {
                 "press",
                 "repair",
                 "response_matrix",
+                "restore_obstacle",
                 "solve_contact",
                 "solve_lcp",
             ],

@@ -2,6 +2,7 @@
 
 use super::convert::{faces, faces_out, matrix3, vector, vector_out, vectors, vectors_out};
 use super::errors::{IntoPyErr, ObstacleError};
+use super::pickle::{Reduced, reduced};
 use crate::obstacle::{MeshObstacleOptions, Obstacle};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -215,6 +216,11 @@ impl PyObstacle {
     #[getter]
     fn translation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         vector_out(py, &self.inner.pose().translation.vector)
+    }
+
+    /// Arguments that make the same obstacle again, to the bit: pickling, copying.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        reduced(py, &self.inner)
     }
 
     fn __repr__(&self) -> String {
