@@ -504,6 +504,78 @@ fn layer_matrix_equals_the_double_loop_with_fine_quadrature() {
     }
 }
 
+/// The layer's displacement at x per newton at a vertex, and its 1/r part: 5 × 5 Gauss points on `cells`² cells of
+/// each triangle for the smooth part.
+fn layer_by_quadrature(
+    surface: &Surface,
+    skin: &Skin,
+    thickness: f64,
+    (i, j): (usize, usize),
+    cells: usize,
+) -> (f64, f64) {
+    let kernel = LayerKernel::new(skin.poisson_ratio).expect("in range");
+    let gauss = [
+        (-0.906179845938664f64, 0.236926885056189),
+        (-0.538469310105683, 0.478628670499366),
+        (0.0, 0.568888888888889),
+        (0.538469310105683, 0.478628670499366),
+        (0.906179845938664, 0.236926885056189),
+    ];
+    let points: Vec<(f64, f64)> = (0..cells)
+        .flat_map(|c| gauss.map(|(s, w)| ((c as f64 + 0.5 + 0.5 * s) / cells as f64, 0.5 * w / cells as f64)))
+        .collect();
+    let x = surface.vertices()[i];
+    let (mut inverse, mut smooth) = (0.0, 0.0);
+    for &f in surface.faces_around(j) {
+        let face = surface.faces()[f as usize];
+        let k = face.iter().position(|&v| v as usize == j).expect("its own face");
+        let c = [k, (k + 1) % 3, (k + 2) % 3].map(|k| surface.vertices()[face[k] as usize]);
+        inverse += hat_integrals(&x, &c)[0];
+        for &(u, v) in &points {
+            for &(along, w) in &points {
+                let y = c[0] * (1.0 - u) + (c[1] * (1.0 - along) + c[2] * along) * u;
+                let weight = 2.0 * surface.face_areas()[f as usize] * u * v * w;
+                smooth += weight * (1.0 - u) * kernel.smooth_part((x - y).norm() / thickness);
+            }
+        }
+    }
+    let scale = skin.kernel_constant() / surface.vertex_areas()[j];
+    (scale * (inverse - smooth / thickness), scale * inverse)
+}
+
+#[test]
+fn layer_entries_keep_each_tolerance_near_and_far_for_thin_and_thick_layers() {
+    let surface = grid(24, 24e-3, 8e-3, 0.25);
+    let columns = [0, 12, 13 * 25 + 11];
+    let rows: Vec<usize> = (0..surface.vertices().len()).step_by(3).collect();
+    for (nu, thickness, cells) in [
+        (0.5, 0.15e-3, 20),
+        (0.5, 1e-3, 5),
+        (0.5, 4e-3, 3),
+        (0.3, 0.4e-3, 10),
+        (0.3, 10e-3, 3),
+        (0.5, 0.1, 2),
+    ] {
+        let skin = Skin::new(60e3, nu, layer(thickness)).expect("valid constants");
+        let known: Vec<Vec<(f64, f64)>> = columns
+            .iter()
+            .map(|&j| {
+                rows.iter().map(|&i| layer_by_quadrature(&surface, &skin, thickness, (i, j), cells)).collect()
+            })
+            .collect();
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let options = AssemblyOptions { tolerance, ..Default::default() };
+            let r = assemble_block(&surface, &skin, &rows, &columns, &options).expect("valid");
+            for (j, column) in known.iter().enumerate() {
+                for (i, (expected, inverse)) in column.iter().enumerate() {
+                    let error = (r[(i, j)] - expected).abs() / inverse;
+                    assert!(error <= tolerance, "({i}, {j}) at {thickness}, {tolerance:e}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn layers_of_any_thickness_and_ratio_are_positive_definite() {
     // Border nodes are left out: on them an incompressible layer of a tenth of the mesh size loses 0.9 %.

@@ -117,7 +117,7 @@ impl<'a> Columns<'a> {
         match self.skin.response {
             Response::Layer { ref thickness, .. } => {
                 let layer = self.layer.as_ref().expect("prepared for a layer");
-                layer.column(thickness.at(vertex)).values(targets, scratch);
+                layer.values(targets, scratch, thickness.at(vertex));
             }
             Response::HalfSpace { .. } => {
                 half_space_values(targets, scratch, constant, tolerance, f64::INFINITY);

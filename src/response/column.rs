@@ -1,11 +1,13 @@
 //! One column of the half-space part: a multipole series far away, exact integrals near.
 
+use super::edges::EdgeRule;
 use super::multipole::{Expansion, PointLoads, TOGETHER, order_for};
 use super::near::NearFace;
+use super::radial::RadialSeries;
 use super::rule::triangle_rule;
 use super::source::{LoadedFace, weighted};
 use super::subdivide::subdivided_hat_integrals;
-use super::targets::{BLOCK, Targets};
+use super::targets::{BLOCK, Selection, Targets};
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 
@@ -18,11 +20,14 @@ pub(crate) struct Scratch {
     pub(crate) values: Vec<f64>,
     loads: PointLoads,
     expansion: Expansion,
-    near: Vec<u32>,
-    near_x: Vec<f64>,
-    near_y: Vec<f64>,
-    near_z: Vec<f64>,
-    near_values: Vec<f64>,
+    /// Targets at which the series does not hold.
+    pub(crate) near: Selection,
+    /// Series for other radial kernels.
+    pub(crate) series: RadialSeries,
+    /// Quadrature along edges.
+    pub(crate) rule: EdgeRule,
+    /// 1/thickness of the targets in `near` (1/m).
+    pub(crate) thicknesses: Vec<f64>,
 }
 
 impl Scratch {
@@ -32,29 +37,25 @@ impl Scratch {
             values: vec![0.0; targets.x.len()],
             loads: PointLoads::default(),
             expansion: Expansion::new(),
-            near: Vec::new(),
-            near_x: Vec::new(),
-            near_y: Vec::new(),
-            near_z: Vec::new(),
-            near_values: Vec::new(),
+            near: Selection::default(),
+            series: RadialSeries::new(),
+            rule: EdgeRule::default(),
+            thicknesses: Vec::new(),
         }
     }
 
-    /// Centre and radius (m) of the load of the last column.
-    pub(crate) fn ball(&self) -> (Vector3<f64>, f64) {
-        (self.expansion.center, self.expansion.radius)
+    /// Moments for the series of other kernels, of the load on `faces`.
+    #[inline(always)]
+    pub(crate) fn fill_series<S: Simd>(&mut self, simd: S, degree: usize) {
+        spread_load(self, degree / 2 + 1, BLOCK);
+        let ball = ball_around(&self.faces, &self.loads);
+        self.series.fill(simd, &self.loads, ball, degree);
     }
 
-    /// Distance of the farthest corner of the loaded triangles from their mean corner (m).
-    pub(crate) fn load_radius(&self) -> f64 {
-        let corners = || self.faces.iter().flat_map(|f| &f.frame.vertices);
-        let center = corners().sum::<Vector3<f64>>() / (3 * self.faces.len()) as f64;
-        corners().map(|v| (v - center).norm()).fold(0.0, f64::max)
-    }
-
-    /// The point loads that [`spread_load`] left, and the values.
-    pub(crate) fn loads_and_values(&mut self) -> (&PointLoads, &mut [f64]) {
-        (&self.loads, &mut self.values)
+    /// Half of the longest edge of the loaded triangles (m).
+    pub(crate) fn half_edge(&self) -> f64 {
+        let shortest = |heights: &[f64; 3]| heights.iter().copied().fold(f64::INFINITY, f64::min);
+        self.faces.iter().map(|f| f.frame.area / shortest(&f.frame.heights)).fold(0.0, f64::max)
     }
 }
 
@@ -107,35 +108,6 @@ pub(crate) fn spread_load(scratch: &mut Scratch, n: usize, lanes: usize) {
     scratch.loads.pad(lanes);
 }
 
-/// As [`spread_load`], with each triangle first divided into `pieces`² equal ones.
-pub(crate) fn spread_load_finely(scratch: &mut Scratch, n: usize, pieces: usize) {
-    if pieces == 1 {
-        return spread_load(scratch, n, 1);
-    }
-    scratch.loads.clear();
-    let step = 1.0 / pieces as f64;
-    for face in &scratch.faces {
-        let [a, b, c] = face.frame.vertices;
-        let mut add = |u: f64, v: f64, size: f64| {
-            for (l, weight) in triangle_rule(n) {
-                let (u, v) = (u + size * l[1], v + size * l[2]);
-                let hats = [1.0 - u - v, u, v];
-                let place = a * hats[0] + b * hats[1] + c * hats[2];
-                let share = weight * face.frame.area * step * step * weighted(&face.density, &hats);
-                scratch.loads.push(&place, share);
-            }
-        };
-        for i in 0..pieces {
-            for j in 0..pieces - i {
-                add(i as f64 * step, j as f64 * step, step);
-                if i + j + 1 < pieces {
-                    add((i + 1) as f64 * step, (j + 1) as f64 * step, -step);
-                }
-            }
-        }
-    }
-}
-
 /// The load's centre, about which it has no dipole, and the farthest corner from it.
 #[inline(always)]
 fn ball_around(faces: &[LoadedFace], loads: &PointLoads) -> (Vector3<f64>, f64) {
@@ -163,7 +135,7 @@ fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach:
     let infinity = simd.splat_f64s(f64::INFINITY);
     let coordinates = [&targets.x, &targets.y, &targets.z].map(|list| S::as_simd_f64s(list).0);
     let values = S::as_mut_simd_f64s(&mut scratch.values).0;
-    scratch.near.clear();
+    scratch.near.index.clear();
     for start in (0..values.len()).step_by(TOGETHER) {
         let (mut x, mut y, mut z, mut squared) =
             ([infinity; TOGETHER], [infinity; TOGETHER], [infinity; TOGETHER], [infinity; TOGETHER]);
@@ -188,7 +160,7 @@ fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach:
             for i in start * S::F64_LANES..(start + TOGETHER) * S::F64_LANES {
                 let place = Vector3::new(targets.x[i] - cx, targets.y[i] - cy, targets.z[i] - cz);
                 if i < targets.rows.len() && place.norm_squared() < near_squared * (1.0 + 1e-12) {
-                    scratch.near.push(i as u32);
+                    scratch.near.index.push(i as u32);
                 }
             }
         } else if nearest >= far_squared {
@@ -203,29 +175,21 @@ fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach:
 /// The exact integral at the listed targets.
 #[inline(always)]
 fn near_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, amplitude: f64, tolerance: f64) {
-    let Scratch { near, near_x, near_y, near_z, near_values, .. } = scratch;
-    for (list, from) in [(&mut *near_x, &targets.x), (&mut *near_y, &targets.y), (&mut *near_z, &targets.z)] {
-        list.clear();
-        list.extend(near.iter().map(|&i| from[i as usize]));
-        if let Some(&last) = list.last() {
-            list.resize(near.len().next_multiple_of(BLOCK), last);
-        }
-    }
-    near_values.clear();
-    near_values.resize(near_x.len(), 0.0);
+    let near = &mut scratch.near;
+    near.gather(targets);
     let reach = scratch.expansion.near_squared().sqrt() + scratch.expansion.radius;
     for face in &scratch.faces {
         if face.loses_digits(reach, tolerance) {
-            for (k, value) in near_values.iter_mut().take(near.len()).enumerate() {
-                let point = Vector3::new(near_x[k], near_y[k], near_z[k]);
+            for k in 0..near.index.len() {
+                let point = Vector3::new(near.x[k], near.y[k], near.z[k]);
                 let hats = subdivided_hat_integrals(&face.frame.vertices, &point);
-                *value += amplitude * weighted(&face.density, &hats);
+                near.values[k] += amplitude * weighted(&face.density, &hats);
             }
         } else {
-            NearFace::new(face).add(simd, amplitude, near_x, near_y, near_z, near_values);
+            NearFace::new(face).add(simd, amplitude, &near.x, &near.y, &near.z, &mut near.values);
         }
     }
-    for (&i, &value) in near.iter().zip(near_values.iter()) {
+    for (&i, &value) in near.index.iter().zip(&near.values) {
         scratch.values[i as usize] = value;
     }
 }

@@ -1,16 +1,23 @@
 //! One column of the paper's kernel: half-space less a Gaussian, cut off.
 
-use super::column::{Scratch, half_space_values, spread_load};
+use super::column::{Scratch, half_space_values};
 use super::cut::{Inverse, hats_within};
+use super::edges::EdgePotential;
 use super::elementary::exp_negative;
 use super::gaussian::Gaussian;
 use super::lanes::Lanes;
-use super::multipole::PointLoads;
+use super::near::NearFace;
+use super::radial::{DEGREES, MAX_DEGREE, RadialSeries, TOGETHER};
 use super::source::{LoadedFace, weighted};
 use super::subdivide::subdivided_hat_integrals;
 use super::targets::{BLOCK, Targets};
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
+
+/// Widths beyond which the Gaussian is below 1e-17.
+const SILENT: f64 = 9.0;
+/// A load is seen at such an angle from the cutoff, in radii, that no point so far projects into it.
+const FAR_CUT: f64 = 3.0;
 
 /// `K/r - a exp(-r²/2c²)` for r < cutoff, 0 beyond.
 #[derive(Debug, Clone, Copy)]
@@ -29,43 +36,26 @@ impl Corrected {
     /// Sets `scratch.values` to the displacement of all targets by the load on `scratch.faces`.
     pub(crate) fn values(&self, targets: &Targets, scratch: &mut Scratch, tolerance: f64) {
         half_space_values(targets, scratch, self.constant, tolerance, self.cutoff);
-        let radius = scratch.faces.iter().map(|f| f.radius).fold(0.0, f64::max);
-        let points = self.rule_points(radius, tolerance);
-        if let Some(n) = points {
-            spread_load(scratch, n, 1);
-            pulp::Arch::new().dispatch(Subtract { kernel: self, targets, scratch });
-        }
-        // What the cutoff cuts, and everything where the Gaussian is too narrow for a rule, is exact.
-        let ball = scratch.ball();
-        for i in 0..targets.rows.len() {
-            let x = Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
-            let distance = (x - ball.0).norm();
-            if distance - ball.1 >= self.cutoff {
-                scratch.values[i] = 0.0;
-            } else if points.is_none() || distance + ball.1 > self.cutoff {
-                scratch.values[i] = scratch.faces.iter().map(|face| self.exact(face, &x)).sum();
-            }
-        }
+        pulp::Arch::new().dispatch(TakeOff { kernel: self, targets, scratch, tolerance });
+        pulp::Arch::new().dispatch(Cut { kernel: self, targets, scratch, tolerance });
     }
 
-    /// Points in each direction of the rule that integrates the Gaussian over a triangle with an error under
-    /// `tolerance` times the 1/r part; `None` where Owen's T is the better way.
+    /// Error of the Gaussian's part, as a multiple of its height, that keeps the tolerance.
+    fn allowed(&self, tolerance: f64) -> f64 {
+        let reach = self.cutoff.min(SILENT * self.width);
+        tolerance.max(1e-13) * self.constant / (self.height * reach)
+    }
+
+    /// The lowest degree of a series of the Gaussian that keeps the tolerance.
     ///
-    /// The derivatives of order n of exp(-t²/2c²) are at most 1.09 √n! / cⁿ (Cramér's bound of the Hermite
-    /// functions), so the rule of degree 2n - 1 errs by at most 2.2 (ρ/c)²ⁿ / √(2n)! of the area.
-    fn rule_points(&self, radius: f64, tolerance: f64) -> Option<usize> {
-        let reach = self.cutoff.min(10.0 * self.width);
-        let allowed = tolerance.max(1e-15) * self.constant / (self.height * reach);
-        let ratio = radius / self.width;
-        let mut bound = 2.2;
-        for n in 1..=8 {
-            let k = 2.0 * n as f64;
-            bound *= ratio * ratio / (k * (k - 1.0)).sqrt();
-            if bound <= allowed {
-                return Some(n);
-            }
-        }
-        None
+    /// Derivatives of order m of exp(-t²/2c²) are at most 1.09 √m! / cᵐ (Cramér's bound of the Hermite functions).
+    fn series_degree(&self, series: &RadialSeries, tolerance: f64) -> Option<usize> {
+        let ratio = series.radius / self.width;
+        DEGREES.into_iter().find(|&degree| {
+            let first: f64 = (1..=degree + 1).map(|m| ratio / (m as f64).sqrt()).product();
+            let next = ratio / (degree as f64 + 2.0).sqrt();
+            next < 0.9 && 1.09 * first * series.mean(degree + 1) <= self.allowed(tolerance) * (1.0 - next)
+        })
     }
 
     /// One face's share of the displacement at x, in closed form.
@@ -84,54 +74,212 @@ impl Corrected {
     }
 }
 
-/// Takes the Gaussian of the point loads off the values.
-struct Subtract<'a> {
+/// Takes the Gaussian off the values.
+struct TakeOff<'a> {
     kernel: &'a Corrected,
     targets: &'a Targets,
     scratch: &'a mut Scratch,
+    tolerance: f64,
 }
 
-impl WithSimd for Subtract<'_> {
+impl WithSimd for TakeOff<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { kernel, targets, scratch } = self;
-        let (center, radius) = scratch.ball();
-        let far = kernel.cutoff + radius;
-        let (loads, values) = scratch.loads_and_values();
+        let Self { kernel, targets, scratch, tolerance } = self;
+        scratch.fill_series(simd, MAX_DEGREE);
+        let half_edge = scratch.half_edge();
+        let degree = kernel.series_degree(&scratch.series, tolerance);
+        let Scratch { series, values, near, faces, rule, .. } = scratch;
+        let far = kernel.cutoff.min(SILENT * kernel.width) + series.radius;
+        near.index.clear();
         for start in (0..values.len()).step_by(BLOCK) {
-            let block = start..start + BLOCK;
-            let (x, y, z) = (&targets.x[block.clone()], &targets.y[block.clone()], &targets.z[block.clone()]);
-            let nearest = (0..BLOCK)
-                .map(|i| (Vector3::new(x[i], y[i], z[i]) - center).norm_squared())
-                .fold(f64::INFINITY, f64::min);
-            if nearest < far * far {
-                kernel.subtract(simd, loads, [x, y, z], &mut values[block]);
+            let at = |i: usize| Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
+            let felt = |i: usize| (at(i) - series.center).norm_squared() < far * far;
+            if !(start..start + BLOCK).any(felt) {
+                continue;
             }
+            match degree {
+                Some(degree) => kernel.series(simd, series, degree, targets, start, values),
+                None => {
+                    let last = targets.rows.len().min(start + BLOCK);
+                    near.index.extend((start..last).filter(|&i| felt(i)).map(|i| i as u32));
+                }
+            }
+        }
+        // too narrow for a series
+        near.gather(targets);
+        let potential = Potential { constant: 0.0, height: 1.0, width: kernel.width, cutoff: None };
+        rule.set(half_edge, 2.0 * kernel.width, 4.0, kernel.allowed(tolerance));
+        for face in faces.iter().map(NearFace::new) {
+            for i in (0..near.values.len()).step_by(S::F64_LANES) {
+                let integral = face.along_edges(near.place(simd, i), rule, &potential);
+                (integral + Lanes::load(simd, &near.values, i)).store(&mut near.values, i);
+            }
+        }
+        for (&i, sum) in near.index.iter().zip(&near.values) {
+            values[i as usize] += kernel.height * sum;
         }
     }
 }
 
 impl Corrected {
+    /// Takes the Gaussian off one block, as a series.
     #[inline(always)]
-    fn subtract<S: Simd>(&self, simd: S, loads: &PointLoads, at: [&[f64]; 3], values: &mut [f64]) {
-        let falloff = Lanes::splat(simd, -0.5 / (self.width * self.width));
-        let (x, y, z) = (S::as_simd_f64s(at[0]).0, S::as_simd_f64s(at[1]).0, S::as_simd_f64s(at[2]).0);
-        let values = S::as_mut_simd_f64s(values).0;
-        for (((&x, &y), &z), value) in x.iter().zip(y).zip(z).zip(values) {
-            let place = [Lanes::new(simd, x), Lanes::new(simd, y), Lanes::new(simd, z)];
-            let mut sum = Lanes::splat(simd, 0.0);
-            for (k, &share) in loads.share.iter().enumerate() {
-                let [dx, dy, dz] = [
-                    place[0] - sum.all(loads.x[k]),
-                    place[1] - sum.all(loads.y[k]),
-                    place[2] - sum.all(loads.z[k]),
-                ];
-                let squared = dx.mul_add(dx, dy.mul_add(dy, dz * dz));
-                sum = exp_negative(squared * falloff).mul_add(sum.all(share), sum);
+    fn series<S: Simd>(
+        &self,
+        simd: S,
+        series: &RadialSeries,
+        degree: usize,
+        targets: &Targets,
+        start: usize,
+        values: &mut [f64],
+    ) {
+        let zero = Lanes::splat(simd, 0.0);
+        let ratio = series.radius / self.width;
+        let falloff = zero.all(-0.5 * ratio * ratio);
+        let step = TOGETHER * S::F64_LANES;
+        for first in (start..start + BLOCK).step_by(step) {
+            let place = series.place(simd, targets, first);
+            let mut slopes = [[zero; TOGETHER]; MAX_DEGREE + 1];
+            for k in 0..TOGETHER {
+                let [x, y, z] = [place[0][k], place[1][k], place[2][k]];
+                let mut slope = exp_negative(x.mul_add(x, y.mul_add(y, z * z)) * falloff);
+                for (n, slot) in slopes[..=degree].iter_mut().enumerate() {
+                    slot[k] = slope;
+                    slope = slope * falloff * zero.all(1.0 / (n as f64 + 1.0));
+                }
             }
-            *value = simd.mul_add_f64s(simd.splat_f64s(-self.height), sum.v, *value);
+            let gaussian = series.evaluate(degree, &place, &slopes);
+            for (k, gaussian) in gaussian.into_iter().enumerate() {
+                let from = first + k * S::F64_LANES;
+                gaussian.mul_add(zero.all(-self.height), Lanes::load(simd, values, from)).store(values, from);
+            }
+        }
+    }
+}
+
+/// Sets what the cutoff cuts and what lies beyond it.
+struct Cut<'a> {
+    kernel: &'a Corrected,
+    targets: &'a Targets,
+    scratch: &'a mut Scratch,
+    tolerance: f64,
+}
+
+impl WithSimd for Cut<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { kernel, targets, scratch, tolerance } = self;
+        let half_edge = scratch.half_edge();
+        let Scratch { series, values, near, faces, rule, .. } = scratch;
+        let &Corrected { constant, height, width, cutoff } = kernel;
+        near.index.clear();
+        for (i, value) in values[..targets.rows.len()].iter_mut().enumerate() {
+            let x = Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
+            let distance = (x - series.center).norm();
+            if distance - series.radius >= cutoff {
+                *value = 0.0;
+            } else if distance + series.radius > cutoff {
+                near.index.push(i as u32);
+            }
+        }
+        near.gather(targets);
+        if cutoff < FAR_CUT * series.radius {
+            for (k, &i) in near.index.iter().enumerate() {
+                let x = Vector3::new(near.x[k], near.y[k], near.z[k]);
+                values[i as usize] = faces.iter().map(|face| kernel.exact(face, &x)).sum();
+            }
+            return;
+        }
+        let potential = Potential { constant, height, width, cutoff: Some(cutoff) };
+        // Potential and moment of a face cancel by the square of the distance over its size.
+        let bound = 2.0 * (1.0 + height * cutoff / constant) * (cutoff / half_edge).powi(2);
+        rule.set(
+            half_edge,
+            (2.0 * width).min(0.5 * (cutoff - 2.0 * series.radius)),
+            bound,
+            tolerance.max(1e-13),
+        );
+        for face in faces.iter().map(NearFace::new) {
+            for i in (0..near.values.len()).step_by(S::F64_LANES) {
+                let integral = face.along_edges(near.place(simd, i), rule, &potential);
+                (integral + Lanes::load(simd, &near.values, i)).store(&mut near.values, i);
+            }
+        }
+        for (&i, &sum) in near.index.iter().zip(&near.values) {
+            values[i as usize] = sum;
+        }
+    }
+}
+
+/// Ψ of `constant / r - height exp(-r²/2 width²)`.
+struct Potential {
+    constant: f64,
+    height: f64,
+    width: f64,
+    cutoff: Option<f64>,
+}
+
+impl<S: Simd> EdgePotential<S> for Potential {
+    #[inline(always)]
+    fn at(&self, squared: Lanes<S>) -> Lanes<S> {
+        let square = self.width * self.width;
+        let gaussian = exp_negative(squared * squared.all(-0.5 / square)) * squared.all(self.height * square);
+        squared.sqrt().mul_add(squared.all(self.constant), gaussian)
+    }
+
+    #[inline(always)]
+    fn cutoff_squared(&self) -> Option<f64> {
+        self.cutoff.map(|cutoff| cutoff * cutoff)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::skin::Pressure;
+    use super::super::source::loaded_faces;
+    use super::*;
+    use crate::surface::Surface;
+
+    #[test]
+    fn what_the_cutoff_cuts_matches_the_closed_form() {
+        // a bent hexagon
+        let ring = |k: usize| {
+            let angle = k as f64 * std::f64::consts::PI / 3.0 + 0.1 * k as f64;
+            Vector3::new(1.2e-3 * angle.cos(), 1e-3 * angle.sin(), 0.2e-3 * (k % 3) as f64)
+        };
+        let vertices: Vec<_> = std::iter::once(Vector3::zeros()).chain((0..6).map(ring)).collect();
+        let faces = (0..6u32).map(|k| [0, k + 1, (k + 1) % 6 + 1]).collect();
+        let surface = Surface::new(vertices, faces).expect("a hexagon");
+        let points: Vec<_> = (0..40)
+            .map(|k| {
+                let angle = 0.7 * k as f64;
+                let distance = 5e-3 + 0.07e-3 * k as f64;
+                Vector3::new(distance * angle.cos(), distance * angle.sin(), 2e-3 * (0.3 * angle).sin())
+            })
+            .collect();
+        let targets = Targets::new(&points);
+        for (width, cutoff) in [(8e-3, 6e-3), (2e-3, 6e-3), (0.3e-3, 6e-3)] {
+            let kernel = Corrected { constant: 1.3e-6, height: 1.3e-6 / width, width, cutoff };
+            for tolerance in [1e-3, 1e-6, 1e-9] {
+                let mut scratch = Scratch::new(&targets);
+                loaded_faces(&surface, 0, Pressure::Linear, &mut scratch.faces);
+                kernel.values(&targets, &mut scratch, tolerance);
+                let (mut cut, mut beyond) = (0, 0);
+                for (k, &row) in targets.rows.iter().enumerate() {
+                    let x = points[row as usize];
+                    let exact: f64 = scratch.faces.iter().map(|face| kernel.exact(face, &x)).sum();
+                    let error = (scratch.values[k] - exact).abs() / (kernel.constant / cutoff);
+                    assert!(error <= tolerance, "{row} at {tolerance:e}, width {width}: {error:e}");
+                    beyond += usize::from(exact == 0.0);
+                    cut += usize::from(exact != 0.0 && x.norm() + 1.2e-3 > cutoff);
+                }
+                assert!(cut > 10 && beyond > 5, "{cut} {beyond}");
+            }
         }
     }
 }

@@ -29,6 +29,18 @@ impl<S: Simd> Lanes<S> {
         Self { simd, v: simd.splat_f64s(value) }
     }
 
+    /// The numbers of a list from `first` on.
+    #[inline(always)]
+    pub(crate) fn load(simd: S, list: &[f64], first: usize) -> Self {
+        Self::new(simd, S::as_simd_f64s(&list[first..first + S::F64_LANES]).0[0])
+    }
+
+    /// Writes the lanes to a list from `first` on.
+    #[inline(always)]
+    pub(crate) fn store(self, list: &mut [f64], first: usize) {
+        S::as_mut_simd_f64s(&mut list[first..first + S::F64_LANES]).0[0] = self.v;
+    }
+
     /// The same number in all lanes.
     #[inline(always)]
     pub(crate) fn all(self, value: f64) -> Self {
@@ -54,6 +66,13 @@ impl<S: Simd> Lanes<S> {
         Self::new(self.simd, self.simd.transmute_f64s_u64s(rest))
     }
 
+    /// Within `low` and `high`.
+    #[inline(always)]
+    pub(crate) fn clamp(self, low: Self, high: Self) -> Self {
+        let raised = self.less(low).pick(low, self);
+        high.less(raised).pick(high, raised)
+    }
+
     #[inline(always)]
     pub(crate) fn less(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, m: self.simd.less_than_f64s(self.v, other.v) }
@@ -72,6 +91,12 @@ impl<S: Simd> Lanes<S> {
             *b = f(*b);
         }
         Self::new(self.simd, self.simd.transmute_f64s_u64s(bits))
+    }
+
+    /// `f` of every lane.
+    #[inline(always)]
+    pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
+        self.map_bits(|bits| f(f64::from_bits(bits)).to_bits())
     }
 
     /// A polynomial, coefficients highest first, at least one.

@@ -1,17 +1,11 @@
 //! The response kernel of an elastic layer bonded to rigid bone.
 
 use super::error::ResponseError;
-use super::rule::gauss;
+use super::layer_table::{LARGEST, LayerTable};
 use std::sync::{Arc, Mutex};
 
-/// Pieces of the table per unit of r/h.
-const PER_UNIT: usize = 16;
-/// Largest r/h of the table; the kernel is below 1e-11 beyond.
-const LARGEST: usize = 32;
-/// Coefficients of a piece.
-const TERMS: usize = 6;
-/// Highest derivative whose bound is kept.
-const DERIVATIVES: usize = 17;
+/// Steps per unit of r/h at which it is known how large the kernel still gets.
+const STEPS: usize = 16;
 
 /// Kernel of a flat elastic layer, thickness h, bonded to rigid ground.
 ///
@@ -28,10 +22,9 @@ const DERIVATIVES: usize = 17;
 #[derive(Debug)]
 pub struct LayerKernel {
     poisson_ratio: f64,
-    /// Coefficients of φ in the piece's coordinate -1 .. 1, lowest first.
-    pieces: Vec<[f64; TERMS]>,
-    /// `∫ (1 - W) t^n dt`, which bounds the n-th derivative of φ.
-    derivatives: [f64; DERIVATIVES],
+    table: LayerTable,
+    /// The largest |h u / K| from each step of r/h on.
+    envelope: Vec<f64>,
 }
 
 /// 1 - W(t), without cancellation.
@@ -62,42 +55,24 @@ impl LayerKernel {
     }
 
     fn tabulate(nu: f64) -> Self {
-        // Panels of 20 Gauss points up to t = 20, where 1 - W < 1e-14; J0(ρt) turns at most 2.6 times in each.
-        let mut points = Vec::new();
-        let mut derivatives = [0.0; DERIVATIVES];
-        for panel in 0..40 {
-            for (u, w) in gauss(20, 0.0) {
-                let t = 0.5 * (panel as f64 + u);
-                let weight = 0.5 * w * one_minus_w(t, nu);
-                points.push((t, weight));
-                for (n, bound) in derivatives.iter_mut().enumerate() {
-                    *bound += weight * t.powi(n as i32);
-                }
-            }
+        let table = LayerTable::new(|t| one_minus_w(t, nu));
+        let mut kernel = Self { poisson_ratio: nu, table, envelope: vec![0.0; LARGEST * STEPS] };
+        let mut largest: f64 = 0.0;
+        for step in (1..kernel.envelope.len()).rev() {
+            largest = largest.max(kernel.value(step as f64 / STEPS as f64).abs());
+            kernel.envelope[step] = largest;
         }
-        let phi = |rho: f64| points.iter().map(|(t, w)| w * libm::j0(rho * t)).sum::<f64>();
-        // Chebyshev series over whole units (φ is analytic within 2 of the real line), then short pieces.
-        let mut pieces = Vec::with_capacity(LARGEST * PER_UNIT);
-        for unit in 0..LARGEST {
-            let series = chebyshev::<20>(|x| phi(unit as f64 + 0.5 * (1.0 + x)));
-            for part in 0..PER_UNIT {
-                let at = |x: f64| (part as f64 + 0.5 * (1.0 + x)) / PER_UNIT as f64;
-                let short = chebyshev::<TERMS>(|x| clenshaw(&series, 2.0 * at(x) - 1.0));
-                pieces.push(monomials(&short));
-            }
-        }
-        Self { poisson_ratio: nu, pieces, derivatives }
+        kernel.envelope[0] = f64::INFINITY;
+        kernel
+    }
+
+    pub(crate) fn table(&self) -> &LayerTable {
+        &self.table
     }
 
     /// φ(ρ), the smooth part, with an absolute error below 1e-11; 1/ρ beyond the table.
-    #[inline(always)]
     pub fn smooth_part(&self, rho: f64) -> f64 {
-        let scaled = rho * PER_UNIT as f64;
-        let index = (scaled as usize).min(LARGEST * PER_UNIT - 1);
-        let x = 2.0 * (scaled - index as f64) - 1.0;
-        let c = &self.pieces[index];
-        let value = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
-        if rho < LARGEST as f64 { value } else { 1.0 / rho }
+        if rho < LARGEST as f64 { self.table.smooth_slopes::<1>(rho)[0] } else { 1.0 / rho }
     }
 
     /// W(t): the answer to a pressure wave as a share of the half-space's, t = 2π h / wave length.
@@ -112,67 +87,13 @@ impl LayerKernel {
 
     /// The r/h beyond which the kernel stays below `threshold` (relative to K/h).
     pub(crate) fn reach(&self, threshold: f64) -> f64 {
-        let steps = LARGEST * PER_UNIT;
-        let at = |i: usize| i as f64 / PER_UNIT as f64;
-        let last = (1..steps).rev().find(|&i| self.value(at(i)).abs() > threshold);
-        at(last.map_or(1, |i| i + 1))
+        self.envelope.partition_point(|&largest| largest > threshold) as f64 / STEPS as f64
     }
-
-    /// Bound of the error, relative to 1/h, of an n-point Gauss rule for φ over a piece of half-width
-    /// `half_width` h: the best polynomial of degree 2n - 1 errs by `2 M (s/2)^2n / (2n)!`, M the bound of the
-    /// derivative of order 2n.
-    pub(crate) fn rule_error(&self, n: usize, half_width: f64) -> f64 {
-        let k = 2 * n;
-        let factorial: f64 = (1..=k).map(|v| v as f64).product();
-        4.0 * self.derivatives[k] * (0.5 * half_width).powi(k as i32) / factorial
-    }
-
-    /// The largest n for which [`Self::rule_error`] is known.
-    pub(crate) const MOST_POINTS: usize = (DERIVATIVES - 1) / 2;
-}
-
-/// Chebyshev coefficients of the interpolant in N points on -1 .. 1.
-fn chebyshev<const N: usize>(f: impl Fn(f64) -> f64) -> [f64; N] {
-    let angle = |k: usize| std::f64::consts::PI * (k as f64 + 0.5) / N as f64;
-    let values: [f64; N] = std::array::from_fn(|k| f(angle(k).cos()));
-    std::array::from_fn(|j| {
-        let sum: f64 = (0..N).map(|k| values[k] * (j as f64 * angle(k)).cos()).sum();
-        sum * if j == 0 { 1.0 } else { 2.0 } / N as f64
-    })
-}
-
-fn clenshaw(c: &[f64], x: f64) -> f64 {
-    let (mut b1, mut b2) = (0.0, 0.0);
-    for &ck in c[1..].iter().rev() {
-        (b1, b2) = (ck + 2.0 * x * b1 - b2, b1);
-    }
-    c[0] + x * b1 - b2
-}
-
-/// Powers of x from a short Chebyshev series.
-fn monomials(c: &[f64; TERMS]) -> [f64; TERMS] {
-    let mut sum = [0.0; TERMS];
-    let (mut before, mut now) = ([0.0; TERMS], [0.0; TERMS]);
-    now[0] = 1.0;
-    for (k, &ck) in c.iter().enumerate() {
-        for i in 0..TERMS {
-            sum[i] += ck * now[i];
-        }
-        // T_(k+1) = 2 x T_k - T_(k-1), T_1 = x
-        let mut next = [0.0; TERMS];
-        for i in 1..TERMS {
-            next[i] = if k == 0 { 1.0 } else { 2.0 } * now[i - 1];
-        }
-        for i in 0..TERMS {
-            next[i] -= if k == 0 { 0.0 } else { before[i] };
-        }
-        (before, now) = (now, next);
-    }
-    sum
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::rule::gauss;
     use super::*;
 
     #[test]

@@ -9,17 +9,17 @@ use pulp::Simd;
 /// A loaded triangle with everything that does not depend on the point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NearFace {
-    corners: [[f64; 3]; 3],
-    normal: [f64; 3],
-    tangents: [[f64; 3]; 3],
-    outward: [[f64; 3]; 3],
+    pub(super) corners: [[f64; 3]; 3],
+    pub(super) normal: [f64; 3],
+    pub(super) tangents: [[f64; 3]; 3],
+    pub(super) outward: [[f64; 3]; 3],
     lengths: [f64; 3],
     double_area: f64,
     /// The load's density is `at_corner - gradient · (y - corner 0)`.
-    at_corner: f64,
-    gradient: [f64; 3],
+    pub(super) at_corner: f64,
+    pub(super) gradient: [f64; 3],
     /// Half of `gradient · outward` for each edge.
-    edge: [f64; 3],
+    pub(super) edge: [f64; 3],
 }
 
 fn array(v: &Vector3<f64>) -> [f64; 3] {
@@ -106,17 +106,17 @@ impl NearFace {
 }
 
 #[inline(always)]
-fn from_point<S: Simd>(c: &[f64; 3], x: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
+pub(super) fn from_point<S: Simd>(c: &[f64; 3], x: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
     [x[0].all(c[0]) - x[0], x[0].all(c[1]) - x[1], x[0].all(c[2]) - x[2]]
 }
 
 #[inline(always)]
-fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
+pub(super) fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
     dot(a, &[a[0].all(v[0]), a[0].all(v[1]), a[0].all(v[2])])
 }
 
 #[inline(always)]
-fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
+pub(super) fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
     a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 

@@ -50,6 +50,17 @@ pub(crate) fn graded_triangle_rule() -> &'static [RulePoint] {
 /// Points of [`graded_triangle_rule`] in each direction.
 const GRADED_POINTS: usize = 12;
 
+/// The largest number of points that [`gauss_interval`] offers.
+const MAX_INTERVAL_POINTS: usize = 40;
+
+/// Gauss rule on [0, 1], made once.
+pub(crate) fn gauss_interval(n: usize) -> &'static [(f64, f64)] {
+    static RULES: [OnceLock<Vec<(f64, f64)>>; MAX_INTERVAL_POINTS + 1] =
+        [const { OnceLock::new() }; MAX_INTERVAL_POINTS + 1];
+    let n = n.clamp(1, MAX_INTERVAL_POINTS);
+    RULES[n].get_or_init(|| gauss(n, 0.0))
+}
+
 /// Nodes and weights on [0, 1] for the weight function `(1 + power) t^power`, power 0 or 1; the weights sum
 /// to 1. Roots of the orthogonal polynomials by bisection of their sign changes and Newton steps.
 pub(crate) fn gauss(n: usize, power: f64) -> Vec<(f64, f64)> {

@@ -1,6 +1,8 @@
 //! The points at which a column is evaluated, laid out for vector code.
 
+use super::lanes::Lanes;
 use nalgebra::Vector3;
+use pulp::Simd;
 
 /// Coordinates in separate lists, in an order that keeps neighbours together (a Z-order curve) so that points
 /// of a vector lie at similar distances from any load.
@@ -69,6 +71,49 @@ impl Targets {
         for (&row, &value) in self.rows.iter().zip(values) {
             column[row as usize] = value;
         }
+    }
+}
+
+/// Some of the targets, gathered for vector code.
+#[derive(Debug, Default)]
+pub(crate) struct Selection {
+    /// Places in the lists of [`Targets`]; shorter than the coordinates, which are padded to whole blocks.
+    pub(crate) index: Vec<u32>,
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) z: Vec<f64>,
+    /// A value for each, 0 after [`Selection::gather`].
+    pub(crate) values: Vec<f64>,
+}
+
+impl Selection {
+    /// Copies the coordinates of the targets in `index`.
+    pub(crate) fn gather(&mut self, targets: &Targets) {
+        for (list, from) in [(&mut self.x, &targets.x), (&mut self.y, &targets.y), (&mut self.z, &targets.z)]
+        {
+            gather(&self.index, from, list);
+        }
+        self.values.clear();
+        self.values.resize(self.x.len(), 0.0);
+    }
+
+    /// Coordinates from the given one on.
+    #[inline(always)]
+    pub(crate) fn place<S: Simd>(&self, simd: S, first: usize) -> [Lanes<S>; 3] {
+        [
+            Lanes::load(simd, &self.x, first),
+            Lanes::load(simd, &self.y, first),
+            Lanes::load(simd, &self.z, first),
+        ]
+    }
+}
+
+/// The values of a list at `index`, padded to whole blocks by repeating the last.
+pub(crate) fn gather(index: &[u32], from: &[f64], list: &mut Vec<f64>) {
+    list.clear();
+    list.extend(index.iter().map(|&i| from[i as usize]));
+    if let Some(&last) = list.last() {
+        list.resize(index.len().next_multiple_of(BLOCK), last);
     }
 }
 
