@@ -31,6 +31,9 @@ from .lcp import LcpSolution as LcpSolution
 from .lcp import LcpStatus as LcpStatus
 from .lcp import solve_lcp as solve_lcp
 from .obstacle import Obstacle as Obstacle
+from .parts import CombinedSkin as CombinedSkin
+from .parts import CutOut as CutOut
+from .parts import cut_out as cut_out
 from .prepared import PreparedSkin as PreparedSkin
 from .prepared import load_prepared as load_prepared
 from .response import Body as Body

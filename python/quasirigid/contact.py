@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from .obstacle import Obstacle
+    from .parts import CombinedSkin
     from .prepared import PreparedSkin
     from .skin import Skin
     from .surface import Surface
@@ -49,7 +50,7 @@ def _finish(result: _core.Contact, throw: bool) -> Contact:
 def solve_contact(
     surface: Surface,
     obstacle: Obstacle,
-    skin: Skin | PreparedSkin,
+    skin: Skin | PreparedSkin | CombinedSkin,
     *,
     options: ContactOptions | None = None,
     throw: bool = True,
@@ -64,7 +65,7 @@ def solve_contact(
         The undeformed skin.
     obstacle : Obstacle
         The product, at its pose.
-    skin : Skin or PreparedSkin
+    skin : Skin, PreparedSkin or CombinedSkin
         Material and response.
     options : ContactOptions, optional
         How it is solved.
@@ -103,7 +104,7 @@ def solve_contact(
 def press(
     surface: Surface,
     obstacle: Obstacle,
-    skin: Skin | PreparedSkin,
+    skin: Skin | PreparedSkin | CombinedSkin,
     direction: ArrayLike,
     *,
     depth: float,
@@ -119,7 +120,7 @@ def press(
         The undeformed skin.
     obstacle : Obstacle
         The product.
-    skin : Skin or PreparedSkin
+    skin : Skin, PreparedSkin or CombinedSkin
         Material and response.
     direction : (3,) array_like
         Direction in which the obstacle travels; normalised here.

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from .lcp import LcpSolution
@@ -178,3 +179,11 @@ class Contact:
     timings: dict[str, float] = field(repr=False)
     left_out: list[tuple[str, str]] = field(repr=False)
     advice: str = field(repr=False)
+
+    def _forces_on(self, vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Forces (n, 3) in N along the obstacle's normals at the undeformed `vertices` (n, 3)."""
+        forces = np.zeros_like(vertices)
+        if len(self.active):
+            normals = self.obstacle.signed_distance(vertices[self.active])[2]
+            forces[self.active] = self.node_force[self.active, None] * normals
+        return forces

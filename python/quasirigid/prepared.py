@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core
+from .contact import Contact
 from .errors import ResponseError
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 from .skin import Skin
@@ -32,7 +33,7 @@ class PreparedSkin:
     Attributes
     ----------
     skin : Skin
-        Material and response that it came from; after loading, a body is without its bone surface.
+        Material and response that it came from; a body's bone and fixed vertices as they were when prepared.
     nodes : (k,) int64
         Vertices whose response is known.
     """
@@ -43,8 +44,33 @@ class PreparedSkin:
     @property
     def nodes(self) -> NDArray[np.int64]:
         """(k,) int64: vertices whose response is known."""
-        nodes: NDArray[np.int64] = self._response.parts()["nodes"]
-        return nodes
+        return self._response.nodes()
+
+    def bone_pressure(self, load: Contact | ArrayLike) -> NDArray[np.float64]:
+        """Tell the pressure on a body's bone.
+
+        Parameters
+        ----------
+        load : Contact or (n, 3) array_like
+            A contact solved with this skin, or forces (N) at the vertices of its surface, zero where it is
+            not prepared.
+
+        Returns
+        -------
+        (m,) float64
+            Pressure (Pa) at each vertex of the bone, positive where tissue pushes on it. At nu = 0.5 a
+            uniform pressure on the skin arrives unchanged.
+
+        Raises
+        ------
+        ResponseError
+            If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone.
+        """
+        forces = load if not isinstance(load, Contact) else load._forces_on(self._response.vertices())
+        pressures = self._response.bone_pressures(forces)
+        if pressures is None:
+            raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
+        return pressures
 
     def moved(self, rotation: ArrayLike, translation: ArrayLike) -> PreparedSkin:
         """The response of the surface after a rigid motion, ``rotation @ x + translation``.
@@ -112,8 +138,15 @@ def _describe(skin: Skin) -> dict[str, Any]:
     }
 
 
-def _fields(skin: Skin) -> dict[str, NDArray[np.float64]]:
-    """The response's fields over the surface."""
+def _fields(skin: Skin) -> dict[str, NDArray[Any]]:
+    """The response's fields over the surface, and a body's bone."""
+    fields: dict[str, NDArray[Any]] = {}
+    if isinstance(skin.response, Body):
+        if skin.response.bone is not None:
+            fields |= {"bone_vertices": skin.response.bone.vertices, "bone_faces": skin.response.bone.faces}
+        if skin.response.fixed is not None:
+            fields["fixed"] = np.asarray(skin.response.fixed, dtype=np.bool_)
+        return fields
     if isinstance(skin.response, Layer) and not isinstance(skin.response.thickness, (int, float)):
         return {"thickness": np.asarray(skin.response.thickness, dtype=np.float64)}
     return {}
@@ -158,7 +191,7 @@ def _restore(header: dict[str, Any], stored: dict[str, NDArray[Any]]) -> Prepare
     kind = header["response"]
     response: Response
     if kind == "Body":
-        response = Body()
+        response = _restored_body(stored)
     elif kind == "GivenMatrix":
         nodes = stored["nodes"]
         blocks = "matrix" not in stored
@@ -192,5 +225,15 @@ def _from_parts(skin: Skin, stored: dict[str, NDArray[Any]]) -> PreparedSkin:
             stored["displacement"],
             stored["area_vectors"],
             stored["rotation"],
+            bone_pressure=stored.get("bone_pressure"),
+            solved=isinstance(skin.response, Body),
         )
     return PreparedSkin(skin=skin, _response=core)
+
+
+def _restored_body(stored: dict[str, NDArray[Any]]) -> Body:
+    """The body as it was described; files of before have nothing of it."""
+    bone = None
+    if "bone_vertices" in stored:
+        bone = _core.Surface(stored["bone_vertices"], stored["bone_faces"])
+    return Body(bone=bone, fixed=stored.get("fixed"), bone_pressure="bone_pressure" in stored)

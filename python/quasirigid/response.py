@@ -156,7 +156,15 @@ class Body:
         Skin vertices that do not move, such as those of a finger's cut end. A body needs a bone or fixed
         vertices.
     memory_limit : int, optional
-        Largest memory of the preparation (bytes).
+        Largest memory of the preparation (bytes); what the system has free when left out, where it says so.
+    bone_pressure : bool
+        Keep what tells the pressure on the bone too (`PreparedSkin.bone_pressure`).
+
+    Notes
+    -----
+    Forces and gaps are those of linear elasticity. The drawn skin keeps its volume beyond that: the second
+    order that the displacement misses is taken up by the free skin, some micrometres, and `Contact.left_out`
+    says how much.
 
     References
     ----------
@@ -166,6 +174,7 @@ class Body:
     bone: Surface | None = None
     fixed: ArrayLike | None = None
     memory_limit: int | None = None
+    bone_pressure: bool = False
 
 
 @dataclass(frozen=True, eq=False)

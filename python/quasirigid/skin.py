@@ -10,11 +10,15 @@ import numpy as np
 
 from . import _core
 from .errors import QuasirigidWarning, ResponseError
+from .progress import Progress, announced, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike, NDArray
 
+    from .parts import CombinedSkin, CutOut
     from .prepared import PreparedSkin
     from .surface import Surface
 
@@ -88,7 +92,13 @@ class Skin:
                 return None
         raise TypeError(f"response is {self.response!r}, expected one of {Response}")
 
-    def prepared(self, surface: Surface, nodes: ArrayLike | None = None) -> PreparedSkin:
+    def prepared(
+        self,
+        surface: Surface,
+        nodes: ArrayLike | None = None,
+        *,
+        progress: Progress | bool | None = None,
+    ) -> PreparedSkin:
         """Compute the response for a surface once, to use it for every product.
 
         Parameters
@@ -96,7 +106,12 @@ class Skin:
         surface : Surface
             The skin's mesh.
         nodes : (k,) array_like of int, optional
-            Vertices that may touch; None for all of the skin mask (less the fixed ones of a body).
+            Vertices that may touch; None for all of the skin mask (less the fixed ones of a body). A body
+            takes time and memory for each of these.
+        progress : callable or bool, optional
+            How far a body is: True prints to stderr; a function is called with words and the part that is
+            done, first with memory and operations and 0, then with "assembly", "factorization" and
+            "solution". Ctrl-C ends the work at any time.
 
         Returns
         -------
@@ -110,14 +125,47 @@ class Skin:
         """
         from .prepared import PreparedSkin
 
-        return PreparedSkin(skin=self, _response=self._prepare(surface, nodes))
+        return PreparedSkin(skin=self, _response=self._prepare(surface, nodes, announced(progress)))
 
-    def _prepare(self, surface: Surface, nodes: ArrayLike | None) -> _core.Skin:
+    def combined(self, surface: Surface, parts: Mapping[str, tuple[CutOut, PreparedSkin]]) -> CombinedSkin:
+        """Join bodies of parts of a skin with this kernel for the rest.
+
+        Parameters
+        ----------
+        surface : Surface
+            The whole skin, such as a hand.
+        parts : mapping of str to (CutOut, PreparedSkin)
+            For each part, by any name, how it was cut out of `surface` and its prepared body.
+
+        Returns
+        -------
+        CombinedSkin
+            Goes wherever a `Skin` goes.
+
+        Raises
+        ------
+        ResponseError
+            If a part does not fit, two overlap, or this skin is no kernel of linear pressure. A contact
+            raises it where a patch of candidates straddles a cut, naming the part; `CombinedSkin.without`
+            leaves that part to the kernel.
+
+        Notes
+        -----
+        A force on a part moves that part alone, a force elsewhere the rest alone: patches on different sides
+        of a cut do not couple, since each body is held there. Patches off the parts couple with one another.
+        """
+        from .parts import combine
+
+        return combine(self, surface, parts)
+
+    def _prepare(
+        self, surface: Surface, nodes: ArrayLike | None, progress: Progress | None = None
+    ) -> _core.Skin:
         chosen = np.flatnonzero(surface.skin_mask) if nodes is None else np.asarray(nodes)
         match self.response:
             case GivenMatrix(known, compliance):
                 return _given(surface, self, np.asarray(known), np.asarray(compliance, dtype=np.float64))
-            case Body(bone=bone, fixed=fixed, memory_limit=memory_limit):
+            case Body(bone=bone, fixed=fixed, memory_limit=memory_limit, bone_pressure=bone_pressure):
                 if fixed is not None and nodes is None:
                     chosen = chosen[~np.asarray(fixed)[chosen]]
                 return _core.Skin.body(
@@ -127,9 +175,15 @@ class Skin:
                     bone,
                     fixed,
                     chosen,
+                    bone_pressure=bone_pressure,
                     num_threads=None,
                     memory_limit=memory_limit,
-                    progress=None,
+                    progress=stage_reporter(
+                        progress,
+                        len(surface.vertices),
+                        0 if bone is None else len(bone.vertices),
+                        len(chosen),
+                    ),
                 )
         assert self._kernel is not None
         return self._kernel.prepare(surface, chosen)
@@ -162,12 +216,14 @@ def _given(
         displacement.reshape(-1, 3 * count),
         area_vectors,
         np.eye(3),
+        bone_pressure=None,
+        solved=False,
     )
 
 
 def response_matrix(
     surface: Surface,
-    skin: Skin | PreparedSkin,
+    skin: Skin | PreparedSkin | CombinedSkin,
     nodes: ArrayLike,
     directions: ArrayLike | None = None,
     tolerance: float = 1e-6,
@@ -179,7 +235,7 @@ def response_matrix(
     ----------
     surface : Surface
         The skin.
-    skin : Skin or PreparedSkin
+    skin : Skin, PreparedSkin or CombinedSkin
         Material and response.
     nodes : (k,) array_like of int
         Vertices, each at most once.

@@ -56,7 +56,7 @@ impl<'a> Compliance<'a> {
         }
         let mut all = Displacements {
             vectors: vec![Vector3::zeros(); vertices.len()],
-            along_normal: Some(vec![0.0; vertices.len()]),
+            along_normal: vec![Some(0.0); vertices.len()],
         };
         for finger in 0..count {
             let rows: Vec<usize> =
@@ -66,9 +66,7 @@ impl<'a> Compliance<'a> {
                 active.iter().copied().filter(|&vertex| fingers.of(vertex) == Some(finger)).collect();
             let moved = self.displacement_of_one(&own, &active, node_force, normals)?;
             rows.iter().zip(moved.vectors).for_each(|(&row, vector)| all.vectors[row] = vector);
-            if let (Some(all), Some(moved)) = (&mut all.along_normal, moved.along_normal) {
-                rows.iter().zip(moved).for_each(|(&row, rise)| all[row] = rise);
-            }
+            rows.iter().zip(moved.along_normal).for_each(|(&row, rise)| all.along_normal[row] = rise);
         }
         Ok(all)
     }

@@ -5,6 +5,7 @@ use super::compliance::Compliance;
 use super::equilibrium::Equilibrium;
 use super::fingers::Fingers;
 use super::gaps::InitialGaps;
+use super::volume::{VolumeOffset, take_up_second_order};
 use crate::surface::Surface;
 use nalgebra::Vector3;
 use std::f64::consts::PI;
@@ -20,14 +21,17 @@ pub(super) struct Deformation {
     pub displacement: Vec<Vector3<f64>>,
     /// Distance along the skin at which it has faded to zero (m); infinite where nothing fades.
     pub fade_distance: f64,
-    /// Σ S_i N_i · u_i over the skin, without the fade (m³).
+    /// Σ S_i N_i · u_i over the skin, without the fade and without the offsets (m³).
     pub volume_change: f64,
+    /// What each body's skin was moved by so that its mesh changes its volume as the first order says.
+    pub offsets: Vec<VolumeOffset>,
 }
 
 impl Deformation {
     /// Nothing moves.
     pub fn none(vertex_count: usize) -> Self {
-        Self { displacement: vec![Vector3::zeros(); vertex_count], fade_distance: 0.0, volume_change: 0.0 }
+        let displacement = vec![Vector3::zeros(); vertex_count];
+        Self { displacement, fade_distance: 0.0, volume_change: 0.0, offsets: Vec::new() }
     }
 }
 
@@ -36,7 +40,8 @@ impl Deformation {
 /// On a candidate `u_i = (R f)_i n_i`, with the obstacle's normal there. Elsewhere the magnitude is `(R f)_i` too
 /// and the direction that of `Σ_j R_ij f_j n_j`, which goes over into the former without a need for the obstacle's
 /// normal far away. A vertex moves with the finger that is nearest along the skin. A body tells the whole
-/// displacement of every vertex, and nothing fades.
+/// displacement of each of its vertices, and nothing fades there; the second order of its volume, which linear
+/// elasticity leaves open, is taken up by its free skin.
 pub(super) fn deform(
     surface: &Surface,
     compliance: &Compliance,
@@ -48,22 +53,14 @@ pub(super) fn deform(
     let everywhere: Vec<usize> = (0..vertex_count).collect();
     let field =
         compliance.displacement(&solved.fingers, &everywhere, &active, &solved.node_force, &gaps.normal)?;
-    let moves_all = field.along_normal.is_none();
-    let mut displacement = match field.along_normal {
-        None => field.vectors,
-        Some(along_normal) => {
-            let mut along: Vec<Vector3<f64>> = field
-                .vectors
-                .iter()
-                .zip(&along_normal)
-                .map(|(vector, rise)| resized(vector, *rise))
-                .collect();
-            for &vertex in &solved.candidates {
-                along[vertex] = (solved.gap[vertex] - gaps.distance[vertex]) * gaps.normal[vertex];
-            }
-            along
-        }
-    };
+    let of_kernel = |vertex: usize| field.along_normal[vertex].is_some();
+    let along =
+        |(vector, rise): (&Vector3<f64>, &Option<f64>)| rise.map_or(*vector, |rise| resized(vector, rise));
+    let mut displacement: Vec<Vector3<f64>> =
+        field.vectors.iter().zip(&field.along_normal).map(along).collect();
+    for &vertex in solved.candidates.iter().filter(|&&vertex| of_kernel(vertex)) {
+        displacement[vertex] = (solved.gap[vertex] - gaps.distance[vertex]) * gaps.normal[vertex];
+    }
     let volume_change = surface
         .skin_mask()
         .iter()
@@ -74,12 +71,27 @@ pub(super) fn deform(
         })
         .sum();
 
-    if moves_all {
-        return Ok(Deformation { displacement, fade_distance: f64::INFINITY, volume_change });
+    let offsets = compliance
+        .skin
+        .bodies()
+        .iter()
+        .filter_map(|body| {
+            let own: Vec<usize> = active.iter().copied().filter(|v| body.binary_search(v).is_ok()).collect();
+            take_up_second_order(surface, body, &own, &solved.gap, &mut displacement)
+        })
+        .collect();
+
+    let fading: Vec<usize> = solved.candidates.iter().copied().filter(|&vertex| of_kernel(vertex)).collect();
+    if fading.is_empty() {
+        return Ok(Deformation { displacement, fade_distance: f64::INFINITY, volume_change, offsets });
     }
-    let (share, fade_distance) = shares(surface, &solved.fingers);
-    displacement.iter_mut().zip(share).for_each(|(u, share)| *u *= share);
-    Ok(Deformation { displacement, fade_distance, volume_change })
+    let fingers =
+        if fading.len() == solved.candidates.len() { &solved.fingers } else { &Fingers::one(&fading) };
+    let (share, fade_distance) = shares(surface, fingers);
+    for (vertex, u) in displacement.iter_mut().enumerate().filter(|(vertex, _)| of_kernel(*vertex)) {
+        *u *= share[vertex];
+    }
+    Ok(Deformation { displacement, fade_distance, volume_change, offsets })
 }
 
 /// How much of its displacement every vertex is drawn with (n), and the largest distance at which that is nothing (m).

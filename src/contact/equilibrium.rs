@@ -190,9 +190,8 @@ impl Equilibrium {
             &self.node_force,
             &gaps.normal,
         )?;
-        let along_normal = moved.along_normal.expect("only kernels average the gap");
-        for (&vertex, rise) in self.candidates.iter().zip(along_normal) {
-            self.gap[vertex] = gaps.distance[vertex] + rise;
+        for (&vertex, rise) in self.candidates.iter().zip(moved.along_normal) {
+            self.gap[vertex] = gaps.distance[vertex] + rise.expect("only kernels average the gap");
         }
         Ok(())
     }

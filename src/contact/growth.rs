@@ -27,8 +27,8 @@ pub(super) fn pressed_outside(
     let displacement =
         compliance.displacement(&round.fingers, &outside, &active, &round.node_force, &gaps.normal)?;
     // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
-    let sinks = |row: usize| match &displacement.along_normal {
-        Some(along_normal) => -along_normal[row],
+    let sinks = |row: usize| match displacement.along_normal[row] {
+        Some(rise) => -rise,
         None => displacement.vectors[row].norm(),
     };
     // An unmeasured vertex stays clear unless it sinks by more than the search distance.
@@ -38,8 +38,8 @@ pub(super) fn pressed_outside(
         .collect();
     let vertices: Vec<usize> = sinking.iter().map(|&row| outside[row]).collect();
     gaps.complete(surface.vertices(), obstacle, &vertices)?;
-    let rise = |row: usize| match &displacement.along_normal {
-        Some(along_normal) => along_normal[row],
+    let rise = |row: usize| match displacement.along_normal[row] {
+        Some(rise) => rise,
         None => displacement.vectors[row].dot(&gaps.normal[outside[row]]),
     };
     let is_pressed = |row: &usize| gaps.distance[outside[*row]] + rise(*row) < -PRESSED_SHARE * deepest;

@@ -4,6 +4,7 @@ use super::compliance::Compliance;
 use super::equilibrium::Equilibrium;
 use super::fingers::Fingers;
 use super::gaps::InitialGaps;
+use super::volume::VolumeOffset;
 use super::{ContactOptions, LeftOut};
 use crate::surface::{LONGEST_DETOUR, Surface};
 
@@ -80,4 +81,16 @@ fn apart(fingers: &Fingers) -> String {
         "the candidates lie on {} parts of the skin that share no tissue, each a problem of its own: {way}; `couple_fingers` joins them",
         fingers.candidates.len()
     )
+}
+
+/// Says what the drawn skin was moved by beyond its linear displacement.
+pub(super) fn note_offsets(left_out: &mut Vec<LeftOut>, offsets: &[VolumeOffset]) {
+    for offset in offsets {
+        let why = format!(
+            "linear elasticity leaves it open: the mesh moved linearly would miss {:.1e} m^3, and the free skin is \
+             moved by up to {:.1e} m to take that up",
+            offset.missed, offset.largest
+        );
+        leave_out(left_out, "second order of a body's volume", why);
+    }
 }

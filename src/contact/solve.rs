@@ -4,7 +4,7 @@ use super::compliance::Compliance;
 use super::deform::{Deformation, deform};
 use super::equilibrium::{self, Equilibrium};
 use super::gaps::InitialGaps;
-use super::notes::{leave_out, note_search, note_solve};
+use super::notes::{leave_out, note_offsets, note_search, note_solve};
 use super::resultant::{node_pressure, patches, resultant};
 use super::warnings::{penetration_warning, size_warning};
 use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, Timing};
@@ -119,6 +119,7 @@ pub(super) fn solve_in_place(
     } else {
         Deformation::none(surface.vertices().len())
     };
+    note_offsets(&mut left_out, &moved.offsets);
     let deformed = match status {
         ContactStatus::Solved => surface
             .with_vertices(surface.vertices().iter().zip(&moved.displacement).map(|(x, u)| x + u).collect()),

@@ -1,10 +1,12 @@
 //! Thin PyO3 layer: convert, detach, call, convert back. The typed facade in `python/quasirigid` builds on it.
 
+mod body;
 mod contact;
 mod convert;
 mod errors;
 mod interrupt;
 mod lcp;
+mod matrix;
 mod obstacle;
 mod pickle;
 mod skin;
@@ -16,15 +18,19 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    use super::body::cut_out;
+    #[pymodule_export]
     use super::contact::{PyContact, PyContactOptions, press, solve_contact};
     #[pymodule_export]
     use super::lcp::{PyLcpOptions, PyLcpSolution, solve_lcp};
+    #[pymodule_export]
+    use super::matrix::{definiteness, response_matrix};
     #[pymodule_export]
     use super::obstacle::PyObstacle;
     #[pymodule_export]
     use super::pickle::restore_obstacle;
     #[pymodule_export]
-    use super::skin::{PySkin, definiteness, response_matrix};
+    use super::skin::PySkin;
     #[pymodule_export]
     use super::surface::{PySurface, flat_cap_mask, repair};
 
@@ -43,6 +49,7 @@ mod _core {
                 "Obstacle",
                 "Skin",
                 "Surface",
+                "cut_out",
                 "definiteness",
                 "flat_cap_mask",
                 "press",

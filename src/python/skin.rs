@@ -1,5 +1,6 @@
-//! `quasirigid.Skin` and prepared skins as the core keeps them, and the response matrix.
+//! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
+use super::body::{PartIn, combined};
 use super::convert::{
     MatrixIn, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors, vectors_out,
 };
@@ -9,10 +10,10 @@ use super::surface::PySurface;
 use crate::mesh::rigid_motion;
 use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
 use crate::response::{
-    self, AssemblyOptions, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure, Response, Skin,
-    Thickness,
+    self, AssemblyOptions, CombinedSkin, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure,
+    Response, Skin, Thickness,
 };
-use numpy::PyArray2;
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -27,6 +28,7 @@ pub(super) struct PySkin {
 enum Elastic {
     Computed(Skin),
     Prepared(PreparedSkin),
+    Combined(CombinedSkin),
 }
 
 fn pressure_named(name: &str) -> PyResult<Pressure> {
@@ -54,20 +56,21 @@ impl PySkin {
         match &self.inner {
             Elastic::Computed(skin) => skin,
             Elastic::Prepared(skin) => skin,
+            Elastic::Combined(skin) => skin,
         }
     }
 
-    fn computed(&self) -> PyResult<&Skin> {
+    pub(super) fn computed(&self) -> PyResult<&Skin> {
         match &self.inner {
             Elastic::Computed(skin) => Ok(skin),
-            Elastic::Prepared(_) => Err(ResponseError::new_err("this skin is prepared already")),
+            _ => Err(ResponseError::new_err("this skin is prepared already")),
         }
     }
 
-    fn prepared(&self) -> PyResult<&PreparedSkin> {
+    pub(super) fn prepared(&self) -> PyResult<&PreparedSkin> {
         match &self.inner {
             Elastic::Prepared(skin) => Ok(skin),
-            Elastic::Computed(_) => Err(ResponseError::new_err("this skin is not prepared")),
+            _ => Err(ResponseError::new_err("this skin is not prepared for one surface")),
         }
     }
 }
@@ -119,7 +122,7 @@ impl PySkin {
     fn caution(&self) -> Option<String> {
         match &self.inner {
             Elastic::Computed(skin) => skin.caution(),
-            Elastic::Prepared(_) => None,
+            _ => None,
         }
     }
 
@@ -171,7 +174,7 @@ impl PySkin {
 
     /// A body solved for unit forces at `nodes`.
     #[staticmethod]
-    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, num_threads, memory_limit, progress))]
+    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, bone_pressure, num_threads, memory_limit, progress))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn body(
         py: Python<'_>,
@@ -181,6 +184,7 @@ impl PySkin {
         bone: Option<&PySurface>,
         fixed: Option<&Bound<'_, PyAny>>,
         nodes: &Bound<'_, PyAny>,
+        bone_pressure: bool,
         num_threads: Option<usize>,
         memory_limit: Option<usize>,
         progress: Option<Py<PyAny>>,
@@ -198,6 +202,7 @@ impl PySkin {
             let options = BodyOptions {
                 num_threads,
                 memory_limit,
+                bone_pressure,
                 interrupt: Some(interrupt),
                 progress: progress.is_some().then_some(&report as _),
                 ..BodyOptions::default()
@@ -206,8 +211,11 @@ impl PySkin {
         })?)
     }
 
-    /// Blocks of a body: `displacement` (3 n, 3 k) and `area_vectors` (n, 3) as stored, turned by `rotation` since.
+    /// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k), `area_vectors` (n, 3)
+    /// and `bone_pressure` (m, 3 k) as stored, turned by `rotation` since.
     #[staticmethod]
+    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, area_vectors, rotation, *, bone_pressure, solved))]
+    #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn restore_body(
         surface: &PySurface,
         shear_modulus: f64,
@@ -216,8 +224,12 @@ impl PySkin {
         displacement: &Bound<'_, PyAny>,
         area_vectors: &Bound<'_, PyAny>,
         rotation: &Bound<'_, PyAny>,
+        bone_pressure: Option<&Bound<'_, PyAny>>,
+        solved: bool,
     ) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        let bone_pressure = bone_pressure
+            .map(|value| Ok::<_, PyErr>(MatrixIn::new(value, "bone_pressure")?.view().to_owned()));
         let rotation = matrix3(rotation, "rotation")?;
         let displacement = MatrixIn::new(displacement, "displacement")?.view().to_owned();
         let area_vectors = vectors(area_vectors, "area_vectors")?;
@@ -225,13 +237,34 @@ impl PySkin {
             nodes: nodes.clone(),
             displacement,
             area_vectors,
-            bone_pressure: None,
+            bone_pressure: bone_pressure.transpose()?,
             rotation,
             shear_modulus,
             poisson_ratio,
         });
         let compliance = compliance.map_err(|error| ResponseError::new_err(error.to_string()))?;
-        prepared(PreparedSkin::new(&surface.inner, &nodes, PreparedResponse::Body(compliance)))
+        let response = match solved {
+            true => PreparedResponse::Body(compliance),
+            false => PreparedResponse::GivenBlocks(compliance),
+        };
+        prepared(PreparedSkin::new(&surface.inner, &nodes, response))
+    }
+
+    /// Prepared bodies on parts of a surface, a kernel elsewhere.
+    #[staticmethod]
+    fn combined(surface: &PySurface, elsewhere: &PySkin, parts: Vec<PartIn<'_>>) -> PyResult<Self> {
+        Ok(PySkin { inner: Elastic::Combined(combined(surface, elsewhere, parts)?) })
+    }
+
+    /// Pressure (m,) in Pa on the bone under forces (n, 3) in N at the vertices; None if it was not asked for.
+    fn bone_pressures<'py>(
+        &self,
+        py: Python<'py>,
+        forces: &Bound<'py, PyAny>,
+    ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
+        let forces = vectors(forces, "forces")?;
+        let pressures = self.prepared()?.bone_pressures(&forces).map_err(IntoPyErr::into_py_err)?;
+        Ok(pressures.map(|pressures| PyArray1::from_vec(py, pressures)))
     }
 
     /// Memory (bytes) and operations that `body` would take, before it is asked for.
@@ -241,10 +274,24 @@ impl PySkin {
         (cost.peak_bytes, cost.flops)
     }
 
-    /// The prepared skin after a rigid motion of its surface.
+    /// Vertices whose response is known.
+    fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        Ok(nodes_out(py, self.prepared()?.nodes()))
+    }
+
+    /// Vertices (n, 3) in m of the surface that a prepared skin belongs to, where it stands now.
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        Ok(vectors_out(py, self.prepared()?.vertices()))
+    }
+
+    /// The prepared or combined skin after a rigid motion of its surface.
     fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
         let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)
             .map_err(|error| ResponseError::new_err(error.to_string()))?;
+        if let Elastic::Combined(skin) = &self.inner {
+            let moved = skin.moved(&motion).map_err(IntoPyErr::into_py_err)?;
+            return Ok(PySkin { inner: Elastic::Combined(moved) });
+        }
         prepared(self.prepared()?.moved(&motion))
     }
 
@@ -264,7 +311,10 @@ impl PySkin {
             PreparedResponse::Kernel { matrix, .. } | PreparedResponse::Given(matrix) => {
                 parts.set_item("matrix", matrix_out(py, matrix))?;
             }
-            PreparedResponse::Body(compliance) => {
+            PreparedResponse::Body(compliance) | PreparedResponse::GivenBlocks(compliance) => {
+                if let Some(bone_pressure) = &compliance.parts().bone_pressure {
+                    parts.set_item("bone_pressure", matrix_out(py, bone_pressure))?;
+                }
                 parts.set_item("displacement", matrix_out(py, &compliance.parts().displacement))?;
                 parts.set_item("area_vectors", vectors_out(py, &compliance.parts().area_vectors))?;
                 let rotation = compliance.rotation();
@@ -274,60 +324,4 @@ impl PySkin {
         }
         Ok(parts)
     }
-}
-
-#[pyfunction]
-#[pyo3(signature = (surface, skin, nodes, directions, *, tolerance, num_threads))]
-pub(super) fn response_matrix<'py>(
-    py: Python<'py>,
-    surface: &PySurface,
-    skin: &PySkin,
-    nodes: &Bound<'py, PyAny>,
-    directions: Option<&Bound<'py, PyAny>>,
-    tolerance: f64,
-    num_threads: Option<usize>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-    let directions = match directions {
-        Some(value) => vectors(value, "directions")?,
-        None => nodes.iter().map(|&vertex| -surface.inner.vertex_normals()[vertex]).collect(),
-    };
-    let assemble = |interrupt: &(dyn Fn() -> bool + Sync)| {
-        let options = AssemblyOptions {
-            tolerance,
-            num_threads,
-            interrupt: Some(interrupt),
-            ..AssemblyOptions::default()
-        };
-        skin.elastic().check_surface(&surface.inner)?;
-        skin.elastic().response_matrix(&surface.inner, &nodes, &directions, &options)
-    };
-    let matrix = match num_threads {
-        None => detached(py, assemble)?,
-        Some(_) => detached_on_thread(py, assemble)?,
-    };
-    Ok(matrix_out(py, &matrix.map_err(IntoPyErr::into_py_err)?))
-}
-
-/// Whether the symmetric part of a matrix is positive definite, its extreme eigenvalues and condition number.
-#[pyfunction]
-#[pyo3(text_signature = "(matrix)")]
-pub(super) fn definiteness<'py>(py: Python<'py>, matrix: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
-    let matrix = MatrixIn::new(matrix, "matrix")?;
-    let view = matrix.view();
-    if view.nrows() != view.ncols() {
-        let message = format!("`matrix` has shape [{}, {}], expected (k, k)", view.nrows(), view.ncols());
-        return Err(PyValueError::new_err(message));
-    }
-    if !view.is_all_finite() {
-        return Err(PyValueError::new_err("`matrix` has entries that are not finite"));
-    }
-    let found = py.detach(|| response::definiteness(view));
-    let fields = PyDict::new(py);
-    fields.set_item("positive_definite", found.positive_definite)?;
-    fields.set_item("smallest", found.smallest)?;
-    fields.set_item("largest", found.largest)?;
-    fields.set_item("condition", found.condition)?;
-    fields.set_item("estimated", found.estimated)?;
-    Ok(fields)
 }

@@ -10,9 +10,9 @@ use nalgebra::Vector3;
 pub struct Displacements {
     /// u (m), one vector a vertex.
     pub vectors: Vec<Vector3<f64>>,
-    /// `(R f)_i` (m), along the obstacle's normal at each vertex, for responses that do not depend on directions;
-    /// `None` where the vectors are the whole truth.
-    pub along_normal: Option<Vec<f64>>,
+    /// `(R f)_i` (m), along the obstacle's normal at each vertex, where the response does not depend on directions;
+    /// `None` where the vector is the whole truth.
+    pub along_normal: Vec<Option<f64>>,
 }
 
 /// What a contact asks of a skin: a [`Skin`] computes it, a [`PreparedSkin`](super::PreparedSkin) looks it up.
@@ -40,6 +40,12 @@ pub trait ElasticSkin: Sync {
 
     /// Whether the response to a force at `vertex` is known.
     fn knows(&self, vertex: usize) -> bool;
+
+    /// Vertices that each solved body moves. Such a body tells the change of its volume to first order, and its
+    /// deformed skin is to keep to that.
+    fn bodies(&self) -> Vec<Vec<usize>> {
+        Vec::new()
+    }
 
     /// R over `nodes` along `directions` (k × k, m/N).
     ///
@@ -125,7 +131,7 @@ impl ElasticSkin for Skin {
             let block = assemble_block(surface, &at_vertices, rows, nodes, options)?;
             add_products(&block, forces, &mut vectors, &mut along_normal);
         }
-        Ok(Displacements { vectors, along_normal: Some(along_normal) })
+        Ok(Displacements { vectors, along_normal: along_normal.into_iter().map(Some).collect() })
     }
 }
 

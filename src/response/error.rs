@@ -141,6 +141,40 @@ pub enum ResponseError {
         /// How far it may be (m).
         allowed: f64,
     },
+    /// There is not one force for each vertex.
+    #[error("{found} forces for {expected} vertices: expected one for each")]
+    ForceCount {
+        /// Number found.
+        found: usize,
+        /// Number of vertices.
+        expected: usize,
+    },
+    /// A part of a combined response does not fit the whole skin.
+    #[error("part {part:?} does not fit the whole skin: {what}")]
+    PartMismatch {
+        /// Its name.
+        part: String,
+        /// What does not fit.
+        what: String,
+    },
+    /// A combined response was given a kernel that bodies cannot be joined with.
+    #[error("bodies can be combined with a kernel of linear pressure and gaps at the vertices only")]
+    PartsNeedLinear,
+    /// A patch of candidates lies on both sides of a cut.
+    #[error(
+        "a patch of {count} vertices straddles the cut of part {part:?} (vertex {inside} on it, vertex {outside} off \
+         it), across which nothing is felt: leave that part out, or cut it farther from the contact"
+    )]
+    StraddlingPatch {
+        /// Name of the part.
+        part: String,
+        /// A vertex of the patch that moves with the part.
+        inside: usize,
+        /// A vertex of the patch that does not.
+        outside: usize,
+        /// Vertices of the patch.
+        count: usize,
+    },
     /// The body could not be solved.
     #[error(transparent)]
     Body(#[from] super::body::BodyError),

@@ -23,6 +23,7 @@ mod assemble;
 mod average;
 pub mod body;
 mod column;
+mod combined;
 mod corrected;
 mod cut;
 mod definiteness;
@@ -57,6 +58,7 @@ mod weighted;
 
 pub use assemble::{assemble, assemble_block};
 pub use average::pressure_average;
+pub use combined::{CombinedSkin, Part};
 pub use definiteness::{Definiteness, definiteness};
 pub use elastic::{Displacements, ElasticSkin};
 pub use error::ResponseError;

@@ -24,6 +24,9 @@ pub enum PreparedResponse {
     },
     /// The compliance of a body.
     Body(BodyCompliance),
+    /// 3 × 3 blocks that somebody else computed or measured, in the form of a body's compliance; vertices other
+    /// than the nodes stay.
+    GivenBlocks(BodyCompliance),
     /// A matrix that somebody else computed or measured (k × k, m/N), along the obstacle's normals.
     Given(Arc<Mat<f64>>),
 }
@@ -138,16 +141,34 @@ impl PreparedSkin {
     /// # Errors
     /// [`ResponseError::Body`] if a body's compliance refuses the rotation.
     pub fn moved(&self, motion: &Isometry3<f64>) -> Result<Self, ResponseError> {
+        let turn = motion.rotation.to_rotation_matrix();
         let response = match &self.response {
-            PreparedResponse::Body(compliance) => {
-                PreparedResponse::Body(compliance.moved(motion.rotation.to_rotation_matrix().matrix())?)
+            PreparedResponse::Body(compliance) => PreparedResponse::Body(compliance.moved(turn.matrix())?),
+            PreparedResponse::GivenBlocks(blocks) => {
+                PreparedResponse::GivenBlocks(blocks.moved(turn.matrix())?)
             }
             other => other.clone(),
         };
-        let turn = motion.rotation.to_rotation_matrix();
         let shift = motion.translation.vector;
         let vertices = self.vertices.iter().map(|vertex| turn * vertex + shift).collect();
         Ok(Self { response, vertices, ..self.clone() })
+    }
+
+    /// Pressure (Pa) on every vertex of the bone under a force (N) at every vertex of the surface; `None` if the
+    /// body was not asked for it or there is no body.
+    ///
+    /// # Errors
+    /// [`ResponseError::ForceCount`]; [`ResponseError::NotPrepared`] for a force where the response is not known.
+    pub fn bone_pressures(&self, forces: &[Vector3<f64>]) -> Result<Option<Vec<f64>>, ResponseError> {
+        let (found, expected) = (forces.len(), self.vertices.len());
+        if found != expected {
+            return Err(ResponseError::ForceCount { found, expected });
+        }
+        let PreparedResponse::Body(compliance) = &self.response else { return Ok(None) };
+        let loaded: Vec<usize> = (0..found).filter(|&vertex| forces[vertex] != Vector3::zeros()).collect();
+        self.rows(&loaded)?;
+        let at_nodes: Vec<Vector3<f64>> = self.nodes.iter().map(|&vertex| forces[vertex]).collect();
+        Ok(compliance.bone_pressures(&at_nodes)?)
     }
 
     /// Rows of `nodes`.
@@ -184,7 +205,7 @@ impl ElasticSkin for PreparedSkin {
     fn has_negative_entries(&self) -> bool {
         match &self.response {
             PreparedResponse::Kernel { skin, .. } => skin.has_negative_entries(),
-            PreparedResponse::Body(_) => true,
+            PreparedResponse::Body(_) | PreparedResponse::GivenBlocks(_) => true,
             PreparedResponse::Given(matrix) => {
                 matrix.col_iter().any(|column| column.iter().any(|&entry| entry < 0.0))
             }
@@ -220,6 +241,13 @@ impl ElasticSkin for PreparedSkin {
         self.row_of[vertex] != usize::MAX
     }
 
+    fn bodies(&self) -> Vec<Vec<usize>> {
+        match &self.response {
+            PreparedResponse::Body(_) => vec![(0..self.vertices.len()).collect()],
+            _ => Vec::new(),
+        }
+    }
+
     fn response_matrix(
         &self,
         _: &Surface,
@@ -236,9 +264,11 @@ impl ElasticSkin for PreparedSkin {
             PreparedResponse::Kernel { matrix, .. } | PreparedResponse::Given(matrix) => {
                 Mat::from_fn(size, size, |i, j| matrix[(rows[i], rows[j])])
             }
-            PreparedResponse::Body(compliance) => Mat::from_fn(size, size, |i, j| {
-                directions[i].dot(&(compliance.block(nodes[i], rows[j]) * directions[j]))
-            }),
+            PreparedResponse::Body(compliance) | PreparedResponse::GivenBlocks(compliance) => {
+                Mat::from_fn(size, size, |i, j| {
+                    directions[i].dot(&(compliance.block(nodes[i], rows[j]) * directions[j]))
+                })
+            }
         })
     }
 
@@ -255,12 +285,12 @@ impl ElasticSkin for PreparedSkin {
             PreparedResponse::Kernel { skin, .. } => {
                 skin.displacements(surface, vertices, nodes, forces, options)
             }
-            PreparedResponse::Body(compliance) => {
+            PreparedResponse::Body(compliance) | PreparedResponse::GivenBlocks(compliance) => {
                 let mut all = vec![Vector3::zeros(); self.nodes.len()];
                 rows.iter().zip(forces).for_each(|(&row, force)| all[row] = *force);
                 let moved = compliance.displacements(&all)?;
                 let vectors = vertices.iter().map(|&vertex| moved[vertex]).collect();
-                Ok(Displacements { vectors, along_normal: None })
+                Ok(Displacements { vectors, along_normal: vec![None; vertices.len()] })
             }
             PreparedResponse::Given(matrix) => {
                 // Nothing is known of the other vertices: they stay.
@@ -271,7 +301,7 @@ impl ElasticSkin for PreparedSkin {
                 let block = Mat::from_fn(vertices.len(), rows.len(), |i, j| entry(vertices[i], rows[j]));
                 let (mut vectors, mut along_normal) = (Vec::new(), Vec::new());
                 super::elastic::add_products(&block, forces, &mut vectors, &mut along_normal);
-                Ok(Displacements { vectors, along_normal: Some(along_normal) })
+                Ok(Displacements { vectors, along_normal: along_normal.into_iter().map(Some).collect() })
             }
         }
     }

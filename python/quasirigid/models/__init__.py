@@ -104,6 +104,7 @@ def bone_of(
     *,
     digit: str = "middle",
     scale: float = 1.0,
+    cut: ArrayLike | None = None,
     tip: ArrayLike | None = None,
     axis: ArrayLike | None = None,
     palmar: ArrayLike = (0.0, 0.0, -1.0),
@@ -125,10 +126,12 @@ def bone_of(
         Whose lengths to take.
     scale : float
         Factor on all lengths along the finger, 1 for the mean of adults.
+    cut : (n,) array_like of bool, optional
+        Vertices of the cut at the root, such as `CutOut.fixed`; those of flat cuts when left out.
     tip : (3,) array_like, optional
         Foremost point of the fingertip (m); the vertex farthest along the axis when left out.
     axis : (3,) array_like, optional
-        From the root to the tip; the principal axis of the skin, away from its flat cut, when left out.
+        From the root to the tip; the principal axis of the skin, away from its cut, when left out.
     palmar : (3,) array_like
         Towards the pad. Built-in fingers have it at -z.
     min_thickness : float
@@ -171,6 +174,7 @@ def bone_of(
         finger,
         digit,
         scale,
+        None if cut is None else np.asarray(cut, dtype=np.bool_),
         None if tip is None else np.asarray(tip, dtype=np.float64),
         None if axis is None else np.asarray(axis, dtype=np.float64),
         np.asarray(palmar, dtype=np.float64),

@@ -23,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
@@ -59,6 +60,7 @@ def build_bone(
     finger: Surface,
     digit: str,
     scale: float,
+    cut: NDArray[np.bool_] | None,
     tip: Floats | None,
     axis: Floats | None,
     palmar: Floats,
@@ -67,7 +69,7 @@ def build_bone(
 ) -> Surface:
     """The phalanges of `bone_of`, checked to lie `min_thickness` (m) below the skin."""
     _check(finger, digit, scale, min_thickness, element_size)
-    frame = _frame_of(finger, tip, axis, palmar)
+    frame = _frame_of(finger, cut, tip, axis, palmar)
     phalanges = _phalanges_in(frame, LENGTHS[digit], scale, max(1.5e-3, finger.mean_edge_length))
     if not phalanges:
         raise SurfaceError(
@@ -189,9 +191,15 @@ class _Phalanx:
         return loft(rings, poles[0], poles[1])
 
 
-def _frame_of(finger: Surface, tip: Floats | None, axis: Floats | None, palmar: Floats) -> _Frame:
+def _frame_of(
+    finger: Surface,
+    cut: NDArray[np.bool_] | None,
+    tip: Floats | None,
+    axis: Floats | None,
+    palmar: Floats,
+) -> _Frame:
     vertices = np.asarray(finger.vertices)
-    caps = ~flat_cap_mask(finger)
+    caps = ~flat_cap_mask(finger) if cut is None else cut
     if axis is None:
         areas = np.asarray(finger.vertex_areas)
         spread = vertices - np.average(vertices, axis=0, weights=areas)
@@ -201,7 +209,9 @@ def _frame_of(finger: Surface, tip: Floats | None, axis: Floats | None, palmar: 
         elif caps.any():
             towards = np.average(vertices, axis=0, weights=areas) - vertices[caps].mean(axis=0)
         else:
-            raise SurfaceError("the finger has no flat cut that would tell its root: give `tip` or `axis`")
+            raise SurfaceError(
+                "the finger has no flat cut that would tell its root: give `cut`, `tip` or `axis`"
+            )
         axis = axis * (1.0 if axis @ towards >= 0.0 else -1.0)
     axis = axis / np.linalg.norm(axis)
     if tip is None:

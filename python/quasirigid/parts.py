@@ -1,0 +1,149 @@
+"""Parts of a hand: cut out for a body of their own, and joined again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _core
+from .errors import ResponseError
+from .response import Body
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from .prepared import PreparedSkin
+    from .skin import Skin
+    from .surface import Surface
+
+__all__ = ["CombinedSkin", "CutOut", "cut_out"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CutOut:
+    """A part of a skin, closed by caps, with what a `Body` needs to be held there.
+
+    Attributes
+    ----------
+    surface : Surface
+        The part: first the vertices of the whole skin that it keeps, in their order, then those of the caps.
+        Caps and what was no skin before are masked.
+    fixed : (m,) bool
+        Vertices of the caps, rims included.
+    source_vertices : (m,) int64
+        For each vertex of the part the vertex of the whole skin, -1 inside a cap.
+    part_vertices : (n,) int64
+        For each vertex of the whole skin its vertex in the part, -1 if it is not kept.
+    """
+
+    surface: Surface
+    fixed: NDArray[np.bool_] = field(repr=False)
+    source_vertices: NDArray[np.int64] = field(repr=False)
+    part_vertices: NDArray[np.int64] = field(repr=False)
+
+    def body(self, bone: Surface | None = None, *, bone_pressure: bool = False) -> Body:
+        """The body held at the cut, with `bone` inside if there is one."""
+        return Body(bone=bone, fixed=self.fixed, bone_pressure=bone_pressure)
+
+
+def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) -> CutOut:
+    """Take one finger out of a hand, as a closed surface.
+
+    Keeps the faces in front of a plane that hang together with `tip`, cutting along existing edges, and
+    closes every border by a flat cap. What the cut leaves out is taken as immobile, so cut a finger's width
+    or more away from the contact.
+
+    Parameters
+    ----------
+    surface : Surface
+        The whole hand.
+    tip : int
+        A vertex of the part to keep, such as a fingertip.
+    point : (3,) array_like
+        A point of the plane (m).
+    normal : (3,) array_like
+        The plane's normal, towards the part to keep; of any length.
+
+    Returns
+    -------
+    CutOut
+        The part, its fixed vertices, and the numbers of its vertices in the whole skin.
+
+    Raises
+    ------
+    SurfaceError
+        If the tip is no vertex or lies behind the plane, the plane cuts nothing off, or the border is so
+        crooked that its cap folds.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import quasirigid as qr
+    >>> finger = qr.models.finger(edge_length=2.5e-3)
+    >>> tip = int(np.argmax(finger.vertices[:, 1]))
+    >>> part = qr.cut_out(finger, tip=tip, point=[0, 0.04, 0], normal=[0, 1, 0])
+    >>> part.surface.is_closed, bool(part.surface.volume < finger.volume)
+    (True, True)
+    """
+    part, fixed, source_vertices, part_vertices = _core.cut_out(surface, tip, point, normal)
+    return CutOut(surface=part, fixed=fixed, source_vertices=source_vertices, part_vertices=part_vertices)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CombinedSkin:
+    """Bodies where they exist, a kernel elsewhere; made by `Skin.combined`, goes wherever a `Skin` goes.
+
+    Attributes
+    ----------
+    elsewhere : Skin
+        The kernel off the parts.
+    parts : mapping of str to (CutOut, PreparedSkin)
+        The parts by name.
+    """
+
+    elsewhere: Skin
+    parts: Mapping[str, tuple[CutOut, PreparedSkin]]
+    _surface: Surface = field(repr=False)
+    _response: _core.Skin = field(repr=False)
+
+    def without(self, *names: str) -> CombinedSkin:
+        """The same with these parts left to the kernel, as where a contact straddles their cut.
+
+        Parameters
+        ----------
+        *names : str
+            Parts to leave out.
+
+        Raises
+        ------
+        ResponseError
+            If there is no such part.
+        """
+        if unknown := [name for name in names if name not in self.parts]:
+            raise ResponseError(f"there is no part {unknown[0]!r}, only {', '.join(self.parts)}")
+        kept = {name: part for name, part in self.parts.items() if name not in names}
+        return combine(self.elsewhere, self._surface, kept)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what it is made of."""
+        return combine, (self.elsewhere, self._surface, self.parts)
+
+    def _on(self, surface: Surface) -> _core.Skin:
+        return self._response
+
+
+def combine(
+    elsewhere: Skin, surface: Surface, parts: Mapping[str, tuple[CutOut, PreparedSkin]]
+) -> CombinedSkin:
+    """What `Skin.combined` returns."""
+    if elsewhere._kernel is None:
+        raise ResponseError("a combined skin needs a kernel off its parts, such as HalfSpace()")
+    told = [
+        (name, prepared._response, cut.part_vertices.tolist(), cut.fixed)
+        for name, (cut, prepared) in parts.items()
+    ]
+    response = _core.Skin.combined(surface, elsewhere._kernel, told)
+    return CombinedSkin(elsewhere=elsewhere, parts=dict(parts), _surface=surface, _response=response)

@@ -1,0 +1,53 @@
+"""Telling how far the preparation of a body is."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from . import _core
+
+__all__ = ["Progress", "announced", "stage_reporter"]
+
+Progress = Callable[[str, float], object]
+
+_STEP = 0.05  # A stage is told anew when it is further by this share.
+
+
+def announced(progress: Progress | bool | None) -> Progress | None:
+    """The function to call: the caller's, one that prints to stderr for True, none for False and None."""
+    if progress is None or progress is False:
+        return None
+    return _print_line if progress is True else progress
+
+
+def stage_reporter(
+    progress: Progress | None, skin_vertices: int, bone_vertices: int, nodes: int
+) -> Callable[[str, float], None] | None:
+    """Announce memory and operations of a body, and return what the core calls as it goes on."""
+    if progress is None:
+        return None
+    told = progress
+    needed, operations = _core.Skin.body_cost(skin_vertices, bone_vertices, nodes)
+    told(
+        f"body of {skin_vertices} skin and {bone_vertices} bone vertices, {nodes} of them loaded: "
+        f"{needed / 1e9:.2g} GB, {operations:.1e} operations",
+        0.0,
+    )
+    last: tuple[str, float] = ("", 0.0)
+
+    def report(stage: str, done: float) -> None:
+        nonlocal last
+        if stage != last[0] or done >= 1.0 or done - last[1] >= _STEP:
+            last = (stage, done)
+            told(stage, done)
+
+    return report
+
+
+def _print_line(what: str, done: float) -> None:
+    text = what if done == 0.0 else f"{what}: {done:.0%}"
+    # On a terminal the stages share one line; in a file each gets its own.
+    ends = done == 0.0 or (what == "solution" and done >= 1.0) or not sys.stderr.isatty()
+    sys.stderr.write(("\r" if sys.stderr.isatty() else "") + text.ljust(24) + ("\n" if ends else ""))
+    sys.stderr.flush()

@@ -1,0 +1,175 @@
+"""Parts cut out of a hand, and bodies combined with a kernel."""
+
+from __future__ import annotations
+
+import os
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
+SHEAR_MODULUS = 60e3
+UP = np.array([0.0, 0.0, 1.0])
+TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
+HALF_SPACE = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr.HalfSpace())
+
+
+@pytest.fixture(scope="module")
+def finger() -> qr.Surface:
+    surface = qr.models.finger(edge_length=2.2e-3)
+    return surface.with_skin_mask(qr.flat_cap_mask(surface))
+
+
+@pytest.fixture(scope="module")
+def part(finger: qr.Surface) -> qr.CutOut:
+    tip = int(np.argmax(finger.vertices[:, 1]))
+    return qr.cut_out(finger, tip=tip, point=[0, 0.040, 0], normal=[0, 2, 0])
+
+
+def prepared_part(part: qr.CutOut) -> qr.PreparedSkin:
+    response = part.body(qr.models.bone_of(part.surface, cut=part.fixed))
+    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=response)
+    pad = part.surface.skin_mask & (part.surface.vertices[:, 2] < 2e-3)
+    return skin.prepared(part.surface, np.flatnonzero(pad))
+
+
+@pytest.fixture(scope="module")
+def combined(finger: qr.Surface, part: qr.CutOut) -> qr.CombinedSkin:
+    return HALF_SPACE.combined(finger, {"tip": (part, prepared_part(part))})
+
+
+def ball_below(y: float, surface: qr.Surface) -> qr.Obstacle:
+    """A ball of 12 mm under the pad at a place along the finger."""
+    near = np.abs(surface.vertices[:, 1] - y) < 3e-3
+    return qr.Obstacle.sphere([0, y, surface.vertices[near, 2].min() - 0.02], 12e-3)
+
+
+def test_a_part_is_closed_and_knows_where_it_comes_from(finger: qr.Surface, part: qr.CutOut) -> None:
+    assert part.surface.is_closed
+    assert len(part.fixed) == len(part.source_vertices) == len(part.surface.vertices)
+    kept = part.source_vertices >= 0
+    np.testing.assert_array_equal(finger.vertices[part.source_vertices[kept]], part.surface.vertices[kept])
+    np.testing.assert_array_equal(part.part_vertices[part.source_vertices[kept]], np.flatnonzero(kept))
+    assert part.fixed[~kept].all()
+    assert not part.surface.skin_mask[part.fixed].any()
+    assert part.surface.skin_mask[~part.fixed].all()
+    assert part.surface.vertices[:, 1].min() > 0.040
+    assert (part.part_vertices[finger.vertices[:, 1] <= 0.040] == -1).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"tip": 10**6}, "tip vertex 1000000: the skin has"),
+        ({"normal": [0, 0, 0]}, "normal has length 0"),
+        ({"normal": [0, -1, 0]}, "no face around it is left"),
+        ({"point": [0, -1, 0]}, "cuts nothing off"),
+    ],
+)
+def test_a_cut_that_cannot_be_is_refused(
+    arguments: dict[str, object], message: str, finger: qr.Surface
+) -> None:
+    tip = int(np.argmax(finger.vertices[:, 1]))
+    told = {"tip": tip, "point": [0, 0.04, 0], "normal": [0, 1, 0], **arguments}
+    with pytest.raises(qr.SurfaceError, match=message):
+        qr.cut_out(finger, **told)
+
+
+def test_on_the_part_it_is_the_body_and_elsewhere_the_kernel(
+    finger: qr.Surface, part: qr.CutOut, combined: qr.CombinedSkin
+) -> None:
+    on_tip = qr.press(finger, ball_below(0.066, finger), combined, UP, depth=0.8e-3)
+    alone = qr.press(part.surface, ball_below(0.066, finger), combined.parts["tip"][1], UP, depth=0.8e-3)
+    np.testing.assert_allclose(on_tip.force, alone.force, rtol=1e-9, atol=1e-12)
+    kept = part.part_vertices >= 0
+    np.testing.assert_allclose(
+        on_tip.displacement[kept], alone.displacement[part.part_vertices[kept]], atol=1e-9
+    )
+    assert not on_tip.displacement[~kept].any()
+    # The part keeps its volume, and so does the whole.
+    assert abs(on_tip.deformed.volume - finger.volume) < 1e-14
+
+    at_root = qr.press(finger, ball_below(0.015, finger), combined, UP, depth=0.8e-3)
+    kernel = qr.press(finger, ball_below(0.015, finger), HALF_SPACE, UP, depth=0.8e-3)
+    np.testing.assert_allclose(at_root.force, kernel.force, rtol=1e-6, atol=1e-9)
+    assert np.isfinite(at_root.fade_distance)
+
+
+def test_contacts_on_both_sides_of_a_cut_do_not_couple(finger: qr.Surface, combined: qr.CombinedSkin) -> None:
+    # A bar with two bumps: both presses at once.
+    bumps = [ball_below(y, finger) for y in (0.015, 0.066)]
+    alone = [qr.press(finger, bump, combined, UP, depth=0.8e-3) for bump in bumps]
+    nodes = np.concatenate([contact.active for contact in alone])
+    matrix = qr.response_matrix(finger, combined, nodes)
+    first = len(alone[0].active)
+    assert not matrix[:first, first:].any()
+    assert not matrix[first:, :first].any()
+    assert (np.diag(matrix) > 0).all()
+
+
+def test_a_combined_skin_pickles(finger: qr.Surface, combined: qr.CombinedSkin) -> None:
+    again = pickle.loads(pickle.dumps(combined))
+    forces = [
+        qr.press(finger, ball_below(0.066, finger), skin, UP, depth=0.4e-3).force
+        for skin in (combined, again)
+    ]
+    np.testing.assert_array_equal(*forces)
+
+
+def test_a_patch_across_a_cut_is_refused_by_name_and_the_part_can_be_left_out(
+    finger: qr.Surface, combined: qr.CombinedSkin
+) -> None:
+    across = ball_below(0.041, finger)
+    with pytest.raises(qr.ResponseError, match=r"straddles the cut of part \"tip\""):
+        qr.press(finger, across, combined, UP, depth=0.8e-3)
+    contact = qr.press(finger, across, combined.without("tip"), UP, depth=0.8e-3)
+    kernel = qr.press(finger, across, HALF_SPACE, UP, depth=0.8e-3)
+    np.testing.assert_allclose(contact.force, kernel.force, rtol=1e-9)
+    with pytest.raises(qr.ResponseError, match="no part 'thumb', only tip"):
+        combined.without("thumb")
+
+
+def test_parts_that_do_not_fit_are_refused(
+    finger: qr.Surface, part: qr.CutOut, combined: qr.CombinedSkin
+) -> None:
+    prepared = combined.parts["tip"][1]
+    with pytest.raises(qr.ResponseError, match=r"part \"b\" .*belongs to part \"a\" too"):
+        HALF_SPACE.combined(finger, {"a": (part, prepared), "b": (part, prepared)})
+    with pytest.raises(qr.ResponseError, match="move the part with the skin"):
+        HALF_SPACE.combined(finger.moved(np.eye(3), [1e-3, 0, 0]), {"tip": (part, prepared)})
+    with pytest.raises(qr.ResponseError, match="not that of a body"):
+        HALF_SPACE.combined(finger, {"tip": (part, HALF_SPACE.prepared(part.surface, [0]))})
+    weighted = qr.Skin(shear_modulus=6e4, poisson_ratio=0.5, response=qr.HalfSpace(gap="weighted"))
+    with pytest.raises(qr.ResponseError, match="gaps at the vertices only"):
+        weighted.combined(finger, {"tip": (part, prepared)})
+    with pytest.raises(qr.ResponseError, match="needs a kernel"):
+        prepared.skin.combined(finger, {"tip": (part, prepared)})
+
+
+def test_a_finger_cut_out_of_a_hand_presses_with_the_palm() -> None:
+    path = DATA / "hands" / "webxr_right_13k.ply"
+    if not path.is_file():
+        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
+    hand = qr.read_surface(path, unit="m")
+    tip = int(np.argmax(hand.vertices[:, 1]))
+    top = hand.vertices[tip]
+    part = qr.cut_out(hand, tip=tip, point=top - [0, 0.042, 0], normal=[0, 1, 0])
+    assert part.surface.is_closed
+    bone = qr.models.bone_of(part.surface, cut=part.fixed)
+    response = part.body(bone)
+    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=response)
+    free = part.surface.skin_mask
+    low = part.surface.vertices[:, 2] < np.median(part.surface.vertices[:, 2])
+    far = part.surface.vertices[:, 1] > top[1] - 0.022
+    prepared = skin.prepared(part.surface, np.flatnonzero(free & low & far))
+    combined = HALF_SPACE.combined(hand, {"middle": (part, prepared)})
+    pad = hand.vertices[(part.part_vertices >= 0) & (hand.vertices[:, 1] > top[1] - 0.015)]
+    ball = qr.Obstacle.sphere([*pad[:, :2].mean(axis=0), pad[:, 2].min() - 0.05], 0.03)
+    contact = qr.press(hand, ball, combined, UP, depth=1e-3)
+    kernel = qr.press(hand, ball, HALF_SPACE, UP, depth=1e-3)
+    assert contact.status == "solved"
+    assert (part.part_vertices[contact.active] >= 0).all()
+    assert 0 < contact.force[2] < 3 * kernel.force[2]
