@@ -8,13 +8,15 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from .io import LengthUnit
+from .io import LengthUnit, read_surface
+from .models import bone_of
 from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
-from .response import GaussianCorrected, HalfSpace, Layer
+from .response import Body, GaussianCorrected, HalfSpace, Layer
 from .surface import Surface, flat_cap_mask
 
 _CONSTANTS: dict[str, dict[str, dict[str, float]]] = {
     "half-space": {},
+    "body": {},
     "layer": {"thickness": LENGTH},
     "gaussian": {"height": COMPLIANCE, "width": LENGTH, "cutoff": LENGTH},
 }
@@ -35,8 +37,11 @@ def file_unit(text: str, option: str) -> LengthUnit:
     return cast(LengthUnit, one_of(text, ("m", "mm"), option))
 
 
-def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected:
-    """A response from its name and constants, as in `gaussian:height=0.8mm/N,width=5mm,cutoff=15mm`."""
+def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
+    """A response from its name and constants, as in `gaussian:height=0.8mm/N,width=5mm,cutoff=15mm`.
+
+    None for a body, which needs the skin first.
+    """
     name, _, rest = text.partition(":")
     values: dict[str, str] = {}
     for part in filter(None, (part.strip() for part in rest.split(","))):
@@ -44,8 +49,14 @@ def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected:
         if not equals:
             raise QuantityError(f"--response: '{part}' is not of the form name=value")
         values[key] = value
-    pressure: Any = one_of(values.pop("pressure", "linear"), ("linear", "one_ring"), "--response pressure")
     one_of(name, tuple(_CONSTANTS), "--response")
+    if name == "body":
+        if values:
+            raise QuantityError(
+                f"--response: body has no constant '{next(iter(values))}'; see --bone, --fixed"
+            )
+        return None
+    pressure: Any = one_of(values.pop("pressure", "linear"), ("linear", "one_ring"), "--response pressure")
     units = _CONSTANTS[name]
     if wrong := sorted(values.keys() - units.keys()):
         raise QuantityError(f"--response: {name} has no constant '{wrong[0]}'")
@@ -63,23 +74,44 @@ def masked(surface: Surface, text: str) -> Surface:
     """The surface with the mask that `caps`, `none` or the name of a NumPy file stands for."""
     if text == "none":
         return surface
-    if text == "caps":
-        mask = flat_cap_mask(surface)
-    elif text.endswith(".npy"):
-        try:
-            mask = np.load(text, allow_pickle=False)
-        except (OSError, ValueError) as error:
-            raise QuantityError(f"--skin-mask: {text} is no NumPy array: {error}") from None
-        if mask.dtype != np.bool_ or mask.shape != (len(surface.vertices),):
-            raise QuantityError(
-                f"--skin-mask: {text} is {mask.dtype} of shape {mask.shape}, expected bool of shape"
-                f" ({len(surface.vertices)},)"
-            )
-    else:
-        raise QuantityError(
-            f"--skin-mask: '{text}' is not known, expected caps, none or a file that ends in .npy"
-        )
+    mask = flat_cap_mask(surface) if text == "caps" else _mask_file(surface, text, "--skin-mask")
     return surface.with_skin_mask(mask)
+
+
+def body_of(surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Body:
+    """The body of a skin from what `--bone` and `--fixed` say; a bone's file is in `unit`."""
+    bones = None
+    if bone == "auto":
+        bones = bone_of(surface)
+    elif bone != "none":
+        bones = read_surface(bone, unit=unit)
+    held: NDArray[np.bool_] | None = None
+    if fixed == "caps":
+        held = ~flat_cap_mask(surface)
+        if not held.any():
+            # A skin without a cut is held by its bone alone; without either the body itself says so.
+            held = None
+    elif fixed != "none":
+        held = _mask_file(surface, fixed, "--fixed")
+    return Body(bone=bones, fixed=held)
+
+
+def _mask_file(surface: Surface, text: str, option: str) -> NDArray[np.bool_]:
+    """(n,) bool from a NumPy file."""
+    if not text.endswith(".npy"):
+        raise QuantityError(
+            f"{option}: '{text}' is not known, expected caps, none or a file that ends in .npy"
+        )
+    try:
+        mask = np.load(text, allow_pickle=False)
+    except (OSError, ValueError) as error:
+        raise QuantityError(f"{option}: {text} is no NumPy array: {error}") from None
+    if mask.dtype != np.bool_ or mask.shape != (len(surface.vertices),):
+        raise QuantityError(
+            f"{option}: {text} is {mask.dtype} of shape {mask.shape}, expected bool of shape"
+            f" ({len(surface.vertices)},)"
+        )
+    return cast(NDArray[np.bool_], mask)
 
 
 def rotation(angles: Sequence[float]) -> NDArray[np.float64]:

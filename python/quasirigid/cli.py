@@ -9,17 +9,18 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 import typer
+from numpy.typing import NDArray
 from rich.table import Table
 
 import quasirigid as qr
 
-from .arguments import file_unit, masked, one_of, response_of, rotation
+from .arguments import body_of, file_unit, masked, one_of, response_of, rotation
 from .console import MM, console, print_contacts, progress, refuse, show_warning
 from .errors import MissingExtraError, QuasirigidError
 from .export import write_contact, write_mesh
 from .models.products import build_cylinder_handle
 from .quantities import ANGLE, LENGTH, STRESS, parse_numbers, parse_quantities, parse_quantity
-from .scenes import demo_scenes
+from .scenes import demo_scenes, may_touch
 
 Made = TypeVar("Made")
 
@@ -62,7 +63,7 @@ def run(arguments: Sequence[str]) -> int:
 
 
 @app.command(
-    short_help="Press the built-in fingertip on two products.",
+    short_help="Press the built-in fingertip with its bone on two products.",
     epilog="Example:\n\n\b\n  quasirigid demo --quick --out demo-output",
 )
 def demo(
@@ -71,40 +72,60 @@ def demo(
 ) -> int:
     """Press the built-in fingertip on a handle and on a phone-sized box, 1.12 mm deep.
 
-    Needs no file. Prints the figures and writes, in a folder for each product, what `press` writes.
+    Each press twice: as a half-space, which knows neither the finger's shape nor its bone, and as the body
+    with its bone, whose compliance is computed first and serves both products. Needs no file. Prints the
+    figures side by side and writes, in a folder for each product, what `press` writes for the body, and
+    footprints of both.
     """
     _need_matplotlib()
-    edge_length = 1.2e-3 if quick else 0.6e-3
-    with progress("building finger and products"):
+    from . import plot
+
+    depth, edge_length = 1.12e-3, 1.6e-3 if quick else 1.0e-3
+    with progress("building finger, bone and products"):
         scenes = demo_scenes(edge_length)
-    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    surface, bone = scenes[0].surface, scenes[0].bone
+    half_space = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    first = {
+        scene.name: qr.press(surface, scene.obstacle, half_space, scene.direction, depth=depth)
+        for scene in scenes
+    }
+    nodes = np.unique(np.concatenate([may_touch(contact, depth) for contact in first.values()]))
+    body = qr.Skin(
+        shear_modulus=60e3, poisson_ratio=0.5, response=qr.Body(bone=bone, fixed=~surface.skin_mask)
+    ).prepared(surface, nodes, progress=True)
     inputs = {
-        "depth": {"value": 1.12e-3, "unit": "m"},
+        "depth": {"value": depth, "unit": "m"},
         "shear_modulus": {"value": 60e3, "unit": "Pa"},
         "poisson_ratio": {"value": 0.5, "unit": "1"},
-        "response": "half-space",
+        "response": "body",
+        "bone": "auto",
+        "fixed": "caps",
         "skin_mask": "caps",
     }
-    contacts = {}
+    contacts: dict[str, qr.Contact] = {}
     for scene in scenes:
         with progress(f"pressing the {scene.name}"):
-            contacts[scene.name] = qr.press(
-                scene.surface, scene.obstacle, skin, scene.direction, depth=1.12e-3
-            )
-        with progress(f"drawing and writing {out / scene.name}"):
-            write_contact(contacts[scene.name], out / scene.name, inputs=inputs | {"scene": scene.name})
-    write_mesh(scenes[0].surface.vertices, scenes[0].surface.faces, out / "fingertip.ply", unit="m")
+            contact = qr.press(surface, scene.obstacle, body, scene.direction, depth=depth)
+        folder = out / scene.name
+        with progress(f"drawing and writing {folder}"):
+            write_contact(contact, folder, inputs=inputs | {"scene": scene.name}, bone=bone)
+            both = {"half-space": first[scene.name], "body": contact}
+            plot.side_by_side(both).savefig(folder / "responses.png")
+        contacts |= {f"{scene.name}: {name}": pressed for name, pressed in both.items()}
+    write_mesh(surface.vertices, surface.faces, out / "fingertip.ply", unit="m")
+    write_mesh(bone.vertices, bone.faces, out / "bone.ply", unit="m")
     write_mesh(*build_cylinder_handle(0.016, 0.110, 0.003, edge_length), out / "handle.stl", unit="mm")
     print_contacts(contacts)
     for scene in scenes:
-        typer.echo(f"{scene.name}: {out / scene.name / 'skin.png'}, {out / scene.name / 'footprint.png'}")
+        pictures = ("skin.png", "footprint.png", "responses.png")
+        typer.echo(f"{scene.name}: " + ", ".join(str(out / scene.name / name) for name in pictures))
     return 0
 
 
 _PRESS_EXAMPLE = (
     "quasirigid press demo-output/fingertip.ply demo-output/handle.stl --unit m --product-unit mm"
     " --translate 0,19.2,-40mm --rotate 0,90,0deg --direction 0,0,1 --depth 1.12mm --shear-modulus 60kPa"
-    " --poisson-ratio 0.5 --response half-space --skin-mask caps --out press-output"
+    " --poisson-ratio 0.5 --response body --bone auto --fixed caps --skin-mask caps --out press-output"
 )
 
 
@@ -136,11 +157,25 @@ def press(
     response: Annotated[
         str,
         typer.Option(
-            help="half-space; layer:thickness=5mm (on bone); or gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"
-            " (the paper's). Each takes pressure=linear or pressure=one_ring, as in"
-            " half-space:pressure=one_ring."
+            help="half-space; body (see --bone and --fixed); layer:thickness=5mm (on bone); or"
+            " gaussian:height=0.8mm/N,width=5mm,cutoff=15mm (the paper's). The kernels take pressure=linear"
+            " or pressure=one_ring, as in half-space:pressure=one_ring."
         ),
     ] = "half-space",
+    bone: Annotated[
+        str,
+        typer.Option(
+            help="Of a body: auto draws plausible phalanges into a finger with its pad to -z; FILE"
+            " holds closed bones, in the skin's unit; none."
+        ),
+    ] = "auto",
+    fixed: Annotated[
+        str,
+        typer.Option(
+            help="Of a body, what does not move: caps, the flat cut faces; none; FILE.npy holds a bool for"
+            " each vertex."
+        ),
+    ] = "caps",
     skin_mask: Annotated[
         str,
         typer.Option(
@@ -164,21 +199,29 @@ def press(
     travel = parse_quantity(depth, LENGTH, "--depth")
     shift = parse_quantities(translate, 3, LENGTH, "--translate")
     angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
-    skin = qr.Skin(
-        shear_modulus=parse_quantity(shear_modulus, STRESS, "--shear-modulus"),
-        poisson_ratio=poisson_ratio,
-        response=response_of(response),
-    )
+    told = response_of(response)
+    modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
+    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=told or qr.HalfSpace())
     if pictures:
         _need_matplotlib()
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(f"--out: {out} is a file, expected a folder")
     with progress(f"reading {skin_file} and {product_file}"):
-        surface = masked(qr.read_surface(skin_file, unit=file_unit(unit, "--unit")), skin_mask)
+        skin_unit = file_unit(unit, "--unit")
+        surface = masked(qr.read_surface(skin_file, unit=skin_unit), skin_mask)
         obstacle = qr.read_obstacle(product_file, unit=file_unit(product_unit or unit, "--product-unit"))
         obstacle = obstacle.moved(rotation(angles), np.array(shift))
+    body = body_of(surface, bone, fixed, skin_unit) if told is None else None
     with progress("pressing"):
         contact = qr.press(surface, obstacle, skin, way, depth=travel, start=begin, throw=False)
+    if body is not None:
+        # The half-space has told where the product gets to; only vertices near it need the body's response.
+        skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=body)
+        nodes = may_touch(contact, travel)
+        if len(nodes):
+            prepared = skin.prepared(surface, _free(nodes, body), progress=True)
+            with progress("pressing"):
+                contact = qr.press(surface, obstacle, prepared, way, depth=travel, start=begin, throw=False)
     inputs = {
         "skin": str(skin_file),
         "product": str(product_file),
@@ -192,11 +235,13 @@ def press(
         "shear_modulus": {"value": skin.shear_modulus, "unit": "Pa"},
         "poisson_ratio": {"value": skin.poisson_ratio, "unit": "1"},
         "response": response,
+        **({} if body is None else {"bone": bone, "fixed": fixed}),
         "skin_mask": skin_mask,
         "quasirigid": qr.__version__,
     }
     with progress(f"writing {out}"):
-        files = write_contact(contact, out, inputs=inputs, pictures=pictures)
+        drawn = None if body is None else body.bone
+        files = write_contact(contact, out, inputs=inputs, pictures=pictures, bone=drawn)
     print_contacts({skin_file.stem: contact})
     typer.echo("wrote " + ", ".join(str(path) for path in files))
     if contact.status in ("solved", "no_contact"):
@@ -246,6 +291,11 @@ def info(
     if no_skin and no_product:
         return refuse(f"{file}: neither skin nor product: {no_skin}")
     return 0
+
+
+def _free(nodes: NDArray[np.int64], body: qr.Body) -> NDArray[np.int64]:
+    """Nodes that can be loaded: those that are not fixed."""
+    return nodes if body.fixed is None else nodes[~np.asarray(body.fixed)[nodes]]
 
 
 def _tried(make: Callable[[], Made]) -> tuple[Made | None, str]:

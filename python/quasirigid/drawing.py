@@ -20,6 +20,7 @@ INK = "#23262b"
 FAINT = "#8a8f98"
 BEFORE = "#8a8f98"
 AFTER = "#b4533c"
+BONE = "#e8dcc4"
 PRODUCT = "#ccd1d9"
 PRODUCT_EDGE = "#7d8590"
 SKIN = np.array([0.930, 0.780, 0.695])

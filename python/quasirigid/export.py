@@ -24,6 +24,7 @@ from .summary import contact_summary
 
 if TYPE_CHECKING:
     from .contact import Contact
+    from .surface import Surface
 
 __all__ = ["write_contact", "write_json", "write_mesh", "write_npz", "write_ply", "write_vtp"]
 
@@ -34,6 +35,7 @@ def write_contact(
     *,
     inputs: Mapping[str, Any] | None = None,
     pictures: bool = True,
+    bone: Surface | None = None,
 ) -> list[Path]:
     """Write everything about a contact into a folder.
 
@@ -48,6 +50,8 @@ def write_contact(
         What the contact was computed from, for `contact.json`.
     pictures : bool
         Draw `skin.png` and `footprint.png` too (extra `plot`).
+    bone : Surface, optional
+        Bones to draw in the cut.
 
     Returns
     -------
@@ -63,7 +67,7 @@ def write_contact(
         if pictures:
             from . import plot
 
-            plot.before_and_after(contact).savefig(draft / "skin.png")
+            plot.before_and_after(contact, bone=bone).savefig(draft / "skin.png")
             plot.footprint(contact).savefig(draft / "footprint.png")
         names = sorted(path.name for path in draft.iterdir())
     return [folder / name for name in names]

@@ -6,6 +6,7 @@ a `Figure`; matplotlib (the extra `plot`) is imported where it is used, and no w
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from .drawing import (
     AFTER,
     BEFORE,
+    BONE,
     FAINT,
     INK,
     PRODUCT,
@@ -31,15 +33,24 @@ from .drawing import (
     scale_bar,
     window_around,
 )
-from .raster import Floats, View
+from .raster import Floats, Indices, View
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from .contact import Contact
+    from .surface import Surface
 
-__all__ = ["before_and_after", "footprint", "pad_view", "plot_footprint", "plot_section", "plot_skin"]
+__all__ = [
+    "before_and_after",
+    "footprint",
+    "pad_view",
+    "plot_footprint",
+    "plot_section",
+    "plot_skin",
+    "side_by_side",
+]
 
 MM = 1e3
 KPA = 1e-3
@@ -118,13 +129,21 @@ def plot_skin(
     return ax
 
 
-def plot_section(contact: Contact, *, ax: Axes | None = None, view: View | None = None) -> Axes:
+def plot_section(
+    contact: Contact,
+    *,
+    bone: Surface | None = None,
+    ax: Axes | None = None,
+    view: View | None = None,
+) -> Axes:
     """A cut through the centre of pressure, along the finger: skin before and after, and the product.
 
     Parameters
     ----------
     contact : Contact
         What to draw.
+    bone : Surface, optional
+        Bones inside the skin, to be drawn in the cut too.
     ax : Axes, optional
         Where to draw; a new figure when left out.
     view : View, optional
@@ -136,7 +155,8 @@ def plot_section(contact: Contact, *, ax: Axes | None = None, view: View | None 
     centre = np.asarray(contact.center_of_pressure, dtype=np.float64)
     if not np.isfinite(centre).all():
         centre = after.mean(axis=0)
-    cuts = [_cut(contact, points, centre, view) for points in (before, after)]
+    skin_faces = np.asarray(contact.deformed.faces, dtype=np.int64)
+    cuts = [_cut(points, skin_faces, centre, view) for points in (before, after)]
     window = _section_window(cuts[1], view.project(centre[None])[0] * MM)
     # The product fills every point of the cut inside it.
     along, away = np.linspace(window[0], window[1], 420), np.linspace(window[2], window[3], 300)
@@ -149,6 +169,12 @@ def plot_section(contact: Contact, *, ax: Axes | None = None, view: View | None 
     distance = np.asarray(contact.obstacle.signed_distance(points)[0]).reshape(grid_along.shape)
     ax.contourf(along, away, distance, levels=[-np.inf, 0.0], colors=[PRODUCT])
     ax.contour(along, away, distance, levels=[0.0], colors=[PRODUCT_EDGE], linewidths=1.0)
+    if bone is not None:
+        outlines = joined(_cut(np.asarray(bone.vertices), np.asarray(bone.faces), centre, view))
+        ends = np.flatnonzero(np.isnan(outlines[:, 0]))
+        for first, last in zip([0, *(ends[:-1] + 1)], ends, strict=True):
+            ax.fill(*outlines[first:last].T, color=BONE, zorder=2)
+        ax.fill_between([], [], color=BONE, label="bone")
     styles = [(BEFORE, 1.1, (0, (3.5, 2.0)), "skin before"), (AFTER, 2.0, "solid", "skin after")]
     for segments, (colour, thickness, dashes, name) in zip(cuts, styles, strict=True):
         _draw_cut(ax, segments, colour, thickness, dashes, name)
@@ -161,7 +187,7 @@ def plot_section(contact: Contact, *, ax: Axes | None = None, view: View | None 
     ax.legend(
         loc="upper center",
         bbox_to_anchor=(0.5, 0.0),
-        ncols=3,
+        ncols=3 if bone is None else 4,
         frameon=False,
         fontsize=8.5,
         labelcolor=INK,
@@ -172,7 +198,12 @@ def plot_section(contact: Contact, *, ax: Axes | None = None, view: View | None 
 
 
 def plot_footprint(
-    contact: Contact, *, ax: Axes | None = None, view: View | None = None, with_colour_bar: bool = True
+    contact: Contact,
+    *,
+    ax: Axes | None = None,
+    view: View | None = None,
+    with_colour_bar: bool = True,
+    top: float | None = None,
 ) -> Axes:
     """The pressure (kPa) in the contact plane (mm), with the outline of the contact.
 
@@ -186,6 +217,8 @@ def plot_footprint(
         The view whose `right` and `up` span the plane; `pad_view` when left out.
     with_colour_bar : bool
         False where a colour bar of the same scale stands beside.
+    top : float, optional
+        Pressure (kPa) at the dark end of the colours; the contact's own largest when left out.
 
     Notes
     -----
@@ -221,7 +254,7 @@ def plot_footprint(
     net = Triangulation(plane[:, 0], plane[:, 1], kept)
     ax.triplot(net, color="#e3e5e9", linewidth=0.4, zorder=0)
     side = contact_side(vertices, faces, np.asarray(contact.pressure), np.asarray(contact.gap))
-    colours, top = pressure_colours(), float(pressure.max())
+    colours, top = pressure_colours(), float(pressure.max()) if top is None else top
     filled = ax.tricontourf(
         net, pressure.clip(0.0, top), levels=np.linspace(0.0, top, 65), cmap=colours, zorder=1
     )
@@ -238,7 +271,7 @@ def plot_footprint(
     return ax
 
 
-def before_and_after(contact: Contact, *, view: View | None = None) -> Figure:
+def before_and_after(contact: Contact, *, bone: Surface | None = None, view: View | None = None) -> Figure:
     """The skin before, the skin after with its pressure, the cut through the contact, and the footprint."""
     figure = new_figure((11.0, 6.0))
     view = pad_view(contact) if view is None else view
@@ -249,7 +282,7 @@ def before_and_after(contact: Contact, *, view: View | None = None) -> Figure:
     )
     plot_skin(contact, show="overlap", ax=axes["before"], view=view)
     plot_skin(contact, show="pressure", ax=axes["after"], view=view)
-    plot_section(contact, ax=axes["cut"], view=view)
+    plot_section(contact, bone=bone, ax=axes["cut"], view=view)
     plot_footprint(contact, ax=axes["footprint"], view=view, with_colour_bar=False)
     titles = {
         "before": "Before: overlap",
@@ -273,15 +306,30 @@ def footprint(contact: Contact, *, view: View | None = None) -> Figure:
     return figure
 
 
+def side_by_side(contacts: Mapping[str, Contact]) -> Figure:
+    """The footprints of several contacts at the same scale of pressure, each with its name and figures."""
+    figure = new_figure((5.2 * len(contacts) + 0.8, 5.4))
+    axes = figure.subplots(1, len(contacts), squeeze=False, sharex=True, sharey=True)[0]
+    top = max(float(np.nan_to_num(contact.pressure).max()) for contact in contacts.values()) * KPA
+    for ax, (name, contact) in zip(axes, contacts.items(), strict=True):
+        plot_footprint(contact, ax=ax, with_colour_bar=False, top=top)
+        ax.set_title(f"{name}\n{_headline(contact)}", fontsize=11, color=INK, pad=8)
+    reach = max(max(map(abs, (*ax.get_xlim(), *ax.get_ylim()))) for ax in axes)
+    axes[0].set_xlim(-reach, reach)
+    axes[0].set_ylim(-reach, reach)
+    if top > 0.0:
+        colour_bar(axes[-1], pressure_colours(), top, "pressure (kPa)", beside=True)
+    return figure
+
+
 def vertices_before(contact: Contact) -> Floats:
     """Vertices (n, 3) of the skin before it gave way (m)."""
     before: Floats = np.asarray(contact.deformed.vertices) - np.asarray(contact.displacement)
     return before
 
 
-def _cut(contact: Contact, vertices: Floats, centre: Floats, view: View) -> Floats:
-    """Segments (k, 2, 2) in mm of the skin in the plane through `centre` square to the view's `right`."""
-    faces = np.asarray(contact.deformed.faces, dtype=np.int64)
+def _cut(vertices: Floats, faces: Indices, centre: Floats, view: View) -> Floats:
+    """Segments (k, 2, 2) in mm of a mesh in the plane through `centre` square to the view's `right`."""
     projected = view.project(vertices) * MM
     offset = projected[:, 0] - view.project(centre[None])[0, 0] * MM
     return cut_lines(faces, offset, np.stack([projected[:, 1], -projected[:, 2]], axis=1))

@@ -24,20 +24,22 @@ def announced(progress: Progress | bool | None) -> Progress | None:
 def stage_reporter(
     progress: Progress | None, skin_vertices: int, bone_vertices: int, nodes: int
 ) -> Callable[[str, float], None] | None:
-    """Announce memory and operations of a body, and return what the core calls as it goes on."""
+    """Return what the core calls as it goes on; it announces memory and operations first."""
     if progress is None:
         return None
     told = progress
     needed, operations = _core.Skin.body_cost(skin_vertices, bone_vertices, nodes)
-    told(
+    announcement = (
         f"body of {skin_vertices} skin and {bone_vertices} bone vertices, {nodes} of them loaded: "
-        f"{needed / 1e9:.2g} GB, {operations:.1e} operations",
-        0.0,
+        f"{needed / 1e9:.2g} GB, {operations:.1e} operations"
     )
     last: tuple[str, float] = ("", 0.0)
 
     def report(stage: str, done: float) -> None:
         nonlocal last
+        if not last[0]:
+            # Told with the first sign of work, so that a body that is refused says only why.
+            told(announcement, 0.0)
         if stage != last[0] or done >= 1.0 or done - last[1] >= _STEP:
             last = (stage, done)
             told(stage, done)
@@ -47,7 +49,10 @@ def stage_reporter(
 
 def _print_line(what: str, done: float) -> None:
     text = what if done == 0.0 else f"{what}: {done:.0%}"
-    # On a terminal the stages share one line; in a file each gets its own.
-    ends = done == 0.0 or (what == "solution" and done >= 1.0) or not sys.stderr.isatty()
-    sys.stderr.write(("\r" if sys.stderr.isatty() else "") + text.ljust(24) + ("\n" if ends else ""))
+    if sys.stderr.isatty():
+        # The stages share one line.
+        last = done == 0.0 or (what == "solution" and done >= 1.0)
+        sys.stderr.write("\r" + text.ljust(24) + ("\n" if last else ""))
+    elif done == 0.0 or done >= 1.0:
+        sys.stderr.write(text + "\n")
     sys.stderr.flush()

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import models
+from .contact import Contact
 from .obstacle import Obstacle
 from .surface import Surface, flat_cap_mask
 
-__all__ = ["Scene", "demo_scenes", "under_the_pad"]
+__all__ = ["Scene", "demo_scenes", "may_touch", "under_the_pad"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +25,8 @@ class Scene:
         For folders and tables.
     surface : Surface
         The finger, its cut face no skin.
+    bone : Surface
+        Its phalanges.
     obstacle : Obstacle
         The product, where it starts.
     direction : (3,) float64
@@ -32,6 +35,7 @@ class Scene:
 
     name: str
     surface: Surface
+    bone: Surface
     obstacle: Obstacle
     direction: NDArray[np.float64]
 
@@ -40,6 +44,7 @@ def demo_scenes(edge_length: float) -> list[Scene]:
     """The two scenes; finger and handle have a mean edge of `edge_length` (m)."""
     finger = models.fingertip(edge_length=edge_length)
     finger = finger.with_skin_mask(flat_cap_mask(finger))
+    bone = models.bone_of(finger)
     # The bar lies across the finger: its axis z turned to x.
     across = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     place = under_the_pad(finger.vertices, below=0.04)
@@ -47,8 +52,8 @@ def demo_scenes(edge_length: float) -> list[Scene]:
     handle = models.cylinder_handle(edge_length=edge_length).moved(across, place)
     phone = models.rounded_box().moved(np.eye(3), place)
     return [
-        Scene(name="handle", surface=finger, obstacle=handle, direction=upwards),
-        Scene(name="phone", surface=finger, obstacle=phone, direction=upwards),
+        Scene(name="handle", surface=finger, bone=bone, obstacle=handle, direction=upwards),
+        Scene(name="phone", surface=finger, bone=bone, obstacle=phone, direction=upwards),
     ]
 
 
@@ -56,3 +61,21 @@ def under_the_pad(vertices: NDArray[np.float64], below: float) -> NDArray[np.flo
     """The point (3,) in m that lies `below` (m) the lowest point of a finger's pad."""
     point: NDArray[np.float64] = vertices[np.argmin(vertices[:, 2])] - np.array([0.0, 0.0, below])
     return point
+
+
+def may_touch(contact: Contact, depth: float) -> NDArray[np.int64]:
+    """Skin vertices (k,) that a press like this one may bring into contact, whatever the response.
+
+    Parameters
+    ----------
+    contact : Contact
+        The press with a response that costs little; where its obstacle stands counts.
+    depth : float
+        Of the press (m). Vertices closer to the obstacle than half of it and two edges are told.
+    """
+    surface = contact.deformed
+    before = surface.vertices - contact.displacement
+    reach = 0.5 * depth + 2.0 * surface.mean_edge_length
+    distance = contact.obstacle.signed_distance(before, reach)[0]
+    near: NDArray[np.int64] = np.flatnonzero(surface.skin_mask & (distance < reach))
+    return near

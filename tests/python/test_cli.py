@@ -86,12 +86,16 @@ def test_the_demo_writes_pictures_files_and_meshes(demo_folder: Path) -> None:
             "deformed.ply",
             "deformed.vtp",
             "footprint.png",
+            "responses.png",
             "skin.png",
         }
         document = json.loads((demo_folder / "demo-output" / name / "contact.json").read_text())
         assert document["status"] == "solved"
         # A fingertip of G = 60 kPa, 1.12 mm deep: about 1 N.
         assert 0.5 < document["force"]["value"][2] < 2.0
+        assert document["inputs"]["response"] == "body"
+    bone = qr.read_surface(demo_folder / "demo-output" / "bone.ply", unit="m")
+    assert bone.is_closed
 
 
 def test_a_press_prints_and_writes_the_same_figures_as_the_library(
@@ -112,6 +116,35 @@ def test_a_press_prints_and_writes_the_same_figures_as_the_library(
     assert f"{np.linalg.norm(contact.force):.4g}" in printed.out
     assert document["inputs"]["depth"] == {"value": pytest.approx(1.12e-3), "unit": "m"}
     assert printed.err == "" or printed.err.endswith("...\n")
+
+
+def test_a_body_is_pressed_with_a_bone_drawn_read_or_left_out(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    forces = {}
+    for bone in ("auto", "demo-output/bone.ply", "none"):
+        assert run(press_arguments(response="body", bone=bone, fixed="caps", out="body")) == 0
+        printed = capsys.readouterr()
+        # What it costs is told before it is paid.
+        assert printed.err.startswith("body of ")
+        assert "solution: 100%" in printed.err
+        document = json.loads((in_demo_folder / "body" / "contact.json").read_text())
+        assert (document["inputs"]["bone"], document["inputs"]["fixed"]) == (bone, "caps")
+        forces[bone] = document["force"]["value"][2]
+    # The demo wrote the bone that is drawn by itself; without it the finger is softer.
+    assert forces["demo-output/bone.ply"] == pytest.approx(forces["auto"], rel=1e-4)
+    assert forces["none"] < 0.97 * forces["auto"]
+    surface = qr.read_surface("demo-output/fingertip.ply", unit="m")
+    np.save("fixed.npy", surface.vertices[:, 1] < 3e-3)
+    assert run(press_arguments(response="body", fixed="fixed.npy", out="body")) == 0
+
+
+def test_a_body_out_of_reach_is_not_prepared(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = press_arguments(response="body", depth="0mm", start="current", out="apart")
+    assert run(arguments) == 0
+    assert "body of" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -157,6 +190,13 @@ BAD_INPUT = {
     "a missing constant": ({"response": "gaussian:height=0.8mm/N,width=5mm"}, "gaussian needs cutoff"),
     "an unknown constant": ({"response": "half-space:cutoff=1mm"}, "half-space has no constant 'cutoff'"),
     "an unknown basis": ({"response": "half-space:pressure=cubic"}, "'cubic' is not known"),
+    "a constant for a body": ({"response": "body:thickness=5mm"}, "body has no constant 'thickness'"),
+    "a body that nothing holds": (
+        {"response": "body", "bone": "none", "fixed": "none"},
+        "nothing holds the body",
+    ),
+    "a missing bone": ({"response": "body", "bone": "nowhere.ply"}, "nowhere.ply"),
+    "an unknown hold": ({"response": "body", "fixed": "nails"}, "--fixed: 'nails' is not known"),
     "an unknown mask": ({"skin_mask": "nails"}, "--skin-mask: 'nails' is not known"),
     "a missing mask file": ({"skin_mask": "nowhere.npy"}, "--skin-mask: nowhere.npy"),
     "an unknown start": ({"start": "here"}, "--start: 'here' is not known"),
