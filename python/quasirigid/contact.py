@@ -140,6 +140,13 @@ def press(
     Contact
         As `solve_contact`; `travel` is the way of the obstacle (m), negative where it started in overlap.
 
+    Warns
+    -----
+    QuasirigidWarning
+        Where vertices went through a wall of the obstacle that is thinner than their depth (the rim of a can
+        or mug). Their gaps are measured back along the press, to where the obstacle met them. A contact
+        solved in place knows no way and pushes them out at the sides of the wall, as weighted gaps do.
+
     Raises
     ------
     ContactError

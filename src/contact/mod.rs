@@ -26,6 +26,7 @@ mod outcome;
 mod press;
 mod resultant;
 mod solve;
+mod thin_walls;
 mod volume;
 mod warnings;
 mod weighted_gaps;

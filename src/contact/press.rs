@@ -1,6 +1,7 @@
 //! Bringing the obstacle to the skin: first touch, then a depth.
 
 use super::solve::{Place, clock, solve_in_place, with_threads};
+use super::thin_walls::Travel;
 use super::{Contact, ContactError, ContactOptions, Interrupt};
 use crate::obstacle::Obstacle;
 use crate::response::ElasticSkin;
@@ -37,6 +38,9 @@ const TOUCH_ROUNDING: f64 = 1e-10;
 /// obstacle first brings a skin vertex to distance 0. The travel reported may be negative, for a scene that starts
 /// in overlap.
 ///
+/// Vertices that went through a wall of the obstacle thinner than their depth (the rim of a can) get the way back
+/// along the travel for their gap, which a warning counts; not so where gaps are weighted.
+///
 /// # Errors
 /// [`ContactError`] by variant; among them a direction that cannot be normalised, a negative depth, an obstacle
 /// that never meets the skin, and a current position that already penetrates.
@@ -63,6 +67,7 @@ pub fn press(
         let mut place = Place {
             obstacle: obstacle.translated(&(travel * direction)),
             travel,
+            press: Some(Travel { direction, depth: press.depth }),
             depth_bound: Some(press.depth + TOUCH_ROUNDING * size(surface)),
             timings: Vec::new(),
         };

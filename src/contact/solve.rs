@@ -6,10 +6,11 @@ use super::equilibrium::{self, Equilibrium};
 use super::gaps::InitialGaps;
 use super::notes::{leave_out, note_offsets, note_search, note_solve};
 use super::resultant::{node_pressure, patches, resultant};
-use super::warnings::{penetration_warning, size_warning};
+use super::thin_walls::{Travel, measure_way_back};
+use super::warnings::{penetration_warning, size_warning, thin_wall_warning};
 use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, Timing};
 use crate::obstacle::Obstacle;
-use crate::response::ElasticSkin;
+use crate::response::{ElasticSkin, Gap};
 use crate::surface::Surface;
 use nalgebra::Vector3;
 use std::time::Instant;
@@ -35,7 +36,13 @@ pub fn solve_contact(
 ) -> Result<Contact, ContactError> {
     options.validate()?;
     with_threads(options, || {
-        let place = Place { obstacle: obstacle.clone(), travel: 0.0, depth_bound: None, timings: Vec::new() };
+        let place = Place {
+            obstacle: obstacle.clone(),
+            travel: 0.0,
+            press: None,
+            depth_bound: None,
+            timings: Vec::new(),
+        };
         solve_in_place(surface, place, skin, options, interrupt)
     })
 }
@@ -45,6 +52,8 @@ pub(super) struct Place {
     pub obstacle: Obstacle,
     /// Way of the obstacle (m).
     pub travel: f64,
+    /// The press that brought it there, where one did.
+    pub press: Option<Travel>,
     /// A penetration that no skin vertex exceeds (m), where known.
     pub depth_bound: Option<f64>,
     pub timings: Vec<Timing>,
@@ -89,6 +98,12 @@ pub(super) fn solve_in_place(
         .unwrap_or(place.depth_bound.unwrap_or(0.0) + SEARCH_EDGES * surface.mean_edge_length());
     let mut gaps =
         InitialGaps::measure(surface.vertices(), &place.obstacle, search_distance, place.depth_bound)?;
+    let went_through = match place.press {
+        Some(travel) if skin.gap() == Gap::Node => {
+            measure_way_back(surface, &place.obstacle, &travel, &mut gaps)?
+        }
+        _ => 0,
+    };
     clock(&mut timings, "signed_distance", started);
     note_search(&mut left_out, &gaps, surface);
 
@@ -157,6 +172,7 @@ pub(super) fn solve_in_place(
     let patches = patches(surface, &active, resultant_of);
     let warnings = size_warning(surface, &place.obstacle)
         .into_iter()
+        .chain(thin_wall_warning(went_through))
         .chain(penetration_warning(status, skin.gap(), max_penetration_before, max_penetration_after))
         .collect();
     clock(&mut timings, "outcome", started);

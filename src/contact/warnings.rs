@@ -32,6 +32,15 @@ pub(super) fn penetration_warning(
         .then(|| format!("the deformed skin still penetrates by {after:.3e} m of {before:.3e} m: {cause}"))
 }
 
+/// Says when gaps were measured back along the travel.
+pub(super) fn thin_wall_warning(went_through: usize) -> Option<String> {
+    (went_through > 0).then(|| {
+        format!(
+            "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back along the press to where they met it, as gaps along the closest normal would push them out at its sides"
+        )
+    })
+}
+
 /// Says when skin and obstacle look as if they were in different units.
 pub(super) fn size_warning(surface: &Surface, obstacle: &Obstacle) -> Option<String> {
     let (low, high) = surface.bounding_box();

@@ -68,6 +68,31 @@ impl Obstacle {
         Ok(met.map(|touch| FirstTouch { travel: touch.travel.max(0.0), ..touch }))
     }
 
+    /// For every point, how far the obstacle has to go back against `direction` to where it first met the point, on a
+    /// way of `reach` (m) that ends where it stands now; `None` for points that it did not meet.
+    ///
+    /// * `points`: (n) points (m), finite
+    /// * `direction`: of the obstacle's travel, of any length but 0
+    /// * `reach`: length of its way (m), >= 0
+    ///
+    /// # Errors
+    ///
+    /// [`ObstacleError::NonFinitePoint`] and [`ObstacleError::Direction`].
+    pub fn way_back(
+        &self,
+        points: &[Vector3<f64>],
+        direction: &Vector3<f64>,
+        reach: f64,
+    ) -> Result<Vec<Option<f64>>, ObstacleError> {
+        let sweep = self.sweep(points, direction)?;
+        let start = -reach - START_TOLERANCE * sweep.size();
+        let back = |point| {
+            let travel = sweep.meeting(point, start, 0.0).filter(|travel| *travel <= 0.0)?;
+            Some((-travel).min(reach))
+        };
+        Ok((0..points.len()).into_par_iter().map(back).collect())
+    }
+
     fn sweep(&self, points: &[Vector3<f64>], direction: &Vector3<f64>) -> Result<Sweep<'_>, ObstacleError> {
         check_points(points)?;
         let direction = Some(*direction)

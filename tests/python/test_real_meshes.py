@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -42,6 +43,7 @@ def product_under(surface: qr.Surface, name: str) -> Mesh:
 
 # A can's rim is thinner than the depth: the contact says so, and is solved all the same.
 @pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:.* vertices went through a wall:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("product", PRODUCTS)
 @pytest.mark.parametrize("name", FINGERS)
 def test_a_real_finger_on_a_real_product_is_solved(name: str, product: str) -> None:
@@ -53,6 +55,24 @@ def test_a_real_finger_on_a_real_product_is_solved(name: str, product: str) -> N
         assert contact.natural_residual <= 1e-10
         assert contact.gap[contact.candidates].min() >= -1e-9
         assert surface.skin_mask[contact.candidates].all()
+
+
+@pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize("name", [*FINGERS, "webxr_right_index_1500"])
+def test_a_thin_rim_presses_back_against_the_press(name: str) -> None:
+    surface = finger(name)
+    can = qr.Obstacle.mesh(*product_under(surface, "ycb_soup_can"))
+    with warnings.catch_warnings(record=True):
+        warnings.simplefilter("always")
+        shallow = qr.press(surface, can, SKIN, UP, depth=0.5e-3)
+    before = shallow.force[2]
+    for depth in (1.12e-3, 2e-3):
+        with pytest.warns(qr.QuasirigidWarning, match="went through a wall"):
+            contact = qr.press(surface, can, SKIN, UP, depth=depth)
+        # The rim is 1.2 mm thick; a force along its sides would grow no more and point anywhere.
+        assert contact.force[2] > 0.85 * np.linalg.norm(contact.force)
+        assert contact.force[2] > 1.5 * before
+        before = contact.force[2]
 
 
 def test_a_real_press_does_not_depend_on_place_numbering_or_scale() -> None:

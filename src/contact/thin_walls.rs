@@ -1,0 +1,77 @@
+//! Vertices that went through a wall: their gap is the way back.
+//!
+//! Inside a wall thinner than the depth the closest surface is a side of the wall or its far end, and the gap to it
+//! says nothing about how the vertex came in. A press knows: along its travel the vertex met the obstacle at the entry
+//! point `e = x + s t`, with t the direction of travel and s the way back (m). The plane of the surface there, with
+//! its normal m, gives
+//!
+//! ```text
+//! g0 = -s (m . t)    along m
+//! ```
+
+use super::ContactError;
+use super::gaps::InitialGaps;
+use crate::obstacle::Obstacle;
+use crate::surface::Surface;
+use nalgebra::Vector3;
+
+/// A press that ends where the obstacle stands, which nothing penetrated at its start.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Travel {
+    /// Unit direction of the obstacle.
+    pub direction: Vector3<f64>,
+    /// Its length (m).
+    pub depth: f64,
+}
+
+/// Closest and entry normal are of two sides of a wall where their cosine is below this: 60 degrees.
+const OTHER_SIDE: f64 = 0.5;
+
+/// Takes the way back for the gap of vertices that went through a wall, and returns how many there are.
+///
+/// A vertex did if the normal at its entry points elsewhere than the one at its closest point, and it either left the
+/// obstacle again, or its closest surface faces against the travel, or lies on a wall thinner than twice the way back:
+/// there the middle of the wall is nearer to its sides than to its edge. Others keep their gap to the bit.
+pub(super) fn measure_way_back(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    travel: &Travel,
+    gaps: &mut InitialGaps,
+) -> Result<usize, ContactError> {
+    let cosine = |vertex: usize| gaps.normal[vertex].dot(&travel.direction);
+    let suspects: Vec<usize> = (0..gaps.distance.len())
+        .filter(|&vertex| surface.skin_mask()[vertex] && gaps.distance[vertex] < travel.depth)
+        .filter(|&vertex| cosine(vertex) < if gaps.distance[vertex] < 0.0 { OTHER_SIDE } else { 0.0 })
+        .collect();
+    if suspects.is_empty() {
+        return Ok(0);
+    }
+    let points: Vec<Vector3<f64>> = suspects.iter().map(|&vertex| surface.vertices()[vertex]).collect();
+    let ways = obstacle.way_back(&points, &travel.direction, travel.depth)?;
+    let met: Vec<(usize, f64)> =
+        suspects.into_iter().zip(ways).filter_map(|(vertex, way)| Some((vertex, way?))).collect();
+    let entries: Vec<Vector3<f64>> =
+        met.iter().map(|&(vertex, way)| surface.vertices()[vertex] + way * travel.direction).collect();
+    let entry_normal = obstacle.signed_distance(&entries, None)?.normal;
+    // Through the closest point and on by twice the way back: outside again behind a thin wall.
+    let beyond: Vec<Vector3<f64>> = met
+        .iter()
+        .map(|&(vertex, way)| {
+            surface.vertices()[vertex] - (gaps.distance[vertex] + 2.0 * way) * gaps.normal[vertex]
+        })
+        .collect();
+    let behind = obstacle.signed_distance(&beyond, None)?.distance;
+    let mut passed = 0;
+    for (row, (vertex, way)) in met.into_iter().enumerate() {
+        let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
+        let went_through =
+            gaps.distance[vertex] >= 0.0 || normal.dot(&travel.direction) < 0.0 || behind[row] > 0.0;
+        let advance = entry.dot(&travel.direction);
+        if went_through && normal.dot(&entry) < OTHER_SIDE && advance > 0.0 {
+            gaps.distance[vertex] = -way * advance;
+            gaps.normal[vertex] = entry;
+            passed += 1;
+        }
+    }
+    Ok(passed)
+}

@@ -1,0 +1,136 @@
+//! Presses deeper than a wall is thick: the way back, and what it changes.
+
+mod common;
+
+use approx::assert_relative_eq;
+use common::{grid, icosphere};
+use nalgebra::Vector3;
+use quasirigid::contact::{Contact, ContactOptions, Press, Start, press, solve_contact};
+use quasirigid::obstacle::{Obstacle, ObstacleError};
+use quasirigid::response::{Gap, Pressure, Response, Skin};
+use quasirigid::surface::Surface;
+
+const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
+
+fn skin() -> Skin {
+    Skin::new(60e3, 0.5, Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node }).unwrap()
+}
+
+/// Flat skin about the origin, outside above, `count` cells of size `spacing` (m) a side.
+fn pad(count: usize, spacing: f64) -> Surface {
+    let (vertices, faces) = grid(count, count, spacing);
+    let middle = 0.5 * count as f64 * spacing;
+    Surface::new(vertices.iter().map(|x| x - Vector3::new(middle, middle, 0.0)).collect(), faces).unwrap()
+}
+
+fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
+    let down = Press { direction: DOWN, depth, start: Start::Infinity };
+    press(surface, obstacle, &skin(), &down, &ContactOptions::default(), &|| false).unwrap()
+}
+
+fn box_of(half_extents: [f64; 3]) -> Obstacle {
+    Obstacle::cuboid(half_extents.into()).unwrap()
+}
+
+/// The same box as a mesh.
+fn mesh_of(half_extents: [f64; 3]) -> Obstacle {
+    let corner = |i: usize| {
+        Vector3::from_fn(|axis, _| half_extents[axis] * if i >> axis & 1 == 1 { 1.0 } else { -1.0 })
+    };
+    let faces = [
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
+    ];
+    Obstacle::mesh((0..8).map(corner).collect(), faces.to_vec(), &Default::default()).unwrap()
+}
+
+#[test]
+fn the_way_back_leads_to_the_first_meeting() {
+    let ball = Obstacle::sphere(Vector3::zeros(), 5.0).unwrap();
+    // Travelling down, the ball met a point at its underside: at (3, 0, -4) seen from the ball.
+    let met =
+        |z: f64, reach: f64| ball.way_back(&[Vector3::new(3.0, 0.0, z)], &(2.0 * DOWN), reach).unwrap()[0];
+    assert_relative_eq!(met(-3.5, 1.0).unwrap(), 0.5, max_relative = 1e-14);
+    assert_relative_eq!(met(6.0, 100.0).unwrap(), 10.0, max_relative = 1e-14);
+    assert_eq!(met(-4.1, 1.0), None, "not met yet");
+    assert_eq!(met(6.0, 1.0), None, "met and left before the way began");
+    assert_eq!(met(-4.0, 0.0), Some(0.0), "met just now");
+    assert_eq!(ball.way_back(&[Vector3::new(6.0, 0.0, 0.0)], &DOWN, 100.0).unwrap(), [None]);
+
+    // A mesh finds what the primitive finds, beside edges and behind it too.
+    let (points, _) = icosphere(2.5e-3, 4);
+    let direction = Vector3::new(0.1, -0.2, -1.0);
+    let half_extents = [2e-3, 1e-3, 0.4e-3];
+    let [primitive, mesh] = [box_of(half_extents), mesh_of(half_extents)]
+        .map(|obstacle| obstacle.way_back(&points, &direction, 3e-3).unwrap());
+    assert!(primitive.iter().any(Option::is_some) && primitive.iter().any(Option::is_none));
+    for (a, b) in primitive.iter().zip(&mesh) {
+        assert_eq!(a.is_some(), b.is_some());
+        assert!((a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() < 1e-15);
+    }
+    let nowhere = ball.way_back(&[], &Vector3::zeros(), 1.0).unwrap_err();
+    assert_eq!(nowhere, ObstacleError::Direction { direction: [0.0; 3] });
+}
+
+#[test]
+fn a_fin_thinner_than_the_depth_presses_down_and_not_to_its_sides() {
+    // Of the vertices at 0 and 0.2 mm from the middle of a fin 0.6 mm thick, a shallow press finds the edge closest.
+    let surface = pad(40, 0.2e-3);
+    let fin = box_of([0.3e-3, 20e-3, 5e-3]);
+    let shallow = pressed(&surface, &fin, 0.05e-3);
+    assert!(shallow.warnings.is_empty());
+    for fin in [fin, mesh_of([0.3e-3, 20e-3, 5e-3])] {
+        let deep = pressed(&surface, &fin, 1e-3);
+        assert_eq!(deep.candidates, shallow.candidates);
+        // The problem is linear in the depth as long as the same vertices touch.
+        assert_relative_eq!(deep.resultant.force, 20.0 * shallow.resultant.force, max_relative = 1e-9);
+        assert!(deep.max_penetration_after < 1e-9);
+        assert_relative_eq!(deep.max_penetration_before, 1e-3, max_relative = 1e-9);
+        assert!(deep.warnings[0].contains("123 vertices went through a wall"), "{:?}", deep.warnings);
+    }
+}
+
+#[test]
+fn a_sheet_that_skin_went_all_the_way_through_presses_like_a_block() {
+    let surface = pad(12, 2e-3);
+    let block = pressed(&surface, &box_of([5e-3, 5e-3, 5e-3]), 0.5e-3);
+    assert!(block.warnings.is_empty());
+    let sheet = pressed(&surface, &box_of([5e-3, 5e-3, 0.05e-3]), 0.5e-3);
+    assert_eq!(sheet.candidates, block.candidates);
+    assert_relative_eq!(sheet.resultant.force, block.resultant.force, max_relative = 1e-9);
+    assert!(sheet.warnings[0].contains("25 vertices"), "{:?}", sheet.warnings);
+}
+
+#[test]
+fn features_thicker_than_the_depth_keep_their_gaps_to_the_bit() {
+    let (mut vertices, faces) = icosphere(8e-3, 4);
+    vertices.iter_mut().for_each(|x| x.z -= 8e-3);
+    let ball = Surface::new(vertices, faces).unwrap();
+    let aside = Vector3::new(2e-3, 0.5e-3, 0.0);
+    let obstacles = [
+        Obstacle::sphere(aside, 6e-3).unwrap(),
+        box_of([3e-3, 20e-3, 5e-3]).translated(&aside), // its edge runs through the contact
+        mesh_of([3e-3, 20e-3, 5e-3]).translated(&aside),
+        Obstacle::cylinder(5e-3, 3e-3).unwrap().translated(&aside),
+    ];
+    for obstacle in obstacles {
+        for depth in [0.3e-3, 1.5e-3] {
+            let moved = pressed(&ball, &obstacle, depth);
+            let options = ContactOptions::default();
+            let there = solve_contact(&ball, &moved.obstacle, &skin(), &options, &|| false).unwrap();
+            assert!(!moved.candidates.is_empty());
+            assert_eq!(moved.node_force, there.node_force);
+            assert_eq!(moved.resultant, there.resultant);
+        }
+    }
+}
