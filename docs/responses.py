@@ -25,7 +25,8 @@ PAGE = """\
 The built-in fingertip ({skin_count} vertices, edges of {edge:.2g} mm) with the bone that `models.bone_of`
 draws into it ({bone_count} vertices, {tissue:.1f} mm of tissue over the pad), held at its cut, is pressed by
 a flat plate; G = 60 kPa, nu = 0.5. Percentages are off the body, which is the linear answer for this finger.
-The body is prepared for the {node_count} vertices that may touch. Written by `python docs/responses.py`; {times}.
+The body is prepared for the {node_count} vertices that may touch. Written by `python docs/responses.py`;
+{times}.
 
 | response | set-up (s) | {heads} |
 |---|---|{dashes}|
