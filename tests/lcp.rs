@@ -9,8 +9,8 @@ use problems::{
     small_problem,
 };
 use quasirigid::lcp::{
-    Definiteness, DefinitenessCheck, LcpError, LcpMethod, LcpOptions, LcpProblem, LcpSolution, LcpStatus,
-    RayConclusion, solve,
+    Definiteness, DefinitenessCheck, FiniteCheck, LcpError, LcpMethod, LcpOptions, LcpProblem, LcpSolution,
+    LcpStatus, RayConclusion, solve,
 };
 
 fn run(m: &Mat<f64>, q: &[f64]) -> LcpSolution {
@@ -320,6 +320,113 @@ fn graded_p_matrices_are_solved_up_to_condition_1e14() {
     }
 }
 
+// Crash basis
+
+/// Problems of more than a handful of unknowns, with what a ray would mean.
+fn larger_problem(noise: &mut Noise, case: usize) -> (Mat<f64>, Vec<f64>, &'static str) {
+    let n = 20 + noise.below(40);
+    let (g, h) = (noise.matrix(n, n), noise.matrix(n, n));
+    let thin = noise.matrix(n, n / 2);
+    let skew = &h - h.transpose();
+    let identity = Mat::<f64>::identity(n, n);
+    let (m, kind) = match case % 9 {
+        0 => (&g * g.transpose() + &identity * 0.1, "definite"),
+        1 => (&g * g.transpose() * (1.0 / n as f64) + skew + &identity * 0.1, "P, far from symmetric"),
+        2 => (&thin * thin.transpose(), "semidefinite"),
+        3 => (&thin * thin.transpose() + skew, "semidefinite and skew"),
+        4 => (Mat::from_fn(n, n, |i, j| g[(i, j)].abs() + if i == j { 0.1 } else { 0.0 }), "copositive"),
+        5 => (Mat::from_fn(n, n, |i, j| 0.5_f64.powi((i / 2).abs_diff(j / 2) as i32)), "coincident nodes"),
+        6 => (Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { -g[(i, j)].abs() / n as f64 }), "M-matrix"),
+        7 => (Mat::from_fn(n, n, |_, _| noise.integer(2)), "small integers"),
+        _ => (&g + &identity * 2.0, "any"),
+    };
+    let q = match noise.below(3) {
+        0 => (0..n).map(|_| noise.value()).collect(),
+        1 => (0..n).map(|_| noise.integer(2)).collect(),
+        _ => vec![-1.0; n],
+    };
+    (m, q, kind)
+}
+
+#[test]
+fn a_crash_basis_changes_no_ending() {
+    let mut noise = Noise(41);
+    let mut used = 0;
+    for case in 0..900 {
+        let (m, q, kind) = larger_problem(&mut noise, case);
+        let crashed = run(&m, &q);
+        let plain = run_with(&m, &q, LcpMethod::Lemke, &LcpOptions { crash: false, ..LcpOptions::default() });
+        let context = format!("case {case}, {kind}: {} / {}", crashed.advice(), plain.advice());
+        assert!(plain.attempts.iter().all(|attempt| !attempt.crash));
+        assert!(crashed.attempts.iter().skip(1).all(|attempt| !attempt.crash));
+        assert_eq!(crashed.pivots, crashed.attempts.iter().map(|attempt| attempt.pivots).sum::<usize>());
+        if crashed.status == LcpStatus::Solved {
+            assert_solves(&m, &q, &crashed, 1e-9);
+        }
+        let by_crash = crashed.attempts.len() == 1 && crashed.attempts[0].crash;
+        used += usize::from(by_crash);
+        if by_crash {
+            assert_eq!(crashed.status, LcpStatus::Solved, "{context}");
+            if matches!(kind, "definite" | "P, far from symmetric" | "M-matrix") {
+                for (a, b) in crashed.z.iter().zip(&plain.z) {
+                    assert!((a - b).abs() <= 1e-8 * (1.0 + a.abs()), "{context}: {a} and {b}");
+                }
+            } else if plain.status != LcpStatus::Solved {
+                // An answer where plain Lemke ends on a ray is welcome, unless the ray has proved there is none.
+                let ray = plain.ray.as_ref().expect(&context);
+                assert_ne!(ray.conclusion, RayConclusion::Infeasible, "{context}");
+            }
+        } else if crashed.status != LcpStatus::Interrupted {
+            // From nothing then: the very path of plain Lemke, with its ending and its proof.
+            assert_eq!((crashed.status, &crashed.z), (plain.status, &plain.z), "{context}");
+            assert_eq!(crashed.ray, plain.ray, "{context}");
+        }
+    }
+    assert!(used > 200, "the crash basis was taken in {used} of 900 cases");
+}
+
+#[test]
+fn a_contact_costs_as_many_pivots_as_nodes_and_says_how() {
+    let contact = grid_contact(30, 0.8e-3, 10e-3, 2e-3);
+    let crashed = run(&contact.m, &contact.q);
+    let plain = LcpOptions { crash: false, ..LcpOptions::default() };
+    let plain = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &plain);
+    assert_eq!(crashed.active(), plain.active());
+    let contacts = crashed.active().len();
+    assert!(crashed.pivots >= contacts && 10 * crashed.pivots <= 12 * contacts, "{}", crashed.pivots);
+    assert!(plain.pivots > contacts);
+    assert_eq!(crashed.method, LcpMethod::Lemke);
+    assert!(crashed.attempts[0].crash && !crashed.attempts[0].warm);
+    // A budget below what the guess alone needs leaves all of it to the path.
+    let tight = LcpOptions { max_pivots: Some(30), ..LcpOptions::default() };
+    let tight = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &tight);
+    assert_eq!((tight.status, tight.pivots), (LcpStatus::PivotLimit, 30));
+    // The caller's own covering vector is what the path follows.
+    let covering = LcpOptions { covering: Some(vec![2.0; contact.q.len()]), ..LcpOptions::default() };
+    let covered = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &covering);
+    assert!(covered.attempts.iter().all(|attempt| !attempt.crash));
+    assert_eq!(covered.active(), crashed.active());
+}
+
+#[test]
+fn rows_that_bulge_are_taken_in() {
+    // A short-ranged pull: what is pressed lifts its neighbours, so rows with q > 0 come to touch.
+    let n = 120;
+    let m = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 => 1.0,
+        1 => -0.45,
+        _ => 0.0,
+    });
+    let q: Vec<f64> = (0..n).map(|i| if i.abs_diff(60) < 12 { -1.0 } else { 0.05 }).collect();
+    let plain = run_with(&m, &q, LcpMethod::Lemke, &LcpOptions { crash: false, ..LcpOptions::default() });
+    assert!(plain.active().len() > 23, "{:?}", plain.active());
+    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+        let solution = run_with(&m, &q, method, &LcpOptions::default());
+        assert_solves(&m, &q, &solution, 1e-12);
+        assert_eq!(solution.active(), plain.active(), "{method}");
+    }
+}
+
 // Contact
 
 #[test]
@@ -362,7 +469,9 @@ fn scaling_m_or_q_changes_no_active_set() {
     let contact = grid_contact(20, 0.8e-3, 10e-3, 1.12e-3);
     for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
         let plain = run_with(&contact.m, &contact.q, method, &LcpOptions::default());
-        for (m_scale, q_scale) in [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-6), (1e-9, 1e-6), (1e200, 1e-100)] {
+        let scales =
+            [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-6), (1e-9, 1e-6), (1e200, 1e-100), (3.0, 0.7), (0.3, 1.9)];
+        for (m_scale, q_scale) in scales {
             let m = &contact.m * m_scale;
             let q: Vec<f64> = contact.q.iter().map(|q| q * q_scale).collect();
             let scaled = run_with(&m, &q, method, &LcpOptions::default());
@@ -614,12 +723,85 @@ fn malformed_problems_are_named() {
             let at = (n / 2, n - 1);
             let m = Mat::from_fn(n, n, |i, j| if (i, j) == at { bad } else { 1.0 });
             let q = vec![1.0; n];
-            for view in [m.as_ref(), m.transpose()] {
-                let error = LcpProblem::new(view, &q).unwrap_err();
+            for (view, at) in [(m.as_ref(), at), (m.transpose(), (at.1, at.0))] {
+                let problem = LcpProblem::new(view, &q).unwrap();
+                let options = LcpOptions { check: FiniteCheck::Always, ..LcpOptions::default() };
+                let error = solve(&problem, LcpMethod::Lemke, &options).unwrap_err();
                 let LcpError::NonFiniteMatrix { row, column, count: 1, .. } = error else {
                     panic!("{error}")
                 };
-                assert!((row, column) == at || (column, row) == at);
+                assert_eq!((row, column), at);
+                // With q >= 0 nothing of M is needed, and a large one is not looked at.
+                let lazy = solve(&problem, LcpMethod::Lemke, &LcpOptions::default());
+                assert_eq!(lazy.is_ok(), n > 64, "{n}");
+            }
+        }
+    }
+}
+
+#[test]
+fn entries_that_an_answer_needs_are_finite_or_named() {
+    let contact = grid_contact(12, 0.8e-3, 10e-3, 0.5e-3);
+    let n = contact.q.len();
+    let sound = run(&contact.m, &contact.q);
+    let touching = sound.active()[3];
+    let far = (0..n).find(|&i| contact.q[i] > 0.0).unwrap();
+    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for (row, column) in
+                [(far, touching), (touching, touching), (touching, sound.active()[0]), (far, far)]
+            {
+                let mut m = contact.m.clone();
+                m[(row, column)] = bad;
+                for view in [m.as_ref(), m.transpose()] {
+                    let problem = LcpProblem::new(view, &contact.q).unwrap();
+                    match solve(&problem, method, &LcpOptions::default()) {
+                        Err(LcpError::NonFiniteMatrix { row: r, column: c, count: 1, .. }) => {
+                            assert!((r, c) == (row, column) || (c, r) == (row, column));
+                        }
+                        // Turned, it stands in a column that no answer needs.
+                        Ok(solution) => {
+                            assert!(view[(far, touching)].is_finite() && row == far && column == touching);
+                            assert_eq!(solution.active(), sound.active(), "{method}");
+                        }
+                        Err(error) => panic!("{method}: {error}"),
+                    }
+                }
+            }
+        }
+        // A column that cannot touch is not read unless a method looks at all of M.
+        let mut m = contact.m.clone();
+        m[(touching, far)] = f64::NAN;
+        let problem = LcpProblem::new(m.as_ref(), &contact.q).unwrap();
+        match solve(&problem, method, &LcpOptions::default()) {
+            Ok(solution) => assert_eq!(solution.active(), sound.active(), "{method}"),
+            Err(error) => assert!(method == LcpMethod::ProjectedCg, "{method}: {error}"),
+        }
+        let always = LcpOptions { check: FiniteCheck::Always, ..LcpOptions::default() };
+        let error = solve(&problem, method, &always).unwrap_err();
+        let LcpError::NonFiniteMatrix { row, column, .. } = error else { panic!("{error}") };
+        assert_eq!((row, column), (touching, far));
+    }
+}
+
+#[test]
+fn matrices_full_of_what_is_not_finite_end_without_panic() {
+    let mut noise = Noise(19);
+    for case in 0..600 {
+        let n = 1 + noise.below(90);
+        let share = 1 + noise.below(40);
+        let m = Mat::from_fn(n, n, |i, j| match noise.below(share) {
+            0 => [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][noise.below(3)],
+            _ => noise.value() + if i == j { n as f64 } else { 0.0 },
+        });
+        let q: Vec<f64> = (0..n).map(|_| noise.value()).collect();
+        let method = LcpMethod::ALL[case % 4];
+        let problem = LcpProblem::new(m.as_ref(), &q).unwrap();
+        if let Ok(solution) = solve(&problem, method, &LcpOptions::default()) {
+            // Only what the answer does not depend on may be amiss.
+            assert_eq!(solution.status, LcpStatus::Solved);
+            for j in solution.active() {
+                assert!((0..n).all(|i| m[(i, j)].is_finite()));
             }
         }
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from . import _core
 from .errors import LcpError
@@ -58,6 +58,24 @@ class LcpOptions:
         Guess of the unknowns with z > 0.
     covering : (n,) array_like or None
         Covering vector of Lemke's method, all > 0; None for ones.
+    total : float or None
+        Load control, for "projected_cg" alone: the sum of z, > 0. q is then known up to one shift for all
+        rows, which `LcpSolution.shift` tells.
+    definiteness : {"cheap", "always", "never"}
+        Whether the certificate looks for positive definiteness, which makes a solution the only one;
+        "cheap": where that costs no more than the solve did.
+    crash : bool
+        Let Lemke's method begin from a crash basis: block exchanges guess the active set as long as nothing
+        shows that M is no P-matrix; where they stall, the path begins from nothing. Every exchange counts as
+        a pivot. Only where neither `initial_active` nor `covering` is given, and for more than 16 unknowns
+        that may touch.
+    check : {"cheap", "always"}
+        Which entries of M are looked at for being finite. "always": all. "cheap": all where M has at most 64
+        rows, else what the solve reads; a solved answer depends on the columns of its ``z > 0`` alone, and
+        where an ending is not "solved" all of M has been looked at. q and the diagonal always are.
+    known_p_matrix : bool
+        Promise that every principal minor of M is positive, so that there is one solution; it is taken at
+        your word, told in the certificate, and changes no answer.
     """
 
     max_pivots: int | None = _DEFAULTS["max_pivots"]
@@ -65,6 +83,11 @@ class LcpOptions:
     tolerance: float = _DEFAULTS["tolerance"]
     initial_active: Sequence[int] | NDArray[np.int64] | None = None
     covering: ArrayLike | None = None
+    total: float | None = _DEFAULTS["total"]
+    definiteness: Literal["cheap", "always", "never"] = _DEFAULTS["definiteness"]
+    crash: bool = _DEFAULTS["crash"]
+    check: Literal["cheap", "always"] = _DEFAULTS["check"]
+    known_p_matrix: bool = False
 
     def _to_core(self) -> _core.LcpOptions:
         guess = None if self.initial_active is None else [int(index) for index in self.initial_active]
@@ -74,7 +97,15 @@ class LcpOptions:
             tolerance=self.tolerance,
             initial_active=guess,
             covering=self.covering,
+            total=self.total,
+            definiteness=self.definiteness,
+            crash=self.crash,
+            check=self.check,
+            known_p_matrix=self.known_p_matrix,
         )
+
+
+_DEFAULT_OPTIONS = LcpOptions()._to_core()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,12 +160,13 @@ class LcpRay:
 
 
 class LcpAttempt(NamedTuple):
-    """One method's run within a solve."""
+    """One method's run within a solve: from your guess (`warm`), or looking for a crash basis (`crash`)."""
 
     method: str
     status: LcpStatus
     pivots: int
     warm: bool
+    crash: bool
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,11 +180,11 @@ class LcpSolution:
     z : (n,) float64
         Unknowns, never negative.
     w : (n,) float64
-        ``M z + q``, computed anew from the M and q given.
+        ``M z + q`` (+ `shift`), computed anew from the M and q given.
     active : (a,) int64
         Unknowns with z > 0, ascending.
     pivots : int
-        Basis exchanges (iterations, for projected_cg) of every run together.
+        Basis exchanges (iterations, for projected_cg) of every run together, those of a crash basis included.
     natural_residual, complementarity : float
         As in `certificate`.
     method : str
@@ -165,6 +197,10 @@ class LcpSolution:
         Where Lemke's path left for, when it did.
     attempts : tuple of LcpAttempt
         Every run, in order.
+    candidates : int
+        Number of unknowns that the method looked at; the others stay at zero.
+    shift : float
+        What load control added to every entry of q, so that ``w = M z + q + shift``; 0 without it.
     """
 
     status: LcpStatus
@@ -179,22 +215,32 @@ class LcpSolution:
     certificate: Certificate = field(repr=False)
     ray: LcpRay | None = field(repr=False)
     attempts: tuple[LcpAttempt, ...] = field(repr=False)
+    candidates: int = field(repr=False)
+    shift: float = field(repr=False)
 
     @classmethod
     def _from_core(cls, solution: _core.LcpSolution) -> LcpSolution:
         fields = solution.fields()
-        fields["status"] = LcpStatus(fields["status"])
-        ray = solution.ray()
-        attempts = (
-            LcpAttempt(method, LcpStatus(status), pivots, warm)
-            for method, status, pivots, warm in solution.attempts()
+        fields["status"] = _STATUS[fields["status"]]
+        fields["certificate"] = _built(Certificate, fields["certificate"])
+        if fields["ray"] is not None:
+            fields["ray"] = _built(LcpRay, fields["ray"])
+        fields["attempts"] = tuple(
+            LcpAttempt(method, _STATUS[status], pivots, warm, crash)
+            for method, status, pivots, warm, crash in fields["attempts"]
         )
-        return cls(
-            **fields,
-            certificate=Certificate(**solution.certificate()),
-            ray=None if ray is None else LcpRay(**ray),
-            attempts=tuple(attempts),
-        )
+        return _built(cls, fields)
+
+
+_T = TypeVar("_T")
+_STATUS = {status.value: status for status in LcpStatus}
+
+
+def _built(cls: type[_T], fields: dict[str, Any]) -> _T:
+    """A frozen dataclass from all of its fields; its own `__init__` takes longer than a small solve."""
+    built = object.__new__(cls)
+    vars(built).update(fields)
+    return built
 
 
 def solve_lcp(
@@ -210,12 +256,13 @@ def solve_lcp(
     Parameters
     ----------
     M : (n, n) array_like
-        Any real matrix: nonsymmetric, indefinite and singular ones are welcome. Column-major (Fortran)
-        order is the fastest; float64 in either order is not copied.
+        Any real matrix: nonsymmetric, indefinite and singular ones are welcome. float64 in C or Fortran
+        order is read in place.
     q : (n,) array_like
         Any real vector.
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
-        "lemke" takes any M; "block_pivoting" is fast for P-matrices; "projected_cg" needs a symmetric M
+        "lemke" takes any M, and begins from a crash basis (Dirkse, Ferris) where
+        `LcpOptions.crash` allows; "block_pivoting" is fast for P-matrices; "projected_cg" needs a symmetric M
         and is for large problems; "auto" chooses and says in `LcpSolution.attempts` what it did.
     options : LcpOptions, optional
         How it is solved.
@@ -243,8 +290,8 @@ def solve_lcp(
     >>> solution.status.value, solution.z.round(6).tolist()
     ('solved', [1.333333, 2.333333])
     """
-    core_options = (options or LcpOptions())._to_core()
-    solution = LcpSolution._from_core(_core.solve_lcp(M, q, method=method, options=core_options))
+    core_options = _DEFAULT_OPTIONS if options is None else options._to_core()
+    solution = LcpSolution._from_core(_core.solve_lcp(M, q, method, core_options))
     if throw and solution.status is not LcpStatus.SOLVED:
         error = LcpError(f"the complementarity problem ended with status {solution.advice}")
         error.solution = solution

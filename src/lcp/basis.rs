@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::dense::{Factor, NoFactor};
 use super::kernels::{axpy, dot};
-use super::problem::{SHARED, row_block};
+use super::product::{SHARED, row_block};
 
 /// A new row's entry must exceed the pivot by this factor before the two rows change places; above 1 so that
 /// `T` stays triangular, and half as dear, where no interchange is needed.

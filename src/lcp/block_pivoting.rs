@@ -5,92 +5,101 @@
 //! when it does not, one unknown at a time changes (Murty's least-index rule), which ends for P-matrices, if
 //! not always soon.
 
+use faer::Mat;
+
 use super::certificate::nan_max;
 use super::dense::{Factor, NoFactor};
 use super::options::LcpOptions;
 use super::outcome::Outcome;
-use super::problem::add_product;
-use super::reduced::{Reduced, gather};
+use super::reduced::Reduced;
 use super::solution::LcpStatus;
 
-/// Block exchanges without progress before single ones take over (Júdice and Pires advise at most ten).
+/// Block exchanges without progress that are borne (Júdice and Pires advise at most ten).
 const PATIENCE: usize = 10;
-/// Values closer to zero than this count as zero, relative to the largest.
-const ZERO: f64 = 64.0 * f64::EPSILON;
-/// Error of a block's equations, relative to its largest value, above which its factor is no use.
+/// The same where a crash basis is looked for, which must cost little when it is not found.
+const CRASH_PATIENCE: usize = 2;
+/// Values closer to zero than this count as zero, relative to the largest; larger errors are refined.
+pub(super) const ZERO: f64 = 64.0 * f64::EPSILON;
+/// Errors of a block's equations, relative to its largest value, above which the factor is no use.
 const ACCURACY: f64 = 1e-6;
+/// Share of the largest entry by which the outer rows and columns of a symmetric block may differ.
+const SYMMETRIC: f64 = 1e-13;
 
-/// How long single exchanges may go on.
+/// What to do where block exchanges do not get on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fallback {
-    /// Until they end, within the pivot budget.
+    /// Exchange single unknowns until they end, within the pivot budget.
     Finite,
-    /// Not at all; something else is waiting.
+    /// Give up; something else is waiting.
     None,
+    /// Give up soon, and as soon as a block shows that M is no P-matrix.
+    Crash,
 }
 
-/// Solves from the guess `active` (ascending); `definite` tries Cholesky while it lasts, for a symmetric M.
+/// Solves from the guess `active` (ascending), to which `spent` pivots have led.
 pub(super) fn solve(
     reduced: &Reduced,
     active: &[usize],
-    mut definite: bool,
+    spent: usize,
     fallback: Fallback,
     options: &LcpOptions,
 ) -> Outcome {
-    let (m, n) = (reduced.m(), reduced.size());
+    let n = reduced.size();
     let budget = options.pivot_budget(n);
-    let interrupted = || options.is_interrupted();
-    let scale: Vec<f64> = (0..n).map(|i| if m[(i, i)] > 0.0 { m[(i, i)] } else { 1.0 }).collect();
+    let unit = |diagonal: f64| if diagonal > 0.0 { diagonal } else { 1.0 };
+    let scale: Vec<f64> = (0..n).map(|i| unit(reduced.diagonal(i))).collect();
+    let deficit = reduced.q.iter().fold(0.0, |deficit: f64, q| deficit.max(-q));
     let mut is_active = vec![false; n];
     active.iter().for_each(|&i| is_active[i] = true);
-    let mut outcome = Outcome::zero(LcpStatus::Breakdown, n);
-    let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
+    let mut outcome = Outcome { pivots: spent, ..Outcome::zero(LcpStatus::Breakdown, n) };
+    let full_patience = if fallback == Fallback::Crash { CRASH_PATIENCE } else { PATIENCE };
+    let (mut fewest, mut patience) = (usize::MAX, full_patience);
     let mut singles = if options.max_pivots.is_some() { usize::MAX } else { single_budget(n) };
+    let mut blocks = Blocks { reduced, options, kind: Kind::Open };
     loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();
-        let k = set.len() as f64;
-        outcome.work += k * k * k * if definite { 1.0 / 3.0 } else { 2.0 / 3.0 } + 4.0 * k * n as f64;
-        let block = gather(m, &set, &set, &interrupted);
-        let factor =
-            if definite { Factor::cholesky(block, &interrupted) } else { Factor::lu(block, &interrupted) };
-        let factor = match factor {
-            Err(NoFactor::Singular) if definite => {
-                definite = false;
-                continue;
-            }
+        let factor = match blocks.factor(&set, &mut outcome.work) {
             Ok(factor) => factor,
             Err(NoFactor::Interrupted) => return Outcome { status: LcpStatus::Interrupted, ..outcome },
             Err(NoFactor::Singular) => return outcome,
         };
-        let (z, w, error) = block_values(reduced, &set, &factor, &interrupted);
-        outcome.z = z;
-        let z = &outcome.z;
-        let size = (0..n).fold(1.0, |size: f64, i| nan_max(size, scale[i] * z[i].abs()));
-        if !size.is_finite() || error > ACCURACY * size {
-            outcome.z.iter_mut().for_each(|z| *z = if z.is_finite() { z.max(0.0) } else { 0.0 });
+        if fallback == Fallback::Crash
+            && !(factor.has_positive_determinant() && blocks.kind != Kind::Indefinite)
+        {
             return outcome;
         }
+        let (w, size, error) = blocks.values(&set, &factor, &scale, deficit, &mut outcome);
+        if options.is_interrupted() {
+            return Outcome { status: LcpStatus::Interrupted, ..clipped(outcome) };
+        }
+        if factor.is_cholesky() && error > ZERO * size {
+            // The lower triangle does not stand for the block: it is not symmetric after all.
+            blocks.kind = Kind::Nonsymmetric;
+            continue;
+        }
+        if !size.is_finite() || error > ACCURACY * size {
+            return clipped(outcome);
+        }
         let zero = ZERO * size;
+        let z = &outcome.z;
         let wrong: Vec<usize> =
             (0..n).filter(|&i| if is_active[i] { scale[i] * z[i] < -zero } else { w[i] < -zero }).collect();
         if wrong.is_empty() {
-            outcome.z.iter_mut().for_each(|z| *z = z.max(0.0));
-            return Outcome { status: LcpStatus::Solved, ..outcome };
+            return Outcome { status: LcpStatus::Solved, ..clipped(outcome) };
         }
         let mut exchanged = &wrong[..];
         if wrong.len() < fewest {
-            (fewest, patience) = (wrong.len(), PATIENCE);
+            (fewest, patience) = (wrong.len(), full_patience);
         } else if patience > 0 {
             patience -= 1;
         } else if fallback == Fallback::Finite {
             exchanged = &wrong[..1];
         } else {
-            return outcome;
+            return clipped(outcome);
         }
         singles -= usize::from(exchanged.len() < wrong.len());
-        if outcome.pivots >= budget || singles == 0 {
-            outcome.z.iter_mut().for_each(|z| *z = z.max(0.0));
-            return Outcome { status: LcpStatus::PivotLimit, ..outcome };
+        if outcome.pivots + exchanged.len() > budget || singles == 0 {
+            return Outcome { status: LcpStatus::PivotLimit, ..clipped(outcome) };
         }
         exchanged.iter().for_each(|&i| is_active[i] = !is_active[i]);
         outcome.pivots += exchanged.len();
@@ -102,28 +111,96 @@ fn single_budget(n: usize) -> usize {
     n + 20_000 / n.max(1)
 }
 
-/// z and w of the complementary basis of `set`, refined once, and how far w is from zero on it.
-fn block_values(
-    reduced: &Reduced,
-    set: &[usize],
-    factor: &Factor,
-    interrupted: &dyn Fn() -> bool,
-) -> (Vec<f64>, Vec<f64>, f64) {
-    let mut z = vec![0.0; reduced.size()];
-    let mut w = reduced.q.clone();
-    for _ in 0..2 {
-        let right: Vec<f64> = set.iter().map(|&i| w[i]).collect();
-        for (&i, error) in set.iter().zip(factor.solve(&right)) {
-            z[i] -= error;
+fn clipped(mut outcome: Outcome) -> Outcome {
+    outcome.z.iter_mut().for_each(|z| *z = if z.is_finite() { z.max(0.0) } else { 0.0 });
+    outcome
+}
+
+/// Factors of principal blocks, and what they give.
+struct Blocks<'a> {
+    reduced: &'a Reduced<'a>,
+    options: &'a LcpOptions<'a>,
+    kind: Kind,
+}
+
+/// What the blocks so far have shown of M.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Nothing against M being symmetric and positive definite.
+    Open,
+    /// M is symmetric, but not definite, hence no P-matrix.
+    Indefinite,
+    /// M is not symmetric.
+    Nonsymmetric,
+}
+
+impl Blocks<'_> {
+    /// The block of `set`: by Cholesky where it looks symmetric and may be definite, else by LU.
+    ///
+    /// Only its outer rows and columns are compared; that the rest is symmetric shows in the residual.
+    fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<Factor, NoFactor> {
+        let interrupted = || self.options.is_interrupted();
+        let k = set.len() as f64;
+        if self.kind == Kind::Open {
+            let block = self.reduced.principal(set, true, &interrupted);
+            if looks_symmetric(&block) {
+                *work += k * k * k / 3.0;
+                match Factor::cholesky(block, &interrupted) {
+                    Err(NoFactor::Singular) => self.kind = Kind::Indefinite,
+                    other => return other,
+                }
+            } else {
+                self.kind = Kind::Nonsymmetric;
+            }
         }
-        w.copy_from_slice(&reduced.q);
-        add_product(reduced.m(), &z, &mut w);
-        if interrupted() {
-            break;
-        }
+        *work += 2.0 / 3.0 * k * k * k;
+        Factor::lu(self.reduced.principal(set, false, &interrupted), &interrupted)
     }
-    let error = set.iter().fold(0.0, |worst: f64, &i| nan_max(worst, w[i].abs()));
-    (z, w, error)
+
+    /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
+    /// how far w is from zero on the set.
+    fn values(
+        &self,
+        set: &[usize],
+        factor: &Factor,
+        scale: &[f64],
+        deficit: f64,
+        outcome: &mut Outcome,
+    ) -> (Vec<f64>, f64, f64) {
+        let interrupted = || self.options.is_interrupted();
+        let z = &mut outcome.z;
+        z.fill(0.0);
+        let mut w = self.reduced.q.clone();
+        let (mut size, mut error) = (deficit, f64::INFINITY);
+        for _ in 0..2 {
+            let right: Vec<f64> = set.iter().map(|&i| w[i]).collect();
+            for (&i, error) in set.iter().zip(factor.solve(&right, &interrupted)) {
+                z[i] -= error;
+            }
+            w.copy_from_slice(&self.reduced.q);
+            self.reduced.add_product(z, &mut w, &interrupted);
+            outcome.work += 2.0 * set.len() as f64 * (w.len() + set.len()) as f64;
+            size = set.iter().fold(deficit, |size, &i| nan_max(size, scale[i] * z[i].abs()));
+            error = set.iter().fold(0.0, |worst: f64, &i| nan_max(worst, w[i].abs()));
+            if error <= ZERO * size || interrupted() {
+                break;
+            }
+        }
+        (w, size, error)
+    }
+}
+
+/// Whether the first and the last row and column of a block are the same but for rounding.
+fn looks_symmetric(block: &Mat<f64>) -> bool {
+    let k = block.nrows();
+    let Some(last) = k.checked_sub(1) else {
+        return true;
+    };
+    [0, last].iter().all(|&j| {
+        let column = block.col_as_slice(j);
+        let limit = SYMMETRIC * column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+        column.iter().enumerate().all(|(i, &entry)| (entry - block[(j, i)]).abs() <= limit)
+    })
 }
 
 /// Where a press without a guess begins: a smooth obstacle touches where it would overlap by half of the most

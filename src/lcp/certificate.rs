@@ -56,7 +56,7 @@ impl Certificate {
             let force = if z == 0.0 { 0.0 } else { problem.diagonal_scale(i) * z };
             natural = nan_max(natural, force.min(w).abs() / delta);
             infeasibility = nan_max(infeasibility, (-w).max(0.0) / delta);
-            if z < 0.0 {
+            if z < 0.0 || !w.is_finite() {
                 natural = nan_max(natural, f64::INFINITY);
             }
             products += (z * (w / delta)).abs();

@@ -1,7 +1,6 @@
 //! Factors of a dense block, made in panels so that a large one can be interrupted and shared among threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor as llt;
 use faer::linalg::lu::partial_pivoting::factor as lu;
 use faer::linalg::matmul::{self, triangular};
 use faer::linalg::triangular_solve as substitution;
@@ -9,7 +8,8 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
-use super::kernels::axpy;
+use super::kernels::{add_terms_inline, axpy, dot};
+use super::product::CHUNK;
 
 /// Columns of a panel; between panels the interrupt is asked, so those of a tall matrix are narrow.
 fn panel(n: usize) -> usize {
@@ -17,6 +17,8 @@ fn panel(n: usize) -> usize {
 }
 /// Columns of the rest that one task updates. It depends on no number of threads, so neither do the results.
 const STRIP: usize = 256;
+/// Multiplications between two asks of the interrupt: some tens of milliseconds on one core.
+const WORK: usize = 1 << 29;
 
 /// Why there is no factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,11 +78,16 @@ impl Factor {
                 left.submatrix(start, start, end - start, end - start),
                 left.submatrix(end, start, n - end, end - start),
             );
-            in_strips(right.submatrix_mut(start, 0, height, n - end), |_, strip| {
-                let (mut top, mut rest) = strip.split_at_row_mut(end - start);
-                substitution::solve_unit_lower_triangular_in_place(triangle, top.rb_mut(), Par::Seq);
-                matmul::matmul(rest.rb_mut(), Accum::Add, below, top.rb(), -1.0, Par::Seq);
-            });
+            in_strips(
+                right.submatrix_mut(start, 0, height, n - end),
+                end - start,
+                interrupted,
+                |_, strip| {
+                    let (mut top, mut rest) = strip.split_at_row_mut(end - start);
+                    substitution::solve_unit_lower_triangular_in_place(triangle, top.rb_mut(), Par::Seq);
+                    matmul::matmul(rest.rb_mut(), Accum::Add, below, top.rb(), -1.0, Par::Seq);
+                },
+            );
         }
         Ok(Self { a, order: Some(order) })
     }
@@ -98,20 +105,7 @@ impl Factor {
             let (triangle, mut below) =
                 left.rb_mut().submatrix_mut(start, start, n - start, width).split_at_row_mut(width);
             let mut triangle = triangle;
-            let scratch = llt::cholesky_in_place_scratch::<f64>(width, Par::Seq, Default::default());
-            let mut buffer = MemBuffer::new(scratch);
-            let stack = MemStack::new(&mut buffer);
-            llt::cholesky_in_place(
-                triangle.rb_mut(),
-                Default::default(),
-                Par::Seq,
-                stack,
-                Default::default(),
-            )
-            .map_err(|_| NoFactor::Singular)?;
-            if !(0..width).all(|i| triangle[(i, i)] > 0.0 && triangle[(i, i)].is_finite()) {
-                return Err(NoFactor::Singular);
-            }
+            triangle_cholesky(triangle.rb_mut())?;
             // L21 = A21 L11'^-1, that is L11 L21' = A21'.
             substitution::solve_lower_triangular_in_place(
                 triangle.rb(),
@@ -119,7 +113,7 @@ impl Factor {
                 Par::Seq,
             );
             let below = below.rb();
-            in_strips(right.submatrix_mut(end, 0, n - end, n - end), |first, strip| {
+            in_strips(right.submatrix_mut(end, 0, n - end, n - end), width, interrupted, |first, strip| {
                 let columns = strip.ncols();
                 let (_, strip) = strip.split_at_row_mut(first);
                 let (top, mut rest) = strip.split_at_row_mut(columns);
@@ -148,50 +142,134 @@ impl Factor {
         let mut inverse = Mat::<f64>::zeros(n, n);
         let order = self.order.expect("an LU factor has an order of rows");
         order.iter().enumerate().for_each(|(i, &from)| inverse[(i, from)] = 1.0);
-        for start in (0..n).step_by(STRIP) {
-            if interrupted() {
-                return Err(NoFactor::Interrupted);
-            }
-            let strip = inverse.as_mut().subcols_mut(start, STRIP.min(n - start));
-            substitution::solve_unit_lower_triangular_in_place(self.a.as_ref(), strip, Par::Seq);
+        let strip = (WORK / (4 * n * n).max(1)).clamp(8, STRIP);
+        for_groups(inverse.as_mut(), 4 * strip, interrupted, |_, part| {
+            let solve = |strip| {
+                substitution::solve_unit_lower_triangular_in_place(self.a.as_ref(), strip, Par::Seq);
+            };
+            if part.ncols() <= strip { solve(part) } else { part.par_col_chunks_mut(strip).for_each(solve) }
+        });
+        if interrupted() {
+            return Err(NoFactor::Interrupted);
         }
         Ok((self.a, inverse))
     }
 
-    /// `A x = b`.
-    pub(super) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    /// Whether the factor stands for the lower triangle alone.
+    pub(super) fn is_cholesky(&self) -> bool {
+        self.order.is_none()
+    }
+
+    /// The sign of the determinant, which is positive for every principal block of a P-matrix.
+    pub(super) fn has_positive_determinant(&self) -> bool {
+        let Some(order) = &self.order else {
+            return true;
+        };
+        let mut positive = (0..order.len()).filter(|&i| self.a[(i, i)] < 0.0).count().is_multiple_of(2);
+        // Each cycle of even length is an odd permutation.
+        let mut seen = vec![false; order.len()];
+        for start in 0..order.len() {
+            let (mut at, mut length) = (start, 0_usize);
+            while !std::mem::replace(&mut seen[at], true) {
+                at = order[at];
+                length += 1;
+            }
+            positive ^= length > 0 && length.is_multiple_of(2);
+        }
+        positive
+    }
+
+    /// `A x = b`; unfinished when interrupted.
+    pub(super) fn solve(&self, b: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
         let n = b.len();
         let a = self.a.as_ref();
         let mut x: Vec<f64> = match &self.order {
             Some(order) => order.iter().map(|&i| b[i]).collect(),
             None => b.to_vec(),
         };
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for j in 0..n {
-                    let column = column(a, j);
-                    if self.order.is_none() {
-                        x[j] /= column[j];
-                    }
-                    let value = -x[j];
-                    axpy(&mut x[j + 1..], value, &column[j + 1..]);
-                }
-                for j in (0..n).rev() {
-                    let column = column(a, j);
-                    if self.order.is_some() {
-                        x[j] /= column[j];
+        let columns_at_once = (CHUNK / n.max(1)).max(1);
+        for first in (0..n).step_by(columns_at_once) {
+            if first > 0 && interrupted() {
+                return x;
+            }
+            let columns = first..(first + columns_at_once).min(n);
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for j in columns {
+                        let column = column(a, j);
+                        if self.order.is_none() {
+                            x[j] /= column[j];
+                        }
                         let value = -x[j];
-                        axpy(&mut x[..j], value, &column[..j]);
-                    } else {
-                        let sum = super::kernels::dot(&column[j + 1..], &x[j + 1..]);
-                        x[j] = (x[j] - sum) / column[j];
+                        axpy(&mut x[j + 1..], value, &column[j + 1..]);
                     }
-                }
-            },
-        );
+                },
+            );
+        }
+        for end in (1..=n).rev().step_by(columns_at_once) {
+            if end < n && interrupted() {
+                return x;
+            }
+            let columns = end.saturating_sub(columns_at_once)..end;
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for j in columns.rev() {
+                        let column = column(a, j);
+                        if self.order.is_some() {
+                            x[j] /= column[j];
+                            let value = -x[j];
+                            axpy(&mut x[..j], value, &column[..j]);
+                        } else {
+                            let sum = dot(&column[j + 1..], &x[j + 1..]);
+                            x[j] = (x[j] - sum) / column[j];
+                        }
+                    }
+                },
+            );
+        }
         x
     }
+}
+
+/// Cholesky of a panel's triangle, column by column; faer's has a start-up cost that small blocks would feel.
+fn triangle_cholesky(mut triangle: MatMut<'_, f64>) -> Result<(), NoFactor> {
+    let n = triangle.nrows();
+    let mut l = vec![0.0; n * n];
+    for (j, column) in l.chunks_exact_mut(n.max(1)).enumerate() {
+        let source = triangle.rb().col(j).try_as_col_major().expect("an owned matrix has contiguous columns");
+        column[j..].copy_from_slice(&source.as_slice()[j..]);
+    }
+    let is_definite = pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for j in 0..n {
+                let (left, rest) = l.split_at_mut(j * n);
+                let column = &mut rest[j..n];
+                add_terms_inline(column, j, |p| {
+                    let earlier = &left[p * n + j..][..n - j];
+                    (earlier, -earlier[0])
+                });
+                let pivot = column[0];
+                if !(pivot > 0.0 && pivot.is_finite()) {
+                    return false;
+                }
+                let root = pivot.sqrt();
+                column.iter_mut().for_each(|entry| *entry /= root);
+            }
+            true
+        },
+    );
+    if !is_definite {
+        return Err(NoFactor::Singular);
+    }
+    for (j, column) in l.chunks_exact(n.max(1)).enumerate() {
+        let target = triangle.rb_mut().col_mut(j).try_as_col_major_mut();
+        let target = target.expect("an owned matrix has contiguous columns").as_slice_mut();
+        target[j..].copy_from_slice(&column[j..]);
+    }
+    Ok(())
 }
 
 #[inline(always)]
@@ -199,12 +277,36 @@ fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
     a.col(j).try_as_col_major().expect("an owned matrix has contiguous columns").as_slice()
 }
 
-/// Runs `update` on strips of columns, with the number of the first; several at a time where there are many.
-fn in_strips(rest: MatMut<'_, f64>, update: impl Fn(usize, MatMut<'_, f64>) + Sync) {
-    match rest.ncols() {
-        0 => {}
-        1..=STRIP => update(0, rest),
-        _ => rest.par_col_chunks_mut(STRIP).enumerate().for_each(|(k, strip)| update(k * STRIP, strip)),
+/// Runs `update` on strips of columns, with the number of the first; several at a time where there are many, and
+/// `interrupted` asked in between. Each column takes `depth` multiplications a row.
+fn in_strips(
+    rest: MatMut<'_, f64>,
+    depth: usize,
+    interrupted: &dyn Fn() -> bool,
+    update: impl Fn(usize, MatMut<'_, f64>) + Sync,
+) {
+    let group = STRIP * (WORK / (STRIP * depth * rest.nrows()).max(1)).max(2);
+    for_groups(rest, group, interrupted, |first, part| match part.ncols() {
+        0..=STRIP => update(first, part),
+        _ => {
+            part.par_col_chunks_mut(STRIP).enumerate().for_each(|(k, strip)| update(first + k * STRIP, strip))
+        }
+    });
+}
+
+/// Runs `update` on groups of columns one after the other, asking in between.
+fn for_groups(
+    mut rest: MatMut<'_, f64>,
+    group: usize,
+    interrupted: &dyn Fn() -> bool,
+    update: impl Fn(usize, MatMut<'_, f64>),
+) {
+    for first in (0..rest.ncols()).step_by(group) {
+        if first > 0 && interrupted() {
+            return;
+        }
+        let width = group.min(rest.ncols() - first);
+        update(first, rest.rb_mut().subcols_mut(first, width));
     }
 }
 
@@ -224,7 +326,7 @@ mod tests {
         let n = a.nrows();
         let x: Vec<f64> = (0..n).map(|i| (i % 7) as f64 - 3.0).collect();
         let b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| a[(i, j)] * x[j]).sum()).collect();
-        for (found, expected) in factor.solve(&b).iter().zip(&x) {
+        for (found, expected) in factor.solve(&b, &|| false).iter().zip(&x) {
             assert!((found - expected).abs() < 1e-8, "{found} is not {expected} at n = {n}");
         }
     }

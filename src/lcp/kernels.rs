@@ -1,27 +1,34 @@
 //! Vector loops, compiled for what the processor offers and chosen at run time.
 
-/// `y += Σ c_j x_j` over the columns `(x_j, c_j)`, each as long as `y`.
-pub(super) fn add_columns(y: &mut [f64], columns: &[(&[f64], f64)]) {
+/// `y += Σ c_k x_k` over the terms `(x_k, c_k)`, each x as long as `y`.
+pub(super) fn add_terms<'a>(y: &mut [f64], count: usize, term: impl Fn(usize) -> (&'a [f64], f64)) {
     pulp::Arch::new().dispatch(
         #[inline(always)]
-        || add_columns_inline(y, columns),
+        || add_terms_inline(y, count, term),
     );
 }
 
+/// [`add_terms`] within a dispatch.
 #[inline(always)]
-fn add_columns_inline(y: &mut [f64], columns: &[(&[f64], f64)]) {
+pub(super) fn add_terms_inline<'a>(y: &mut [f64], count: usize, term: impl Fn(usize) -> (&'a [f64], f64)) {
     let n = y.len();
-    let mut chunks = columns.chunks_exact(8);
-    for chunk in &mut chunks {
-        let x: [&[f64]; 8] = std::array::from_fn(|k| &chunk[k].0[..n]);
-        let c: [f64; 8] = std::array::from_fn(|k| chunk[k].1);
+    let whole = count - count % 8;
+    for first in (0..whole).step_by(8) {
+        // Written out, as `array::from_fn` is not compiled into the kernel.
+        let at = |k: usize| {
+            let (x, c) = term(first + k);
+            (&x[..n], c)
+        };
+        let [(x0, c0), (x1, c1), (x2, c2), (x3, c3)] = [at(0), at(1), at(2), at(3)];
+        let [(x4, c4), (x5, c5), (x6, c6), (x7, c7)] = [at(4), at(5), at(6), at(7)];
         for i in 0..n {
-            let even = (c[0] * x[0][i] + c[2] * x[2][i]) + (c[4] * x[4][i] + c[6] * x[6][i]);
-            let odd = (c[1] * x[1][i] + c[3] * x[3][i]) + (c[5] * x[5][i] + c[7] * x[7][i]);
+            let even = (c0 * x0[i] + c2 * x2[i]) + (c4 * x4[i] + c6 * x6[i]);
+            let odd = (c1 * x1[i] + c3 * x3[i]) + (c5 * x5[i] + c7 * x7[i]);
             y[i] += even + odd;
         }
     }
-    for &(x, c) in chunks.remainder() {
+    for k in whole..count {
+        let (x, c) = term(k);
         axpy(y, c, x);
     }
 }
@@ -55,12 +62,20 @@ pub(super) fn add_column_compensated(y: &mut [f64], tail: &mut [f64], x: &[f64],
     );
 }
 
-/// Inner product, chosen at run time.
-pub(super) fn inner_product(x: &[f64], y: &[f64]) -> f64 {
+/// `y += c x` and `magnitudes += |c x|`.
+pub(super) fn add_column_measured(y: &mut [f64], magnitudes: &mut [f64], x: &[f64], c: f64) {
     pulp::Arch::new().dispatch(
         #[inline(always)]
-        || dot(x, y),
-    )
+        || {
+            let n = y.len();
+            let (magnitudes, x) = (&mut magnitudes[..n], &x[..n]);
+            for i in 0..n {
+                let product = c * x[i];
+                y[i] += product;
+                magnitudes[i] += product.abs();
+            }
+        },
+    );
 }
 
 /// Inner product, summed in 16 lanes.
@@ -190,7 +205,7 @@ mod tests {
                 let terms: Vec<(&[f64], f64)> =
                     columns.iter().enumerate().map(|(j, c)| (&c[..], j as f64 - 3.0)).collect();
                 let mut y = vec![1.0; n];
-                add_columns(&mut y, &terms);
+                add_terms(&mut y, terms.len(), |k| terms[k]);
                 for i in 0..n {
                     let expected = 1.0 + terms.iter().map(|(c, s)| c[i] * s).sum::<f64>();
                     assert_eq!(y[i], expected, "small integers add without rounding");

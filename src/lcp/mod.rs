@@ -21,36 +21,44 @@
 //!
 //! | method | for | needs |
 //! |---|---|---|
-//! | [`Lemke`](LcpMethod::Lemke) | any M; about one pivot for each unknown above zero | columns of M as they enter |
+//! | [`Lemke`](LcpMethod::Lemke) | any M; about one pivot for each unknown above zero, by blocks where [`crash`](LcpOptions::crash) serves | columns of M as they enter |
 //! | [`BlockPivoting`](LcpMethod::BlockPivoting) | M with positive principal minors; a few factors of the active block | that block |
 //! | [`ProjectedCg`](LcpMethod::ProjectedCg) | M symmetric positive definite, by depth or by load | products with M |
 //! | [`Auto`](LcpMethod::Auto) | block pivoting, then Lemke; notes what it did | |
 //!
-//! Unknowns that no `z >= 0` can press (`q_i >= 0`, no negative entry in row i) are left out by all of them.
+//! Unknowns that no `z >= 0` can press (`q_i >= 0`, no negative entry in row i) are left out by all of them. Block
+//! exchanges begin on the rows with `q_i < 0` and take in those that an answer presses below zero, so that they
+//! read the columns that touch and little else of M.
 //! Every answer, whichever method found it, is checked against the `M` and `q` as given; only one whose
 //! [natural residual](Certificate::natural_residual) passes is called [`LcpStatus::Solved`].
 //!
 //! Sources: Lemke 1965 (Management Science 11, 681-689); Cottle, Pang, Stone 1992 ("The Linear
 //! Complementarity Problem"); Júdice, Pires 1994 (Computers & Operations Research 21, 587-596); Polonsky,
-//! Keer 1999 (Wear 231, 206-219).
+//! Keer 1999 (Wear 231, 206-219); Dirkse, Ferris, "Crash techniques for large-scale
+//! complementarity problems".
 
 mod basis;
 mod block_pivoting;
 mod certificate;
 mod dense;
+mod eights;
 mod kernels;
 mod lemke;
+mod methods;
 mod options;
 mod outcome;
 mod problem;
+mod product;
 mod projected_cg;
 mod ray;
 mod reduced;
+mod rows;
 mod solution;
 mod solve;
+mod symmetry;
 
 pub use certificate::{Certificate, Definiteness};
-pub use options::{DefinitenessCheck, LcpMethod, LcpOptions};
+pub use options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
 pub use ray::{LcpRay, RayConclusion};
 pub use solution::{LcpAttempt, LcpSolution, LcpStatus};

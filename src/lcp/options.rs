@@ -50,6 +50,46 @@ pub enum DefinitenessCheck {
     Never,
 }
 
+impl DefinitenessCheck {
+    /// Every choice.
+    pub const ALL: [Self; 3] = [Self::Cheap, Self::Always, Self::Never];
+
+    /// The name by which it is asked for.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Cheap => "cheap",
+            Self::Always => "always",
+            Self::Never => "never",
+        }
+    }
+}
+
+/// Which entries of M are looked at for being finite.
+///
+/// Entries of q always are, and so is the diagonal. A solved answer depends on the columns of its `z > 0` alone; an
+/// entry elsewhere that is not finite is noticed where a method reads it, and wherever an ending is not solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum FiniteCheck {
+    /// All where M has at most 64 rows; else what a solve reads.
+    #[default]
+    Cheap,
+    /// All.
+    Always,
+}
+
+impl FiniteCheck {
+    /// Every choice.
+    pub const ALL: [Self; 2] = [Self::Cheap, Self::Always];
+
+    /// The name by which it is asked for.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Cheap => "cheap",
+            Self::Always => "always",
+        }
+    }
+}
+
 /// Parameters of [`solve`](super::solve()).
 #[derive(Clone)]
 pub struct LcpOptions<'a> {
@@ -70,6 +110,12 @@ pub struct LcpOptions<'a> {
     pub total: Option<f64>,
     /// Whether the certificate looks for positive definiteness.
     pub definiteness: DefinitenessCheck,
+    /// Whether Lemke's method may begin from a crash basis (Dirkse, Ferris): block exchanges guess the active
+    /// set as long as nothing shows that M is no P-matrix; where they stall, the path begins from nothing. Only
+    /// without a guess or covering vector of the caller's, and for more than 16 unknowns that may touch.
+    pub crash: bool,
+    /// Which entries of M are looked at for being finite.
+    pub check: FiniteCheck,
 }
 
 impl Default for LcpOptions<'_> {
@@ -83,6 +129,8 @@ impl Default for LcpOptions<'_> {
             interrupt: None,
             total: None,
             definiteness: DefinitenessCheck::Cheap,
+            crash: true,
+            check: FiniteCheck::Cheap,
         }
     }
 }
@@ -98,6 +146,8 @@ impl std::fmt::Debug for LcpOptions<'_> {
             .field("interrupt", &self.interrupt.map(|_| "Fn() -> bool"))
             .field("total", &self.total)
             .field("definiteness", &self.definiteness)
+            .field("crash", &self.crash)
+            .field("check", &self.check)
             .finish()
     }
 }

@@ -4,12 +4,11 @@
 //! each step what became negative is cut off, and unknowns at zero with w < 0 are let in.
 
 use faer::MatRef;
-use rayon::prelude::*;
 
 use super::certificate::nan_max;
 use super::options::LcpOptions;
 use super::outcome::Outcome;
-use super::problem::add_product;
+use super::product::add_product;
 use super::solution::LcpStatus;
 
 /// Iterations without a smaller residual before the run is given up.
@@ -39,12 +38,13 @@ pub(super) fn solve(
         return run;
     }
     let budget = options.pivot_budget(n);
-    let mut z = start(m, q, &diagonal, active, total);
+    let interrupted = || options.is_interrupted();
+    let mut z = start(m, q, &diagonal, active, total, &interrupted);
     let mut direction = vec![0.0; n];
     let mut curved = vec![0.0; n];
     let (mut conjugate, mut last) = (false, 1.0);
     let (mut best, mut best_at) = (f64::INFINITY, 0);
-    let mut w = gap(m, q, &z);
+    let mut w = gap(m, q, &z, &interrupted);
     let mut is_fresh = true;
     loop {
         if total.is_some() {
@@ -61,7 +61,7 @@ pub(super) fn solve(
         }
         if residual <= tolerance * unit && !is_fresh {
             // Updates of w gather rounding; the last word has M itself.
-            w = gap(m, q, &z);
+            w = gap(m, q, &z, &interrupted);
             is_fresh = true;
             continue;
         }
@@ -87,7 +87,7 @@ pub(super) fn solve(
             direction[i] = if z[i] > 0.0 { (w[i] + shift) / diagonal[i] + keep * direction[i] } else { 0.0 };
         }
         curved.fill(0.0);
-        add_product(m, &direction, &mut curved);
+        add_product(m, &direction, &mut curved, &interrupted);
         run.outcome.work += (n * direction.iter().filter(|&&d| d != 0.0).count()) as f64;
         let slope: f64 = (0..n).map(|i| (w[i] + shift) * direction[i]).sum();
         let curvature: f64 = (0..n).map(|i| curved[i] * direction[i]).sum();
@@ -111,7 +111,7 @@ pub(super) fn solve(
             }
         }
         w.iter_mut().zip(&curved).for_each(|(w, curved)| *w -= step * curved);
-        add_product(m, &correction, &mut w);
+        add_product(m, &correction, &mut w, &interrupted);
         if let Some(total) = total {
             let factor = total / z.iter().sum::<f64>();
             z.iter_mut().for_each(|z| *z *= factor);
@@ -119,13 +119,20 @@ pub(super) fn solve(
         }
         is_fresh = run.outcome.pivots.is_multiple_of(50);
         if is_fresh {
-            w = gap(m, q, &z);
+            w = gap(m, q, &z, &interrupted);
         }
     }
 }
 
 /// A load on the guess alone, of the size that suits it best.
-fn start(m: MatRef<'_, f64>, q: &[f64], diagonal: &[f64], active: &[usize], total: Option<f64>) -> Vec<f64> {
+fn start(
+    m: MatRef<'_, f64>,
+    q: &[f64],
+    diagonal: &[f64],
+    active: &[usize],
+    total: Option<f64>,
+    interrupted: &dyn Fn() -> bool,
+) -> Vec<f64> {
     let mut z = vec![0.0; q.len()];
     if let Some(total) = total {
         // q is known up to a shift: its level is that of the highest in the guess.
@@ -140,7 +147,7 @@ fn start(m: MatRef<'_, f64>, q: &[f64], diagonal: &[f64], active: &[usize], tota
     }
     active.iter().for_each(|&i| z[i] = (-q[i]).max(0.0) / diagonal[i]);
     let mut curved = vec![0.0; q.len()];
-    add_product(m, &z, &mut curved);
+    add_product(m, &z, &mut curved, interrupted);
     let slope: f64 = q.iter().zip(&z).map(|(q, z)| -q * z).sum();
     let curvature: f64 = curved.iter().zip(&z).map(|(c, z)| c * z).sum();
     let factor = if curvature > 0.0 && slope > 0.0 { slope / curvature } else { 1.0 };
@@ -148,9 +155,9 @@ fn start(m: MatRef<'_, f64>, q: &[f64], diagonal: &[f64], active: &[usize], tota
     z
 }
 
-fn gap(m: MatRef<'_, f64>, q: &[f64], z: &[f64]) -> Vec<f64> {
+fn gap(m: MatRef<'_, f64>, q: &[f64], z: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
     let mut w = q.to_vec();
-    add_product(m, z, &mut w);
+    add_product(m, z, &mut w, interrupted);
     w
 }
 
@@ -161,50 +168,4 @@ fn mean(w: &[f64], diagonal: &[f64], z: &[f64]) -> f64 {
         sums = (sums.0 + w[i] / diagonal[i], sums.1 + 1.0 / diagonal[i]);
     }
     if sums.1 > 0.0 { sums.0 / sums.1 } else { 0.0 }
-}
-
-/// The worst pair of entries of a matrix that is not symmetric: row, column, difference over the largest entry.
-///
-/// Ends early once a pair is beyond `limit`, or when `interrupted`.
-pub(super) fn asymmetry(
-    m: MatRef<'_, f64>,
-    limit: f64,
-    interrupted: &dyn Fn() -> bool,
-) -> (usize, usize, f64) {
-    const TILE: usize = 32;
-    let n = m.nrows();
-    let strip = |first_column: usize| {
-        let (mut worst, mut largest) = ((0, 0, 0.0), 0.0_f64);
-        for first_row in (first_column..n).step_by(TILE) {
-            for j in first_column..(first_column + TILE).min(n) {
-                for i in first_row.max(j)..(first_row + TILE).min(n) {
-                    let (a, b) = (m[(i, j)], m[(j, i)]);
-                    largest = largest.max(a.abs()).max(b.abs());
-                    if (a - b).abs() > worst.2 {
-                        worst = (j, i, (a - b).abs());
-                    }
-                }
-            }
-        }
-        (worst, largest)
-    };
-    let join = |a: ((usize, usize, f64), f64), b: ((usize, usize, f64), f64)| {
-        (if b.0.2 > a.0.2 { b.0 } else { a.0 }, a.1.max(b.1))
-    };
-    let nothing = ((0, 0, 0.0), 0.0);
-    let strips: Vec<usize> = (0..n).step_by(TILE).collect();
-    let mut found = nothing;
-    for group in strips.chunks(16) {
-        let part = if n < 256 {
-            group.iter().map(|&first| strip(first)).fold(nothing, join)
-        } else {
-            group.par_iter().map(|&first| strip(first)).reduce(|| nothing, join)
-        };
-        found = join(found, part);
-        if found.0.2 > limit * found.1 || interrupted() {
-            break;
-        }
-    }
-    let ((row, column, difference), largest) = found;
-    (row, column, if largest > 0.0 { difference / largest } else { 0.0 })
 }

@@ -1,9 +1,8 @@
 //! The ray on which Lemke's method may end, and what it proves.
 
-use faer::MatRef;
-
 use super::certificate::nan_max;
-use super::problem::{LcpProblem, add_product};
+use super::problem::LcpProblem;
+use super::product::{add_product, magnitudes};
 
 /// What a ray proves about the problem, up to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -41,13 +40,19 @@ const ROUNDING: f64 = 1e-12;
 
 impl LcpRay {
     /// Checks a ray of the whole problem against M and q as given.
-    pub(super) fn verify(problem: &LcpProblem, z: Vec<f64>, z0: f64, covering: &[f64]) -> Self {
+    pub(super) fn verify(
+        problem: &LcpProblem,
+        z: Vec<f64>,
+        z0: f64,
+        covering: &[f64],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Self {
         let n = z.len();
         let m = problem.m;
         let mut product = vec![0.0; n];
-        add_product(m, &z, &mut product);
+        add_product(m, &z, &mut product, interrupted);
         let w: Vec<f64> = product.iter().zip(covering).map(|(p, d)| p + d * z0).collect();
-        let magnitudes = magnitude_product(m, &z);
+        let magnitudes = magnitudes(m, &z, interrupted);
         let size = (0..n).fold(0.0, |size: f64, i| size.max(magnitudes[i] + covering[i] * z0));
         let mut residual = 0.0_f64;
         let (mut curvature, mut weight) = (0.0, 0.0);
@@ -59,7 +64,7 @@ impl LcpRay {
         }
         let relative = |value: f64, scale: f64| if scale > 0.0 { value / scale } else { 0.0 };
         let (residual, curvature) = (relative(residual, size), relative(curvature, weight));
-        let conclusion = if proves_infeasible(problem, &z) {
+        let conclusion = if proves_infeasible(problem, &z, interrupted) {
             RayConclusion::Infeasible
         } else if curvature < -ROUNDING {
             RayConclusion::NotCopositive
@@ -71,7 +76,7 @@ impl LcpRay {
 }
 
 /// Farkas: `z >= 0`, `M' z <= 0`, `q·z < 0`.
-fn proves_infeasible(problem: &LcpProblem, z: &[f64]) -> bool {
+fn proves_infeasible(problem: &LcpProblem, z: &[f64], interrupted: &dyn Fn() -> bool) -> bool {
     let (product, magnitude) =
         problem.q.iter().zip(z).fold((0.0, 0.0), |(p, m), (q, z)| (p + q * z, m + (q * z).abs()));
     if product >= -ROUNDING * magnitude || product.is_nan() {
@@ -79,14 +84,8 @@ fn proves_infeasible(problem: &LcpProblem, z: &[f64]) -> bool {
     }
     let transposed = problem.m.transpose();
     let mut columns = vec![0.0; z.len()];
-    add_product(transposed, z, &mut columns);
-    let magnitudes = magnitude_product(transposed, z);
+    add_product(transposed, z, &mut columns, interrupted);
+    let magnitudes = magnitudes(transposed, z, interrupted);
     // A column that is only rounding above zero could still be lifted by a huge z_j, hence the strict bound.
     columns.iter().zip(magnitudes).all(|(&sum, magnitude)| sum <= 16.0 * f64::EPSILON * magnitude)
-}
-
-/// `|M| |z|`.
-fn magnitude_product(m: MatRef<'_, f64>, z: &[f64]) -> Vec<f64> {
-    let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
-    (0..m.nrows()).map(|i| active.iter().map(|&j| (m[(i, j)] * z[j]).abs()).sum()).collect()
 }

@@ -4,44 +4,44 @@ use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
 
-use super::problem::{LcpProblem, SHARED};
+use super::problem::LcpProblem;
+use super::product::{SHARED, add_product, add_product_on};
 
-/// The problem on the rows that matter, q divided by a power of two near `max(-q)`.
-///
-/// A row with `q_i >= 0` and no negative entry has `w_i >= 0` whatever `z >= 0` is, so `z_i = 0` solves it: the
-/// answer on the other rows, filled with zeros, is an answer to the whole.
+/// The problem on some of its rows, q divided by a power of two near `max(-q)`.
 pub(super) struct Reduced<'a> {
-    /// Rows kept; `None` when all are.
+    /// Rows kept, ascending; `None` when all are.
     kept: Option<Vec<usize>>,
-    storage: Storage<'a>,
+    source: MatRef<'a, f64>,
+    /// M on the rows kept, once in one piece.
+    block: Option<Block>,
     pub(super) q: Vec<f64>,
     /// z and w of the reduced problem are those of the whole divided by this.
     pub(super) unit: f64,
 }
 
-enum Storage<'a> {
-    Borrowed(MatRef<'a, f64>),
-    Owned(Mat<f64>),
+/// A copy of a part of M, in the storage order of M.
+struct Block {
+    entries: Mat<f64>,
+    is_turned: bool,
 }
 
 impl<'a> Reduced<'a> {
-    pub(super) fn new(problem: &LcpProblem<'a>, interrupted: &dyn Fn() -> bool) -> Self {
-        let n = problem.size();
-        let (m, q) = (problem.m, problem.q);
+    /// The problem on `rows` (ascending); the whole in place where copying most of M to spare the rest would not
+    /// pay.
+    pub(super) fn on(problem: &LcpProblem<'a>, rows: Vec<usize>) -> Self {
         let unit = power_of_two(problem.deficit());
-        let keep = Self::kept(problem);
-        // Copying most of M to spare the rest of it would not pay.
-        if keep.len() == n || 4 * keep.len() > 3 * n {
+        let n = problem.size();
+        if rows.len() == n || 4 * rows.len() > 3 * n {
             return Self::whole(problem, unit);
         }
-        let q = keep.iter().map(|&i| q[i] / unit).collect();
-        let m = gather(m, &keep, &keep, interrupted);
-        Self { kept: Some(keep), storage: Storage::Owned(m), q, unit }
+        let q = rows.iter().map(|&i| problem.q[i] / unit).collect();
+        Self { kept: Some(rows), source: problem.m, block: None, q, unit }
     }
 
-    /// Rows that may have to leave zero.
-    pub(super) fn kept(problem: &LcpProblem) -> Vec<usize> {
-        (0..problem.size()).filter(|&i| problem.q[i] < 0.0 || problem.row_min[i] < 0.0).collect()
+    /// All rows.
+    pub(super) fn whole(problem: &LcpProblem<'a>, unit: f64) -> Self {
+        let q = problem.q.iter().map(|q| q / unit).collect();
+        Self { kept: None, source: problem.m, block: None, q, unit }
     }
 
     /// Row of the whole problem that stands at `place` here.
@@ -49,32 +49,75 @@ impl<'a> Reduced<'a> {
         self.kept.as_ref().map_or(place, |kept| kept[place])
     }
 
-    /// All rows, in place.
-    pub(super) fn whole(problem: &LcpProblem<'a>, unit: f64) -> Self {
-        let q = problem.q.iter().map(|q| q / unit).collect();
-        Self { kept: None, storage: Storage::Borrowed(problem.m), q, unit }
-    }
-
     pub(super) fn size(&self) -> usize {
         self.q.len()
     }
 
-    /// M on the rows kept.
-    pub(super) fn m(&self) -> MatRef<'_, f64> {
-        match &self.storage {
-            Storage::Borrowed(m) => *m,
-            Storage::Owned(m) => m.as_ref(),
+    /// Copies M on the rows kept into one piece, if they are not all; left unfinished when `interrupted`.
+    pub(super) fn gather(&mut self, interrupted: &dyn Fn() -> bool) {
+        if let (Some(kept), None) = (&self.kept, &self.block) {
+            let is_turned = is_by_rows(self.source);
+            let source = if is_turned { self.source.transpose() } else { self.source };
+            self.block = Some(Block { entries: gather(source, kept, kept, interrupted), is_turned });
         }
     }
 
-    /// The same with contiguous columns, copied if it has none.
-    pub(super) fn into_columns(self, interrupted: &dyn Fn() -> bool) -> Self {
-        if self.m().try_as_col_major().is_some() {
-            return self;
+    /// M on the rows kept, which must have been gathered.
+    pub(super) fn m(&self) -> MatRef<'_, f64> {
+        match (&self.kept, &self.block) {
+            (None, _) => self.source,
+            (Some(_), Some(block)) if block.is_turned => block.entries.transpose(),
+            (Some(_), Some(block)) => block.entries.as_ref(),
+            (Some(_), None) => panic!("invariant: rows kept are gathered before M is used in one piece"),
         }
-        let all: Vec<usize> = (0..self.size()).collect();
-        let storage = Storage::Owned(gather(self.m(), &all, &all, interrupted));
-        Self { storage, ..self }
+    }
+
+    /// `w += M z` on the rows kept, from wherever M is at hand.
+    pub(super) fn add_product(&self, z: &[f64], w: &mut [f64], interrupted: &dyn Fn() -> bool) {
+        match (&self.kept, &self.block) {
+            (Some(kept), None) => add_product_on(self.source, kept, z, w, interrupted),
+            _ => add_product(self.m(), z, w, interrupted),
+        }
+    }
+
+    /// The block of M on the places `set`, or, where `stored`, its transpose if that is how M is stored.
+    pub(super) fn principal(&self, set: &[usize], stored: bool, interrupted: &dyn Fn() -> bool) -> Mat<f64> {
+        let m = if stored && is_by_rows(self.source) { self.source.transpose() } else { self.source };
+        match &self.kept {
+            None => gather(m, set, set, interrupted),
+            Some(kept) => {
+                let rows: Vec<usize> = set.iter().map(|&place| kept[place]).collect();
+                gather(m, &rows, &rows, interrupted)
+            }
+        }
+    }
+
+    /// An entry of M's diagonal.
+    pub(super) fn diagonal(&self, place: usize) -> f64 {
+        let row = self.index(place);
+        self.source[(row, row)]
+    }
+
+    /// Column `j` of M on the rows kept, from wherever it is at hand.
+    pub(super) fn read_column(&self, j: usize, column: &mut [f64]) {
+        match (&self.kept, &self.block) {
+            (Some(kept), None) => {
+                let j = kept[j];
+                match self.source.try_as_col_major() {
+                    Some(columns) => {
+                        let entries = columns.col(j).as_slice();
+                        column.iter_mut().zip(kept).for_each(|(entry, &i)| *entry = entries[i]);
+                    }
+                    None => {
+                        column.iter_mut().zip(kept).for_each(|(entry, &i)| *entry = self.source[(i, j)]);
+                    }
+                }
+            }
+            _ => match self.m().try_as_col_major() {
+                Some(columns) => column.copy_from_slice(columns.col(j).as_slice()),
+                None => column.iter_mut().enumerate().for_each(|(i, entry)| *entry = self.m()[(i, j)]),
+            },
+        }
     }
 
     /// Entries of a vector of the whole problem on the rows kept.
@@ -108,6 +151,19 @@ impl<'a> Reduced<'a> {
     }
 }
 
+/// Rows that may have to leave zero.
+///
+/// A row with `q_i >= 0` and no negative entry (`row_min`) has `w_i >= 0` whatever `z >= 0` is, so `z_i = 0` solves
+/// it: the answer on the other rows, filled with zeros, is an answer to the whole.
+pub(super) fn rows_that_matter(q: &[f64], row_min: &[f64]) -> Vec<usize> {
+    (0..q.len()).filter(|&i| q[i] < 0.0 || row_min[i] < 0.0).collect()
+}
+
+/// Whether M is stored by rows and not by columns.
+pub(super) fn is_by_rows(m: MatRef<'_, f64>) -> bool {
+    m.try_as_col_major().is_none() && m.transpose().try_as_col_major().is_some()
+}
+
 /// The block of `m` on `rows` and `columns`; left unfinished when `interrupted`.
 pub(super) fn gather(
     m: MatRef<'_, f64>,
@@ -137,8 +193,14 @@ pub(super) fn build(
     fill: impl Fn(usize, usize, &mut [f64]) + Sync,
 ) -> Mat<f64> {
     const TILE: usize = 32;
-    let group = (SHARED / rows.max(1)).next_multiple_of(8 * TILE);
     let mut block = Mat::zeros(rows, columns);
+    if rows * columns <= TILE * TILE * TILE {
+        for j in 0..columns {
+            fill(j, 0, block.col_as_slice_mut(j));
+        }
+        return block;
+    }
+    let group = (SHARED / rows.max(1)).next_multiple_of(8 * TILE);
     let tiles = |first: usize, mut strip: MatMut<'_, f64>| {
         for row in (0..rows).step_by(TILE) {
             for j in 0..strip.ncols() {
@@ -190,7 +252,8 @@ mod tests {
     fn rows_that_cannot_touch_are_left_out() {
         let m = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 1.0 });
         let problem = LcpProblem::new(m.as_ref(), &[1.0, -1.0, 0.0]).unwrap();
-        let reduced = Reduced::new(&problem, &|| false);
+        let row_min = &problem.rows(&|| false).unwrap().unwrap().low;
+        let reduced = Reduced::on(&problem, rows_that_matter(&[1.0, -1.0, 0.0], row_min));
         assert_eq!(reduced.q, [-1.0]);
         assert_eq!(reduced.expand(&[0.5], 3), [0.0, 0.5, 0.0]);
         assert_eq!(reduced.restrict_set(&[2, 1]), [0]);

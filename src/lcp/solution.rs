@@ -47,8 +47,10 @@ pub struct LcpAttempt {
     pub status: LcpStatus,
     /// Basis exchanges of this run (iterations for projected_cg).
     pub pivots: usize,
-    /// Whether it began from a guessed active set.
+    /// Whether it began from the caller's guess of the active set.
     pub warm: bool,
+    /// Whether block exchanges looked for a crash basis; only a run that they did not solve is followed by others.
+    pub crash: bool,
 }
 
 /// What a solve found; z and w are an answer only where the status is [`LcpStatus::Solved`].

@@ -72,6 +72,12 @@ pub(super) fn matrix3(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Matrix3<
 
 /// (n,) numbers.
 pub(super) fn scalars(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
+    // What needs no conversion need not ask NumPy for one.
+    if let Ok(array) = value.cast::<PyArray1<f64>>()
+        && let Ok(numbers) = array.readonly().as_slice()
+    {
+        return Ok(numbers.to_vec());
+    }
     let array = float_array(value, name)?;
     match array.shape() {
         [_] => Ok(array.as_slice()?.to_vec()),

@@ -3,44 +3,73 @@
 use super::convert::{MatrixIn, nodes_out, scalars};
 use super::errors::IntoPyErr;
 use super::interrupt::detached;
-use crate::lcp::{self, LcpMethod, LcpOptions, LcpProblem, LcpSolution, RayConclusion};
+use crate::lcp::{
+    self, DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions, LcpProblem, LcpSolution, RayConclusion,
+};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
+use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// The method of a name.
 pub(super) fn method_named(name: &str) -> PyResult<LcpMethod> {
-    LcpMethod::ALL.into_iter().find(|method| method.as_str() == name).ok_or_else(|| {
-        let known: Vec<String> =
-            LcpMethod::ALL.iter().map(|method| format!("{:?}", method.as_str())).collect();
-        PyValueError::new_err(format!("method is {name:?}, expected one of {}", known.join(", ")))
+    named("method", name, &LcpMethod::ALL, LcpMethod::as_str)
+}
+
+/// The one of `all` that has the name.
+fn named<T: Copy>(option: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> PyResult<T> {
+    all.iter().copied().find(|&one| name_of(one) == name).ok_or_else(|| {
+        let known: Vec<String> = all.iter().map(|&one| format!("{:?}", name_of(one))).collect();
+        PyValueError::new_err(format!("{option} is {name:?}, expected one of {}", known.join(", ")))
     })
 }
 
 /// Options of a complementarity problem; their defaults are the crate's.
 #[pyclass(name = "LcpOptions", module = "quasirigid._core", frozen)]
 pub(super) struct PyLcpOptions {
-    max_pivots: Option<usize>,
-    pivot_tol: f64,
-    tolerance: f64,
-    initial_active: Option<Vec<usize>>,
-    covering: Option<Vec<f64>>,
+    inner: LcpOptions<'static>,
+    known_p_matrix: bool,
 }
 
 #[pymethods]
 impl PyLcpOptions {
     #[new]
-    #[pyo3(signature = (*, max_pivots, pivot_tol, tolerance, initial_active, covering))]
+    #[pyo3(signature = (
+        *, max_pivots, pivot_tol, tolerance, initial_active, covering, total, definiteness, crash, check,
+        known_p_matrix
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "one for each option, by keyword")]
     fn new(
         max_pivots: Option<usize>,
         pivot_tol: f64,
         tolerance: f64,
         initial_active: Option<Vec<usize>>,
         covering: Option<&Bound<'_, PyAny>>,
+        total: Option<f64>,
+        definiteness: &str,
+        crash: bool,
+        check: &str,
+        known_p_matrix: bool,
     ) -> PyResult<Self> {
-        let covering = covering.map(|value| scalars(value, "covering")).transpose()?;
-        Ok(Self { max_pivots, pivot_tol, tolerance, initial_active, covering })
+        let inner = LcpOptions {
+            max_pivots,
+            pivot_tol,
+            tolerance,
+            initial_active,
+            covering: covering.map(|value| scalars(value, "covering")).transpose()?,
+            interrupt: None,
+            total,
+            definiteness: named(
+                "definiteness",
+                definiteness,
+                &DefinitenessCheck::ALL,
+                DefinitenessCheck::as_str,
+            )?,
+            crash,
+            check: named("check", check, &FiniteCheck::ALL, FiniteCheck::as_str)?,
+        };
+        Ok(Self { inner, known_p_matrix })
     }
 
     /// The crate's defaults by name.
@@ -51,11 +80,15 @@ impl PyLcpOptions {
         defaults.set_item("max_pivots", options.max_pivots)?;
         defaults.set_item("pivot_tol", options.pivot_tol)?;
         defaults.set_item("tolerance", options.tolerance)?;
+        defaults.set_item("total", options.total)?;
+        defaults.set_item("definiteness", options.definiteness.as_str())?;
+        defaults.set_item("crash", options.crash)?;
+        defaults.set_item("check", options.check.as_str())?;
         Ok(defaults)
     }
 }
 
-/// What the crate returns for a complementarity problem, read field by field by the facade.
+/// What the crate returns for a complementarity problem, read by the facade.
 #[pyclass(name = "LcpSolution", module = "quasirigid._core", frozen)]
 pub(super) struct PyLcpSolution {
     inner: LcpSolution,
@@ -77,35 +110,46 @@ fn conclusion_name(conclusion: RayConclusion) -> &'static str {
 
 #[pymethods]
 impl PyLcpSolution {
-    /// Scalars and arrays by the names of the facade's `LcpSolution`.
+    /// Everything by the names of the facade's `LcpSolution`; certificate and ray as dicts of theirs, attempts as
+    /// tuples (method, status, pivots, warm, crash).
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let solution = &self.inner;
         let fields = PyDict::new(py);
-        fields.set_item("status", solution.status.as_str())?;
-        fields.set_item("z", PyArray1::from_slice(py, &solution.z))?;
-        fields.set_item("w", PyArray1::from_slice(py, &solution.w))?;
-        fields.set_item("active", nodes_out(py, &solution.active()))?;
-        fields.set_item("pivots", solution.pivots)?;
-        fields.set_item("natural_residual", solution.natural_residual)?;
-        fields.set_item("complementarity", solution.complementarity)?;
-        fields.set_item("method", solution.method.as_str())?;
-        fields.set_item("advice", solution.advice())?;
+        fields.set_item(intern!(py, "status"), solution.status.as_str())?;
+        fields.set_item(intern!(py, "z"), PyArray1::from_slice(py, &solution.z))?;
+        fields.set_item(intern!(py, "w"), PyArray1::from_slice(py, &solution.w))?;
+        fields.set_item(intern!(py, "active"), nodes_out(py, &solution.active()))?;
+        fields.set_item(intern!(py, "pivots"), solution.pivots)?;
+        fields.set_item(intern!(py, "natural_residual"), solution.natural_residual)?;
+        fields.set_item(intern!(py, "complementarity"), solution.complementarity)?;
+        fields.set_item(intern!(py, "method"), solution.method.as_str())?;
+        fields.set_item(intern!(py, "advice"), solution.advice())?;
+        fields.set_item(intern!(py, "certificate"), self.certificate(py)?)?;
+        fields.set_item(intern!(py, "ray"), self.ray(py)?)?;
+        let attempt = |attempt: &lcp::LcpAttempt| {
+            let (method, status) = (attempt.method.as_str(), attempt.status.as_str());
+            (method, status, attempt.pivots, attempt.warm, attempt.crash)
+        };
+        let attempts: Vec<_> = solution.attempts.iter().map(attempt).collect();
+        fields.set_item(intern!(py, "attempts"), attempts)?;
+        fields.set_item(intern!(py, "candidates"), solution.candidates)?;
+        fields.set_item(intern!(py, "shift"), solution.shift)?;
         Ok(fields)
     }
+}
 
-    /// The figures of `Certificate`.
+impl PyLcpSolution {
     fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let certificate = &self.inner.certificate;
         let fields = PyDict::new(py);
-        fields.set_item("natural_residual", certificate.natural_residual)?;
-        fields.set_item("complementarity", certificate.complementarity)?;
-        fields.set_item("infeasibility", certificate.infeasibility)?;
-        fields.set_item("definiteness", certificate.definiteness.as_str())?;
-        fields.set_item("is_unique", certificate.is_unique())?;
+        fields.set_item(intern!(py, "natural_residual"), certificate.natural_residual)?;
+        fields.set_item(intern!(py, "complementarity"), certificate.complementarity)?;
+        fields.set_item(intern!(py, "infeasibility"), certificate.infeasibility)?;
+        fields.set_item(intern!(py, "definiteness"), certificate.definiteness.as_str())?;
+        fields.set_item(intern!(py, "is_unique"), certificate.is_unique())?;
         Ok(fields)
     }
 
-    /// The figures of `LcpRay`, or None.
     fn ray<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(ray) = &self.inner.ray else {
             return Ok(None);
@@ -119,18 +163,10 @@ impl PyLcpSolution {
         fields.set_item("conclusion", conclusion_name(ray.conclusion))?;
         Ok(Some(fields))
     }
-
-    /// (method, status, pivots, warm) of every run, in order.
-    fn attempts(&self) -> Vec<(&'static str, &'static str, usize, bool)> {
-        let row = |attempt: &lcp::LcpAttempt| {
-            (attempt.method.as_str(), attempt.status.as_str(), attempt.pivots, attempt.warm)
-        };
-        self.inner.attempts.iter().map(row).collect()
-    }
 }
 
 #[pyfunction]
-#[pyo3(signature = (matrix, q, *, method, options))]
+#[pyo3(signature = (matrix, q, method, options))]
 pub(super) fn solve_lcp(
     py: Python<'_>,
     matrix: &Bound<'_, PyAny>,
@@ -143,16 +179,13 @@ pub(super) fn solve_lcp(
     let method = method_named(method)?;
     let view = matrix.view();
     let solution = detached(py, |interrupt| {
-        let options = LcpOptions {
-            max_pivots: options.max_pivots,
-            pivot_tol: options.pivot_tol,
-            tolerance: options.tolerance,
-            initial_active: options.initial_active.clone(),
-            covering: options.covering.clone(),
-            interrupt: Some(interrupt),
-            ..LcpOptions::default()
-        };
-        LcpProblem::new(view, &q).and_then(|problem| lcp::solve(&problem, method, &options))
+        let known_p_matrix = options.known_p_matrix;
+        let options = LcpOptions { interrupt: Some(interrupt), ..options.inner.clone() };
+        let mut problem = LcpProblem::new(view, &q)?;
+        if known_p_matrix {
+            problem = problem.with_known_p_matrix();
+        }
+        lcp::solve(&problem, method, &options)
     })?;
     solution.map(PyLcpSolution::from).map_err(IntoPyErr::into_py_err)
 }

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import FrozenInstanceError
+from typing import Literal
+
 import numpy as np
 import pytest
 import quasirigid as qr
@@ -59,3 +63,83 @@ def test_malformed_problems_are_named() -> None:
 
 def test_the_empty_problem_is_solved() -> None:
     assert qr.solve_lcp(np.empty((0, 0)), []).status == "solved"
+
+
+def pressed_grid(side: int, depth: float = 1e-3) -> tuple[np.ndarray, np.ndarray]:
+    """A symmetric positive definite response of a grid, 1/r off the diagonal, and a parabolic gap."""
+    x, y = (a.ravel() - (side - 1) / 2 for a in np.meshgrid(np.arange(side), np.arange(side)))
+    distance = np.hypot(x[:, None] - x, y[:, None] - y)
+    return 1.0 / np.maximum(distance, 0.28), (x * x + y * y) / 25.0 * 1e-3 - depth
+
+
+def test_every_option_of_the_core_has_its_twin() -> None:
+    defaults = qr.LcpOptions()
+    assert defaults.total is None
+    assert (defaults.definiteness, defaults.crash, defaults.check) == ("cheap", True, "cheap")
+    matrix, q = pressed_grid(10)
+    always = qr.solve_lcp(matrix, q, options=qr.LcpOptions(definiteness="always"))
+    assert always.certificate.definiteness == "positive_definite"
+    assert always.certificate.is_unique
+    never = qr.solve_lcp(matrix, q, options=qr.LcpOptions(definiteness="never"))
+    assert never.certificate.definiteness == "unknown"
+    promised = qr.solve_lcp(matrix, q, options=qr.LcpOptions(known_p_matrix=True))
+    assert promised.certificate.definiteness == "p_matrix"
+    assert promised.certificate.is_unique
+    for wrong in ({"definiteness": "sometimes"}, {"check": "never"}):
+        name, value = next(iter(wrong.items()))
+        with pytest.raises(ValueError, match=f"{name} is .{value}., expected one of .*always"):
+            qr.solve_lcp(matrix, q, options=qr.LcpOptions(**wrong))  # type: ignore[arg-type]
+
+
+def test_a_crash_basis_is_told_and_can_be_left_out() -> None:
+    matrix, q = pressed_grid(12)
+    crashed = qr.solve_lcp(matrix, q)
+    plain = qr.solve_lcp(matrix, q, options=qr.LcpOptions(crash=False))
+    assert [attempt.crash for attempt in crashed.attempts] == [True]
+    assert [attempt.crash for attempt in plain.attempts] == [False]
+    assert crashed.method == plain.method == "lemke"
+    assert crashed.pivots >= len(crashed.active)
+    np.testing.assert_array_equal(crashed.active, plain.active)
+    np.testing.assert_allclose(crashed.z, plain.z, atol=1e-14)
+    assert crashed.candidates < len(q)
+
+
+def test_load_control_finds_the_depth_that_belongs_to_the_load() -> None:
+    matrix, q = pressed_grid(12)
+    by_depth = qr.solve_lcp(matrix, q)
+    options = qr.LcpOptions(total=float(by_depth.z.sum()))
+    by_load = qr.solve_lcp(matrix, q + 2e-3, method="projected_cg", options=options)
+    assert by_load.shift == pytest.approx(-2e-3, rel=1e-7)
+    np.testing.assert_allclose(by_load.z, by_depth.z, atol=1e-8)
+    np.testing.assert_allclose(by_load.w, matrix @ by_load.z + q + 2e-3 + by_load.shift, atol=1e-12)
+    with pytest.raises(qr.LcpError, match="total is 1, expected none but for projected_cg"):
+        qr.solve_lcp(matrix, q, options=qr.LcpOptions(total=1.0))
+
+
+@pytest.mark.parametrize("method", ["lemke", "block_pivoting", "projected_cg", "auto"])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_what_an_answer_needs_is_finite_or_named(method: qr.LcpMethod, order: Literal["C", "F"]) -> None:
+    matrix, q = pressed_grid(12)
+    sound = qr.solve_lcp(matrix, q)
+    row, column = 0, int(sound.active[2])
+    bad = np.array(matrix, order=order)
+    bad[row, column] = np.nan
+    with pytest.raises(qr.LcpError, match=rf"M\[{row}, {column}\] is NaN; 1 entries"):
+        qr.solve_lcp(bad, q, method=method)
+    if method != "projected_cg":
+        np.testing.assert_array_equal(qr.solve_lcp(bad.T, q, method=method).active, sound.active)
+    with pytest.raises(qr.LcpError, match=rf"M\[{column}, {row}\] is NaN"):
+        qr.solve_lcp(bad.T, q, method=method, options=qr.LcpOptions(check="always"))
+    q[5] = np.inf
+    with pytest.raises(qr.LcpError, match=r"q\[5\] is inf"):
+        qr.solve_lcp(matrix, q, method=method)
+
+
+def test_results_are_frozen_and_can_be_stored() -> None:
+    solution = qr.solve_lcp([[2, 1], [1, 2]], [-5, -6])
+    with pytest.raises(FrozenInstanceError):
+        solution.pivots = 0  # type: ignore[misc]
+    again = pickle.loads(pickle.dumps(solution))
+    assert (again.status, again.attempts) == (solution.status, solution.attempts)
+    assert again.certificate == solution.certificate
+    assert "status=<LcpStatus.SOLVED: 'solved'>" in repr(solution)

@@ -8,8 +8,9 @@ use super::super::basis::Basis;
 use super::super::dense::NoFactor;
 use super::super::kernels;
 use super::super::options::LcpOptions;
-use super::super::problem::{Columns, SHARED, row_block};
-use super::super::reduced::power_of_two;
+use super::super::product::{SHARED, row_block};
+use super::super::reduced::Reduced;
+use super::entered::Entered;
 
 /// Values closer than this are equal, relative to the largest.
 const TIE: f64 = 64.0 * f64::EPSILON;
@@ -17,12 +18,11 @@ pub(super) const NOWHERE: usize = usize::MAX;
 
 /// State of the path. M's columns are scaled to magnitude one, so every tolerance here is dimensionless.
 pub(super) struct Path<'a> {
-    pub(super) m: Columns<'a>,
+    pub(super) source: &'a Reduced<'a>,
     pub(super) q: &'a [f64],
     pub(super) d: Vec<f64>,
     pub(super) n: usize,
-    /// Factor by which column j is scaled; 0 until it is first needed.
-    pub(super) scale: Vec<f64>,
+    pub(super) entered: Entered,
     pub(super) basis: Basis,
     /// B, in the order of the factor's rows.
     pub(super) rows: Vec<usize>,
@@ -39,6 +39,8 @@ pub(super) struct Path<'a> {
     pub(super) dx: Vec<f64>,
     pub(super) dw: Vec<f64>,
     pub(super) y: Vec<f64>,
+    /// Room for a vector over the rows of B or over the columns.
+    pub(super) room: Vec<f64>,
     pub(super) pivots: usize,
     pub(super) visited: HashSet<u64>,
     pub(super) active_hash: u64,
@@ -52,14 +54,14 @@ pub(super) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    pub(super) fn new(m: Columns<'a>, q: &'a [f64], d: Vec<f64>, options: &'a LcpOptions<'a>) -> Self {
-        let n = q.len();
+    pub(super) fn new(source: &'a Reduced<'a>, d: Vec<f64>, options: &'a LcpOptions<'a>) -> Self {
+        let n = source.size();
         Self {
-            m,
-            q,
+            source,
+            q: &source.q,
             d,
             n,
-            scale: vec![0.0; n],
+            entered: Entered::new(n),
             basis: Basis::default(),
             rows: Vec::new(),
             columns: Vec::new(),
@@ -72,6 +74,7 @@ impl<'a> Path<'a> {
             dx: Vec::new(),
             dw: vec![0.0; n],
             y: Vec::new(),
+            room: Vec::new(),
             pivots: 0,
             visited: HashSet::new(),
             active_hash: 0,
@@ -92,8 +95,11 @@ impl<'a> Path<'a> {
     }
 
     pub(super) fn append_row(&mut self, row: usize) {
-        let mut entries: Vec<f64> = self.columns.iter().map(|&c| self.entry(row, c)).collect();
+        let mut entries = std::mem::take(&mut self.room);
+        entries.clear();
+        entries.extend(self.columns.iter().map(|&c| self.column(c)[row]));
         self.basis.append_row(&mut entries);
+        self.room = entries;
         self.push_row(row);
     }
 
@@ -107,47 +113,33 @@ impl<'a> Path<'a> {
         }
     }
 
-    fn entry(&self, row: usize, column: usize) -> f64 {
-        if column == self.n { self.d[row] } else { self.scale[column] * self.m[(row, column)] }
-    }
-
-    pub(super) fn scale_column(&mut self, j: usize) {
-        if self.scale[j] == 0.0 {
-            let largest = self.m.col(j).as_slice().iter().fold(0.0, |a: f64, m| a.max(m.abs()));
-            self.scale[j] = if largest > 0.0 { 1.0 / power_of_two(largest) } else { 1.0 };
-        }
+    /// A basic column, scaled; the covering vector for z0.
+    fn column(&self, c: usize) -> &[f64] {
+        if c == self.n { &self.d } else { self.entered.column(c) }
     }
 
     /// `y += Σ x_c (column c)` over the basic columns.
     pub(super) fn combine(&self, x: &[f64], y: &mut [f64]) {
-        let terms: Vec<(&[f64], f64)> = self
-            .columns
-            .iter()
-            .zip(x)
-            .map(|(&c, &x)| match c == self.n {
-                true => (&self.d[..], x),
-                false => (self.m.col(c).as_slice(), self.scale[c] * x),
-            })
-            .collect();
-        if self.n * terms.len() < SHARED {
-            return kernels::add_columns(y, &terms);
+        let term = |k: usize| (self.column(self.columns[k]), x[k]);
+        if self.n * x.len() < SHARED {
+            return kernels::add_terms(y, x.len(), term);
         }
         let rows_each = row_block(self.n);
         y.par_chunks_mut(rows_each).enumerate().for_each(|(k, part)| {
-            let rows = k * rows_each..k * rows_each + part.len();
-            let terms: Vec<_> = terms.iter().map(|&(column, x)| (&column[rows.clone()], x)).collect();
-            kernels::add_columns(part, &terms);
+            let (first, height) = (k * rows_each, part.len());
+            kernels::add_terms(part, x.len(), |k| {
+                let (column, x) = term(k);
+                (&column[first..][..height], x)
+            });
         });
     }
 
     pub(super) fn refactor(&mut self) {
-        let (m, d, n, scale, rows, columns) =
-            (self.m, &self.d, self.n, &self.scale, &self.rows, &self.columns);
+        let (entered, d, n, rows, columns) = (&self.entered, &self.d, self.n, &self.rows, &self.columns);
         let interrupted = || self.options.is_interrupted();
         let fill = |j: usize, out: &mut [f64]| {
-            let c = columns[j];
-            let (source, factor) = if c == n { (&d[..], 1.0) } else { (m.col(c).as_slice(), scale[c]) };
-            out.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = factor * source[i]);
+            let source = if columns[j] == n { &d[..] } else { entered.column(columns[j]) };
+            out.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = source[i]);
         };
         self.factored = self.basis.factor(columns.len(), fill, &interrupted);
         self.stale = false;
@@ -168,6 +160,9 @@ impl<'a> Path<'a> {
             x.iter_mut().zip(error).for_each(|(x, e)| *x -= e);
             w.copy_from_slice(q);
             self.combine(&x, &mut w);
+            if self.options.is_interrupted() {
+                break;
+            }
         }
         self.rows.iter().for_each(|&i| w[i] = 0.0);
         (x, w)

@@ -26,33 +26,31 @@ pub(super) enum Leaving {
 impl Path<'_> {
     /// Fills `dx`, `dw` and `y`; returns how far the rows of B are from what they should be.
     pub(super) fn direction(&mut self, entering: Entering) -> f64 {
-        let mut a: Vec<f64> = match entering {
+        let mut a = std::mem::take(&mut self.room);
+        a.clear();
+        match entering {
             Entering::Z(r) => {
-                self.scale_column(r);
-                let column = self.m.col(r).as_slice();
-                self.rows.iter().map(|&i| self.scale[r] * column[i]).collect()
+                self.entered.fetch(self.source, r);
+                let column = self.entered.column(r);
+                a.extend(self.rows.iter().map(|&i| column[i]));
             }
             Entering::W(r) => {
-                let mut a = vec![0.0; self.rows.len()];
+                a.resize(self.rows.len(), 0.0);
                 a[self.row_place[r]] = -1.0;
-                a
             }
-        };
+        }
         self.basis.transform(&a, &mut self.y);
-        a.copy_from_slice(&self.y);
-        self.basis.back_substitute(&mut a);
-        a.iter_mut().for_each(|x| *x = -*x);
-        self.dx = a;
+        self.room = a;
+        self.dx.clone_from(&self.y);
+        self.basis.back_substitute(&mut self.dx);
+        self.dx.iter_mut().for_each(|x| *x = -*x);
         self.measure_direction(entering)
     }
 
     fn measure_direction(&mut self, entering: Entering) -> f64 {
         let mut dw = std::mem::take(&mut self.dw);
         match entering {
-            Entering::Z(r) => {
-                let (factor, column) = (self.scale[r], self.m.col(r).as_slice());
-                dw.iter_mut().zip(column).for_each(|(dw, m)| *dw = factor * m);
-            }
+            Entering::Z(r) => dw.copy_from_slice(self.entered.column(r)),
             Entering::W(_) => dw.fill(0.0),
         }
         self.combine(&self.dx, &mut dw);

@@ -3,7 +3,7 @@
 use super::super::certificate::nan_max;
 use super::super::options::LcpOptions;
 use super::super::outcome::Outcome;
-use super::super::problem::Columns;
+use super::super::reduced::Reduced;
 use super::super::solution::LcpStatus;
 use super::path::Path;
 use super::pivot::{Entering, Leaving};
@@ -18,13 +18,12 @@ const PERTURBATIONS: u64 = 8;
 
 /// Solves `w = M z + q` from z = 0 with covering vector `d`.
 pub(in crate::lcp) fn solve_cold(
-    m: Columns<'_>,
-    q: &[f64],
+    source: &Reduced,
     d: Vec<f64>,
     pivot_tol: f64,
     options: &LcpOptions,
 ) -> Outcome {
-    let mut path = Path::new(m, q, d, options);
+    let mut path = Path::new(source, d, options);
     path.pivot_tol = pivot_tol;
     let entering = path.start_cold();
     path.run(entering)
@@ -32,12 +31,11 @@ pub(in crate::lcp) fn solve_cold(
 
 /// Solves from the basis of a guessed active set; `None` where that basis is singular.
 pub(in crate::lcp) fn solve_warm(
-    m: Columns<'_>,
-    q: &[f64],
+    source: &Reduced,
     active: &[usize],
     options: &LcpOptions,
 ) -> Option<Outcome> {
-    let mut path = Path::new(m, q, vec![0.0; q.len()], options);
+    let mut path = Path::new(source, vec![0.0; source.size()], options);
     match path.start_warm(active)? {
         None => Some(path.finish(LcpStatus::Solved)),
         Some(entering) => Some(path.run(entering)),
@@ -118,10 +116,10 @@ impl Path<'_> {
         let mut z = vec![0.0; self.n];
         let mut z0 = 0.0;
         for (&c, &rate) in self.columns.iter().zip(&self.dx) {
-            if c == self.n { z0 = clean(rate) } else { z[c] = self.scale[c] * clean(rate) }
+            if c == self.n { z0 = clean(rate) } else { z[c] = self.entered.scale(c) * clean(rate) }
         }
         if let Entering::Z(r) = entering {
-            z[r] = self.scale[r] / size;
+            z[r] = self.entered.scale(r) / size;
         }
         (z, z0)
     }
@@ -155,7 +153,7 @@ impl Path<'_> {
         let mut z = vec![0.0; self.n];
         for (&c, &x) in self.columns.iter().zip(&self.x) {
             if c != self.n {
-                z[c] = self.scale[c] * x.max(0.0);
+                z[c] = self.entered.scale(c) * x.max(0.0);
             }
         }
         Outcome { status, z, pivots: self.pivots, ray: None, work: self.work }

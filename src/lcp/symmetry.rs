@@ -1,0 +1,50 @@
+//! Whether a matrix is symmetric.
+
+use faer::MatRef;
+use rayon::prelude::*;
+
+/// The worst pair of entries of a matrix that is not symmetric: row, column, difference over the largest entry.
+///
+/// Ends early once a pair is beyond `limit`, or when `interrupted`.
+pub(super) fn asymmetry(
+    m: MatRef<'_, f64>,
+    limit: f64,
+    interrupted: &dyn Fn() -> bool,
+) -> (usize, usize, f64) {
+    const TILE: usize = 32;
+    let n = m.nrows();
+    let strip = |first_column: usize| {
+        let (mut worst, mut largest) = ((0, 0, 0.0), 0.0_f64);
+        for first_row in (first_column..n).step_by(TILE) {
+            for j in first_column..(first_column + TILE).min(n) {
+                for i in first_row.max(j)..(first_row + TILE).min(n) {
+                    let (a, b) = (m[(i, j)], m[(j, i)]);
+                    largest = largest.max(a.abs()).max(b.abs());
+                    if (a - b).abs() > worst.2 {
+                        worst = (j, i, (a - b).abs());
+                    }
+                }
+            }
+        }
+        (worst, largest)
+    };
+    let join = |a: ((usize, usize, f64), f64), b: ((usize, usize, f64), f64)| {
+        (if b.0.2 > a.0.2 { b.0 } else { a.0 }, a.1.max(b.1))
+    };
+    let nothing = ((0, 0, 0.0), 0.0);
+    let strips: Vec<usize> = (0..n).step_by(TILE).collect();
+    let mut found = nothing;
+    for group in strips.chunks(16) {
+        let part = if n < 256 {
+            group.iter().map(|&first| strip(first)).fold(nothing, join)
+        } else {
+            group.par_iter().map(|&first| strip(first)).reduce(|| nothing, join)
+        };
+        found = join(found, part);
+        if found.0.2 > limit * found.1 || interrupted() {
+            break;
+        }
+    }
+    let ((row, column, difference), largest) = found;
+    (row, column, if largest > 0.0 { difference / largest } else { 0.0 })
+}
