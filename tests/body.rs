@@ -369,6 +369,16 @@ fn turning_the_answer_is_turning_the_body() {
         (turned.displacements(&forces).expect("forces"), anew.displacements(&forces).expect("forces"));
     let largest = a.iter().map(Vector3::norm).fold(0.0, f64::max);
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).norm() < 1e-6 * largest));
+    // some nodes in another order have the same entries
+    let some = [2, 0, 1];
+    let some_normals = some.map(|node| normals[node]);
+    let among = turned.response_among(&some, &some_normals).expect("one direction each");
+    let along = turned.response_along(&normals).expect("unit directions");
+    assert!(
+        (0..3).all(|i| (0..3).all(|j| among[(i, j)] == along[(some[i], some[j])])),
+        "{among:?} of {along:?}"
+    );
+    assert!(turned.response_among(&some, &normals).is_err());
     // response and displacements agree with each other
     let response = turned.response_along(&normals).expect("unit directions");
     let along: f64 = (0..nodes.len()).map(|j| response[(0, j)] * -1e-2).sum();

@@ -265,9 +265,7 @@ impl ElasticSkin for PreparedSkin {
                 Mat::from_fn(size, size, |i, j| matrix[(rows[i], rows[j])])
             }
             PreparedResponse::Body(compliance) | PreparedResponse::GivenBlocks(compliance) => {
-                Mat::from_fn(size, size, |i, j| {
-                    directions[i].dot(&(compliance.block(nodes[i], rows[j]) * directions[j]))
-                })
+                compliance.response_among(&rows, directions)?
             }
         })
     }

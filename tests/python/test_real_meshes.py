@@ -96,6 +96,26 @@ def test_a_real_press_does_not_depend_on_place_numbering_or_scale() -> None:
     assert np.linalg.norm(tiny.force) / 0.37**2 == pytest.approx(force, rel=1e-6)
 
 
+def test_a_scanned_finger_with_its_bone_keeps_its_volume() -> None:
+    surface = finger(FINGERS[0])
+    bone = qr.models.bone_of(surface)
+    # Announced before it is spent: well under 2 GB for every vertex loaded.
+    assert qr._core.Skin.body_cost(len(surface.vertices), len(bone.vertices), 1500)[0] < 1e9
+    body = qr.Skin(
+        shear_modulus=60e3, poisson_ratio=0.5, response=qr.Body(bone=bone, fixed=~surface.skin_mask)
+    )
+    low = surface.vertices[:, 2].min() + 3e-3
+    prepared = body.prepared(surface, np.flatnonzero(surface.skin_mask & (surface.vertices[:, 2] < low)))
+    plate = qr.Obstacle.half_space([0, 0, -0.05], UP)
+    for depth in DEPTHS[:2]:
+        contact = qr.press(surface, plate, prepared, UP, depth=depth)
+        assert contact.status == "solved"
+        assert contact.max_penetration_after < 1e-6 * depth
+        inward = -np.einsum("ij,ij->i", contact.displacement, surface.vertex_normals)
+        displaced = np.maximum(inward, 0) @ surface.vertex_areas
+        assert abs(contact.deformed.volume - surface.volume) < 5e-3 * displaced
+
+
 def test_a_mug_from_below_meets_the_palm_of_a_whole_hand() -> None:
     hand = qr.read_surface(DATA / "hands" / "libhand_right_13k.ply", unit="m")
     vertices, faces = qr.read_mesh(DATA / "products" / "tbm_mug.ply", unit="m")

@@ -148,18 +148,43 @@ impl BodyCompliance {
     /// [`BodyError::Length`], [`BodyError::DirectionLength`].
     pub fn response_along(&self, directions: &[Vector3<f64>]) -> Result<Mat<f64>, BodyError> {
         let directions = self.stored_directions(directions)?;
-        let nodes = &self.parts.nodes;
+        let everything: Vec<usize> = (0..self.parts.nodes.len()).collect();
+        Ok(self.stored_response(&everything, &directions))
+    }
+
+    /// Response matrix over some of the nodes, by their place in [`BodyCompliance::nodes`], along one unit direction
+    /// for each (k × k, m/N).
+    ///
+    /// # Errors
+    /// [`BodyError::Length`].
+    pub fn response_among(
+        &self,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+    ) -> Result<Mat<f64>, BodyError> {
+        if directions.len() != nodes.len() {
+            let (found, expected) = (directions.len(), nodes.len());
+            return Err(BodyError::Length { what: "directions", found, expected });
+        }
+        let back = self.rotation.transpose();
+        let stored: Vec<Vector3<f64>> = directions.iter().map(|direction| back * direction).collect();
+        Ok(self.stored_response(nodes, &stored))
+    }
+
+    fn stored_response(&self, nodes: &[usize], directions: &[Vector3<f64>]) -> Mat<f64> {
+        let vertices: Vec<usize> = nodes.iter().map(|&node| self.parts.nodes[node]).collect();
         let mut response = Mat::zeros(nodes.len(), nodes.len());
-        for (j, n_j) in directions.iter().enumerate() {
-            let [x, y, z] = [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * j + axis));
+        for (j, (&node, n_j)) in nodes.iter().zip(directions).enumerate() {
+            let [x, y, z] = [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * node + axis));
             let column = response.col_as_slice_mut(j);
-            for ((entry, &node), n_i) in column.iter_mut().zip(nodes).zip(&directions) {
-                let along =
-                    |a: usize| x[3 * node + a] * n_j.x + y[3 * node + a] * n_j.y + z[3 * node + a] * n_j.z;
+            for ((entry, &vertex), n_i) in column.iter_mut().zip(&vertices).zip(directions) {
+                let along = |a: usize| {
+                    x[3 * vertex + a] * n_j.x + y[3 * vertex + a] * n_j.y + z[3 * vertex + a] * n_j.z
+                };
                 *entry = n_i.x * along(0) + n_i.y * along(1) + n_i.z * along(2);
             }
         }
-        Ok(response)
+        response
     }
 
     /// Displacement (m) of every skin vertex under forces (N) at the nodes.
