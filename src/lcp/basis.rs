@@ -5,16 +5,18 @@
 //! Hessenberg form that adjacent interchanges mend (Bartels, Golub 1969, Communications of the ACM 12,
 //! 266-268), and a lost row goes out through the combination of rows that has just become zero.
 
-use faer::Mat;
 use rayon::prelude::*;
 
-use super::dense::{Factor, NoFactor};
+use super::dense::Dense;
+use super::factor::{Factor, NoFactor};
 use super::kernels::{axpy, dot};
-use super::product::{SHARED, row_block};
+use super::product::{CHUNK, SHARED, row_block};
 
 /// A new row's entry must exceed the pivot by this factor before the two rows change places; above 1 so that
 /// `T` stays triangular, and half as dear, where no interchange is needed.
 const INTERCHANGE: f64 = 4.0;
+/// Rows turned from columns together, so that what is written stays in cache.
+const STRIPS: usize = 16;
 
 /// The factor; between two halves of a change it has one row or column more.
 #[derive(Debug, Default)]
@@ -48,29 +50,45 @@ impl Basis {
         self.stride = stride;
     }
 
-    /// Factors afresh the matrix whose columns `fill` writes; partial pivoting. On failure the old factor stays.
+    /// Factors afresh the matrix whose columns `fill` writes; partial pivoting. Where it is singular the old factor
+    /// stays; after an interrupt there is none.
     pub(super) fn factor(
         &mut self,
         size: usize,
         mut fill: impl FnMut(usize, &mut [f64]),
         interrupted: &dyn Fn() -> bool,
     ) -> Result<(), NoFactor> {
-        let mut k = Mat::<f64>::zeros(size, size);
+        let columns_at_once = (CHUNK / size.max(1)).max(1);
+        let mut k = Dense::zeros(size, size);
         for j in 0..size {
-            fill(j, k.col_as_slice_mut(j));
+            if j > 0 && j % columns_at_once == 0 && interrupted() {
+                return Err(NoFactor::Interrupted);
+            }
+            fill(j, k.column_mut(j));
         }
         let (lu, t) = Factor::lu(k, interrupted)?.split(interrupted)?;
         (self.rows, self.columns) = (0, 0);
         self.reserve(size);
         let stride = self.stride;
-        self.t.fill(0.0);
+        let rows_at_once = (columns_at_once / STRIPS).max(1) * STRIPS;
         for (to, from) in [(&mut self.t, &t), (&mut self.u, &lu)] {
-            to[..size * stride].par_chunks_mut(16 * stride).enumerate().for_each(|(k, rows)| {
-                for j in 0..size {
-                    let column = &from.col_as_slice(j)[16 * k..];
-                    rows.chunks_exact_mut(stride).zip(column).for_each(|(row, &entry)| row[j] = entry);
+            for (k, part) in to[..size * stride].chunks_mut(rows_at_once * stride).enumerate() {
+                if k > 0 && interrupted() {
+                    return Err(NoFactor::Interrupted);
                 }
-            });
+                let strip = |(strip, rows): (usize, &mut [f64])| {
+                    rows.chunks_exact_mut(stride).for_each(|row| row[size..].fill(0.0));
+                    for j in 0..size {
+                        let column = &from.column(j)[k * rows_at_once + strip * STRIPS..];
+                        rows.chunks_exact_mut(stride).zip(column).for_each(|(row, &entry)| row[j] = entry);
+                    }
+                };
+                if size * size < SHARED {
+                    part.chunks_mut(STRIPS * stride).enumerate().for_each(strip);
+                } else {
+                    part.par_chunks_mut(STRIPS * stride).enumerate().for_each(strip);
+                }
+            }
         }
         self.extent = vec![size; size];
         (self.rows, self.columns) = (size, size);

@@ -5,10 +5,9 @@
 //! when it does not, one unknown at a time changes (Murty's least-index rule), which ends for P-matrices, if
 //! not always soon.
 
-use faer::Mat;
-
 use super::certificate::nan_max;
-use super::dense::{Factor, NoFactor};
+use super::dense::Dense;
+use super::factor::{Factor, NoFactor};
 use super::options::LcpOptions;
 use super::outcome::Outcome;
 use super::reduced::Reduced;
@@ -191,15 +190,15 @@ impl Blocks<'_> {
 }
 
 /// Whether the first and the last row and column of a block are the same but for rounding.
-fn looks_symmetric(block: &Mat<f64>) -> bool {
-    let k = block.nrows();
+fn looks_symmetric(block: &Dense) -> bool {
+    let k = block.rows();
     let Some(last) = k.checked_sub(1) else {
         return true;
     };
     [0, last].iter().all(|&j| {
-        let column = block.col_as_slice(j);
+        let column = block.column(j);
         let limit = SYMMETRIC * column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
-        column.iter().enumerate().all(|(i, &entry)| (entry - block[(j, i)]).abs() <= limit)
+        column.iter().enumerate().all(|(i, &entry)| (entry - block.at(j, i)).abs() <= limit)
     })
 }
 

@@ -78,6 +78,31 @@ pub(super) fn add_column_measured(y: &mut [f64], magnitudes: &mut [f64], x: &[f6
     );
 }
 
+/// The shortest step along `rates` that takes one of `values` to zero; rates above `-smallest` take none there.
+pub(super) fn first_to_zero(values: &[f64], rates: &[f64], smallest: f64) -> f64 {
+    const LANES: usize = 8;
+    let step = |value: f64, rate: f64| {
+        if rate < -smallest { value.max(0.0) / -rate } else { f64::INFINITY }
+    };
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let mut lanes = [f64::INFINITY; LANES];
+            let (values, rates) = (values.chunks_exact(LANES), rates.chunks_exact(LANES));
+            for (&value, &rate) in values.remainder().iter().zip(rates.remainder()) {
+                lanes[0] = lanes[0].min(step(value, rate));
+            }
+            for (values, rates) in values.zip(rates) {
+                for k in 0..LANES {
+                    let reached = step(values[k], rates[k]);
+                    lanes[k] = if reached < lanes[k] { reached } else { lanes[k] };
+                }
+            }
+            lanes.into_iter().fold(f64::INFINITY, f64::min)
+        },
+    )
+}
+
 /// Inner product, summed in 16 lanes.
 #[inline(always)]
 pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
@@ -220,6 +245,20 @@ mod tests {
             let x: Vec<f64> = (0..n).map(|i| i as f64).collect();
             assert_eq!(dot(&x, &x), (0..n).map(|i| (i * i) as f64).sum::<f64>());
         }
+    }
+
+    #[test]
+    fn the_first_to_reach_zero_is_found_at_every_length() {
+        for n in 0..30 {
+            for first in 0..n {
+                let values: Vec<f64> =
+                    (0..n).map(|i| if i == first { 1.0 } else { 3.0 + i as f64 }).collect();
+                let rates = vec![-0.5; n];
+                assert_eq!(first_to_zero(&values, &rates, 1e-11), 2.0);
+            }
+            assert_eq!(first_to_zero(&vec![1.0; n], &vec![-1e-12; n], 1e-11), f64::INFINITY);
+        }
+        assert_eq!(first_to_zero(&[-1.0, 5.0], &[-1.0, 1.0], 1e-11), 0.0);
     }
 
     #[test]

@@ -42,6 +42,7 @@ mod block_pivoting;
 mod certificate;
 mod dense;
 mod eights;
+mod factor;
 mod kernels;
 mod lemke;
 mod methods;

@@ -1,6 +1,6 @@
 //! What a run of any method gives back.
 
-use super::dense::NoFactor;
+use super::factor::NoFactor;
 use super::solution::LcpStatus;
 
 /// An ending and a z, in the reduced problem's terms.

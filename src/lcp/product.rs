@@ -13,8 +13,8 @@ use super::problem::LcpProblem;
 
 /// Multiplications from which a product is worth sharing among threads.
 pub(super) const SHARED: usize = 1 << 18;
-/// Entries of a matrix between two asks of the interrupt: some ten milliseconds of memory traffic.
-pub(super) const CHUNK: usize = 1 << 23;
+/// Entries of a matrix between two asks of the interrupt: some milliseconds of memory traffic.
+pub(super) const CHUNK: usize = 1 << 22;
 /// Rows that a pass takes at a time, so that what it adds to stays in the nearest cache.
 const ROWS: usize = 1024;
 /// Rows of a block of M that stays in the nearest cache whichever way it is stored.

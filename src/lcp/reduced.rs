@@ -1,9 +1,10 @@
 //! What is left of a problem once the unknowns that can stay at zero are gone.
 
 use faer::prelude::ReborrowMut;
-use faer::{Mat, MatMut, MatRef};
+use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 
+use super::dense::Dense;
 use super::problem::LcpProblem;
 use super::product::{SHARED, add_product, add_product_on};
 
@@ -21,7 +22,7 @@ pub(super) struct Reduced<'a> {
 
 /// A copy of a part of M, in the storage order of M.
 struct Block {
-    entries: Mat<f64>,
+    entries: Dense,
     is_turned: bool,
 }
 
@@ -66,7 +67,7 @@ impl<'a> Reduced<'a> {
     pub(super) fn m(&self) -> MatRef<'_, f64> {
         match (&self.kept, &self.block) {
             (None, _) => self.source,
-            (Some(_), Some(block)) if block.is_turned => block.entries.transpose(),
+            (Some(_), Some(block)) if block.is_turned => block.entries.as_ref().transpose(),
             (Some(_), Some(block)) => block.entries.as_ref(),
             (Some(_), None) => panic!("invariant: rows kept are gathered before M is used in one piece"),
         }
@@ -81,7 +82,7 @@ impl<'a> Reduced<'a> {
     }
 
     /// The block of M on the places `set`, or, where `stored`, its transpose if that is how M is stored.
-    pub(super) fn principal(&self, set: &[usize], stored: bool, interrupted: &dyn Fn() -> bool) -> Mat<f64> {
+    pub(super) fn principal(&self, set: &[usize], stored: bool, interrupted: &dyn Fn() -> bool) -> Dense {
         let m = if stored && is_by_rows(self.source) { self.source.transpose() } else { self.source };
         match &self.kept {
             None => gather(m, set, set, interrupted),
@@ -100,23 +101,20 @@ impl<'a> Reduced<'a> {
 
     /// Column `j` of M on the rows kept, from wherever it is at hand.
     pub(super) fn read_column(&self, j: usize, column: &mut [f64]) {
-        match (&self.kept, &self.block) {
-            (Some(kept), None) => {
-                let j = kept[j];
-                match self.source.try_as_col_major() {
-                    Some(columns) => {
-                        let entries = columns.col(j).as_slice();
-                        column.iter_mut().zip(kept).for_each(|(entry, &i)| *entry = entries[i]);
-                    }
-                    None => {
-                        column.iter_mut().zip(kept).for_each(|(entry, &i)| *entry = self.source[(i, j)]);
-                    }
-                }
-            }
-            _ => match self.m().try_as_col_major() {
-                Some(columns) => column.copy_from_slice(columns.col(j).as_slice()),
-                None => column.iter_mut().enumerate().for_each(|(i, entry)| *entry = self.m()[(i, j)]),
-            },
+        let (m, kept) = match (&self.kept, &self.block) {
+            (Some(kept), None) => (self.source, Some(kept)),
+            _ => (self.m(), None),
+        };
+        let row_at = |place: usize| kept.map_or(place, |kept| kept[place]);
+        let j = row_at(j);
+        let entries = column.iter_mut().enumerate();
+        if let Some(columns) = m.try_as_col_major() {
+            let source = columns.col(j).as_slice();
+            entries.for_each(|(place, entry)| *entry = source[row_at(place)]);
+        } else if let Some(rows) = m.transpose().try_as_col_major() {
+            entries.for_each(|(place, entry)| *entry = rows.col(row_at(place)).as_slice()[j]);
+        } else {
+            entries.for_each(|(place, entry)| *entry = m[(row_at(place), j)]);
         }
     }
 
@@ -170,7 +168,7 @@ pub(super) fn gather(
     rows: &[usize],
     columns: &[usize],
     interrupted: &dyn Fn() -> bool,
-) -> Mat<f64> {
+) -> Dense {
     let source = m.try_as_col_major();
     build(rows.len(), columns.len(), interrupted, |j, first, entries| {
         let rows = &rows[first..first + entries.len()];
@@ -191,12 +189,12 @@ pub(super) fn build(
     columns: usize,
     interrupted: &dyn Fn() -> bool,
     fill: impl Fn(usize, usize, &mut [f64]) + Sync,
-) -> Mat<f64> {
+) -> Dense {
     const TILE: usize = 32;
-    let mut block = Mat::zeros(rows, columns);
+    let mut block = Dense::zeros(rows, columns);
     if rows * columns <= TILE * TILE * TILE {
         for j in 0..columns {
-            fill(j, 0, block.col_as_slice_mut(j));
+            fill(j, 0, block.column_mut(j));
         }
         return block;
     }
@@ -237,6 +235,7 @@ pub(super) fn power_of_two(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::Mat;
 
     #[test]
     fn powers_of_two_bracket_the_value() {

@@ -1,7 +1,7 @@
 //! One entry for every method: look at what must be looked at, run, check against the problem as given.
 
 use super::certificate::{Certificate, Definiteness};
-use super::dense::{Factor, NoFactor};
+use super::factor::{Factor, NoFactor};
 use super::options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
 use super::outcome::Outcome;
 use super::problem::{LcpError, LcpProblem};

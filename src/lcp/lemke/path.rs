@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use rayon::prelude::*;
 
 use super::super::basis::Basis;
-use super::super::dense::NoFactor;
+use super::super::factor::NoFactor;
 use super::super::kernels;
 use super::super::options::LcpOptions;
 use super::super::product::{SHARED, row_block};
@@ -143,6 +143,15 @@ impl<'a> Path<'a> {
         };
         self.factored = self.basis.factor(columns.len(), fill, &interrupted);
         self.stale = false;
+    }
+
+    /// Factor and values anew; `false` where there is no factor.
+    pub(super) fn renew(&mut self) -> bool {
+        self.refactor();
+        if self.factored.is_ok() {
+            self.refresh();
+        }
+        self.factored.is_ok()
     }
 
     /// Values of the basic variables from q (and from p), with one step of refinement.

@@ -1,6 +1,7 @@
 //! One pivot: the direction along the entering variable, the variable that blocks it, the exchange.
 
 use super::super::certificate::nan_max;
+use super::super::kernels;
 use super::path::{NOWHERE, Path, hash};
 
 /// Multiple of rows (see [`Basis::delete_row`](super::super::basis::Basis::delete_row)) above which the basis is
@@ -74,12 +75,8 @@ impl Path<'_> {
     pub(super) fn ratio_test(&self) -> Option<Leaving> {
         let size = self.dx.iter().fold(1.0, |size: f64, x| size.max(x.abs()));
         let smallest = self.pivot_tol * size;
-        let mut step = f64::INFINITY;
-        for (&x, &rate) in self.x.iter().zip(&self.dx).chain(self.w.iter().zip(&self.dw)) {
-            if rate < -smallest && x.max(0.0) < -rate * step {
-                step = x.max(0.0) / -rate;
-            }
-        }
+        let step = kernels::first_to_zero(&self.x, &self.dx, smallest)
+            .min(kernels::first_to_zero(&self.w, &self.dw, smallest));
         if !step.is_finite() {
             return None;
         }

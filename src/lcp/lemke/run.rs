@@ -52,26 +52,23 @@ impl Path<'_> {
             if self.pivots >= budget {
                 return self.finish(LcpStatus::PivotLimit);
             }
-            if self.stale || self.pivots.is_multiple_of(REFRESH) {
-                if self.stale {
-                    self.refactor();
-                }
+            if self.stale {
+                self.renew();
+            } else if self.pivots.is_multiple_of(REFRESH) {
                 self.refresh();
             }
             if !self.visited.insert(self.active_hash ^ entering.hash()) {
                 if self.perturbations >= PERTURBATIONS {
                     return self.finish(LcpStatus::Breakdown);
                 }
-                self.refactor();
-                self.refresh();
-                self.perturb();
+                if self.renew() {
+                    self.perturb();
+                }
             }
             let k = self.columns.len() as f64;
             self.work += k * (self.n as f64 + 2.0 * k);
             let mut leaving = self.try_direction(entering);
-            if leaving.is_none() {
-                self.refactor();
-                self.refresh();
+            if leaving.is_none() && self.renew() {
                 leaving = self.try_direction(entering);
             }
             if let Err(reason) = self.factored {
@@ -94,13 +91,15 @@ impl Path<'_> {
 
     /// Rates of change along `entering` and the variable that blocks it first.
     fn try_direction(&mut self, entering: Entering) -> Option<Leaving> {
+        self.factored.ok()?;
         let mut error = self.direction(entering);
         if error > REFINE {
             error = self.refine_direction(entering);
         }
         if error > REFACTOR {
-            self.refactor();
-            self.refresh();
+            if !self.renew() {
+                return None;
+            }
             self.direction(entering);
             self.refine_direction(entering);
         }
@@ -132,6 +131,9 @@ impl Path<'_> {
             for attempt in 0..2 {
                 if attempt == 1 {
                     self.refactor();
+                    if self.factored.is_err() {
+                        break;
+                    }
                 }
                 let (x, mut w) = self.values(self.q);
                 w.copy_from_slice(self.q);
