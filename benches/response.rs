@@ -96,7 +96,7 @@ fn kernels() -> Vec<(&'static str, Skin)> {
         ("half-space, one_ring", skin(Response::HalfSpace { pressure: Pressure::OneRing, gap: Gap::Node })),
         ("half-space, weighted", half_space(Gap::Weighted)),
         ("gaussian, balanced", skin(Response::GaussianCorrected { height, width, cutoff, pressure })),
-        ("layer, 2 mm", skin(Response::Layer { thickness: 2e-3.into(), pressure })),
+        ("layer, 2 mm", skin(Response::Layer { thickness: 2e-3.into(), pressure, gap: Gap::Node })),
         ("half-space", plain),
     ]
 }
@@ -177,7 +177,7 @@ fn table(quick: bool) {
         println!("{name:<22} definite {:<5} condition {:.2e}", found.positive_definite, found.condition);
     }
     println!("\nlocal matrix of a 0.5 mm layer, tolerance 1e-3: nodes, entries, bytes, s, entries/s");
-    let thin = skin(Response::Layer { thickness: 0.5e-3.into(), pressure: Pressure::Linear });
+    let thin = skin(Response::Layer { thickness: 0.5e-3.into(), pressure: Pressure::Linear, gap: Gap::Node });
     for &n in if quick { &[1000][..] } else { &[1000, 4000, 16000] } {
         let surface = capsule(n);
         let nodes: Vec<usize> = (0..surface.vertices().len()).collect();

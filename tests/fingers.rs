@@ -106,7 +106,7 @@ fn every_kernel_tells_fingers_apart_and_a_matrix_of_its_own_is_left_whole() {
     let kernels = [
         Response::HalfSpace { pressure: PRESSURE, gap: Gap::Weighted },
         Response::GaussianCorrected { height: 0.2e-3, width: 5e-3, cutoff: 40e-3, pressure: PRESSURE },
-        Response::Layer { thickness: 10e-3.into(), pressure: PRESSURE },
+        Response::Layer { thickness: 10e-3.into(), pressure: PRESSURE, gap: Gap::Node },
     ];
     for kernel in kernels {
         let told_apart = solve(&surface, &plate, &skin(kernel.clone()), false);

@@ -127,10 +127,15 @@ class Layer:
         on a layer of the smaller of its two, which keeps the matrix well posed.
     pressure : {"linear", "one_ring"}
         Pressure basis, see `HalfSpace`.
+    gap : {"node", "weighted"}
+        How the gap of a node is measured, see `HalfSpace`. On flat meshes "weighted" is always positive
+        definite; "node" is too, but for large irregular meshes far coarser than an incompressible layer is
+        thick.
 
     Notes
     -----
-    For wide flat tissue, as the palm. On a fingertip it is too stiff, by up to twice the true force.
+    For wide flat tissue, as the palm. On a fingertip it is too stiff, by up to twice the true force; where the
+    surface bends within some 20 thicknesses neither form has to be positive definite, and the contact says so.
 
     References
     ----------
@@ -139,6 +144,7 @@ class Layer:
 
     thickness: float | ArrayLike
     pressure: Pressure = "linear"
+    gap: Gap = "node"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

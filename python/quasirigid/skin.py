@@ -85,8 +85,8 @@ class Skin:
                 if height is None:
                     height = _core.Skin.balanced_height(*material, width, cutoff)
                 return _core.Skin.gaussian_corrected(*material, height, width, cutoff, pressure)
-            case Layer(thickness, pressure):
-                return _core.Skin.layer(*material, thickness, pressure)
+            case Layer(thickness, pressure, gap):
+                return _core.Skin.layer(*material, thickness, pressure, gap)
             case Body() | GivenMatrix():
                 _core.Skin.half_space(*material, "linear", "node")  # checks the material
                 return None

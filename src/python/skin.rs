@@ -41,6 +41,17 @@ fn pressure_named(name: &str) -> PyResult<Pressure> {
     }
 }
 
+fn gap_named(name: &str) -> PyResult<Gap> {
+    match name {
+        "node" => Ok(Gap::Node),
+        "weighted" => Ok(Gap::Weighted),
+        other => {
+            let message = format!("gap is {other:?}, expected \"node\" or \"weighted\"");
+            Err(PyValueError::new_err(message))
+        }
+    }
+}
+
 fn made(shear_modulus: f64, poisson_ratio: f64, response: Response) -> PyResult<PySkin> {
     Skin::new(shear_modulus, poisson_ratio, response)
         .map(|skin| PySkin { inner: Elastic::Computed(skin) })
@@ -79,15 +90,8 @@ impl PySkin {
 impl PySkin {
     #[staticmethod]
     fn half_space(shear_modulus: f64, poisson_ratio: f64, pressure: &str, gap: &str) -> PyResult<Self> {
-        let gap = match gap {
-            "node" => Gap::Node,
-            "weighted" => Gap::Weighted,
-            other => {
-                let message = format!("gap is {other:?}, expected \"node\" or \"weighted\"");
-                return Err(PyValueError::new_err(message));
-            }
-        };
-        made(shear_modulus, poisson_ratio, Response::HalfSpace { pressure: pressure_named(pressure)?, gap })
+        let (pressure, gap) = (pressure_named(pressure)?, gap_named(gap)?);
+        made(shear_modulus, poisson_ratio, Response::HalfSpace { pressure, gap })
     }
 
     #[staticmethod]
@@ -109,13 +113,14 @@ impl PySkin {
         poisson_ratio: f64,
         thickness: &Bound<'_, PyAny>,
         pressure: &str,
+        gap: &str,
     ) -> PyResult<Self> {
         let thickness = match thickness.extract::<f64>() {
             Ok(uniform) => Thickness::Uniform(uniform),
             Err(_) => Thickness::PerVertex(scalars(thickness, "thickness")?.into()),
         };
-        let pressure = pressure_named(pressure)?;
-        made(shear_modulus, poisson_ratio, Response::Layer { thickness, pressure })
+        let (pressure, gap) = (pressure_named(pressure)?, gap_named(gap)?);
+        made(shear_modulus, poisson_ratio, Response::Layer { thickness, pressure, gap })
     }
 
     /// What a user should know of the constants, or None.

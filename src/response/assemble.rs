@@ -1,5 +1,6 @@
 //! The response matrix over the candidate nodes.
 
+use super::border::displacement_point;
 use super::column::{Scratch, half_space_values};
 use super::corrected::Corrected;
 use super::error::ResponseError;
@@ -81,12 +82,14 @@ fn fill_block(
     Ok(matrix)
 }
 
-/// What all columns over the same rows share.
+/// What all columns of the node form over the same rows share.
 pub(crate) struct Columns<'a> {
     surface: &'a Surface,
     skin: &'a Skin,
     tolerance: f64,
     layer: Option<PreparedLayer>,
+    /// 1/thickness of the targets of a layer (1/m).
+    inverse_thickness: Vec<f64>,
     pub(crate) targets: Targets,
 }
 
@@ -97,15 +100,26 @@ impl<'a> Columns<'a> {
         rows: &[usize],
         options: &AssemblyOptions,
     ) -> Result<Self, ResponseError> {
-        let points: Vec<_> = rows.iter().map(|&v| surface.vertices()[v]).collect();
-        let targets = Targets::new(&points);
-        let layer = match &skin.response {
-            Response::Layer { thickness, .. } => {
-                Some(PreparedLayer::new(skin, thickness, rows, &targets, options)?)
-            }
-            _ => None,
+        if skin.gap() == Gap::Weighted {
+            return Err(ResponseError::GapNotLocal);
+        }
+        let point = |&v: &usize| match &skin.response {
+            Response::Layer { thickness, .. } => displacement_point(surface, v, thickness.at(v)),
+            _ => surface.vertices()[v],
         };
-        Ok(Self { surface, skin, tolerance: options.tolerance, layer, targets })
+        let points: Vec<_> = rows.iter().map(point).collect();
+        let targets = Targets::new(&points);
+        let mut inverse_thickness = Vec::new();
+        let mut layer = None;
+        if let Response::Layer { thickness, .. } = &skin.response {
+            let places = targets.rows.iter().map(|&row| 1.0 / thickness.at(rows[row as usize]));
+            inverse_thickness.extend(places);
+            if let Some(&last) = inverse_thickness.last() {
+                inverse_thickness.resize(targets.x.len(), last);
+            }
+            layer = Some(PreparedLayer::new(skin, options)?);
+        }
+        Ok(Self { surface, skin, tolerance: options.tolerance, layer, inverse_thickness, targets })
     }
 
     /// Sets `scratch.values` to the displacement of the targets per newton at `vertex`.
@@ -117,7 +131,7 @@ impl<'a> Columns<'a> {
         match self.skin.response {
             Response::Layer { ref thickness, .. } => {
                 let layer = self.layer.as_ref().expect("prepared for a layer");
-                layer.values(targets, scratch, thickness.at(vertex));
+                layer.values(targets, &self.inverse_thickness, scratch, thickness.at(vertex));
             }
             Response::HalfSpace { .. } => {
                 half_space_values(targets, scratch, constant, tolerance, f64::INFINITY);

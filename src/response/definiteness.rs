@@ -1,6 +1,6 @@
 //! Whether a response matrix is positive definite, and how well it is conditioned.
 
-use super::skin::{Pressure, Response, Skin};
+use super::skin::{Gap, Pressure, Response, Skin};
 use faer::{Mat, MatRef, Side};
 
 /// Up to this order all eigenvalues are computed; beyond it the extreme ones are estimated.
@@ -129,10 +129,18 @@ impl Definiteness {
                  L a width from about L/2; or take a layer or half-space",
                 skin.kernel_constant() * 0.5f64.exp() / width
             ),
-            Response::Layer { .. } => "a nearly incompressible layer thinner than the mesh size is not resolved, \
-                 and on a surface that bends within its reach the flat kernel does not hold: refine the mesh, \
-                 take fewer nodes, or lower poisson_ratio a little"
-                .to_string(),
+            Response::Layer { thickness, gap, .. } => {
+                let form = match gap {
+                    Gap::Node => "on badly shaped flat triangles gap = weighted is; ",
+                    Gap::Weighted => "",
+                };
+                format!(
+                    "the kernel of a layer of thickness {:.3e} m is that of a flat layer: {form}where the surface \
+                     bends within some 20 thicknesses, take fewer nodes, lower poisson_ratio a little, or take a \
+                     body response",
+                    thickness.largest()
+                )
+            }
             _ => "triangles near the contact are badly shaped: improve the mesh there, or take the weighted form"
                 .to_string(),
         };
@@ -142,7 +150,6 @@ impl Definiteness {
 
 #[cfg(test)]
 mod tests {
-    use super::super::skin::Gap;
     use super::*;
 
     fn skin(pressure: Pressure) -> Skin {

@@ -64,6 +64,9 @@ pub enum ResponseError {
         /// Name of the kernel.
         kernel: &'static str,
     },
+    /// Compressed matrices hold the node form alone.
+    #[error("a compressed response matrix measures gaps at the nodes: take gap = node, or the whole matrix")]
+    GapNotLocal,
     /// The matrix would need more memory than allowed.
     #[error(
         "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit}; \

@@ -12,7 +12,6 @@ use super::options::AssemblyOptions;
 use super::radial::{DEGREES, MAX_DEGREE};
 use super::skin::Skin;
 use super::targets::{BLOCK, Targets, gather};
-use super::thickness::Thickness;
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use std::sync::Arc;
@@ -29,34 +28,19 @@ const BOUND: f64 = 40.0;
 #[derive(Debug)]
 pub(crate) struct PreparedLayer {
     pub(super) kernel: Arc<LayerKernel>,
+    /// K (m²/N).
     pub(super) constant: f64,
-    /// 1/thickness of each target, in the order of the targets (1/m).
-    inverse_thickness: Vec<f64>,
-    largest_inverse: f64,
     /// r/h beyond which the kernel is taken as 0.
-    reach: f64,
+    pub(crate) reach: f64,
     pub(super) tolerance: f64,
 }
 
 impl PreparedLayer {
-    pub(crate) fn new(
-        skin: &Skin,
-        thickness: &Thickness,
-        rows: &[usize],
-        targets: &Targets,
-        options: &AssemblyOptions,
-    ) -> Result<Self, ResponseError> {
+    pub(crate) fn new(skin: &Skin, options: &AssemblyOptions) -> Result<Self, ResponseError> {
         let kernel = LayerKernel::new(skin.poisson_ratio)?;
-        let mut inverse: Vec<f64> =
-            targets.rows.iter().map(|&row| 1.0 / thickness.at(rows[row as usize])).collect();
-        if let Some(&last) = inverse.last() {
-            inverse.resize(targets.x.len(), last);
-        }
         Ok(Self {
             reach: kernel.reach(SKIPPED * options.tolerance),
             constant: skin.kernel_constant(),
-            largest_inverse: inverse.iter().copied().fold(0.0, f64::max),
-            inverse_thickness: inverse,
             tolerance: options.tolerance.max(LEAST_TOLERANCE),
             kernel,
         })
@@ -66,14 +50,23 @@ impl PreparedLayer {
     ///
     /// Near the load: the exact 1/r part less the smooth part by quadrature. Beyond: the whole kernel as a
     /// series, which keeps its accuracy where the two parts cancel.
-    pub(crate) fn values(&self, targets: &Targets, scratch: &mut Scratch, own_thickness: f64) {
+    ///
+    /// * `inverse_thickness`: 1/thickness of each target, in their order, padded as they are (1/m)
+    /// * `own_thickness`: at the loaded node (m)
+    pub(crate) fn values(
+        &self,
+        targets: &Targets,
+        inverse_thickness: &[f64],
+        scratch: &mut Scratch,
+        own_thickness: f64,
+    ) {
         let own_inverse = 1.0 / own_thickness;
-        let column = LayerColumn { layer: self, own_inverse };
+        let column = LayerColumn { layer: self, inverse_thickness, own_inverse };
         let ladder = pulp::Arch::new().dispatch(Prepare { column, scratch });
         let farthest = self.reach * own_thickness + scratch.series.radius;
         let near = ladder[DEGREES.len() - 1].min(farthest);
         half_space_values(targets, scratch, self.constant, self.tolerance, near);
-        let thinnest = own_inverse.max(self.largest_inverse);
+        let thinnest = inverse_thickness.iter().copied().fold(own_inverse, f64::max);
         // the kernel ends where r reaches as many thicknesses of any pair
         let allowed =
             self.tolerance / (near * thinnest).min(self.reach + 2.0 * scratch.series.radius * thinnest);
@@ -87,6 +80,8 @@ impl PreparedLayer {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LayerColumn<'a> {
     pub(super) layer: &'a PreparedLayer,
+    /// 1/thickness of each target (1/m).
+    inverse_thickness: &'a [f64],
     /// 1/thickness at the loaded node (1/m).
     pub(super) own_inverse: f64,
 }
@@ -131,7 +126,7 @@ impl WithSimd for Sweep<'_> {
                 let x = Vector3::new(targets.x[start + i], targets.y[start + i], targets.z[start + i]);
                 block.distance[i] = (x - center).norm();
                 // a pair answers as the thinner of its two
-                block.inverse[i] = layer.inverse_thickness[start + i].max(column.own_inverse);
+                block.inverse[i] = column.inverse_thickness[start + i].max(column.own_inverse);
             }
             let Block { distance, inverse, .. } = &block;
             let felt = |i: usize| {
@@ -168,7 +163,7 @@ impl LayerColumn<'_> {
     fn take_off_smooth<S: Simd>(&self, simd: S, targets: &Targets, scratch: &mut Scratch) {
         let Scratch { near, values, faces, rule, thicknesses, .. } = scratch;
         near.gather(targets);
-        gather(&near.index, &self.layer.inverse_thickness, thicknesses);
+        gather(&near.index, self.inverse_thickness, thicknesses);
         for face in faces.iter().map(NearFace::new) {
             for i in (0..near.values.len()).step_by(S::F64_LANES) {
                 let own = Lanes::load(simd, thicknesses, i);

@@ -13,8 +13,8 @@
 //!
 //! Which form to take: the node form ([`Gap::Node`]) leaves no penetration at vertices and is cheapest; on finger
 //! pads its symmetric part has a condition number of some 30 and is positive definite. Where [`definiteness`]
-//! says that it is not (badly shaped triangles), the weighted form ([`Gap::Weighted`]) is, on any surface, with a
-//! condition number of some 90 and at 30 times the time. [`assemble_local`] stores a fading kernel (layer,
+//! says that it is not (badly shaped triangles), the weighted form ([`Gap::Weighted`]) is, on any surface (a layer:
+//! on any flat one), with a condition number of some 90 and at 30 times the time. [`assemble_local`] stores a fading kernel (layer,
 //! Gaussian with cutoff) by its entries within reach.
 //!
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
@@ -22,6 +22,7 @@
 mod assemble;
 mod average;
 pub mod body;
+mod border;
 mod column;
 mod combined;
 mod corrected;

@@ -157,7 +157,7 @@ impl Skin {
 
 #[cfg(test)]
 mod tests {
-    use super::super::skin::Pressure;
+    use super::super::skin::{Gap, Pressure};
     use super::*;
 
     fn gaussian(height: f64, width: f64, cutoff: f64) -> Skin {
@@ -212,7 +212,8 @@ mod tests {
     #[test]
     fn a_layer_moves_the_volume_of_confined_compression() {
         let skin = |nu| {
-            let response = Response::Layer { thickness: 2e-3.into(), pressure: Pressure::Linear };
+            let response =
+                Response::Layer { thickness: 2e-3.into(), pressure: Pressure::Linear, gap: Gap::Node };
             Skin::new(60e3, nu, response).expect("valid constants")
         };
         assert_eq!(skin(0.5).net_volume(), 0.0);

@@ -2,15 +2,18 @@
 
 use super::column::{Scratch, half_space_values};
 use super::error::ResponseError;
+use super::layer_column::PreparedLayer;
 use super::options::AssemblyOptions;
 use super::parallel::fill_columns;
 use super::rule::{RulePoint, graded_triangle_rule, triangle_rule};
-use super::skin::{Pressure, Skin};
+use super::skin::{Pressure, Response, Skin};
 use super::source::loaded_faces;
 use super::targets::Targets;
+use super::thickness::Thickness;
 use crate::surface::Surface;
 use faer::Mat;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Most points in each direction of the outer rule on triangles that do not touch the load.
 const MOST_POINTS: usize = 10;
@@ -41,14 +44,16 @@ const NO_ROW: usize = usize::MAX;
 struct Outer {
     scratch: Scratch,
     targets: Targets,
-    /// Faces used in this column with their rule.
-    used: Vec<(u32, usize)>,
+    /// 1/thickness of the targets of a layer (1/m).
+    inverse_thickness: Vec<f64>,
+    /// Faces used in this column with their rule and the corners that they are used for.
+    used: Vec<(u32, usize, Range<usize>)>,
 }
 
-/// `R_ij = ∫∫ p_i(x) K/|x - y| p_j(y) dA dA` over row nodes i and column nodes j.
+/// `R_ij = ∫∫ p_i(x) k(|x - y|) p_j(y) dA dA` over row nodes i and column nodes j, for the half-space and the layer.
 ///
 /// The inner integral is that of the node form; the outer one a Gauss rule whose order falls with distance. On
-/// triangles that touch the load it is good to some 5e-7 of the entry, also for smaller tolerances.
+/// triangles that touch the load it is good to some 5e-7 of the 1/r part, also for smaller tolerances.
 /// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
 pub(crate) fn weighted_block(
     surface: &Surface,
@@ -62,14 +67,19 @@ pub(crate) fn weighted_block(
     let (constant, pressure, tolerance) = (skin.kernel_constant(), skin.pressure(), options.tolerance);
     let area = surface.vertex_areas();
     let density: Vec<f64> = rows.iter().map(|&v| 1.0 / area[v]).collect();
+    let layer = match &skin.response {
+        Response::Layer { thickness, .. } => Some((PreparedLayer::new(skin, options)?, thickness)),
+        _ => None,
+    };
     let mut matrix = Mat::zeros(rows.len(), columns.len());
     let outer = || Outer {
         scratch: Scratch::new(&Targets::default()),
         targets: Targets::default(),
+        inverse_thickness: Vec::new(),
         used: Vec::with_capacity(faces.len()),
     };
     fill_columns(&mut matrix, options, outer, |outer: &mut Outer, j, column| {
-        let Outer { scratch, targets, used } = outer;
+        let Outer { scratch, targets, inverse_thickness, used } = outer;
         scratch.faces.clear();
         loaded_faces(surface, columns[j], pressure, &mut scratch.faces);
         let first = if symmetric { j } else { 0 };
@@ -78,38 +88,60 @@ pub(crate) fn weighted_block(
         let center = surface.vertices()[columns[j]];
         let radius =
             ring.iter().map(|&v| (surface.vertices()[v as usize] - center).norm()).fold(0.0, f64::max);
+        let own_thickness = layer.as_ref().map_or(f64::INFINITY, |(_, thickness)| thickness.at(columns[j]));
+        let silent = layer.as_ref().map_or(f64::INFINITY, |(layer, _)| layer.reach * own_thickness);
         targets.clear();
+        inverse_thickness.clear();
         used.clear();
         for (index, face) in faces.iter().enumerate() {
-            if !face.rows.iter().any(|&r| r != NO_ROW && r >= first) {
+            let distance = (face.center - center).norm() - radius;
+            if !face.rows.iter().any(|&r| r != NO_ROW && r >= first) || distance > silent + face.radius {
                 continue;
             }
             let n = if face.vertices.iter().any(|&v| touches(v)) {
                 TOUCHING
             } else {
-                outer_points(face, (face.center - center).norm() - radius, tolerance)
+                // a layer's smooth part is as good as singular at two thicknesses
+                outer_points(face, distance.min(2.0 * own_thickness), tolerance)
             };
-            for (l, _) in outer_rule(n) {
-                targets.push(&(face.corners[0] * l[0] + face.corners[1] * l[1] + face.corners[2] * l[2]));
+            // Where the thickness varies, each pair of nodes has its own.
+            let together = match &layer {
+                Some((_, Thickness::PerVertex(_))) => 1,
+                _ => 3,
+            };
+            for range in (0..3).step_by(together).map(|k| k..k + together) {
+                for (l, _) in outer_rule(n) {
+                    targets.push(&(face.corners[0] * l[0] + face.corners[1] * l[1] + face.corners[2] * l[2]));
+                    if let Some((_, thickness)) = &layer {
+                        inverse_thickness.push(1.0 / thickness.at(face.vertices[range.start] as usize));
+                    }
+                }
+                used.push((index as u32, n, range));
             }
-            used.push((index as u32, n));
         }
         targets.pad();
-        half_space_values(targets, scratch, constant, tolerance, f64::INFINITY);
+        match &layer {
+            Some((layer, _)) => {
+                inverse_thickness.resize(targets.x.len(), 1.0 / own_thickness);
+                layer.values(targets, inverse_thickness, scratch, own_thickness);
+            }
+            None => half_space_values(targets, scratch, constant, tolerance, f64::INFINITY),
+        }
         column.fill(0.0);
         let mut values = scratch.values.iter();
-        for &(index, n) in used.iter() {
-            let face = &faces[index as usize];
+        for (index, n, corners) in used.iter() {
+            let face = &faces[*index as usize];
             let mut hats = [0.0; 3];
             let mut even = 0.0;
-            for ((l, weight), value) in outer_rule(n).iter().zip(&mut values) {
+            for ((l, weight), value) in outer_rule(*n).iter().zip(&mut values) {
                 let share = weight * face.area * value;
                 even += share;
                 for k in 0..3 {
                     hats[k] += share * l[k];
                 }
             }
-            for (k, &row) in face.rows.iter().enumerate() {
+            for k in corners.clone() {
+                let row = face.rows[k];
                 if row != NO_ROW && row >= first {
                     column[row] +=
                         density[row] * if pressure == Pressure::Linear { hats[k] } else { even / 3.0 };
