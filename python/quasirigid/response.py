@@ -134,8 +134,9 @@ class Layer:
 
     Notes
     -----
-    For wide flat tissue, as the palm. On a fingertip it is too stiff, by up to twice the true force; where the
-    surface bends within some 20 thicknesses neither form has to be positive definite, and the contact says so.
+    For wide flat tissue, as the palm. On a fingertip it is too stiff, by up to twice the true force; where
+    the surface bends within some 20 thicknesses neither form has to be positive definite, and the contact
+    says so.
 
     References
     ----------

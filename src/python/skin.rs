@@ -141,8 +141,9 @@ impl PySkin {
 
     /// Net and gross volume that the mesh moves per newton at a vertex (m^3/N).
     fn net_volume(&self, surface: &PySurface, node: usize) -> PyResult<(f64, f64)> {
-        let volume =
-            response::net_volume(&surface.inner, self.computed()?, node, &AssemblyOptions::default());
+        // a sum of both signs over the whole mesh asks for more digits than a matrix does, and takes one column
+        let options = AssemblyOptions { tolerance: 1e-9, ..AssemblyOptions::default() };
+        let volume = response::net_volume(&surface.inner, self.computed()?, node, &options);
         volume.map(|volume| (volume.net, volume.gross)).map_err(IntoPyErr::into_py_err)
     }
 

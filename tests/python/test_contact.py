@@ -145,6 +145,25 @@ def test_a_balanced_gaussian_keeps_volume_on_a_wide_flat_mesh() -> None:
     assert half_space.net == pytest.approx(half_space.gross)
 
 
+@pytest.mark.parametrize("cells", [40, 50, 60])
+def test_an_incompressible_layer_keeps_volume_on_a_wide_flat_mesh(cells: int) -> None:
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.Layer(1e-3))
+    surface = qr.Surface(*grid(cells, 1e-3))
+    volume = qr.net_volume(surface, skin, (cells + 1) * cells // 2 + cells // 2)
+    # At 20 thicknesses the kernel, which fades as exp(-0.76 r / h), is down to 1e-7 of its mean.
+    assert abs(volume.net) < 1e-6 * volume.gross
+
+
+def test_a_weighted_layer_is_symmetric_and_positive_definite_up_to_its_border() -> None:
+    surface = qr.Surface(*grid(6, 1e-3))
+    nodes = np.arange(len(surface.vertices))
+    response = qr.Layer(0.3e-3, gap="weighted")
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
+    matrix = qr.response_matrix(surface, skin, nodes)
+    np.testing.assert_array_equal(matrix, matrix.T)
+    assert np.linalg.eigvalsh(matrix)[0] > 0
+
+
 def test_condition_and_definiteness_are_told_when_cheap_or_asked_for(contact: qr.Contact) -> None:
     surface = qr.Surface(*ball(8e-3, 4))
     small = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.2e-3)
