@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from .lcp import LcpSolution
@@ -120,6 +119,8 @@ class Contact:
         Pressure (Pa).
     node_force : (n,) float64
         Force along the obstacle's outward normal (N).
+    force_vectors : (n, 3) float64
+        Force on the skin at each vertex (N): `node_force` along that normal.
     gap : (n,) float64
         Gap (m): ``g0 + R f`` on the candidates, g0 within the search distance, inf beyond.
     displacement : (n, 3) float64
@@ -164,6 +165,7 @@ class Contact:
     max_penetration_after: float
     pressure: NDArray[np.float64] = field(repr=False)
     node_force: NDArray[np.float64] = field(repr=False)
+    force_vectors: NDArray[np.float64] = field(repr=False)
     gap: NDArray[np.float64] = field(repr=False)
     displacement: NDArray[np.float64] = field(repr=False)
     fade_distance: float
@@ -179,11 +181,3 @@ class Contact:
     timings: dict[str, float] = field(repr=False)
     left_out: list[tuple[str, str]] = field(repr=False)
     advice: str = field(repr=False)
-
-    def _forces_on(self, vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Forces (n, 3) in N along the obstacle's normals at the undeformed `vertices` (n, 3)."""
-        forces = np.zeros_like(vertices)
-        if len(self.active):
-            normals = self.obstacle.signed_distance(vertices[self.active])[2]
-            forces[self.active] = self.node_force[self.active, None] * normals
-        return forces

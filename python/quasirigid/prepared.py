@@ -66,7 +66,7 @@ class PreparedSkin:
         ResponseError
             If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone.
         """
-        forces = load if not isinstance(load, Contact) else load._forces_on(self._response.vertices())
+        forces = load.force_vectors if isinstance(load, Contact) else load
         pressures = self._response.bone_pressures(forces)
         if pressures is None:
             raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")

@@ -87,6 +87,8 @@ pub struct Contact {
     pub pressure: Vec<f64>,
     /// Node force along the obstacle's outward normal (n, N).
     pub node_force: Vec<f64>,
+    /// The same as vectors: the force on the skin at each vertex (n, N).
+    pub force_vectors: Vec<Vector3<f64>>,
     /// Gap: `g0 + R f` on the candidates, `g0` within the search distance, infinite beyond (n, m).
     pub gap: Vec<f64>,
     /// Displacement of the skin, faded to zero at `fade_distance` from the candidates (n, m).

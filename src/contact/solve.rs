@@ -184,6 +184,7 @@ pub(super) fn solve_in_place(
         max_penetration_before,
         max_penetration_after,
         pressure,
+        force_vectors: along_normals(&solved.node_force, &gaps.normal),
         node_force: solved.node_force,
         gap: solved.gap,
         displacement: moved.displacement,
@@ -204,6 +205,15 @@ pub(super) fn solve_in_place(
 
 pub(super) fn clock(timings: &mut Vec<Timing>, stage: &'static str, started: Instant) {
     timings.push(Timing { stage, seconds: started.elapsed().as_secs_f64() });
+}
+
+/// Node forces as vectors; zero where there is none, whatever the normal.
+fn along_normals(node_force: &[f64], normals: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let vector = |(force, normal): (&f64, &Vector3<f64>)| match *force {
+        0.0 => Vector3::zeros(),
+        force => force * normal,
+    };
+    node_force.iter().zip(normals).map(vector).collect()
 }
 
 /// Deepest penetration of a skin vertex that moved or was `inside`, measured anew (m, ≥ 0).

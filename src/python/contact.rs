@@ -113,6 +113,7 @@ impl PyContact {
         {
             fields.set_item(name, PyArray1::from_slice(py, values))?;
         }
+        fields.set_item("force_vectors", vectors_out(py, &contact.force_vectors))?;
         fields.set_item("displacement", vectors_out(py, &contact.displacement))?;
         fields.set_item("candidates", nodes_out(py, &contact.candidates))?;
         fields.set_item("active", nodes_out(py, &contact.active))?;

@@ -13,7 +13,7 @@ use crate::response::{
     self, AssemblyOptions, CombinedSkin, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure,
     Response, Skin, Thickness,
 };
-use numpy::{PyArray1, PyArray2};
+use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -283,11 +283,6 @@ impl PySkin {
     /// Vertices whose response is known.
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
         Ok(nodes_out(py, self.prepared()?.nodes()))
-    }
-
-    /// Vertices (n, 3) in m of the surface that a prepared skin belongs to, where it stands now.
-    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        Ok(vectors_out(py, self.prepared()?.vertices()))
     }
 
     /// The prepared or combined skin after a rigid motion of its surface.

@@ -203,6 +203,11 @@ def test_the_pressure_on_the_bone_under_a_contact_is_saved_and_turned_too(tmp_pa
     prepared = skin_of(bone=bone, fixed=held, bone_pressure=True).prepared(surface, low)
     contact = qr.press(surface, PLATE, prepared, UP, depth=0.6e-3)
     pressure = prepared.bone_pressure(contact)
+    # The forces that it answers are those of the contact.
+    np.testing.assert_allclose(contact.force_vectors.sum(axis=0), contact.force, rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(
+        np.linalg.norm(contact.force_vectors, axis=1), contact.node_force, rtol=1e-12, atol=0
+    )
     # Pressed from below, the bone feels most at its lowest point.
     assert pressure.max() == pytest.approx(pressure[np.argmin(bone.vertices[:, 2])], rel=0.05)
     assert pressure.max() > 0
