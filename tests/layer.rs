@@ -9,7 +9,7 @@ use quasirigid::contact::{ContactOptions, ContactStatus, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::sphere_on_layer;
 use quasirigid::response::{
-    AssemblyOptions, Gap, Pressure, Response, Skin, Thickness, assemble, definiteness,
+    AssemblyOptions, Gap, Pressure, Response, Skin, Thickness, assemble, definiteness, net_volume,
 };
 use quasirigid::surface::Surface;
 
@@ -98,6 +98,19 @@ fn a_thick_weighted_layer_is_the_weighted_half_space() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn an_incompressible_layer_displaces_no_net_volume_on_flat_meshes_of_any_shape() {
+    // regular, alternating and jittered triangles; the kernel fades as exp(-0.76 r / h)
+    for (cells, jitter, thickness) in [(44, 0.0, 1.0), (44, 0.3, 1.0), (50, 0.2, 0.5), (64, 0.3, 1.5)] {
+        let surface = flat(cells, CELL, jitter);
+        let options = AssemblyOptions { tolerance: 1e-9, ..Default::default() };
+        let skin = skin(0.5, thickness * CELL, Gap::Node);
+        let volume = net_volume(&surface, &skin, cells / 2 * (cells + 2), &options).expect("valid");
+        println!("{cells} {jitter} {thickness}: {:e}", volume.net / volume.gross);
+        assert!(volume.net.abs() < 1e-6 * volume.gross, "{cells}, {jitter}, {thickness}: {volume:?}");
     }
 }
 

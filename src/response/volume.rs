@@ -5,7 +5,7 @@ use super::error::ResponseError;
 use super::layer::LayerKernel;
 use super::options::AssemblyOptions;
 use super::rule::gauss;
-use super::skin::{Response, Skin};
+use super::skin::{Gap, Response, Skin};
 use crate::surface::Surface;
 use std::f64::consts::{PI, TAU};
 
@@ -20,6 +20,9 @@ pub struct NetVolume {
 
 /// Volume that the mesh moves per newton at `node`: `Σ S_i R_ij` over all its vertices, S the vertex areas.
 ///
+/// R is the weighted form where the kernel has one (half-space, layer), so that the sum is the integral of the
+/// displacement over the mesh, whatever its triangles; the Gaussian is summed as it is at the vertices.
+///
 /// The paper's condition (its eq. 4) asks for a net volume of 0. A half-space moves a volume that grows with
 /// the mesh.
 ///
@@ -32,7 +35,7 @@ pub fn net_volume(
     options: &AssemblyOptions,
 ) -> Result<NetVolume, ResponseError> {
     let rows: Vec<usize> = (0..surface.vertices().len()).collect();
-    let column = assemble_block(surface, skin, &rows, &[node], options)?;
+    let column = assemble_block(surface, &skin.with_gap(Gap::Weighted), &rows, &[node], options)?;
     let mut volume = NetVolume { net: 0.0, gross: 0.0 };
     for (i, area) in surface.vertex_areas().iter().enumerate() {
         volume.net += area * column[(i, 0)];
@@ -157,7 +160,7 @@ impl Skin {
 
 #[cfg(test)]
 mod tests {
-    use super::super::skin::{Gap, Pressure};
+    use super::super::skin::Pressure;
     use super::*;
 
     fn gaussian(height: f64, width: f64, cutoff: f64) -> Skin {
