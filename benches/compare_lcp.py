@@ -127,6 +127,8 @@ def main() -> None:
         f"quasirigid {method}": lambda M, q, method=method: qr.solve_lcp(M, q, method=method).z
         for method in methods
     }
+    plain = qr.LcpOptions(crash=False)
+    ours["quasirigid lemke, no crash"] = lambda M, q: qr.solve_lcp(M, q, options=plain).z
     scenes = [(10e-3, depth, side) for side in arguments.sides for depth in (0.5e-3, 1.12e-3, 2e-3)]
     scenes += [(200e-3, 0.5e-3, side) for side in arguments.sides if side in (30, 50)]
     for radius, depth, side in scenes:

@@ -785,6 +785,25 @@ fn entries_that_an_answer_needs_are_finite_or_named() {
 }
 
 #[test]
+fn a_look_at_definiteness_that_nobody_asked_for_refuses_no_answer() {
+    // Not symmetric, so that blocks cost enough for the look; the entry amiss stands where nothing touches.
+    let contact = grid_contact(10, 0.8e-3, 10e-3, 0.5e-3);
+    let n = contact.q.len();
+    let mut m = Mat::from_fn(n, n, |i, j| contact.m[(i, j)] * (1.0 + 0.001 * (i as f64 / n as f64)));
+    let far = (1..n).find(|&i| contact.q[i] > 0.0).unwrap();
+    m[(0, far)] = f64::NAN;
+    let with = |definiteness| {
+        let problem = LcpProblem::new(m.as_ref(), &contact.q).unwrap();
+        let options = LcpOptions { definiteness, ..LcpOptions::default() };
+        solve(&problem, LcpMethod::Auto, &options)
+    };
+    assert_eq!(with(DefinitenessCheck::Cheap).unwrap().status, LcpStatus::Solved);
+    assert_eq!(with(DefinitenessCheck::Never).unwrap().status, LcpStatus::Solved);
+    let error = with(DefinitenessCheck::Always).unwrap_err();
+    assert!(matches!(error, LcpError::NonFiniteMatrix { row: 0, .. }), "{error}");
+}
+
+#[test]
 fn matrices_full_of_what_is_not_finite_end_without_panic() {
     let mut noise = Noise(19);
     for case in 0..600 {

@@ -175,8 +175,8 @@ impl<'a> LcpProblem<'a> {
             return Ok(None);
         };
         if found.flaw.iter().any(|&flaw| flaw != 0.0) {
-            let (row, column, count) =
-                first_non_finite(self.m).expect("an entry that is not finite was seen");
+            let (row, column, count) = first_non_finite(self.m, &found.flaw, interrupted)
+                .expect("an entry that is not finite was seen");
             return Err(LcpError::NonFiniteMatrix { row, column, value: self.m[(row, column)], count });
         }
         Ok(Some(self.extremes.get_or_init(|| found)))

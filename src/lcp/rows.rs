@@ -58,16 +58,24 @@ pub(super) fn row_extremes(m: MatRef<'_, f64>, interrupted: &dyn Fn() -> bool) -
     Some(found)
 }
 
-/// Row and column of the first entry by rows that is not finite, and how many there are.
-pub(super) fn first_non_finite(m: MatRef<'_, f64>) -> Option<(usize, usize, usize)> {
+/// Row and column of the first entry by rows that is not finite, and how many there are in the rows that are not
+/// without `flaw`; counting ends when interrupted.
+pub(super) fn first_non_finite(
+    m: MatRef<'_, f64>,
+    flaw: &[f64],
+    interrupted: &dyn Fn() -> bool,
+) -> Option<(usize, usize, usize)> {
+    let n = m.ncols();
     let mut first = None;
     let mut count = 0;
-    for i in 0..m.nrows() {
-        for j in 0..m.ncols() {
-            if !m[(i, j)].is_finite() {
-                first.get_or_insert((i, j));
-                count += 1;
-            }
+    let flawed = (0..n).filter(|&i| flaw[i] != 0.0);
+    for (seen, i) in flawed.enumerate() {
+        for j in (0..n).filter(|&j| !m[(i, j)].is_finite()) {
+            first.get_or_insert((i, j));
+            count += 1;
+        }
+        if seen % (CHUNK / 8 / n.max(1)).max(1) == 0 && interrupted() {
+            break;
         }
     }
     first.map(|(row, column)| (row, column, count))

@@ -175,7 +175,14 @@ impl<'a> Run<'a> {
             DefinitenessCheck::Cheap => look + n * n * n / 3.0 <= work,
         };
         let interrupted = || self.options.is_interrupted();
-        let rows = if wanted { self.problem.rows(&interrupted)? } else { None };
+        if !wanted {
+            return Ok(Definiteness::Unknown);
+        }
+        let rows = match self.problem.rows(&interrupted) {
+            // What is not asked for is no reason to refuse an answer.
+            Err(_) if self.options.definiteness == DefinitenessCheck::Cheap => None,
+            rows => rows?,
+        };
         let Some(rows) = rows else {
             return Ok(Definiteness::Unknown);
         };
