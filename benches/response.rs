@@ -10,8 +10,7 @@ use criterion::{BenchmarkId, Criterion};
 use faer::Mat;
 use nalgebra::Vector3;
 use quasirigid::response::{
-    AssemblyOptions, Gap, Pressure, Response, Skin, assemble, assemble_block, assemble_local,
-    balanced_height, definiteness,
+    AssemblyOptions, Gap, Pressure, Response, Skin, assemble, assemble_block, balanced_height, definiteness,
 };
 use quasirigid::surface::Surface;
 use std::time::Instant;
@@ -175,23 +174,6 @@ fn table(quick: bool) {
             assemble(&surface, &skin, &nodes, None, &AssemblyOptions::default()).expect("a valid request");
         let found = definiteness(r.as_ref());
         println!("{name:<22} definite {:<5} condition {:.2e}", found.positive_definite, found.condition);
-    }
-    println!("\nlocal matrix of a 0.5 mm layer, tolerance 1e-3: nodes, entries, bytes, s, entries/s");
-    let thin = skin(Response::Layer { thickness: 0.5e-3.into(), pressure: Pressure::Linear, gap: Gap::Node });
-    for &n in if quick { &[1000][..] } else { &[1000, 4000, 16000] } {
-        let surface = capsule(n);
-        let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
-        let options = AssemblyOptions { tolerance: 1e-3, ..Default::default() };
-        let start = Instant::now();
-        let local = assemble_local(&surface, &thin, &nodes, &options).expect("a fading kernel");
-        let seconds = start.elapsed().as_secs_f64();
-        let rate = local.entries() as f64 / seconds;
-        println!(
-            "{:>6} {:>10} {:>11} {seconds:>8.3} {rate:>10.3e}",
-            nodes.len(),
-            local.entries(),
-            local.bytes()
-        );
     }
 }
 

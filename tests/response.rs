@@ -7,8 +7,7 @@ use nalgebra::{Isometry3, Vector3};
 use quasirigid::lcp::{self, LcpMethod, LcpOptions, LcpProblem, LcpStatus};
 use quasirigid::response::{
     AssemblyOptions, Gap, LayerKernel, Pressure, Response, ResponseError, Skin, Thickness, assemble,
-    assemble_block, assemble_local, definiteness, gaussian_hat_integrals, hat_integrals, matrix_bytes,
-    pressure_average,
+    assemble_block, definiteness, gaussian_hat_integrals, hat_integrals, matrix_bytes, pressure_average,
 };
 use quasirigid::surface::Surface;
 use std::f64::consts::PI;
@@ -672,79 +671,6 @@ fn thicknesses_are_checked() {
         refused.expect_err("too short"),
         ResponseError::ThicknessCount { thicknesses: 5, vertex_count: 16 }
     );
-}
-
-// ---- locality ----
-
-#[test]
-fn a_local_matrix_holds_the_entries_of_the_dense_one() {
-    let surface = grid(24, 24e-3, 6e-3, 0.2);
-    let thickness: Vec<f64> = (0..25 * 25).map(|v| 0.4e-3 + 1e-6 * v as f64).collect();
-    let varying = Response::Layer {
-        thickness: Thickness::PerVertex(thickness.into()),
-        pressure: Pressure::Linear,
-        gap: Gap::Node,
-    };
-    let short =
-        Response::GaussianCorrected { height: 1e-3, width: 2e-3, cutoff: 4e-3, pressure: Pressure::Linear };
-    for response in [short, layer(0.5e-3), varying] {
-        let skin = skin(response);
-        let options = AssemblyOptions { tolerance: 1e-3, ..Default::default() };
-        let dense = assemble(&surface, &skin, &all(&surface), None, &options).expect("valid");
-        let local = assemble_local(&surface, &skin, &all(&surface), &options).expect("local");
-        let scale = dense[(0, 0)].abs();
-        let mut zeros = 0;
-        let again = local.to_dense();
-        for j in 0..dense.ncols() {
-            for i in 0..dense.nrows() {
-                // the order of a far field may differ with the points beside it
-                assert!((dense[(i, j)] - again[(i, j)]).abs() <= 1e-3 * scale);
-                zeros += usize::from(dense[(i, j)] == 0.0);
-            }
-        }
-        assert!(local.entries() * 2 < local.order() * local.order(), "{}", local.entries());
-        assert!(zeros + local.entries() >= local.order() * local.order());
-        assert_eq!(local.bytes(), 12 * local.entries() + 8 * (local.order() + 1));
-        let forces: Vec<f64> = (0..local.order()).map(|v| (v % 7) as f64).collect();
-        let moved = local.apply(&forces);
-        let by_hand: f64 = (0..local.order()).map(|j| again[(31, j)] * forces[j]).sum();
-        assert_relative_eq!(moved[31], by_hand, max_relative = 1e-12);
-        assert_eq!(local.groups().len(), 1);
-    }
-}
-
-#[test]
-fn patches_out_of_reach_are_separate_groups_and_threads_change_no_bit() {
-    let surface = grid(40, 40e-3, 0.0, 0.0);
-    let skin = skin(layer(0.3e-3));
-    let left: Vec<usize> = (0..41 * 6).collect();
-    let nodes: Vec<usize> = left.iter().copied().chain(41 * 35..41 * 41).collect();
-    let run = |num_threads| {
-        let options = AssemblyOptions { tolerance: 1e-3, num_threads, ..Default::default() };
-        assemble_local(&surface, &skin, &nodes, &options).expect("local")
-    };
-    let one = run(Some(1));
-    assert!(one == run(Some(2)) && one == run(None));
-    let groups = one.groups();
-    assert_eq!(groups.len(), 2);
-    assert_eq!(groups[0], (0..41 * 6).collect::<Vec<_>>());
-}
-
-#[test]
-fn a_local_matrix_of_an_endless_kernel_or_of_too_much_memory_is_refused() {
-    let surface = grid(10, 10e-3, 0.0, 0.0);
-    let nodes = all(&surface);
-    let plain = AssemblyOptions::default();
-    let endless = assemble_local(&surface, &skin(HALF_SPACE), &nodes, &plain).expect_err("endless");
-    assert_eq!(endless, ResponseError::NotLocal { kernel: "half-space" });
-    let response = Response::Layer { thickness: 1e-3.into(), pressure: Pressure::Linear, gap: Gap::Weighted };
-    let averaged = assemble_local(&surface, &skin(response), &nodes, &plain).expect_err("not the node form");
-    assert_eq!(averaged, ResponseError::GapNotLocal);
-    let small = AssemblyOptions { memory_limit: Some(10_000), ..plain };
-    match assemble_local(&surface, &skin(layer(1e-3)), &nodes, &small) {
-        Err(ResponseError::TooLarge { nodes: 121, bytes, limit: 10_000 }) => assert!(bytes > 10_000),
-        other => panic!("{other:?}"),
-    }
 }
 
 // ---- errors ----

@@ -30,6 +30,9 @@ from .lcp import LcpOptions as LcpOptions
 from .lcp import LcpSolution as LcpSolution
 from .lcp import LcpStatus as LcpStatus
 from .lcp import solve_lcp as solve_lcp
+from .local import LocalDefiniteness as LocalDefiniteness
+from .local import LocalResponseMatrix as LocalResponseMatrix
+from .local import local_response_matrix as local_response_matrix
 from .obstacle import Obstacle as Obstacle
 from .parts import CombinedSkin as CombinedSkin
 from .parts import CutOut as CutOut

@@ -6,6 +6,7 @@ mod convert;
 mod errors;
 mod interrupt;
 mod lcp;
+mod local;
 mod matrix;
 mod obstacle;
 mod pickle;
@@ -23,6 +24,8 @@ mod _core {
     use super::contact::{PyContact, PyContactOptions, press, solve_contact};
     #[pymodule_export]
     use super::lcp::{PyLcpOptions, PyLcpSolution, solve_lcp};
+    #[pymodule_export]
+    use super::local::{PyLocalMatrix, local_response_matrix};
     #[pymodule_export]
     use super::matrix::{definiteness, response_matrix};
     #[pymodule_export]
@@ -46,12 +49,14 @@ mod _core {
                 "ContactOptions",
                 "LcpOptions",
                 "LcpSolution",
+                "LocalMatrix",
                 "Obstacle",
                 "Skin",
                 "Surface",
                 "cut_out",
                 "definiteness",
                 "flat_cap_mask",
+                "local_response_matrix",
                 "press",
                 "repair",
                 "response_matrix",

@@ -52,11 +52,11 @@ pub fn definiteness(matrix: MatRef<'_, f64>) -> Definiteness {
             Err(_) => (f64::NAN, f64::NAN, true),
         }
     } else {
-        let (low, high) = lanczos(n, |v| &symmetric * v);
+        let Extremes { low, high, .. } = lanczos(n, STEPS, |v| &symmetric * v);
         match &factor {
             Some(factor) => {
                 use faer::linalg::solvers::Solve;
-                (1.0 / lanczos(n, |v| factor.solve(v)).1, high, true)
+                (1.0 / lanczos(n, STEPS, |v| factor.solve(v)).high, high, true)
             }
             None => (low.min(0.0), high, true),
         }
@@ -66,10 +66,18 @@ pub fn definiteness(matrix: MatRef<'_, f64>) -> Definiteness {
     Definiteness { positive_definite, smallest, largest, condition, estimated }
 }
 
-/// Extreme Ritz values of a symmetric operator after [`STEPS`] steps with full orthogonalisation.
-fn lanczos(n: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> (f64, f64) {
-    let steps = STEPS.min(n);
-    // A fixed start with parts in all directions.
+/// Extreme Ritz values of a symmetric operator.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extremes {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// Some eigenvalue is no farther than this from `low`.
+    pub(super) low_residual: f64,
+}
+
+/// Lanczos steps with full orthogonalisation, from a fixed start with parts in all directions.
+pub(super) fn lanczos(n: usize, steps: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> Extremes {
+    let steps = steps.min(n);
     let mut state = 1u64;
     let mut v = Mat::from_fn(n, 1, |_, _| {
         state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -90,10 +98,10 @@ fn lanczos(n: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> (f64, f64) {
             }
         }
         let norm = w.norm_l2();
+        beside.push(norm);
         if norm <= 1e-12 * scale {
             break;
         }
-        beside.push(norm);
         v = w / faer::Scale(norm);
     }
     let m = diagonal.len();
@@ -102,9 +110,13 @@ fn lanczos(n: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> (f64, f64) {
         1 => beside[i.min(j)],
         _ => 0.0,
     });
-    match small.self_adjoint_eigenvalues(Side::Lower) {
-        Ok(values) => (values[0], values[m - 1]),
-        Err(_) => (f64::NAN, f64::NAN),
+    match small.self_adjoint_eigen(Side::Lower) {
+        Ok(parts) => {
+            let values = parts.S().column_vector();
+            let low_residual = beside[m - 1] * parts.U()[(m - 1, 0)].abs();
+            Extremes { low: values[0], high: values[m - 1], low_residual }
+        }
+        Err(_) => Extremes { low: f64::NAN, high: f64::NAN, low_residual: f64::NAN },
     }
 }
 

@@ -1,0 +1,194 @@
+//! Computes a local matrix block by block.
+
+use super::super::assemble::Columns;
+use super::super::column::Scratch;
+use super::super::error::ResponseError;
+use super::super::options::{AssemblyOptions, check_request};
+use super::super::parallel::map_in_order;
+use super::super::skin::{Response, Skin};
+use super::clusters::ClusterTree;
+use super::cross::{Allowance, cross_approximation};
+use super::far::FarField;
+use super::matrix::{Block, LocalMatrix, Values};
+use super::norm::norm_over_reach;
+use super::options::LocalOptions;
+use super::plan::{PANEL, Place, Plan};
+use crate::surface::{SkinRegions, Surface};
+
+/// Regions of the skin have this share of the reach as their radius.
+const REGION: f64 = 1.0 / 6.0;
+/// Most nodes of a leaf where the kernel jumps.
+const JUMP_LEAF: usize = 8;
+/// Shares of the threshold that the far blocks may err by, of their own norm and of the whole matrix's.
+const RELATIVE: f64 = 0.25;
+const EACH: f64 = 0.25;
+/// Share of the threshold that far entries may err by against K/r, as a few point forces stand for each load.
+const POINTS: f64 = 0.5;
+/// Far blocks in one piece of work.
+const TOGETHER: usize = 32;
+
+/// A response matrix of a kernel that fades (the layer, the Gaussian with a cutoff), in blocks.
+///
+/// Nodes are sorted into a tree of clusters. Blocks beyond the kernel's reach are left out; blocks whose clusters are
+/// far from each other against their size are stored as sums of a few products of vectors; the others entry by entry.
+/// For a layer, cost and memory grow in proportion to the nodes, but for a logarithm, where the mesh is refined. The
+/// Gaussian jumps at its cutoff, and entries there are stored one by one: they grow with the 1.5th power.
+///
+/// Nodes on different fingers are not coupled, whatever the straight-line distance between them: see
+/// [`shares_tissue`](crate::surface::shares_tissue), asked of regions a sixth of the reach wide. Dense
+/// [`assemble`](super::super::assemble) does not look at this.
+///
+/// * `surface`: the skin's mesh
+/// * `skin`: material and kernel
+/// * `nodes`: (k,) vertices of the mesh, no two equal
+/// * `options`: threshold, threads, memory
+///
+/// # Errors
+/// [`ResponseError::NotLocal`] for a kernel that is felt everywhere, and those of `assemble`.
+pub fn assemble_local(
+    surface: &Surface,
+    skin: &Skin,
+    nodes: &[usize],
+    options: &LocalOptions,
+) -> Result<LocalMatrix, ResponseError> {
+    skin.validate()?;
+    skin.check_against(surface)?;
+    let entries = options.of_entries()?;
+    check_request(surface, nodes, 0, None, &entries)?;
+    let not_local = || ResponseError::NotLocal {
+        kernel: if skin.has_negative_entries() { "Gaussian-corrected" } else { "half-space" },
+    };
+    let reach = skin.assembled_reach(options.threshold).ok_or_else(not_local)?;
+    let mut matrix = LocalMatrix::empty(skin.clone(), nodes.len(), options.threshold);
+    if nodes.is_empty() {
+        return Ok(matrix);
+    }
+    let load_radius: Vec<f64> = nodes.iter().map(|&vertex| longest_edge(surface, vertex)).collect();
+    let regions = SkinRegions::new(surface, REGION * reach);
+    let pairs = regions.pairs_within(surface, reach + load_radius.iter().copied().fold(0.0, f64::max));
+    let density = norm_over_reach(skin, reach);
+    let (jump, leaf) = match skin.response {
+        Response::GaussianCorrected { cutoff, .. } => (Some(cutoff), JUMP_LEAF),
+        _ => (None, PANEL),
+    };
+    let tree = ClusterTree::new(surface, nodes, &regions, leaf);
+    let of_node: Vec<f64> = match &skin.response {
+        Response::Layer { thickness, .. } => {
+            nodes.iter().map(|&vertex| reach * thickness.at(vertex) / thickness.largest()).collect()
+        }
+        _ => vec![reach; nodes.len()],
+    };
+    let (reach, load_radius) = (tree.largest(&of_node), tree.largest(&load_radius));
+    let is_whole = tree.whole(&pairs.sharing);
+    let plan = Plan { tree: &tree, pairs: &pairs, is_whole, reach, load_radius, jump };
+    let blocks = plan.blocks();
+    let vertices: Vec<usize> = tree.order.iter().map(|&node| nodes[node as usize]).collect();
+    let region: Vec<u32> = vertices.iter().map(|&vertex| regions.of(vertex) as u32).collect();
+    let far = FarField::new(surface, skin, vertices, POINTS * options.threshold)?;
+    let work = Work {
+        plan: &plan,
+        far: &far,
+        surface,
+        skin,
+        region: &region,
+        entries: &entries,
+        threshold: options.threshold,
+        density,
+    };
+    // Dense blocks over the same columns are computed together, as they share the loads.
+    let mut dense = blocks.dense;
+    dense.sort_unstable_by_key(|place| (place.columns, place.rows));
+    let panels: Vec<&[Place]> = dense.chunk_by(|a, b| a.columns == b.columns).collect();
+    let strips: Vec<&[Place]> = blocks.far.chunks(TOGETHER).collect();
+    let compute = |i: usize| match i.checked_sub(panels.len()) {
+        None => work.dense(panels[i]),
+        Some(strip) => Ok(strips[strip].iter().filter_map(|&place| work.far(place)).collect()),
+    };
+    map_in_order(panels.len() + strips.len(), &entries, compute, |found| {
+        matrix.extend(found);
+        let bytes = matrix.bytes();
+        match options.memory_limit {
+            Some(limit) if bytes > limit => Err(ResponseError::TooLarge { nodes: nodes.len(), bytes, limit }),
+            _ => Ok(()),
+        }
+    })?;
+    matrix.finish(tree);
+    Ok(matrix)
+}
+
+/// What the blocks of one matrix share.
+struct Work<'a> {
+    plan: &'a Plan<'a>,
+    far: &'a FarField<'a>,
+    surface: &'a Surface,
+    skin: &'a Skin,
+    /// Region of the skin at each place.
+    region: &'a [u32],
+    entries: &'a AssemblyOptions<'a>,
+    threshold: f64,
+    /// See [`norm_over_reach`].
+    density: f64,
+}
+
+impl Work<'_> {
+    /// A block of low rank, or of all its entries where that is smaller; `None` where it is below the threshold.
+    fn far(&self, place: Place) -> Option<Block> {
+        let [rows, columns] = [place.rows, place.columns].map(|cluster| &self.plan.tree.clusters[cluster]);
+        let clearance = self.plan.clearance(place);
+        let load_radius = self.plan.load_radius[place.columns];
+        let mut entries = self.far.block(rows.nodes.clone(), columns.nodes.clone(), clearance, load_radius);
+        let reach = self.plan.reach_in(place);
+        // As many entries as there are nodes within reach may err by this and add up to a share of the norm.
+        let each = EACH * self.threshold * self.density / (std::f64::consts::PI * reach);
+        let allowance = Allowance { relative: RELATIVE * self.threshold, each };
+        let first = self.far.nearest(rows.nodes.clone(), &columns.center());
+        let shape = (rows.nodes.len(), columns.nodes.len());
+        let values = match cross_approximation(&mut entries, shape, first, allowance) {
+            Some(low_rank) if low_rank.rank == 0 => return None,
+            Some(low_rank) => Values::LowRank(low_rank),
+            None => Values::Dense(entries.dense()),
+        };
+        Some(Block { place, values })
+    }
+
+    /// Dense blocks over the same columns.
+    fn dense(&self, places: &[Place]) -> Result<Vec<Block>, ResponseError> {
+        let tree = self.plan.tree;
+        let vertex = |at: usize| self.far.vertex(at);
+        let rows: Vec<usize> =
+            places.iter().flat_map(|place| tree.clusters[place.rows].nodes.clone()).map(vertex).collect();
+        let columns = tree.clusters[places[0].columns].nodes.clone();
+        let kernel = Columns::new(self.surface, self.skin, &rows, self.entries)?;
+        let mut scratch = Scratch::new(&kernel.targets);
+        let mut blocks: Vec<Vec<f64>> = places
+            .iter()
+            .map(|place| Vec::with_capacity(tree.clusters[place.rows].nodes.len() * columns.len()))
+            .collect();
+        let mut column = vec![0.0; rows.len()];
+        for at in columns.clone() {
+            kernel.fill(&mut scratch, vertex(at));
+            kernel.targets.scatter(&scratch.values, &mut column);
+            let mut rest = &mut column[..];
+            for (place, block) in places.iter().zip(&mut blocks) {
+                let nodes = tree.clusters[place.rows].nodes.clone();
+                let (mine, others) = rest.split_at_mut(nodes.len());
+                for (value, row) in mine.iter_mut().zip(nodes) {
+                    if !self.plan.shares(self.region[row], self.region[at]) {
+                        *value = 0.0;
+                    }
+                }
+                block.extend(&*mine);
+                rest = others;
+            }
+        }
+        let block = |(&place, values): (&Place, Vec<f64>)| Block { place, values: Values::Dense(values) };
+        Ok(places.iter().zip(blocks).map(block).collect())
+    }
+}
+
+/// How far a load extends around its node (m).
+fn longest_edge(surface: &Surface, vertex: usize) -> f64 {
+    let point = surface.vertices()[vertex];
+    let ring = surface.neighbours(vertex).iter();
+    ring.map(|&other| (surface.vertices()[other as usize] - point).norm()).fold(0.0, f64::max)
+}

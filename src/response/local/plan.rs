@@ -1,0 +1,121 @@
+//! Which blocks of a local matrix are zero, of low rank, or dense.
+
+use super::clusters::ClusterTree;
+use crate::surface::RegionPairs;
+
+/// Blocks of at most this many rows and columns are dense where no low rank is to be expected.
+pub(super) const PANEL: usize = 32;
+/// A block may have low rank where the smaller of its two boxes is no larger than this times their distance.
+const SEPARATION: f64 = 3.0;
+
+/// What decides on the blocks.
+pub(super) struct Plan<'a> {
+    pub(super) tree: &'a ClusterTree,
+    /// Regions of the skin that are within reach of each other.
+    pub(super) pairs: &'a RegionPairs,
+    /// Per cluster, whether its regions hang together by shared tissue within it.
+    pub(super) is_whole: Vec<bool>,
+    /// Per cluster, how far a load reaches from a node (m) and how far it extends around it (m).
+    pub(super) reach: Vec<f64>,
+    pub(super) load_radius: Vec<f64>,
+    /// Distance at which the kernel jumps (m), if it does.
+    pub(super) jump: Option<f64>,
+}
+
+/// A block by its clusters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+}
+
+/// The blocks that are not zero.
+#[derive(Debug, Default)]
+pub(super) struct Blocks {
+    pub(super) dense: Vec<Place>,
+    pub(super) far: Vec<Place>,
+}
+
+/// How much of a block joins nodes that share tissue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shared {
+    All,
+    Part,
+    Nothing,
+}
+
+impl Plan<'_> {
+    /// Divides the whole matrix.
+    pub(super) fn blocks(&self) -> Blocks {
+        let mut blocks = Blocks::default();
+        self.divide(Place { rows: 0, columns: 0 }, &mut blocks);
+        blocks
+    }
+
+    /// Distance between the nodes of the rows and the loads of the columns (m), at least.
+    pub(super) fn clearance(&self, place: Place) -> f64 {
+        let clusters = &self.tree.clusters;
+        clusters[place.rows].gap_to(&clusters[place.columns]) - self.load_radius[place.columns]
+    }
+
+    /// How far the kernel reaches in a block (m): between two nodes the thinner layer counts.
+    pub(super) fn reach_in(&self, place: Place) -> f64 {
+        self.reach[place.rows].min(self.reach[place.columns])
+    }
+
+    /// Whether two regions are within reach and share tissue.
+    pub(super) fn shares(&self, a: u32, b: u32) -> bool {
+        self.pairs.sharing[a as usize].binary_search(&b).is_ok()
+    }
+
+    fn divide(&self, place: Place, blocks: &mut Blocks) {
+        let [rows, columns] = [place.rows, place.columns].map(|cluster| &self.tree.clusters[cluster]);
+        let clearance = self.clearance(place);
+        if clearance >= self.reach_in(place) {
+            return;
+        }
+        let is_far = clearance >= self.load_radius[place.columns]
+            && rows.diameter().min(columns.diameter()) <= SEPARATION * clearance;
+        let jumps =
+            self.jump.is_some_and(|at| rows.span_with(columns) + self.load_radius[place.columns] > at);
+        // A jump has no low rank: there the blocks go down to the leaves, elsewhere to panels.
+        let smallest = if is_far && jumps { 0 } else { PANEL };
+        let parts =
+            [rows, columns].map(|cluster| cluster.children.filter(|_| cluster.nodes.len() > smallest));
+        let is_last = parts == [None, None];
+        if is_last || (is_far && !jumps) {
+            match self.shared(place) {
+                Shared::Nothing => return,
+                Shared::All if is_far && !jumps => return blocks.far.push(place),
+                _ if is_last => return blocks.dense.push(place),
+                _ => {}
+            }
+        }
+        let either = |part: Option<[usize; 2]>, whole: usize| match part {
+            Some(two) => two.to_vec(),
+            None => vec![whole],
+        };
+        for row in either(parts[0], place.rows) {
+            for column in either(parts[1], place.columns) {
+                self.divide(Place { rows: row, columns: column }, blocks);
+            }
+        }
+    }
+
+    /// Regions beyond reach of each other count for neither side: what little the kernel has there may stay.
+    fn shared(&self, place: Place) -> Shared {
+        let [rows, columns] = [place.rows, place.columns]
+            .map(|cluster| &self.tree.regions[self.tree.clusters[cluster].regions.clone()]);
+        let any = |lists: &[Vec<u32>]| {
+            let has = |a: &u32| columns.iter().any(|b| lists[*a as usize].binary_search(b).is_ok());
+            rows.iter().any(has)
+        };
+        if !any(&self.pairs.sharing) {
+            Shared::Nothing
+        } else if self.is_whole[place.rows] && self.is_whole[place.columns] && !any(&self.pairs.apart) {
+            Shared::All
+        } else {
+            Shared::Part
+        }
+    }
+}
