@@ -25,15 +25,7 @@ fn bowl(n: usize, size: f64) -> Surface {
             vertices.push(Vector3::new(x, y, 5.0 * (x * x + y * y)));
         }
     }
-    let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
-    let mut faces = Vec::new();
-    for i in 0..n {
-        for j in 0..n {
-            faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-    }
-    Surface::new(vertices, faces).expect("a grid is a valid surface")
+    Surface::new(vertices, common::one_way_faces(n)).expect("a grid is a valid surface")
 }
 
 /// Two fingers of radius 5 mm side by side, 2 mm apart and 40 mm long: an open tube bent to a U, its bend below z = 0.

@@ -41,15 +41,7 @@ fn grid(n: usize, size: f64, bowl: f64, jitter: f64) -> Surface {
             vertices.push(Vector3::new(x, y, bowl * (x * x + y * y) / (size * size)));
         }
     }
-    let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
-    let mut faces = Vec::new();
-    for i in 0..n {
-        for j in 0..n {
-            faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-    }
-    Surface::new(vertices, faces).expect("a grid is a valid surface")
+    Surface::new(vertices, common::one_way_faces(n)).expect("a grid is a valid surface")
 }
 
 fn skin(response: Response) -> Skin {

@@ -86,6 +86,15 @@ pub fn grid(nx: usize, ny: usize, spacing: f64) -> Mesh {
     (vertices, faces)
 }
 
+/// Faces of a grid of (n + 1)² vertices whose diagonals all run one way, normals up; vertex (i, j) is `i (n + 1) + j`.
+pub fn one_way_faces(n: usize) -> Vec<[u32; 3]> {
+    let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+    let cell = |i: usize, j: usize| {
+        [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+    };
+    (0..n * n).flat_map(|k| cell(k / n, k % n)).collect()
+}
+
 /// Sphere about the origin: an icosahedron whose faces are cut in four `subdivisions` times.
 pub fn icosphere(radius: f64, subdivisions: usize) -> Mesh {
     let g = (1.0 + 5f64.sqrt()) / 2.0;
