@@ -34,8 +34,8 @@
 //!
 //! Sources: Lemke 1965 (Management Science 11, 681-689); Cottle, Pang, Stone 1992 ("The Linear
 //! Complementarity Problem"); Júdice, Pires 1994 (Computers & Operations Research 21, 587-596); Polonsky,
-//! Keer 1999 (Wear 231, 206-219); Dirkse, Ferris, "Crash techniques for large-scale
-//! complementarity problems".
+//! Keer 1999 (Wear 231, 206-219); Dirkse, Ferris 1997 ("Crash techniques for large-scale
+//! complementarity problems", in "Complementarity and Variational Problems: State of the Art", SIAM).
 
 mod basis;
 mod block_pivoting;
