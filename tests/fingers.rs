@@ -146,6 +146,23 @@ fn two_patches_on_one_pad_stay_one_problem() {
 }
 
 #[test]
+fn both_sides_of_a_palm_are_one_piece_of_tissue() {
+    // 85 x 100 x 25 mm between two balls: 60 mm apart along the skin, 23 mm in a straight line through the palm.
+    let (vertices, faces) = icosphere(1.0, 5);
+    let scaled = |x: &Vector3<f64>| Vector3::new(42.5e-3 * x.x, 50e-3 * x.y, 12.5e-3 * x.z);
+    let palm = Surface::new(vertices.iter().map(scaled).collect(), faces).unwrap();
+    let ball = |z: f64| {
+        let (vertices, faces) = icosphere(60e-3, 4);
+        (vertices.into_iter().map(|x| x + Vector3::new(0.0, 0.0, z)).collect(), faces)
+    };
+    let (vertices, faces) = joined(&ball(71.5e-3), &ball(-71.5e-3));
+    let balls = Obstacle::mesh(vertices, faces, &Default::default()).unwrap();
+    let contact = solve(&palm, &balls, &half_space(), false);
+    assert_eq!((contact.patches.len(), contact.lcp_solutions.len()), (2, 1));
+    assert!(note(&contact, APART).is_none());
+}
+
+#[test]
 fn parts_of_the_skin_that_nothing_joins_do_not_couple() {
     let (vertices, faces) = grid(20, 20, 0.5e-3);
     let other = (vertices.iter().map(|x| x + Vector3::new(12e-3, 0.0, 0.0)).collect(), faces.clone());

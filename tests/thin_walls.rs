@@ -112,16 +112,40 @@ fn a_sheet_that_skin_went_all_the_way_through_presses_like_a_block() {
 }
 
 #[test]
-fn features_thicker_than_the_depth_keep_their_gaps_to_the_bit() {
+fn an_edge_presses_along_the_press_and_harder_with_depth() {
+    // Boxes wider than the press is deep, under a ball: beside their edges the closest side is a lateral one.
+    let (mut vertices, faces) = icosphere(8e-3, 4);
+    vertices.iter_mut().for_each(|x| x.z -= 8e-3);
+    let ball = Surface::new(vertices, faces).unwrap();
+    for half in [2e-3, 4e-3] {
+        for obstacle in [box_of([half, half, 10e-3]), mesh_of([half, half, 10e-3])] {
+            let mut before = 0.0;
+            let mut before_slope = 0.0;
+            for step in 1..=6 {
+                let depth = 0.5e-3 * step as f64;
+                let contact = pressed(&ball, &obstacle, depth);
+                let force = contact.resultant.force;
+                let along = force.dot(&DOWN);
+                assert!(along > 0.999 * force.norm(), "{half} {depth}: {force:?}");
+                // A punch between a sphere (F ~ d^1.5) and a flat end (F ~ d): each step adds no less than the one before.
+                assert!(along - before > 0.9 * before_slope, "{half} {depth}: {along} after {before}");
+                (before_slope, before) = (along - before, along);
+                assert!(depth > 0.5 * half || contact.warnings.is_empty(), "{:?}", contact.warnings);
+            }
+        }
+    }
+}
+
+#[test]
+fn smooth_products_keep_their_gaps_to_the_bit() {
     let (mut vertices, faces) = icosphere(8e-3, 4);
     vertices.iter_mut().for_each(|x| x.z -= 8e-3);
     let ball = Surface::new(vertices, faces).unwrap();
     let aside = Vector3::new(2e-3, 0.5e-3, 0.0);
     let obstacles = [
         Obstacle::sphere(aside, 6e-3).unwrap(),
-        box_of([3e-3, 20e-3, 5e-3]).translated(&aside), // its edge runs through the contact
-        mesh_of([3e-3, 20e-3, 5e-3]).translated(&aside),
-        Obstacle::cylinder(5e-3, 3e-3).unwrap().translated(&aside),
+        Obstacle::capsule(Vector3::x(), -Vector3::x(), 5e-3).unwrap().translated(&aside),
+        Obstacle::half_space(Vector3::zeros(), Vector3::new(0.2, 0.0, -1.0)).unwrap(),
     ];
     for obstacle in obstacles {
         for depth in [0.3e-3, 1.5e-3] {

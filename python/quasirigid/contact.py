@@ -140,18 +140,23 @@ def press(
     Contact
         As `solve_contact`; `travel` is the way of the obstacle (m), negative where it started in overlap.
 
-    Warns
-    -----
-    QuasirigidWarning
-        Where vertices went through a wall of the obstacle that is thinner than their depth (the rim of a can
-        or mug). Their gaps are measured back along the press, to where the obstacle met them. A contact
-        solved in place knows no way and pushes them out at the sides of the wall, as weighted gaps do.
-
     Raises
     ------
     ContactError
         For a zero direction, a negative depth, an obstacle that never meets the skin, a start that
         penetrates, or a bad ending (the error carries `contact`).
+
+    Warns
+    -----
+    QuasirigidWarning
+        Where vertices went through a wall of the obstacle that is thinner than their depth (the rim of a can
+        or mug).
+
+    Notes
+    -----
+    A vertex that came in through another side of the obstacle than its closest one (beside an edge, through a
+    thin wall) has its gap measured back along the press, to where the obstacle met it; `left_out` counts
+    them. A contact solved in place knows no way and pushes such vertices out at the side, as weighted gaps do.
 
     Examples
     --------

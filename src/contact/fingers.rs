@@ -2,9 +2,12 @@
 //!
 //! A kernel knows the straight line between two points alone, so on a hand it would let one fingertip press down
 //! its neighbour through the air between them; on one half-space two equal spheres 60 to 10 mm apart carry 3.5 to
-//! 27 % more force solved one by one than together. The way along the skin tells fingers apart ([`shares_tissue`]).
+//! 27 % more force solved one by one than together. The way along the skin tells fingers apart ([`shares_tissue`]),
+//! unless the straight line runs through tissue: a palm and the back of its hand are far apart along the skin, and one.
 
+use crate::mesh::winding_number;
 use crate::surface::{NearestAlongSkin, Surface, shares_tissue};
+use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
 /// Slack of the way along the skin (mean edge lengths): between patches a few edges apart a path of edges may
@@ -64,7 +67,7 @@ impl Fingers {
         let near = surface.nearest_along_skin(candidates, extent(surface, candidates) + slack);
         let mut finger_of_patch: Vec<usize> = (0..patches.len()).collect();
         for ([a, b], way) in shortest_ways(surface, &near, &label) {
-            if shares_tissue(way.along_skin, way.straight, slack) {
+            if shares_tissue(way.along_skin, way.straight, slack) || joined_inside(surface, way.ends) {
                 let (kept, merged) = (finger_of_patch[a], finger_of_patch[b]);
                 finger_of_patch.iter_mut().filter(|finger| **finger == merged).for_each(|f| *f = kept);
             }
@@ -109,6 +112,20 @@ impl Fingers {
         let of_finger = |(pair, _): &&([usize; 2], Way)| pair.contains(&finger);
         self.ways.iter().find(of_finger).map_or(f64::INFINITY, |(_, way)| way.along_skin)
     }
+}
+
+/// Points on the line between two vertices that must lie inside the skin.
+const LINE_POINTS: usize = 12;
+
+/// Whether the straight line between two vertices runs inside the skin all the way.
+fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
+    let [a, b] = ends.map(|end| surface.vertices()[end]);
+    let inward = |end: usize, towards: Vector3<f64>| surface.vertex_normals()[end].dot(&towards) < 0.0;
+    let inside = |k: usize| {
+        let share = (k as f64 + 0.5) / LINE_POINTS as f64;
+        winding_number(&a.lerp(&b, share), surface.vertices(), surface.faces().iter().copied()) > 0.5
+    };
+    inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)
 }
 
 /// Diagonal of the box around some vertices (m).

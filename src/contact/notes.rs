@@ -4,6 +4,7 @@ use super::compliance::Compliance;
 use super::equilibrium::Equilibrium;
 use super::fingers::Fingers;
 use super::gaps::InitialGaps;
+use super::thin_walls::WayBack;
 use super::volume::VolumeOffset;
 use super::{ContactOptions, LeftOut};
 use crate::surface::{LONGEST_DETOUR, Surface};
@@ -30,6 +31,17 @@ pub(super) fn note_search(left_out: &mut Vec<LeftOut>, gaps: &InitialGaps, surfa
             "masked vertices",
             format!("the skin mask keeps {masked} vertices out of contact"),
         );
+    }
+}
+
+/// Where the travel took the place of the closest point.
+pub(super) fn note_way_back(left_out: &mut Vec<LeftOut>, way_back: WayBack) {
+    if way_back.vertices > 0 {
+        let why = format!(
+            "{} vertices came in through another side of the obstacle than their closest one: their gap is the way back along the press",
+            way_back.vertices
+        );
+        leave_out(left_out, "gap along the closest normal", why);
     }
 }
 

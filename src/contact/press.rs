@@ -38,8 +38,9 @@ const TOUCH_ROUNDING: f64 = 1e-10;
 /// obstacle first brings a skin vertex to distance 0. The travel reported may be negative, for a scene that starts
 /// in overlap.
 ///
-/// Vertices that went through a wall of the obstacle thinner than their depth (the rim of a can) get the way back
-/// along the travel for their gap, which a warning counts; not so where gaps are weighted.
+/// Vertices that came in through another side of the obstacle than their closest one (beside an edge, through the rim
+/// of a can) get the way back along the travel for their gap, which `left_out` counts; a warning counts those
+/// that went through a wall thinner than their depth. Not so where gaps are weighted.
 ///
 /// # Errors
 /// [`ContactError`] by variant; among them a direction that cannot be normalised, a negative depth, an obstacle

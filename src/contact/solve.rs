@@ -4,9 +4,9 @@ use super::compliance::Compliance;
 use super::deform::{Deformation, deform};
 use super::equilibrium::{self, Equilibrium};
 use super::gaps::InitialGaps;
-use super::notes::{leave_out, note_offsets, note_search, note_solve};
+use super::notes::{leave_out, note_offsets, note_search, note_solve, note_way_back};
 use super::resultant::{node_pressure, patches, resultant};
-use super::thin_walls::{Travel, measure_way_back};
+use super::thin_walls::{Travel, WayBack, measure_way_back};
 use super::warnings::{penetration_warning, size_warning, thin_wall_warning};
 use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, Timing};
 use crate::obstacle::Obstacle;
@@ -98,14 +98,15 @@ pub(super) fn solve_in_place(
         .unwrap_or(place.depth_bound.unwrap_or(0.0) + SEARCH_EDGES * surface.mean_edge_length());
     let mut gaps =
         InitialGaps::measure(surface.vertices(), &place.obstacle, search_distance, place.depth_bound)?;
-    let went_through = match place.press {
+    let way_back = match place.press {
         Some(travel) if skin.gap() == Gap::Node => {
             measure_way_back(surface, &place.obstacle, &travel, &mut gaps)?
         }
-        _ => 0,
+        _ => WayBack::default(),
     };
     clock(&mut timings, "signed_distance", started);
     note_search(&mut left_out, &gaps, surface);
+    note_way_back(&mut left_out, way_back);
 
     let inside = super::candidates::penetrating(surface, &gaps.distance);
     let max_penetration_before = inside.iter().map(|&vertex| -gaps.distance[vertex]).fold(0.0, f64::max);
@@ -172,7 +173,7 @@ pub(super) fn solve_in_place(
     let patches = patches(surface, &active, resultant_of);
     let warnings = size_warning(surface, &place.obstacle)
         .into_iter()
-        .chain(thin_wall_warning(went_through))
+        .chain(thin_wall_warning(way_back.through_walls))
         .chain(penetration_warning(status, skin.gap(), max_penetration_before, max_penetration_after))
         .collect();
     clock(&mut timings, "outcome", started);

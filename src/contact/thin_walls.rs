@@ -1,9 +1,10 @@
-//! Vertices that went through a wall: their gap is the way back.
+//! Vertices that came in through another side than their closest one: their gap is the way back.
 //!
-//! Inside a wall thinner than the depth the closest surface is a side of the wall or its far end, and the gap to it
-//! says nothing about how the vertex came in. A press knows: along its travel the vertex met the obstacle at the entry
-//! point `e = x + s t`, with t the direction of travel and s the way back (m). The plane of the surface there, with
-//! its normal m, gives
+//! Beside an edge of the obstacle, and inside a wall thinner than the depth, the closest surface is a side of it or its
+//! far end, and the gap to it says nothing about how the vertex came in: it would push the skin out sideways, at a
+//! fraction of the force. A press knows: along its travel the vertex met the obstacle at the entry point
+//! `e = x + s t`, with t the direction of travel and s the way back (m). The plane of the surface there, with its
+//! normal m, gives
 //!
 //! ```text
 //! g0 = -s (m . t)    along m
@@ -24,27 +25,35 @@ pub(super) struct Travel {
     pub depth: f64,
 }
 
-/// Closest and entry normal are of two sides of a wall where their cosine is below this: 60 degrees.
+/// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees.
 const OTHER_SIDE: f64 = 0.5;
 
-/// Takes the way back for the gap of vertices that went through a wall, and returns how many there are.
+/// Vertices whose gap is the way back.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct WayBack {
+    /// All of them.
+    pub vertices: usize,
+    /// Those that went through a wall thinner than their depth: they left the obstacle again, or their closest
+    /// surface faces against the travel, or lies on a wall thinner than twice the way back.
+    pub through_walls: usize,
+}
+
+/// Takes the way back for the gap of vertices whose entry normal points elsewhere than the one at their closest point.
 ///
-/// A vertex did if the normal at its entry points elsewhere than the one at its closest point, and it either left the
-/// obstacle again, or its closest surface faces against the travel, or lies on a wall thinner than twice the way back:
-/// there the middle of the wall is nearer to its sides than to its edge. Others keep their gap to the bit.
+/// Others keep their gap to the bit.
 pub(super) fn measure_way_back(
     surface: &Surface,
     obstacle: &Obstacle,
     travel: &Travel,
     gaps: &mut InitialGaps,
-) -> Result<usize, ContactError> {
+) -> Result<WayBack, ContactError> {
     let cosine = |vertex: usize| gaps.normal[vertex].dot(&travel.direction);
     let suspects: Vec<usize> = (0..gaps.distance.len())
         .filter(|&vertex| surface.skin_mask()[vertex] && gaps.distance[vertex] < travel.depth)
         .filter(|&vertex| cosine(vertex) < if gaps.distance[vertex] < 0.0 { OTHER_SIDE } else { 0.0 })
         .collect();
     if suspects.is_empty() {
-        return Ok(0);
+        return Ok(WayBack::default());
     }
     let points: Vec<Vector3<f64>> = suspects.iter().map(|&vertex| surface.vertices()[vertex]).collect();
     let ways = obstacle.way_back(&points, &travel.direction, travel.depth)?;
@@ -61,17 +70,19 @@ pub(super) fn measure_way_back(
         })
         .collect();
     let behind = obstacle.signed_distance(&beyond, None)?.distance;
-    let mut passed = 0;
+    let mut counted = WayBack::default();
     for (row, (vertex, way)) in met.into_iter().enumerate() {
         let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
-        let went_through =
-            gaps.distance[vertex] >= 0.0 || normal.dot(&travel.direction) < 0.0 || behind[row] > 0.0;
         let advance = entry.dot(&travel.direction);
-        if went_through && normal.dot(&entry) < OTHER_SIDE && advance > 0.0 {
-            gaps.distance[vertex] = -way * advance;
-            gaps.normal[vertex] = entry;
-            passed += 1;
+        if normal.dot(&entry) >= OTHER_SIDE || advance <= 0.0 {
+            continue;
         }
+        let through_wall =
+            gaps.distance[vertex] >= 0.0 || normal.dot(&travel.direction) < 0.0 || behind[row] > 0.0;
+        gaps.distance[vertex] = -way * advance;
+        gaps.normal[vertex] = entry;
+        counted.vertices += 1;
+        counted.through_walls += usize::from(through_wall);
     }
-    Ok(passed)
+    Ok(counted)
 }
