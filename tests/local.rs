@@ -137,6 +137,33 @@ fn products_are_within_the_threshold_of_the_dense_matrix() {
 }
 
 #[test]
+fn a_cutoff_as_long_as_a_finger_is_thick_keeps_threshold_and_tolerance() {
+    // one leg of the U, with nodes on both sides: straight lines of about the cutoff run through the finger
+    let surface = two_fingers(20);
+    let section = |&v: &usize| surface.vertices()[v].x < 0.0 && surface.vertices()[v].z > 15e-3;
+    let nodes: Vec<usize> = all(&surface).into_iter().filter(section).collect();
+    for cutoff in [9.3e-3, 10e-3, 10.4e-3] {
+        let skin = skin(0.5, gaussian(3e-4, 5e-3, cutoff));
+        let dense = |tolerance| {
+            let options = AssemblyOptions { tolerance, ..Default::default() };
+            assemble(&surface, &skin, &nodes, None, &options).expect("valid")
+        };
+        let exact = dense(1e-10);
+        let scale = norm(&exact);
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            let entry = tolerance * skin.kernel_constant() / cutoff;
+            let error = (dense(tolerance) - &exact).norm_max();
+            // towards the node itself K/r grows up to some 1.5 mm
+            assert!(error <= entry * cutoff / 1e-3, "{cutoff} {tolerance:e}: {:e}", error / entry);
+        }
+        for threshold in [1e-3, 1e-6] {
+            let error = (local(&surface, &skin, &nodes, threshold).to_dense() - &exact).norm_l2();
+            assert!(error <= threshold * scale, "{cutoff} {threshold:e}: {:e}", error / scale);
+        }
+    }
+}
+
+#[test]
 fn products_groups_and_diagonal_are_those_of_the_matrix_itself() {
     let surface = bowl(30, 18e-3);
     // every second node, in an order that has nothing to do with places

@@ -16,8 +16,10 @@ use pulp::{Simd, WithSimd};
 
 /// Widths beyond which the Gaussian is below 1e-17.
 const SILENT: f64 = 9.0;
-/// A load is seen at such an angle from the cutoff, in radii, that no point so far projects into it.
+/// Radii of a load from which on a cutoff can be cut along edges.
 const FAR_CUT: f64 = 3.0;
+/// Share of the cutoff by which a point that is cut along edges projects beside a triangle, at least.
+const BESIDE: f64 = 0.5;
 
 /// `K/r - a exp(-r²/2c²)` for r < cutoff, 0 beyond.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +58,13 @@ impl Corrected {
             let next = ratio / (degree as f64 + 2.0).sqrt();
             next < 0.9 && 1.09 * first * series.mean(degree + 1) <= self.allowed(tolerance) * (1.0 - next)
         })
+    }
+
+    /// Whether x, projected on the plane of a face, is well outside it: no arc of the cutoff then runs around it.
+    fn projects_beside(&self, face: &LoadedFace, x: &Vector3<f64>) -> bool {
+        let arm = x - face.center;
+        let height = arm.dot(&face.frame.normal);
+        (arm - face.frame.normal * height).norm() >= face.radius + BESIDE * self.cutoff
     }
 
     /// One face's share of the displacement at x, in closed form.
@@ -187,20 +196,27 @@ impl WithSimd for Cut<'_> {
                 near.index.push(i as u32);
             }
         }
-        near.gather(targets);
-        if cutoff < FAR_CUT * series.radius {
-            for (k, &i) in near.index.iter().enumerate() {
-                let x = Vector3::new(near.x[k], near.y[k], near.z[k]);
-                values[i as usize] = faces.iter().map(|face| kernel.exact(face, &x)).sum();
+        let is_small = cutoff >= FAR_CUT * series.radius;
+        near.index.retain(|&i| {
+            let i = i as usize;
+            let x = Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
+            let along_edges = is_small && faces.iter().all(|face| kernel.projects_beside(face, &x));
+            if !along_edges {
+                values[i] = faces.iter().map(|face| kernel.exact(face, &x)).sum();
             }
+            along_edges
+        });
+        if near.index.is_empty() {
             return;
         }
+        near.gather(targets);
         let potential = Potential { constant, height, width, cutoff: Some(cutoff) };
         // Potential and moment of a face cancel by the square of the distance over its size.
-        let bound = 2.0 * (1.0 + height * cutoff / constant) * (cutoff / half_edge).powi(2);
+        let bound = 4.0 * (1.0 + height * cutoff / constant) * (cutoff / half_edge).powi(2);
         rule.set(
             half_edge,
-            (2.0 * width).min(0.5 * (cutoff - 2.0 * series.radius)),
+            // half of the way from an edge to where the integrands are singular, the projection of the point
+            (2.0 * width).min(0.5 * BESIDE * cutoff),
             bound,
             tolerance.max(1e-13),
         );
@@ -240,46 +256,157 @@ impl<S: Simd> EdgePotential<S> for Potential {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rule::gauss_interval;
     use super::super::skin::Pressure;
     use super::super::source::loaded_faces;
     use super::*;
     use crate::surface::Surface;
+    use std::f64::consts::PI;
 
-    #[test]
-    fn what_the_cutoff_cuts_matches_the_closed_form() {
-        // a bent hexagon
+    /// A bent hexagon of some 1 mm around the origin, loaded in the middle.
+    fn hexagon() -> Surface {
         let ring = |k: usize| {
-            let angle = k as f64 * std::f64::consts::PI / 3.0 + 0.1 * k as f64;
+            let angle = k as f64 * PI / 3.0 + 0.1 * k as f64;
             Vector3::new(1.2e-3 * angle.cos(), 1e-3 * angle.sin(), 0.2e-3 * (k % 3) as f64)
         };
         let vertices: Vec<_> = std::iter::once(Vector3::zeros()).chain((0..6).map(ring)).collect();
         let faces = (0..6u32).map(|k| [0, k + 1, (k + 1) % 6 + 1]).collect();
-        let surface = Surface::new(vertices, faces).expect("a hexagon");
-        let points: Vec<_> = (0..40)
-            .map(|k| {
-                let angle = 0.7 * k as f64;
-                let distance = 5e-3 + 0.07e-3 * k as f64;
-                Vector3::new(distance * angle.cos(), distance * angle.sin(), 2e-3 * (0.3 * angle).sin())
-            })
-            .collect();
-        let targets = Targets::new(&points);
-        for (width, cutoff) in [(8e-3, 6e-3), (2e-3, 6e-3), (0.3e-3, 6e-3)] {
-            let kernel = Corrected { constant: 1.3e-6, height: 1.3e-6 / width, width, cutoff };
-            for tolerance in [1e-3, 1e-6, 1e-9] {
-                let mut scratch = Scratch::new(&targets);
-                loaded_faces(&surface, 0, Pressure::Linear, &mut scratch.faces);
-                kernel.values(&targets, &mut scratch, tolerance);
-                let (mut cut, mut beyond) = (0, 0);
-                for (k, &row) in targets.rows.iter().enumerate() {
-                    let x = points[row as usize];
-                    let exact: f64 = scratch.faces.iter().map(|face| kernel.exact(face, &x)).sum();
-                    let error = (scratch.values[k] - exact).abs() / (kernel.constant / cutoff);
-                    assert!(error <= tolerance, "{row} at {tolerance:e}, width {width}: {error:e}");
-                    beyond += usize::from(exact == 0.0);
-                    cut += usize::from(exact != 0.0 && x.norm() + 1.2e-3 > cutoff);
-                }
-                assert!(cut > 10 && beyond > 5, "{cut} {beyond}");
+        Surface::new(vertices, faces).expect("a hexagon")
+    }
+
+    /// One face's share in polar coordinates about the projection of x: Gauss rules along each ray and over the angle,
+    /// between the angles of the corners and of the points where the cutoff crosses an edge.
+    fn by_rays(kernel: &Corrected, face: &LoadedFace, x: &Vector3<f64>) -> f64 {
+        let normal = face.frame.normal;
+        let z = (x - face.center).dot(&normal);
+        if z.abs() >= kernel.cutoff {
+            return 0.0;
+        }
+        let foot = x - normal * z;
+        let radius = (kernel.cutoff * kernel.cutoff - z * z).sqrt();
+        let across = (face.frame.vertices[1] - face.frame.vertices[0]).normalize();
+        let axes = [across, normal.cross(&across)];
+        let corners = face.frame.vertices.map(|corner| axes.map(|axis| (corner - foot).dot(&axis)));
+        let sides = [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a], corners[b]));
+        let mut turns = vec![-PI, PI];
+        for ([ax, ay], [bx, by]) in sides {
+            turns.push(ay.atan2(ax));
+            let (ex, ey) = (bx - ax, by - ay);
+            // seen from close by, an edge runs away towards its own two directions
+            for (side, k) in [-1.0, 1.0].into_iter().flat_map(|side| (0..8).map(move |k| (side, k))) {
+                let angle = ey.atan2(ex) + side * 0.25f64.powi(k);
+                turns.extend([angle, angle + PI, angle - PI].into_iter().filter(|turn| turn.abs() < PI));
             }
+            let (p, q) = ((ax * ex + ay * ey), ex * ex + ey * ey);
+            let root = p * p - q * (ax * ax + ay * ay - radius * radius);
+            for t in [-1.0, 1.0].map(|sign| (sign * root.max(0.0).sqrt() - p) / q) {
+                if root > 0.0 && (0.0..1.0).contains(&t) {
+                    turns.push((ay + t * ey).atan2(ax + t * ex));
+                }
+            }
+        }
+        turns.sort_by(f64::total_cmp);
+        let rule = gauss_interval(20);
+        let ray = |angle: f64| -> f64 {
+            let (sin, cos) = angle.sin_cos();
+            // where the ray is on the inner side of all three edges
+            let (mut from, mut to) = (0.0_f64, radius);
+            for ([ax, ay], [bx, by]) in sides {
+                let (ex, ey) = (bx - ax, by - ay);
+                let (at_foot, slope) = (ay * ex - ax * ey, ex * sin - ey * cos);
+                let crossing = at_foot / slope;
+                if slope > 0.0 { from = from.max(crossing) } else { to = to.min(crossing) }
+            }
+            if from >= to {
+                return 0.0;
+            }
+            let value = |s: f64| {
+                let y = foot + axes[0] * (s * cos) + axes[1] * (s * sin);
+                let edge = |k: usize| face.frame.vertices[(k + 1) % 3] - y;
+                let share = |k: usize| edge(k).cross(&edge(k + 1)).dot(&normal) / (2.0 * face.frame.area);
+                let pressure: f64 = (0..3).map(|k| face.density[k] * share(k)).sum();
+                let r = s.hypot(z);
+                let u = kernel.constant / r - kernel.height * (-0.5 * (r / kernel.width).powi(2)).exp();
+                pressure * u * s
+            };
+            rule.iter().map(|(t, w)| w * (to - from) * value(from + t * (to - from))).sum()
+        };
+        let over = |pair: &[f64]| -> f64 {
+            let step = pair[1] - pair[0];
+            rule.iter().map(|(t, w)| w * step * ray(pair[0] + t * step)).sum()
+        };
+        turns.windows(2).map(over).sum()
+    }
+
+    /// Compares with both references at each tolerance; returns how many points were cut and how many lie beyond.
+    fn check(kernel: &Corrected, points: &[Vector3<f64>]) -> (usize, usize) {
+        let (surface, targets) = (hexagon(), Targets::new(points));
+        let mut scratch = Scratch::new(&targets);
+        loaded_faces(&surface, 0, Pressure::Linear, &mut scratch.faces);
+        let scale = kernel.constant / kernel.cutoff;
+        let reference = |x: &Vector3<f64>| {
+            let exact: f64 = scratch.faces.iter().map(|face| kernel.exact(face, x)).sum();
+            let rays: f64 = scratch.faces.iter().map(|face| by_rays(kernel, face, x)).sum();
+            assert!((exact - rays).abs() < 1e-10 * scale, "{x:?}: {exact:e}, by rays {rays:e}");
+            rays
+        };
+        let expected: Vec<f64> = points.iter().map(reference).collect();
+        for tolerance in [1e-3, 1e-6, 1e-9] {
+            kernel.values(&targets, &mut scratch, tolerance);
+            for (&value, &row) in scratch.values.iter().zip(&targets.rows) {
+                let error = (value - expected[row as usize]).abs() / scale;
+                let x = points[row as usize];
+                assert!(error <= tolerance, "{x:?} at {tolerance:e}, width {}: {error:e}", kernel.width);
+            }
+        }
+        let is_cut = |x: &&Vector3<f64>| x.norm() + 1.2e-3 > kernel.cutoff;
+        let beyond = expected.iter().filter(|&&u| u == 0.0).count();
+        (points.iter().filter(is_cut).count() - beyond, beyond)
+    }
+
+    fn kernels() -> [Corrected; 3] {
+        [8e-3, 2e-3, 0.3e-3].map(|width| Corrected {
+            constant: 1.3e-6,
+            height: 1.3e-6 / width,
+            width,
+            cutoff: 6e-3,
+        })
+    }
+
+    #[test]
+    fn what_the_cutoff_cuts_matches_the_closed_form_and_rays() {
+        let point = |k: usize| {
+            let angle = 0.7 * k as f64;
+            let distance = 5e-3 + 0.07e-3 * k as f64;
+            Vector3::new(distance * angle.cos(), distance * angle.sin(), 2e-3 * (0.3 * angle).sin())
+        };
+        let points: Vec<_> = (0..40).map(point).collect();
+        for kernel in kernels() {
+            let (cut, beyond) = check(&kernel, &points);
+            assert!(cut > 10 && beyond > 5, "{cut} {beyond}");
+        }
+    }
+
+    #[test]
+    fn points_above_and_behind_the_load_are_cut_as_those_beside_it() {
+        // all directions from straight above over beside to straight behind, at distances about the cutoff
+        let mut points = Vec::new();
+        for k in 0..=36 {
+            let (polar, azimuth) = (5f64.to_radians() * k as f64, 1.3 * k as f64);
+            for distance in [4.9e-3, 5.5e-3, 5.9e-3, 5.99e-3, 6.05e-3, 6.3e-3] {
+                let (sin, cos) = polar.sin_cos();
+                points.push(Vector3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos) * distance);
+            }
+        }
+        // a plate just closer than the cutoff, so fine that points project on corners, edges and faces
+        for i in -8..=8 {
+            for j in -8..=8 {
+                points.push(Vector3::new(0.15e-3 * f64::from(i), 0.15e-3 * f64::from(j), 5.9e-3));
+            }
+        }
+        for kernel in kernels() {
+            let (cut, _) = check(&kernel, &points);
+            assert!(cut > 400, "{cut}");
         }
     }
 }

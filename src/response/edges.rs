@@ -9,7 +9,8 @@
 //!
 //! with d the distance of an edge and m its outward normal. Both integrands are as smooth as f. For a kernel
 //! that ends at a cutoff, Ψ(cutoff) is taken off instead and the edges are clipped: the arcs that close the
-//! region then add nothing, as long as x does not project into the triangle.
+//! region then add nothing. That holds where x does not project into the triangle; and as both integrands
+//! are singular at the projection, it has to be away from the triangle by more than the room of the rule.
 
 use super::lanes::Lanes;
 use super::near::{NearFace, along, dot, from_point};
