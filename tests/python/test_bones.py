@@ -124,6 +124,48 @@ def test_what_does_not_fit_is_refused_with_the_reason() -> None:
         qr.models.bone_of(qr.Surface(finger.vertices, finger.faces[1:]))
 
 
+MARKED = r"`cut` marks \d+ of the 506 vertices"
+MISTAKES = {
+    "a tip that is nan": ({"tip": [np.nan] * 3}, r"tip is \[nan, nan, nan\], expected three finite numbers"),
+    "a tip in mm": ({"tip": [0, 30, 0]}, r"no skin .* mm behind the tip \(0, 30, 0\) m.*check `tip`"),
+    "a tip far off": ({"tip": np.ones(3)}, r"no skin .* mm behind the tip \(1, 1, 1\) m"),
+    "the number of a tip": ({"tip": 12}, "tip is 12, expected three finite numbers"),
+    "an axis reversed": ({"axis": [0, -1, 0]}, "`axis` runs from the root to the tip"),
+    "an axis of no length": ({"axis": [0, 0, 0]}, "axis is .*, expected a direction"),
+    "an axis that is nan": ({"axis": [0, np.nan, 0]}, "axis is .*, expected three finite numbers"),
+    "an axis in the plane": ({"axis": [0, 1]}, "axis is .*, expected three finite numbers"),
+    "everything cut": ({"cut": np.ones(506, dtype=bool)}, MARKED),
+    "nothing cut": ({"cut": np.zeros(506, dtype=bool)}, MARKED),
+    "a short cut": ({"cut": [True] * 3}, "`cut` has 3 entries, but the skin has 506 vertices"),
+    "numbers of cut vertices": ({"cut": np.arange(506)}, r"`cut` has dtype int64, .* np\.isin"),
+    "a cut of columns": ({"cut": np.ones((506, 1), dtype=bool)}, r"`cut` has shape \(506, 1\)"),
+    "a pad of no length": ({"palmar": [0, 0, 0]}, "palmar is .*, expected a direction"),
+    "a pad that is nan": ({"palmar": [np.nan, 0, 0]}, "palmar is .*, expected three finite numbers"),
+    "a scale in words": ({"scale": "1"}, "scale is '1', expected a number from 0.3 to 2"),
+    "a giant": ({"scale": 5.0}, "scale is 5.0, expected a number from 0.3 to 2"),
+    "a list of digits": ({"digit": ["middle"]}, r"digit is \['middle'\], expected one of thumb"),
+    "elements as long as a bone": ({"element_size": 0.02}, "element_size is 0.02 m, expected .*quarter"),
+    "elements of a micrometre": ({"element_size": 1e-6}, r"element_size is 1e-06 m, .*\(20000 vertices\)"),
+    "no number for the tissue": ({"min_thickness": np.nan}, "min_thickness is nan"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "message"), MISTAKES.values(), ids=MISTAKES.keys())
+def test_a_mistaken_argument_is_refused_by_name(arguments: dict[str, object], message: str) -> None:
+    finger = qr.models.fingertip(edge_length=2e-3)
+    assert len(finger.vertices) == 506
+    with pytest.raises(qr.SurfaceError, match=message):
+        qr.models.bone_of(finger, **arguments)  # type: ignore[arg-type]
+
+
+def test_the_length_of_a_direction_does_not_matter() -> None:
+    finger = qr.models.fingertip(edge_length=2e-3)
+    bone = qr.models.bone_of(finger, axis=[0, 1, 0])
+    for length in (1e-300, 1e300):
+        other = qr.models.bone_of(finger, axis=[0, length, 0], palmar=[0, 0, -length])
+        np.testing.assert_array_equal(other.vertices, bone.vertices)
+
+
 def test_a_body_takes_it_and_coarser_elements_cost_little() -> None:
     """The default against elements a little over half the size: the force of a press changes by under 2 %."""
     tip = qr.models.fingertip(edge_length=2.2e-3)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..obstacle import Obstacle
@@ -125,7 +124,7 @@ def bone_of(
     digit : {"thumb", "index", "middle", "ring", "little"}
         Whose lengths to take.
     scale : float
-        Factor on all lengths along the finger, 1 for the mean of adults.
+        Factor on all lengths along the finger, 1 for the mean of adults; from 0.3 to 2.
     cut : (n,) array_like of bool, optional
         Vertices of the cut at the root, such as `CutOut.fixed`; those of flat cuts when left out.
     tip : (3,) array_like, optional
@@ -137,8 +136,8 @@ def bone_of(
     min_thickness : float
         Least tissue between bone and skin (m), held at every vertex of both.
     element_size : float, optional
-        Edges of the distal phalanx (m), 1.3 and 1.8 times that on the next ones; chosen for about 230
-        vertices in all when left out.
+        Edges of the distal phalanx (m), 1.3 and 1.8 times that on the next ones; at most a quarter of its
+        length, at least what makes 20,000 vertices. Chosen for about 230 vertices when left out.
 
     Returns
     -------
@@ -148,8 +147,8 @@ def bone_of(
     Raises
     ------
     SurfaceError
-        The finger is open, its root cannot be told, no phalanx fits, or less tissue than `min_thickness` is
-        left.
+        An argument is not of the shape or in the range above, the finger is open, its root cannot be told,
+        no phalanx fits, or less tissue than `min_thickness` is left.
 
     Notes
     -----
@@ -174,10 +173,10 @@ def bone_of(
         finger,
         digit,
         scale,
-        None if cut is None else np.asarray(cut, dtype=np.bool_),
-        None if tip is None else np.asarray(tip, dtype=np.float64),
-        None if axis is None else np.asarray(axis, dtype=np.float64),
-        np.asarray(palmar, dtype=np.float64),
+        cut,
+        tip,
+        axis,
+        palmar,
         min_thickness,
         element_size,
     )

@@ -23,8 +23,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from ..checks import direction_of, mask_of, number_of, vector_of
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
 from ..surface import Surface, flat_cap_mask
@@ -49,6 +50,8 @@ JOINT_GAP = 1.0e-3  # cartilage of both sides and what the meshes need between t
 BELOW_THE_NAIL = 0.35  # of the finger's depth
 SHORTEST = 3.0e-3  # a cut phalanx shorter than this is left out (m)
 DEFAULT_NODES = 230
+MOST_NODES = 20_000  # ten times more than a body on any machine can use
+SCALES = (0.3, 2.0)  # from an infant to beyond the largest adult
 COARSER = (
     1.0,
     1.3,
@@ -60,26 +63,42 @@ def build_bone(
     finger: Surface,
     digit: str,
     scale: float,
-    cut: NDArray[np.bool_] | None,
-    tip: Floats | None,
-    axis: Floats | None,
-    palmar: Floats,
+    cut: ArrayLike | None,
+    tip: ArrayLike | None,
+    axis: ArrayLike | None,
+    palmar: ArrayLike,
     min_thickness: float,
     element_size: float | None,
 ) -> Surface:
     """The phalanges of `bone_of`, checked to lie `min_thickness` (m) below the skin."""
-    _check(finger, digit, scale, min_thickness, element_size)
-    frame = _frame_of(finger, cut, tip, axis, palmar)
+    if not finger.is_closed:
+        raise SurfaceError("the finger is open: a bone needs a closed skin around it, cut face included")
+    if not isinstance(digit, str) or digit not in LENGTHS:
+        raise SurfaceError(f"digit is {digit!r}, expected one of {', '.join(LENGTHS)}")
+    scale = number_of("scale", scale, SurfaceError, *SCALES)
+    min_thickness = number_of("min_thickness", min_thickness, SurfaceError)
+    frame = _frame_of(
+        finger,
+        None if cut is None else _checked_cut(cut, len(finger.vertices)),
+        None if tip is None else vector_of("tip", tip, SurfaceError),
+        None if axis is None else direction_of("axis", axis, SurfaceError),
+        direction_of("palmar", palmar, SurfaceError),
+    )
     phalanges = _phalanges_in(frame, LENGTHS[digit], scale, max(1.5e-3, finger.mean_edge_length))
     if not phalanges:
-        raise SurfaceError(
-            f"the finger is {frame.length:.4f} m long from its cut to its tip: no phalanx fits in it; check "
-            "its unit, `tip` and `axis`"
-        )
+        raise SurfaceError(_nothing_fits(frame))
+    area = sum(bone.area / COARSER[bone.number] ** 2 for bone in phalanges)
+    # A vertex of an equilateral mesh has 2 / sqrt(3) of an edge squared less the area of one: 0.866 h^2.
     if element_size is None:
-        area = sum(bone.area / COARSER[bone.number] ** 2 for bone in phalanges)
-        # A vertex of an equilateral mesh has 2 / sqrt(3) of an edge squared less the area of one: 0.866 h^2.
         element_size = float(np.sqrt(area / (0.866 * DEFAULT_NODES)))
+    else:
+        element_size = number_of("element_size", element_size, SurfaceError)
+        finest, coarsest = float(np.sqrt(area / (0.866 * MOST_NODES))), 0.25 * phalanges[0].whole
+        if not finest <= element_size <= coarsest:
+            raise SurfaceError(
+                f"element_size is {element_size} m, expected {finest:.1e} m ({MOST_NODES} vertices) to "
+                f"{coarsest:.1e} m (a quarter of the distal phalanx)"
+            )
     meshes = [bone.mesh(element_size * COARSER[bone.number]) for bone in phalanges]
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
     bone = Surface(
@@ -107,6 +126,11 @@ class _Frame:
         height = (self.vertices - self.tip) @ self.axis + station
         one, other = height[self.edges[:, 0]], height[self.edges[:, 1]]
         cut = (one > 0.0) != (other > 0.0)
+        if not cut.any():
+            raise SurfaceError(
+                f"there is no skin {station * 1e3:.1f} mm behind the tip {_told(self.tip)} m, against the "
+                f"axis {_told(self.axis)}: check `tip`, `axis` and the finger's unit"
+            )
         share = (one[cut] / (one[cut] - other[cut]))[:, None]
         ends = self.vertices[self.edges[cut]]
         points = ends[:, 0] + share * (ends[:, 1] - ends[:, 0]) - self.tip
@@ -213,14 +237,13 @@ def _frame_of(
                 "the finger has no flat cut that would tell its root: give `cut`, `tip` or `axis`"
             )
         axis = axis * (1.0 if axis @ towards >= 0.0 else -1.0)
-    axis = axis / np.linalg.norm(axis)
     if tip is None:
         tip = vertices[np.argmax(vertices @ axis)]
     towards_nail = -(palmar - (palmar @ axis) * axis)
-    if np.linalg.norm(towards_nail) < 0.2 * np.linalg.norm(palmar):
+    if np.linalg.norm(towards_nail) < 0.2:
         raise SurfaceError(
-            f"the direction of the pad, {palmar.tolist()}, runs along the finger's axis "
-            f"{axis.round(3).tolist()}: give `palmar`"
+            f"the direction of the pad, {_told(palmar)}, runs along the finger's axis {_told(axis)}: "
+            "give `palmar`"
         )
     dorsal = towards_nail / np.linalg.norm(towards_nail)
     faces = np.asarray(finger.faces)
@@ -240,6 +263,8 @@ def _frame_of(
 
 
 def _phalanges_in(frame: _Frame, lengths: tuple[float, ...], scale: float, from_cut: float) -> list[_Phalanx]:
+    if frame.length < SHORTEST:
+        return []
     joint = min((lengths[0] + lengths[1]) * scale, 0.75 * frame.length)
     left, right, _, _ = frame.section(joint)
     girth = (right - left) / REFERENCE_BREADTH
@@ -270,17 +295,28 @@ def _phalanges_in(frame: _Frame, lengths: tuple[float, ...], scale: float, from_
     return phalanges
 
 
-def _check(
-    finger: Surface, digit: str, scale: float, min_thickness: float, element_size: float | None
-) -> None:
-    if not finger.is_closed:
-        raise SurfaceError("the finger is open: a bone needs a closed skin around it, cut face included")
-    if digit not in LENGTHS:
-        raise SurfaceError(f"digit is {digit!r}, expected one of {', '.join(LENGTHS)}")
-    given = {"scale": scale, "min_thickness": min_thickness, "element_size": element_size}
-    for name, value in given.items():
-        if value is not None and not (np.isfinite(value) and value > 0.0):
-            raise SurfaceError(f"{name} is {value}, expected a number above 0")
+def _checked_cut(cut: ArrayLike, count: int) -> NDArray[np.bool_]:
+    try:
+        mask = mask_of("cut", cut, count, SurfaceError)
+    except TypeError as error:
+        raise SurfaceError(str(error)) from None
+    if mask.all() or not mask.any():
+        raise SurfaceError(
+            f"`cut` marks {np.count_nonzero(mask)} of the {count} vertices, expected those of the cut at the "
+            "root; leave it out where that is flat"
+        )
+    return mask
+
+
+def _nothing_fits(frame: _Frame) -> str:
+    return (
+        f"the finger is {frame.length:.4f} m long from its cut to its tip {_told(frame.tip)} m: no phalanx "
+        "fits in it; check its unit, `tip`, `cut`, and that `axis` runs from the root to the tip"
+    )
+
+
+def _told(vector: Floats) -> str:
+    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in vector.round(4)) + ")"
 
 
 def _check_thickness(finger: Surface, bone: Surface, min_thickness: float) -> None:
