@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import zipfile
 from dataclasses import dataclass, field
@@ -97,8 +98,15 @@ class PreparedSkin:
         path : path
             A file, by custom named ``.npz``: numbers of the response, and the mesh and material that it is
             for.
+
+        Raises
+        ------
+        OSError
+            If the folder does not exist or cannot be written to.
         """
         target = Path(path)
+        if not target.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, "there is no folder", str(target.parent))
         arrays: dict[str, Any] = {**self._response.parts(), **_fields(self.skin)}
         header = {"format": _FORMAT, "version": _VERSION, **_describe(self.skin)}
         partial = target.with_name(target.name + ".partial")
@@ -125,16 +133,19 @@ _KERNELS = (HalfSpace, GaussianCorrected, Layer)
 def _describe(skin: Skin) -> dict[str, Any]:
     """The material and the response's numbers."""
     response = skin.response
-    numbers = {
-        name: value
-        for name, value in vars(response).items()
-        if isinstance(value, (int, float, str)) or value is None
-    }
+    numbers: dict[str, Any] = {}
+    if not isinstance(response, (Body, GivenMatrix)):
+        for name, value in vars(response).items():
+            if value is None or isinstance(value, str):
+                numbers[name] = value
+            elif np.ndim(value) == 0:
+                # NumPy's numbers too, which JSON does not know.
+                numbers[name] = float(value)
     return {
-        "shear_modulus": skin.shear_modulus,
-        "poisson_ratio": skin.poisson_ratio,
+        "shear_modulus": float(skin.shear_modulus),
+        "poisson_ratio": float(skin.poisson_ratio),
         "response": type(response).__name__,
-        "numbers": numbers if not isinstance(response, (Body, GivenMatrix)) else {},
+        "numbers": numbers,
     }
 
 
@@ -147,7 +158,7 @@ def _fields(skin: Skin) -> dict[str, NDArray[Any]]:
         if skin.response.fixed is not None:
             fields["fixed"] = np.asarray(skin.response.fixed, dtype=np.bool_)
         return fields
-    if isinstance(skin.response, Layer) and not isinstance(skin.response.thickness, (int, float)):
+    if isinstance(skin.response, Layer) and np.ndim(skin.response.thickness) > 0:
         return {"thickness": np.asarray(skin.response.thickness, dtype=np.float64)}
     return {}
 
@@ -171,7 +182,10 @@ def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
         If the file is no prepared skin, is damaged or from a later version.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        loaded = np.load(path, allow_pickle=False)
+        if not isinstance(loaded, np.lib.npyio.NpzFile):
+            raise ValueError("it holds a single array, expected a .npz file")
+        with loaded as file:
             stored = {name: file[name] for name in file.files}
         header = json.loads(str(stored["header"]))
     except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:

@@ -58,6 +58,38 @@ def test_saved_and_loaded_it_is_equal_to_the_bit(name: str, surface: qr.Surface,
     np.testing.assert_array_equal(one.displacement, two.displacement)
 
 
+@pytest.mark.parametrize(
+    "response",
+    [
+        qr.HalfSpace(),
+        qr.GaussianCorrected(1e-4, np.float32(8e-3), np.float64(15e-3)),  # type: ignore[arg-type]
+        qr.Layer(np.float32(20e-3)),  # type: ignore[arg-type]
+        qr.Layer(np.array(20e-3)),
+    ],
+    ids=["half_space", "gaussian", "layer", "layer of an array"],
+)
+def test_numbers_of_numpy_are_saved_as_numbers(
+    response: qr.Response, surface: qr.Surface, tmp_path: Path
+) -> None:
+    skin = qr.Skin(shear_modulus=np.int64(60_000), poisson_ratio=np.float32(0.45), response=response)  # type: ignore[arg-type]
+    prepared = skin.prepared(surface, np.arange(10))
+    prepared.save(tmp_path / "skin.npz")
+    loaded = qr.load_prepared(tmp_path / "skin.npz")
+    assert loaded.skin.shear_modulus == 60e3
+    assert loaded.skin.poisson_ratio == float(np.float32(0.45))
+    assert vars(loaded.skin.response) == vars(response)
+    np.testing.assert_array_equal(
+        qr.response_matrix(surface, loaded, np.arange(10)),
+        qr.response_matrix(surface, prepared, np.arange(10)),
+    )
+
+
+def test_a_folder_that_is_missing_is_named(surface: qr.Surface, tmp_path: Path) -> None:
+    prepared = skin_of(qr.HalfSpace()).prepared(surface, [0])
+    with pytest.raises(FileNotFoundError, match=r"there is no folder: .*missing'$"):
+        prepared.save(tmp_path / "missing" / "skin.npz")
+
+
 @pytest.mark.parametrize("name", ["half_space", "body"])
 def test_it_moves_with_its_surface(name: str, surface: qr.Surface, tmp_path: Path) -> None:
     low = np.flatnonzero(surface.vertices[:, 2] < 2e-3)
@@ -103,6 +135,9 @@ def test_a_file_that_is_no_prepared_skin_is_refused(tmp_path: Path) -> None:
     path.write_text("text")
     with pytest.raises(qr.ResponseError, match="cannot be read"):
         qr.load_prepared(path)
+    np.save(tmp_path / "array.npy", np.arange(3))
+    with pytest.raises(qr.ResponseError, match=r"array\.npy cannot be read .*: it holds a single array"):
+        qr.load_prepared(tmp_path / "array.npy")
     with pytest.raises(FileNotFoundError):
         qr.load_prepared(tmp_path / "missing.npz")
 
