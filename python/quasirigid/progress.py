@@ -18,6 +18,8 @@ def announced(progress: Progress | bool | None) -> Progress | None:
     """The function to call: the caller's, one that prints to stderr for True, none for False and None."""
     if progress is None or progress is False:
         return None
+    if progress is not True and not callable(progress):
+        raise TypeError(f"progress is {progress!r}, expected a function, True, False or None")
     return _print_line if progress is True else progress
 
 

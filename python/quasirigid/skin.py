@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _core
+from .checks import count_of, index_of, mask_of
 from .errors import QuasirigidWarning, ResponseError
 from .progress import Progress, announced, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
@@ -111,7 +112,8 @@ class Skin:
         progress : callable or bool, optional
             How far a body is: True prints to stderr; a function is called with words and the part that is
             done, first with memory and operations and 0, then with "assembly", "factorization" and
-            "solution". Ctrl-C ends the work at any time.
+            "solution". Ctrl-C ends the work at any time, and so does what the function raises, which is
+            raised here.
 
         Returns
         -------
@@ -166,8 +168,10 @@ class Skin:
             case GivenMatrix(known, compliance):
                 return _given(surface, self, np.asarray(known), np.asarray(compliance, dtype=np.float64))
             case Body(bone=bone, fixed=fixed, memory_limit=memory_limit, bone_pressure=bone_pressure):
-                if fixed is not None and nodes is None:
-                    chosen = chosen[~np.asarray(fixed)[chosen]]
+                if fixed is not None:
+                    fixed = mask_of("fixed", fixed, len(surface.vertices), ResponseError)
+                    if nodes is None:
+                        chosen = chosen[~fixed[chosen]]
                 return _core.Skin.body(
                     surface,
                     self.shear_modulus,
@@ -177,7 +181,7 @@ class Skin:
                     chosen,
                     bone_pressure=bone_pressure,
                     num_threads=None,
-                    memory_limit=memory_limit,
+                    memory_limit=count_of("memory_limit", memory_limit, ResponseError),
                     progress=stage_reporter(
                         progress,
                         len(surface.vertices),
@@ -257,9 +261,23 @@ def response_matrix(
     ResponseError
         If a node, the tolerance or the memory needed is out of range.
     """
+    threads = count_of("num_threads", num_threads, ResponseError)
     return _core.response_matrix(
-        surface, skin._on(surface), nodes, directions, tolerance=tolerance, num_threads=num_threads
+        surface, skin._on(surface), nodes, directions, tolerance=tolerance, num_threads=threads
     )
+
+
+def kernel_of(skin: Skin | PreparedSkin | CombinedSkin, need: str) -> _core.Skin:
+    """The core's kernel of a skin that is one, for what `need` says; a refusal says what to take."""
+    if not isinstance(skin, Skin):
+        kind = type(skin).__name__
+        within = {"PreparedSkin": "skin", "CombinedSkin": "elsewhere"}.get(kind)
+        if within is None:
+            raise TypeError(f"skin is a {kind}, expected a Skin: {need}")
+        raise ResponseError(f"a {kind} is no kernel: {need}; its `{within}` may be one")
+    if skin._kernel is None:
+        raise ResponseError(f"the response {type(skin.response).__name__} is no kernel: {need}")
+    return skin._kernel
 
 
 class NetVolume(NamedTuple):
@@ -295,9 +313,10 @@ def net_volume(surface: Surface, skin: Skin, node: int) -> NetVolume:
     ResponseError
         If the node is out of range or the response is no kernel.
     """
-    if skin._kernel is None:
-        raise ResponseError("net_volume needs a kernel; for a body read Contact.volume_change")
-    return NetVolume(*skin._kernel.net_volume(surface, node))
+    kernel = kernel_of(skin, "net_volume needs one; for a body read Contact.volume_change")
+    return NetVolume(
+        *kernel.net_volume(surface, index_of("node", node, len(surface.vertices), ResponseError))
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

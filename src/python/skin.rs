@@ -17,7 +17,7 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Material and response, checked; computed as it is needed, or once.
 #[pyclass(name = "Skin", module = "quasirigid._core", frozen)]
@@ -178,7 +178,7 @@ impl PySkin {
         prepared(PreparedSkin::new(&surface.inner, &nodes, PreparedResponse::Given(matrix)))
     }
 
-    /// A body solved for unit forces at `nodes`.
+    /// A body solved for unit forces at `nodes`; what `progress` raises ends the work and is raised here.
     #[staticmethod]
     #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, bone_pressure, num_threads, memory_limit, progress))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
@@ -198,23 +198,28 @@ impl PySkin {
         let fixed = fixed.map(|value| mask(value, "fixed")).transpose()?;
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let body = Body { bone: bone.map(|bone| bone.inner.clone()), fixed };
+        let failure = OnceLock::new();
         let report = |told: BodyProgress| {
-            if let Some(progress) = &progress {
-                // A failing progress line is no reason to lose the work.
-                let _ = Python::attach(|py| progress.call1(py, (told.stage, told.done)).map(drop));
+            if let (Some(progress), None) = (&progress, failure.get())
+                && let Err(error) = Python::attach(|py| progress.call1(py, (told.stage, told.done)))
+            {
+                // The first failure ends the work and is raised then; others have nothing to add.
+                let _ = failure.set(error);
             }
         };
-        prepared(detached_on_thread(py, |interrupt| {
+        let done = detached_on_thread(py, |interrupt| {
+            let stop = || failure.get().is_some() || interrupt();
             let options = BodyOptions {
                 num_threads,
                 memory_limit,
                 bone_pressure,
-                interrupt: Some(interrupt),
+                interrupt: Some(&stop),
                 progress: progress.is_some().then_some(&report as _),
                 ..BodyOptions::default()
             };
             PreparedSkin::of_body(&surface.inner, &body, shear_modulus, poisson_ratio, &nodes, &options)
-        })?)
+        })?;
+        failure.into_inner().map_or_else(|| prepared(done), Err)
     }
 
     /// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k), `area_vectors` (n, 3)

@@ -276,6 +276,47 @@ def test_progress_announces_the_cost_and_goes_through_the_stages(capsys: pytest.
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.parametrize("progress", ["yes", 1, 0.5])
+def test_a_progress_that_cannot_be_called_is_refused(progress: object) -> None:
+    for skin in (skin_of(bone=CORE), qr.Skin(shear_modulus=6e4, poisson_ratio=0.5, response=qr.HalfSpace())):
+        with pytest.raises(TypeError, match=f"progress is {progress!r}, expected a function"):
+            skin.prepared(BALL, [0], progress=progress)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("failure", [ZeroDivisionError, KeyboardInterrupt])
+@pytest.mark.parametrize("at", ["body of", "assembly", "solution"])
+def test_what_progress_raises_ends_the_work_and_reaches_the_caller(
+    at: str, failure: type[BaseException]
+) -> None:
+    told: list[str] = []
+
+    def progress(what: str, done: float) -> None:
+        told.append(what)
+        if what.startswith(at):
+            raise failure
+
+    with pytest.raises(failure):
+        skin_of(bone=CORE).prepared(BALL, [0, 1], progress=progress)
+    # Nothing is told after the failure.
+    assert [what.startswith(at) for what in told] == [False] * (len(told) - 1) + [True]
+
+
+def test_a_progress_of_other_arguments_says_so() -> None:
+    with pytest.raises(TypeError, match="positional arguments"):
+        skin_of(bone=CORE).prepared(BALL, [0], progress=lambda: None)  # type: ignore[arg-type, misc]
+
+
+def test_fixed_is_looked_at_before_it_is_used() -> None:
+    held = BALL.vertices[:, 2] > 0
+    for nodes in (None, [0]):
+        with pytest.raises(TypeError, match=r"`fixed` has dtype int64, expected booleans.*np\.isin"):
+            skin_of(fixed=np.flatnonzero(held)).prepared(BALL, nodes)
+        with pytest.raises(qr.ResponseError, match="`fixed` has 41 entries, but the skin has 42 vertices"):
+            skin_of(fixed=held[1:]).prepared(BALL, nodes)
+    with pytest.raises(qr.ResponseError, match="memory_limit is -5"):
+        skin_of(fixed=held, memory_limit=-5).prepared(BALL)
+
+
 def test_a_body_beyond_the_memory_is_refused_with_what_would_fit() -> None:
     with pytest.raises(qr.ResponseError, match=r"42 skin.*42 bone.*\d+ "):
         skin_of(bone=CORE, memory_limit=100_000).prepared(BALL)
