@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, ClassVar, final
 
 import numpy as np
 
 from . import _core
+from .checks import count_of
 from .errors import ResponseError
+from .skin import kernel_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -75,6 +77,9 @@ class LocalResponseMatrix:
     threshold: float
     _matrix: _core.LocalMatrix = field(repr=False)
 
+    # NumPy leaves an operator with an array on its left to this class, which has none for it.
+    __array_ufunc__: ClassVar[None] = None
+
     @property
     def shape(self) -> tuple[int, int]:
         """Rows and columns, both the number of nodes."""
@@ -119,11 +124,11 @@ class LocalResponseMatrix:
         ValueError
             If the number of forces is not that of the nodes.
         """
-        return _columns(self._matrix.apply, forces)
+        return _columns(self._matrix.apply, forces, len(self.nodes))
 
     def apply_transposed(self, forces: ArrayLike) -> NDArray[np.float64]:
         """Give ``R.T @ forces``, as `apply` does for R."""
-        return _columns(self._matrix.apply_transposed, forces)
+        return _columns(self._matrix.apply_transposed, forces, len(self.nodes))
 
     def __matmul__(self, forces: ArrayLike) -> NDArray[np.float64]:
         return self.apply(forces)
@@ -141,13 +146,17 @@ class LocalResponseMatrix:
         return LocalDefiniteness(**self._matrix.definiteness())
 
 
-def _columns(product: Callable[[ArrayLike], NDArray[np.float64]], forces: ArrayLike) -> NDArray[np.float64]:
+def _columns(
+    product: Callable[[ArrayLike], NDArray[np.float64]], forces: ArrayLike, order: int
+) -> NDArray[np.float64]:
     """Multiply one vector, or each column of an array."""
     values = np.asarray(forces)
     if values.ndim < 2:
         return product(values)
     if values.ndim > 2:
         raise ValueError(f"forces has shape {values.shape}, expected (k,) or (k, m)")
+    if len(values) != order:
+        raise ValueError(f"forces has {len(values)} entries, expected {order}, one per node")
     found = np.empty(values.shape, dtype=np.float64)
     for column in range(values.shape[1]):
         found[:, column] = product(values[:, column])
@@ -211,18 +220,16 @@ def local_response_matrix(
     >>> matrix.density < 0.5
     True
     """
-    if skin._kernel is None:
-        name = type(skin.response).__name__
-        raise ResponseError(f"the response {name} is no kernel that fades: take Layer or GaussianCorrected")
+    kernel = kernel_of(skin, "a local response matrix needs a kernel that fades, Layer or GaussianCorrected")
     chosen = np.flatnonzero(surface.skin_mask) if nodes is None else np.array(nodes)
     matrix = _core.local_response_matrix(
         surface,
-        skin._kernel,
+        kernel,
         chosen,
         threshold=threshold,
         tolerance=tolerance,
-        num_threads=num_threads,
-        memory_limit=memory_limit,
+        num_threads=count_of("num_threads", num_threads, ResponseError),
+        memory_limit=count_of("memory_limit", memory_limit, ResponseError),
     )
     kept = np.array(chosen, dtype=np.int64)
     kept.flags.writeable = False

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
-from .errors import ResponseError
+from .checks import index_of, vector_of
+from .errors import ResponseError, SurfaceError
+from .prepared import PreparedSkin
 from .response import Body
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from .prepared import PreparedSkin
     from .skin import Skin
     from .surface import Surface
 
@@ -88,7 +89,12 @@ def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) 
     >>> part.surface.is_closed, bool(part.surface.volume < finger.volume)
     (True, True)
     """
-    part, fixed, source_vertices, part_vertices = _core.cut_out(surface, tip, point, normal)
+    part, fixed, source_vertices, part_vertices = _core.cut_out(
+        surface,
+        index_of("tip", tip, len(surface.vertices), SurfaceError),
+        vector_of("point", point, SurfaceError),
+        vector_of("normal", normal, SurfaceError),
+    )
     return CutOut(surface=part, fixed=fixed, source_vertices=source_vertices, part_vertices=part_vertices)
 
 
@@ -122,10 +128,42 @@ class CombinedSkin:
         ResponseError
             If there is no such part.
         """
+        if wrong := [name for name in names if not isinstance(name, str)]:
+            raise TypeError(f"without() takes names of parts one by one, not {wrong[0]!r}")
         if unknown := [name for name in names if name not in self.parts]:
             raise ResponseError(f"there is no part {unknown[0]!r}, only {', '.join(self.parts)}")
         kept = {name: part for name, part in self.parts.items() if name not in names}
         return combine(self.elsewhere, self._surface, kept)
+
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> CombinedSkin:
+        """The response of the surface after a rigid motion, ``rotation @ x + translation``.
+
+        Parameters
+        ----------
+        rotation : (3, 3) array_like
+            Proper rotation.
+        translation : (3,) array_like
+            Shift (m).
+
+        Returns
+        -------
+        CombinedSkin
+            For ``surface.moved(rotation, translation)``; its parts are moved too.
+        """
+        response = self._response.moved(rotation, translation)
+        parts = {
+            name: (
+                replace(cut, surface=cut.surface.moved(rotation, translation)),
+                prepared.moved(rotation, translation),
+            )
+            for name, (cut, prepared) in self.parts.items()
+        }
+        return CombinedSkin(
+            elsewhere=self.elsewhere,
+            parts=parts,
+            _surface=self._surface.moved(rotation, translation),
+            _response=response,
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what it is made of."""
@@ -141,9 +179,33 @@ def combine(
     """What `Skin.combined` returns."""
     if elsewhere._kernel is None:
         raise ResponseError("a combined skin needs a kernel off its parts, such as HalfSpace()")
+    if not isinstance(parts, Mapping):
+        raise TypeError(
+            f"parts is a {type(parts).__name__}, expected a dict of names to (CutOut, PreparedSkin)"
+        )
+    for name, part in parts.items():
+        _check_part(name, part)
     told = [
         (name, prepared._response, cut.part_vertices.tolist(), cut.fixed)
         for name, (cut, prepared) in parts.items()
     ]
     response = _core.Skin.combined(surface, elsewhere._kernel, told)
     return CombinedSkin(elsewhere=elsewhere, parts=dict(parts), _surface=surface, _response=response)
+
+
+def _check_part(name: object, part: object) -> None:
+    if not isinstance(name, str):
+        raise TypeError(f"the part {name!r} is named by a {type(name).__name__}, expected a str")
+    members = part if isinstance(part, (tuple, list)) else (part,)
+    kinds = [type(member).__name__ for member in members]
+    match members:
+        case [CutOut(), PreparedSkin()]:
+            return
+        case [CutOut(), _] if kinds[1] == "Skin":
+            why = "prepare the skin for the part's surface"
+        case [PreparedSkin(), CutOut()]:
+            why = "swap the two"
+        case _:
+            why = "cut_out and Skin.prepared make them"
+    found = f"({', '.join(kinds)})" if isinstance(part, (tuple, list)) else f"a {kinds[0]}"
+    raise TypeError(f"part {name!r} is {found}, expected (CutOut, PreparedSkin): {why}")

@@ -68,7 +68,7 @@ def test_malformed_requests_are_refused(finger: qr.Surface, thin: qr.Skin) -> No
     with pytest.raises(qr.ResponseError, match="half-space kernel is felt at any distance"):
         qr.local_response_matrix(finger, plain)
     body = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.Body(fixed=finger.skin_mask))
-    with pytest.raises(qr.ResponseError, match="Body is no kernel"):
+    with pytest.raises(qr.ResponseError, match=r"Body is no kernel: .* Layer or GaussianCorrected"):
         qr.local_response_matrix(finger, body)
     with pytest.raises(qr.ResponseError, match="threshold is"):
         qr.local_response_matrix(finger, thin, threshold=0.0)
@@ -79,3 +79,21 @@ def test_malformed_requests_are_refused(finger: qr.Surface, thin: qr.Skin) -> No
         matrix.apply([1.0, 2.0])
     with pytest.raises(ValueError, match=r"expected \(k,\) or \(k, m\)"):
         matrix.apply(np.zeros((3, 1, 1)))
+    for columns in (0, 1):
+        with pytest.raises(ValueError, match="2 entries, expected 3"):
+            matrix @ np.ones((2, columns))
+    assert (matrix @ np.ones((3, 0))).shape == (3, 0)
+    with pytest.raises(TypeError, match="unsupported operand"):
+        np.ones(3) @ matrix
+
+
+@pytest.mark.parametrize("option", ["num_threads", "memory_limit"])
+def test_a_negative_or_broken_count_is_refused_by_name(
+    option: str, finger: qr.Surface, thin: qr.Skin
+) -> None:
+    with pytest.raises(qr.ResponseError, match=f"{option} is -5, expected 0 or more"):
+        qr.local_response_matrix(finger, thin, **{option: -5})  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=f"{option} is 1.5, expected a whole number"):
+        qr.local_response_matrix(finger, thin, **{option: 1.5})  # type: ignore[arg-type]
+    with pytest.raises(qr.ResponseError, match="num_threads is -1"):
+        qr.response_matrix(finger, thin, [0], num_threads=-1)

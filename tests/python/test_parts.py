@@ -63,7 +63,10 @@ def test_a_part_is_closed_and_knows_where_it_comes_from(finger: qr.Surface, part
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"tip": 10**6}, "tip vertex 1000000: the skin has"),
+        ({"tip": 10**6}, "tip vertex 1000000: the skin has vertices 0 to"),
+        ({"tip": -1}, "tip vertex -1: the skin has vertices 0 to"),
+        ({"point": [0, np.nan, 0]}, r"point is \[0, nan, 0\], expected three finite numbers"),
+        ({"normal": [0, 1]}, r"normal is \[0, 1\], expected three finite numbers"),
         ({"normal": [0, 0, 0]}, "normal has length 0"),
         ({"normal": [0, -1, 0]}, "no face around it is left"),
         ({"point": [0, -1, 0]}, "cuts nothing off"),
@@ -76,6 +79,11 @@ def test_a_cut_that_cannot_be_is_refused(
     told = {"tip": tip, "point": [0, 0.04, 0], "normal": [0, 1, 0], **arguments}
     with pytest.raises(qr.SurfaceError, match=message):
         qr.cut_out(finger, **told)
+
+
+def test_a_tip_is_the_number_of_a_vertex(finger: qr.Surface) -> None:
+    with pytest.raises(TypeError, match=r"tip is \[0, 0\.08, 0\], expected the number of a vertex"):
+        qr.cut_out(finger, tip=[0, 0.08, 0], point=[0, 0.04, 0], normal=[0, 1, 0])  # type: ignore[arg-type]
 
 
 def test_on_the_part_it_is_the_body_and_elsewhere_the_kernel(
@@ -119,6 +127,20 @@ def test_a_combined_skin_pickles(finger: qr.Surface, combined: qr.CombinedSkin) 
     np.testing.assert_array_equal(*forces)
 
 
+def test_a_combined_skin_moves_with_its_surface(finger: qr.Surface, combined: qr.CombinedSkin) -> None:
+    shift = np.array([0.1, -0.2, 0.3])
+    moved, there = combined.moved(TURN, shift), finger.moved(TURN, shift)
+    # What it is made of has moved along, so it can be pickled and taken apart.
+    for skin in (moved, pickle.loads(pickle.dumps(moved))):
+        for y in (0.015, 0.066):
+            bump = ball_below(y, finger)
+            still = qr.press(finger, bump, combined, UP, depth=0.4e-3)
+            turned = qr.press(there, bump.moved(TURN, shift), skin, TURN @ UP, depth=0.4e-3)
+            np.testing.assert_allclose(turned.force, TURN @ still.force, rtol=1e-6, atol=1e-9)
+    with pytest.raises(qr.ResponseError, match="rotation"):
+        combined.moved(2 * np.eye(3), shift)
+
+
 def test_a_patch_across_a_cut_is_refused_by_name_and_the_part_can_be_left_out(
     finger: qr.Surface, combined: qr.CombinedSkin
 ) -> None:
@@ -130,6 +152,42 @@ def test_a_patch_across_a_cut_is_refused_by_name_and_the_part_can_be_left_out(
     np.testing.assert_allclose(contact.force, kernel.force, rtol=1e-9)
     with pytest.raises(qr.ResponseError, match="no part 'thumb', only tip"):
         combined.without("thumb")
+    with pytest.raises(TypeError, match=r"names of parts one by one, not \['tip'\]"):
+        combined.without(["tip"])  # type: ignore[arg-type]
+
+
+def test_what_is_no_part_is_refused_by_name(
+    finger: qr.Surface, part: qr.CutOut, combined: qr.CombinedSkin
+) -> None:
+    prepared = combined.parts["tip"][1]
+    wrong: list[tuple[object, str]] = [
+        ([(part, prepared)], "parts is a list, expected a dict"),
+        ({7: (part, prepared)}, "the part 7 is named by a int"),
+        ({"tip": prepared}, "part 'tip' is a PreparedSkin, expected"),
+        ({"tip": (part,)}, r"part 'tip' is \(CutOut\), expected \(CutOut, PreparedSkin\)"),
+        ({"tip": (prepared, part)}, r"part 'tip' is \(PreparedSkin, CutOut\), .*: swap the two"),
+        ({"tip": (part, prepared.skin)}, r"part 'tip' is \(CutOut, Skin\), .*: prepare the skin"),
+    ]
+    for parts, message in wrong:
+        with pytest.raises(TypeError, match=message):
+            HALF_SPACE.combined(finger, parts)  # type: ignore[arg-type]
+
+
+def test_what_needs_a_kernel_names_the_skin_that_is_none(
+    finger: qr.Surface, combined: qr.CombinedSkin
+) -> None:
+    for skin, found, within in [
+        (combined, "a CombinedSkin is no kernel", "its `elsewhere`"),
+        (combined.parts["tip"][1], "a PreparedSkin is no kernel", "its `skin`"),
+    ]:
+        with pytest.raises(qr.ResponseError, match=f"{found}: .* Layer or GaussianCorrected; {within}"):
+            qr.local_response_matrix(finger, skin)  # type: ignore[arg-type]
+        with pytest.raises(qr.ResponseError, match=f"{found}: .*{within}"):
+            qr.net_volume(finger, skin, 0)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="skin is a HalfSpace, expected a Skin"):
+        qr.net_volume(finger, qr.HalfSpace(), 0)  # type: ignore[arg-type]
+    with pytest.raises(qr.ResponseError, match="node vertex -1: the skin has vertices 0 to"):
+        qr.net_volume(finger, HALF_SPACE, -1)
 
 
 def test_parts_that_do_not_fit_are_refused(
