@@ -28,7 +28,8 @@ _EXAMPLES = {"layer": "layer:thickness=5mm", "gaussian": "gaussian:height=0.8mm/
 def one_of(text: str, choices: Sequence[str], option: str) -> str:
     """`text`, where it is one of `choices`."""
     if text not in choices:
-        raise QuantityError(f"{option}: '{text}' is not known, expected {' or '.join(choices)}")
+        known = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
+        raise QuantityError(f"{option}: '{text}' is not known, expected {known}")
     return text
 
 
@@ -48,6 +49,8 @@ def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
         key, equals, value = part.partition("=")
         if not equals:
             raise QuantityError(f"--response: '{part}' is not of the form name=value")
+        if key in values:
+            raise QuantityError(f"--response: '{key}' is given twice, {values[key]} and {value}")
         values[key] = value
     one_of(name, tuple(_CONSTANTS), "--response")
     if name == "body":
@@ -57,6 +60,9 @@ def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
             )
         return None
     pressure: Any = one_of(values.pop("pressure", "linear"), ("linear", "one_ring"), "--response pressure")
+    gap: Any = None
+    if name != "gaussian":
+        gap = one_of(values.pop("gap", "node"), ("node", "weighted"), "--response gap")
     units = _CONSTANTS[name]
     if wrong := sorted(values.keys() - units.keys()):
         raise QuantityError(f"--response: {name} has no constant '{wrong[0]}'")
@@ -64,9 +70,9 @@ def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
         raise QuantityError(f"--response: {name} needs {', '.join(missing)}, as in {_EXAMPLES[name]}")
     constants = {key: parse_quantity(values[key], units[key], f"--response {key}") for key in units}
     if name == "half-space":
-        return HalfSpace(pressure=pressure)
+        return HalfSpace(pressure=pressure, gap=gap)
     if name == "layer":
-        return Layer(constants["thickness"], pressure=pressure)
+        return Layer(constants["thickness"], pressure=pressure, gap=gap)
     return GaussianCorrected(**constants, pressure=pressure)
 
 

@@ -19,7 +19,7 @@ from .console import MM, console, print_contacts, progress, refuse, show_warning
 from .errors import MissingExtraError, QuasirigidError
 from .export import write_contact, write_mesh
 from .models.products import build_cylinder_handle
-from .quantities import ANGLE, LENGTH, STRESS, parse_numbers, parse_quantities, parse_quantity
+from .quantities import ANGLE, LENGTH, STRESS, QuantityError, parse_numbers, parse_quantities, parse_quantity
 from .scenes import demo_scenes, may_touch
 
 Made = TypeVar("Made")
@@ -159,23 +159,24 @@ def press(
         typer.Option(
             help="half-space; body (see --bone and --fixed); layer:thickness=5mm (on bone); or"
             " gaussian:height=0.8mm/N,width=5mm,cutoff=15mm (the paper's). The kernels take pressure=linear"
-            " or pressure=one_ring, as in half-space:pressure=one_ring."
+            " or pressure=one_ring, half-space and layer gap=node or gap=weighted too, as in"
+            " half-space:gap=weighted."
         ),
     ] = "half-space",
     bone: Annotated[
-        str,
+        str | None,
         typer.Option(
             help="Of a body: auto draws plausible phalanges into a finger with its pad to -z; FILE"
-            " holds closed bones, in the skin's unit; none."
+            " holds closed bones, in the skin's unit; none. [default: auto]"
         ),
-    ] = "auto",
+    ] = None,
     fixed: Annotated[
-        str,
+        str | None,
         typer.Option(
             help="Of a body, what does not move: caps, the flat cut faces; none; FILE.npy holds a bool for"
-            " each vertex."
+            " each vertex. [default: caps]"
         ),
-    ] = "caps",
+    ] = None,
     skin_mask: Annotated[
         str,
         typer.Option(
@@ -200,6 +201,11 @@ def press(
     shift = parse_quantities(translate, 3, LENGTH, "--translate")
     angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
     told = response_of(response)
+    if told is not None:
+        _only_for_a_body(bone, "--bone")
+        _only_for_a_body(fixed, "--fixed")
+    bone = "auto" if bone is None else bone
+    fixed = "caps" if fixed is None else fixed
     modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
     skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=told or qr.HalfSpace())
     if pictures:
@@ -291,6 +297,11 @@ def info(
     if no_skin and no_product:
         return refuse(f"{file}: neither skin nor product: {no_skin}")
     return 0
+
+
+def _only_for_a_body(text: str | None, option: str) -> None:
+    if text is not None:
+        raise QuantityError(f"{option}: '{text}' is of use to --response body alone")
 
 
 def _free(nodes: NDArray[np.int64], body: qr.Body) -> NDArray[np.int64]:

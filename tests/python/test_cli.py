@@ -150,6 +150,8 @@ def test_a_body_out_of_reach_is_not_prepared(
 @pytest.mark.parametrize(
     ("text", "response"),
     [
+        ("half-space:gap=weighted", qr.HalfSpace(gap="weighted")),
+        ("layer:thickness=5mm,gap=weighted", qr.Layer(thickness=5e-3, gap="weighted")),
         ("half-space", qr.HalfSpace()),
         ("half-space:pressure=one_ring", qr.HalfSpace(pressure="one_ring")),
         ("layer:thickness=5mm", qr.Layer(thickness=5e-3)),
@@ -186,7 +188,24 @@ BAD_INPUT = {
     "a zero direction": ({"direction": "0,0,0"}, "direction"),
     "a negative depth": ({"depth": "-1mm"}, "depth"),
     "an impossible ratio": ({"poisson_ratio": "0.7"}, "poisson_ratio is 7e-1"),
-    "an unknown response": ({"response": "jelly"}, "--response: 'jelly' is not known"),
+    "an unknown response": (
+        {"response": "jelly"},
+        "--response: 'jelly' is not known, expected half-space, body, layer or gaussian",
+    ),
+    "a constant given twice": (
+        {"response": "layer:thickness=1mm,thickness=2mm"},
+        "--response: 'thickness' is given twice, 1mm and 2mm",
+    ),
+    "an unknown gap": ({"response": "layer:thickness=5mm,gap=wide"}, "--response gap: 'wide' is not known"),
+    "a gap for a Gaussian": (
+        {"response": "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm,gap=weighted"},
+        "gaussian has no constant 'gap'",
+    ),
+    "a bone for a half-space": ({"bone": "auto"}, "--bone: 'auto' is of use to --response body alone"),
+    "a hold for a layer": (
+        {"response": "layer:thickness=5mm", "fixed": "caps"},
+        "--fixed: 'caps' is of use to --response body alone",
+    ),
     "a missing constant": ({"response": "gaussian:height=0.8mm/N,width=5mm"}, "gaussian needs cutoff"),
     "an unknown constant": ({"response": "half-space:cutoff=1mm"}, "half-space has no constant 'cutoff'"),
     "an unknown basis": ({"response": "half-space:pressure=cubic"}, "'cubic' is not known"),
