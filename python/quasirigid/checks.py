@@ -74,7 +74,7 @@ def mask_of(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.b
 
 
 def count_of(name: str, value: Any, refusal: Refusal) -> int | None:
-    """A whole number from 0 on, or None.
+    """A whole number that is not negative, or None; whether 0 will do is left to the core.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def count_of(name: str, value: Any, refusal: Refusal) -> int | None:
     except TypeError:
         raise TypeError(f"{name} is {value!r}, expected a whole number or None") from None
     if count < 0:
-        raise refusal(f"{name} is {count}, expected 0 or more, or None")
+        raise refusal(f"{name} is {count}, expected a number above 0 or None")
     return count
 
 

@@ -76,8 +76,8 @@ def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) 
     Raises
     ------
     SurfaceError
-        If the tip is no vertex or lies behind the plane, the plane cuts nothing off, or the border is so
-        crooked that its cap folds.
+        If the tip is no vertex or lies behind the plane, the plane is not finite or cuts nothing off, or the
+        border is so crooked that its cap folds.
 
     Examples
     --------
@@ -126,7 +126,7 @@ class CombinedSkin:
         Raises
         ------
         ResponseError
-            If there is no such part.
+            If there is no such part; a TypeError if a name is no str.
         """
         if wrong := [name for name in names if not isinstance(name, str)]:
             raise TypeError(f"without() takes names of parts one by one, not {wrong[0]!r}")

@@ -124,6 +124,8 @@ class Skin:
         ------
         ResponseError
             If a part does not fit, or the preparation needs too much memory.
+        TypeError
+            If `progress` cannot be called or the fixed vertices of a body are no booleans.
         """
         from .prepared import PreparedSkin
 
@@ -150,6 +152,8 @@ class Skin:
             If a part does not fit, two overlap, or this skin is no kernel of linear pressure. A contact
             raises it where a patch of candidates straddles a cut, naming the part; `CombinedSkin.without`
             leaves that part to the kernel.
+        TypeError
+            If `parts` is no mapping of names to a cut and its prepared skin.
 
         Notes
         -----

@@ -91,7 +91,7 @@ def test_malformed_requests_are_refused(finger: qr.Surface, thin: qr.Skin) -> No
 def test_a_negative_or_broken_count_is_refused_by_name(
     option: str, finger: qr.Surface, thin: qr.Skin
 ) -> None:
-    with pytest.raises(qr.ResponseError, match=f"{option} is -5, expected 0 or more"):
+    with pytest.raises(qr.ResponseError, match=f"{option} is -5, expected a number above 0"):
         qr.local_response_matrix(finger, thin, **{option: -5})  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=f"{option} is 1.5, expected a whole number"):
         qr.local_response_matrix(finger, thin, **{option: 1.5})  # type: ignore[arg-type]
