@@ -156,7 +156,8 @@ def press(
     -----
     A vertex that came in through another side of the obstacle than its closest one (beside an edge, through a
     thin wall) has its gap measured back along the press, to where the obstacle met it; `left_out` counts
-    them. A contact solved in place knows no way and pushes such vertices out at the side, as weighted gaps do.
+    them. A contact solved in place knows no way and pushes such vertices out at the side, as weighted gaps
+    do.
 
     Examples
     --------
