@@ -164,6 +164,40 @@ fn a_cutoff_as_long_as_a_finger_is_thick_keeps_threshold_and_tolerance() {
 }
 
 #[test]
+fn thickness_that_jumps_from_node_to_node_keeps_the_threshold() {
+    let surface = bowl(36, 30e-3);
+    let nodes = all(&surface);
+    let mut random = Random(9);
+    let back: Vec<f64> = surface.vertices().iter().map(|v| if v.x > 6e-3 { 0.3e-3 } else { 5e-3 }).collect();
+    let spot: Vec<f64> =
+        surface.vertices().iter().map(|v| if v.norm() < 4e-3 { 3e-3 } else { 0.2e-3 }).collect();
+    let scattered: Vec<f64> = nodes.iter().map(|_| if random.next() < 0.1 { 5e-3 } else { 0.3e-3 }).collect();
+    let mostly_thick: Vec<f64> =
+        nodes.iter().map(|_| if random.next() < 0.3 { 0.3e-3 } else { 5e-3 }).collect();
+    let noise: Vec<f64> = nodes.iter().map(|_| 2e-3 * (2.0 * random.next() - 1.0).exp()).collect();
+    for (name, thickness) in [
+        ("thin on one side", back),
+        ("thick spot", spot),
+        ("a tenth thick", scattered),
+        ("three tenths thin", mostly_thick),
+        ("noise", noise),
+    ] {
+        let thickness = Thickness::PerVertex(thickness.into());
+        let skin = skin(0.5, Response::Layer { thickness, pressure: Pressure::Linear, gap: Gap::Node });
+        let options = AssemblyOptions { tolerance: 1e-9, ..Default::default() };
+        let dense = assemble(&surface, &skin, &nodes, None, &options).expect("valid");
+        let scale = norm(&dense);
+        for threshold in [1e-3, 1e-6] {
+            let matrix = local(&surface, &skin, &nodes, threshold);
+            let error = norm(&(&dense - matrix.to_dense()));
+            let share = matrix.entries() as f64 / (nodes.len() * nodes.len()) as f64;
+            println!("{name} {threshold:e}: error {:.2e}, stored {share:.2}", error / scale);
+            assert!(error <= threshold * scale, "{name} {threshold:e}: {:e}", error / scale);
+        }
+    }
+}
+
+#[test]
 fn products_groups_and_diagonal_are_those_of_the_matrix_itself() {
     let surface = bowl(30, 18e-3);
     // every second node, in an order that has nothing to do with places

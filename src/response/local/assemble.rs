@@ -32,7 +32,9 @@ const TOGETHER: usize = 32;
 /// Nodes are sorted into a tree of clusters. Blocks beyond the kernel's reach are left out; blocks whose clusters are
 /// far from each other against their size are stored as sums of a few products of vectors; the others entry by entry.
 /// For a layer, cost and memory grow in proportion to the nodes, but for a logarithm, where the mesh is refined. The
-/// Gaussian jumps at its cutoff, and entries there are stored one by one: they grow with the 1.5th power.
+/// Gaussian jumps at its cutoff, and entries there are stored one by one: they grow with the 1.5th power. Where a layer's
+/// thickness jumps by more than a factor of 2 from node to node all over the skin, all entries within the reach of the
+/// thickest node are; this reach, of the largest thickness, is also that of the regions by which fingers are told apart.
 ///
 /// Nodes on different fingers are not coupled, whatever the straight-line distance between them: see
 /// [`shares_tissue`](crate::surface::shares_tissue), asked of regions a sixth of the reach wide. Dense
@@ -78,9 +80,10 @@ pub fn assemble_local(
         }
         _ => vec![reach; nodes.len()],
     };
-    let (reach, load_radius) = (tree.largest(&of_node), tree.largest(&load_radius));
+    let (reach, least_reach) = (tree.largest(&of_node), tree.smallest(&of_node));
+    let load_radius = tree.largest(&load_radius);
     let is_whole = tree.whole(&pairs.sharing);
-    let plan = Plan { tree: &tree, pairs: &pairs, is_whole, reach, load_radius, jump };
+    let plan = Plan { tree: &tree, pairs: &pairs, is_whole, reach, least_reach, load_radius, jump };
     let blocks = plan.blocks();
     let vertices: Vec<usize> = tree.order.iter().map(|&node| nodes[node as usize]).collect();
     let region: Vec<u32> = vertices.iter().map(|&vertex| regions.of(vertex) as u32).collect();
@@ -94,6 +97,7 @@ pub fn assemble_local(
         entries: &entries,
         threshold: options.threshold,
         density,
+        median_reach: median(of_node),
     };
     // Dense blocks over the same columns are computed together, as they share the loads.
     let mut dense = blocks.dense;
@@ -128,6 +132,8 @@ struct Work<'a> {
     threshold: f64,
     /// See [`norm_over_reach`].
     density: f64,
+    /// Half of the nodes reach as far (m).
+    median_reach: f64,
 }
 
 impl Work<'_> {
@@ -138,12 +144,14 @@ impl Work<'_> {
         let load_radius = self.plan.load_radius[place.columns];
         let mut entries = self.far.block(rows.nodes.clone(), columns.nodes.clone(), clearance, load_radius);
         let reach = self.plan.reach_in(place);
-        // As many entries as there are nodes within reach may err by this and add up to a share of the norm.
-        let each = EACH * self.threshold * self.density / (std::f64::consts::PI * reach);
+        // As many entries as there are nodes within reach may err by this and add up to a share of the norm; of layers
+        // thicker than at half of the nodes there may be too little to answer as a wide surface does.
+        let share = (self.median_reach / reach).min(1.0);
+        let each = EACH * self.threshold * self.density * share / (std::f64::consts::PI * reach);
         let allowance = Allowance { relative: RELATIVE * self.threshold, each };
-        let first = self.far.nearest(rows.nodes.clone(), &columns.center());
+        let looks = self.far.looks(rows.nodes.clone(), &columns.center());
         let shape = (rows.nodes.len(), columns.nodes.len());
-        let values = match cross_approximation(&mut entries, shape, first, allowance) {
+        let values = match cross_approximation(&mut entries, shape, &looks, allowance) {
             Some(low_rank) if low_rank.rank == 0 => return None,
             Some(low_rank) => Values::LowRank(low_rank),
             None => Values::Dense(entries.dense()),
@@ -184,6 +192,11 @@ impl Work<'_> {
         let block = |(&place, values): (&Place, Vec<f64>)| Block { place, values: Values::Dense(values) };
         Ok(places.iter().zip(blocks).map(block).collect())
     }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// How far a load extends around its node (m).

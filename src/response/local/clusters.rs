@@ -195,9 +195,20 @@ impl ClusterTree {
     ///
     /// * `of_node`: (k,) per node
     pub(super) fn largest(&self, of_node: &[f64]) -> Vec<f64> {
+        self.folded(of_node, f64::max)
+    }
+
+    /// Smallest value of the nodes of each cluster.
+    ///
+    /// * `of_node`: (k,) per node
+    pub(super) fn smallest(&self, of_node: &[f64]) -> Vec<f64> {
+        self.folded(of_node, f64::min)
+    }
+
+    fn folded(&self, of_node: &[f64], choose: fn(f64, f64) -> f64) -> Vec<f64> {
         let of_place: Vec<f64> = self.order.iter().map(|&node| of_node[node as usize]).collect();
-        let most = |cluster: &Cluster| of_place[cluster.nodes.clone()].iter().copied().fold(0.0, f64::max);
-        self.clusters.iter().map(most).collect()
+        let fold = |cluster: &Cluster| of_place[cluster.nodes.clone()].iter().copied().reduce(choose);
+        self.clusters.iter().map(|cluster| fold(cluster).expect("a cluster has nodes")).collect()
     }
 }
 

@@ -28,9 +28,6 @@ pub(super) struct LowRank {
     pub(super) right: Vec<f64>,
 }
 
-/// Rows looked at after the terms have become small.
-const CHECKS: usize = 3;
-
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -44,21 +41,20 @@ fn largest(values: &[f64], used: &[bool]) -> Option<usize> {
 /// A matrix within the allowance of the given one; `None` where it would take no less memory than the entries.
 ///
 /// * `shape`: rows and columns
-/// * `first`: row to begin with, best one of the largest
+/// * `looks`: row to begin with, best one of the largest, and rows at which the result is checked
 pub(super) fn cross_approximation(
     entries: &mut impl Entries,
     shape: (usize, usize),
-    first: usize,
+    looks: &[usize],
     allowance: Allowance,
 ) -> Option<LowRank> {
     let (m, n) = shape;
     let mut found = LowRank { rank: 0, left: Vec::new(), right: Vec::new() };
     let (mut used_rows, mut used_columns) = (vec![false; m], vec![false; n]);
     let (mut row, mut column) = (vec![0.0; n], vec![0.0; m]);
-    // Rows at which the result is checked, spread over the block.
-    let mut checks = (0..CHECKS).map(|k| (first + (k + 1) * m / (CHECKS + 1)) % m).collect::<Vec<_>>();
+    let mut looks = looks.iter().copied();
     let mut norm_squared = 0.0_f64;
-    let mut next = Some(first);
+    let mut next = looks.next();
     while let Some(i) = next {
         let allowed = allowance.relative * norm_squared.sqrt() + allowance.each * ((m * n) as f64).sqrt();
         used_rows[i] = true;
@@ -70,7 +66,7 @@ pub(super) fn cross_approximation(
         let pivot = largest(&row, &used_columns).filter(|&j| row[j] != 0.0);
         let is_quiet = dot(&row, &row) * m as f64 <= allowed * allowed;
         let Some(j) = pivot.filter(|_| !is_quiet) else {
-            next = checks.pop().filter(|&i| !used_rows[i]);
+            next = looks.find(|&i| !used_rows[i]);
             continue;
         };
         if (found.rank + 1) * (m + n) >= m * n {
@@ -92,7 +88,7 @@ pub(super) fn cross_approximation(
         norm_squared = (norm_squared + size_squared).max(0.0);
         let allowed = allowance.relative * norm_squared.sqrt() + allowance.each * ((m * n) as f64).sqrt();
         next = if size_squared <= allowed * allowed {
-            checks.pop().filter(|&i| !used_rows[i])
+            looks.find(|&i| !used_rows[i])
         } else {
             largest(&column, &used_rows)
         };
@@ -197,7 +193,7 @@ mod tests {
         let scale = matrix.norm_l2();
         let allowance = Allowance { relative: 1e-10, each: 0.0 };
         let found =
-            cross_approximation(&mut Known(matrix.clone()), shape, 3, allowance).expect("of low rank");
+            cross_approximation(&mut Known(matrix.clone()), shape, &[3, 20], allowance).expect("of low rank");
         assert_eq!(found.rank, 2);
         assert!((matrix - rebuilt(&found, shape)).norm_l2() < 1e-10 * scale);
     }
@@ -210,7 +206,7 @@ mod tests {
             for allowance in
                 [Allowance { relative: tolerance, each: 0.0 }, Allowance { relative: 0.0, each: tolerance }]
             {
-                let found = cross_approximation(&mut Known(matrix.clone()), shape, 0, allowance);
+                let found = cross_approximation(&mut Known(matrix.clone()), shape, &[0, 20], allowance);
                 let found = found.expect("of low rank");
                 let allowed =
                     allowance.relative * matrix.norm_l2() + allowance.each * (40.0f64 * 50.0).sqrt();
@@ -221,11 +217,24 @@ mod tests {
     }
 
     #[test]
+    fn all_looks_are_taken_whether_or_not_their_row_is_used_or_quiet() {
+        // two groups of rows and columns that have nothing to do with each other
+        let matrix =
+            Mat::from_fn(20, 20, |i, j| if i / 10 == j / 10 { (1 + i % 10 + j) as f64 } else { 0.0 });
+        let allowance = Allowance { relative: 1e-10, each: 0.0 };
+        let found = cross_approximation(&mut Known(matrix.clone()), (20, 20), &[0, 9, 0, 3, 15], allowance);
+        let found = found.expect("of low rank");
+        assert_eq!(found.rank, 4);
+        assert!((&matrix - rebuilt(&found, (20, 20))).norm_l2() < 1e-10 * matrix.norm_l2());
+    }
+
+    #[test]
     fn nothing_has_rank_zero_and_an_identity_is_refused() {
         let allowance = Allowance { relative: 1e-3, each: 0.0 };
-        let nothing = cross_approximation(&mut Known(Mat::zeros(9, 7)), (9, 7), 0, allowance).expect("zero");
+        let nothing =
+            cross_approximation(&mut Known(Mat::zeros(9, 7)), (9, 7), &[0, 5], allowance).expect("zero");
         assert_eq!(nothing.rank, 0);
         let identity = Mat::identity(12, 12);
-        assert_eq!(cross_approximation(&mut Known(identity), (12, 12), 0, allowance), None);
+        assert_eq!(cross_approximation(&mut Known(identity), (12, 12), &[0], allowance), None);
     }
 }

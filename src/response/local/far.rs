@@ -16,6 +16,8 @@ use std::ops::Range;
 const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
 /// Largest number of points in each direction of a triangle.
 const MOST_POINTS: usize = 8;
+/// Rows of a block that are looked at besides the first, over its places and over its thicknesses.
+const CHECKS: usize = 3;
 /// Nodes evaluated at a time.
 const STRIP: usize = 32;
 
@@ -82,13 +84,29 @@ impl<'a> FarField<'a> {
         self.vertices[place]
     }
 
-    /// Which of some places is nearest to a point, counted from the first.
-    pub(super) fn nearest(&self, places: Range<usize>, point: &Vector3<f64>) -> usize {
-        let distance = |place: usize| {
-            Vector3::new(self.at[0][place], self.at[1][place], self.at[2][place]).metric_distance(point)
+    /// Rows of a block that tell of the others, counted from the first: the one that loads around `point` move most,
+    /// some spread over the places, and some from the thickest to thinner ones where the thickness varies.
+    pub(super) fn looks(&self, rows: Range<usize>, point: &Vector3<f64>) -> Vec<usize> {
+        let inverse = |i: usize| match &self.kernel {
+            Kernel::Layer { inverse_thickness, .. } => inverse_thickness[rows.start + i],
+            Kernel::Gaussian { .. } => 1.0,
         };
-        let nearest = places.clone().min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
-        nearest.map_or(0, |place| place - places.start)
+        let thicknesses_away = |i: usize| {
+            let place = rows.start + i;
+            let at = Vector3::new(self.at[0][place], self.at[1][place], self.at[2][place]);
+            at.metric_distance(point) * inverse(i)
+        };
+        let count = rows.len();
+        let first = (0..count).min_by(|&a, &b| thicknesses_away(a).total_cmp(&thicknesses_away(b)));
+        let first = first.expect("a block has rows");
+        let mut looks = vec![first];
+        looks.extend((1..=CHECKS).rev().map(|k| (first + k * count / (CHECKS + 1)) % count));
+        let mut by_thickness: Vec<usize> = (0..count).collect();
+        by_thickness.sort_by(|&a, &b| inverse(a).total_cmp(&inverse(b)));
+        if inverse(by_thickness[0]) < inverse(by_thickness[count - 1]) {
+            looks.extend((0..=CHECKS).map(|k| by_thickness[k * count / (CHECKS + 1)]));
+        }
+        looks
     }
 
     /// The entries of one block.

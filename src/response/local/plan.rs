@@ -7,6 +7,8 @@ use crate::surface::RegionPairs;
 pub(super) const PANEL: usize = 32;
 /// A block may have low rank where the smaller of its two boxes is no larger than this times their distance.
 const SEPARATION: f64 = 3.0;
+/// A block may have low rank where the thicknesses that occur in both its clusters differ by no more than this factor.
+const EVEN: f64 = 2.0;
 
 /// What decides on the blocks.
 pub(super) struct Plan<'a> {
@@ -15,8 +17,10 @@ pub(super) struct Plan<'a> {
     pub(super) pairs: &'a RegionPairs,
     /// Per cluster, whether its regions hang together by shared tissue within it.
     pub(super) is_whole: Vec<bool>,
-    /// Per cluster, how far a load reaches from a node (m) and how far it extends around it (m).
+    /// Per cluster, how far a load reaches from a node (m), at most and at least.
     pub(super) reach: Vec<f64>,
+    pub(super) least_reach: Vec<f64>,
+    /// Per cluster, how far a load extends around a node (m).
     pub(super) load_radius: Vec<f64>,
     /// Distance at which the kernel jumps (m), if it does.
     pub(super) jump: Option<f64>,
@@ -63,6 +67,13 @@ impl Plan<'_> {
         self.reach[place.rows].min(self.reach[place.columns])
     }
 
+    /// Whether the kernel is smooth in a block as far as the thickness goes: the smaller one of each pair may change
+    /// from row to row or from column to column, but hardly be now the row's, now the column's.
+    fn is_even(&self, place: Place) -> bool {
+        let both = self.least_reach[place.rows].max(self.least_reach[place.columns]);
+        self.reach_in(place) <= EVEN * both
+    }
+
     /// Whether two regions are within reach and share tissue.
     pub(super) fn shares(&self, a: u32, b: u32) -> bool {
         self.pairs.sharing[a as usize].binary_search(&b).is_ok()
@@ -75,7 +86,8 @@ impl Plan<'_> {
             return;
         }
         let is_far = clearance >= self.load_radius[place.columns]
-            && rows.diameter().min(columns.diameter()) <= SEPARATION * clearance;
+            && rows.diameter().min(columns.diameter()) <= SEPARATION * clearance
+            && self.is_even(place);
         let jumps =
             self.jump.is_some_and(|at| rows.span_with(columns) + self.load_radius[place.columns] > at);
         // A jump has no low rank: there the blocks go down to the leaves, elsewhere to panels.
