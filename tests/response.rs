@@ -663,6 +663,21 @@ fn thicknesses_are_checked() {
         refused.expect_err("too short"),
         ResponseError::ThicknessCount { thicknesses: 5, vertex_count: 16 }
     );
+    // metres taken for micrometres, everywhere and at one vertex
+    let mut list = vec![1e-3; 16];
+    list[7] = 1e-8;
+    for (thickness, vertex) in [(Thickness::from(1e-8), 0), (Thickness::PerVertex(list.into()), 7)] {
+        let skin = skin(Response::Layer { thickness, pressure: Pressure::Linear, gap: Gap::Node });
+        let refused = assemble(&surface, &skin, &[0], None, &AssemblyOptions::default());
+        let edge_length = surface.mean_edge_length();
+        let expected = ResponseError::TooThin { vertex, thickness: 1e-8, edge_length };
+        assert_eq!(refused.expect_err("too thin"), expected);
+        assert!(expected.to_string().contains("in metres"));
+    }
+    let thinnest = skin(layer(1.01e-3 * surface.mean_edge_length()));
+    let found =
+        assemble(&surface, &thinnest, &[0, 5], None, &AssemblyOptions::default()).expect("thick enough");
+    assert!(found[(0, 0)] > 0.0 && found[(1, 1)] > 0.0);
 }
 
 // ---- errors ----

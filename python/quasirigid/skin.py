@@ -251,7 +251,8 @@ def response_matrix(
         Unit directions of force and displacement; None means minus the vertex normal. Kernels that depend
         on the distance alone ignore it.
     tolerance : float
-        Relative tolerance of every entry; 0 means all that double precision gives.
+        Error of every entry relative to the half-space's, some K/r; a layer's entries fade faster, so of these
+        it is a larger share far away. 0 means all that double precision gives.
     num_threads : int, optional
         Threads; None for all. The matrix is equal to the bit for any number.
 

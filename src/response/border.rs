@@ -1,4 +1,6 @@
 //! Where the node form looks at a layer's displacement on the open border of a mesh.
+//!
+//! Only the displacement is taken there: the initial gap of a border node is still measured at the vertex.
 
 use crate::surface::Surface;
 use nalgebra::Vector3;

@@ -58,14 +58,30 @@ pub enum ResponseError {
         /// Vertices of the surface.
         vertex_count: usize,
     },
+    /// A vertex's layer is so much thinner than the mesh that its unit is likely wrong.
+    #[error(
+        "the layer is {thickness:.3e} m thick at vertex {vertex}, less than 1/1000 of the mesh's mean edge of \
+         {edge_length:.3e} m: give thicknesses in metres, or take a finer mesh"
+    )]
+    TooThin {
+        /// First such vertex.
+        vertex: usize,
+        /// Thickness there (m).
+        thickness: f64,
+        /// Mean edge length of the surface (m).
+        edge_length: f64,
+    },
     /// The kernel is felt everywhere, so its matrix has no entries to leave out.
-    #[error("the {kernel} kernel is felt at any distance, so its response matrix is not sparse")]
+    #[error(
+        "the {kernel} kernel is felt at any distance, so there is no local response matrix of it: take a layer, a \
+         Gaussian with a finite cutoff, or the whole matrix"
+    )]
     NotLocal {
         /// Name of the kernel.
         kernel: &'static str,
     },
-    /// Compressed matrices hold the node form alone.
-    #[error("a compressed response matrix measures gaps at the nodes: take gap = node, or the whole matrix")]
+    /// Local matrices hold the node form alone.
+    #[error("a local response matrix measures gaps at the nodes: take gap = node, or the whole matrix")]
     GapNotLocal,
     /// The matrix would need more memory than allowed.
     #[error(

@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 /// Parameters of [`assemble`](super::assemble).
 #[derive(Clone, Copy)]
 pub struct AssemblyOptions<'a> {
-    /// Largest relative error of an entry from numerical integration (dimensionless, 0 ..= 0.1), relative to
-    /// the `K / r` part where a kernel is a difference. 0 means as exact as double precision allows.
+    /// Largest error of an entry from numerical integration (dimensionless, 0 ..= 0.1), relative to the half-space's
+    /// entry, some K/r: of a layer's or a Gaussian's entry, a difference that can be far smaller, it is a larger share. 0 means as exact as double precision allows.
     pub tolerance: f64,
     /// Threads (>= 1); `None` means rayon's global pool. The result is equal to the bit for any number.
     pub num_threads: Option<usize>,

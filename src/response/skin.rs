@@ -78,7 +78,7 @@ pub enum Response {
     /// surface bends within the layer's reach the straight-line distance goes through the body and neither form
     /// has to be definite: 800 nodes around a fingertip under 1 mm, ν = 0.5, have -0.1 % (node) and -0.3 % (weighted).
     Layer {
-        /// Thickness h (m), > 0.
+        /// Thickness h (m), > 0; an assembly refuses less than 1/1000 of the mesh's mean edge.
         thickness: Thickness,
         /// How a node's force is spread.
         pressure: Pressure,
@@ -99,6 +99,8 @@ pub struct Skin {
     pub response: Response,
 }
 
+/// A layer is refused where it is thinner than this share of the mesh's mean edge, as its entries would take ever longer.
+const THINNEST: f64 = 1e-3;
 /// A layer's kernel below this times K/h is not felt.
 const LAYER_SILENCE: f64 = 1e-8;
 
@@ -147,6 +149,20 @@ impl Skin {
         match &self.response {
             Response::Layer { thickness: Thickness::PerVertex(list), .. } if list.len() != vertex_count => {
                 Err(ResponseError::ThicknessCount { thicknesses: list.len(), vertex_count })
+            }
+            Response::Layer { thickness, .. } => {
+                let edge_length = surface.mean_edge_length();
+                let vertices = match thickness {
+                    Thickness::Uniform(_) => 0..1,
+                    Thickness::PerVertex(_) => 0..vertex_count,
+                };
+                match vertices.into_iter().find(|&vertex| thickness.at(vertex) < THINNEST * edge_length) {
+                    Some(vertex) => {
+                        let thickness = thickness.at(vertex);
+                        Err(ResponseError::TooThin { vertex, thickness, edge_length })
+                    }
+                    None => Ok(()),
+                }
             }
             _ => Ok(()),
         }
