@@ -83,6 +83,45 @@ fn a_skew_matrix_with_a_zero_diagonal_is_solved() {
     assert_eq!(solution.z, [2.0, 1.0]);
 }
 
+#[test]
+fn a_huge_solution_is_not_called_impossible() {
+    // (1 + 2/u, 2/u) solves it exactly; along (1, 1) the columns of M add to 0 and u.
+    let u = 4.0 * f64::EPSILON;
+    let m = mat![[1.0, -1.0], [-1.0, 1.0 + u]];
+    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+        let solution = run_with(&m, &[-1.0, -1.0], method, &LcpOptions::default());
+        match solution.status {
+            LcpStatus::Solved => assert_eq!(solution.z, [1.0 + 2.0 / u, 2.0 / u]),
+            _ => {
+                let ray = solution.ray.as_ref().expect("a ray");
+                assert_eq!(ray.conclusion, RayConclusion::InfeasibleToRounding);
+                assert!(solution.advice().contains("up to rounding"), "{}", solution.advice());
+            }
+        }
+        println!("{method}: {} {:?}", solution.advice(), solution.attempts);
+        if method == LcpMethod::Auto {
+            assert!(solution.attempts.len() > 1, "a ray to rounding is no end for auto");
+        }
+        // Without u the columns add to zero exactly, and there is none.
+        let none = run_with(&mat![[1.0, -1.0], [-1.0, 1.0]], &[-1.0, -1.0], method, &LcpOptions::default());
+        assert_eq!(none.ray.expect("a ray").conclusion, RayConclusion::Infeasible);
+    }
+}
+
+#[test]
+fn the_unit_of_m_changes_no_ending_where_a_diagonal_is_zero() {
+    let m = mat![[2.0, 1.0, 2.0], [1.0, 2.0, -3.0], [-2.0, 3.0, 0.0]];
+    let q = [-3.0, -4.0, -3.0];
+    for method in [LcpMethod::BlockPivoting, LcpMethod::Lemke, LcpMethod::Auto] {
+        let plain = run_with(&m, &q, method, &LcpOptions::default());
+        for scale in [1e-12, 1e9, 1e12] {
+            let scaled = run_with(&(&m * scale), &q, method, &LcpOptions::default());
+            assert_eq!(scaled.status, plain.status, "{method}, {scale:e}: {}", scaled.advice());
+            assert_eq!(scaled.active(), plain.active(), "{method}, {scale:e}");
+        }
+    }
+}
+
 // Twins: every complementary basis, one after the other
 
 /// Solves the principal block `set` by elimination with full pivoting; `None` where singular.
@@ -386,6 +425,30 @@ fn a_crash_basis_changes_no_ending() {
 }
 
 #[test]
+fn a_crash_that_finds_nothing_takes_nothing_from_the_path() {
+    // Block exchanges end at the first block with a negative determinant; the path needs all it is given.
+    let mut noise = Noise(41);
+    let mut seen = 0;
+    for case in 0..300 {
+        let (m, q, kind) = larger_problem(&mut noise, case);
+        let plain = LcpOptions { crash: false, ..LcpOptions::default() };
+        let plain = run_with(&m, &q, LcpMethod::Lemke, &plain);
+        if plain.status != LcpStatus::Solved || plain.attempts.len() > 1 || plain.pivots == 0 {
+            continue;
+        }
+        let options = LcpOptions { max_pivots: Some(plain.pivots), ..LcpOptions::default() };
+        let crashed = run_with(&m, &q, LcpMethod::Lemke, &options);
+        assert_eq!(crashed.status, LcpStatus::Solved, "case {case}, {kind}: {}", crashed.advice());
+        if let [crash, path] = crashed.attempts[..] {
+            assert!(crash.crash && path.pivots == plain.pivots);
+            assert_eq!(crashed.pivots, crash.pivots + path.pivots);
+            seen += usize::from(crash.pivots > 0);
+        }
+    }
+    assert!(seen > 20, "a crash that found nothing was seen {seen} times");
+}
+
+#[test]
 fn a_contact_costs_as_many_pivots_as_nodes_and_says_how() {
     let contact = grid_contact(30, 0.8e-3, 10e-3, 2e-3);
     let crashed = run(&contact.m, &contact.q);
@@ -608,6 +671,37 @@ fn an_indefinite_response_is_named_so() {
 }
 
 #[test]
+fn an_exactly_singular_matrix_has_no_only_solution() {
+    // B B' with determinant 0; what Cholesky leaves last is rounding above zero. With `z`, `z + t null` solves too.
+    let m = mat![[106.0, 90.0, -76.0], [90.0, 106.0, -92.0], [-76.0, -92.0, 80.0]];
+    let q = [-210.0, -98.0, 76.0];
+    for scale in [1.0, 1e-9, 0.3, 1e12] {
+        let m = &m * scale;
+        for check in [DefinitenessCheck::Always, DefinitenessCheck::Cheap] {
+            let options = LcpOptions { definiteness: check, ..LcpOptions::default() };
+            let solution = run_with(&m, &q, LcpMethod::Lemke, &options);
+            assert_eq!(solution.certificate.definiteness, Definiteness::Unknown, "{scale:e}");
+            assert!(!solution.advice().contains("only solution"));
+        }
+    }
+}
+
+#[test]
+fn definiteness_is_looked_at_where_asked_though_zero_solves() {
+    let always = LcpOptions { definiteness: DefinitenessCheck::Always, ..LcpOptions::default() };
+    let verdict = |m: &Mat<f64>, options: &LcpOptions| {
+        run_with(m, &[1.0, 0.0], LcpMethod::Lemke, options).certificate.definiteness
+    };
+    // -1 beside 2 pulls w below zero, so both rows count.
+    let definite = mat![[2.0, -1.0], [-1.0, 2.0]];
+    assert_eq!(verdict(&definite, &always), Definiteness::PositiveDefinite);
+    assert_eq!(verdict(&definite, &LcpOptions::default()), Definiteness::Unknown);
+    // z = (0, 1/2) solves as well as zero does: q = (1, 0).
+    let singular = mat![[1.0, -2.0], [-2.0, 0.0]];
+    assert_eq!(verdict(&singular, &always), Definiteness::NotPositiveDefinite);
+}
+
+#[test]
 fn storage_order_changes_nothing() {
     let contact = grid_contact(25, 0.8e-3, 60e-3, 0.5e-3);
     let n = contact.q.len();
@@ -655,6 +749,33 @@ fn an_interrupt_ends_every_method_soon() {
         assert_eq!(solution.status, LcpStatus::Interrupted, "{method}");
         assert!(solution.advice().starts_with("interrupted"));
         assert!(asked.into_inner() < 10, "{method} went on asking");
+    }
+}
+
+#[test]
+fn an_interrupt_at_any_ask_never_looks_like_another_ending() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let contact = grid_contact(25, 0.8e-3, 10e-3, 1e-3);
+    let infeasible = Mat::from_fn(90, 90, |i, j| if i == j { 1.0 } else { -0.5 });
+    let pressed = vec![-1.0; 90];
+    for (m, q) in [(&contact.m, &contact.q), (&infeasible, &pressed)] {
+        for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+            let whole = run_with(m, q, method, &LcpOptions::default());
+            for after in 0..60 {
+                let asked = AtomicUsize::new(0);
+                let stop = || asked.fetch_add(1, Ordering::Relaxed) >= after;
+                let options = LcpOptions { interrupt: Some(&stop), ..LcpOptions::default() };
+                let solution = run_with(m, q, method, &options);
+                let context = format!("{method}, {after}: {}", solution.advice());
+                if solution.status != LcpStatus::Interrupted {
+                    assert_eq!(
+                        (solution.status, &solution.z, &solution.w),
+                        (whole.status, &whole.z, &whole.w)
+                    );
+                    assert_eq!(solution.ray, whole.ray, "{context}");
+                }
+            }
+        }
     }
 }
 

@@ -331,7 +331,8 @@ class Definiteness:
     Attributes
     ----------
     positive_definite : bool
-        Whether it has a Cholesky factor: the contact problem then has one solution, and Lemke finds it.
+        Whether it is positive definite beyond rounding: the contact problem then has one solution, and Lemke
+        finds it. False also where it is singular to rounding.
     smallest, largest : float
         Its extreme eigenvalues (m/N).
     condition : float

@@ -35,9 +35,10 @@ pub(super) enum Fallback {
     Crash,
 }
 
-/// Solves from the guess `active` (ascending), to which `spent` pivots have led.
+/// Solves from the guess `active` (ascending), to which `spent` pivots have led; `scale_i z_i` counts in units of w.
 pub(super) fn solve(
     reduced: &Reduced,
+    scale: &[f64],
     active: &[usize],
     spent: usize,
     fallback: Fallback,
@@ -45,8 +46,6 @@ pub(super) fn solve(
 ) -> Outcome {
     let n = reduced.size();
     let budget = options.pivot_budget(n);
-    let unit = |diagonal: f64| if diagonal > 0.0 { diagonal } else { 1.0 };
-    let scale: Vec<f64> = (0..n).map(|i| unit(reduced.diagonal(i))).collect();
     let deficit = reduced.q.iter().fold(0.0, |deficit: f64, q| deficit.max(-q));
     let mut is_active = vec![false; n];
     active.iter().for_each(|&i| is_active[i] = true);
@@ -67,7 +66,7 @@ pub(super) fn solve(
         {
             return outcome;
         }
-        let (w, size, error) = blocks.values(&set, &factor, &scale, deficit, &mut outcome);
+        let (w, size, error) = blocks.values(&set, &factor, scale, deficit, &mut outcome);
         if options.is_interrupted() {
             return Outcome { status: LcpStatus::Interrupted, ..clipped(outcome) };
         }

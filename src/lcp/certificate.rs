@@ -6,13 +6,16 @@ use super::problem::LcpProblem;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Definiteness {
-    /// The symmetric part has a Cholesky factor on the rows that can leave zero; the solution is unique.
+    /// The symmetric part is positive definite, beyond rounding, on the rows that can leave zero; the solution is
+    /// unique.
     PositiveDefinite,
     /// The caller states that every principal minor is positive; the solution is unique.
     PMatrix,
-    /// The symmetric part has no Cholesky factor; there may be several solutions or none.
+    /// The symmetric part has a negative eigenvalue, beyond rounding, or a diagonal entry that is not positive; there
+    /// may be several solutions or none.
     NotPositiveDefinite,
-    /// Not looked at, as that would have cost more than the solve, or not asked for.
+    /// Singular to rounding, so that neither can be told; or not looked at, as that would have cost more than the
+    /// solve or was not asked for.
     Unknown,
 }
 

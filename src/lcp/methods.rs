@@ -2,7 +2,7 @@
 
 use super::block_pivoting::{self, Fallback, ZERO, first_guess};
 use super::lemke;
-use super::options::{LcpMethod, LcpOptions};
+use super::options::LcpMethod;
 use super::problem::LcpError;
 use super::projected_cg;
 use super::ray::{LcpRay, RayConclusion};
@@ -45,16 +45,16 @@ impl Run<'_> {
         let Some(reduced) = self.reduce()? else {
             return Ok((self.stopped(LcpMethod::Auto), 0.0));
         };
-        let lemke = self.lemke_on(&reduced, self.options);
+        let lemke = self.lemke_on(&reduced);
         let proved = |ray: &LcpRay| ray.conclusion == RayConclusion::Infeasible;
         if ends(&lemke) || lemke.0.ray.as_ref().is_some_and(proved) {
             return Ok(lemke);
         }
-        // Not copositive: conjugate gradients have no minimum to go to, and single exchanges no end.
-        let copositive = lemke.0.status != LcpStatus::Ray;
-        let fallback = if copositive || reduced.size() <= FEW { Fallback::Finite } else { Fallback::None };
+        // A ray: conjugate gradients have no minimum to go to, and single exchanges hardly an end.
+        let has_ray = lemke.0.status == LcpStatus::Ray;
+        let fallback = if !has_ray || reduced.size() <= FEW { Fallback::Finite } else { Fallback::None };
         let mut others = vec![self.exchange(LcpMethod::BlockPivoting, fallback)?];
-        if copositive
+        if !has_ray
             && !ends(&others[0])
             && let Ok(answer) = self.projected_cg()
         {
@@ -72,19 +72,18 @@ impl Run<'_> {
     pub(super) fn lemke(&mut self) -> Result<Answer, LcpError> {
         let options = self.options;
         let may_crash = options.crash && options.initial_active.is_none() && options.covering.is_none();
-        let (mut spent, mut work) = (0, 0.0);
+        let mut work = 0.0;
         if may_crash && self.has_positive_diagonal && self.rows_to_begin_with().len() > FEW {
             let answer = self.exchange(LcpMethod::Lemke, Fallback::Crash)?;
             if ends(&answer) {
                 return Ok(answer);
             }
-            (spent, work) = (answer.0.pivots, answer.1);
+            work = answer.1;
         }
         let Some(reduced) = self.reduce()? else {
             return Ok((self.stopped(LcpMethod::Lemke), work));
         };
-        let max_pivots = options.max_pivots.map(|budget| budget.saturating_sub(spent));
-        let answer = self.lemke_on(&reduced, &LcpOptions { max_pivots, ..options.clone() });
+        let answer = self.lemke_on(&reduced);
         Ok((answer.0, answer.1 + work))
     }
 
@@ -93,7 +92,8 @@ impl Run<'_> {
     /// Where rounding broke it, again with larger pivots; where it went on without end, as it can on examples
     /// made for that, or left along a ray that proves nothing, again with another covering vector, unless the
     /// caller chose budget or vector.
-    fn lemke_on(&mut self, reduced: &Reduced, options: &LcpOptions) -> Answer {
+    fn lemke_on(&mut self, reduced: &Reduced) -> Answer {
+        let options = self.options;
         let method = LcpMethod::Lemke;
         let mut work = 0.0;
         if let Some(guess) = &options.initial_active {
@@ -151,7 +151,7 @@ impl Run<'_> {
         let Some(reduced) = self.reduce()? else {
             return Ok((self.stopped(LcpMethod::BlockPivoting), answer.1));
         };
-        let (solution, work) = self.lemke_on(&reduced, self.options);
+        let (solution, work) = self.lemke_on(&reduced);
         Ok((solution, answer.1 + work))
     }
 
@@ -183,12 +183,16 @@ impl Run<'_> {
             let is_all = problem.known_rows().is_some();
             let reduced = Reduced::on(problem, rows);
             self.candidates = reduced.size();
-            let outcome =
-                block_pivoting::solve(&reduced, &reduced.restrict_set(&active), pivots, fallback, options);
+            let scale: Vec<f64> =
+                (0..reduced.size()).map(|place| problem.diagonal_scale(reduced.index(place))).collect();
+            let guess = reduced.restrict_set(&active);
+            let outcome = block_pivoting::solve(&reduced, &scale, &guess, pivots, fallback, options);
             pivots = outcome.pivots;
             work += outcome.work;
             let solution = self.measure(method, &outcome, &reduced);
             let open = match outcome.status {
+                // What an interrupt left unfinished opens no rows.
+                LcpStatus::Solved if solution.status == LcpStatus::Interrupted => Vec::new(),
                 LcpStatus::Solved if !is_all && reduced.size() < n => open_rows(self, &solution, &is_kept),
                 _ => Vec::new(),
             };

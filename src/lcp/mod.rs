@@ -40,6 +40,7 @@
 mod basis;
 mod block_pivoting;
 mod certificate;
+mod definite;
 mod dense;
 mod eights;
 mod factor;
@@ -59,6 +60,7 @@ mod solve;
 mod symmetry;
 
 pub use certificate::{Certificate, Definiteness};
+pub(crate) use definite::cholesky_rounding;
 pub use options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
 pub use ray::{LcpRay, RayConclusion};

@@ -66,8 +66,10 @@ impl DefinitenessCheck {
 
 /// Which entries of M are looked at for being finite.
 ///
-/// Entries of q always are, and so is the diagonal. A solved answer depends on the columns of its `z > 0` alone; an
-/// entry elsewhere that is not finite is noticed where a method reads it, and wherever an ending is not solved.
+/// Entries of q always are, and so is the diagonal unless `q >= 0`, where a large M is not read at all. A solved
+/// answer depends on the columns of its `z > 0` alone; an entry elsewhere that is not finite is noticed where a
+/// method reads it, and wherever an ending is not solved. Of an M stored by rows, entries are read in groups of eight:
+/// those beside a column of `z > 0` too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FiniteCheck {
     /// All where M has at most 64 rows; else what a solve reads.
@@ -93,7 +95,7 @@ impl FiniteCheck {
 /// Parameters of [`solve`](super::solve()).
 #[derive(Clone)]
 pub struct LcpOptions<'a> {
-    /// Pivot budget of each method that runs; `None` means `50 n`, at least 1000.
+    /// Pivot budget of each run, a crash and the path after it being two; `None` means `50 n`, at least 1000.
     pub max_pivots: Option<usize>,
     /// Rates of change below `pivot_tol` times the largest never pivot (dimensionless, in (0, 1e-3]).
     pub pivot_tol: f64,

@@ -125,7 +125,8 @@ impl<'a> LcpProblem<'a> {
 
     /// States that every principal minor of M is positive, so that the solution exists and is unique.
     ///
-    /// The caller's word is taken: it is reported in the certificate and changes no answer.
+    /// The caller's word is taken and reported in the certificate. [`LcpMethod::Auto`](super::LcpMethod::Auto) then
+    /// begins with block pivoting at any size; the one solution is the same, to rounding.
     #[must_use]
     pub fn with_known_p_matrix(mut self) -> Self {
         self.known_p_matrix = true;

@@ -97,6 +97,13 @@ impl LcpProblem<'_> {
     }
 }
 
+/// `M z` with twice the digits.
+pub(super) fn product_compensated(m: MatRef<'_, f64>, z: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
+    let mut product = vec![0.0; m.nrows()];
+    add_product_compensated(m, &Active::new(z, None), &mut product, interrupted);
+    product
+}
+
 /// `|M| |z|`.
 pub(super) fn magnitudes(m: MatRef<'_, f64>, z: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
     let active = Active::new(z, None);

@@ -2,15 +2,17 @@
 
 use super::certificate::nan_max;
 use super::problem::LcpProblem;
-use super::product::{add_product, magnitudes};
+use super::product::{add_product, magnitudes, product_compensated};
 
-/// What a ray proves about the problem, up to rounding.
+/// What a ray proves about the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RayConclusion {
     /// `M' z <= 0` and `q·z < 0`: no `z >= 0` has `M z + q >= 0`, so there is no solution.
     Infeasible,
-    /// `z·Mz < 0` with `z >= 0`: M is not copositive and Lemke's method cannot tell.
+    /// The same but for entries of `M' z` that are above zero by rounding: a solution would have to be huge.
+    InfeasibleToRounding,
+    /// `z·Mz < 0`, beyond rounding, with `z >= 0`: M is not copositive and Lemke's method cannot tell.
     NotCopositive,
     /// Neither could be shown.
     Inconclusive,
@@ -18,7 +20,8 @@ pub enum RayConclusion {
 
 /// Direction of the unbounded path: `w = M z + d z0` with w, z, z0 >= 0 and `w·z = 0`, d the covering vector.
 ///
-/// Scaled so that its largest `M_ii z_i` (or z0, if larger) is 1 in units of `max(-q)`.
+/// Its length means nothing; it is scaled so that the largest of `M_ii z_i`, w and z0 is of the order of 1, where
+/// the covering vector is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LcpRay {
     /// Direction of z (n).
@@ -64,28 +67,27 @@ impl LcpRay {
         }
         let relative = |value: f64, scale: f64| if scale > 0.0 { value / scale } else { 0.0 };
         let (residual, curvature) = (relative(residual, size), relative(curvature, weight));
-        let conclusion = if proves_infeasible(problem, &z, interrupted) {
-            RayConclusion::Infeasible
-        } else if curvature < -ROUNDING {
-            RayConclusion::NotCopositive
-        } else {
-            RayConclusion::Inconclusive
-        };
+        let conclusion = infeasibility(problem, &z, interrupted).unwrap_or({
+            if curvature < -ROUNDING { RayConclusion::NotCopositive } else { RayConclusion::Inconclusive }
+        });
         Self { z, w, z0, residual, curvature, conclusion }
     }
 }
 
-/// Farkas: `z >= 0`, `M' z <= 0`, `q·z < 0`.
-fn proves_infeasible(problem: &LcpProblem, z: &[f64], interrupted: &dyn Fn() -> bool) -> bool {
+/// Farkas: `z >= 0`, `M' z <= 0`, `q·z < 0`; with twice the digits, or else to rounding.
+fn infeasibility(problem: &LcpProblem, z: &[f64], interrupted: &dyn Fn() -> bool) -> Option<RayConclusion> {
     let (product, magnitude) =
         problem.q.iter().zip(z).fold((0.0, 0.0), |(p, m), (q, z)| (p + q * z, m + (q * z).abs()));
     if product >= -ROUNDING * magnitude || product.is_nan() {
-        return false;
+        return None;
     }
     let transposed = problem.m.transpose();
-    let mut columns = vec![0.0; z.len()];
-    add_product(transposed, z, &mut columns, interrupted);
+    let columns = product_compensated(transposed, z, interrupted);
+    // A column that is only rounding above zero can still be lifted by a huge z_j.
+    if columns.iter().all(|&sum| sum <= 0.0) {
+        return Some(RayConclusion::Infeasible);
+    }
     let magnitudes = magnitudes(transposed, z, interrupted);
-    // A column that is only rounding above zero could still be lifted by a huge z_j, hence the strict bound.
-    columns.iter().zip(magnitudes).all(|(&sum, magnitude)| sum <= 16.0 * f64::EPSILON * magnitude)
+    let is_rounding = |(&sum, magnitude): (&f64, f64)| sum <= 16.0 * f64::EPSILON * magnitude;
+    columns.iter().zip(magnitudes).all(is_rounding).then_some(RayConclusion::InfeasibleToRounding)
 }

@@ -93,12 +93,6 @@ impl<'a> Reduced<'a> {
         }
     }
 
-    /// An entry of M's diagonal.
-    pub(super) fn diagonal(&self, place: usize) -> f64 {
-        let row = self.index(place);
-        self.source[(row, row)]
-    }
-
     /// Column `j` of M on the rows kept, from wherever it is at hand.
     pub(super) fn read_column(&self, j: usize, column: &mut [f64]) {
         let (m, kept) = match (&self.kept, &self.block) {

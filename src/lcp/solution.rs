@@ -101,6 +101,11 @@ impl LcpSolution {
                         "along it no z >= 0 can make M z + q >= 0, so the problem has no solution. Usually M has \
                          rows without enough positive entries for the negative q: check the signs of M and q"
                     }
+                    Some(RayConclusion::InfeasibleToRounding) => {
+                        "up to rounding, along it no z >= 0 can make M z + q >= 0: a solution, if there is one, is \
+                         huge. Usually M is singular, or has rows without enough positive entries for the negative q: \
+                         check the signs of M and q, and for coincident nodes"
+                    }
                     Some(RayConclusion::NotCopositive) => {
                         "it shows a z >= 0 with z·Mz < 0, so M is not copositive: there may be no solution, one or \
                          several, and Lemke's method cannot tell. For a response matrix this means that the kernel is \

@@ -1,11 +1,11 @@
 //! One entry for every method: look at what must be looked at, run, check against the problem as given.
 
 use super::certificate::{Certificate, Definiteness};
-use super::factor::{Factor, NoFactor};
+use super::definite;
 use super::options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
 use super::outcome::Outcome;
 use super::problem::{LcpError, LcpProblem};
-use super::reduced::{Reduced, build, rows_that_matter};
+use super::reduced::{Reduced, rows_that_matter};
 use super::solution::{LcpAttempt, LcpSolution, LcpStatus};
 
 /// Rows up to which all of M is looked at, as that costs next to nothing.
@@ -37,7 +37,11 @@ pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> R
     }
     if problem.deficit() == 0.0 && options.total.is_none() || n == 0 {
         let zero = Outcome::zero(LcpStatus::Solved, 0);
-        return Ok(run.conclude(method, &zero, vec![0.0; n]));
+        let mut solution = run.conclude(method, &zero, vec![0.0; n]);
+        if options.definiteness == DefinitenessCheck::Always && !problem.known_p_matrix {
+            solution.certificate.definiteness = run.definiteness(0.0)?;
+        }
+        return Ok(solution);
     }
     run.has_positive_diagonal = (0..n).all(|i| {
         let diagonal = problem.m[(i, i)];
@@ -145,6 +149,8 @@ impl<'a> Run<'a> {
         let certificate = Certificate::measure(self.problem, &z, &w);
         let passed = certificate.natural_residual <= self.options.tolerance;
         let status = match outcome.status {
+            // What was measured may be unfinished.
+            _ if self.options.is_interrupted() => LcpStatus::Interrupted,
             LcpStatus::Solved if !passed => LcpStatus::Breakdown,
             status => status,
         };
@@ -164,7 +170,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Cholesky of the symmetric part on the rows kept, where it may be made after `work` operations.
+    /// Cholesky of the symmetric part on the rows kept, where that may be made after `work` operations.
     fn definiteness(&self, work: f64) -> Result<Definiteness, LcpError> {
         let n = self.candidates as f64;
         let look =
@@ -194,16 +200,7 @@ impl<'a> Run<'a> {
         if (0..q.len()).any(|i| !is_kept[i] && q[i] == 0.0 && m[(i, i)] == 0.0) {
             return Ok(Definiteness::Unknown);
         }
-        let symmetric = build(kept.len(), kept.len(), &interrupted, |j, first, entries| {
-            for (entry, &i) in entries.iter_mut().zip(&kept[first..]) {
-                *entry = 0.5 * m[(i, kept[j])] + 0.5 * m[(kept[j], i)];
-            }
-        });
-        Ok(match Factor::cholesky(symmetric, &interrupted) {
-            Ok(_) => Definiteness::PositiveDefinite,
-            Err(NoFactor::Singular) => Definiteness::NotPositiveDefinite,
-            Err(NoFactor::Interrupted) => Definiteness::Unknown,
-        })
+        Ok(definite::definiteness(m, &kept, &interrupted))
     }
 }
 

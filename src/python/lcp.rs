@@ -103,6 +103,7 @@ impl From<LcpSolution> for PyLcpSolution {
 fn conclusion_name(conclusion: RayConclusion) -> &'static str {
     match conclusion {
         RayConclusion::Infeasible => "infeasible",
+        RayConclusion::InfeasibleToRounding => "infeasible_to_rounding",
         RayConclusion::NotCopositive => "not_copositive",
         RayConclusion::Inconclusive => "inconclusive",
     }
