@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 from .errors import QuasirigidError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
 Refusal = type[QuasirigidError]
@@ -90,6 +93,29 @@ def count_of(name: str, value: Any, refusal: Refusal) -> int | None:
     if count < 0:
         raise refusal(f"{name} is {count}, expected a number above 0 or None")
     return count
+
+
+def integer_of(name: str, value: Any) -> int:
+    """An integer >= 0; no boolean, and nothing that would have to be rounded."""
+    is_boolean = isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"
+    try:
+        number = None if is_boolean else operator.index(value)
+    except TypeError:
+        number = None
+    if number is None:
+        raise TypeError(f"{name} is {value!r}, expected an integer")
+    if not 0 <= number <= sys.maxsize:
+        raise ValueError(f"{name} is {number}, expected an integer of at least 0 and at most {sys.maxsize}")
+    return number
+
+
+def integers_of(name: str, values: Iterable[Any]) -> list[int]:
+    """Integers >= 0, one after the other."""
+    try:
+        listed = list(values)
+    except TypeError:
+        raise TypeError(f"{name} is {values!r}, expected a sequence of integers") from None
+    return [integer_of(f"{name}[{place}]", value) for place, value in enumerate(listed)]
 
 
 def index_of(name: str, value: Any, count: int, refusal: Refusal) -> int:

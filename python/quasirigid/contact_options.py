@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _core
+from .checks import integer_of
 from .lcp import LcpMethod
 
 __all__ = ["ContactOptions"]
@@ -55,12 +56,12 @@ class ContactOptions:
     def _to_core(self) -> _core.ContactOptions:
         return _core.ContactOptions(
             tolerance=self.tolerance,
-            rings=self.rings,
+            rings=None if self.rings is None else integer_of("rings", self.rings),
             method=self.method,
-            num_threads=self.num_threads,
-            memory_limit=self.memory_limit,
+            num_threads=None if self.num_threads is None else integer_of("num_threads", self.num_threads),
+            memory_limit=None if self.memory_limit is None else integer_of("memory_limit", self.memory_limit),
             search_distance=self.search_distance,
             condition=self.condition,
             couple_fingers=self.couple_fingers,
-            max_growths=self.max_growths,
+            max_growths=integer_of("max_growths", self.max_growths),
         )

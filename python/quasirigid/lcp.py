@@ -7,6 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from . import _core
+from .checks import integer_of, integers_of
 from .errors import LcpError
 
 if TYPE_CHECKING:
@@ -49,13 +50,13 @@ class LcpOptions:
     Attributes
     ----------
     max_pivots : int or None
-        Pivot budget of each method that runs; None for a multiple of the size.
+        Pivot budget of each run, a crash and the path after it being two; None for a multiple of the size.
     pivot_tol : float
         Rates of change below this share of the largest never pivot (dimensionless).
     tolerance : float
         Largest natural residual of an answer that is called solved (dimensionless).
     initial_active : sequence of int or None
-        Guess of the unknowns with z > 0.
+        Guess of the unknowns with z > 0, by their indices (of a mask: ``numpy.flatnonzero(mask)``).
     covering : (n,) array_like or None
         Covering vector of Lemke's method, all > 0; None for ones.
     total : float or None
@@ -63,7 +64,8 @@ class LcpOptions:
         rows, which `LcpSolution.shift` tells.
     definiteness : {"cheap", "always", "never"}
         Whether the certificate looks for positive definiteness, which makes a solution the only one;
-        "cheap": where that costs no more than the solve did.
+        "cheap": where that costs no more than the solve did. A matrix that is singular to rounding stays
+        "unknown".
     crash : bool
         Let Lemke's method begin from a crash basis: block exchanges guess the active set as long as nothing
         shows that M is no P-matrix; where they stall, the path begins from nothing. Every exchange counts as
@@ -72,10 +74,12 @@ class LcpOptions:
     check : {"cheap", "always"}
         Which entries of M are looked at for being finite. "always": all. "cheap": all where M has at most 64
         rows, else what the solve reads; a solved answer depends on the columns of its ``z > 0`` alone, and
-        where an ending is not "solved" all of M has been looked at. q and the diagonal always are.
+        where an ending is not "solved" all of M has been looked at. q always is, and the diagonal unless
+        ``q >= 0``. Of an M in C order, entries beside a column of ``z > 0`` are read too, in groups of eight.
     known_p_matrix : bool
         Promise that every principal minor of M is positive, so that there is one solution; it is taken at
-        your word, told in the certificate, and changes no answer.
+        your word and told in the certificate. "auto" then begins with block pivoting at any size; the one
+        solution is the same, to rounding.
     """
 
     max_pivots: int | None = _DEFAULTS["max_pivots"]
@@ -90,9 +94,9 @@ class LcpOptions:
     known_p_matrix: bool = False
 
     def _to_core(self) -> _core.LcpOptions:
-        guess = None if self.initial_active is None else [int(index) for index in self.initial_active]
+        guess = None if self.initial_active is None else integers_of("initial_active", self.initial_active)
         return _core.LcpOptions(
-            max_pivots=self.max_pivots,
+            max_pivots=None if self.max_pivots is None else integer_of("max_pivots", self.max_pivots),
             pivot_tol=self.pivot_tol,
             tolerance=self.tolerance,
             initial_active=guess,
@@ -148,7 +152,8 @@ class LcpRay:
     curvature : float
         ``z'Mz`` relative to the sum of its terms' magnitudes.
     conclusion : str
-        "infeasible" (no solution exists), "not_copositive" or "inconclusive".
+        "infeasible" (no solution exists), "infeasible_to_rounding" (one would have to be huge),
+        "not_copositive" or "inconclusive".
     """
 
     z: NDArray[np.float64]

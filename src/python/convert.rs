@@ -8,18 +8,12 @@ use numpy::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use rayon::prelude::*;
 
-/// `numpy.asarray(value, dtype)`, with the argument's name in the error.
+/// `numpy.require(value, dtype)`, in C order and aligned, with the argument's name in the error.
 fn as_array<'py>(value: &Bound<'py, PyAny>, name: &str, dtype: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
     let py = value.py();
-    let options = PyDict::new(py);
-    options.set_item("order", "C")?;
-    if let Some(dtype) = dtype {
-        options.set_item("dtype", dtype)?;
-    }
-    py.import("numpy")?.call_method("asarray", (value,), Some(&options)).map_err(|error| {
+    py.import("numpy")?.call_method1("require", (value, dtype, ["C", "A", "E"])).map_err(|error| {
         PyTypeError::new_err(format!(
             "`{name}` cannot be read as an array of {}: {error}",
             dtype.unwrap_or("numbers")
@@ -178,12 +172,12 @@ pub(super) fn nodes_out<'py>(py: Python<'py>, nodes: &[usize]) -> Bound<'py, PyA
     PyArray1::from_vec(py, nodes.iter().map(|&node| node as i64).collect())
 }
 
-/// A matrix of float64 in C or Fortran order; anything else is copied to C order first.
+/// A matrix of float64 in C or Fortran order, aligned; anything else is copied to C order first.
 pub(super) struct MatrixIn<'py>(PyReadonlyArray2<'py, f64>);
 
 impl<'py> MatrixIn<'py> {
     pub fn new(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
-        let fits = value.cast::<PyArray2<f64>>().is_ok_and(|array| array.is_contiguous());
+        let fits = value.cast::<PyArray2<f64>>().is_ok_and(|array| array.readonly().as_slice().is_ok());
         let array = if fits { value.clone() } else { float_array(value, name)?.as_any().clone() };
         let shape = array.cast::<PyArrayDyn<f64>>()?.shape().to_vec();
         match array.cast_into::<PyArray2<f64>>() {
@@ -195,7 +189,7 @@ impl<'py> MatrixIn<'py> {
     /// As faer sees it, without a copy.
     pub fn view(&self) -> MatRef<'_, f64> {
         let (rows, columns) = (self.0.shape()[0], self.0.shape()[1]);
-        let numbers = self.0.as_slice().expect("contiguous in one of the two orders");
+        let numbers = self.0.as_slice().expect("aligned, and contiguous in one of the two orders");
         if self.0.is_c_contiguous() {
             MatRef::from_row_major_slice(numbers, rows, columns)
         } else {

@@ -71,6 +71,15 @@ def test_a_contact_says_what_it_cost_left_out_and_is_worth(contact: qr.Contact) 
     assert contact.advice == ""
 
 
+@pytest.mark.parametrize("option", ["rings", "max_growths", "num_threads", "memory_limit"])
+def test_counts_out_of_range_are_named(option: str) -> None:
+    surface = qr.Surface(*ball(8e-3, 1))
+    for value, error in ((-1, ValueError), (2**70, ValueError), (0.5, TypeError), (True, TypeError)):
+        options = qr.ContactOptions(**{option: value})  # type: ignore[arg-type]
+        with pytest.raises(error, match=f"{option} is .*expected an integer"):
+            qr.press(surface, PLATE, SKIN, [0, 0, 2], depth=0.5e-3, options=options)
+
+
 def test_results_and_options_are_frozen(contact: qr.Contact) -> None:
     with pytest.raises(dataclasses.FrozenInstanceError):
         contact.travel = 0.0  # type: ignore[misc]

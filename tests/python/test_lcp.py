@@ -40,6 +40,63 @@ def test_a_strided_or_integer_matrix_is_read_all_the_same() -> None:
         np.testing.assert_allclose(qr.solve_lcp(view, [-5, -6]).z, [4 / 3, 7 / 3])
 
 
+def misaligned(values: np.ndarray) -> np.ndarray:
+    """The same numbers one byte beside where float64 belongs."""
+    room = np.zeros(values.nbytes + 1, np.uint8)
+    view = room[1:].view(values.dtype).reshape(values.shape)
+    view[...] = values
+    assert not view.flags.aligned
+    return view
+
+
+def test_what_lies_beside_the_machine_s_words_is_copied() -> None:
+    matrix, q, z = random_problem(9, 4)
+    for given in (misaligned(matrix), misaligned(matrix.T.copy()).T):
+        np.testing.assert_allclose(qr.solve_lcp(given, misaligned(q)).z, z, atol=1e-12)
+    with pytest.raises(ValueError, match=r"`M` has shape"):
+        qr.solve_lcp(misaligned(q), misaligned(q))
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    surface = qr.Surface(misaligned(corners), misaligned(np.array([[0, 1, 2]])))
+    np.testing.assert_array_equal(surface.vertices, corners)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "error", "message"),
+    [
+        ("initial_active", np.array([True, False]), TypeError, r"initial_active\[0\] is .*True"),
+        ("initial_active", [False, True], TypeError, r"initial_active\[0\] is False, expected an integer"),
+        ("initial_active", [0, 0.9], TypeError, r"initial_active\[1\] is 0\.9, expected an integer"),
+        ("initial_active", [1, -1], ValueError, r"initial_active\[1\] is -1"),
+        ("initial_active", 1, TypeError, "initial_active is 1, expected a sequence"),
+        ("initial_active", [2], qr.LcpError, r"initial_active\[0\] is 2, expected distinct unknowns below 2"),
+        ("max_pivots", -1, ValueError, "max_pivots is -1"),
+        ("max_pivots", 2**64, ValueError, "max_pivots is 18446744073709551616"),
+        ("max_pivots", 1.5, TypeError, r"max_pivots is 1\.5"),
+        ("max_pivots", True, TypeError, "max_pivots is True"),
+    ],
+)
+def test_counts_out_of_range_are_named(
+    option: str, value: object, error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        qr.solve_lcp([[2, 1], [1, 2]], [-5, -6], options=qr.LcpOptions(**{option: value}))  # type: ignore[arg-type]
+
+
+def test_a_guess_may_be_any_sequence_of_integers() -> None:
+    for guess in ([0, 1], (1, 0), np.array([0, 1], np.uint8), range(2), np.flatnonzero([True, True])):
+        options = qr.LcpOptions(initial_active=guess, max_pivots=np.int64(50))  # type: ignore[arg-type]
+        assert qr.solve_lcp([[2, 1], [1, 2]], [-5, -6], options=options).attempts[0].warm
+
+
+def test_a_singular_matrix_is_not_said_to_have_one_solution() -> None:
+    matrix = [[106, 90, -76], [90, 106, -92], [-76, -92, 80]]
+    options = qr.LcpOptions(definiteness="always")
+    solution = qr.solve_lcp(matrix, [-210, -98, 76], options=options)
+    assert solution.certificate.definiteness == "unknown"
+    assert not solution.certificate.is_unique
+    assert not qr.definiteness(matrix).positive_definite
+
+
 def test_an_infeasible_problem_ends_on_a_ray_that_proves_it() -> None:
     with pytest.raises(qr.LcpError, match="no solution") as caught:
         qr.solve_lcp([[-1.0]], [-1.0])
@@ -48,6 +105,10 @@ def test_an_infeasible_problem_ends_on_a_ray_that_proves_it() -> None:
     assert solution.status is qr.LcpStatus.RAY
     assert solution.ray is not None
     assert solution.ray.conclusion == "infeasible"
+    # The columns add to 0 and rounding above it: about (2.25e15, 2.25e15) solves it.
+    almost = qr.solve_lcp([[1, -1], [-1, 1 + 4 * 2.0**-52]], [-1, -1], throw=False)
+    assert almost.ray is not None
+    assert almost.ray.conclusion == "infeasible_to_rounding"
 
 
 def test_malformed_problems_are_named() -> None:
