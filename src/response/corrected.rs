@@ -18,8 +18,8 @@ use pulp::{Simd, WithSimd};
 const SILENT: f64 = 9.0;
 /// Radii of a load from which on a cutoff can be cut along edges.
 const FAR_CUT: f64 = 3.0;
-/// Share of the cutoff by which a point that is cut along edges projects beside a triangle, at least.
-const BESIDE: f64 = 0.5;
+/// Room, as a share of the cutoff, of the quadrature along edges; points project beside a triangle by twice as much.
+const BESIDE: f64 = 0.1;
 
 /// `K/r - a exp(-r²/2c²)` for r < cutoff, 0 beyond.
 #[derive(Debug, Clone, Copy)]
@@ -60,11 +60,12 @@ impl Corrected {
         })
     }
 
-    /// Whether x, projected on the plane of a face, is well outside it: no arc of the cutoff then runs around it.
-    fn projects_beside(&self, face: &LoadedFace, x: &Vector3<f64>) -> bool {
+    /// Whether x, projected on the plane of a face, is outside it by at least `distance` (m): no arc of the cutoff then
+    /// runs around the projection.
+    fn projects_beside(face: &LoadedFace, x: &Vector3<f64>, distance: f64) -> bool {
         let arm = x - face.center;
         let height = arm.dot(&face.frame.normal);
-        (arm - face.frame.normal * height).norm() >= face.radius + BESIDE * self.cutoff
+        (arm - face.frame.normal * height).norm() >= face.radius + distance
     }
 
     /// One face's share of the displacement at x, in closed form.
@@ -196,11 +197,14 @@ impl WithSimd for Cut<'_> {
                 near.index.push(i as u32);
             }
         }
+        // half of the way from an edge to the projection of the point, where the integrands are singular
+        let room = half_edge.max(BESIDE * cutoff);
         let is_small = cutoff >= FAR_CUT * series.radius;
         near.index.retain(|&i| {
             let i = i as usize;
             let x = Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
-            let along_edges = is_small && faces.iter().all(|face| kernel.projects_beside(face, &x));
+            let along_edges =
+                is_small && faces.iter().all(|face| Corrected::projects_beside(face, &x, 2.0 * room));
             if !along_edges {
                 values[i] = faces.iter().map(|face| kernel.exact(face, &x)).sum();
             }
@@ -212,14 +216,8 @@ impl WithSimd for Cut<'_> {
         near.gather(targets);
         let potential = Potential { constant, height, width, cutoff: Some(cutoff) };
         // Potential and moment of a face cancel by the square of the distance over its size.
-        let bound = 4.0 * (1.0 + height * cutoff / constant) * (cutoff / half_edge).powi(2);
-        rule.set(
-            half_edge,
-            // half of the way from an edge to where the integrands are singular, the projection of the point
-            (2.0 * width).min(0.5 * BESIDE * cutoff),
-            bound,
-            tolerance.max(1e-13),
-        );
+        let bound = 16.0 * (1.0 + height * cutoff / constant) * (cutoff / half_edge).powi(2);
+        rule.set(half_edge, (2.0 * width).min(room), bound, tolerance.max(1e-13));
         for face in faces.iter().map(NearFace::new) {
             for i in (0..near.values.len()).step_by(S::F64_LANES) {
                 let integral = face.along_edges(near.place(simd, i), rule, &potential);
