@@ -6,6 +6,7 @@ import warnings
 from typing import TYPE_CHECKING, Literal
 
 from . import _core
+from .checks import skin_on
 from .contact_options import ContactOptions as ContactOptions
 from .contact_result import Accuracy as Accuracy
 from .contact_result import Contact as Contact
@@ -98,7 +99,7 @@ def solve_contact(
     'no_contact'
     """
     core_options = (options or ContactOptions())._to_core()
-    return _finish(_core.solve_contact(surface, obstacle, skin._on(surface), core_options), throw)
+    return _finish(_core.solve_contact(surface, obstacle, skin_on(skin, surface), core_options), throw)
 
 
 def press(
@@ -171,6 +172,6 @@ def press(
     """
     core_options = (options or ContactOptions())._to_core()
     result = _core.press(
-        surface, obstacle, skin._on(surface), direction, depth=depth, start=start, options=core_options
+        surface, obstacle, skin_on(skin, surface), direction, depth=depth, start=start, options=core_options
     )
     return _finish(result, throw)

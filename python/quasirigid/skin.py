@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _core
-from .checks import count_of, index_of, mask_of
+from .checks import count_of, index_of, mask_of, skin_on
 from .errors import QuasirigidWarning, ResponseError
 from .progress import Progress, announced, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
@@ -251,8 +251,8 @@ def response_matrix(
         Unit directions of force and displacement; None means minus the vertex normal. Kernels that depend
         on the distance alone ignore it.
     tolerance : float
-        Error of every entry relative to the half-space's, some K/r; a layer's entries fade faster, so of these
-        it is a larger share far away. 0 means all that double precision gives.
+        Error of every entry relative to the half-space's, some K/r; a layer's entries fade faster, so of
+        these it is a larger share far away. 0 means all that double precision gives.
     num_threads : int, optional
         Threads; None for all. The matrix is equal to the bit for any number.
 
@@ -268,7 +268,7 @@ def response_matrix(
     """
     threads = count_of("num_threads", num_threads, ResponseError)
     return _core.response_matrix(
-        surface, skin._on(surface), nodes, directions, tolerance=tolerance, num_threads=threads
+        surface, skin_on(skin, surface), nodes, directions, tolerance=tolerance, num_threads=threads
     )
 
 

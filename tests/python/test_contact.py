@@ -220,3 +220,12 @@ def test_fingers_are_solved_apart_unless_asked_otherwise() -> None:
     coupled = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.5e-3, options=options)
     assert len(coupled.lcp_solutions) == 1
     assert coupled.force[2] < apart.force[2]
+
+
+def test_a_bare_response_is_no_skin() -> None:
+    finger = qr.models.fingertip(edge_length=2e-3)
+    ball = qr.Obstacle.sphere((0.0, 0.0, -0.1), 0.05)
+    with pytest.raises(TypeError, match="skin is a HalfSpace, expected a Skin"):
+        qr.press(finger, ball, qr.HalfSpace(), (0, 0, 1), depth=1e-3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="skin is a NoneType"):
+        qr.response_matrix(finger, None, [0, 1])  # type: ignore[arg-type]
