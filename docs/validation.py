@@ -57,10 +57,16 @@ def drawn_sphere(radius: float, subdivisions: int, draw: float) -> qr.Surface:
 
 
 def body(
-    skin: qr.Surface, nu: float, nodes: NDArray[np.int64] | None = None, **told: object
+    skin: qr.Surface,
+    nu: float,
+    nodes: NDArray[np.int64] | None = None,
+    *,
+    bone: qr.Surface | None = None,
+    fixed: NDArray[np.bool_] | None = None,
+    bone_pressure: bool = False,
 ) -> qr.PreparedSkin:
     """The prepared body of a skin."""
-    response = qr.Body(**told)  # type: ignore[arg-type]
+    response = qr.Body(bone=bone, fixed=fixed, bone_pressure=bone_pressure)
     return qr.Skin(shear_modulus=G, poisson_ratio=nu, response=response).prepared(skin, nodes)
 
 

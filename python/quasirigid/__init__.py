@@ -33,6 +33,11 @@ from .lcp import solve_lcp as solve_lcp
 from .local import LocalDefiniteness as LocalDefiniteness
 from .local import LocalResponseMatrix as LocalResponseMatrix
 from .local import local_response_matrix as local_response_matrix
+from .matrix import Definiteness as Definiteness
+from .matrix import NetVolume as NetVolume
+from .matrix import definiteness as definiteness
+from .matrix import net_volume as net_volume
+from .matrix import response_matrix as response_matrix
 from .obstacle import Obstacle as Obstacle
 from .parts import CombinedSkin as CombinedSkin
 from .parts import CutOut as CutOut
@@ -45,12 +50,7 @@ from .response import GivenMatrix as GivenMatrix
 from .response import HalfSpace as HalfSpace
 from .response import Layer as Layer
 from .response import Response as Response
-from .skin import Definiteness as Definiteness
-from .skin import NetVolume as NetVolume
 from .skin import Skin as Skin
-from .skin import definiteness as definiteness
-from .skin import net_volume as net_volume
-from .skin import response_matrix as response_matrix
 from .surface import Repair as Repair
 from .surface import Surface as Surface
 from .surface import flat_cap_mask as flat_cap_mask

@@ -10,7 +10,7 @@ import numpy as np
 from . import _core
 from .checks import count_of
 from .errors import ResponseError
-from .skin import kernel_of
+from .matrix import kernel_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable

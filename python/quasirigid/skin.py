@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
-from .checks import count_of, index_of, mask_of, skin_on
+from .checks import count_of, mask_of
 from .errors import QuasirigidWarning, ResponseError
 from .progress import Progress, announced, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .prepared import PreparedSkin
     from .surface import Surface
 
-__all__ = ["Definiteness", "NetVolume", "Skin", "definiteness", "net_volume", "response_matrix"]
+__all__ = ["Skin"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,144 +227,3 @@ def _given(
         bone_pressure=None,
         solved=False,
     )
-
-
-def response_matrix(
-    surface: Surface,
-    skin: Skin | PreparedSkin | CombinedSkin,
-    nodes: ArrayLike,
-    directions: ArrayLike | None = None,
-    tolerance: float = 1e-6,
-    num_threads: int | None = None,
-) -> NDArray[np.float64]:
-    """Displacement of each node per newton at each node.
-
-    Parameters
-    ----------
-    surface : Surface
-        The skin.
-    skin : Skin, PreparedSkin or CombinedSkin
-        Material and response.
-    nodes : (k,) array_like of int
-        Vertices, each at most once.
-    directions : (k, 3) array_like, optional
-        Unit directions of force and displacement; None means minus the vertex normal. Kernels that depend
-        on the distance alone ignore it.
-    tolerance : float
-        Error of every entry relative to the half-space's, some K/r; a layer's entries fade faster, so of
-        these it is a larger share far away. 0 means all that double precision gives.
-    num_threads : int, optional
-        Threads; None for all. The matrix is equal to the bit for any number.
-
-    Returns
-    -------
-    (k, k) float64
-        R (m/N): entry (i, j) is the displacement of node i per newton at node j.
-
-    Raises
-    ------
-    ResponseError
-        If a node, the tolerance or the memory needed is out of range.
-    """
-    threads = count_of("num_threads", num_threads, ResponseError)
-    return _core.response_matrix(
-        surface, skin_on(skin, surface), nodes, directions, tolerance=tolerance, num_threads=threads
-    )
-
-
-def kernel_of(skin: Skin | PreparedSkin | CombinedSkin, need: str) -> _core.Skin:
-    """The core's kernel of a skin that is one, for what `need` says; a refusal says what to take."""
-    if not isinstance(skin, Skin):
-        kind = type(skin).__name__
-        within = {"PreparedSkin": "skin", "CombinedSkin": "elsewhere"}.get(kind)
-        if within is None:
-            raise TypeError(f"skin is a {kind}, expected a Skin: {need}")
-        raise ResponseError(f"a {kind} is no kernel: {need}; its `{within}` may be one")
-    if skin._kernel is None:
-        raise ResponseError(f"the response {type(skin.response).__name__} is no kernel: {need}")
-    return skin._kernel
-
-
-class NetVolume(NamedTuple):
-    """Volume under the displacement of a unit force: dents less bulges, and both added up (m^3/N)."""
-
-    net: float
-    gross: float
-
-
-def net_volume(surface: Surface, skin: Skin, node: int) -> NetVolume:
-    """Tell the volume that the mesh moves per newton at a vertex, ``sum S_i R_ij`` over all its vertices.
-
-    R is the weighted form where the kernel has one (half-space, layer): the sum is then the integral of the
-    displacement, whatever the triangles. The paper's condition (its eq. 4) asks for a net volume of 0; an
-    incompressible layer has it to 1e-6 of the gross on flat meshes 44 thicknesses wide, to 1e-8 at 60.
-
-    Parameters
-    ----------
-    surface : Surface
-        The skin's mesh.
-    skin : Skin
-        A kernel: half-space, Gaussian-corrected or layer.
-    node : int
-        The loaded vertex.
-
-    Returns
-    -------
-    NetVolume
-        Net and gross volume (m^3/N).
-
-    Raises
-    ------
-    ResponseError
-        If the node is out of range or the response is no kernel.
-    """
-    kernel = kernel_of(skin, "net_volume needs one; for a body read Contact.volume_change")
-    return NetVolume(
-        *kernel.net_volume(surface, index_of("node", node, len(surface.vertices), ResponseError))
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Definiteness:
-    """What is known of the symmetric part of a response matrix.
-
-    Attributes
-    ----------
-    positive_definite : bool
-        Whether it is positive definite beyond rounding: the contact problem then has one solution, and Lemke
-        finds it. False also where it is singular to rounding.
-    smallest, largest : float
-        Its extreme eigenvalues (m/N).
-    condition : float
-        largest / smallest; inf unless positive definite.
-    estimated : bool
-        Whether the eigenvalues are Lanczos estimates (large matrices).
-    """
-
-    positive_definite: bool
-    smallest: float
-    largest: float
-    condition: float
-    estimated: bool
-
-
-def definiteness(matrix: ArrayLike) -> Definiteness:
-    """Examine the symmetric part ``(R + R') / 2`` of a response matrix.
-
-    Parameters
-    ----------
-    matrix : (k, k) array_like
-        R (m/N).
-
-    Returns
-    -------
-    Definiteness
-        Definiteness, extreme eigenvalues and condition number.
-
-    Examples
-    --------
-    >>> import quasirigid as qr
-    >>> qr.definiteness([[2.0, 1.0], [0.0, 2.0]]).positive_definite
-    True
-    """
-    return Definiteness(**_core.definiteness(matrix))
