@@ -3,7 +3,7 @@
 mod common;
 
 use approx::assert_relative_eq;
-use common::{Random, grid, icosphere};
+use common::{Random, grid, icosphere, one_diagonal_grid};
 use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
 use quasirigid::contact::{
     Contact, ContactError, ContactOptions, ContactStatus, Press, Start, press, solve_contact,
@@ -103,11 +103,112 @@ fn averaged_gaps_give_a_better_hertz_force_than_gaps_at_vertices() {
         for cells in [4, 8] {
             let (node, averaged) = (errors(cells, jitter, &linear()), errors(cells, jitter, &weighted));
             assert!(averaged.0 < 0.5 * node.0, "force, {cells} cells: {averaged:?} {node:?}");
-            // As good at the peak as the node form is at 8 cells, already at 4.
-            assert!(averaged.1 < 5e-3, "peak, {cells} cells: {averaged:?}");
+            assert!(averaged.1 < node.1, "peak, {cells} cells: {averaged:?} {node:?}");
             // A vertex may keep a penetration, of the order of the mesh error: edges of √2 h sag by h² / R at most.
             assert!(averaged.2 < 1.0 / (cells * cells) as f64, "{averaged:?}");
             assert!(node.2 < 1e-9, "{node:?}");
+        }
+    }
+}
+
+/// Flat lattice of `count`² cells with edges `first` and `second`, each cut by the diagonal between them, about the
+/// origin moved by `shift`; inner vertices moved by up to `jitter` of `first`.
+fn lattice(
+    count: usize,
+    [first, second]: [Vector3<f64>; 2],
+    shift: Vector3<f64>,
+    jitter: f64,
+    random: &mut Random,
+) -> Surface {
+    let (mut vertices, faces) = one_diagonal_grid(count);
+    for vertex in &mut vertices {
+        let inner = [vertex.x, vertex.y].iter().all(|&at| 0.5 < at && at < count as f64 - 0.5);
+        let mut moved = || if inner { jitter * first.norm() * (2.0 * random.next() - 1.0) } else { 0.0 };
+        let moved = Vector3::new(moved(), moved(), 0.0);
+        let (i, j) = (vertex.x - 0.5 * count as f64, vertex.y - 0.5 * count as f64);
+        *vertex = i * first + j * second + shift + moved;
+    }
+    Surface::new(vertices, faces).unwrap()
+}
+
+/// Root mean squares of the errors of force, peak pressure and contact area against Hertz, over places of the sphere
+/// on a mesh of `cells` cells per contact radius.
+fn hertz_errors(skin: &Skin, cells: usize, angle: f64, jitter: f64, places: usize) -> [f64; 3] {
+    // So flat a sphere is Hertz's parabola up to d / R = 2.5e-6, and all error the mesh's.
+    let hertz = Hertz { radius: 200.0, contact_modulus: contact_modulus(SHEAR_MODULUS, POISSON_RATIO) };
+    let approach = 0.5e-3;
+    let radius = hertz.contact_radius(approach);
+    let sphere = Obstacle::sphere(Vector3::new(0.0, 0.0, hertz.radius - approach), hertz.radius).unwrap();
+    let mut random = Random(11);
+    let mut sums = [0.0; 3];
+    for _ in 0..places {
+        // Neither the place in a cell nor the cells per radius are round numbers.
+        let h = radius / (cells as f64 * (0.94 + 0.12 * random.next()));
+        let edges = [h * Vector3::x(), h * Vector3::new(angle.cos(), angle.sin(), 0.0)];
+        let shift = (random.next() - 0.5) * edges[0] + (random.next() - 0.5) * edges[1];
+        let surface = lattice(4 * cells, edges, shift, jitter, &mut random);
+        let found = solve(&surface, &sphere, skin).resultant;
+        let errors = [
+            found.force.norm() / hertz.force(approach) - 1.0,
+            found.max_pressure / hertz.max_pressure(approach) - 1.0,
+            found.contact_area / (std::f64::consts::PI * radius * radius) - 1.0,
+        ];
+        sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error * error);
+    }
+    sums.map(|sum| (sum / places as f64).sqrt())
+}
+
+#[test]
+fn averaged_gaps_beat_gaps_at_vertices_in_force_peak_and_area_over_places_on_every_mesh() {
+    let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
+    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).unwrap();
+    let meshes = [("equilateral", 120.0, 0.0), ("square", 90.0, 0.0), ("jittered", 90.0, 0.25)];
+    for (mesh, degrees, jitter) in meshes {
+        let mut before = None;
+        for (cells, places) in [(4, 24), (8, 8)] {
+            let errors = |skin| hertz_errors(skin, cells, f64::to_radians(degrees), jitter, places);
+            let (node, averaged) = (errors(&linear()), errors(&weighted));
+            println!("{mesh}, {cells} cells: force, peak, area {averaged:.5?}, at vertices {node:.5?}");
+            for (k, figure) in ["force", "peak", "area"].into_iter().enumerate() {
+                assert!(averaged[k] < node[k], "{figure}, {mesh}, {cells} cells: {averaged:?} {node:?}");
+            }
+            // A rim of straight chords, and slopes taken as straight, cost its square of the cell over the radius.
+            assert!(averaged[2] < 1.0 / (cells * cells) as f64, "{mesh}, {cells} cells: {averaged:?}");
+            // Force and peak fall with the square of the cell at least, the rim's place with the cell; half as much
+            // again for the scatter of few places.
+            if let Some(coarse) = before.replace(averaged) {
+                for (k, factor) in [0.375, 0.375, 0.75].into_iter().enumerate() {
+                    assert!(averaged[k] < factor * coarse[k], "{mesh}: {coarse:?} to {averaged:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_arrays_of_a_weighted_contact_agree_with_its_figures() {
+    let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
+    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).unwrap();
+    let (contact, hertz, approach) = hertz_contact_on(8, 0.25, 200.0, &weighted);
+    let total: f64 = contact.node_force.iter().sum();
+    assert_relative_eq!(contact.resultant.force.norm(), total, max_relative = 1e-4);
+    let largest = contact.pressure.iter().copied().fold(0.0, f64::max);
+    // The largest is between vertices: by no more than a cell's sag of the pressure, p0 h² / 2 a².
+    assert!((0.0..0.5 / 64.0).contains(&(contact.resultant.max_pressure / largest - 1.0)));
+    for (vertex, &pressure) in contact.pressure.iter().enumerate() {
+        assert_eq!(pressure > 0.0, contact.node_force[vertex] > 0.0, "vertex {vertex}");
+    }
+    let of_patches: f64 = contact.patches.iter().map(|patch| patch.resultant.contact_area).sum();
+    assert_relative_eq!(of_patches, contact.resultant.contact_area, max_relative = 1e-12);
+    // Four cells from the rim the vertices' pressures are Hertz's; uncorrected, h² |Δp| / 12 would be 0.26 %, and the
+    // jitter adds as much.
+    let center = contact.deformed.vertices().iter().sum::<Vector3<f64>>() / contact.pressure.len() as f64;
+    let radius = hertz.contact_radius(approach);
+    for (vertex, position) in contact.deformed.vertices().iter().enumerate() {
+        let distance = (position - center).xy().norm();
+        if distance < 0.5 * radius {
+            let error = contact.pressure[vertex] - hertz.pressure(approach, distance);
+            assert!(error.abs() < 5e-3 * hertz.max_pressure(approach), "vertex {vertex}: {error}");
         }
     }
 }

@@ -43,9 +43,9 @@ class Patch:
     center_of_pressure : (3,) float64
         Mean of the deformed positions weighted by node force (m).
     contact_area : float
-        Sum of the vertex areas (m^2).
+        Its contact area (m^2), as in `Contact`.
     max_pressure : float
-        Largest pressure at a vertex (Pa).
+        Its largest pressure (Pa), as in `Contact`.
     """
 
     vertices: NDArray[np.int64]
@@ -57,7 +57,7 @@ class Patch:
 
     @property
     def area(self) -> float:
-        """Sum of the vertex areas (m^2)."""
+        """The contact area (m^2)."""
         return self.contact_area
 
 
@@ -81,6 +81,7 @@ class Accuracy:
         sphere is good to 0.2 %.
     area_resolution : float
         Uncertainty of the contact area from the mesh alone (m^2): half the area of the vertices on its rim.
+        With weighted gaps the rim is found between vertices, and the area is several times as good.
     """
 
     natural_residual: float
@@ -108,15 +109,19 @@ class Contact:
     center_of_pressure : (3,) float64
         Mean of the deformed positions weighted by node force (m); nan without contact.
     contact_area : float
-        Sum of the vertex areas with f > 0 (m^2).
+        Sum of the vertex areas with f > 0 (m^2). With weighted gaps, the area within the rim that the gaps
+        beside it tell, between the vertices.
     max_pressure : float
-        Largest pressure at a vertex (Pa).
+        Largest pressure at a vertex (Pa); with weighted gaps between vertices too, so that it may be above
+        ``pressure.max()``.
     volume_change : float
         Change of the volume enclosed by the skin (m^3), ``sum S_i N_i . u_i`` over the skin, N outward.
     max_penetration_before, max_penetration_after : float
         Deepest penetration of a skin vertex (m), before and, measured anew at the deformed skin, after.
     pressure : (n,) float64
-        Pressure (Pa).
+        Pressure (Pa): `node_force` over vertex area. With weighted gaps that ratio is right in the mean only,
+        and this is the smooth pressure recovered from it; it sums to the force up to the mesh error (some 2 %
+        less at 4 cells per contact radius, 1 % at 8), `node_force` exactly.
     node_force : (n,) float64
         Force along the obstacle's outward normal (N).
     force_vectors : (n, 3) float64

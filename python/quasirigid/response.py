@@ -28,30 +28,31 @@ class HalfSpace:
         meshes and its pressures oscillate, and is here to reproduce that paper.
     gap : {"node", "weighted"}
         How the gap of a node is measured. "node": at the vertex (collocation); no penetration is left at
-        vertices, and the contact area is the better one. "weighted": averaged against hats (Galerkin); the
-        matrix is symmetric positive definite on any surface, slivers and jittered grids too, and the force is
-        right on coarser meshes. Take "weighted" where "node" is found not to be positive definite, or where
-        the force counts and the mesh is coarse.
+        vertices. "weighted": averaged against hats (Galerkin); the matrix is symmetric positive definite on
+        any surface, slivers and jittered grids too, and force, peak pressure and contact area are right on
+        coarser meshes, the last two by recovery between the vertices. Take "weighted" where "node" is found
+        not to be positive definite, or where these figures count and the mesh is coarse.
 
     Notes
     -----
-    A sphere pressed into flat skin, Hertz's parabola, with 4, 8 and 16 square cells per contact radius:
+    A sphere pressed into flat skin, Hertz's parabola, with 4, 8 and 16 square cells per contact radius; the
+    errors are root mean squares over places of the sphere on the mesh (docs/validation.md):
 
     ========================================  ======================  ======================
     error, or what                            "node"                  "weighted"
     ========================================  ======================  ======================
-    force                                     +0.31, +0.14, +0.04 %   -0.07, -0.02, -0.01 %
-    peak pressure                             +0.95, +0.22, +0.05 %   +0.32, +0.30, +0.08 %
-    contact area                              -1.9, +1.5, +0.3 %      -12, -3.8, -1.0 %
+    force                                     0.70, 0.19, 0.05 %      0.16, 0.03, 0.00 %
+    peak pressure                             0.48, 0.13, 0.03 %      0.50, 0.02, 0.00 %
+    contact area                              4.6, 1.8, 0.7 %         1.1, 0.4, 0.1 %
     penetration left at vertices, of depth    0                       1.1, 0.5, 0.3 %
     condition of R                            23, 48, 96              81, 168, 341
     smallest over largest eigenvalue          0.044, 0.021, 0.010     0.012, 0.006, 0.003
     time of a contact                         1                       21, 13, 3
     ========================================  ======================  ======================
 
-    With vertices moved by up to a quarter of a cell the force errs by +0.59, +0.15, +0.06 % ("node") and by
-    0.01 % ("weighted"). Assembly takes 25 to 40 times as long; in large contacts the complementarity problem,
-    which takes the same time in both, outweighs it.
+    With vertices moved by up to a quarter of a cell the errors are much the same. Assembly takes
+    25 to 40 times as long; in large contacts the complementarity problem, which takes the same time in both,
+    outweighs it.
 
     References
     ----------

@@ -21,7 +21,8 @@ pub struct Accuracy {
     /// Mesh cells per equivalent contact radius, `√(area / π) / mean edge length there`; below about 4 force and
     /// area are coarse, at 8 a sphere's force is good to 0.2 %.
     pub cells_per_radius: f64,
-    /// Uncertainty of the contact area from the mesh alone: half the area of the vertices on its rim (m²).
+    /// Uncertainty of the contact area from the mesh alone: half the area of the vertices on its rim (m²). Where gaps
+    /// are weighted the rim is found between vertices, and the area is several times as good.
     pub area_resolution: f64,
 }
 

@@ -196,6 +196,36 @@ impl Equilibrium {
         Ok(())
     }
 
+    /// Gaps (n, m) as solved, measured two rings around the forces where they are no candidates.
+    pub fn gap_around(
+        &self,
+        surface: &Surface,
+        obstacle: &Obstacle,
+        compliance: &Compliance,
+        gaps: &mut InitialGaps,
+    ) -> Result<Vec<f64>, ContactError> {
+        let active = self.active();
+        let mut beside = surface.k_ring(&active, 2);
+        beside.retain(|vertex| self.candidates.binary_search(vertex).is_err());
+        gaps.complete(surface.vertices(), obstacle, &beside)?;
+        let moved =
+            compliance.displacement(&self.fingers, &beside, &active, &self.node_force, &gaps.normal)?;
+        let mut gap = self.gap.clone();
+        for (&vertex, rise) in beside.iter().zip(moved.along_normal) {
+            gap[vertex] = gaps.distance[vertex] + rise.expect("only kernels average the gap");
+        }
+        Ok(gap)
+    }
+
+    /// Which vertices (n) carry force or have a closed gap.
+    pub fn touching(&self) -> Vec<bool> {
+        let mut touches = vec![false; self.gap.len()];
+        for &vertex in &self.candidates {
+            touches[vertex] = self.node_force[vertex] > 0.0 || self.gap[vertex] <= 0.0;
+        }
+        touches
+    }
+
     /// Vertices with f > 0, ascending.
     pub fn active(&self) -> Vec<usize> {
         self.candidates.iter().copied().filter(|&vertex| self.node_force[vertex] > 0.0).collect()

@@ -37,9 +37,10 @@ pub struct Resultant {
     pub moment: Vector3<f64>,
     /// Mean of the deformed positions weighted by node force (m); NaN without force.
     pub center_of_pressure: Vector3<f64>,
-    /// Sum of the vertex areas with f > 0 (m²).
+    /// Sum of the vertex areas with f > 0; where gaps are weighted, the area within the rim that the gaps beside it
+    /// tell, between the vertices (m²).
     pub contact_area: f64,
-    /// Largest pressure at a vertex (Pa).
+    /// Largest pressure at a vertex; where gaps are weighted, between vertices too (Pa).
     pub max_pressure: f64,
 }
 
@@ -83,7 +84,9 @@ pub struct Contact {
     pub max_penetration_before: f64,
     /// Deepest penetration of a skin vertex after, measured anew at the deformed skin (m, ≥ 0).
     pub max_penetration_after: f64,
-    /// Pressure (n, Pa).
+    /// Pressure (n, Pa): `f_i / S_i`, with S_i a third of the area of the triangles around the vertex. Where gaps are
+    /// weighted that is right in the mean only, and this is the smooth pressure recovered from it: its sum over
+    /// S_i is the force up to the mesh error, below it as the rim's cells count in part.
     pub pressure: Vec<f64>,
     /// Node force along the obstacle's outward normal (n, N).
     pub node_force: Vec<f64>,

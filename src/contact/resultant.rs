@@ -1,7 +1,8 @@
 //! Pressures, forces, moments and areas of solved node forces.
 
+use super::recovered_pressure::{VertexPressure, recover_pressure};
 use super::{Patch, Resultant};
-use crate::response::Pressure;
+use crate::response::{ElasticSkin, Gap, Pressure};
 use crate::surface::Surface;
 use nalgebra::Vector3;
 
@@ -19,22 +20,26 @@ impl Resultant {
     }
 }
 
-/// Pressure per vertex (n, Pa).
+/// Pressure per vertex.
 ///
-/// With the linear basis `p_i = f_i / S_i`. With the one-ring basis the pressure is constant on each triangle,
-/// `p_t = Σ_{j in t} f_j / (3 S_j)`, and averaged to the vertices by area.
+/// With the linear basis `p_i = f_i / S_i`, from which the weighted form recovers a smooth pressure. With the one-ring
+/// basis the pressure is constant on each triangle, `p_t = Σ_{j in t} f_j / (3 S_j)`, and averaged to the vertices by
+/// area.
 pub(super) fn node_pressure(
     surface: &Surface,
-    spread: Pressure,
+    skin: &dyn ElasticSkin,
     node_force: &[f64],
     active: &[usize],
-) -> Vec<f64> {
+) -> VertexPressure {
     let areas = surface.vertex_areas();
     let mut pressure = vec![0.0; node_force.len()];
-    match spread {
+    match skin.pressure() {
         Pressure::Linear => {
             for (pressure, (force, area)) in pressure.iter_mut().zip(node_force.iter().zip(areas)) {
                 *pressure = force / area;
+            }
+            if skin.gap() == Gap::Weighted {
+                return recover_pressure(surface, pressure, active);
             }
         }
         Pressure::OneRing => {
@@ -55,21 +60,22 @@ pub(super) fn node_pressure(
             pressure.iter_mut().zip(unknown).filter(|(_, unknown)| *unknown).for_each(|(p, _)| *p = f64::NAN);
         }
     }
-    pressure
+    VertexPressure { peak: pressure.clone(), at_vertices: pressure }
 }
 
-/// Force, moment, centre, area and peak pressure of `nodes`; arrays are per vertex, `deformed` their positions.
+/// Force, moment, centre, area and peak pressure of `nodes`; arrays are per vertex, `areas` the contact's share of
+/// each, `deformed` their positions.
 pub(super) fn resultant(
     nodes: &[usize],
     node_force: &[f64],
-    pressure: &[f64],
+    pressure: &VertexPressure,
     normals: &[Vector3<f64>],
     areas: &[f64],
     deformed: &[Vector3<f64>],
 ) -> Resultant {
     let (mut force, mut moment, mut weighted) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
     let (mut total, mut area) = (0.0, 0.0);
-    let mut max_pressure = 0.0_f64;
+    let (mut highest, mut max_pressure) = (0.0, 0.0);
     for &vertex in nodes {
         let (f, position) = (node_force[vertex], deformed[vertex]);
         let load = f * normals[vertex];
@@ -78,7 +84,9 @@ pub(super) fn resultant(
         weighted += f * position;
         total += f;
         area += areas[vertex];
-        max_pressure = max_pressure.max(pressure[vertex]);
+        if pressure.at_vertices[vertex] > highest {
+            (highest, max_pressure) = (pressure.at_vertices[vertex], pressure.peak[vertex]);
+        }
     }
     Resultant { force, moment, center_of_pressure: weighted / total, contact_area: area, max_pressure }
 }

@@ -6,6 +6,7 @@ use super::equilibrium::{self, Equilibrium};
 use super::gaps::InitialGaps;
 use super::notes::{leave_out, note_offsets, note_search, note_solve, note_way_back};
 use super::resultant::{node_pressure, patches, resultant};
+use super::rim::contact_areas;
 use super::thin_walls::{Travel, WayBack, measure_way_back};
 use super::warnings::{penetration_warning, size_warning, thin_wall_warning};
 use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, Timing};
@@ -152,10 +153,16 @@ pub(super) fn solve_in_place(
         _ => max_penetration_before,
     };
     let active = solved.active();
-    let pressure = node_pressure(surface, skin.pressure(), &solved.node_force, &active);
+    let pressure = node_pressure(surface, skin, &solved.node_force, &active);
+    let areas = match (status, skin.gap()) {
+        (ContactStatus::Solved, Gap::Weighted) => {
+            let gap = solved.gap_around(surface, &place.obstacle, &compliance, &mut gaps)?;
+            contact_areas(surface, &gap, &solved.touching(), &active)
+        }
+        _ => surface.vertex_areas().to_vec(),
+    };
     let resultant_of = |nodes: &[usize]| {
-        let areas = surface.vertex_areas();
-        resultant(nodes, &solved.node_force, &pressure, &gaps.normal, areas, deformed.vertices())
+        resultant(nodes, &solved.node_force, &pressure, &gaps.normal, &areas, deformed.vertices())
     };
     let total = match status {
         ContactStatus::Failed(_) => super::Resultant::unknown(),
@@ -184,7 +191,7 @@ pub(super) fn solve_in_place(
         volume_change: moved.volume_change,
         max_penetration_before,
         max_penetration_after,
-        pressure,
+        pressure: pressure.at_vertices,
         force_vectors: along_normals(&solved.node_force, &gaps.normal),
         node_force: solved.node_force,
         gap: solved.gap,

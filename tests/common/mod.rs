@@ -61,6 +61,16 @@ pub fn try_read_ply(path: &Path) -> Result<Mesh, String> {
     Ok((vertices, faces))
 }
 
+/// Flat open grid of `count`² unit squares, all cut by the diagonal from low to high; one corner at the origin.
+pub fn one_diagonal_grid(count: usize) -> Mesh {
+    let side = count + 1;
+    let vertices =
+        (0..side * side).map(|k| Vector3::new((k % side) as f64, (k / side) as f64, 0.0)).collect();
+    let corners = (0..side * count).filter(|k| k % side < count);
+    let faces = corners.flat_map(|k| [[k, k + 1, k + side + 1], [k, k + side + 1, k + side]]);
+    (vertices, faces.map(|face| face.map(|v| v as u32)).collect())
+}
+
 /// Flat open grid of `nx` × `ny` cells in the plane z = 0, normals up, one corner at the origin.
 ///
 /// Vertex (i, j) is `i + j (nx + 1)`; the diagonals alternate.

@@ -1,0 +1,189 @@
+//! The contact area of the weighted form: the rim is found between the vertices.
+
+use crate::surface::Surface;
+
+/// Contact area at each vertex (n, m²) up to the rim, from the gaps beside it; zero without force.
+///
+/// Outside a smooth contact the gap grows as the 3/2 power of the distance s from its rim (Johnson 1985, sections 4.2
+/// and 5.1). So `g^(2/3) / |∇ g^(2/3)|`, from the triangles around a free vertex that are free too, is its distance
+/// from the rim whatever the skin, and that distance is continued with slope one to the touching vertices of the
+/// triangles that the rim cuts. The area of a triangle within the rim is shared by its vertices that carry force.
+/// Beside a rim that is not smooth the area stays between that of the triangles whose corners all touch and that of
+/// all triangles around the force.
+///
+/// * `gap`: (n, m), read around the contact up to two rings
+/// * `touches`: (n,) vertices that carry force or whose gap is closed
+/// * `active`: vertices with f > 0
+pub(super) fn contact_areas(surface: &Surface, gap: &[f64], touches: &[bool], active: &[usize]) -> Vec<f64> {
+    let mut carries_force = vec![false; gap.len()];
+    active.iter().for_each(|&vertex| carries_force[vertex] = true);
+    // How far inside the rim (m), negative outside.
+    let mut depth = vec![0.0; gap.len()];
+    let around = surface.k_ring(active, 1);
+    for &vertex in around.iter().filter(|&&vertex| !touches[vertex]) {
+        depth[vertex] = -distance_outside(surface, gap, touches, vertex);
+    }
+    for &vertex in around.iter().filter(|&&vertex| touches[vertex]) {
+        depth[vertex] = depth_inside(surface, touches, &depth, vertex);
+    }
+    let mut areas = vec![0.0; gap.len()];
+    let mut faces: Vec<u32> =
+        active.iter().flat_map(|&vertex| surface.faces_around(vertex)).copied().collect();
+    faces.sort_unstable();
+    faces.dedup();
+    for face in faces {
+        let corners = surface.faces()[face as usize].map(|corner| corner as usize);
+        let loaded = corners.iter().filter(|&&corner| carries_force[corner]).count() as f64;
+        let within = share_within(corners.map(|corner| (touches[corner], depth[corner].abs())));
+        for &corner in corners.iter().filter(|&&corner| carries_force[corner]) {
+            areas[corner] += surface.face_areas()[face as usize] * within / loaded;
+        }
+    }
+    areas
+}
+
+/// Distance of a free vertex from the rim (m); half the way to the closest touching neighbour where no triangle tells.
+fn distance_outside(surface: &Surface, gap: &[f64], touches: &[bool], vertex: usize) -> f64 {
+    let root = |vertex: u32| gap[vertex as usize].max(0.0).powf(2.0 / 3.0);
+    let (mut slope, mut area) = (0.0, 0.0);
+    for &face in surface.faces_around(vertex) {
+        let corners = surface.faces()[face as usize];
+        if corners.iter().any(|&corner| touches[corner as usize]) {
+            continue;
+        }
+        let [a, b, c] = corners.map(|corner| surface.vertices()[corner as usize]);
+        let [at_a, at_b, at_c] = corners.map(root);
+        // area times |∇|
+        slope += 0.5 * (at_a * (c - b) + at_b * (a - c) + at_c * (b - a)).norm();
+        area += surface.face_areas()[face as usize];
+    }
+    let distance = root(vertex as u32) * area / slope;
+    if distance.is_finite() {
+        return distance;
+    }
+    let position = surface.vertices()[vertex];
+    let touching = surface.neighbours(vertex).iter().filter(|&&other| touches[other as usize]);
+    0.5 * touching
+        .map(|&other| (surface.vertices()[other as usize] - position).norm())
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// How far a touching vertex lies inside the rim (m, ≥ 0), from the free vertices beside it; 0 where there are none.
+fn depth_inside(surface: &Surface, touches: &[bool], depth: &[f64], vertex: usize) -> f64 {
+    let own = surface.vertices()[vertex];
+    let (mut sum, mut weight, mut bound) = (0.0, 0.0, f64::INFINITY);
+    for &face in surface.faces_around(vertex) {
+        let free = |corner: &u32| !touches[*corner as usize];
+        let place = |corner: u32| surface.vertices()[corner as usize] - own;
+        let mut free = surface.faces()[face as usize].into_iter().filter(free);
+        match (free.next(), free.next()) {
+            // The plane of slope one through the depths of both free corners.
+            (Some(a), Some(b)) => {
+                let area = surface.face_areas()[face as usize];
+                let edge = place(b) - place(a);
+                let length = edge.norm();
+                let rise = ((depth[b as usize] - depth[a as usize]) / length).clamp(-1.0, 1.0);
+                let (along, across) = (-place(a).dot(&edge) / length, 2.0 * area / length);
+                sum += area * (depth[a as usize] + rise * along + (1.0 - rise * rise).sqrt() * across);
+                weight += area;
+            }
+            (Some(a), None) => bound = bound.min(depth[a as usize] + place(a).norm()),
+            _ => {}
+        }
+    }
+    let depth = if weight > 0.0 { sum / weight } else { bound };
+    if depth.is_finite() { depth.max(0.0) } else { 0.0 }
+}
+
+/// Share of a triangle within the rim, by whether its corners touch and their distances from the rim (m).
+fn share_within(corners: [(bool, f64); 3]) -> f64 {
+    let touching = corners.iter().filter(|(touches, _)| *touches).count();
+    // The corner that is alone on its side cuts off a triangle.
+    let cut_off = |alone: bool| {
+        let own = corners.iter().find(|(touches, _)| *touches == alone).expect("one is alone").1;
+        let others = corners.iter().filter(|(touches, _)| *touches != alone);
+        others.map(|(_, other)| if own + other > 0.0 { own / (own + other) } else { 0.5 }).product::<f64>()
+    };
+    match touching {
+        0 => 0.0,
+        1 => cut_off(true),
+        2 => 1.0 - cut_off(false),
+        _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::contact_areas;
+    use crate::surface::Surface;
+    use approx::assert_relative_eq;
+    use nalgebra::Vector3;
+    use std::f64::consts::PI;
+
+    /// Squares of edge 1 with one diagonal, about the origin.
+    fn squares(half: i32) -> Surface {
+        let side = (2 * half + 1) as u32;
+        let place = |k: u32| {
+            Vector3::new(f64::from(k % side) - f64::from(half), f64::from(k / side) - f64::from(half), 0.0)
+        };
+        let corners = (0..side * (side - 1)).filter(|k| k % side + 1 < side);
+        let cell = |k: u32| [[k, k + 1, k + side + 1], [k, k + side + 1, k + side]];
+        Surface::new((0..side * side).map(place).collect(), corners.flat_map(cell).collect()).unwrap()
+    }
+
+    /// The area found for a rim at distance 0 of `outside`, with a gap of `stiffness` times its 3/2 power.
+    fn area(surface: &Surface, stiffness: f64, outside: impl Fn(&Vector3<f64>) -> f64) -> f64 {
+        let distance: Vec<f64> = surface.vertices().iter().map(outside).collect();
+        let gap: Vec<f64> = distance.iter().map(|s| stiffness * s.max(0.0).powf(1.5)).collect();
+        let touches: Vec<bool> = distance.iter().map(|&s| s <= 0.0).collect();
+        let active: Vec<usize> = (0..gap.len()).filter(|&vertex| distance[vertex] < 0.0).collect();
+        contact_areas(surface, &gap, &touches, &active).iter().sum()
+    }
+
+    #[test]
+    fn a_straight_rim_is_found_wherever_it_passes() {
+        let surface = squares(6);
+        for (angle, shift) in [(0.0, 0.37), (0.2, -0.61), (0.0, 0.999), (0.4, 0.25)] {
+            let (sin, cos) = f64::sin_cos(angle);
+            // The half of the square, 12 wide, on one side of x cos + y sin = shift, which leaves by top and bottom.
+            let expected = 12.0 * (6.0 + shift / cos);
+            let found = area(&surface, 3e-4, |p| p.x * cos + p.y * sin - shift);
+            assert_relative_eq!(found, expected, max_relative = 1e-2);
+        }
+        let level = area(&surface, 3e-4, |p| p.x - 0.37);
+        assert_relative_eq!(level, 12.0 * 6.37, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn the_area_of_a_disc_is_right_to_the_square_of_the_cell_anywhere_on_the_mesh() {
+        for cells in [4, 8, 16] {
+            let (radius, surface) = (f64::from(cells), squares(cells + 3));
+            for k in 0..10 {
+                let center = Vector3::new(0.1 * f64::from(k) - 0.43, 0.07 * f64::from(k * k % 11) - 0.3, 0.0);
+                let found = area(&surface, 1.0, |p| (p - center).norm() - radius);
+                // Chords as long as the diagonal √2 cut off 1 / 3 radius² of the disc, the slopes' curvature as much.
+                let error = found / (PI * radius * radius) - 1.0;
+                assert!(error.abs() < 2.0 / (3.0 * radius * radius), "{cells} cells, place {k}: {error:.2e}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_smooth_rim_the_area_stays_between_the_touching_triangles_and_those_around_them() {
+        let surface = squares(3);
+        // One vertex under force; beside it the gap jumps, or is closed all around.
+        let center = surface.vertices().iter().position(|p| p.norm() == 0.0).unwrap();
+        let touches: Vec<bool> = (0..49).map(|vertex| vertex == center).collect();
+        let around: f64 =
+            surface.faces_around(center).iter().map(|&face| surface.face_areas()[face as usize]).sum();
+        let found = |gap: &[f64], touches: &[bool]| -> f64 {
+            contact_areas(&surface, gap, touches, &[center]).iter().sum()
+        };
+        let jump: Vec<f64> = (0..49).map(|vertex| if vertex == center { 0.0 } else { 1.0 }).collect();
+        for gap in [&jump, &vec![0.0; 49]] {
+            let area = found(gap, &touches);
+            assert!(0.0 < area && area < around, "{area} of {around}");
+        }
+        assert_relative_eq!(found(&jump, &[true; 49]), around, max_relative = 1e-12);
+    }
+}
