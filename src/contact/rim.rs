@@ -2,7 +2,7 @@
 
 use crate::surface::Surface;
 
-/// Contact area at each vertex (n, m²) up to the rim, from the gaps beside it; zero without force.
+/// Contact area at each vertex (n, m²) up to the rim, from the gaps beside it; zero without force, never with it.
 ///
 /// Outside a smooth contact the gap grows as the 3/2 power of the distance s from its rim (Johnson 1985, sections 4.2
 /// and 5.1). So `g^(2/3) / |∇ g^(2/3)|`, from the triangles around a free vertex that are free too, is its distance
@@ -37,6 +37,12 @@ pub(super) fn contact_areas(surface: &Surface, gap: &[f64], touches: &[bool], ac
         let within = share_within(corners.map(|corner| (touches[corner], depth[corner].abs())));
         for &corner in corners.iter().filter(|&&corner| carries_force[corner]) {
             areas[corner] += surface.face_areas()[face as usize] * within / loaded;
+        }
+    }
+    // Of a vertex alone under a steep rim nothing may be left: it counts as with gaps at vertices.
+    for &vertex in active {
+        if areas[vertex] == 0.0 {
+            areas[vertex] = surface.vertex_areas()[vertex];
         }
     }
     areas
@@ -184,6 +190,9 @@ mod tests {
             let area = found(gap, &touches);
             assert!(0.0 < area && area < around, "{area} of {around}");
         }
+        // A gap that hardly grows puts the rim beyond the vertex: its vertex area, a third of the triangles, is left.
+        let level: Vec<f64> = surface.vertices().iter().map(|p| 1.0 + 1e-6 * p.x).collect();
+        assert_relative_eq!(found(&level, &touches), around / 3.0, max_relative = 1e-12);
         assert_relative_eq!(found(&jump, &[true; 49]), around, max_relative = 1e-12);
     }
 }
