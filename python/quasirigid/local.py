@@ -186,7 +186,8 @@ def local_response_matrix(
     threshold : float
         Largest error of a product relative to ``|R| |f|``, from 1e-10 to 0.1.
     tolerance : float, optional
-        Relative tolerance of single entries as in `response_matrix`; None means a tenth of the threshold.
+        Relative tolerance of single entries as in `response_matrix`; None means a tenth of the threshold,
+        and half of it for entries that a cutoff cuts.
     num_threads : int, optional
         Threads; None for all. The matrix is equal to the bit for any number.
     memory_limit : int, optional
@@ -208,8 +209,8 @@ def local_response_matrix(
     Nodes on different fingers are not coupled, however close: where the way along the skin is more than
     twice the straight line. `response_matrix` does not look at this.
 
-    The Gaussian jumps at its cutoff, which no few vectors can tell: its cost and memory grow faster than
-    the layer's.
+    The Gaussian jumps at its cutoff, which no few vectors can tell: entries there are stored one by one, so
+    on fine meshes it takes more memory than the layer.
 
     Examples
     --------

@@ -69,7 +69,7 @@ impl Corrected {
     }
 
     /// One face's share of the displacement at x, in closed form.
-    fn exact(&self, face: &LoadedFace, x: &Vector3<f64>) -> f64 {
+    pub(crate) fn exact(&self, face: &LoadedFace, x: &Vector3<f64>) -> f64 {
         let distance = (x - face.center).norm();
         if distance - face.radius >= self.cutoff {
             return 0.0;

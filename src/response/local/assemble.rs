@@ -2,12 +2,14 @@
 
 use super::super::assemble::Columns;
 use super::super::column::Scratch;
+use super::super::corrected::Corrected;
 use super::super::error::ResponseError;
 use super::super::options::{AssemblyOptions, check_request};
 use super::super::parallel::map_in_order;
 use super::super::skin::{Response, Skin};
 use super::clusters::ClusterTree;
 use super::cross::{Allowance, cross_approximation};
+use super::cut_load::CutLoads;
 use super::far::FarField;
 use super::matrix::{Block, LocalMatrix, Values};
 use super::norm::norm_over_reach;
@@ -17,8 +19,8 @@ use crate::surface::{SkinRegions, Surface};
 
 /// Regions of the skin have this share of the reach as their radius.
 const REGION: f64 = 1.0 / 6.0;
-/// Most nodes of a leaf where the kernel jumps.
-const JUMP_LEAF: usize = 8;
+/// Loads that extend no farther around their nodes than this share of the cutoff are cut within its tolerance.
+const CUT: f64 = 1.0 / 6.0;
 /// Shares of the threshold that the far blocks may err by, of their own norm and of the whole matrix's.
 const RELATIVE: f64 = 0.25;
 const EACH: f64 = 0.25;
@@ -31,8 +33,9 @@ const TOGETHER: usize = 32;
 ///
 /// Nodes are sorted into a tree of clusters. Blocks beyond the kernel's reach are left out; blocks whose clusters are
 /// far from each other against their size are stored as sums of a few products of vectors; the others entry by entry.
-/// For a layer, cost and memory grow in proportion to the nodes, but for a logarithm, where the mesh is refined. The
-/// Gaussian jumps at its cutoff, and entries there are stored one by one: they grow with the 1.5th power. Where a layer's
+/// Cost and memory grow in proportion to the nodes, but for a logarithm, where the mesh is refined. The Gaussian jumps
+/// at its cutoff: what it cuts is stored entry by entry, some `4 π L h / S` for each node (cutoff L, edges h, vertex
+/// areas S). That grows with the 1.5th power, but is less than a fifth of the cost at 200,000 nodes. Where a layer's
 /// thickness jumps by more than a factor of 2 from node to node all over the skin, all entries within the reach of the
 /// thickest node are; this reach, of the largest thickness, is also that of the regions by which fingers are told apart.
 ///
@@ -66,14 +69,16 @@ pub fn assemble_local(
         return Ok(matrix);
     }
     let load_radius: Vec<f64> = nodes.iter().map(|&vertex| longest_edge(surface, vertex)).collect();
+    let points = POINTS * options.threshold;
+    let cut_loads = cut_loads_of(skin, &load_radius, options.tolerance.unwrap_or(points).min(points));
     let regions = SkinRegions::new(surface, REGION * reach);
     let pairs = regions.pairs_within(surface, reach + load_radius.iter().copied().fold(0.0, f64::max));
     let density = norm_over_reach(skin, reach);
-    let (jump, leaf) = match skin.response {
-        Response::GaussianCorrected { cutoff, .. } => (Some(cutoff), JUMP_LEAF),
-        _ => (None, PANEL),
+    let jump = match skin.response {
+        Response::GaussianCorrected { cutoff, .. } => Some(cutoff),
+        _ => None,
     };
-    let tree = ClusterTree::new(surface, nodes, &regions, leaf);
+    let tree = ClusterTree::new(surface, nodes, &regions, PANEL);
     let of_node: Vec<f64> = match &skin.response {
         Response::Layer { thickness, .. } => {
             nodes.iter().map(|&vertex| reach * thickness.at(vertex) / thickness.largest()).collect()
@@ -81,34 +86,46 @@ pub fn assemble_local(
         _ => vec![reach; nodes.len()],
     };
     let (reach, least_reach) = (tree.largest(&of_node), tree.smallest(&of_node));
+    let radius_at: Vec<f64> = tree.order.iter().map(|&node| load_radius[node as usize]).collect();
     let load_radius = tree.largest(&load_radius);
+    let largest_cut = cut_loads.as_ref().map_or(0.0, |cut_loads| cut_loads.largest_load());
     let is_whole = tree.whole(&pairs.sharing);
-    let plan = Plan { tree: &tree, pairs: &pairs, is_whole, reach, least_reach, load_radius, jump };
+    let plan =
+        Plan { tree: &tree, pairs: &pairs, is_whole, reach, least_reach, load_radius, jump, largest_cut };
     let blocks = plan.blocks();
     let vertices: Vec<usize> = tree.order.iter().map(|&node| nodes[node as usize]).collect();
     let region: Vec<u32> = vertices.iter().map(|&vertex| regions.of(vertex) as u32).collect();
-    let far = FarField::new(surface, skin, vertices, POINTS * options.threshold)?;
+    let far = FarField::new(surface, skin, vertices, points)?;
     let work = Work {
         plan: &plan,
         far: &far,
         surface,
         skin,
         region: &region,
+        load_radius: &radius_at,
         entries: &entries,
         threshold: options.threshold,
         density,
         median_reach: median(of_node),
     };
-    // Dense blocks over the same columns are computed together, as they share the loads.
-    let mut dense = blocks.dense;
-    dense.sort_unstable_by_key(|place| (place.columns, place.rows));
-    let panels: Vec<&[Place]> = dense.chunk_by(|a, b| a.columns == b.columns).collect();
-    let strips: Vec<&[Place]> = blocks.far.chunks(TOGETHER).collect();
-    let compute = |i: usize| match i.checked_sub(panels.len()) {
-        None => work.dense(panels[i]),
-        Some(strip) => Ok(strips[strip].iter().filter_map(|&place| work.far(place)).collect()),
+    // Blocks with entries by themselves are computed together over the same columns, as they share the loads.
+    let (mut dense, mut across) = (blocks.dense, blocks.across);
+    let by_columns =
+        |places: &mut Vec<Place>| places.sort_unstable_by_key(|place| (place.columns, place.rows));
+    by_columns(&mut dense);
+    by_columns(&mut across);
+    let panels = dense.chunk_by(|a, b| a.columns == b.columns).map(Piece::Dense);
+    let steps = across.chunk_by(|a, b| a.columns == b.columns).map(Piece::Across);
+    let strips = blocks.far.chunks(TOGETHER).map(Piece::Far);
+    let pieces: Vec<Piece> = panels.chain(steps).chain(strips).collect();
+    let compute = |i: usize| match pieces[i] {
+        Piece::Dense(places) => work.dense(places),
+        Piece::Across(places) => {
+            Ok(cut_loads.iter().flat_map(|cut_loads| work.across(cut_loads, places)).collect())
+        }
+        Piece::Far(places) => Ok(places.iter().filter_map(|&place| work.far(place)).collect()),
     };
-    map_in_order(panels.len() + strips.len(), &entries, compute, |found| {
+    map_in_order(pieces.len(), &entries, compute, |found| {
         matrix.extend(found);
         let bytes = matrix.bytes();
         match options.memory_limit {
@@ -120,14 +137,31 @@ pub fn assemble_local(
     Ok(matrix)
 }
 
+/// Blocks that are computed in one go.
+enum Piece<'a> {
+    Dense(&'a [Place]),
+    Across(&'a [Place]),
+    Far(&'a [Place]),
+}
+
+/// The cut loads of a kernel with a cutoff, unless they are large or the kernel is steep.
+fn cut_loads_of(skin: &Skin, load_radius: &[f64], tolerance: f64) -> Option<CutLoads> {
+    let Response::GaussianCorrected { height, width, cutoff, .. } = skin.response else { return None };
+    let kernel = Corrected { constant: skin.kernel_constant(), height, width, cutoff };
+    let fitting = load_radius.iter().copied().filter(|radius| *radius <= CUT * cutoff);
+    CutLoads::new(kernel, fitting.fold(0.0, f64::max), tolerance)
+}
+
 /// What the blocks of one matrix share.
-struct Work<'a> {
-    plan: &'a Plan<'a>,
-    far: &'a FarField<'a>,
-    surface: &'a Surface,
-    skin: &'a Skin,
+pub(super) struct Work<'a> {
+    pub(super) plan: &'a Plan<'a>,
+    pub(super) far: &'a FarField<'a>,
+    pub(super) surface: &'a Surface,
+    pub(super) skin: &'a Skin,
     /// Region of the skin at each place.
     region: &'a [u32],
+    /// How far the load extends around the node at each place (m).
+    pub(super) load_radius: &'a [f64],
     entries: &'a AssemblyOptions<'a>,
     threshold: f64,
     /// See [`norm_over_reach`].
@@ -139,6 +173,11 @@ struct Work<'a> {
 impl Work<'_> {
     /// A block of low rank, or of all its entries where that is smaller; `None` where it is below the threshold.
     fn far(&self, place: Place) -> Option<Block> {
+        self.smooth(place).map(|values| Block { place, values })
+    }
+
+    /// The entries of a block of the kernel without its cutoff.
+    pub(super) fn smooth(&self, place: Place) -> Option<Values> {
         let [rows, columns] = [place.rows, place.columns].map(|cluster| &self.plan.tree.clusters[cluster]);
         let clearance = self.plan.clearance(place);
         let load_radius = self.plan.load_radius[place.columns];
@@ -151,12 +190,11 @@ impl Work<'_> {
         let allowance = Allowance { relative: RELATIVE * self.threshold, each };
         let looks = self.far.looks(rows.nodes.clone(), &columns.center());
         let shape = (rows.nodes.len(), columns.nodes.len());
-        let values = match cross_approximation(&mut entries, shape, &looks, allowance) {
-            Some(low_rank) if low_rank.rank == 0 => return None,
-            Some(low_rank) => Values::LowRank(low_rank),
-            None => Values::Dense(entries.dense()),
-        };
-        Some(Block { place, values })
+        match cross_approximation(&mut entries, shape, &looks, allowance) {
+            Some(low_rank) if low_rank.rank == 0 => None,
+            Some(low_rank) => Some(Values::LowRank(low_rank)),
+            None => Some(Values::Dense(entries.dense())),
+        }
     }
 
     /// Dense blocks over the same columns.

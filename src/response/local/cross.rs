@@ -21,7 +21,7 @@ pub(super) struct Allowance {
 }
 
 /// `left · rightᵀ`, both column by column.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct LowRank {
     pub(super) rank: usize,
     pub(super) left: Vec<f64>,
@@ -101,6 +101,11 @@ pub(super) fn cross_approximation(
 }
 
 impl LowRank {
+    /// Entry (i, j) of a block of m rows and n columns.
+    pub(super) fn at(&self, i: usize, j: usize, m: usize, n: usize) -> f64 {
+        (0..self.rank).map(|k| self.left[k * m + i] * self.right[k * n + j]).sum()
+    }
+
     /// The shortest sum within `allowed` of this one in the Frobenius norm: singular values of the small core between
     /// orthonormal bases.
     fn recompressed(self, shape: (usize, usize), allowed: f64) -> Self {

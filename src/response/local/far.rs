@@ -1,6 +1,8 @@
 //! Entries of blocks whose loads are away from their nodes: the load of a node as a few point forces.
 
 use super::super::border::displacement_point;
+use super::super::elementary::exp_negative;
+use super::super::lanes::Lanes;
 use super::super::layer::LayerKernel;
 use super::super::rule::triangle_rule;
 use super::super::skin::{Response, Skin};
@@ -84,6 +86,11 @@ impl<'a> FarField<'a> {
         self.vertices[place]
     }
 
+    /// Point of the node at a place (m).
+    pub(super) fn point(&self, place: usize) -> Vector3<f64> {
+        Vector3::new(self.at[0][place], self.at[1][place], self.at[2][place])
+    }
+
     /// Rows of a block that tell of the others, counted from the first: the one that loads around `point` move most,
     /// some spread over the places, and some from the thickest to thinner ones where the thickness varies.
     pub(super) fn looks(&self, rows: Range<usize>, point: &Vector3<f64>) -> Vec<usize> {
@@ -93,8 +100,7 @@ impl<'a> FarField<'a> {
         };
         let thicknesses_away = |i: usize| {
             let place = rows.start + i;
-            let at = Vector3::new(self.at[0][place], self.at[1][place], self.at[2][place]);
-            at.metric_distance(point) * inverse(i)
+            self.point(place).metric_distance(point) * inverse(i)
         };
         let count = rows.len();
         let first = (0..count).min_by(|&a, &b| thicknesses_away(a).total_cmp(&thicknesses_away(b)));
@@ -301,15 +307,15 @@ impl WithSimd for Add<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { kernel, constant, place, first, points, values } = self;
         let Points { point, others, shares } = points;
-        let mut distance = [0.0; STRIP];
+        let mut strip_of_distances = [1.0; STRIP];
         for start in (0..values.len()).step_by(STRIP) {
             let strip = start..values.len().min(start + STRIP);
             let values = &mut values[strip.clone()];
             let [x, y, z] = others.map(|list| &list[strip.clone()]);
-            let distance = &mut distance[..values.len()];
+            let distance = &mut strip_of_distances[..values.len()];
             for i in 0..distance.len() {
                 let (dx, dy, dz) = (x[i] - point[0], y[i] - point[1], z[i] - point[2]);
                 distance[i] = (dx * dx + dy * dy + dz * dz).sqrt();
@@ -326,19 +332,23 @@ impl WithSimd for Add<'_> {
                     distance.iter_mut().for_each(|r| *r *= constant);
                 }
                 Kernel::Gaussian { height, width } => {
-                    let falloff = -0.5 / (width * width);
-                    for r in distance.iter_mut() {
-                        *r = constant / *r - height * (*r * *r * falloff).exp();
+                    let falloff = Lanes::splat(simd, -0.5 / (width * width));
+                    for i in (0..distance.len()).step_by(S::F64_LANES) {
+                        let r = Lanes::load(simd, &strip_of_distances, i);
+                        let gaussian = exp_negative(r * r * falloff);
+                        let value = r.all(constant) / r - r.all(*height) * gaussian;
+                        value.store(&mut strip_of_distances, i);
                     }
                 }
             }
+            let distance = &strip_of_distances[..values.len()];
             match shares {
                 Shares::Each(shares) => {
                     let shares = &shares[strip.clone()];
-                    values.iter_mut().zip(&*distance).zip(shares).for_each(|((v, u), s)| *v += s * u);
+                    values.iter_mut().zip(distance).zip(shares).for_each(|((v, u), s)| *v += s * u);
                 }
                 Shares::Same(share) => {
-                    values.iter_mut().zip(&*distance).for_each(|(v, u)| *v += share * u);
+                    values.iter_mut().zip(distance).for_each(|(v, u)| *v += share * u);
                 }
             }
         }

@@ -4,6 +4,7 @@ use super::super::skin::Skin;
 use super::clusters::{Cluster, ClusterTree};
 use super::cross::LowRank;
 use super::plan::Place;
+use super::step::Step;
 use faer::Mat;
 use std::collections::BTreeMap;
 
@@ -19,6 +20,8 @@ pub struct LocalMatrix {
     pub(super) by_rows: Index,
     pub(super) by_columns: Index,
     entries: usize,
+    /// Memory of the values and their places (bytes).
+    value_bytes: usize,
 }
 
 /// Entries between two clusters.
@@ -33,6 +36,8 @@ pub(super) enum Values {
     /// Column by column.
     Dense(Vec<f64>),
     LowRank(LowRank),
+    /// Across a cutoff.
+    Step(Box<Step>),
 }
 
 impl Values {
@@ -40,6 +45,24 @@ impl Values {
         match self {
             Self::Dense(values) => values.len(),
             Self::LowRank(product) => product.left.len() + product.right.len(),
+            Self::Step(step) => step.entries(),
+        }
+    }
+
+    /// Memory beside that of the stored values (bytes).
+    fn other_bytes(&self) -> usize {
+        match self {
+            Self::Step(step) => step.other_bytes(),
+            _ => 0,
+        }
+    }
+
+    /// Entry (i, j) of a block of m rows and n columns.
+    pub(super) fn at(&self, i: usize, j: usize, m: usize, n: usize) -> f64 {
+        match self {
+            Self::Dense(values) => values[j * m + i],
+            Self::LowRank(product) => product.at(i, j, m, n),
+            Self::Step(step) => step.at(i, j),
         }
     }
 }
@@ -74,11 +97,14 @@ impl LocalMatrix {
     pub(super) fn empty(skin: Skin, order: usize, threshold: f64) -> Self {
         let (by_rows, by_columns) = (Index::default(), Index::default());
         let (tree, blocks) = (ClusterTree::default(), Vec::new());
-        Self { skin, order, threshold, tree, blocks, by_rows, by_columns, entries: 0 }
+        Self { skin, order, threshold, tree, blocks, by_rows, by_columns, entries: 0, value_bytes: 0 }
     }
 
     pub(super) fn extend(&mut self, blocks: Vec<Block>) {
-        self.entries += blocks.iter().map(|block| block.values.entries()).sum::<usize>();
+        let entries: usize = blocks.iter().map(|block| block.values.entries()).sum();
+        let others: usize = blocks.iter().map(|block| block.values.other_bytes()).sum();
+        self.entries += entries;
+        self.value_bytes += size_of::<f64>() * entries + others;
         self.blocks.extend(blocks);
     }
 
@@ -113,7 +139,7 @@ impl LocalMatrix {
     pub fn bytes(&self) -> usize {
         let tree = size_of::<Cluster>() * self.tree.clusters.len() + size_of::<u32>() * self.order;
         let index = self.by_rows.bytes() + self.by_columns.bytes();
-        size_of::<f64>() * self.entries + size_of::<Block>() * self.blocks.len() + tree + index
+        self.value_bytes + size_of::<Block>() * self.blocks.len() + tree + index
     }
 
     /// Nodes of the rows and of the columns of a block.
@@ -129,12 +155,7 @@ impl LocalMatrix {
             let [rows, columns] = self.nodes_of(block);
             for (j, &column) in columns.iter().enumerate() {
                 for (i, &row) in rows.iter().enumerate() {
-                    dense[(row as usize, column as usize)] = match &block.values {
-                        Values::Dense(values) => values[j * rows.len() + i],
-                        Values::LowRank(LowRank { rank, left, right }) => {
-                            (0..*rank).map(|k| left[k * rows.len() + i] * right[k * columns.len() + j]).sum()
-                        }
-                    };
+                    dense[(row as usize, column as usize)] = block.values.at(i, j, rows.len(), columns.len());
                 }
             }
         }
@@ -177,6 +198,11 @@ impl LocalMatrix {
                     for (&column, entries) in columns.iter().zip(values.chunks_exact(rows.len())) {
                         let coupled = rows.iter().zip(entries).filter(|(_, entry)| **entry != 0.0);
                         coupled.for_each(|(&row, _)| join(row, column));
+                    }
+                }
+                Values::Step(step) => {
+                    for (i, &row) in rows.iter().enumerate() {
+                        step.columns_of(i).for_each(|j| join(row, columns[j]));
                     }
                 }
                 Values::LowRank(_) => rows.iter().chain(columns).for_each(|&node| join(node, columns[0])),

@@ -10,7 +10,7 @@ pub struct LocalOptions<'a> {
     /// exact matrix (dimensionless, 1e-10 ..= 0.1).
     pub threshold: f64,
     /// Largest relative error of an entry that is stored by itself, as in [`AssemblyOptions`]; `None` means a tenth
-    /// of the threshold.
+    /// of the threshold, and half of it for entries that a cutoff cuts.
     pub tolerance: Option<f64>,
     /// Threads (>= 1); `None` means rayon's global pool. The result is equal to the bit for any number.
     pub num_threads: Option<usize>,

@@ -1,6 +1,7 @@
 //! Which blocks of a local matrix are zero, of low rank, or dense.
 
 use super::clusters::ClusterTree;
+use super::step;
 use crate::surface::RegionPairs;
 
 /// Blocks of at most this many rows and columns are dense where no low rank is to be expected.
@@ -24,6 +25,8 @@ pub(super) struct Plan<'a> {
     pub(super) load_radius: Vec<f64>,
     /// Distance at which the kernel jumps (m), if it does.
     pub(super) jump: Option<f64>,
+    /// Loads that extend no farther around their nodes (m) are cut there within blocks of their own kind.
+    pub(super) largest_cut: f64,
 }
 
 /// A block by its clusters.
@@ -38,6 +41,8 @@ pub(super) struct Place {
 pub(super) struct Blocks {
     pub(super) dense: Vec<Place>,
     pub(super) far: Vec<Place>,
+    /// Across the distance at which the kernel jumps.
+    pub(super) across: Vec<Place>,
 }
 
 /// How much of a block joins nodes that share tissue.
@@ -90,14 +95,17 @@ impl Plan<'_> {
             && self.is_even(place);
         let jumps =
             self.jump.is_some_and(|at| rows.span_with(columns) + self.load_radius[place.columns] > at);
-        // A jump has no low rank: there the blocks go down to the leaves, elsewhere to panels.
-        let smallest = if is_far && jumps { 0 } else { PANEL };
-        let parts =
-            [rows, columns].map(|cluster| cluster.children.filter(|_| cluster.nodes.len() > smallest));
+        // A jump has no low rank: there blocks are small.
+        let is_across = is_far
+            && jumps
+            && self.load_radius[place.columns] <= self.largest_cut
+            && rows.nodes.len().max(columns.nodes.len()) <= step::LARGEST;
+        let parts = [rows, columns].map(|cluster| cluster.children);
         let is_last = parts == [None, None];
-        if is_last || (is_far && !jumps) {
+        if is_last || is_across || (is_far && !jumps) {
             match self.shared(place) {
                 Shared::Nothing => return,
+                Shared::All if is_across => return blocks.across.push(place),
                 Shared::All if is_far && !jumps => return blocks.far.push(place),
                 _ if is_last => return blocks.dense.push(place),
                 _ => {}

@@ -35,11 +35,19 @@ impl LocalMatrix {
         assert_eq!(forces.len(), self.order, "one force per node");
         let tree = &self.tree;
         let forces: Vec<f64> = tree.order.iter().map(|&node| forces[node as usize]).collect();
-        // The inner products of blocks of low rank first, then each leaf gathers what reaches it.
+        // The inner products of blocks of low rank and the products of those across a cutoff first, then each leaf
+        // gathers what reaches it.
         let inner = |block: &Block| match &block.values {
             Values::LowRank(product) => {
                 let (_, right, _, columns) = side.of(self, block, product);
                 right.chunks_exact(columns.len()).map(|v| dot(v, &forces[columns.clone()])).collect()
+            }
+            Values::Step(step) => {
+                let [rows, columns] = self.ranges(block);
+                match side.transposed {
+                    true => step.apply_transposed(&forces[rows]),
+                    false => step.apply(&forces[columns]),
+                }
             }
             Values::Dense(_) => Vec::new(),
         };
@@ -76,6 +84,11 @@ impl LocalMatrix {
         result
     }
 
+    /// Places of the rows and of the columns of a block.
+    fn ranges(&self, block: &Block) -> [Range<usize>; 2] {
+        [block.place.rows, block.place.columns].map(|cluster| self.tree.clusters[cluster].nodes.clone())
+    }
+
     /// Adds one block's share at the places `range` of a leaf.
     fn add(
         &self,
@@ -86,10 +99,12 @@ impl LocalMatrix {
         range: Range<usize>,
         sum: &mut [f64],
     ) {
-        let clusters = &self.tree.clusters;
-        let [rows, columns] =
-            [block.place.rows, block.place.columns].map(|cluster| clusters[cluster].nodes.clone());
+        let [rows, columns] = self.ranges(block);
         match &block.values {
+            Values::Step(_) => {
+                let from = range.start - if side.transposed { columns.start } else { rows.start };
+                add_multiple(sum, &inner[from..from + range.len()], 1.0);
+            }
             Values::LowRank(product) => {
                 let (left, _, rows, _) = side.of(self, block, product);
                 let from = range.start - rows.start;
@@ -129,8 +144,7 @@ impl Side<'_> {
         block: &Block,
         product: &'b LowRank,
     ) -> (&'b [f64], &'b [f64], Range<usize>, Range<usize>) {
-        let [rows, columns] =
-            [block.place.rows, block.place.columns].map(|c| matrix.tree.clusters[c].nodes.clone());
+        let [rows, columns] = matrix.ranges(block);
         if self.transposed {
             (&product.right, &product.left, columns, rows)
         } else {
