@@ -26,6 +26,24 @@ pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
     })
 }
 
+/// Gauss rule with n × n points against the hat of corner 0, collapsed at corner 1.
+///
+/// Exact for the hat times polynomials of degree 2n - 1; the weights are positive and sum to 1, a third of the area.
+pub(crate) fn hat_rule(n: usize) -> &'static [RulePoint] {
+    static RULES: [OnceLock<Vec<RulePoint>>; MAX_POINTS + 1] = [const { OnceLock::new() }; MAX_POINTS + 1];
+    let n = n.clamp(1, MAX_POINTS);
+    RULES[n].get_or_init(|| {
+        let along = gauss(n, 1.0);
+        let mut rule = Vec::with_capacity(n * n);
+        for (u, wu) in gauss(n, 2.0) {
+            for &(v, wv) in &along {
+                rule.push(([u * v, 1.0 - u, u * (1.0 - v)], wu * wv));
+            }
+        }
+        rule
+    })
+}
+
 /// A rule with n × n points drawn to the edges of the triangle, for integrands with weak singularities there.
 ///
 /// Both directions of the collapsed triangle run through t²(3 - 2t), which turns a term d log d at the distance
@@ -61,14 +79,13 @@ pub(crate) fn gauss_interval(n: usize) -> &'static [(f64, f64)] {
     RULES[n].get_or_init(|| gauss(n, 0.0))
 }
 
-/// Nodes and weights on [0, 1] for the weight function `(1 + power) t^power`, power 0 or 1; the weights sum
+/// Nodes and weights on [0, 1] for the weight function `(1 + power) t^power`, power >= 0; the weights sum
 /// to 1. Roots of the orthogonal polynomials by bisection of their sign changes and Newton steps.
 pub(crate) fn gauss(n: usize, power: f64) -> Vec<(f64, f64)> {
     // Monic three-term recurrence on [-1, 1]: p_(k+1) = (x - a_k) p_k - b_k p_(k-1), Jacobi (0, power).
-    let a = |k: f64| if power == 0.0 { 0.0 } else { 1.0 / ((2.0 * k + 1.0) * (2.0 * k + 3.0)) };
-    let b = |k: f64| {
-        if power == 0.0 { k * k / (4.0 * k * k - 1.0) } else { k * (k + 1.0) / (2.0 * k + 1.0).powi(2) }
-    };
+    let twice = |k: f64| 2.0 * k + power;
+    let a = |k: f64| if power == 0.0 { 0.0 } else { power * power / (twice(k) * (twice(k) + 2.0)) };
+    let b = |k: f64| (2.0 * k * (k + power) / twice(k)).powi(2) / (twice(k) * twice(k) - 1.0);
     // p_n, its derivative and p_(n-1)
     let polynomial = |x: f64| {
         let (mut before, mut p) = (0.0, 1.0);
@@ -114,12 +131,31 @@ mod tests {
     #[test]
     fn interval_rules_integrate_their_degree() {
         for n in 1..=MAX_POINTS {
-            for power in [0.0, 1.0] {
+            for power in [0.0, 1.0, 2.0] {
                 let rule = gauss(n, power);
                 for degree in 0..2 * n {
                     let sum: f64 = rule.iter().map(|(t, w)| w * t.powi(degree as i32)).sum();
                     let exact = (1.0 + power) / (degree as f64 + 1.0 + power);
                     assert_relative_eq!(sum, exact, max_relative = 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn hat_rules_integrate_their_degree() {
+        // int l0^p l1^q l2^r dA / A = 2 p! q! r! / (p + q + r + 2)!
+        let factorial = |k: usize| (1..=k).map(|v| v as f64).product::<f64>();
+        for n in 1..=8 {
+            for p in 0..2 * n {
+                for q in 0..2 * n - p {
+                    let r = 2 * n - 1 - p - q;
+                    let at = |(l, w): &RulePoint| {
+                        w * l[0].powi(p as i32) * l[1].powi(q as i32) * l[2].powi(r as i32)
+                    };
+                    let sum: f64 = hat_rule(n).iter().map(at).sum();
+                    let exact = 6.0 * factorial(p + 1) * factorial(q) * factorial(r) / factorial(2 * n + 2);
+                    assert_relative_eq!(sum, exact, max_relative = 1e-12);
                 }
             }
         }

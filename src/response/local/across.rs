@@ -1,6 +1,8 @@
 //! Computes the blocks across a cutoff.
 
+use super::super::column::Scratch;
 use super::super::source::loaded_faces;
+use super::super::targets::Targets;
 use super::assemble::Work;
 use super::cut_load::CutLoads;
 use super::matrix::{Block, Values};
@@ -26,13 +28,13 @@ impl Work<'_> {
                 found.push((place, step));
             }
         }
-        let (mut faces, mut points) = (Vec::new(), Vec::new());
+        let (mut scratch, mut points) = (Scratch::new(&Targets::default()), Vec::new());
         for (cuts, column) in cuts.iter().zip(columns).filter(|(cuts, _)| !cuts.is_empty()) {
-            faces.clear();
-            loaded_faces(self.surface, self.far.vertex(column), self.skin.pressure(), &mut faces);
+            scratch.faces.clear();
+            loaded_faces(self.surface, self.far.vertex(column), self.skin.pressure(), &mut scratch.faces);
             points.clear();
             points.extend(cuts.iter().map(|cut| self.far.point(cut.row)));
-            for (cut, value) in cuts.iter().zip(cut_loads.values(&faces, &points)) {
+            for (cut, value) in cuts.iter().zip(cut_loads.values(&mut scratch, &points)) {
                 found[cut.block].1.values[cut.slot] = value;
             }
         }

@@ -1,7 +1,8 @@
 //! Entries of loads that the Gaussian's cutoff cuts, many at a time.
 
+use super::super::column::Scratch;
 use super::super::corrected::Corrected;
-use super::super::source::LoadedFace;
+use super::super::targets::Targets;
 use super::cut_face::{Add, CutFace};
 use super::cut_kernel::CutKernel;
 use nalgebra::Vector3;
@@ -9,8 +10,8 @@ use nalgebra::Vector3;
 /// Error of an entry, relative to K/L, over the square of `c² / 8L` in the range of s, c the longest edge: some 0.9 at
 /// most on jittered, bent meshes with edges up to L/8. See [`CutFace`].
 const QUADRATIC: f64 = 1.5;
-/// Divisions of a triangle in four, at most.
-const DIVISIONS: usize = 3;
+/// Divisions of a triangle in four, at most: after more, quadrature along its edges is faster.
+const DIVISIONS: usize = 1;
 /// Points are padded to multiples of this, which every vector length divides.
 const BLOCK: usize = 8;
 
@@ -46,13 +47,17 @@ impl CutLoads {
     }
 
     /// `∫ p(y) f(|x - y|) dA` of a load at each point that it may be cut for.
-    pub(super) fn values(&self, load: &[LoadedFace], points: &[Vector3<f64>]) -> Vec<f64> {
+    ///
+    /// * `scratch`: the load is on its faces
+    /// * `points`: (m), at least one
+    pub(super) fn values(&self, scratch: &mut Scratch, points: &[Vector3<f64>]) -> Vec<f64> {
+        let load = &scratch.faces;
         let mut values = vec![0.0; points.len()];
         let largest_share = (self.tolerance / QUADRATIC).sqrt();
         let longest = load.iter().map(|face| 2.0 * face.radius).fold(0.0, f64::max);
         // as if s changed by the whole of an edge along it
         let share = longest / (8.0 * self.kernel.cutoff * largest_share);
-        let enough = (0..DIVISIONS).find(|&n| share <= (1 << n) as f64).unwrap_or(DIVISIONS);
+        let enough = (0..=DIVISIONS).find(|&n| share <= (1 << n) as f64).unwrap_or(DIVISIONS + 1);
         let mut faces: Vec<CutFace> = load.iter().map(|face| CutFace::new(&self.near_cutoff, face)).collect();
         let mut open: Vec<usize> = (0..points.len()).collect();
         for divisions in 0..=DIVISIONS {
@@ -88,9 +93,11 @@ impl CutLoads {
                 return values;
             }
         }
-        for i in open {
-            values[i] = load.iter().map(|face| self.kernel.exact(face, &points[i])).sum();
-        }
+        let mut targets = Targets::default();
+        open.iter().for_each(|&i| targets.push(&points[i]));
+        targets.pad();
+        self.kernel.values(&targets, scratch, self.tolerance);
+        open.into_iter().zip(&scratch.values).for_each(|(i, &value)| values[i] = value);
         values
     }
 }
@@ -98,7 +105,7 @@ impl CutLoads {
 #[cfg(test)]
 mod tests {
     use super::super::super::skin::Pressure;
-    use super::super::super::source::loaded_faces;
+    use super::super::super::source::{LoadedFace, loaded_faces};
     use super::*;
     use crate::surface::Surface;
     use std::f64::consts::PI;
@@ -150,8 +157,10 @@ mod tests {
                 for tolerance in [1e-2, 1e-3, 1e-4, 1e-5] {
                     let cut_loads = CutLoads::new(kernel(5e-3), 1.3 * edge, tolerance)
                         .expect("a kernel without steep slopes");
+                    let mut scratch = Scratch::new(&Targets::default());
+                    scratch.faces.clone_from(&load);
                     let (mut cut, scale) = (0, cut_loads.kernel.constant / CUTOFF);
-                    for (point, value) in points.iter().zip(cut_loads.values(&load, &points)) {
+                    for (point, value) in points.iter().zip(cut_loads.values(&mut scratch, &points)) {
                         let exact: f64 = load.iter().map(|face| cut_loads.kernel.exact(face, point)).sum();
                         assert!(
                             (value - exact).abs() <= tolerance * scale,

@@ -4,9 +4,9 @@ use super::super::border::displacement_point;
 use super::super::elementary::exp_negative;
 use super::super::lanes::Lanes;
 use super::super::layer::LayerKernel;
-use super::super::rule::triangle_rule;
-use super::super::skin::{Response, Skin};
-use super::super::source::{density, weighted};
+use super::super::rule::{hat_rule, triangle_rule};
+use super::super::skin::{Pressure, Response, Skin};
+use super::super::source::density;
 use super::cross::Entries;
 use super::smooth::SmoothPart;
 use crate::surface::Surface;
@@ -162,33 +162,52 @@ impl<'a> FarField<'a> {
     /// least two load radii.
     ///
     /// Errors fall with a power of load radius over distance, and for the Gaussian over its width; the factors were
-    /// found on jittered meshes and are three times what was seen there. A layer's kernel, which fades, errs less.
+    /// found on jittered meshes and are two to three times what was seen there. A layer's kernel, which fades, errs less.
     fn rule(&self, load_radius: f64, distance: f64) -> Rule {
         let near = load_radius / distance;
-        let (smooth, share) = match self.kernel {
-            Kernel::Layer { .. } => (0.0, 0.0),
+        let smooth = |power: i32| match self.kernel {
+            Kernel::Layer { .. } => 0.0,
             Kernel::Gaussian { height, width } => {
-                (load_radius / width, 0.1 * height * distance / self.skin.kernel_constant())
+                let share = 0.1 * height * distance / self.skin.kernel_constant();
+                let least = (distance - load_radius) / width;
+                share * (load_radius / width).powi(power) * hermite_bound(power, least)
             }
         };
-        let error = |factor: f64, power: i32| factor * (near.powi(power) + share * smooth.powi(power));
-        if error(0.03, 3) <= self.tolerance {
+        let error = |factor: f64, power: i32| factor * (near.powi(power) + smooth(power));
+        let of_moments = match self.skin.pressure() {
+            Pressure::Linear => 0.03,
+            Pressure::OneRing => 0.1,
+        };
+        if error(of_moments, 3) <= self.tolerance {
             return Rule::Moments;
         }
-        let of_faces = |n: i32| error(0.01 * 6f64.powi(2 - n), 2 * n - 1);
+        let of_faces = |n: i32| error(0.01 * 9f64.powi(2 - n), 2 * n);
         Rule::Faces((2..MOST_POINTS).find(|&n| of_faces(n as i32) <= self.tolerance).unwrap_or(MOST_POINTS))
     }
+}
+
+/// Bound of the derivative of order m of `exp(-t²/2)` beyond a distance t, over its largest value `√m!`.
+///
+/// The derivative is a Hermite polynomial times the Gaussian: below `t^m exp(-t²/2)` from √m on, where that falls.
+fn hermite_bound(m: i32, t: f64) -> f64 {
+    let root_of_factorial: f64 = (1..=m).map(|k| f64::from(k).sqrt()).product();
+    if t * t < f64::from(m) { 1.0 } else { (t.powi(m) * (-0.5 * t * t).exp() / root_of_factorial).min(1.0) }
 }
 
 /// Point forces, a Gauss rule of n x n on each triangle, in place of the load of a vertex.
 fn spread(surface: &Surface, skin: &Skin, vertex: usize, n: usize, mut push: impl FnMut(Vector3<f64>, f64)) {
     for &face in surface.faces_around(vertex) {
         let corners = surface.faces()[face as usize];
-        let [a, b, c] = corners.map(|corner| surface.vertices()[corner as usize]);
-        let density = density(surface, corners, vertex, skin.pressure());
         let area = surface.face_areas()[face as usize];
-        for (l, weight) in triangle_rule(n) {
-            push(a * l[0] + b * l[1] + c * l[2], weight * area * weighted(&density, l));
+        let density = density(surface, corners, vertex, skin.pressure());
+        let first = corners.iter().position(|&corner| corner as usize == vertex).expect("a face around it");
+        let [a, b, c] = [0, 1, 2].map(|k| surface.vertices()[corners[(first + k) % 3] as usize]);
+        let (rule, share) = match skin.pressure() {
+            Pressure::Linear => (hat_rule(n), area * density[first] / 3.0),
+            Pressure::OneRing => (triangle_rule(n), area * density[first]),
+        };
+        for (l, weight) in rule {
+            push(a * l[0] + b * l[1] + c * l[2], weight * share);
         }
     }
 }
@@ -359,7 +378,7 @@ impl WithSimd for Add<'_> {
 mod tests {
     use super::super::super::assemble::assemble_block;
     use super::super::super::options::AssemblyOptions;
-    use super::super::super::skin::{Gap, Pressure};
+    use super::super::super::skin::Gap;
     use super::*;
 
     /// A bent, jittered grid of cells of some 1 mm.
@@ -392,12 +411,21 @@ mod tests {
         let surface = bowl(24);
         let nodes: Vec<usize> = (0..25 * 25).collect();
         let columns = [12 * 25 + 12, 6 * 25 + 7, 9 * 25 + 15, 13 * 25 + 4];
-        let pressure = Pressure::Linear;
-        let layer =
-            |thickness: f64| Response::Layer { thickness: thickness.into(), pressure, gap: Gap::Node };
-        let gaussian =
-            |width| Response::GaussianCorrected { height: 1e-3, width, cutoff: f64::INFINITY, pressure };
-        for response in [layer(1.0), layer(4e-3), layer(1e-3), gaussian(3e-3), gaussian(1e-3)] {
+        let layer = |thickness: f64, pressure| Response::Layer {
+            thickness: thickness.into(),
+            pressure,
+            gap: Gap::Node,
+        };
+        let gaussian = |width, pressure| Response::GaussianCorrected {
+            height: 1e-3,
+            width,
+            cutoff: f64::INFINITY,
+            pressure,
+        };
+        let both = [Pressure::Linear, Pressure::OneRing];
+        let layers = both.into_iter().flat_map(|p| [layer(1.0, p), layer(4e-3, p), layer(1e-3, p)]);
+        let gaussians = both.into_iter().flat_map(|p| [gaussian(3e-3, p), gaussian(1e-3, p)]);
+        for response in layers.chain(gaussians) {
             let skin = Skin::new(60e3, 0.5, response).expect("valid constants");
             let options = AssemblyOptions { tolerance: 1e-10, ..Default::default() };
             let exact = assemble_block(&surface, &skin, &nodes, &columns, &options).expect("valid");
