@@ -14,16 +14,7 @@ pub(crate) type RulePoint = ([f64; 3], f64);
 pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
     static RULES: [OnceLock<Vec<RulePoint>>; MAX_POINTS + 1] = [const { OnceLock::new() }; MAX_POINTS + 1];
     let n = n.clamp(1, MAX_POINTS);
-    RULES[n].get_or_init(|| {
-        let along = gauss(n, 0.0);
-        let mut rule = Vec::with_capacity(n * n);
-        for (u, wu) in gauss(n, 1.0) {
-            for &(v, wv) in &along {
-                rule.push(([1.0 - u, u * (1.0 - v), u * v], wu * wv));
-            }
-        }
-        rule
-    })
+    RULES[n].get_or_init(|| product(&gauss(n, 1.0), &gauss(n, 0.0), |u, v| [1.0 - u, u * (1.0 - v), u * v]))
 }
 
 /// Gauss rule with n × n points against the hat of corner 0, collapsed at corner 1.
@@ -32,16 +23,13 @@ pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
 pub(crate) fn hat_rule(n: usize) -> &'static [RulePoint] {
     static RULES: [OnceLock<Vec<RulePoint>>; MAX_POINTS + 1] = [const { OnceLock::new() }; MAX_POINTS + 1];
     let n = n.clamp(1, MAX_POINTS);
-    RULES[n].get_or_init(|| {
-        let along = gauss(n, 1.0);
-        let mut rule = Vec::with_capacity(n * n);
-        for (u, wu) in gauss(n, 2.0) {
-            for &(v, wv) in &along {
-                rule.push(([u * v, 1.0 - u, u * (1.0 - v)], wu * wv));
-            }
-        }
-        rule
-    })
+    RULES[n].get_or_init(|| product(&gauss(n, 2.0), &gauss(n, 1.0), |u, v| [u * v, 1.0 - u, u * (1.0 - v)]))
+}
+
+/// All pairs of the points of two intervals, each at a place of the triangle.
+fn product(across: &[(f64, f64)], along: &[(f64, f64)], place: fn(f64, f64) -> [f64; 3]) -> Vec<RulePoint> {
+    let pairs = across.iter().flat_map(|&one| along.iter().map(move |&other| (one, other)));
+    pairs.map(|((u, wu), (v, wv))| (place(u, v), wu * wv)).collect()
 }
 
 /// A rule with n × n points drawn to the edges of the triangle, for integrands with weak singularities there.
@@ -55,13 +43,8 @@ pub(crate) fn graded_triangle_rule() -> &'static [RulePoint] {
             .into_iter()
             .map(|(t, w)| (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) * w))
             .collect();
-        let mut rule = Vec::with_capacity(bent.len() * bent.len());
-        for &(u, wu) in &bent {
-            for &(v, wv) in &bent {
-                rule.push(([1.0 - u, u * (1.0 - v), u * v], 2.0 * u * wu * wv));
-            }
-        }
-        rule
+        let weighted: Vec<(f64, f64)> = bent.iter().map(|&(u, w)| (u, 2.0 * u * w)).collect();
+        product(&weighted, &bent, |u, v| [1.0 - u, u * (1.0 - v), u * v])
     })
 }
 
