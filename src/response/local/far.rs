@@ -4,18 +4,15 @@ use super::super::border::displacement_point;
 use super::super::elementary::exp_negative;
 use super::super::lanes::Lanes;
 use super::super::layer::LayerKernel;
-use super::super::rule::{hat_rule, triangle_rule};
 use super::super::skin::{Pressure, Response, Skin};
-use super::super::source::density;
 use super::cross::Entries;
+use super::points::{spread, with_same_moments};
 use super::smooth::SmoothPart;
 use crate::surface::Surface;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
-/// Corners of a tetrahedron: mean 0, second moments 1.
-const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
 /// Largest number of points in each direction of a triangle.
 const MOST_POINTS: usize = 8;
 /// Rows of a block that are looked at besides the first, over its places and over its thicknesses.
@@ -133,7 +130,7 @@ impl<'a> FarField<'a> {
         let count = columns.len();
         let faces = |place: usize| self.surface.faces_around(self.vertices[place]);
         let points = match rule {
-            Rule::Moments => CORNERS.len(),
+            Rule::Moments => 4,
             Rule::Faces(n) => n * n * columns.clone().map(|place| faces(place).len()).max().unwrap_or(0),
         };
         // Point after point, each for all columns; what a load has too few of lies at its node, without a share.
@@ -192,51 +189,6 @@ impl<'a> FarField<'a> {
 fn hermite_bound(m: i32, t: f64) -> f64 {
     let root_of_factorial: f64 = (1..=m).map(|k| f64::from(k).sqrt()).product();
     if t * t < f64::from(m) { 1.0 } else { (t.powi(m) * (-0.5 * t * t).exp() / root_of_factorial).min(1.0) }
-}
-
-/// Point forces, a Gauss rule of n x n on each triangle, in place of the load of a vertex.
-fn spread(surface: &Surface, skin: &Skin, vertex: usize, n: usize, mut push: impl FnMut(Vector3<f64>, f64)) {
-    for &face in surface.faces_around(vertex) {
-        let corners = surface.faces()[face as usize];
-        let area = surface.face_areas()[face as usize];
-        let density = density(surface, corners, vertex, skin.pressure());
-        let first = corners.iter().position(|&corner| corner as usize == vertex).expect("a face around it");
-        let [a, b, c] = [0, 1, 2].map(|k| surface.vertices()[corners[(first + k) % 3] as usize]);
-        let (rule, share) = match skin.pressure() {
-            Pressure::Linear => (hat_rule(n), area * density[first] / 3.0),
-            Pressure::OneRing => (triangle_rule(n), area * density[first]),
-        };
-        for (l, weight) in rule {
-            push(a * l[0] + b * l[1] + c * l[2], weight * share);
-        }
-    }
-}
-
-/// Four equal point forces with the centre and the second moments of a vertex's unit load.
-fn with_same_moments(surface: &Surface, skin: &Skin, vertex: usize) -> [Vector3<f64>; 4] {
-    let node = surface.vertices()[vertex];
-    let (mut mean, mut moments) = (Vector3::zeros(), Matrix3::<f64>::zeros());
-    spread(surface, skin, vertex, 2, |point, share| {
-        let arm = point - node;
-        mean += arm * share;
-        moments += arm * arm.transpose() * share;
-    });
-    moments -= mean * mean.transpose();
-    // A square root of the moments (Cholesky); a flat load leaves directions without extent.
-    let negligible = 1e-12 * moments.trace();
-    let mut root = Matrix3::<f64>::zeros();
-    for j in 0..3 {
-        let pivot = moments[(j, j)] - (0..j).map(|k| root[(j, k)] * root[(j, k)]).sum::<f64>();
-        if pivot <= negligible {
-            continue;
-        }
-        root[(j, j)] = pivot.sqrt();
-        for i in j + 1..3 {
-            let rest = moments[(i, j)] - (0..j).map(|k| root[(i, k)] * root[(j, k)]).sum::<f64>();
-            root[(i, j)] = rest / root[(j, j)];
-        }
-    }
-    CORNERS.map(|corner| node + mean + root * Vector3::from(corner))
 }
 
 /// Point k of column j at `k * columns + j`: places (m) and shares of the unit force.

@@ -15,6 +15,7 @@ mod matrix;
 mod norm;
 mod options;
 mod plan;
+mod points;
 mod product;
 
 mod smooth;
