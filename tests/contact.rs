@@ -4,7 +4,7 @@ mod common;
 
 use approx::assert_relative_eq;
 use common::{Random, grid, icosphere, one_diagonal_grid};
-use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Vector3};
 use quasirigid::contact::{
     Contact, ContactError, ContactOptions, ContactStatus, Press, Start, press, solve_contact,
 };
@@ -210,6 +210,68 @@ fn the_arrays_of_a_weighted_contact_agree_with_its_figures() {
             let error = contact.pressure[vertex] - hertz.pressure(approach, distance);
             assert!(error.abs() < 5e-3 * hertz.max_pressure(approach), "vertex {vertex}: {error}");
         }
+    }
+}
+
+/// The response of the half-space with gaps averaged.
+fn averaged(pressure: Pressure) -> Skin {
+    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Weighted }).unwrap()
+}
+
+#[test]
+fn no_contact_of_averaged_gaps_carries_its_force_above_its_largest_pressure() {
+    let mut random = Random(3);
+    let h = 1e-3;
+    let mut fewest = usize::MAX;
+    // From contacts of one vertex on, under round and sharp obstacles.
+    for k in 0..60 {
+        let shift = h * Vector3::new(random.next() - 0.5, random.next() - 0.5, 0.0);
+        let surface = lattice(12, [h * Vector3::x(), h * Vector3::y()], shift, 0.3, &mut random);
+        let depth = h * 10_f64.powf(-2.5 + 2.0 * random.next());
+        let obstacle = match k % 3 {
+            0 => Obstacle::sphere(Vector3::new(0.0, 0.0, 5.0 * h - depth), 5.0 * h).unwrap(),
+            1 => Obstacle::cuboid(h * Vector3::new(0.7, 2.2, 1.0))
+                .unwrap()
+                .moved(&Matrix3::identity(), &Vector3::new(0.0, 0.0, h - depth))
+                .unwrap(),
+            _ => Obstacle::capsule(h * Vector3::new(-9.0, 0.0, 1.0), h * Vector3::new(9.0, 0.0, 1.0), h)
+                .unwrap()
+                .moved(&Matrix3::identity(), &Vector3::new(0.0, 0.0, -depth))
+                .unwrap(),
+        };
+        let contact = solve(&surface, &obstacle, &averaged(Pressure::Linear));
+        let highest = (contact.active.iter())
+            .map(|&vertex| contact.node_force[vertex] / surface.vertex_areas()[vertex])
+            .fold(0.0, f64::max);
+        for patch in &contact.patches {
+            fewest = fewest.min(patch.vertices.len());
+            let force: f64 = patch.vertices.iter().map(|&vertex| contact.node_force[vertex]).sum();
+            let mean = force / patch.resultant.contact_area;
+            assert!(mean <= patch.resultant.max_pressure * (1.0 + 1e-12), "scene {k}");
+            assert!(mean <= highest * (1.0 + 1e-12), "scene {k}");
+        }
+        let of_patches = contact.patches.iter().map(|patch| patch.resultant.max_pressure);
+        assert_eq!(of_patches.fold(0.0, f64::max), contact.resultant.max_pressure);
+    }
+    assert_eq!(fewest, 1);
+}
+
+#[test]
+fn the_figures_of_averaged_gaps_do_not_turn_with_the_scene() {
+    let layer = Response::Layer { thickness: 4e-3.into(), pressure: Pressure::Linear, gap: Gap::Weighted };
+    let layer = Skin::new(SHEAR_MODULUS, POISSON_RATIO, layer).unwrap();
+    let (vertices, faces) = icosphere(8e-3, 3);
+    let surface = Surface::new(vertices, faces).unwrap();
+    let sphere = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, 37.2e-3), 30e-3).unwrap();
+    let rotation = Rotation3::new(Vector3::new(0.4, 1.1, -0.7));
+    let shift = Vector3::new(0.03, -0.02, 0.05);
+    let turned_sphere = sphere.moved(rotation.matrix(), &shift).unwrap();
+    let moved = surface.with_vertices(surface.vertices().iter().map(|x| rotation * x + shift).collect());
+    for skin in [averaged(Pressure::Linear), layer] {
+        let straight = solve(&surface, &sphere, &skin).resultant;
+        let turned = solve(&moved, &turned_sphere, &skin).resultant;
+        assert_relative_eq!(turned.contact_area, straight.contact_area, max_relative = 1e-9);
+        assert_relative_eq!(turned.max_pressure, straight.max_pressure, max_relative = 1e-9);
     }
 }
 

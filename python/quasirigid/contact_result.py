@@ -110,10 +110,11 @@ class Contact:
         Mean of the deformed positions weighted by node force (m); nan without contact.
     contact_area : float
         Sum of the vertex areas with f > 0 (m^2). With weighted gaps, the area within the rim that the gaps
-        beside it tell, between the vertices.
+        beside it tell, between the vertices; under a sharp edge, where the gap opens with a step, that rim is
+        up to a cell too far in (a flat punch of 8 cells' half width: 14 % low, vertex areas 8 %).
     max_pressure : float
-        Largest pressure at a vertex (Pa); with weighted gaps between vertices too, so that it may be above
-        ``pressure.max()``.
+        Largest pressure at a vertex (Pa), ``pressure.max()``. With weighted gaps it may be above that: it is
+        the largest between vertices too, and never below the mean over a patch's contact area.
     volume_change : float
         Change of the volume enclosed by the skin (m^3), ``sum S_i N_i . u_i`` over the skin, N outward.
     max_penetration_before, max_penetration_after : float

@@ -41,7 +41,7 @@ impl<'a> Compliance<'a> {
     }
 
     /// Displacement of `vertices` under the forces of `active`, each under those of its own finger; `node_force`
-    /// and `normals` are per vertex.
+    /// and `normals` are per vertex. To no more than [`DISPLACEMENT_TOLERANCE`].
     pub fn displacement(
         &self,
         fingers: &Fingers,
@@ -50,9 +50,38 @@ impl<'a> Compliance<'a> {
         node_force: &[f64],
         normals: &[Vector3<f64>],
     ) -> Result<Displacements, ContactError> {
+        let tolerance = self.options.tolerance.max(DISPLACEMENT_TOLERANCE);
+        let options = AssemblyOptions { tolerance, ..self.options };
+        self.displacement_to(&options, fingers, vertices, active, node_force, normals)
+    }
+
+    /// `(R f)_i` (m) at `vertices`, to the tolerance of R itself; the arguments are those of
+    /// [`displacement`](Self::displacement), of a response that knows no directions.
+    pub fn rise(
+        &self,
+        fingers: &Fingers,
+        vertices: &[usize],
+        active: &[usize],
+        node_force: &[f64],
+        normals: &[Vector3<f64>],
+    ) -> Result<Vec<f64>, ContactError> {
+        let moved = self.displacement_to(&self.options, fingers, vertices, active, node_force, normals)?;
+        let known = |rise: Option<f64>| rise.expect("only kernels average the gap");
+        Ok(moved.along_normal.into_iter().map(known).collect())
+    }
+
+    fn displacement_to(
+        &self,
+        options: &AssemblyOptions,
+        fingers: &Fingers,
+        vertices: &[usize],
+        active: &[usize],
+        node_force: &[f64],
+        normals: &[Vector3<f64>],
+    ) -> Result<Displacements, ContactError> {
         let count = fingers.candidates.len();
         if count == 1 {
-            return self.displacement_of_one(vertices, active, node_force, normals);
+            return self.displacement_of_one(options, vertices, active, node_force, normals);
         }
         let mut all = Displacements {
             vectors: vec![Vector3::zeros(); vertices.len()],
@@ -64,7 +93,7 @@ impl<'a> Compliance<'a> {
             let own: Vec<usize> = rows.iter().map(|&row| vertices[row]).collect();
             let active: Vec<usize> =
                 active.iter().copied().filter(|&vertex| fingers.of(vertex) == Some(finger)).collect();
-            let moved = self.displacement_of_one(&own, &active, node_force, normals)?;
+            let moved = self.displacement_of_one(options, &own, &active, node_force, normals)?;
             rows.iter().zip(moved.vectors).for_each(|(&row, vector)| all.vectors[row] = vector);
             rows.iter().zip(moved.along_normal).for_each(|(&row, rise)| all.along_normal[row] = rise);
         }
@@ -73,15 +102,14 @@ impl<'a> Compliance<'a> {
 
     fn displacement_of_one(
         &self,
+        options: &AssemblyOptions,
         vertices: &[usize],
         active: &[usize],
         node_force: &[f64],
         normals: &[Vector3<f64>],
     ) -> Result<Displacements, ContactError> {
-        let tolerance = self.options.tolerance.max(DISPLACEMENT_TOLERANCE);
-        let options = AssemblyOptions { tolerance, ..self.options };
         let forces: Vec<Vector3<f64>> =
             active.iter().map(|&vertex| node_force[vertex] * normals[vertex]).collect();
-        Ok(self.skin.displacements(self.surface, vertices, active, &forces, &options)?)
+        Ok(self.skin.displacements(self.surface, vertices, active, &forces, options)?)
     }
 }

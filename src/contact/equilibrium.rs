@@ -183,15 +183,10 @@ impl Equilibrium {
         gaps: &InitialGaps,
     ) -> Result<(), ContactError> {
         let active = self.active();
-        let moved = compliance.displacement(
-            &self.fingers,
-            &self.candidates,
-            &active,
-            &self.node_force,
-            &gaps.normal,
-        )?;
-        for (&vertex, rise) in self.candidates.iter().zip(moved.along_normal) {
-            self.gap[vertex] = gaps.distance[vertex] + rise.expect("only kernels average the gap");
+        let rise =
+            compliance.rise(&self.fingers, &self.candidates, &active, &self.node_force, &gaps.normal)?;
+        for (&vertex, rise) in self.candidates.iter().zip(rise) {
+            self.gap[vertex] = gaps.distance[vertex] + rise;
         }
         Ok(())
     }
@@ -208,11 +203,10 @@ impl Equilibrium {
         let mut beside = surface.k_ring(&active, 2);
         beside.retain(|vertex| self.candidates.binary_search(vertex).is_err());
         gaps.complete(surface.vertices(), obstacle, &beside)?;
-        let moved =
-            compliance.displacement(&self.fingers, &beside, &active, &self.node_force, &gaps.normal)?;
+        let rise = compliance.rise(&self.fingers, &beside, &active, &self.node_force, &gaps.normal)?;
         let mut gap = self.gap.clone();
-        for (&vertex, rise) in beside.iter().zip(moved.along_normal) {
-            gap[vertex] = gaps.distance[vertex] + rise.expect("only kernels average the gap");
+        for (&vertex, rise) in beside.iter().zip(rise) {
+            gap[vertex] = gaps.distance[vertex] + rise;
         }
         Ok(gap)
     }

@@ -38,9 +38,11 @@ pub struct Resultant {
     /// Mean of the deformed positions weighted by node force (m); NaN without force.
     pub center_of_pressure: Vector3<f64>,
     /// Sum of the vertex areas with f > 0; where gaps are weighted, the area within the rim that the gaps beside it
-    /// tell, between the vertices (m²).
+    /// tell, between the vertices (m²). Under a sharp edge, where the gap opens with a step, that rim is up to a cell
+    /// too far in.
     pub contact_area: f64,
-    /// Largest pressure at a vertex; where gaps are weighted, between vertices too (Pa).
+    /// Largest pressure at a vertex; where gaps are weighted, between vertices too, and never below the mean over the
+    /// contact area of a patch (Pa).
     pub max_pressure: f64,
 }
 

@@ -3,11 +3,12 @@
 use crate::surface::Surface;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
-/// Pressure at the vertices and the largest value of it around each.
+/// Pressure at the vertices and what of it is found between them.
 pub(super) struct VertexPressure {
     /// (n, Pa).
     pub at_vertices: Vec<f64>,
-    /// Largest pressure beside each vertex, between vertices too (n, Pa); never below that at the vertex.
+    /// Largest pressure that a vertex under force stands for (n, Pa), never below that at the vertex; the largest of
+    /// all is the contact's.
     pub peak: Vec<f64>,
 }
 
@@ -36,19 +37,26 @@ pub(super) fn recover_pressure(
 ) -> VertexPressure {
     let means: Vec<f64> = active.iter().map(|&vertex| hat_average(surface, &coefficients, vertex)).collect();
     let moments: Vec<Moments> = active.iter().map(|&vertex| Moments::of_hat(surface, vertex)).collect();
-    let mut at_vertices = coefficients.clone();
-    let mut peak = coefficients;
-    for (row, &vertex) in active.iter().enumerate() {
-        let quadratic = fit_region(surface, active, vertex)
+    let quadratic = |vertex: usize| {
+        fit_region(surface, active, vertex)
             .and_then(|rows| fit(surface, active, &rows, vertex, &means, &moments))
-            .filter(|quadratic| quadratic.value > 0.0);
-        (at_vertices[vertex], peak[vertex]) = match quadratic {
-            Some(quadratic) => (quadratic.value, quadratic.peak()),
-            None => {
-                let mean = 0.5 * (at_vertices[vertex] + means[row]);
-                (mean, mean)
-            }
+            .filter(|quadratic| quadratic.value > 0.0)
+    };
+    let quadratics: Vec<Option<Quadratic>> = active.iter().map(|&vertex| quadratic(vertex)).collect();
+    let mut at_vertices = coefficients;
+    for ((&vertex, quadratic), mean) in active.iter().zip(&quadratics).zip(means) {
+        at_vertices[vertex] = match quadratic {
+            Some(quadratic) => quadratic.value,
+            None => 0.5 * (at_vertices[vertex] + mean),
         };
+    }
+    let mut peak = at_vertices.clone();
+    for (&vertex, quadratic) in active.iter().zip(&quadratics) {
+        let own = at_vertices[vertex];
+        let is_highest = surface.neighbours(vertex).iter().all(|&other| at_vertices[other as usize] <= own);
+        if let (true, Some(quadratic)) = (is_highest, quadratic) {
+            peak[vertex] = quadratic.peak();
+        }
     }
     VertexPressure { at_vertices, peak }
 }
@@ -90,10 +98,14 @@ impl Moments {
 /// Rows of the active vertices to fit over: the vertex and its neighbours, all of which must carry force. The next
 /// ring is added where these are fewer than a quadratic has terms.
 fn fit_region(surface: &Surface, active: &[usize], vertex: usize) -> Option<Vec<usize>> {
-    let rows_of = |rings| -> Option<Vec<usize>> {
-        surface.k_ring(&[vertex], rings).iter().map(|other| active.binary_search(other).ok()).collect()
-    };
-    rows_of(1).and_then(|rows| if rows.len() < TERMS { rows_of(2) } else { Some(rows) })
+    let ring_of = |vertex: usize| surface.neighbours(vertex).iter().map(|&other| other as usize);
+    let mut vertices: Vec<usize> = ring_of(vertex).chain([vertex]).collect();
+    if vertices.len() < TERMS {
+        vertices = vertices.into_iter().flat_map(ring_of).collect();
+    }
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices.iter().map(|other| active.binary_search(other).ok()).collect()
 }
 
 /// A quadratic about a vertex, in its tangent plane.

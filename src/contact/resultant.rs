@@ -60,7 +60,35 @@ pub(super) fn node_pressure(
             pressure.iter_mut().zip(unknown).filter(|(_, unknown)| *unknown).for_each(|(p, _)| *p = f64::NAN);
         }
     }
-    VertexPressure { peak: pressure.clone(), at_vertices: pressure }
+    let peak = match skin.pressure() {
+        Pressure::Linear => pressure.clone(),
+        // A triangle's pressure is that of its free corners too.
+        Pressure::OneRing => {
+            let around =
+                |vertex: usize| surface.neighbours(vertex).iter().map(|&other| pressure[other as usize]);
+            (0..pressure.len()).map(|vertex| around(vertex).fold(pressure[vertex], f64::max)).collect()
+        }
+    };
+    VertexPressure { peak, at_vertices: pressure }
+}
+
+impl VertexPressure {
+    /// Where a patch is so small that its mean pressure on the area found is above the largest recovered, it is that.
+    pub(super) fn raise_to_means(
+        &mut self,
+        surface: &Surface,
+        node_force: &[f64],
+        areas: &[f64],
+        active: &[usize],
+    ) {
+        for patch in surface.patches(active) {
+            let sum = |values: &[f64]| patch.iter().map(|&vertex| values[vertex]).sum::<f64>();
+            let mean = sum(node_force) / sum(areas);
+            let highest = patch.iter().copied().max_by(|&a, &b| self.peak[a].total_cmp(&self.peak[b]));
+            let highest = highest.expect("a patch has a vertex");
+            self.peak[highest] = self.peak[highest].max(mean);
+        }
+    }
 }
 
 /// Force, moment, centre, area and peak pressure of `nodes`; arrays are per vertex, `areas` the contact's share of
@@ -74,8 +102,7 @@ pub(super) fn resultant(
     deformed: &[Vector3<f64>],
 ) -> Resultant {
     let (mut force, mut moment, mut weighted) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-    let (mut total, mut area) = (0.0, 0.0);
-    let (mut highest, mut max_pressure) = (0.0, 0.0);
+    let (mut total, mut area, mut max_pressure) = (0.0, 0.0, 0.0_f64);
     for &vertex in nodes {
         let (f, position) = (node_force[vertex], deformed[vertex]);
         let load = f * normals[vertex];
@@ -84,9 +111,7 @@ pub(super) fn resultant(
         weighted += f * position;
         total += f;
         area += areas[vertex];
-        if pressure.at_vertices[vertex] > highest {
-            (highest, max_pressure) = (pressure.at_vertices[vertex], pressure.peak[vertex]);
-        }
+        max_pressure = max_pressure.max(pressure.peak[vertex]);
     }
     Resultant { force, moment, center_of_pressure: weighted / total, contact_area: area, max_pressure }
 }
@@ -102,4 +127,35 @@ pub(super) fn patches(
         .into_iter()
         .map(|vertices| Patch { resultant: resultant_of(&vertices), vertices })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{node_pressure, resultant};
+    use crate::response::{Gap, Pressure, Response, Skin};
+    use crate::surface::Surface;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn the_largest_pressure_of_one_rings_may_lie_at_a_vertex_without_force() {
+        // Squares cut by one diagonal; the six neighbours of the middle carry force. Twice as much of it lies on the
+        // triangles at the middle as on those around them.
+        let place = |k: u32| Vector3::new(f64::from(k % 5), f64::from(k / 5), 0.0);
+        let cells = (0..20).filter(|k| k % 5 < 4);
+        let faces = cells.flat_map(|k| [[k, k + 1, k + 6], [k, k + 6, k + 5]]).collect();
+        let surface = Surface::new((0..25).map(place).collect(), faces).unwrap();
+        let middle = 12;
+        let active: Vec<usize> = surface.neighbours(middle).iter().map(|&other| other as usize).collect();
+        let mut node_force = [0.0; 25];
+        active.iter().for_each(|&vertex| node_force[vertex] = 1.0);
+        let response = Response::HalfSpace { pressure: Pressure::OneRing, gap: Gap::Node };
+        let skin = Skin::new(1.0, 0.5, response).unwrap();
+        let pressure = node_pressure(&surface, &skin, &node_force, &active);
+        let normals = [Vector3::z(); 25];
+        let found =
+            resultant(&active, &node_force, &pressure, &normals, surface.vertex_areas(), surface.vertices());
+        let largest = pressure.at_vertices.iter().copied().fold(0.0, f64::max);
+        assert_eq!(pressure.at_vertices[middle], largest);
+        assert_eq!(found.max_pressure, largest);
+    }
 }

@@ -153,11 +153,13 @@ pub(super) fn solve_in_place(
         _ => max_penetration_before,
     };
     let active = solved.active();
-    let pressure = node_pressure(surface, skin, &solved.node_force, &active);
+    let mut pressure = node_pressure(surface, skin, &solved.node_force, &active);
     let areas = match (status, skin.gap()) {
         (ContactStatus::Solved, Gap::Weighted) => {
             let gap = solved.gap_around(surface, &place.obstacle, &compliance, &mut gaps)?;
-            contact_areas(surface, &gap, &solved.touching(), &active)
+            let areas = contact_areas(surface, &gap, &solved.touching(), &solved.node_force, &active);
+            pressure.raise_to_means(surface, &solved.node_force, &areas, &active);
+            areas
         }
         _ => surface.vertex_areas().to_vec(),
     };
