@@ -2,7 +2,7 @@
 
 use crate::surface::Surface;
 
-/// Contact area at each vertex (n, m²) up to the rim, from the gaps beside it; zero without force, never with it.
+/// Contact area at each vertex (n, m²) up to the rim, from the gaps beside it; zero without force, and no patch has none.
 ///
 /// Outside a smooth contact the gap grows as the 3/2 power of the distance s from its rim (Johnson 1985, sections 4.2
 /// and 5.1). So `g^(2/3) / |∇ g^(2/3)|`, from the triangles around a free vertex that are free too, is its distance
