@@ -44,10 +44,11 @@ impl Step {
         self.columns[range.clone()].iter().map(|&j| j as usize).zip(self.values[range].iter().copied())
     }
 
-    /// Columns of which a row has entries, those with smooth ones first.
+    /// Columns of which a row has entries other than 0, those with smooth ones first.
     pub(super) fn columns_of(&self, row: usize) -> impl Iterator<Item = usize> {
         let smooth = self.order[..self.inside[row] as usize].iter().map(|&j| j as usize);
-        smooth.chain(self.others(row).map(|(j, _)| j))
+        let others = self.others(row).filter(|&(_, value)| value != 0.0);
+        smooth.chain(others.map(|(j, _)| j))
     }
 
     /// Entry (i, j).
@@ -134,6 +135,9 @@ mod tests {
         assert_eq!(step.columns_of(1).collect::<Vec<_>>(), [3, 0, 6, 2]);
         assert_eq!((step.at(1, 1), step.at(1, 2)), (0.0, number(61)));
         assert!(step.at(1, 6) == step.smooth.at(1, 6, m, n) && step.at(1, 6) != 0.0);
+        // what a cutoff leaves nothing of couples nothing
+        step.values[0] = 0.0;
+        assert_eq!(step.columns_of(0).count(), 0);
         let (columns, rows): (Vec<f64>, Vec<f64>) =
             ((90..97).map(number).collect(), (80..85).map(number).collect());
         for (i, value) in step.apply(&columns).into_iter().enumerate() {
