@@ -9,8 +9,9 @@ pub struct LocalOptions<'a> {
     /// Largest error of a product: `|R' f - R f| <= threshold |R| |f|` in Euclidean norms, R' the stored and R the
     /// exact matrix (dimensionless, 1e-10 ..= 0.1).
     pub threshold: f64,
-    /// Largest relative error of an entry that is stored by itself, as in [`AssemblyOptions`]; `None` means a tenth
-    /// of the threshold, and half of it for entries that a cutoff cuts.
+    /// Largest relative error of an entry of nodes near each other, as in [`AssemblyOptions`], and of one that a cutoff
+    /// cuts, relative to K over the cutoff; `None` means a tenth of the threshold for the former and half of it, which is
+    /// the most in any case, for the latter.
     pub tolerance: Option<f64>,
     /// Threads (>= 1); `None` means rayon's global pool. The result is equal to the bit for any number.
     pub num_threads: Option<usize>,
