@@ -4,7 +4,8 @@
 //! linear: on a chord of length c it lies below its linear interpolant by at most `c² / 8L`. The cut triangle is what
 //! the chord between the exact crossings of two edges leaves, and a segment between chord and arc. There the kernel as
 //! a polynomial of s, whose linear interpolant is lowered by its mean error, has closed integrals against a linear
-//! density. The rest falls with the square of `c² / 8L` over the range of s on the triangle.
+//! density. The rest falls with the square of `c² / 8L` over the range of s on the triangle, and over the slope of s along
+//! an edge that the arc hardly leaves.
 
 use super::super::lanes::{Lanes, Mask};
 use super::super::near::{dot, from_point};
@@ -25,6 +26,10 @@ pub(super) struct CutFace {
     bow: [f64; 3],
     /// Mean of what s lies below its interpolant, weighted with the density, in ranges.
     below: f64,
+    /// `c² / 8L` of the longest edge, in ranges.
+    sagitta: f64,
+    /// Its part of the unit load.
+    weight: f64,
 }
 
 impl CutFace {
@@ -41,12 +46,8 @@ impl CutFace {
         let below = |k: usize| bow[k] * (2.0 * (total - density[k]) + density[k]) / 60.0;
         let below = below(0) + below(1) + below(2);
         let below = if total == 0.0 { 0.0 } else { 3.0 * below / total };
-        Self { corners, density, area, bow, below }
-    }
-
-    /// `c² / 8L` of the longest edge, in ranges.
-    fn sagitta(&self) -> f64 {
-        0.25 * self.bow.into_iter().fold(0.0, f64::max)
+        let sagitta = 0.25 * bow.into_iter().fold(0.0, f64::max);
+        Self { corners, density, area, bow, below, sagitta, weight: area * total / 3.0 }
     }
 
     /// In four, by the middles of the edges.
@@ -69,16 +70,16 @@ impl CutFace {
     }
 }
 
-/// Adds each triangle's share at each point, and notes the largest measure of its error.
+/// Sums the triangles' parts of an entry at each point, and their parts of the load times the squares by which they err.
 pub(super) struct Add<'a> {
     pub(super) kernel: &'a CutKernel,
-    /// Largest error of an entry relative to K/L.
+    /// Part of a unit load that a triangle may leave out.
     pub(super) tolerance: f64,
     pub(super) faces: &'a [CutFace],
     /// Coordinates of whole vectors of points (m).
     pub(super) at: &'a [Vec<f64>; 3],
     pub(super) sums: &'a mut [f64],
-    pub(super) shares: &'a mut [f64],
+    pub(super) squares: &'a mut [f64],
 }
 
 impl WithSimd for Add<'_> {
@@ -99,33 +100,33 @@ impl WithSimd for Add<'_> {
 impl Add<'_> {
     #[inline(always)]
     fn with_terms<S: Simd, const N: usize>(self, simd: S, terms: &Terms<N>) {
-        let Self { kernel, tolerance, faces, at, sums, shares } = self;
+        let Self { kernel, tolerance, faces, at, sums, squares } = self;
         for first in (0..sums.len()).step_by(S::F64_LANES) {
             let x = [
                 Lanes::load(simd, &at[0], first),
                 Lanes::load(simd, &at[1], first),
                 Lanes::load(simd, &at[2], first),
             ];
-            let mut sum = Lanes::splat(simd, 0.0);
-            let mut largest = sum;
+            let (mut sum, mut error) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 0.0));
             for face in faces {
                 let s = face.beyond(kernel, &x);
-                let (value, share) = face.share(terms, &s);
+                let [value, square, share] = face.value(terms, &s);
                 sum = sum + value;
-                let share =
-                    if face.segment_counts(kernel, tolerance) { face.cut_twice(&s, share) } else { share };
-                largest = largest.less(share).pick(share, largest);
+                let square = face.cut_twice(&s, square, share, face.segment(kernel), tolerance);
+                error = square.mul_add(error.all(face.weight), error);
             }
             sum.store(sums, first);
-            largest.store(shares, first);
+            error.store(squares, first);
         }
     }
 }
 
 impl CutFace {
-    /// Its share at points from which its corners have these s; and `c² / 8L` in the range of s where it is cut.
+    /// Its part of an entry at points from which its corners have these s; the square of `c² / 8L` of the longest edge in
+    /// the range of s, or what counts as that where the arc crosses an edge at a flat angle, 0 where the face is whole or
+    /// beyond the cutoff; and `c² / 8L` in the range of s anywhere.
     #[inline(always)]
-    fn share<S: Simd, const N: usize>(&self, terms: &Terms<N>, s: &[Lanes<S>; 3]) -> (Lanes<S>, Lanes<S>) {
+    fn value<S: Simd, const N: usize>(&self, terms: &Terms<N>, s: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let any = s[0];
         let (zero, half, one) = (any.all(0.0), any.all(0.5), any.all(1.0));
         let whole = self.whole(terms, s);
@@ -146,10 +147,10 @@ impl CutFace {
         let [p_alone, p_next, p_last] = turned(first, second, [any.all(p0), any.all(p1), any.all(p2)]);
         let [b0, b1, b2] = self.bow;
         let [across, on_last, on_next] = turned(first, second, [any.all(b0), any.all(b1), any.all(b2)]);
-        // where the arc crosses the two edges from it, s' along them there, and the densities
+        // where the arc crosses the two edges from it, 1/s' along them there, and the densities
         let sign = one_inside.pick(one, zero - one);
-        let (a, slope_a) = crossing(alone, next, on_next, sign);
-        let (b, slope_b) = crossing(alone, last, on_last, sign);
+        let (a, run_a) = crossing(alone, next, on_next, sign);
+        let (b, run_b) = crossing(alone, last, on_last, sign);
         let p_a = a.mul_add(p_next - p_alone, p_alone);
         let p_b = b.mul_add(p_last - p_alone, p_alone);
         let (a_bow, b_bow) = (a * a * on_next, b * b * on_last);
@@ -161,34 +162,50 @@ impl CutFace {
             * b
             * ((p_a + p_b).mul_add(alone.polynomial(terms.beside), at_corner)
                 - lowered * (p_alone + p_a + p_b) * third);
-        let segment = chord * (p_a + p_b) * (b / slope_a + a / slope_b) * any.all(terms.value / 12.0);
+        let segment = chord * (p_a + p_b) * (b * run_a + a * run_b) * any.all(terms.value / 12.0);
         let cut = one_inside.pick(corner, whole - corner) + segment;
         let (none, every) = (count.less(half), any.all(2.5).less(count));
         let value = none.pick(zero, every.pick(whole, cut)) * any.all(self.area);
+        let (flat_a, flat_b) = (half * on_next * run_a, half * on_last * run_b);
+        let flat = flat_a.less(flat_b).pick(flat_b, flat_a);
+        let flat = a * b * flat * flat;
         let (to_next, to_last) = ((alone - next).abs(), (alone - last).abs());
-        let share = any.all(self.sagitta()) / to_next.less(to_last).pick(to_last, to_next);
-        (value, none.pick(zero, every.pick(zero, share)))
+        let share = any.all(self.sagitta) / to_next.less(to_last).pick(to_last, to_next);
+        let square = share * share;
+        let square = flat.less(square).pick(square, flat);
+        [value, none.pick(zero, every.pick(zero, square)), share]
     }
 
-    /// `share`, but infinite where the arc may cut an edge twice.
+    /// What lies of a unit load between an edge and an arc that comes through it alone, over `c² / 8L` in the range of s:
+    /// at most `2/3 c · c` times the density, as s changes by its range within c.
     #[inline(always)]
-    fn cut_twice<S: Simd>(&self, s: &[Lanes<S>; 3], mut share: Lanes<S>) -> Lanes<S> {
-        let (zero, never, infinite) =
-            (share.all(0.0), share.all(f64::NEG_INFINITY), share.all(f64::INFINITY));
+    fn segment(&self, kernel: &CutKernel) -> f64 {
+        let longest_squared = 8.0 * kernel.cutoff * kernel.range * self.sagitta;
+        let [a, b, c] = self.density;
+        2.0 / 3.0 * longest_squared * a.max(b).max(c)
+    }
+
+    /// `square`, but infinite where the arc may cut an edge twice, or nothing but the inside of the face, and leave more
+    /// than `tolerance` of a unit load within.
+    #[inline(always)]
+    fn cut_twice<S: Simd>(
+        &self,
+        s: &[Lanes<S>; 3],
+        mut square: Lanes<S>,
+        share: Lanes<S>,
+        segment: f64,
+        tolerance: f64,
+    ) -> Lanes<S> {
+        let (zero, never) = (share.all(0.0), share.all(f64::NEG_INFINITY));
+        let counts = share.all(tolerance).less(share * share.all(segment));
+        let doubt = counts.pick(share.all(f64::INFINITY), square);
+        // With weights λ of its corners s is at every point `Σ λᵢ² sᵢ + Σ λᵢ λⱼ (sᵢ + sⱼ - bow)`.
         for k in 0..3 {
             let (one, other) = (s[(k + 1) % 3], s[(k + 2) % 3]);
             let bow = zero.at_most(one).pick(zero.at_most(other).pick(share.all(self.bow[k]), never), never);
-            share = (one + other).less(bow).pick(infinite, share);
+            square = (one + other).less(bow).pick(doubt, square);
         }
-        share
-    }
-
-    /// Whether what an arc cuts off an edge that has both ends outside is too much to be left out.
-    fn segment_counts(&self, kernel: &CutKernel, tolerance: f64) -> bool {
-        let sagitta = kernel.range * self.sagitta();
-        let edge = (8.0 * sagitta * kernel.cutoff).sqrt();
-        let density = self.density.into_iter().fold(0.0, f64::max);
-        2.0 / 3.0 * sagitta * edge * density > tolerance
+        square
     }
 
     /// s at the corners, in ranges.
@@ -204,7 +221,7 @@ impl CutFace {
         s
     }
 
-    /// Its share without a cut, over its area.
+    /// Its part without a cut, over its area.
     #[inline(always)]
     fn whole<S: Simd, const N: usize>(&self, terms: &Terms<N>, s: &[Lanes<S>; 3]) -> Lanes<S> {
         let any = s[0];
@@ -236,13 +253,13 @@ impl CutFace {
 }
 
 /// Where between 0 and 1 `start + t (end - start) - t (1 - t) bow` is 0, which has the sign of `-sign` at the start and the
-/// other at the end; and how steep it is there.
+/// other at the end; and one over how steep it is there.
 #[inline(always)]
 fn crossing<S: Simd>(start: Lanes<S>, end: Lanes<S>, bow: Lanes<S>, sign: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let linear = end - start - bow;
     let root = (linear * linear - start.all(4.0) * bow * start).sqrt();
     let two = start.all(2.0);
-    (two * start.abs() / (sign * linear + root), root)
+    (two * start.abs() / (sign * linear + root), start.all(1.0) / root)
 }
 
 /// Three values in their cyclic order, the first or the second of the last two first where a mask says so.
@@ -253,4 +270,45 @@ fn turned<S: Simd>(first: Mask<S>, second: Mask<S>, v: [Lanes<S>; 3]) -> [Lanes<
         first.pick(v[2], second.pick(v[0], v[1])),
         first.pick(v[0], second.pick(v[1], v[2])),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::corrected::Corrected;
+    use super::*;
+
+    #[test]
+    fn vectors_of_all_lengths_agree() {
+        let corrected = Corrected { constant: 1.3e-6, height: 0.8e-3, width: 5e-3, cutoff: 15e-3 };
+        let kernel = CutKernel::new(&corrected, 1e-3, 1e-4).expect("a kernel without steep slopes");
+        let corners: [[f64; 3]; 3] = [[0.0; 3], [1e-3, 0.1e-3, 0.0], [0.4e-3, 0.8e-3, 0.2e-3]];
+        let bow = [1, 2, 0].map(|k: usize| {
+            let edge = |axis: usize| corners[k][axis] - corners[(k + 1) % 3][axis];
+            (0..3).map(|axis| edge(axis).powi(2)).sum::<f64>() / (2.0 * kernel.cutoff * kernel.range)
+        });
+        let face = CutFace::of(corners, [2e6, 1e6, 0.0], 4e-7, bow);
+        // in all directions, from before to behind the cutoff
+        let point = |k: usize| {
+            let (polar, azimuth) = (0.05 * k as f64, 2.4 * k as f64);
+            let distance = kernel.cutoff + 0.5e-3 * (0.7 * k as f64).sin();
+            let (sin, cos) = polar.sin_cos();
+            [sin * azimuth.cos() * distance, sin * azimuth.sin() * distance, cos * distance]
+        };
+        let at = [0, 1, 2].map(|axis| (0..64).map(|k| point(k)[axis]).collect::<Vec<_>>());
+        let found = |add: &dyn Fn(Add)| {
+            let (mut sums, mut squares) = (vec![0.0; 64], vec![0.0; 64]);
+            let (sums_of, squares_of) = (&mut sums[..], &mut squares[..]);
+            let faces = &[face];
+            add(Add { kernel: &kernel, tolerance: 1e-4, faces, at: &at, sums: sums_of, squares: squares_of });
+            (sums, squares)
+        };
+        let one = found(&|add| add.with_simd(pulp::Scalar::new()));
+        let many = found(&|add| pulp::Arch::new().dispatch(add));
+        let scale = corrected.constant / corrected.cutoff;
+        let close = |a: f64, b: f64, scale: f64| a == b || (a - b).abs() <= 1e-10 * scale;
+        assert!((0..64).all(|k| close(one.0[k], many.0[k], scale)));
+        assert!((0..64).all(|k| close(one.1[k], many.1[k], one.1[k])));
+        assert!(one.0.iter().filter(|&&value| value > 0.0).count() > 20);
+        assert!(one.1.iter().filter(|&&square| square > 0.0 && square < 0.1).count() > 10);
+    }
 }

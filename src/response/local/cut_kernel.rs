@@ -5,6 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use std::array::from_fn;
 use std::f64::consts::PI;
 
+/// Steps in which the size of the kernel is looked at.
+const SIZES: usize = 16;
+
 /// The kernel over `s = (r² - L²) / 2L` in units of `range`, -1 < s < 0, by as few terms as keep a tolerance.
 #[derive(Debug)]
 pub(super) struct CutKernel {
@@ -12,6 +15,8 @@ pub(super) struct CutKernel {
     pub(super) cutoff: f64,
     /// Largest -s of a point of a cut load (m).
     pub(super) range: f64,
+    /// Largest magnitude there relative to K/L, at least 1.
+    pub(super) size: f64,
     pub(super) polynomial: Polynomial,
 }
 
@@ -55,7 +60,9 @@ impl CutKernel {
         let polynomial = (Terms::fitted(at, allowed).map(Polynomial::Four))
             .or_else(|| Terms::fitted(at, allowed).map(Polynomial::Six))
             .or_else(|| Terms::fitted(at, allowed).map(Polynomial::Eight))?;
-        (load_radius < 0.5 * cutoff).then_some(Self { cutoff, range, polynomial })
+        let sizes = (0..=SIZES).map(|k| at(-(k as f64) / SIZES as f64).abs() * cutoff / constant);
+        let size = sizes.fold(1.0, f64::max);
+        (load_radius < 0.5 * cutoff).then_some(Self { cutoff, range, size, polynomial })
     }
 }
 
