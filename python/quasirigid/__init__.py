@@ -36,6 +36,7 @@ from .local import local_response_matrix as local_response_matrix
 from .matrix import Definiteness as Definiteness
 from .matrix import NetVolume as NetVolume
 from .matrix import definiteness as definiteness
+from .matrix import initial_gaps as initial_gaps
 from .matrix import net_volume as net_volume
 from .matrix import response_matrix as response_matrix
 from .obstacle import Obstacle as Obstacle

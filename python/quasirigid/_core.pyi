@@ -18,6 +18,7 @@ __all__ = [
     "cut_out",
     "definiteness",
     "flat_cap_mask",
+    "initial_gaps",
     "local_response_matrix",
     "press",
     "repair",
@@ -214,6 +215,12 @@ def flat_cap_mask(surface: Surface) -> NDArray[np.bool_]: ...
 def repair(
     vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], dict[str, int]]: ...
+def initial_gaps(
+    surface: Surface,
+    skin: Skin,
+    nodes: ArrayLike,
+    distance: Callable[[NDArray[np.float64]], ArrayLike],
+) -> NDArray[np.float64]: ...
 def response_matrix(
     surface: Surface,
     skin: Skin,

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 from . import _core
 from .checks import count_of, index_of, skin_on
 from .errors import ResponseError
+from .obstacle import Obstacle
 from .skin import Skin
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
@@ -18,7 +21,7 @@ if TYPE_CHECKING:
     from .prepared import PreparedSkin
     from .surface import Surface
 
-__all__ = ["Definiteness", "NetVolume", "definiteness", "net_volume", "response_matrix"]
+__all__ = ["Definiteness", "NetVolume", "definiteness", "initial_gaps", "net_volume", "response_matrix"]
 
 
 def response_matrix(
@@ -51,7 +54,8 @@ def response_matrix(
     Returns
     -------
     (k, k) float64
-        R (m/N): entry (i, j) is the displacement of node i per newton at node j.
+        R (m/N): entry (i, j) is the displacement of node i per newton at node j; with weighted gaps, its
+        average against the pressure of node i. The gaps that belong to it are those of `initial_gaps`.
 
     Raises
     ------
@@ -62,6 +66,59 @@ def response_matrix(
     return _core.response_matrix(
         surface, skin_on(skin, surface), nodes, directions, tolerance=tolerance, num_threads=threads
     )
+
+
+def initial_gaps(
+    surface: Surface,
+    skin: Skin | PreparedSkin | CombinedSkin,
+    nodes: ArrayLike,
+    distance: Obstacle | Callable[[NDArray[np.float64]], ArrayLike],
+) -> NDArray[np.float64]:
+    """Give the gaps that a response matrix works on: ``q`` of a contact problem of one's own.
+
+    At the vertices; with weighted gaps averaged against the pressure of each node, from the vertices and the
+    middles of the edges around it. Gaps of the vertices alone would cost a weighted contact more force than
+    all else: a round obstacle's are h^2/6R too large on edges of length h.
+
+    Parameters
+    ----------
+    surface : Surface
+        The skin.
+    skin : Skin, PreparedSkin or CombinedSkin
+        Material and response.
+    nodes : (k,) array_like of int
+        Vertices, each at most once.
+    distance : Obstacle or callable
+        The obstacle, or a function from points (p, 3) to their gaps (p,), in m, negative inside.
+
+    Returns
+    -------
+    (k,) float64
+        Gaps (m).
+
+    Raises
+    ------
+    ResponseError
+        If the skin was made for another surface.
+    ValueError
+        If a node is out of range, or the function does not give one finite number per point.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import quasirigid as qr
+    >>> finger = qr.models.fingertip(edge_length=2e-3)
+    >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace(gap="weighted"))
+    >>> ball = qr.Obstacle.sphere(finger.vertices[0] + [0, 0, 1.0], 1.0005)
+    >>> q = qr.initial_gaps(finger, skin, np.arange(20), ball)
+    >>> R = qr.response_matrix(finger, skin, np.arange(20))
+    >>> qr.solve_lcp(R, q).status
+    <LcpStatus.SOLVED: 'solved'>
+    """
+    measured = (
+        (lambda points: distance.signed_distance(points)[0]) if isinstance(distance, Obstacle) else distance
+    )
+    return _core.initial_gaps(surface, skin_on(skin, surface), nodes, measured)
 
 
 def kernel_of(skin: Skin | PreparedSkin | CombinedSkin, need: str) -> _core.Skin:

@@ -4,6 +4,7 @@ mod body;
 mod contact;
 mod convert;
 mod errors;
+mod gaps;
 mod interrupt;
 mod lcp;
 mod local;
@@ -22,6 +23,8 @@ mod _core {
     use super::body::cut_out;
     #[pymodule_export]
     use super::contact::{PyContact, PyContactOptions, press, solve_contact};
+    #[pymodule_export]
+    use super::gaps::initial_gaps;
     #[pymodule_export]
     use super::lcp::{PyLcpOptions, PyLcpSolution, solve_lcp};
     #[pymodule_export]
@@ -56,6 +59,7 @@ mod _core {
                 "cut_out",
                 "definiteness",
                 "flat_cap_mask",
+                "initial_gaps",
                 "local_response_matrix",
                 "press",
                 "repair",

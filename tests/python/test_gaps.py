@@ -1,0 +1,67 @@
+"""Gaps for contact problems of one's own."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from numpy.typing import NDArray
+from shapes import grid
+
+SPACING, RADIUS, DEPTH = 1.25e-3, 0.2, 0.5e-3
+
+
+def half_space(gap: str) -> qr.Skin:
+    response = qr.HalfSpace(gap="weighted") if gap == "weighted" else qr.HalfSpace()
+    return qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
+
+
+def parabola(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    gaps: NDArray[np.float64] = (points[:, 0] ** 2 + points[:, 1] ** 2) / (2 * RADIUS) - DEPTH
+    return gaps
+
+
+@pytest.mark.parametrize("gap", ["node", "weighted"])
+def test_a_contact_of_ones_own_has_the_force_of_hertz(gap: str) -> None:
+    # 8 cells per contact radius
+    surface = qr.Surface(*grid(22, SPACING))
+    skin, nodes = half_space(gap), np.arange(len(surface.vertices))
+    q = qr.initial_gaps(surface, skin, nodes, parabola)
+    force = qr.solve_lcp(qr.response_matrix(surface, skin, nodes), q).z.sum()
+    hertz = 4 / 3 * (2 * 60e3 / 0.5) * RADIUS**0.5 * DEPTH**1.5
+    # of the error of the gap at vertices, h^2/6R of the depth, 1.5 times as much would be left in the force
+    assert force == pytest.approx(hertz, rel=0.5 * 1.5 * SPACING**2 / (6 * RADIUS) / DEPTH)
+
+
+@pytest.mark.parametrize("gap", ["node", "weighted"])
+def test_gaps_of_an_obstacle_are_those_of_a_contact(gap: str) -> None:
+    surface = qr.Surface(*grid(16, SPACING))
+    obstacle = qr.Obstacle.sphere([0, 0, RADIUS - DEPTH], RADIUS)
+    skin = half_space(gap)
+    contact = qr.solve_contact(surface, obstacle, skin)
+    q = qr.initial_gaps(surface, skin, contact.candidates, obstacle)
+    solution = qr.solve_lcp(qr.response_matrix(surface, skin, contact.candidates), q)
+    np.testing.assert_allclose(solution.z, contact.node_force[contact.candidates], rtol=1e-8, atol=1e-12)
+
+
+def test_averages_are_exact_for_quadratic_gaps() -> None:
+    surface = qr.Surface(*grid(4, SPACING))
+    middle = [int(np.argmin(np.linalg.norm(surface.vertices, axis=1)))]
+    plane = qr.initial_gaps(surface, half_space("weighted"), middle, lambda p: 3.0 + 2.0 * p[:, 0])
+    assert plane == pytest.approx([3.0], rel=1e-14)
+    square = qr.initial_gaps(surface, half_space("weighted"), middle, lambda p: p[:, 0] ** 2)
+    corners = surface.vertices[surface.faces[np.any(surface.faces == middle[0], axis=1)]]
+    edges = corners[:, 1:] - corners[:, :1]
+    areas = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
+    others = np.array([row[np.abs(row).sum(axis=1) > 0] for row in corners])
+    x, y = others[:, 0, 0], others[:, 1, 0]
+    # int l_a (l_b x + l_c y)^2 dA = A (x^2 + x y + y^2) / 30, of the hat's A / 3 in all
+    expected = np.sum(areas * (x * x + x * y + y * y) / 30) / np.sum(areas / 3)
+    assert square == pytest.approx([expected], rel=1e-13)
+
+
+@pytest.mark.parametrize("bad", [lambda p: p[:-1, 0], lambda p: np.full(len(p), np.nan)])
+def test_a_function_that_gives_no_gaps_is_named(bad: object) -> None:
+    surface = qr.Surface(*grid(4, SPACING))
+    with pytest.raises(ValueError, match=r"distance\(points\) must give \d+ finite numbers"):
+        qr.initial_gaps(surface, half_space("weighted"), [0], bad)  # type: ignore[arg-type]
