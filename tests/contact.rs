@@ -19,7 +19,8 @@ const POISSON_RATIO: f64 = 0.5;
 const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
 
 fn half_space(pressure: Pressure) -> Skin {
-    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Node }).unwrap()
+    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Node })
+        .expect("valid constants")
 }
 
 fn linear() -> Skin {
@@ -31,12 +32,12 @@ fn go_on() -> bool {
 }
 
 fn solve(surface: &Surface, obstacle: &Obstacle, skin: &Skin) -> Contact {
-    solve_contact(surface, obstacle, skin, &ContactOptions::default(), &go_on).unwrap()
+    solve_contact(surface, obstacle, skin, &ContactOptions::default(), &go_on).expect("a valid request")
 }
 
 fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &Skin, depth: f64) -> Contact {
     let upwards = Press { direction: UP, depth, start: Start::Infinity };
-    press(surface, obstacle, skin, &upwards, &ContactOptions::default(), &go_on).unwrap()
+    press(surface, obstacle, skin, &upwards, &ContactOptions::default(), &go_on).expect("a valid request")
 }
 
 /// A sphere (m) pressed 0.5 mm into a flat skin with `cells` cells per contact radius, its inner vertices moved by
@@ -54,9 +55,9 @@ fn hertz_contact_on(cells: usize, jitter: f64, radius: f64, skin: &Skin) -> (Con
             vertex.y += jitter * spacing * (2.0 * random.next() - 1.0);
         }
     }
-    let surface = Surface::new(vertices, faces).unwrap();
-    let sphere =
-        Obstacle::sphere(Vector3::new(middle, middle, hertz.radius - approach), hertz.radius).unwrap();
+    let surface = Surface::new(vertices, faces).expect("a valid surface");
+    let sphere = Obstacle::sphere(Vector3::new(middle, middle, hertz.radius - approach), hertz.radius)
+        .expect("a valid obstacle");
     (solve(&surface, &sphere, skin), hertz, approach)
 }
 
@@ -91,7 +92,7 @@ fn the_error_against_hertz_falls_with_refinement() {
 #[test]
 fn averaged_gaps_give_a_better_hertz_force_than_gaps_at_vertices() {
     let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).unwrap();
+    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).expect("valid constants");
     // So flat a sphere is Hertz's parabola up to d / R = 2.5e-6, and all error the mesh's.
     let errors = |cells: usize, jitter: f64, skin: &Skin| {
         let (contact, hertz, approach) = hertz_contact_on(cells, jitter, 200.0, skin);
@@ -128,7 +129,7 @@ fn lattice(
         let (i, j) = (vertex.x - 0.5 * count as f64, vertex.y - 0.5 * count as f64);
         *vertex = i * first + j * second + shift + moved;
     }
-    Surface::new(vertices, faces).unwrap()
+    Surface::new(vertices, faces).expect("a valid surface")
 }
 
 /// Root mean squares of the errors of force, peak pressure and contact area against Hertz, over places of the sphere
@@ -138,7 +139,8 @@ fn hertz_errors(skin: &Skin, cells: usize, angle: f64, jitter: f64, places: usiz
     let hertz = Hertz { radius: 200.0, contact_modulus: contact_modulus(SHEAR_MODULUS, POISSON_RATIO) };
     let approach = 0.5e-3;
     let radius = hertz.contact_radius(approach);
-    let sphere = Obstacle::sphere(Vector3::new(0.0, 0.0, hertz.radius - approach), hertz.radius).unwrap();
+    let sphere = Obstacle::sphere(Vector3::new(0.0, 0.0, hertz.radius - approach), hertz.radius)
+        .expect("a valid obstacle");
     let mut random = Random(11);
     let mut sums = [0.0; 3];
     for _ in 0..places {
@@ -161,7 +163,7 @@ fn hertz_errors(skin: &Skin, cells: usize, angle: f64, jitter: f64, places: usiz
 #[test]
 fn averaged_gaps_beat_gaps_at_vertices_in_force_peak_and_area_over_places_on_every_mesh() {
     let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).unwrap();
+    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).expect("valid constants");
     let meshes = [("equilateral", 120.0, 0.0), ("square", 90.0, 0.0), ("jittered", 90.0, 0.25)];
     for (mesh, degrees, jitter) in meshes {
         let mut before = None;
@@ -188,7 +190,7 @@ fn averaged_gaps_beat_gaps_at_vertices_in_force_peak_and_area_over_places_on_eve
 #[test]
 fn the_arrays_of_a_weighted_contact_agree_with_its_figures() {
     let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).unwrap();
+    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).expect("valid constants");
     let (contact, hertz, approach) = hertz_contact_on(8, 0.25, 200.0, &weighted);
     let total: f64 = contact.node_force.iter().sum();
     assert_relative_eq!(contact.resultant.force.norm(), total, max_relative = 1e-4);
@@ -215,7 +217,8 @@ fn the_arrays_of_a_weighted_contact_agree_with_its_figures() {
 
 /// The response of the half-space with gaps averaged.
 fn averaged(pressure: Pressure) -> Skin {
-    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Weighted }).unwrap()
+    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Weighted })
+        .expect("valid constants")
 }
 
 #[test]
@@ -229,15 +232,17 @@ fn no_contact_of_averaged_gaps_carries_its_force_above_its_largest_pressure() {
         let surface = lattice(12, [h * Vector3::x(), h * Vector3::y()], shift, 0.3, &mut random);
         let depth = h * 10_f64.powf(-2.5 + 2.0 * random.next());
         let obstacle = match k % 3 {
-            0 => Obstacle::sphere(Vector3::new(0.0, 0.0, 5.0 * h - depth), 5.0 * h).unwrap(),
+            0 => {
+                Obstacle::sphere(Vector3::new(0.0, 0.0, 5.0 * h - depth), 5.0 * h).expect("a valid obstacle")
+            }
             1 => Obstacle::cuboid(h * Vector3::new(0.7, 2.2, 1.0))
-                .unwrap()
+                .expect("a valid obstacle")
                 .moved(&Matrix3::identity(), &Vector3::new(0.0, 0.0, h - depth))
-                .unwrap(),
+                .expect("a rigid motion"),
             _ => Obstacle::capsule(h * Vector3::new(-9.0, 0.0, 1.0), h * Vector3::new(9.0, 0.0, 1.0), h)
-                .unwrap()
+                .expect("a valid obstacle")
                 .moved(&Matrix3::identity(), &Vector3::new(0.0, 0.0, -depth))
-                .unwrap(),
+                .expect("a rigid motion"),
         };
         let contact = solve(&surface, &obstacle, &averaged(Pressure::Linear));
         let highest = (contact.active.iter())
@@ -259,13 +264,13 @@ fn no_contact_of_averaged_gaps_carries_its_force_above_its_largest_pressure() {
 #[test]
 fn the_figures_of_averaged_gaps_do_not_turn_with_the_scene() {
     let layer = Response::Layer { thickness: 4e-3.into(), pressure: Pressure::Linear, gap: Gap::Weighted };
-    let layer = Skin::new(SHEAR_MODULUS, POISSON_RATIO, layer).unwrap();
+    let layer = Skin::new(SHEAR_MODULUS, POISSON_RATIO, layer).expect("valid constants");
     let (vertices, faces) = icosphere(8e-3, 3);
-    let surface = Surface::new(vertices, faces).unwrap();
-    let sphere = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, 37.2e-3), 30e-3).unwrap();
+    let surface = Surface::new(vertices, faces).expect("a valid surface");
+    let sphere = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, 37.2e-3), 30e-3).expect("a valid obstacle");
     let rotation = Rotation3::new(Vector3::new(0.4, 1.1, -0.7));
     let shift = Vector3::new(0.03, -0.02, 0.05);
-    let turned_sphere = sphere.moved(rotation.matrix(), &shift).unwrap();
+    let turned_sphere = sphere.moved(rotation.matrix(), &shift).expect("a rigid motion");
     let moved = surface.with_vertices(surface.vertices().iter().map(|x| rotation * x + shift).collect());
     for skin in [averaged(Pressure::Linear), layer] {
         let straight = solve(&surface, &sphere, &skin).resultant;
@@ -278,7 +283,7 @@ fn the_figures_of_averaged_gaps_do_not_turn_with_the_scene() {
 #[test]
 fn a_press_too_shallow_for_averaged_gaps_keeps_its_penetration_and_says_so() {
     let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let skin = Skin::new(SHEAR_MODULUS, POISSON_RATIO, response).unwrap();
+    let skin = Skin::new(SHEAR_MODULUS, POISSON_RATIO, response).expect("valid constants");
     let contact = press_up(&ball(8e-3, 3), &plate(), &skin, 1e-5);
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.resultant.force, Vector3::zeros());
@@ -306,11 +311,11 @@ fn one_ring_pressures_oscillate_where_linear_ones_do_not() {
 fn ball(radius: f64, subdivisions: usize) -> Surface {
     let (mut vertices, faces) = icosphere(radius, subdivisions);
     vertices.iter_mut().for_each(|vertex| vertex.z += radius);
-    Surface::new(vertices, faces).unwrap()
+    Surface::new(vertices, faces).expect("a valid surface")
 }
 
 fn plate() -> Obstacle {
-    Obstacle::half_space(Vector3::zeros(), UP).unwrap()
+    Obstacle::half_space(Vector3::zeros(), UP).expect("a valid obstacle")
 }
 
 #[test]
@@ -371,16 +376,17 @@ fn a_press_by_nothing_is_no_contact() {
 fn force_does_not_depend_on_where_the_scene_lies_or_how_its_vertices_are_numbered() {
     let (depth, skin) = (0.6e-3, linear());
     let surface = ball(8e-3, 3);
-    let rod =
-        Obstacle::capsule(Vector3::new(-0.03, 0.0, -0.01), Vector3::new(0.03, 0.002, -0.01), 6e-3).unwrap();
+    let rod = Obstacle::capsule(Vector3::new(-0.03, 0.0, -0.01), Vector3::new(0.03, 0.002, -0.01), 6e-3)
+        .expect("a valid obstacle");
     let force = press_up(&surface, &rod, &skin, depth).resultant.force.norm();
 
     let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
     let shift = Vector3::new(0.4, -0.2, 1.3);
     let moved = surface.moved(&Isometry3::from_parts(Translation3::from(shift), turn.into()));
-    let obstacle = rod.moved(turn.matrix(), &shift).unwrap();
+    let obstacle = rod.moved(turn.matrix(), &shift).expect("a rigid motion");
     let press_along = Press { direction: turn * UP, depth, start: Start::Infinity };
-    let turned = press(&moved, &obstacle, &skin, &press_along, &ContactOptions::default(), &go_on).unwrap();
+    let turned = press(&moved, &obstacle, &skin, &press_along, &ContactOptions::default(), &go_on)
+        .expect("a valid request");
     assert_relative_eq!(turned.resultant.force.norm(), force, max_relative = 1e-6);
 
     let count = surface.vertices().len();
@@ -389,7 +395,7 @@ fn force_does_not_depend_on_where_the_scene_lies_or_how_its_vertices_are_numbere
     let mut vertices = vec![Vector3::zeros(); count];
     surface.vertices().iter().enumerate().for_each(|(old, x)| vertices[renumber(old)] = *x);
     let faces = surface.faces().iter().map(|face| face.map(|v| renumber(v as usize) as u32)).collect();
-    let renumbered = Surface::new(vertices, faces).unwrap();
+    let renumbered = Surface::new(vertices, faces).expect("a valid surface");
     let again = press_up(&renumbered, &rod, &skin, depth).resultant.force.norm();
     assert_relative_eq!(again, force, max_relative = 1e-9);
 }
@@ -410,7 +416,7 @@ fn force_grows_with_the_square_of_the_scale() {
 fn force_is_proportional_to_the_shear_modulus() {
     let at = |modulus: f64| {
         let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
-        let skin = Skin::new(modulus, POISSON_RATIO, response).unwrap();
+        let skin = Skin::new(modulus, POISSON_RATIO, response).expect("valid constants");
         press_up(&ball(8e-3, 3), &plate(), &skin, 0.5e-3).resultant.force.z
     };
     assert_relative_eq!(at(6e9), 1e5 * at(6e4), max_relative = 1e-9);
@@ -420,7 +426,7 @@ fn force_is_proportional_to_the_shear_modulus() {
 fn masked_vertices_stay_out_of_contact() {
     let surface = ball(8e-3, 3);
     let mask: Vec<bool> = surface.vertices().iter().map(|x| x.z > 0.2e-3).collect();
-    let masked = surface.clone().with_skin_mask(mask.clone()).unwrap();
+    let masked = surface.clone().with_skin_mask(mask.clone()).expect("a mask of the surface");
     let contact = press_up(&masked, &plate(), &linear(), 0.3e-3);
     assert!(contact.candidates.iter().all(|&vertex| mask[vertex]));
     assert!(contact.travel > press_up(&surface, &plate(), &linear(), 0.3e-3).travel);
@@ -433,7 +439,7 @@ fn paper_skin() -> Skin {
         cutoff: 15e-3,
         pressure: Pressure::Linear,
     };
-    Skin::new(SHEAR_MODULUS, POISSON_RATIO, response).unwrap()
+    Skin::new(SHEAR_MODULUS, POISSON_RATIO, response).expect("valid constants")
 }
 
 #[test]
@@ -473,12 +479,13 @@ fn bad_questions_are_named() {
         other => panic!("{other}"),
     }
 
-    let beside = Obstacle::sphere(Vector3::new(0.1, 0.0, 0.0), 1e-3).unwrap();
+    let beside = Obstacle::sphere(Vector3::new(0.1, 0.0, 0.0), 1e-3).expect("a valid obstacle");
     let up = Press { direction: UP, depth: 1e-3, start: Start::Infinity };
     let missed = press(&surface, &beside, &skin, &up, &options, &go_on).unwrap_err();
     assert!(matches!(missed, ContactError::NeverTouches { .. }));
 
-    let masked = surface.clone().with_skin_mask(vec![false; surface.vertices().len()]).unwrap();
+    let masked =
+        surface.clone().with_skin_mask(vec![false; surface.vertices().len()]).expect("a mask of the surface");
     let none = press(&masked, &plate(), &skin, &up, &options, &go_on).unwrap_err();
     assert_eq!(none, ContactError::NoSkin { vertex_count: surface.vertices().len() });
 
@@ -490,7 +497,7 @@ fn bad_questions_are_named() {
 #[test]
 fn an_obstacle_in_another_unit_is_warned_about() {
     let (vertices, faces) = icosphere(8.0, 2);
-    let huge = Obstacle::mesh(vertices, faces, &Default::default()).unwrap();
+    let huge = Obstacle::mesh(vertices, faces, &Default::default()).expect("a valid obstacle");
     let contact = solve(&ball(8e-3, 2), &huge.translated(&Vector3::new(0.0, 0.0, -9.0)), &linear());
     assert!(contact.warnings[0].contains("unit"), "{:?}", contact.warnings);
 }
@@ -500,7 +507,7 @@ fn threads_change_nothing() {
     let with = |num_threads| {
         let options = ContactOptions { num_threads: Some(num_threads), ..ContactOptions::default() };
         let up = Press { direction: UP, depth: 0.5e-3, start: Start::Infinity };
-        press(&ball(8e-3, 3), &plate(), &linear(), &up, &options, &go_on).unwrap()
+        press(&ball(8e-3, 3), &plate(), &linear(), &up, &options, &go_on).expect("a valid request")
     };
     let (one, two) = (with(1), with(2));
     assert_eq!(one.node_force, two.node_force);

@@ -203,7 +203,8 @@ mod tests {
             }
         };
         let cells = (0..side * (side - 1)).filter(|k| k % side + 1 < side);
-        Surface::new((0..side * side).map(place).collect(), cells.flat_map(cell).collect()).unwrap()
+        Surface::new((0..side * side).map(place).collect(), cells.flat_map(cell).collect())
+            .expect("a valid surface")
     }
 
     #[test]

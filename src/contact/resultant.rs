@@ -143,13 +143,13 @@ mod tests {
         let place = |k: u32| Vector3::new(f64::from(k % 5), f64::from(k / 5), 0.0);
         let cells = (0..20).filter(|k| k % 5 < 4);
         let faces = cells.flat_map(|k| [[k, k + 1, k + 6], [k, k + 6, k + 5]]).collect();
-        let surface = Surface::new((0..25).map(place).collect(), faces).unwrap();
+        let surface = Surface::new((0..25).map(place).collect(), faces).expect("a valid surface");
         let middle = 12;
         let active: Vec<usize> = surface.neighbours(middle).iter().map(|&other| other as usize).collect();
         let mut node_force = [0.0; 25];
         active.iter().for_each(|&vertex| node_force[vertex] = 1.0);
         let response = Response::HalfSpace { pressure: Pressure::OneRing, gap: Gap::Node };
-        let skin = Skin::new(1.0, 0.5, response).unwrap();
+        let skin = Skin::new(1.0, 0.5, response).expect("valid constants");
         let pressure = node_pressure(&surface, &skin, &node_force, &active);
         let normals = [Vector3::z(); 25];
         let found =

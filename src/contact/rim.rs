@@ -147,7 +147,8 @@ mod tests {
         };
         let corners = (0..side * (side - 1)).filter(|k| k % side + 1 < side);
         let cell = |k: u32| [[k, k + 1, k + side + 1], [k, k + side + 1, k + side]];
-        Surface::new((0..side * side).map(place).collect(), corners.flat_map(cell).collect()).unwrap()
+        Surface::new((0..side * side).map(place).collect(), corners.flat_map(cell).collect())
+            .expect("a valid surface")
     }
 
     /// The area found for a rim at distance 0 of `outside`, with a gap of `stiffness` times its 3/2 power.
@@ -192,7 +193,7 @@ mod tests {
     fn without_a_smooth_rim_the_area_stays_between_the_touching_triangles_and_those_around_them() {
         let surface = squares(3);
         // One vertex under force; beside it the gap jumps, or is closed all around.
-        let center = surface.vertices().iter().position(|p| p.norm() == 0.0).unwrap();
+        let center = surface.vertices().iter().position(|p| p.norm() == 0.0).expect("a vertex in the middle");
         let touches: Vec<bool> = (0..49).map(|vertex| vertex == center).collect();
         let around: f64 =
             surface.faces_around(center).iter().map(|&face| surface.face_areas()[face as usize]).sum();
@@ -222,7 +223,7 @@ mod tests {
         let found = |turns: usize| {
             let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]][turns];
             let faces = surface.faces().iter().map(turned).collect();
-            let surface = Surface::new(surface.vertices().to_vec(), faces).unwrap();
+            let surface = Surface::new(surface.vertices().to_vec(), faces).expect("a valid surface");
             contact_areas(&surface, &gap, &touches, &force, &active)
         };
         for turns in [1, 2] {
