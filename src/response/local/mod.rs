@@ -1,7 +1,17 @@
 //! Response matrices of kernels that fade, stored in blocks at almost linear cost.
 //!
-//! A hierarchical matrix (Hackbusch 1999, Computing 62, 89-108): a tree of clusters of nodes, blocks of pairs of clusters,
-//! and products of a few vectors where the clusters are apart.
+//! `R_ij = ∫ k(|x_i - y|) p_j(y) dA` (m/N) with a kernel k that has faded beyond its reach, so that a product keeps
+//! `|R' f - R f| <= threshold |R| |f|`, R' the stored matrix.
+//!
+//! A hierarchical matrix (Hackbusch 1999, Computing 62, 89-108): a tree of `clusters` of nodes, a `plan` of blocks of
+//! pairs of clusters, and in each, by `assemble`:
+//!
+//! - close to each other: all entries, exact;
+//! - apart: a few products of vectors, by `cross` approximation of `far` entries, their loads as a few `points`;
+//! - `across` the distance at which a kernel is cut off: a `step`, products of vectors for the columns within, and the
+//!   entries of the loads that are cut (`cut_load`, triangle by triangle in `cut_face`, the kernel in `cut_kernel`).
+//!
+//! The `matrix` is read by its `product` and its `spectrum`.
 
 mod across;
 mod assemble;
@@ -17,7 +27,6 @@ mod options;
 mod plan;
 mod points;
 mod product;
-
 mod smooth;
 mod spectrum;
 mod step;
