@@ -7,24 +7,16 @@ a `Figure`; matplotlib (the extra `plot`) is imported where it is used, and no w
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from .drawing import (
-    AFTER,
-    BEFORE,
-    BONE,
     FAINT,
     INK,
-    PRODUCT,
-    PRODUCT_EDGE,
-    Window,
     axes_or_new,
     colour_bar,
     contact_side,
-    cut_lines,
-    joined,
     lit_skin,
     new_figure,
     overlap_colours,
@@ -33,7 +25,9 @@ from .drawing import (
     scale_bar,
     window_around,
 )
-from .raster import Floats, Indices, View
+from .raster import View
+from .section import plot_section
+from .views import KPA, MM, pad_view, vertices_before
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,36 +45,6 @@ __all__ = [
     "plot_skin",
     "side_by_side",
 ]
-
-MM = 1e3
-KPA = 1e-3
-
-
-def pad_view(contact: Contact) -> View:
-    """The view from the product onto the skin: along the contact force, the skin's long axis upwards.
-
-    Parameters
-    ----------
-    contact : Contact
-        Where it has no force the view runs along +z.
-    """
-    force = np.asarray(contact.force, dtype=np.float64)
-    pressed = np.isfinite(force).all() and np.any(force)
-    sight = force / np.linalg.norm(force) if pressed else np.array([0.0, 0.0, 1.0])
-    # A press along an axis of the scene is drawn square to that axis.
-    axis = int(np.argmax(np.abs(sight)))
-    if abs(sight[axis]) > 0.95:
-        sight = np.sign(sight[axis]) * np.eye(3)[axis]
-    vertices = np.asarray(contact.deformed.vertices)
-    spread = vertices - vertices.mean(axis=0)
-    flat = spread - np.outer(spread @ sight, sight)
-    longest = np.linalg.eigh(flat.T @ flat)[1][:, -1]
-    # Towards the larger coordinates: fingertips are on top where fingers lie along +y, as most hands have it.
-    axis = int(np.argmax(np.abs(longest)))
-    up = longest * np.sign(longest[axis])
-    if abs(up[axis]) > 0.95:
-        up = np.eye(3)[axis]
-    return View.along(sight, up)
 
 
 def plot_skin(
@@ -126,74 +90,6 @@ def plot_skin(
     scale_bar(ax, window)
     if values.max() > 0.0:
         colour_bar(ax, colours, float(values.max()), label)
-    return ax
-
-
-def plot_section(
-    contact: Contact,
-    *,
-    bone: Surface | None = None,
-    ax: Axes | None = None,
-    view: View | None = None,
-) -> Axes:
-    """A cut through the centre of pressure, along the finger: skin before and after, and the product.
-
-    Parameters
-    ----------
-    contact : Contact
-        What to draw.
-    bone : Surface, optional
-        Bones inside the skin, to be drawn in the cut too.
-    ax : Axes, optional
-        Where to draw; a new figure when left out.
-    view : View, optional
-        The view whose `up` and `toward` span the cut; `pad_view` when left out. The product is drawn below.
-    """
-    view = pad_view(contact) if view is None else view
-    ax = axes_or_new(ax, (4.4, 6.0))
-    before, after = vertices_before(contact), np.asarray(contact.deformed.vertices)
-    centre = np.asarray(contact.center_of_pressure, dtype=np.float64)
-    if not np.isfinite(centre).all():
-        centre = after.mean(axis=0)
-    skin_faces = np.asarray(contact.deformed.faces, dtype=np.int64)
-    cuts = [_cut(points, skin_faces, centre, view) for points in (before, after)]
-    window = _section_window(cuts[1], view.project(centre[None])[0] * MM)
-    # The product fills every point of the cut inside it.
-    along, away = np.linspace(window[0], window[1], 420), np.linspace(window[2], window[3], 300)
-    grid_along, grid_away = np.meshgrid(along, away)
-    points = (
-        grid_along.ravel()[:, None] / MM * view.up
-        - grid_away.ravel()[:, None] / MM * view.toward
-        + np.dot(centre, view.right) * view.right
-    )
-    distance = np.asarray(contact.obstacle.signed_distance(points)[0]).reshape(grid_along.shape)
-    ax.contourf(along, away, distance, levels=[-np.inf, 0.0], colors=[PRODUCT])
-    ax.contour(along, away, distance, levels=[0.0], colors=[PRODUCT_EDGE], linewidths=1.0)
-    if bone is not None:
-        outlines = joined(_cut(np.asarray(bone.vertices), np.asarray(bone.faces), centre, view))
-        ends = np.flatnonzero(np.isnan(outlines[:, 0]))
-        for first, last in zip([0, *(ends[:-1] + 1)], ends, strict=True):
-            ax.fill(*outlines[first:last].T, color=BONE, zorder=2)
-        ax.fill_between([], [], color=BONE, label="bone")
-    styles = [(BEFORE, 1.1, (0, (3.5, 2.0)), "skin before"), (AFTER, 2.0, "solid", "skin after")]
-    for segments, (colour, thickness, dashes, name) in zip(cuts, styles, strict=True):
-        _draw_cut(ax, segments, colour, thickness, dashes, name)
-    ax.fill_between([], [], color=PRODUCT, label="product")
-    ax.set_xlim(window[0], window[1])
-    ax.set_ylim(window[2], window[3])
-    ax.set_aspect("equal")
-    ax.set_axis_off()
-    scale_bar(ax, window)
-    ax.legend(
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        ncols=3 if bone is None else 4,
-        frameon=False,
-        fontsize=8.5,
-        labelcolor=INK,
-        handlelength=1.8,
-        columnspacing=1.4,
-    )
     return ax
 
 
@@ -320,35 +216,6 @@ def side_by_side(contacts: Mapping[str, Contact]) -> Figure:
     if top > 0.0:
         colour_bar(axes[-1], pressure_colours(), top, "pressure (kPa)", beside=True)
     return figure
-
-
-def vertices_before(contact: Contact) -> Floats:
-    """Vertices (n, 3) of the skin before it gave way (m)."""
-    before: Floats = np.asarray(contact.deformed.vertices) - np.asarray(contact.displacement)
-    return before
-
-
-def _cut(vertices: Floats, faces: Indices, centre: Floats, view: View) -> Floats:
-    """Segments (k, 2, 2) in mm of a mesh in the plane through `centre` square to the view's `right`."""
-    projected = view.project(vertices) * MM
-    offset = projected[:, 0] - view.project(centre[None])[0, 0] * MM
-    return cut_lines(faces, offset, np.stack([projected[:, 1], -projected[:, 2]], axis=1))
-
-
-def _section_window(cut: Floats, centre: Floats) -> Window:
-    """The whole cut of a finger; of a long skin the 60 mm around the contact."""
-    points = cut.reshape(-1, 2)
-    low, high = points.min(axis=0), points.max(axis=0)
-    middle = np.array([centre[1], -centre[2]])
-    low, high = np.maximum(low, middle - 30.0), np.minimum(high, middle + 30.0)
-    rim = 0.08 * float((high - low).max())
-    return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 3.0 * rim, float(high[1]) + 2.0 * rim
-
-
-def _draw_cut(ax: Axes, segments: Floats, colour: str, thickness: float, dashes: Any, name: str) -> None:
-    # Joined by nan, so that dashes run on along the line and not anew in each triangle.
-    line = joined(segments)
-    ax.plot(line[:, 0], line[:, 1], color=colour, linewidth=thickness, linestyle=dashes, label=name, zorder=3)
 
 
 def _headline(contact: Contact) -> str:

@@ -1,0 +1,120 @@
+"""The cut through a contact, along the finger."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .drawing import (
+    AFTER,
+    BEFORE,
+    BONE,
+    INK,
+    PRODUCT,
+    PRODUCT_EDGE,
+    Window,
+    axes_or_new,
+    cut_lines,
+    joined,
+    scale_bar,
+)
+from .raster import Floats, Indices, View
+from .views import MM, pad_view, vertices_before
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from .contact import Contact
+    from .surface import Surface
+
+
+def plot_section(
+    contact: Contact,
+    *,
+    bone: Surface | None = None,
+    ax: Axes | None = None,
+    view: View | None = None,
+) -> Axes:
+    """A cut through the centre of pressure, along the finger: skin before and after, and the product.
+
+    Parameters
+    ----------
+    contact : Contact
+        What to draw.
+    bone : Surface, optional
+        Bones inside the skin, to be drawn in the cut too.
+    ax : Axes, optional
+        Where to draw; a new figure when left out.
+    view : View, optional
+        The view whose `up` and `toward` span the cut; `pad_view` when left out. The product is drawn below.
+    """
+    view = pad_view(contact) if view is None else view
+    ax = axes_or_new(ax, (4.4, 6.0))
+    before, after = vertices_before(contact), np.asarray(contact.deformed.vertices)
+    centre = np.asarray(contact.center_of_pressure, dtype=np.float64)
+    if not np.isfinite(centre).all():
+        centre = after.mean(axis=0)
+    skin_faces = np.asarray(contact.deformed.faces, dtype=np.int64)
+    cuts = [_cut(points, skin_faces, centre, view) for points in (before, after)]
+    window = _section_window(cuts[1], view.project(centre[None])[0] * MM)
+    # The product fills every point of the cut inside it.
+    along, away = np.linspace(window[0], window[1], 420), np.linspace(window[2], window[3], 300)
+    grid_along, grid_away = np.meshgrid(along, away)
+    points = (
+        grid_along.ravel()[:, None] / MM * view.up
+        - grid_away.ravel()[:, None] / MM * view.toward
+        + np.dot(centre, view.right) * view.right
+    )
+    distance = np.asarray(contact.obstacle.signed_distance(points)[0]).reshape(grid_along.shape)
+    ax.contourf(along, away, distance, levels=[-np.inf, 0.0], colors=[PRODUCT])
+    ax.contour(along, away, distance, levels=[0.0], colors=[PRODUCT_EDGE], linewidths=1.0)
+    if bone is not None:
+        outlines = joined(_cut(np.asarray(bone.vertices), np.asarray(bone.faces), centre, view))
+        ends = np.flatnonzero(np.isnan(outlines[:, 0]))
+        for first, last in zip([0, *(ends[:-1] + 1)], ends, strict=True):
+            ax.fill(*outlines[first:last].T, color=BONE, zorder=2)
+        ax.fill_between([], [], color=BONE, label="bone")
+    styles = [(BEFORE, 1.1, (0, (3.5, 2.0)), "skin before"), (AFTER, 2.0, "solid", "skin after")]
+    for segments, (colour, thickness, dashes, name) in zip(cuts, styles, strict=True):
+        _draw_cut(ax, segments, colour, thickness, dashes, name)
+    ax.fill_between([], [], color=PRODUCT, label="product")
+    ax.set_xlim(window[0], window[1])
+    ax.set_ylim(window[2], window[3])
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    scale_bar(ax, window)
+    ax.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.0),
+        ncols=3 if bone is None else 4,
+        frameon=False,
+        fontsize=8.5,
+        labelcolor=INK,
+        handlelength=1.8,
+        columnspacing=1.4,
+    )
+    return ax
+
+
+def _cut(vertices: Floats, faces: Indices, centre: Floats, view: View) -> Floats:
+    """Segments (k, 2, 2) in mm of a mesh in the plane through `centre` square to the view's `right`."""
+    projected = view.project(vertices) * MM
+    offset = projected[:, 0] - view.project(centre[None])[0, 0] * MM
+    return cut_lines(faces, offset, np.stack([projected[:, 1], -projected[:, 2]], axis=1))
+
+
+def _section_window(cut: Floats, centre: Floats) -> Window:
+    """The whole cut of a finger; of a long skin the 60 mm around the contact."""
+    points = cut.reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = np.array([centre[1], -centre[2]])
+    low, high = np.maximum(low, middle - 30.0), np.minimum(high, middle + 30.0)
+    rim = 0.08 * float((high - low).max())
+    return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 3.0 * rim, float(high[1]) + 2.0 * rim
+
+
+def _draw_cut(ax: Axes, segments: Floats, colour: str, thickness: float, dashes: Any, name: str) -> None:
+    # Joined by nan, so that dashes run on along the line and not anew in each triangle.
+    line = joined(segments)
+    ax.plot(line[:, 0], line[:, 1], color=colour, linewidth=thickness, linestyle=dashes, label=name, zorder=3)

@@ -1,0 +1,48 @@
+"""Where a contact is looked at from, and the units of its pictures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .raster import Floats, View
+
+if TYPE_CHECKING:
+    from .contact import Contact
+
+MM = 1e3
+KPA = 1e-3
+
+
+def pad_view(contact: Contact) -> View:
+    """The view from the product onto the skin: along the contact force, the skin's long axis upwards.
+
+    Parameters
+    ----------
+    contact : Contact
+        Where it has no force the view runs along +z.
+    """
+    force = np.asarray(contact.force, dtype=np.float64)
+    pressed = np.isfinite(force).all() and np.any(force)
+    sight = force / np.linalg.norm(force) if pressed else np.array([0.0, 0.0, 1.0])
+    # A press along an axis of the scene is drawn square to that axis.
+    axis = int(np.argmax(np.abs(sight)))
+    if abs(sight[axis]) > 0.95:
+        sight = np.sign(sight[axis]) * np.eye(3)[axis]
+    vertices = np.asarray(contact.deformed.vertices)
+    spread = vertices - vertices.mean(axis=0)
+    flat = spread - np.outer(spread @ sight, sight)
+    longest = np.linalg.eigh(flat.T @ flat)[1][:, -1]
+    # Towards the larger coordinates: fingertips are on top where fingers lie along +y, as most hands have it.
+    axis = int(np.argmax(np.abs(longest)))
+    up = longest * np.sign(longest[axis])
+    if abs(up[axis]) > 0.95:
+        up = np.eye(3)[axis]
+    return View.along(sight, up)
+
+
+def vertices_before(contact: Contact) -> Floats:
+    """Vertices (n, 3) of the skin before it gave way (m)."""
+    before: Floats = np.asarray(contact.deformed.vertices) - np.asarray(contact.displacement)
+    return before
