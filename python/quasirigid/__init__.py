@@ -30,9 +30,6 @@ from .lcp import LcpOptions as LcpOptions
 from .lcp import LcpSolution as LcpSolution
 from .lcp import LcpStatus as LcpStatus
 from .lcp import solve_lcp as solve_lcp
-from .local import LocalDefiniteness as LocalDefiniteness
-from .local import LocalResponseMatrix as LocalResponseMatrix
-from .local import local_response_matrix as local_response_matrix
 from .matrix import Definiteness as Definiteness
 from .matrix import NetVolume as NetVolume
 from .matrix import definiteness as definiteness

@@ -11,7 +11,6 @@ __all__ = [
     "ContactOptions",
     "LcpOptions",
     "LcpSolution",
-    "LocalMatrix",
     "Obstacle",
     "Skin",
     "Surface",
@@ -19,7 +18,6 @@ __all__ = [
     "definiteness",
     "flat_cap_mask",
     "initial_gaps",
-    "local_response_matrix",
     "press",
     "repair",
     "response_matrix",
@@ -185,31 +183,6 @@ def cut_out(
     surface: Surface, tip: int, point: ArrayLike, normal: ArrayLike
 ) -> tuple[Surface, NDArray[np.bool_], NDArray[np.int64], NDArray[np.int64]]: ...
 
-@final
-class LocalMatrix:
-    @property
-    def order(self) -> int: ...
-    @property
-    def entries(self) -> int: ...
-    @property
-    def nbytes(self) -> int: ...
-    def apply(self, forces: ArrayLike) -> NDArray[np.float64]: ...
-    def apply_transposed(self, forces: ArrayLike) -> NDArray[np.float64]: ...
-    def to_dense(self) -> NDArray[np.float64]: ...
-    def diagonal(self) -> NDArray[np.float64]: ...
-    def groups(self) -> list[NDArray[np.int64]]: ...
-    def definiteness(self) -> dict[str, Any]: ...
-
-def local_response_matrix(
-    surface: Surface,
-    skin: Skin,
-    nodes: ArrayLike,
-    *,
-    threshold: float,
-    tolerance: float | None,
-    num_threads: int | None,
-    memory_limit: int | None,
-) -> LocalMatrix: ...
 def definiteness(matrix: ArrayLike) -> dict[str, Any]: ...
 def flat_cap_mask(surface: Surface) -> NDArray[np.bool_]: ...
 def repair(

@@ -7,7 +7,6 @@ mod errors;
 mod gaps;
 mod interrupt;
 mod lcp;
-mod local;
 mod matrix;
 mod obstacle;
 mod pickle;
@@ -28,7 +27,6 @@ mod _core {
     #[pymodule_export]
     use super::lcp::{PyLcpOptions, PyLcpSolution, solve_lcp};
     #[pymodule_export]
-    use super::local::{PyLocalMatrix, local_response_matrix};
     #[pymodule_export]
     use super::matrix::{definiteness, response_matrix};
     #[pymodule_export]
@@ -52,7 +50,6 @@ mod _core {
                 "ContactOptions",
                 "LcpOptions",
                 "LcpSolution",
-                "LocalMatrix",
                 "Obstacle",
                 "Skin",
                 "Surface",
@@ -60,7 +57,6 @@ mod _core {
                 "definiteness",
                 "flat_cap_mask",
                 "initial_gaps",
-                "local_response_matrix",
                 "press",
                 "repair",
                 "response_matrix",

@@ -100,9 +100,6 @@ impl<'a> Columns<'a> {
         rows: &[usize],
         options: &AssemblyOptions,
     ) -> Result<Self, ResponseError> {
-        if skin.gap() == Gap::Weighted {
-            return Err(ResponseError::GapNotLocal);
-        }
         let point = |&v: &usize| match &skin.response {
             Response::Layer { thickness, .. } => displacement_point(surface, v, thickness.at(v)),
             _ => surface.vertices()[v],

@@ -57,7 +57,7 @@ pub fn definiteness(matrix: MatRef<'_, f64>) -> Definiteness {
             Err(_) => (f64::NAN, f64::NAN, true),
         }
     } else {
-        let Extremes { low, high, .. } = lanczos(n, STEPS, |v| &symmetric * v);
+        let Extremes { low, high } = lanczos(n, STEPS, |v| &symmetric * v);
         match &factor {
             Some(factor) => {
                 use faer::linalg::solvers::Solve;
@@ -73,15 +73,13 @@ pub fn definiteness(matrix: MatRef<'_, f64>) -> Definiteness {
 
 /// Extreme Ritz values of a symmetric operator.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Extremes {
-    pub(super) low: f64,
-    pub(super) high: f64,
-    /// Some eigenvalue is no farther than this from `low`.
-    pub(super) low_residual: f64,
+struct Extremes {
+    low: f64,
+    high: f64,
 }
 
 /// Lanczos steps with full orthogonalisation, from a fixed start with parts in all directions.
-pub(super) fn lanczos(n: usize, steps: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> Extremes {
+fn lanczos(n: usize, steps: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> Extremes {
     let steps = steps.min(n);
     let mut state = 1u64;
     let mut v = Mat::from_fn(n, 1, |_, _| {
@@ -115,13 +113,9 @@ pub(super) fn lanczos(n: usize, steps: usize, apply: impl Fn(&Mat<f64>) -> Mat<f
         1 => beside[i.min(j)],
         _ => 0.0,
     });
-    match small.self_adjoint_eigen(Side::Lower) {
-        Ok(parts) => {
-            let values = parts.S().column_vector();
-            let low_residual = beside[m - 1] * parts.U()[(m - 1, 0)].abs();
-            Extremes { low: values[0], high: values[m - 1], low_residual }
-        }
-        Err(_) => Extremes { low: f64::NAN, high: f64::NAN, low_residual: f64::NAN },
+    match small.self_adjoint_eigenvalues(Side::Lower) {
+        Ok(values) => Extremes { low: values[0], high: values[m - 1] },
+        Err(_) => Extremes { low: f64::NAN, high: f64::NAN },
     }
 }
 

@@ -71,18 +71,6 @@ pub enum ResponseError {
         /// Mean edge length of the surface (m).
         edge_length: f64,
     },
-    /// The kernel is felt everywhere, so its matrix has no entries to leave out.
-    #[error(
-        "the {kernel} kernel is felt at any distance, so there is no local response matrix of it: take a layer, a \
-         Gaussian with a finite cutoff, or the whole matrix"
-    )]
-    NotLocal {
-        /// Name of the kernel.
-        kernel: &'static str,
-    },
-    /// Local matrices hold the node form alone.
-    #[error("a local response matrix measures gaps at the nodes: take gap = node, or the whole matrix")]
-    GapNotLocal,
     /// The matrix would need more memory than allowed.
     #[error(
         "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit}; \

@@ -14,8 +14,7 @@
 //! Which form to take: the node form ([`Gap::Node`]) leaves no penetration at vertices and is cheapest; on finger
 //! pads its symmetric part has a condition number of some 30 and is positive definite. Where [`definiteness`]
 //! says that it is not (badly shaped triangles), the weighted form ([`Gap::Weighted`]) is, on any surface (a layer:
-//! on any flat one), with a condition number of some 90 and at 30 times the time. [`assemble_local`] stores a fading
-//! kernel (layer, Gaussian with cutoff) in blocks, at almost linear cost.
+//! on any flat one), with a condition number of some 90 and at 30 times the time.
 //!
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
 
@@ -38,7 +37,6 @@ mod layer;
 mod layer_column;
 mod layer_series;
 mod layer_table;
-mod local;
 mod multipole;
 mod near;
 mod options;
@@ -65,7 +63,6 @@ pub use elastic::{Displacements, ElasticSkin};
 pub use error::ResponseError;
 pub use gaussian::gaussian_hat_integrals;
 pub use layer::LayerKernel;
-pub use local::{LocalDefiniteness, LocalMatrix, LocalOptions, assemble_local};
 pub use options::{AssemblyOptions, matrix_bytes};
 pub use prepared::{PreparedResponse, PreparedSkin};
 pub use skin::{Gap, Pressure, Response, Skin};

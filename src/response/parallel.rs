@@ -62,36 +62,3 @@ fn pool(options: &AssemblyOptions) -> Result<Option<rayon::ThreadPool>, Response
         }
     }
 }
-
-/// `work(i)` for i in 0 .. count, handed to `take` in order.
-///
-/// `interrupt` is asked on the calling thread between batches; `take` may refuse.
-pub(crate) fn map_in_order<T: Send>(
-    count: usize,
-    options: &AssemblyOptions,
-    work: impl Fn(usize) -> Result<T, ResponseError> + Sync + Send,
-    mut take: impl FnMut(T) -> Result<(), ResponseError>,
-) -> Result<(), ResponseError> {
-    let pool = pool(options)?;
-    let threads = options.num_threads.unwrap_or_else(rayon::current_num_threads);
-    let batch = 4 * threads;
-    for start in (0..count).step_by(batch) {
-        if options.interrupt.is_some_and(|stop| stop()) {
-            return Err(ResponseError::Interrupted { columns: start, nodes: count });
-        }
-        let range = start..count.min(start + batch);
-        let results: Vec<_> = if threads == 1 {
-            range.map(&work).collect()
-        } else {
-            let run = || range.into_par_iter().map(&work).collect();
-            match &pool {
-                Some(pool) => pool.install(run),
-                None => run(),
-            }
-        };
-        for result in results {
-            take(result?)?;
-        }
-    }
-    Ok(())
-}

@@ -17,15 +17,6 @@ pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
     RULES[n].get_or_init(|| product(&gauss(n, 1.0), &gauss(n, 0.0), |u, v| [1.0 - u, u * (1.0 - v), u * v]))
 }
 
-/// Gauss rule with n × n points against the hat of corner 0, collapsed at corner 1.
-///
-/// Exact for the hat times polynomials of degree 2n - 1; the weights are positive and sum to 1, a third of the area.
-pub(crate) fn hat_rule(n: usize) -> &'static [RulePoint] {
-    static RULES: [OnceLock<Vec<RulePoint>>; MAX_POINTS + 1] = [const { OnceLock::new() }; MAX_POINTS + 1];
-    let n = n.clamp(1, MAX_POINTS);
-    RULES[n].get_or_init(|| product(&gauss(n, 2.0), &gauss(n, 1.0), |u, v| [u * v, 1.0 - u, u * (1.0 - v)]))
-}
-
 /// All pairs of the points of two intervals, each at a place of the triangle.
 fn product(across: &[(f64, f64)], along: &[(f64, f64)], place: fn(f64, f64) -> [f64; 3]) -> Vec<RulePoint> {
     let pairs = across.iter().flat_map(|&one| along.iter().map(move |&other| (one, other)));
@@ -120,25 +111,6 @@ mod tests {
                     let sum: f64 = rule.iter().map(|(t, w)| w * t.powi(degree as i32)).sum();
                     let exact = (1.0 + power) / (degree as f64 + 1.0 + power);
                     assert_relative_eq!(sum, exact, max_relative = 1e-13);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn hat_rules_integrate_their_degree() {
-        // int l0^p l1^q l2^r dA / A = 2 p! q! r! / (p + q + r + 2)!
-        let factorial = |k: usize| (1..=k).map(|v| v as f64).product::<f64>();
-        for n in 1..=8 {
-            for p in 0..2 * n {
-                for q in 0..2 * n - p {
-                    let r = 2 * n - 1 - p - q;
-                    let at = |(l, w): &RulePoint| {
-                        w * l[0].powi(p as i32) * l[1].powi(q as i32) * l[2].powi(r as i32)
-                    };
-                    let sum: f64 = hat_rule(n).iter().map(at).sum();
-                    let exact = 6.0 * factorial(p + 1) * factorial(q) * factorial(r) / factorial(2 * n + 2);
-                    assert_relative_eq!(sum, exact, max_relative = 1e-12);
                 }
             }
         }

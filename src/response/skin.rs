@@ -2,7 +2,6 @@
 
 use super::error::ResponseError;
 use super::layer::LayerKernel;
-use super::layer_column::SKIPPED;
 use super::thickness::Thickness;
 use crate::surface::Surface;
 use std::f64::consts::TAU;
@@ -212,18 +211,6 @@ impl Skin {
                 let kernel = LayerKernel::new(self.poisson_ratio).ok()?;
                 Some(kernel.reach(LAYER_SILENCE) * thickness.largest())
             }
-        }
-    }
-
-    /// Distance beyond which an assembly at this tolerance takes the kernel as 0 (m): a layer's where it stays
-    /// below 0.01 `tolerance` K/h, the Gaussian's cutoff; `None` for kernels that are felt everywhere.
-    pub fn assembled_reach(&self, tolerance: f64) -> Option<f64> {
-        match &self.response {
-            Response::Layer { thickness, .. } => {
-                let kernel = LayerKernel::new(self.poisson_ratio).ok()?;
-                Some(kernel.reach(SKIPPED * tolerance) * thickness.largest())
-            }
-            _ => self.reach(),
         }
     }
 

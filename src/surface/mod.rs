@@ -12,12 +12,10 @@ mod geodesic;
 mod geometry;
 mod nearest;
 mod path;
-mod regions;
 mod rings;
 #[allow(clippy::module_inception)]
 mod surface;
 
 pub use geodesic::{LONGEST_DETOUR, shares_tissue};
 pub use nearest::NearestAlongSkin;
-pub(crate) use regions::{RegionPairs, SkinRegions};
 pub use surface::{Surface, SurfaceError};
