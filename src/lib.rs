@@ -28,7 +28,9 @@
 //! Pai, Guibas 2004 ("Quasi-rigid objects in contact"); Johnson 1985 ("Contact Mechanics").
 
 pub mod contact;
+pub mod geometry;
 pub mod lcp;
+pub(crate) mod linalg;
 pub mod mesh;
 pub mod obstacle;
 pub mod reference;

@@ -4,8 +4,9 @@ mod common;
 
 use common::{Mesh, flipped, grid, icosphere, joined};
 use nalgebra::Vector3;
+use quasirigid::geometry::winding_number;
+use quasirigid::mesh::RepairOptions;
 use quasirigid::mesh::{MeshError, Topology, check, check_nesting, component_volumes, repair};
-use quasirigid::mesh::{RepairOptions, winding_number};
 
 /// Corner tetrahedron with edges of 1 along the axes, volume 1/6.
 fn tetrahedron() -> Mesh {

@@ -6,7 +6,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use common::{Mesh, Random, data_dir, flipped, icosphere, joined, read_ply};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use quasirigid::mesh::{MeshError, RigidMotionError, winding_number};
+use quasirigid::geometry::{RigidMotionError, winding_number};
+use quasirigid::mesh::MeshError;
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle, ObstacleError, SignedDistances};
 use rayon::prelude::*;
 

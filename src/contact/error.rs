@@ -1,11 +1,11 @@
 //! Why a contact could not be posed or carried through.
 
-use crate::lcp::LcpError;
-use crate::obstacle::ObstacleError;
-use crate::response::ResponseError;
+use crate::lcp::problem::LcpError;
+use crate::obstacle::error::ObstacleError;
+use crate::response::error::ResponseError;
 
 /// Why a contact could not be posed or carried through; an ending of a well-posed solve is a
-/// [`ContactStatus`](super::ContactStatus) instead.
+/// [`ContactStatus`](crate::contact::ContactStatus) instead.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactError {

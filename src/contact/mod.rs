@@ -11,30 +11,19 @@
 //! the problem on the penetrating vertices is exact. Otherwise their rings are added, and the set grows while a
 //! vertex outside gets pressed or the rim carries force.
 
-mod accuracy;
-mod candidates;
-mod compliance;
-mod deform;
-mod equilibrium;
-mod error;
-mod fingers;
-mod gaps;
-mod growth;
-mod notes;
-mod options;
-mod outcome;
-mod press;
-mod recovered_pressure;
-mod resultant;
-mod rim;
-mod solve;
-mod thin_walls;
-mod volume;
-mod warnings;
-mod weighted_gaps;
+pub(crate) mod candidate;
+pub(crate) mod equilibrium;
+pub(crate) mod error;
+pub(crate) mod figures;
+pub(crate) mod gap;
+pub(crate) mod options;
+pub(crate) mod outcome;
+pub(crate) mod press;
+pub(crate) mod report;
+pub(crate) mod solve;
 
-pub use accuracy::Accuracy;
 pub use error::ContactError;
+pub use figures::accuracy::Accuracy;
 pub use options::{ContactOptions, Interrupt};
 pub use outcome::{Contact, ContactStatus, LeftOut, Patch, Resultant, Timing};
 pub use press::{Press, Start, press};

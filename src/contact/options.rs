@@ -1,12 +1,12 @@
 //! How a contact is solved: options, their defaults, their checks.
 
-use super::ContactError;
-use crate::lcp::LcpMethod;
+use crate::contact::error::ContactError;
+use crate::lcp::options::LcpMethod;
 
 /// Asked between and inside the stages; `true` stops the solve with [`ContactError::Interrupted`].
 pub type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// Options of [`solve_contact`](super::solve_contact) and [`press`](super::press).
+/// Options of [`solve_contact`](crate::contact::solve_contact) and [`press`](crate::contact::press::press).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactOptions {
     /// Relative quadrature tolerance of every entry of the response matrix (dimensionless, 0 ≤ tolerance < 1;

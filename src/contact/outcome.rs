@@ -1,10 +1,11 @@
 //! What a contact returns.
 
-use super::Accuracy;
-use crate::lcp::{LcpSolution, LcpStatus};
-use crate::obstacle::Obstacle;
-use crate::surface::Surface;
 use nalgebra::Vector3;
+
+use crate::contact::figures::accuracy::Accuracy;
+use crate::lcp::solution::{LcpSolution, LcpStatus};
+use crate::obstacle::posed::Obstacle;
+use crate::surface::checked::Surface;
 
 /// How a contact ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,13 +1,17 @@
 //! Bringing the obstacle to the skin: first touch, then a depth.
 
-use super::solve::{Place, clock, solve_in_place, with_threads};
-use super::thin_walls::Travel;
-use super::{Contact, ContactError, ContactOptions, Interrupt};
-use crate::obstacle::Obstacle;
-use crate::response::ElasticSkin;
-use crate::surface::Surface;
-use nalgebra::Vector3;
 use std::time::Instant;
+
+use nalgebra::Vector3;
+
+use crate::contact::error::ContactError;
+use crate::contact::gap::entry::Travel;
+use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::outcome::Contact;
+use crate::contact::solve::{Place, clock, solve_in_place, with_threads};
+use crate::obstacle::posed::Obstacle;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::checked::Surface;
 
 /// Where a press begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -106,7 +110,8 @@ fn first_touch(
 /// Travel 0, after a check that nothing penetrates yet.
 fn free_start(surface: &Surface, obstacle: &Obstacle) -> Result<f64, ContactError> {
     let (vertices, positions): (Vec<usize>, Vec<Vector3<f64>>) = skin_vertices(surface).unzip();
-    let distance = super::gaps::InitialGaps::measure(&positions, obstacle, 0.0, None)?.distance;
+    let distance =
+        crate::contact::gap::initial::InitialGaps::measure(&positions, obstacle, 0.0, None)?.distance;
     // A position reached by an earlier press touches exactly; its rounding is no penetration.
     let allowed = -TOUCH_ROUNDING * size(surface);
     let inside = distance.iter().filter(|&&d| d < allowed).count();

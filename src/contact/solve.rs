@@ -1,20 +1,26 @@
 //! The contact of a skin with an obstacle at a given place.
 
-use super::compliance::Compliance;
-use super::deform::{Deformation, deform};
-use super::equilibrium::{self, Equilibrium};
-use super::gaps::InitialGaps;
-use super::notes::{leave_out, note_offsets, note_search, note_solve, note_way_back};
-use super::resultant::{node_pressure, patches, resultant};
-use super::rim::contact_areas;
-use super::thin_walls::{Travel, WayBack, measure_way_back};
-use super::warnings::{penetration_warning, size_warning, thin_wall_warning};
-use super::{Accuracy, Contact, ContactError, ContactOptions, ContactStatus, Interrupt, Timing};
-use crate::obstacle::Obstacle;
-use crate::response::{ElasticSkin, Gap};
-use crate::surface::Surface;
-use nalgebra::Vector3;
 use std::time::Instant;
+
+use nalgebra::Vector3;
+
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::solve::{self as equilibrium, Equilibrium};
+use crate::contact::error::ContactError;
+use crate::contact::figures::accuracy::Accuracy;
+use crate::contact::figures::area::contact_areas;
+use crate::contact::figures::displacement::{Deformation, deform};
+use crate::contact::figures::resultant::{node_pressure, patches, resultant};
+use crate::contact::gap::entry::{Travel, WayBack, measure_way_back};
+use crate::contact::gap::initial::InitialGaps;
+use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::outcome::{Contact, ContactStatus, Timing};
+use crate::contact::report::left_out::{leave_out, note_offsets, note_search, note_solve, note_way_back};
+use crate::contact::report::warnings::{penetration_warning, size_warning, thin_wall_warning};
+use crate::obstacle::posed::Obstacle;
+use crate::response::kernel::skin::Gap;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::checked::Surface;
 
 /// Default search distance beyond the depth, in mean edge lengths.
 const SEARCH_EDGES: f64 = 2.0;
@@ -109,7 +115,7 @@ pub(super) fn solve_in_place(
     note_search(&mut left_out, &gaps, surface);
     note_way_back(&mut left_out, way_back);
 
-    let inside = super::candidates::penetrating(surface, &gaps.distance);
+    let inside = crate::contact::candidate::groups::penetrating(surface, &gaps.distance);
     let max_penetration_before = inside.iter().map(|&vertex| -gaps.distance[vertex]).fold(0.0, f64::max);
     let compliance = Compliance::new(surface, skin, options, interrupt);
     let solved = if inside.is_empty() {
@@ -167,7 +173,7 @@ pub(super) fn solve_in_place(
         resultant(nodes, &solved.node_force, &pressure, &gaps.normal, &areas, deformed.vertices())
     };
     let total = match status {
-        ContactStatus::Failed(_) => super::Resultant::unknown(),
+        ContactStatus::Failed(_) => crate::contact::outcome::Resultant::unknown(),
         _ => resultant_of(&active),
     };
     let accuracy = Accuracy::new(

@@ -7,10 +7,9 @@
 
 use rayon::prelude::*;
 
-use super::dense::Dense;
-use super::factor::{Factor, NoFactor};
-use super::kernels::{axpy, dot};
-use super::product::{CHUNK, SHARED, row_block};
+use crate::linalg::dense::Dense;
+use crate::linalg::factor::{Factor, NoFactor};
+use crate::linalg::kernels::{CHUNK, SHARED, axpy, dot, row_block};
 
 /// A new row's entry must exceed the pivot by this factor before the two rows change places; above 1 so that
 /// `T` stays triangular, and half as dear, where no interchange is needed.

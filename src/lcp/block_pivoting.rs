@@ -5,13 +5,13 @@
 //! when it does not, one unknown at a time changes (Murty's least-index rule), which ends for P-matrices, if
 //! not always soon.
 
-use super::certificate::nan_max;
-use super::dense::Dense;
-use super::factor::{Factor, NoFactor};
-use super::options::LcpOptions;
-use super::outcome::Outcome;
-use super::reduced::Reduced;
-use super::solution::LcpStatus;
+use crate::lcp::certificate::nan_max;
+use crate::lcp::options::LcpOptions;
+use crate::lcp::outcome::Outcome;
+use crate::lcp::reduced::Reduced;
+use crate::lcp::solution::LcpStatus;
+use crate::linalg::dense::Dense;
+use crate::linalg::factor::{Factor, NoFactor};
 
 /// Block exchanges without progress that are borne (Júdice and Pires advise at most ten).
 const PATIENCE: usize = 10;

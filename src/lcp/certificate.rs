@@ -1,6 +1,6 @@
 //! How good an answer is, measured against M and q as given.
 
-use super::problem::LcpProblem;
+use crate::lcp::problem::LcpProblem;
 
 /// What is known of M.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -2,9 +2,9 @@
 
 use faer::MatRef;
 
-use super::certificate::Definiteness;
-use super::factor::{Factor, NoFactor};
-use super::reduced::build;
+use crate::lcp::certificate::Definiteness;
+use crate::lcp::reduced::build;
+use crate::linalg::factor::{Factor, NoFactor};
 
 /// Share of its diagonal by which a symmetric matrix of order `n` is lowered, so that a Cholesky factor of what is
 /// left proves it positive definite; raised by as much, it has one unless it has a negative eigenvalue.
@@ -50,8 +50,9 @@ pub(super) fn definiteness(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use faer::Mat;
+
+    use super::*;
 
     fn of(m: &Mat<f64>) -> Definiteness {
         let all: Vec<usize> = (0..m.nrows()).collect();

@@ -1,15 +1,14 @@
 //! What each method does with a problem, and what follows where it fails.
 
-use super::block_pivoting::{self, Fallback, ZERO, first_guess};
-use super::lemke;
-use super::options::LcpMethod;
-use super::problem::LcpError;
-use super::projected_cg;
-use super::ray::{LcpRay, RayConclusion};
-use super::reduced::{Reduced, is_by_rows, power_of_two, rows_that_matter};
-use super::solution::{LcpSolution, LcpStatus};
-use super::solve::{Run, Start};
-use super::symmetry::asymmetry;
+use crate::lcp::block_pivoting::{Fallback, ZERO, first_guess};
+use crate::lcp::options::LcpMethod;
+use crate::lcp::problem::LcpError;
+use crate::lcp::ray::{LcpRay, RayConclusion};
+use crate::lcp::reduced::{Reduced, is_by_rows, power_of_two, rows_that_matter};
+use crate::lcp::solution::{LcpSolution, LcpStatus};
+use crate::lcp::solve::{Run, Start};
+use crate::lcp::symmetry::asymmetry;
+use crate::lcp::{block_pivoting, lemke, projected_cg};
 
 /// Rays further than this from their own equations are rounding.
 const RAY_TOLERANCE: f64 = 1e-7;

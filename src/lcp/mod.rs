@@ -37,30 +37,26 @@
 //! Keer 1999 (Wear 231, 206-219); Dirkse, Ferris 1997 ("Crash techniques for large-scale
 //! complementarity problems", in "Complementarity and Variational Problems: State of the Art", SIAM).
 
-mod basis;
-mod block_pivoting;
-mod certificate;
-mod definite;
-mod dense;
-mod eights;
-mod factor;
-mod kernels;
-mod lemke;
-mod methods;
-mod options;
-mod outcome;
-mod problem;
-mod product;
-mod projected_cg;
-mod ray;
-mod reduced;
-mod rows;
-mod solution;
-mod solve;
-mod symmetry;
+pub(crate) mod basis;
+pub(crate) mod block_pivoting;
+pub(crate) mod certificate;
+pub(crate) mod definite;
+pub(crate) mod eights;
+pub(crate) mod lemke;
+pub(crate) mod methods;
+pub(crate) mod options;
+pub(crate) mod outcome;
+pub(crate) mod problem;
+pub(crate) mod product;
+pub(crate) mod projected_cg;
+pub(crate) mod ray;
+pub(crate) mod reduced;
+pub(crate) mod row_extremes;
+pub(crate) mod solution;
+pub(crate) mod solve;
+pub(crate) mod symmetry;
 
 pub use certificate::{Certificate, Definiteness};
-pub(crate) use definite::cholesky_rounding;
 pub use options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
 pub use ray::{LcpRay, RayConclusion};

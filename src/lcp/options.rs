@@ -1,6 +1,6 @@
 //! What to run and how far.
 
-use super::problem::{LcpError, check_vector};
+use crate::lcp::problem::{LcpError, check_vector};
 
 /// How a problem is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -12,7 +12,7 @@ pub enum LcpMethod {
     BlockPivoting,
     /// Projected conjugate gradients; M symmetric (within 1e-10 of its largest entry) and positive definite.
     ProjectedCg,
-    /// Whatever suits the problem; [`LcpSolution::attempts`](super::LcpSolution::attempts) says what ran.
+    /// Whatever suits the problem; [`LcpSolution::attempts`](crate::lcp::LcpSolution::attempts) says what ran.
     #[default]
     Auto,
 }
@@ -92,7 +92,7 @@ impl FiniteCheck {
     }
 }
 
-/// Parameters of [`solve`](super::solve()).
+/// Parameters of [`solve`](crate::lcp::solve::solve()).
 #[derive(Clone)]
 pub struct LcpOptions<'a> {
     /// Pivot budget of each run, a crash and the path after it being two; `None` means `50 n`, at least 1000.

@@ -1,7 +1,7 @@
 //! What a run of any method gives back.
 
-use super::factor::NoFactor;
-use super::solution::LcpStatus;
+use crate::lcp::solution::LcpStatus;
+use crate::linalg::factor::NoFactor;
 
 /// An ending and a z, in the reduced problem's terms.
 pub(super) struct Outcome {

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use faer::MatRef;
 
-use super::kernels::Extremes;
-use super::rows::{first_non_finite, row_extremes};
+use crate::lcp::row_extremes::{first_non_finite, row_extremes};
+use crate::linalg::kernels::Extremes;
 
 /// Why a problem or its options were rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -99,7 +99,7 @@ pub enum LcpError {
 /// `w = M z + q` with `w >= 0`, `z >= 0`, `w·z = 0`, shape and q checked.
 ///
 /// M may be stored by columns, by rows or with any strides; it is not copied here. Its entries are looked at by
-/// [`solve`](super::solve()), as far as [`LcpOptions::check`](super::LcpOptions::check) says.
+/// [`solve`](crate::lcp::solve::solve()), as far as [`LcpOptions::check`](crate::lcp::LcpOptions::check) says.
 #[derive(Debug, Clone)]
 pub struct LcpProblem<'a> {
     pub(super) m: MatRef<'a, f64>,
@@ -125,7 +125,7 @@ impl<'a> LcpProblem<'a> {
 
     /// States that every principal minor of M is positive, so that the solution exists and is unique.
     ///
-    /// The caller's word is taken and reported in the certificate. [`LcpMethod::Auto`](super::LcpMethod::Auto) then
+    /// The caller's word is taken and reported in the certificate. [`LcpMethod::Auto`](crate::lcp::LcpMethod::Auto) then
     /// begins with block pivoting at any size; the one solution is the same, to rounding.
     #[must_use]
     pub fn with_known_p_matrix(mut self) -> Self {

@@ -6,26 +6,17 @@
 use faer::{ContiguousFwd, MatRef};
 use rayon::prelude::*;
 
-use super::certificate::nan_max;
-use super::eights::Eights;
-use super::kernels;
-use super::problem::LcpProblem;
+use crate::lcp::certificate::nan_max;
+use crate::lcp::eights::Eights;
+use crate::lcp::problem::LcpProblem;
+use crate::linalg::kernels::{self, CHUNK, SHARED, row_block};
 
-/// Multiplications from which a product is worth sharing among threads.
-pub(super) const SHARED: usize = 1 << 18;
-/// Entries of a matrix between two asks of the interrupt: some milliseconds of memory traffic.
-pub(super) const CHUNK: usize = 1 << 22;
 /// Rows that a pass takes at a time, so that what it adds to stays in the nearest cache.
 const ROWS: usize = 1024;
 /// Rows of a block of M that stays in the nearest cache whichever way it is stored.
 const TILE: usize = 64;
 /// Share of the tolerance that rounding may come near before a product is formed with twice the digits.
 const MARGIN: f64 = 0.01;
-
-/// Rows that one task of a shared product takes.
-pub(super) fn row_block(rows: usize) -> usize {
-    rows.div_ceil(8).max(256)
-}
 
 /// `w += M z`.
 pub(super) fn add_product(m: MatRef<'_, f64>, z: &[f64], w: &mut [f64], interrupted: &dyn Fn() -> bool) {
@@ -246,8 +237,9 @@ impl Active {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use faer::Mat;
+
+    use super::*;
 
     #[test]
     fn products_agree_with_plain_loops_in_every_order_and_density() {

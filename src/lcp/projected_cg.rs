@@ -5,11 +5,11 @@
 
 use faer::MatRef;
 
-use super::certificate::nan_max;
-use super::options::LcpOptions;
-use super::outcome::Outcome;
-use super::product::add_product;
-use super::solution::LcpStatus;
+use crate::lcp::certificate::nan_max;
+use crate::lcp::options::LcpOptions;
+use crate::lcp::outcome::Outcome;
+use crate::lcp::product::add_product;
+use crate::lcp::solution::LcpStatus;
 
 /// Iterations without a smaller residual before the run is given up.
 const STALLED: usize = 500;

@@ -1,8 +1,8 @@
 //! The ray on which Lemke's method may end, and what it proves.
 
-use super::certificate::nan_max;
-use super::problem::LcpProblem;
-use super::product::{add_product, magnitudes, product_compensated};
+use crate::lcp::certificate::nan_max;
+use crate::lcp::problem::LcpProblem;
+use crate::lcp::product::{add_product, magnitudes, product_compensated};
 
 /// What a ray proves about the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

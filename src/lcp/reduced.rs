@@ -4,9 +4,10 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 
-use super::dense::Dense;
-use super::problem::LcpProblem;
-use super::product::{SHARED, add_product, add_product_on};
+use crate::lcp::problem::LcpProblem;
+use crate::lcp::product::{add_product, add_product_on};
+use crate::linalg::dense::Dense;
+use crate::linalg::kernels::SHARED;
 
 /// The problem on some of its rows, q divided by a power of two near `max(-q)`.
 pub(super) struct Reduced<'a> {
@@ -228,8 +229,9 @@ pub(super) fn power_of_two(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use faer::Mat;
+
+    use super::*;
 
     #[test]
     fn powers_of_two_bracket_the_value() {

@@ -1,8 +1,8 @@
 //! How a solve ended and what it found.
 
-use super::certificate::Certificate;
-use super::options::LcpMethod;
-use super::ray::{LcpRay, RayConclusion};
+use crate::lcp::certificate::Certificate;
+use crate::lcp::options::LcpMethod;
+use crate::lcp::ray::{LcpRay, RayConclusion};
 
 /// How a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -1,12 +1,12 @@
 //! One entry for every method: look at what must be looked at, run, check against the problem as given.
 
-use super::certificate::{Certificate, Definiteness};
-use super::definite;
-use super::options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
-use super::outcome::Outcome;
-use super::problem::{LcpError, LcpProblem};
-use super::reduced::{Reduced, rows_that_matter};
-use super::solution::{LcpAttempt, LcpSolution, LcpStatus};
+use crate::lcp::certificate::{Certificate, Definiteness};
+use crate::lcp::definite;
+use crate::lcp::options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
+use crate::lcp::outcome::Outcome;
+use crate::lcp::problem::{LcpError, LcpProblem};
+use crate::lcp::reduced::{Reduced, rows_that_matter};
+use crate::lcp::solution::{LcpAttempt, LcpSolution, LcpStatus};
 
 /// Rows up to which all of M is looked at, as that costs next to nothing.
 const SMALL: usize = 64;

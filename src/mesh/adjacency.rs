@@ -1,6 +1,6 @@
 //! Which face lies across each edge.
 
-use super::csr::Csr;
+use crate::mesh::csr::Csr;
 
 /// No face: the edge is on a border.
 pub(super) const NO_FACE: u32 = u32::MAX;

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::adjacency::NO_FACE;
-use super::csr::Csr;
-use super::error::MeshError;
-use super::grid::PointGrid;
-use super::topology::are_joined;
+use crate::mesh::adjacency::NO_FACE;
+use crate::mesh::csr::Csr;
+use crate::mesh::error::MeshError;
+use crate::mesh::grid::PointGrid;
+use crate::mesh::topology::are_joined;
 
 /// Border vertices closer than this part of the mean edge length are one vertex left unwelded (dimensionless).
 const UNWELDED_DISTANCE: f64 = 1e-3;

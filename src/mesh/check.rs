@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 
-use super::adjacency::{NO_FACE, pair_edges};
-use super::borders::check_borders;
-use super::csr::Csr;
-use super::error::MeshError;
-use super::fan::order_fans;
-use super::orient::orient;
-use super::topology::{Topology, boundary_loops, label_components};
+use crate::mesh::adjacency::{NO_FACE, pair_edges};
+use crate::mesh::borders::check_borders;
+use crate::mesh::csr::Csr;
+use crate::mesh::error::MeshError;
+use crate::mesh::fan::order_fans;
+use crate::mesh::orient::orient;
+use crate::mesh::topology::{Topology, boundary_loops, label_components};
 
 /// A face is degenerate if its height over the longest edge is below this part of that edge (dimensionless).
 pub const DEGENERATE_HEIGHT: f64 = 1e-12;
@@ -19,7 +19,7 @@ pub const DEGENERATE_HEIGHT: f64 = 1e-12;
 /// vertex or face; coordinates that are not finite; indices out of range; repeated indices; degenerate faces;
 /// duplicate faces; edges with more than two faces; neighbours wound in opposite ways (or a surface that cannot
 /// be oriented); borders that run along each other unwelded; loose triangles; pinched vertices; unused
-/// vertices. Open meshes pass; [`check_nesting`](super::check_nesting) asks whether closed components are
+/// vertices. Open meshes pass; [`check_nesting`](crate::mesh::check_nesting) asks whether closed components are
 /// turned outward.
 ///
 /// * `vertices`: positions (m)

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-use super::distance::triangle_distance_squared;
+use crate::geometry::triangle_distance::triangle_distance_squared;
 
 /// Where a point lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,7 +170,7 @@ fn crossing([a, b, c]: &[Vector3<f64>; 3], point: &Vector3<f64>) -> Option<i32> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::winding_number;
+    use crate::geometry::solid_angle::winding_number;
 
     /// Unit box whose lid rises along x.
     fn box_with_slanted_lid() -> (Vec<Vector3<f64>>, Vec<[u32; 3]>) {

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::topology::Topology;
-use super::winding::signed_volume;
+use crate::geometry::solid_angle::signed_volume;
+use crate::mesh::topology::Topology;
 
 /// A component encloses nothing if its volume is below this part of its cubed diagonal (dimensionless).
 const FLAT_VOLUME: f64 = 1e-12;

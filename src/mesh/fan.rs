@@ -1,7 +1,7 @@
 //! The fan of faces around each vertex.
 
-use super::adjacency::{NO_FACE, corner_of};
-use super::csr::Csr;
+use crate::mesh::adjacency::{NO_FACE, corner_of};
+use crate::mesh::csr::Csr;
 
 /// First face of the fan around `vertex` in counter-clockwise order: the one behind a border, else the lowest.
 fn fan_start(vertex: u32, faces: &[[u32; 3]], across: &[[u32; 3]], incident: &[u32]) -> u32 {

@@ -6,34 +6,25 @@
 //! meshes. [`check_nesting`] looks at how the closed components of a mesh lie in one another and which way they
 //! are turned. [`repair`] mends what can be mended without guessing, as a separate, explicit step.
 //!
-//! [`rigid_motion`] checks the rotation and translation by which either is moved.
-//!
 //! All tolerances are relative to the size of the mesh, so a mesh is judged alike in m and in mm.
 
-mod adjacency;
-mod borders;
-mod check;
-mod columns;
-mod component;
-mod csr;
-mod distance;
-mod error;
-mod fan;
-mod grid;
-mod nesting;
-mod orient;
-mod repair;
-mod rigid;
-mod topology;
-mod weld;
-mod winding;
+pub(crate) mod adjacency;
+pub(crate) mod borders;
+pub(crate) mod check;
+pub(crate) mod columns;
+pub(crate) mod component;
+pub(crate) mod csr;
+pub(crate) mod error;
+pub(crate) mod fan;
+pub(crate) mod grid;
+pub(crate) mod nesting;
+pub(crate) mod orient;
+pub(crate) mod repair;
+pub(crate) mod topology;
+pub(crate) mod weld;
 
 pub use check::{DEGENERATE_HEIGHT, check};
 pub use error::MeshError;
 pub use nesting::{check_nesting, component_volumes};
 pub use repair::{Repair, RepairOptions, RepairReport, repair};
-pub use rigid::{RigidMotionError, rigid_motion};
 pub use topology::Topology;
-pub use winding::{solid_angle, winding_number};
-
-pub(crate) use winding::signed_volume;

@@ -3,10 +3,10 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::columns::{Columns, Location};
-use super::component::{Closed, closed_components};
-use super::error::MeshError;
-use super::topology::Topology;
+use crate::mesh::columns::{Columns, Location};
+use crate::mesh::component::{Closed, closed_components};
+use crate::mesh::error::MeshError;
+use crate::mesh::topology::Topology;
 
 /// Points of one component that are looked at to place it inside, outside or on another.
 const SAMPLES: usize = 64;

@@ -1,6 +1,6 @@
 //! Turning faces so that neighbours agree.
 
-use super::adjacency::{EdgeFault, NO_FACE};
+use crate::mesh::adjacency::{EdgeFault, NO_FACE};
 
 /// Faces to flip so that neighbours agree, or where that fails.
 pub(super) struct Orientation {

@@ -4,14 +4,14 @@ use std::fmt;
 
 use nalgebra::Vector3;
 
-use super::adjacency::{NO_FACE, pair_edges};
-use super::check::{check_elements, for_each_duplicate, is_degenerate, repeated_vertex};
-use super::component::split_closed;
-use super::csr::Csr;
-use super::error::MeshError;
-use super::nesting::components_to_turn;
-use super::orient::orient;
-use super::weld::weld;
+use crate::mesh::adjacency::{NO_FACE, pair_edges};
+use crate::mesh::check::{check_elements, for_each_duplicate, is_degenerate, repeated_vertex};
+use crate::mesh::component::split_closed;
+use crate::mesh::csr::Csr;
+use crate::mesh::error::MeshError;
+use crate::mesh::nesting::components_to_turn;
+use crate::mesh::orient::orient;
+use crate::mesh::weld::weld;
 
 /// Parameters of [`repair`].
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +93,7 @@ impl fmt::Display for RepairReport {
 /// it is); faces that so lost a corner, faces without area and faces with the vertices of an earlier one are
 /// dropped (the earlier one too where the two are the sides of a fin, which stands on the surface); the faces of each component are flipped to agree with their neighbours, the smaller part of them;
 /// closed components are turned outward, or inward where they are cavities; unused vertices are dropped. Holes
-/// are not filled and crossings stay, so [`check`](super::check) may still find something.
+/// are not filled and crossings stay, so [`check`](crate::mesh::check::check) may still find something.
 ///
 /// * `vertices`: positions (m)
 /// * `faces`: three vertex indices each

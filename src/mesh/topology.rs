@@ -1,9 +1,9 @@
 //! Neighbourhoods, borders and components of a checked mesh.
 
-use super::adjacency::{NO_FACE, corner_of};
-use super::csr::Csr;
+use crate::mesh::adjacency::{NO_FACE, corner_of};
+use crate::mesh::csr::Csr;
 
-/// Neighbourhoods, borders and components of a mesh that passed [`check`](super::check).
+/// Neighbourhoods, borders and components of a mesh that passed [`check`](crate::mesh::check::check).
 #[derive(Debug, Clone)]
 pub struct Topology {
     pub(super) faces_around: Csr,

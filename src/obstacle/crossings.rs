@@ -6,7 +6,7 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use rayon::prelude::*;
 
-use super::triangle_pair::triangles_cross;
+use crate::geometry::crossing::triangles_cross;
 
 /// All pairs of faces that have points in common beyond the edge or vertex that they share, smaller index
 /// first, sorted.

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::{Obstacle, ObstacleError};
+use crate::obstacle::error::ObstacleError;
+use crate::obstacle::posed::Obstacle;
 
 /// Fewest points that are worth a task of their own.
 const POINTS_PER_TASK: usize = 64;

@@ -1,6 +1,7 @@
 //! What an obstacle refuses, and why.
 
-use crate::mesh::{MeshError, RigidMotionError};
+use crate::geometry::rigid_motion::RigidMotionError;
+use crate::mesh::error::MeshError;
 
 /// Why an obstacle, a pose or a question to it was rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::distance::check_points;
-use super::posed::unit;
-use super::sweep::Sweep;
-use super::{Obstacle, ObstacleError};
+use crate::obstacle::distance::check_points;
+use crate::obstacle::error::ObstacleError;
+use crate::obstacle::posed::{Obstacle, unit};
+use crate::obstacle::sweep::Sweep;
 
 /// A point that rounding puts this share of the obstacle's size inside still counts as not yet met.
 const START_TOLERANCE: f64 = 1e-12;

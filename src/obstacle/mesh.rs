@@ -5,13 +5,13 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 
+use crate::geometry::closest_point::{Closest, Feature, closest_on_triangle};
+use crate::geometry::solid_angle::winding_number;
 use crate::mesh;
-
-use super::ObstacleError;
-use super::crossings::crossing_pairs;
-use super::distance::Nearest;
-use super::primitive::SURFACE_TOLERANCE;
-use super::triangle::{Closest, Feature, closest_on_triangle};
+use crate::obstacle::crossings::crossing_pairs;
+use crate::obstacle::distance::Nearest;
+use crate::obstacle::error::ObstacleError;
+use crate::obstacle::primitive::SURFACE_TOLERANCE;
 
 /// Below this cosine between `p - c` and a pseudo-normal the solid angle decides the sign (dimensionless).
 const AMBIGUOUS_COSINE: f64 = 1e-6;
@@ -19,7 +19,7 @@ const AMBIGUOUS_COSINE: f64 = 1e-6;
 /// Slack of the search's reach squared, far above rounding (dimensionless).
 const REACH_SLACK: f64 = 1.0 + 1e-9;
 
-/// Choices of [`Obstacle::mesh`](super::Obstacle::mesh).
+/// Choices of [`Obstacle::mesh`](crate::obstacle::Obstacle::mesh).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshObstacleOptions {
     /// Look for faces that cross; `true` unless the mesh is known to be free of them.
@@ -149,7 +149,7 @@ impl MeshShape {
         let outside = if height.abs() > AMBIGUOUS_COSINE * length {
             height > 0.0
         } else {
-            mesh::winding_number(p, &self.vertices, self.faces.iter().copied()) < 0.5
+            winding_number(p, &self.vertices, self.faces.iter().copied()) < 0.5
         };
         let sign = if outside { 1.0 } else { -1.0 };
         Nearest { distance: sign * length, closest: closest.point, normal: offset * (sign / length) }

@@ -15,17 +15,15 @@
 //! That needs a closed mesh whose faces do not cross, which [`Obstacle::mesh`] checks once, in exact
 //! arithmetic. [`Obstacle::first_touch`] moves the obstacle along a line until it meets the first of many points.
 
-mod crossings;
-mod distance;
-mod error;
-mod first_touch;
-mod mesh;
-mod posed;
-mod primitive;
-mod shadow;
-mod sweep;
-mod triangle;
-mod triangle_pair;
+pub(crate) mod crossings;
+pub(crate) mod distance;
+pub(crate) mod error;
+pub(crate) mod first_touch;
+pub(crate) mod mesh;
+pub(crate) mod posed;
+pub(crate) mod primitive;
+pub(crate) mod shadow;
+pub(crate) mod sweep;
 
 pub use crossings::find_crossings;
 pub use distance::SignedDistances;

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use super::ObstacleError;
-use super::distance::Nearest;
-use super::mesh::{MeshObstacleOptions, MeshShape, corners_of};
-use super::primitive::Primitive;
-use crate::mesh::rigid_motion;
+use crate::geometry::rigid_motion::rigid_motion;
+use crate::obstacle::distance::Nearest;
+use crate::obstacle::error::ObstacleError;
+use crate::obstacle::mesh::{MeshObstacleOptions, MeshShape, corners_of};
+use crate::obstacle::primitive::Primitive;
 
 /// A rigid product: a closed mesh or a primitive, at a pose.
 ///

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::distance::Nearest;
+use crate::obstacle::distance::Nearest;
 
 /// Within this share of the primitive's size from its surface, a direction `p - c` is rounding noise and the
 /// normal of the surface's feature takes its place (dimensionless).

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use parry3d_f64::partitioning::BvhNode;
 use robust::{Coord, orient2d};
 
-use super::mesh::MeshShape;
-use super::primitive::perpendicular;
+use crate::obstacle::mesh::MeshShape;
+use crate::obstacle::primitive::perpendicular;
 
 /// Rounding of boxes and lines, as a share of the lengths involved.
 const BOX_SLACK: f64 = 1e-14;

@@ -5,10 +5,10 @@
 
 use nalgebra::Vector3;
 
-use super::ObstacleError;
-use super::posed::Shape;
-use super::primitive::Primitive;
-use super::shadow::Shadow;
+use crate::obstacle::error::ObstacleError;
+use crate::obstacle::posed::Shape;
+use crate::obstacle::primitive::Primitive;
+use crate::obstacle::shadow::Shadow;
 
 /// Cosine to its normal above which a half-space arrives from infinity.
 const ARRIVAL_COSINE: f64 = 1e-12;

@@ -7,7 +7,7 @@ use super::convert::{
 use super::errors::{IntoPyErr, ResponseError};
 use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
-use crate::mesh::rigid_motion;
+use crate::geometry::rigid_motion;
 use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
 use crate::response::{
     self, AssemblyOptions, CombinedSkin, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure,

@@ -2,6 +2,7 @@
 
 use super::convert::{faces, faces_out, mask, matrix3, nodes, nodes_out, vector, vectors, vectors_out};
 use super::errors::{IntoPyErr, SurfaceError};
+use crate::geometry::rigid_motion;
 use crate::mesh::{self, RepairOptions};
 use crate::surface::Surface;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -174,8 +175,7 @@ impl PySurface {
     ///     Shift (m).
     #[pyo3(text_signature = "(self, rotation, translation)")]
     fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let motion =
-            mesh::rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?);
+        let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?);
         let motion = motion.map_err(|error| SurfaceError::new_err(error.to_string()))?;
         Ok(self.inner.moved(&motion).into())
     }

@@ -34,8 +34,9 @@ impl FlatPunch {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use approx::assert_relative_eq;
+
+    use super::*;
 
     const PUNCH: FlatPunch = FlatPunch { radius: 5e-3, contact_modulus: 0.24e6 };
 

@@ -49,8 +49,9 @@ impl Hertz {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use approx::assert_relative_eq;
+
+    use super::*;
 
     const SPHERE: Hertz = Hertz { radius: 0.2, contact_modulus: 0.24e6 };
 

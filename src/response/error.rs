@@ -184,7 +184,7 @@ pub enum ResponseError {
     },
     /// The body could not be solved.
     #[error(transparent)]
-    Body(#[from] super::body::BodyError),
+    Body(#[from] crate::response::body::error::BodyError),
     /// The worker threads could not be started.
     #[error("could not start {threads} threads: {reason}")]
     Threads {

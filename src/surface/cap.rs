@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::Surface;
+use crate::surface::checked::Surface;
 
 /// Vertices this close to a plane lie in it, in mean edge lengths; float32 rounding comes on top.
 const PLANE_DISTANCE: f64 = 1e-3;

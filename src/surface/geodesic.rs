@@ -12,7 +12,7 @@ pub const LONGEST_DETOUR: f64 = 2.0;
 /// `along_skin <= LONGEST_DETOUR · straight + slack`: points that are close in space but far along the skin lie on
 /// different fingers, with air in between.
 ///
-/// * `along_skin`: distance along the skin (m), as [`Surface::skin_distances`](super::Surface::skin_distances)
+/// * `along_skin`: distance along the skin (m), as [`Surface::skin_distances`](crate::surface::Surface::skin_distances)
 ///   gives it; infinite for another component
 /// * `straight`: straight-line distance (m)
 /// * `slack`: allowance for how coarsely both are known (m), a mesh edge or the size of the sets compared
@@ -22,8 +22,9 @@ pub fn shares_tissue(along_skin: f64, straight: f64, slack: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::f64::consts::PI;
+
+    use super::*;
 
     #[test]
     fn opposite_points_of_a_round_finger_share_tissue_and_those_of_two_fingers_do_not() {

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::mesh::{Topology, signed_volume};
+use crate::geometry::solid_angle::signed_volume;
+use crate::mesh::topology::Topology;
 
 /// What follows from the positions.
 #[derive(Debug, Clone)]

@@ -7,15 +7,14 @@
 //! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`],
 //! [`Surface::nearest_along_skin`] and [`Surface::flat_cap_mask`]. [`shares_tissue`] tells neighbours through the tissue from other fingers.
 
-mod cap;
-mod geodesic;
-mod geometry;
-mod nearest;
-mod path;
-mod rings;
-#[allow(clippy::module_inception)]
-mod surface;
+pub(crate) mod cap;
+pub(crate) mod checked;
+pub(crate) mod geodesic;
+pub(crate) mod geometry;
+pub(crate) mod nearest;
+pub(crate) mod path;
+pub(crate) mod rings;
 
+pub use checked::{Surface, SurfaceError};
 pub use geodesic::{LONGEST_DETOUR, shares_tissue};
 pub use nearest::NearestAlongSkin;
-pub use surface::{Surface, SurfaceError};

@@ -3,8 +3,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::Surface;
-use super::path::Front;
+use crate::surface::checked::Surface;
+use crate::surface::path::Front;
 
 /// What [`Surface::nearest_along_skin`] found, one entry a vertex.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,7 +3,7 @@
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashMap};
 
-use super::Surface;
+use crate::surface::checked::Surface;
 
 /// A distance (m) and the vertex at it, ordered by distance.
 #[derive(PartialEq)]

@@ -1,6 +1,6 @@
 //! Growing a set of vertices and splitting it into patches.
 
-use super::Surface;
+use crate::surface::checked::Surface;
 
 impl Surface {
     /// The vertices that at most `rings` edges separate from `nodes`, sorted, `nodes` included.

@@ -8,7 +8,7 @@
 //! Ties in the ratio test are broken lexicographically over (q, p), p a perturbation carried along as a second
 //! right-hand side. Every basis is remembered by a hash; should rounding bring one back, p is drawn anew.
 
-mod entered;
+mod basic_columns;
 mod path;
 mod pivot;
 mod run;

@@ -4,13 +4,12 @@ use std::collections::HashSet;
 
 use rayon::prelude::*;
 
-use super::super::basis::Basis;
-use super::super::factor::NoFactor;
-use super::super::kernels;
-use super::super::options::LcpOptions;
-use super::super::product::{SHARED, row_block};
-use super::super::reduced::Reduced;
-use super::entered::Entered;
+use crate::lcp::basis::Basis;
+use crate::lcp::lemke::basic_columns::Entered;
+use crate::lcp::options::LcpOptions;
+use crate::lcp::reduced::Reduced;
+use crate::linalg::factor::NoFactor;
+use crate::linalg::kernels::{self, SHARED, row_block};
 
 /// Values closer than this are equal, relative to the largest.
 const TIE: f64 = 64.0 * f64::EPSILON;

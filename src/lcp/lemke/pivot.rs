@@ -1,10 +1,10 @@
 //! One pivot: the direction along the entering variable, the variable that blocks it, the exchange.
 
-use super::super::certificate::nan_max;
-use super::super::kernels;
-use super::path::{NOWHERE, Path, hash};
+use crate::lcp::certificate::nan_max;
+use crate::lcp::lemke::path::{NOWHERE, Path, hash};
+use crate::linalg::kernels;
 
-/// Multiple of rows (see [`Basis::delete_row`](super::super::basis::Basis::delete_row)) above which the basis is
+/// Multiple of rows (see [`Basis::delete_row`](crate::lcp::basis::Basis::delete_row)) above which the basis is
 /// factored anew.
 const GROWTH: f64 = 1e6;
 

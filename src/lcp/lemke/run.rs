@@ -1,12 +1,12 @@
 //! The path from start to ending.
 
-use super::super::certificate::nan_max;
-use super::super::options::LcpOptions;
-use super::super::outcome::Outcome;
-use super::super::reduced::Reduced;
-use super::super::solution::LcpStatus;
-use super::path::Path;
-use super::pivot::{Entering, Leaving};
+use crate::lcp::certificate::nan_max;
+use crate::lcp::lemke::path::Path;
+use crate::lcp::lemke::pivot::{Entering, Leaving};
+use crate::lcp::options::LcpOptions;
+use crate::lcp::outcome::Outcome;
+use crate::lcp::reduced::Reduced;
+use crate::lcp::solution::LcpStatus;
 
 /// Pivots after which values are recomputed from q.
 const REFRESH: usize = 64;

@@ -1,7 +1,7 @@
 //! Where the path begins: from nothing, or from the basis of a guess.
 
-use super::path::{NOWHERE, Path, hash};
-use super::pivot::Entering;
+use crate::lcp::lemke::path::{NOWHERE, Path, hash};
+use crate::lcp::lemke::pivot::Entering;
 
 impl Path<'_> {
     /// The whole of z0 covers every deficit; the row that needs most leaves.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
-use super::error::BodyError;
-use super::tissue::TissueReport;
+use crate::response::body::check::tissue::TissueReport;
+use crate::response::body::error::BodyError;
 
 /// Everything in a [`BodyCompliance`], to store it and to build it again.
 #[derive(Debug, Clone)]

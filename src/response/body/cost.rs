@@ -1,8 +1,8 @@
 //! Memory and operations of a body response, known before it is solved.
 
-use super::assemble::Element;
+use crate::response::body::equations::assemble::Element;
 
-/// What [`Body::prepare`](super::Body::prepare) costs.
+/// What [`Body::prepare`](crate::response::body::Body::prepare) costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyCost {
     /// Unknowns: three per skin and bone vertex.

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-use super::prepare::Body;
-use crate::surface::{Surface, SurfaceError};
+use crate::response::body::solve::Body;
+use crate::surface::checked::{Surface, SurfaceError};
 
 /// A part of a skin, closed by caps, with what a [`Body`] needs to be held there.
 #[derive(Debug, Clone)]

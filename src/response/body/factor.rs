@@ -112,8 +112,9 @@ impl Factors<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use faer::Mat;
+
+    use super::*;
 
     fn some_matrix(n: usize) -> Mat<f64> {
         Mat::from_fn(n, n, |i, j| {

@@ -25,24 +25,19 @@
 //! the equations right up to `nu = 0.5`, factorization, and the stored compliance. All is solved in units of the
 //! mean edge length and of `G`, so the answer does not depend on the unit system.
 
-mod assemble;
-mod compliance;
-mod cost;
-mod cut_out;
-mod discretize;
-mod distance;
-mod error;
-mod factor;
-pub mod kelvin;
-mod moments;
-mod prepare;
-mod quadrature;
-mod system;
-mod tissue;
+pub(crate) mod check;
+pub(crate) mod compliance;
+pub(crate) mod cost;
+pub(crate) mod cut_out;
+pub(crate) mod equations;
+pub(crate) mod error;
+pub(crate) mod factor;
+pub(crate) mod solve;
 
+pub use check::tissue::{TissueReport, TissueWarning};
 pub use compliance::{BodyCompliance, BodyParts};
 pub use cost::BodyCost;
 pub use cut_out::{CutOut, CutOutError, cut_out};
+pub use equations::kelvin;
 pub use error::BodyError;
-pub use prepare::{Body, BodyOptions, BodyProgress};
-pub use tissue::{TissueReport, TissueWarning};
+pub use solve::{Body, BodyOptions, BodyProgress};

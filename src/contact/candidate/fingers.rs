@@ -1,0 +1,177 @@
+//! Fingers: parts of the skin that touch without feeling each other.
+//!
+//! A kernel knows the straight line between two points alone, so on a hand it would let one fingertip press down
+//! its neighbour through the air between them; on one half-space two equal spheres 60 to 10 mm apart carry 3.5 to
+//! 27 % more force solved one by one than together. The way along the skin tells fingers apart ([`shares_tissue`]),
+//! unless the straight line runs through tissue: a palm and the back of its hand are far apart along the skin, and one.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use crate::geometry::solid_angle::winding_number;
+use crate::surface::checked::Surface;
+use crate::surface::geodesic::shares_tissue;
+use crate::surface::nearest::NearestAlongSkin;
+
+/// Slack of the way along the skin (mean edge lengths): between patches a few edges apart a path of edges may
+/// be long against the straight line for no reason but the mesh.
+const SLACK_EDGES: f64 = 4.0;
+
+/// The shortest way along the skin between two sets of candidates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Way {
+    /// Its length (m).
+    pub along_skin: f64,
+    /// Straight line between its ends (m).
+    pub straight: f64,
+    /// The vertices at its ends.
+    pub ends: [usize; 2],
+}
+
+/// The fingers in contact.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fingers {
+    /// Candidates of each, ascending; ordered by the first. All in one where nothing is told apart.
+    pub candidates: Vec<Vec<usize>>,
+    /// Shortest way between two of them, where the skin has one, the shortest first.
+    pub ways: Vec<([usize; 2], Way)>,
+    /// What is known of every vertex; `None` with one finger.
+    vertices: Option<NearestAlongSkin>,
+    /// Finger of each candidate (n); `usize::MAX` elsewhere. Empty with one finger.
+    of_candidate: Vec<usize>,
+}
+
+impl Fingers {
+    /// All candidates feel each other.
+    pub fn one(candidates: &[usize]) -> Self {
+        Self {
+            candidates: vec![candidates.to_vec()],
+            ways: Vec::new(),
+            vertices: None,
+            of_candidate: Vec::new(),
+        }
+    }
+
+    /// Tells apart the patches of candidates that share no tissue.
+    ///
+    /// Patches that share tissue with a third are on one finger. The search along the skin covers what could be
+    /// one finger first, and the whole surface only where there are two or more.
+    pub fn tell_apart(surface: &Surface, candidates: &[usize]) -> Self {
+        let patches = surface.patches(candidates);
+        if patches.len() < 2 {
+            return Self::one(candidates);
+        }
+        let slack = SLACK_EDGES * surface.mean_edge_length();
+        let mut label = vec![usize::MAX; surface.vertices().len()];
+        for (index, patch) in patches.iter().enumerate() {
+            patch.iter().for_each(|&vertex| label[vertex] = index);
+        }
+        // Two searches meet half-way, so ways up to twice the candidates' extent are found.
+        let near = surface.nearest_along_skin(candidates, extent(surface, candidates) + slack);
+        let mut finger_of_patch: Vec<usize> = (0..patches.len()).collect();
+        for ([a, b], way) in shortest_ways(surface, &near, &label) {
+            if shares_tissue(way.along_skin, way.straight, slack) || joined_inside(surface, way.ends) {
+                let (kept, merged) = (finger_of_patch[a], finger_of_patch[b]);
+                finger_of_patch.iter_mut().filter(|finger| **finger == merged).for_each(|f| *f = kept);
+            }
+        }
+        let mut by_finger: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (patch, finger) in patches.into_iter().zip(finger_of_patch) {
+            by_finger.entry(finger).or_default().extend(patch);
+        }
+        let mut fingers: Vec<Vec<usize>> = by_finger.into_values().collect();
+        if fingers.len() == 1 {
+            return Self::one(candidates);
+        }
+        fingers.iter_mut().for_each(|finger| finger.sort_unstable());
+        fingers.sort_unstable_by_key(|finger| finger[0]);
+        for (index, finger) in fingers.iter().enumerate() {
+            finger.iter().for_each(|&vertex| label[vertex] = index);
+        }
+        let vertices = surface.nearest_along_skin(candidates, f64::INFINITY);
+        let mut ways: Vec<_> = shortest_ways(surface, &vertices, &label).into_iter().collect();
+        ways.sort_by(|a, b| a.1.along_skin.total_cmp(&b.1.along_skin).then(a.0.cmp(&b.0)));
+        Self { candidates: fingers, ways, vertices: Some(vertices), of_candidate: label }
+    }
+
+    /// Nearest finger of a vertex along the skin: the one whose forces move it. `None` where the skin leads to none.
+    pub fn of(&self, vertex: usize) -> Option<usize> {
+        match &self.vertices {
+            None => Some(0),
+            Some(nearest) => {
+                let source = nearest.source[vertex];
+                (source != u32::MAX).then(|| self.of_candidate[source as usize])
+            }
+        }
+    }
+
+    /// Way along the skin from a vertex to its finger's candidates (m).
+    pub fn distance(&self, vertex: usize) -> Option<f64> {
+        self.vertices.as_ref().map(|nearest| nearest.distance[vertex])
+    }
+
+    /// Way along the skin from a finger to the next one (m); infinite where the skin leads to none.
+    pub fn to_next(&self, finger: usize) -> f64 {
+        let of_finger = |(pair, _): &&([usize; 2], Way)| pair.contains(&finger);
+        self.ways.iter().find(of_finger).map_or(f64::INFINITY, |(_, way)| way.along_skin)
+    }
+}
+
+/// Points on the line between two vertices that must lie inside the skin.
+const LINE_POINTS: usize = 12;
+
+/// Whether the straight line between two vertices runs inside the skin all the way.
+fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
+    let [a, b] = ends.map(|end| surface.vertices()[end]);
+    let inward = |end: usize, towards: Vector3<f64>| surface.vertex_normals()[end].dot(&towards) < 0.0;
+    let inside = |k: usize| {
+        let share = (k as f64 + 0.5) / LINE_POINTS as f64;
+        winding_number(&a.lerp(&b, share), surface.vertices(), surface.faces().iter().copied()) > 0.5
+    };
+    inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)
+}
+
+/// Diagonal of the box around some vertices (m).
+fn extent(surface: &Surface, vertices: &[usize]) -> f64 {
+    let points = vertices.iter().map(|&vertex| surface.vertices()[vertex]);
+    let bounds = points.fold(None, |bounds, point| match bounds {
+        None => Some((point, point)),
+        Some((low, high)) => Some((point.inf(&low), point.sup(&high))),
+    });
+    bounds.map_or(0.0, |(low, high)| (high - low).norm())
+}
+
+/// The shortest way found between any two sets of sources, told apart by their `label`: where the searches from
+/// both meet on an edge.
+fn shortest_ways(
+    surface: &Surface,
+    nearest: &NearestAlongSkin,
+    label: &[usize],
+) -> BTreeMap<[usize; 2], Way> {
+    let mut ways: BTreeMap<[usize; 2], Way> = BTreeMap::new();
+    for vertex in 0..label.len() {
+        if nearest.source[vertex] == u32::MAX {
+            continue;
+        }
+        for &other in surface.neighbours(vertex) {
+            let other = other as usize;
+            if other < vertex || nearest.source[other] == u32::MAX {
+                continue;
+            }
+            let ends = [nearest.source[vertex], nearest.source[other]].map(|source| source as usize);
+            let [a, b] = ends.map(|end| label[end]);
+            if a == b {
+                continue;
+            }
+            let step = |from: usize, to: usize| (surface.vertices()[from] - surface.vertices()[to]).norm();
+            let along_skin = nearest.distance[vertex] + step(vertex, other) + nearest.distance[other];
+            let way = Way { along_skin, straight: step(ends[0], ends[1]), ends };
+            let known = ways.entry([a.min(b), a.max(b)]).or_insert(way);
+            if along_skin < known.along_skin {
+                *known = way;
+            }
+        }
+    }
+    ways
+}

@@ -1,0 +1,5 @@
+//! Node forces that end all penetration: `g = g0 + R f, g >= 0, f >= 0, g·f = 0` on the candidates.
+
+pub(crate) mod compliance;
+pub(crate) mod growth;
+pub(crate) mod solve;

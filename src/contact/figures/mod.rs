@@ -1,0 +1,8 @@
+//! What is read off the node forces: pressure, area, resultants, displacement, and how far each can be trusted.
+
+pub(crate) mod accuracy;
+pub(crate) mod area;
+pub(crate) mod displacement;
+pub(crate) mod pressure;
+pub(crate) mod resultant;
+pub(crate) mod volume;

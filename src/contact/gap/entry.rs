@@ -1,0 +1,89 @@
+//! Vertices that came in through another side than their closest one: their gap is the way back.
+//!
+//! Beside an edge of the obstacle, and inside a wall thinner than the depth, the closest surface is a side of it or its
+//! far end, and the gap to it says nothing about how the vertex came in: it would push the skin out sideways, at a
+//! fraction of the force. A press knows: along its travel the vertex met the obstacle at the entry point
+//! `e = x + s t`, with t the direction of travel and s the way back (m). The plane of the surface there, with its
+//! normal m, gives
+//!
+//! ```text
+//! g0 = -s (m . t)    along m
+//! ```
+
+use nalgebra::Vector3;
+
+use crate::contact::error::ContactError;
+use crate::contact::gap::initial::InitialGaps;
+use crate::obstacle::posed::Obstacle;
+use crate::surface::checked::Surface;
+
+/// A press that ends where the obstacle stands, which nothing penetrated at its start.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Travel {
+    /// Unit direction of the obstacle.
+    pub direction: Vector3<f64>,
+    /// Its length (m).
+    pub depth: f64,
+}
+
+/// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees.
+const OTHER_SIDE: f64 = 0.5;
+
+/// Vertices whose gap is the way back.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct WayBack {
+    /// All of them.
+    pub vertices: usize,
+    /// Those that went through a wall thinner than their depth: they left the obstacle again, or their closest
+    /// surface faces against the travel, or lies on a wall thinner than twice the way back.
+    pub through_walls: usize,
+}
+
+/// Takes the way back for the gap of vertices whose entry normal points elsewhere than the one at their closest point.
+///
+/// Others keep their gap to the bit.
+pub(crate) fn measure_way_back(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    travel: &Travel,
+    gaps: &mut InitialGaps,
+) -> Result<WayBack, ContactError> {
+    let cosine = |vertex: usize| gaps.normal[vertex].dot(&travel.direction);
+    let suspects: Vec<usize> = (0..gaps.distance.len())
+        .filter(|&vertex| surface.skin_mask()[vertex] && gaps.distance[vertex] < travel.depth)
+        .filter(|&vertex| cosine(vertex) < if gaps.distance[vertex] < 0.0 { OTHER_SIDE } else { 0.0 })
+        .collect();
+    if suspects.is_empty() {
+        return Ok(WayBack::default());
+    }
+    let points: Vec<Vector3<f64>> = suspects.iter().map(|&vertex| surface.vertices()[vertex]).collect();
+    let ways = obstacle.way_back(&points, &travel.direction, travel.depth)?;
+    let met: Vec<(usize, f64)> =
+        suspects.into_iter().zip(ways).filter_map(|(vertex, way)| Some((vertex, way?))).collect();
+    let entries: Vec<Vector3<f64>> =
+        met.iter().map(|&(vertex, way)| surface.vertices()[vertex] + way * travel.direction).collect();
+    let entry_normal = obstacle.signed_distance(&entries, None)?.normal;
+    // Through the closest point and on by twice the way back: outside again behind a thin wall.
+    let beyond: Vec<Vector3<f64>> = met
+        .iter()
+        .map(|&(vertex, way)| {
+            surface.vertices()[vertex] - (gaps.distance[vertex] + 2.0 * way) * gaps.normal[vertex]
+        })
+        .collect();
+    let behind = obstacle.signed_distance(&beyond, None)?.distance;
+    let mut counted = WayBack::default();
+    for (row, (vertex, way)) in met.into_iter().enumerate() {
+        let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
+        let advance = entry.dot(&travel.direction);
+        if normal.dot(&entry) >= OTHER_SIDE || advance <= 0.0 {
+            continue;
+        }
+        let through_wall =
+            gaps.distance[vertex] >= 0.0 || normal.dot(&travel.direction) < 0.0 || behind[row] > 0.0;
+        gaps.distance[vertex] = -way * advance;
+        gaps.normal[vertex] = entry;
+        counted.vertices += 1;
+        counted.through_walls += usize::from(through_wall);
+    }
+    Ok(counted)
+}

@@ -1,0 +1,10 @@
+//! Points and triangles: closest point, crossing, solid angle, rigid motion. No mesh, no physics.
+
+pub(crate) mod closest_point;
+pub(crate) mod crossing;
+pub(crate) mod rigid_motion;
+pub(crate) mod solid_angle;
+pub(crate) mod triangle_distance;
+
+pub use rigid_motion::{RigidMotionError, rigid_motion};
+pub use solid_angle::{solid_angle, winding_number};

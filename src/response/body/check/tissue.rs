@@ -1,0 +1,210 @@
+//! Checks of skin, bone and fixed vertices before anything is solved.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::geometry::solid_angle::winding_number;
+use crate::mesh::nesting::component_volumes;
+use crate::response::body::check::distance::{FacePair, closest_faces, count_crossings};
+use crate::response::body::error::BodyError;
+use crate::surface::checked::Surface;
+
+/// Bone and skin touch below this part of the skin's mean edge length (dimensionless).
+const TOUCHING: f64 = 1e-6;
+
+/// What was found between skin and bone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TissueReport {
+    /// Smallest distance between skin and bone (m); infinite without bone.
+    pub min_thickness: f64,
+    /// The bone face and the skin face where it is, if there is a bone.
+    pub thinnest: Option<(usize, usize)>,
+    /// Everything worth a second look.
+    pub warnings: Vec<TissueWarning>,
+}
+
+/// Something that makes a body response less accurate than the rest, or other than meant.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TissueWarning {
+    /// The tissue is thinner than the faces around it.
+    #[error(
+        "the tissue is thinner than its mesh over {count} bone faces (worst: {thickness:.2e} m at bone face \
+         {bone_face}, where skin edges are {edge:.2e} m long): refine the skin there"
+    )]
+    ThinnerThanMesh {
+        /// Number of bone faces closer to the skin than the skin's local edge length.
+        count: usize,
+        /// The worst of them.
+        bone_face: usize,
+        /// Its distance from the skin (m).
+        thickness: f64,
+        /// Longest edge of the nearest skin face (m).
+        edge: f64,
+    },
+    /// Fixed vertices that are part of no fixed face are left free.
+    #[error(
+        "{count} fixed vertices (first: {first}) belong to no face that is fixed at all three corners: left free"
+    )]
+    LooseFixed {
+        /// Number of such vertices.
+        count: usize,
+        /// The first of them.
+        first: usize,
+    },
+}
+
+/// Checks skin and bones; returns the report.
+pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<TissueReport, BodyError> {
+    if !skin.is_closed() {
+        return Err(BodyError::SkinOpen { border_count: skin.topology().boundary_loops().len() });
+    }
+    if skin.topology().component_count() != 1 {
+        return Err(BodyError::SkinPieces { count: skin.topology().component_count() });
+    }
+    if skin.volume().is_nan() || skin.volume() <= 0.0 {
+        return Err(BodyError::SkinInverted { volume: skin.volume() });
+    }
+    let mut report = TissueReport { min_thickness: f64::INFINITY, thinnest: None, warnings: Vec::new() };
+    let Some(bone) = bone else { return Ok(report) };
+    check_each_bone(bone)?;
+
+    let crossings = count_crossings(bone, skin);
+    if let Some((count, bone_face, skin_face)) = crossings {
+        return Err(BodyError::BoneCrossesSkin { bone_face, skin_face, count });
+    }
+    let topology = bone.topology();
+    for component in 0..topology.component_count() {
+        let members: Vec<usize> =
+            (0..bone.vertices().len()).filter(|&v| topology.vertex_component(v) == component).collect();
+        let vertex = members[0];
+        let winding = winding_number(&bone.vertices()[vertex], skin.vertices(), skin.faces().iter().copied());
+        if winding < 0.5 {
+            return Err(BodyError::BoneOutside { component, vertex, count: members.len() });
+        }
+    }
+    check_bones_apart(bone)?;
+
+    let closest = closest_faces(bone, skin);
+    let nearest = closest.iter().min_by(|a, b| a.distance.total_cmp(&b.distance)).expect("a bone has faces");
+    let limit = TOUCHING * skin.mean_edge_length();
+    if nearest.distance <= limit {
+        let FacePair { first, second, distance } = *nearest;
+        return Err(BodyError::BoneTouchesSkin { bone_face: first, skin_face: second, distance, limit });
+    }
+    report.min_thickness = nearest.distance;
+    report.thinnest = Some((nearest.first, nearest.second));
+    let longest_edge = |face: usize| {
+        let [a, b, c] = skin.faces()[face].map(|v| skin.vertices()[v as usize]);
+        (b - a).norm().max((c - b).norm()).max((a - c).norm())
+    };
+    let thin: Vec<&FacePair> =
+        closest.iter().filter(|pair| pair.distance < longest_edge(pair.second)).collect();
+    let ratio = |pair: &FacePair| pair.distance / longest_edge(pair.second);
+    if let Some(worst) = thin.iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
+        report.warnings.push(TissueWarning::ThinnerThanMesh {
+            count: thin.len(),
+            bone_face: worst.first,
+            thickness: worst.distance,
+            edge: longest_edge(worst.second),
+        });
+    }
+    Ok(report)
+}
+
+fn check_each_bone(bone: &Surface) -> Result<(), BodyError> {
+    let topology = bone.topology();
+    if let Some(border) = topology.boundary_loops().first() {
+        let component = topology.vertex_component(border[0] as usize);
+        return Err(BodyError::BoneOpen { component, edge: (border[0], border[1]) });
+    }
+    let volumes = component_volumes(bone.vertices(), bone.faces(), topology);
+    match volumes.iter().position(|&volume| volume.is_nan() || volume <= 0.0) {
+        Some(component) => Err(BodyError::BoneInverted { component, volume: volumes[component] }),
+        None => Ok(()),
+    }
+}
+
+/// Bones that touch or cross one another leave no tissue between them.
+fn check_bones_apart(bone: &Surface) -> Result<(), BodyError> {
+    let topology = bone.topology();
+    if topology.component_count() < 2 {
+        return Ok(());
+    }
+    let limit = TOUCHING * bone.mean_edge_length();
+    let component = |face: usize| topology.face_components()[face] as usize;
+    let meeting = crate::response::body::check::distance::closest_between_components(bone, &component, limit);
+    match meeting {
+        Some(FacePair { first, second, .. }) => Err(BodyError::BonesMeet {
+            first: component(first),
+            second: component(second),
+            first_face: first,
+            second_face: second,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Checks the mask of fixed vertices; returns the vertices that are fixed (those of fixed faces).
+pub(crate) fn check_fixed(
+    skin: &Surface,
+    mask: &[bool],
+    report: &mut TissueReport,
+) -> Result<Vec<bool>, BodyError> {
+    let vertex_count = skin.vertices().len();
+    if mask.len() != vertex_count {
+        return Err(BodyError::FixedLength { found: mask.len(), expected: vertex_count });
+    }
+    let count = mask.iter().filter(|&&fixed| fixed).count();
+    let Some(first) = mask.iter().position(|&fixed| fixed) else {
+        return Err(BodyError::FixedNothing { vertex_count });
+    };
+    if count == vertex_count {
+        return Err(BodyError::FixedEverything { vertex_count });
+    }
+    let mut held = vec![false; vertex_count];
+    for face in skin.faces().iter().filter(|face| face.iter().all(|&v| mask[v as usize])) {
+        face.iter().for_each(|&v| held[v as usize] = true);
+    }
+    if !held.contains(&true) {
+        return Err(BodyError::FixedWithoutFace { count, first });
+    }
+    let mut loose = (0..vertex_count).filter(|&v| mask[v] && !held[v]);
+    if let Some(first) = loose.next() {
+        report.warnings.push(TissueWarning::LooseFixed { count: 1 + loose.count(), first });
+    }
+    Ok(held)
+}
+
+/// Checks the nodes to load.
+pub(crate) fn check_nodes(vertex_count: usize, fixed: &[bool], nodes: &[usize]) -> Result<(), BodyError> {
+    if nodes.is_empty() {
+        return Err(BodyError::NoNodes);
+    }
+    let mut seen = vec![usize::MAX; vertex_count];
+    for (position, &vertex) in nodes.iter().enumerate() {
+        if vertex >= vertex_count {
+            return Err(BodyError::NodeOutOfRange { position, vertex, vertex_count });
+        }
+        if seen[vertex] != usize::MAX {
+            return Err(BodyError::NodeRepeated { vertex, first: seen[vertex], second: position });
+        }
+        seen[vertex] = position;
+    }
+    let count = nodes.iter().filter(|&&vertex| fixed[vertex]).count();
+    match nodes.iter().find(|&&vertex| fixed[vertex]) {
+        Some(&vertex) => Err(BodyError::NodeFixed { vertex, count }),
+        None => Ok(()),
+    }
+}
+
+/// Area vectors of the vertices (m²): a third of the area vectors of the faces around each.
+pub(crate) fn area_vectors(surface: &Surface) -> Vec<Vector3<f64>> {
+    (0..surface.vertices().len())
+        .into_par_iter()
+        .map(|vertex| {
+            let faces = surface.faces_around(vertex).iter().map(|&face| face as usize);
+            faces.map(|face| surface.face_normals()[face] * (surface.face_areas()[face] / 3.0)).sum()
+        })
+        .collect()
+}

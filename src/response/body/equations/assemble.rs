@@ -1,0 +1,423 @@
+//! The boundary-element equations, one collocation point after another.
+//!
+//! For a force along `a` at collocation point `i`, Somigliana's identity over skin and bone reads
+//!
+//! ```text
+//! sum_j T_ij u_j  -  sum_j U_ij t_j  =  sum_j U_ij f_j / S_j
+//! ```
+//!
+//! with `u_j` on the free skin, `t_j` on fixed skin and bone, both against hat functions, and node forces
+//! `f_j` spread over their hats. A fixed node's traction lives on the fixed faces around it only: on the free
+//! faces of the border the traction is known, so it jumps there. The diagonal of `T` with the free term follows from
+//! rigid translation. `T` over the bone is never needed: it does not move, and seen from the skin its rigid
+//! translation adds nothing.
+//!
+//! Each point fills three contiguous columns of the transposed matrices, so the result is equal to the bit
+//! for any number of threads.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::response::body::equations::kelvin::Kelvin;
+use crate::response::body::equations::moments::{Triangle, exact_moments};
+use crate::response::body::equations::quadrature::{
+    LANES, Lanes, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
+};
+
+/// A node without an entry.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A face of skin or bone and where its hats go.
+#[derive(Debug, Clone)]
+pub(crate) struct Element {
+    pub triangle: Triangle,
+    /// Nodes at the corners: skin vertices, then bone vertices.
+    pub nodes: [u32; 3],
+    /// Columns (in blocks of 3) of unknown displacements, [`NONE`] where the displacement is zero.
+    pub moving: [u32; 3],
+    /// Columns (in blocks of 3) of unknown tractions, [`NONE`] where the traction is known.
+    pub supported: [u32; 3],
+    /// Right-hand sides (in blocks of 3) of loaded nodes and one over their vertex areas.
+    pub loaded: [u32; 3],
+    pub load_scales: [f64; 3],
+    pub is_skin: bool,
+}
+
+impl Element {
+    fn needs_displacement_kernel(&self) -> bool {
+        self.supported.iter().chain(&self.loaded).any(|&column| column != NONE)
+    }
+}
+
+/// The discretised body in units of its own length, with a shear modulus of 1.
+#[derive(Debug, Clone)]
+pub(crate) struct Discretization {
+    pub kelvin: Kelvin,
+    /// Collocation points: skin vertices, then bone vertices.
+    pub points: Vec<Vector3<f64>>,
+    /// Whether a point's own displacement is unknown (skin that is not fixed).
+    pub is_moving: Vec<bool>,
+    pub elements: Vec<Element>,
+    /// Number of loaded nodes.
+    pub load_count: usize,
+}
+
+/// Transposed matrix and transposed right-hand sides; column `3 i + a` belongs to point `i`, direction `a`.
+pub(crate) struct Equations {
+    /// `(3 n, 3 n)`, column-major.
+    pub matrix: Vec<f64>,
+    /// `(3 k, 3 n)`, column-major.
+    pub loads: Vec<f64>,
+}
+
+/// Writes the hats of elements seen from one point into that point's columns.
+struct Row<'a> {
+    point: usize,
+    body: &'a Discretization,
+    /// Columns of the transposed matrix and of the transposed loads, one per direction of the force.
+    matrix: [&'a mut [f64]; 3],
+    loads: [&'a mut [f64]; 3],
+    /// Sum of all traction blocks but the point's own.
+    off_diagonal: [f64; 9],
+    displacement_factors: (f64, f64),
+    traction_factors: (f64, f64, f64),
+}
+
+/// Position of entry 3 a + b in a packed symmetric matrix.
+const PACKED: [usize; 9] = [0, 1, 2, 1, 3, 4, 2, 4, 5];
+
+#[inline(always)]
+fn add_block(columns: &mut [&mut [f64]; 3], block: u32, factor: f64, value: impl Fn(usize) -> f64) {
+    let at = 3 * block as usize;
+    for (a, column) in columns.iter_mut().enumerate() {
+        let target = &mut column[at..at + 3];
+        target[0] += factor * value(3 * a);
+        target[1] += factor * value(3 * a + 1);
+        target[2] += factor * value(3 * a + 2);
+    }
+}
+
+impl<'a> Row<'a> {
+    /// One element, in closed form.
+    fn add_exactly(&mut self, element: &Element) {
+        let moments = exact_moments(&element.triangle, &self.body.points[self.point]);
+        let n = &element.triangle.normal;
+        for (corner, m) in moments.iter().enumerate() {
+            if element.is_skin && element.nodes[corner] as usize != self.point {
+                let (isotropic, outer, skew) = self.traction_factors;
+                let trace = isotropic * (m.d[0] + m.d[3] + m.d[5]);
+                let block: [f64; 9] = std::array::from_fn(|c| {
+                    let (a, b) = (c / 3, c % 3);
+                    outer * m.d[PACKED[c]]
+                        + skew * (m.e[a] * n[b] - n[a] * m.e[b])
+                        + if a == b { trace } else { 0.0 }
+                });
+                self.off_diagonal.iter_mut().zip(&block).for_each(|(sum, value)| *sum += value);
+                if element.moving[corner] != NONE {
+                    add_block(&mut self.matrix, element.moving[corner], 1.0, |c| block[c]);
+                }
+            }
+            let (isotropic, outer) = self.displacement_factors;
+            let trace = isotropic * (m.b[0] + m.b[3] + m.b[5]);
+            let block: [f64; 6] =
+                std::array::from_fn(|c| outer * m.b[c] + if matches!(c, 0 | 3 | 5) { trace } else { 0.0 });
+            self.add_displacement(element, corner, |c| block[c]);
+        }
+    }
+
+    /// `block`: packed `U` of a corner.
+    #[inline(always)]
+    fn add_displacement(&mut self, element: &Element, corner: usize, block: impl Fn(usize) -> f64) {
+        if element.supported[corner] != NONE {
+            add_block(&mut self.matrix, element.supported[corner], -1.0, |c| block(PACKED[c]));
+        }
+        if element.loaded[corner] != NONE {
+            add_block(&mut self.loads, element.loaded[corner], element.load_scales[corner], |c| {
+                block(PACKED[c])
+            });
+        }
+    }
+
+    /// Elements of one kind that share a rule; at most [`LANES`] of them, none of them around the point.
+    #[inline(always)]
+    fn add_together(&mut self, elements: &[u32], rule: usize, scratch: &mut Scratch) {
+        let point = &self.body.points[self.point];
+        for lane in 0..LANES {
+            // spare lanes repeat the last element, without area
+            let element = &self.body.elements[elements[lane.min(elements.len() - 1)] as usize];
+            scratch.lanes.set(lane, &element.triangle, point);
+            if lane >= elements.len() {
+                scratch.lanes.area[lane] = 0.0;
+            }
+        }
+        let is_skin = self.body.elements[elements[0] as usize].is_skin;
+        if is_skin {
+            far_moments::<true>(&scratch.lanes, &RULES[rule], &mut scratch.moments);
+        } else {
+            far_moments::<false>(&scratch.lanes, &RULES[rule], &mut scratch.moments);
+        }
+        for corner in 0..3 {
+            let moments = &scratch.moments[corner];
+            if is_skin {
+                traction_blocks(self.traction_factors, moments, &scratch.lanes.normal, &mut scratch.traction);
+                for (sum, values) in self.off_diagonal.iter_mut().zip(&scratch.traction) {
+                    *sum += values.iter().sum::<f64>();
+                }
+                for (lane, &element) in elements.iter().enumerate() {
+                    let moving = self.body.elements[element as usize].moving[corner];
+                    if moving != NONE {
+                        add_block(&mut self.matrix, moving, 1.0, |c| scratch.traction[c][lane]);
+                    }
+                }
+            }
+            displacement_blocks(self.displacement_factors, moments, &mut scratch.displacement);
+            for (lane, &element) in elements.iter().enumerate() {
+                let element = &self.body.elements[element as usize];
+                self.add_displacement(element, corner, |c| scratch.displacement[c][lane]);
+            }
+        }
+    }
+
+    /// The point's own block from rigid translation, which needs no force.
+    fn finish(&mut self) {
+        if self.body.is_moving[self.point] {
+            let sum = self.off_diagonal;
+            add_block(&mut self.matrix, self.point as u32, -1.0, |c| sum[c]);
+        }
+    }
+}
+
+/// `T` of one corner's hats from their moments, lane by lane.
+#[inline(always)]
+fn traction_blocks(
+    (isotropic, outer, skew): (f64, f64, f64),
+    moments: &[Lanes; 15],
+    normal: &[Lanes; 3],
+    blocks: &mut [Lanes; 9],
+) {
+    let (d, e) = (&moments[6..12], &moments[12..15]);
+    for a in 0..3 {
+        for b in 0..3 {
+            for l in 0..LANES {
+                blocks[3 * a + b][l] = outer * d[PACKED[3 * a + b]][l]
+                    + skew * (e[a][l] * normal[b][l] - normal[a][l] * e[b][l]);
+            }
+        }
+    }
+    for l in 0..LANES {
+        let trace = isotropic * (d[0][l] + d[3][l] + d[5][l]);
+        blocks[0][l] += trace;
+        blocks[4][l] += trace;
+        blocks[8][l] += trace;
+    }
+}
+
+/// Packed `U` of one corner's hats from their moments, lane by lane.
+#[inline(always)]
+fn displacement_blocks((isotropic, outer): (f64, f64), moments: &[Lanes; 15], blocks: &mut [Lanes; 6]) {
+    for c in 0..6 {
+        for l in 0..LANES {
+            blocks[c][l] = outer * moments[c][l];
+        }
+    }
+    for l in 0..LANES {
+        let trace = isotropic * (moments[0][l] + moments[3][l] + moments[5][l]);
+        blocks[0][l] += trace;
+        blocks[3][l] += trace;
+        blocks[5][l] += trace;
+    }
+}
+
+/// Working space of one thread.
+#[derive(Default)]
+struct Scratch {
+    lanes: TriangleLanes,
+    moments: MomentLanes,
+    traction: [Lanes; 9],
+    displacement: [Lanes; 6],
+}
+
+#[inline(always)]
+fn fill_row(row: &mut Row, reach: &RuleReach, scratch: &mut Scratch) {
+    let body = row.body;
+    let point = body.points[row.point];
+    // waiting elements, by kind (skin, bone) and rule
+    let mut waiting = [[[0u32; LANES]; RULES.len()]; 2];
+    let mut counts = [[0usize; RULES.len()]; 2];
+    for (index, element) in body.elements.iter().enumerate() {
+        if !element.is_skin && !element.needs_displacement_kernel() {
+            continue;
+        }
+        let triangle = &element.triangle;
+        let distance_squared =
+            (triangle.centroid - point).norm_squared() / (triangle.radius * triangle.radius);
+        let Some(rule) = reach.rule(distance_squared) else {
+            row.add_exactly(element);
+            continue;
+        };
+        let kind = usize::from(!element.is_skin);
+        let count = &mut counts[kind][rule];
+        waiting[kind][rule][*count] = index as u32;
+        *count += 1;
+        if *count == LANES {
+            *count = 0;
+            row.add_together(&waiting[kind][rule], rule, scratch);
+        }
+    }
+    for kind in 0..2 {
+        for rule in 0..RULES.len() {
+            let count = counts[kind][rule];
+            if count > 0 {
+                row.add_together(&waiting[kind][rule][..count], rule, scratch);
+            }
+        }
+    }
+    row.finish();
+}
+
+fn in_three(columns: &mut [f64]) -> [&mut [f64]; 3] {
+    let height = columns.len() / 3;
+    let (first, rest) = columns.split_at_mut(height);
+    let (second, third) = rest.split_at_mut(height);
+    [first, second, third]
+}
+
+/// Assembles the equations with integrals to `tolerance`; `advance` is called after each point and stops the
+/// assembly (`None`) by returning false.
+pub(crate) fn assemble_equations(
+    body: &Discretization,
+    tolerance: f64,
+    advance: &(dyn Fn() -> bool + Sync),
+) -> Option<Equations> {
+    let height = 3 * body.points.len();
+    let load_height = 3 * body.load_count;
+    let reach = RuleReach::new(tolerance);
+    let arch = pulp::Arch::new();
+    let mut equations =
+        Equations { matrix: vec![0.0; height * height], loads: vec![0.0; load_height * height] };
+    let finished = equations
+        .matrix
+        .par_chunks_mut(3 * height)
+        .zip(equations.loads.par_chunks_mut(3 * load_height))
+        .enumerate()
+        .map_init(Scratch::default, |scratch, (point, (matrix, loads))| {
+            let mut row = Row {
+                point,
+                body,
+                matrix: in_three(matrix),
+                loads: in_three(loads),
+                off_diagonal: [0.0; 9],
+                displacement_factors: body.kelvin.displacement_factors(),
+                traction_factors: body.kelvin.traction_factors(),
+            };
+            arch.dispatch(
+                #[inline(always)]
+                || fill_row(&mut row, &reach, scratch),
+            );
+            advance()
+        })
+        .all(|go_on| go_on);
+    finished.then_some(equations)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+
+    use super::*;
+
+    /// A lopsided octahedron, each face cut in four, whose every face corner carries a load of its own.
+    fn body(poisson_ratio: f64) -> Discretization {
+        let corner = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
+        let mut points = vec![
+            corner(1.3, 0.1, 0.0),
+            corner(-0.9, 0.2, 0.1),
+            corner(0.0, 1.1, -0.1),
+            corner(0.1, -1.0, 0.2),
+            corner(0.2, 0.1, 0.8),
+            corner(0.0, 0.0, -1.2),
+        ];
+        let octants =
+            [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        let mut middles = std::collections::HashMap::new();
+        let mut faces: Vec<[u32; 3]> = Vec::new();
+        for [a, b, c] in octants {
+            let mut middle = |a: u32, b: u32| {
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    let between = (points[a as usize] + points[b as usize]) * 0.55;
+                    points.push(between);
+                    points.len() as u32 - 1
+                })
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        let elements = faces.iter().enumerate().map(|(index, face)| Element {
+            triangle: Triangle::new(face.map(|v| points[v as usize])),
+            nodes: *face,
+            moving: *face,
+            supported: [NONE; 3],
+            loaded: [0, 1, 2].map(|c| 3 * index as u32 + c),
+            load_scales: [1.0; 3],
+            is_skin: true,
+        });
+        Discretization {
+            kelvin: Kelvin::new(poisson_ratio),
+            elements: elements.collect(),
+            is_moving: vec![true; points.len()],
+            load_count: 3 * faces.len(),
+            points,
+        }
+    }
+
+    /// A linear displacement lies in the space of hats and its traction is constant on each face, so the equations
+    /// hold to the tolerance of the integrals.
+    #[test]
+    fn a_homogeneous_strain_and_a_rotation_are_met_exactly() {
+        let gradient = Matrix3::new(0.3, -0.8, 0.1, 0.5, -0.4, 0.7, 0.2, -0.1, 0.6);
+        for poisson_ratio in [0.0, 0.3, 0.49, 0.5] {
+            let body = body(poisson_ratio);
+            let e = body.kelvin.compressibility();
+            let gradient =
+                if e == 0.0 { gradient - Matrix3::identity() * gradient.trace() / 3.0 } else { gradient };
+            // at nu = 0.5 any pressure goes with it
+            let isotropic = if e == 0.0 { 0.9 } else { (1.0 - e) / e * gradient.trace() };
+            let stress = gradient + gradient.transpose() + Matrix3::identity() * isotropic;
+            let displacement: Vec<f64> =
+                body.points.iter().flat_map(|x| <[f64; 3]>::from(gradient * x)).collect();
+            let traction: Vec<f64> = body
+                .elements
+                .iter()
+                .flat_map(|element| [<[f64; 3]>::from(stress * element.triangle.normal); 3])
+                .flatten()
+                .collect();
+            let equations = assemble_equations(&body, 1e-9, &|| true).expect("not interrupted");
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let (height, load_height) = (displacement.len(), traction.len());
+            for row in 0..height {
+                let left = dot(&equations.matrix[row * height..(row + 1) * height], &displacement);
+                let right = dot(&equations.loads[row * load_height..(row + 1) * load_height], &traction);
+                assert!((left - right).abs() < 1e-8, "nu {poisson_ratio}, row {row}: {left} {right}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_number_of_threads_changes_no_bit() {
+        let body = body(0.4);
+        let with = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| assemble_equations(&body, 1e-4, &|| true)).expect("not interrupted")
+        };
+        let one = with(1);
+        for threads in [2, 3] {
+            let more = with(threads);
+            assert!(one.matrix == more.matrix && one.loads == more.loads);
+        }
+    }
+
+    #[test]
+    fn a_refusal_to_advance_ends_the_assembly() {
+        assert!(assemble_equations(&body(0.5), 1e-4, &|| false).is_none());
+    }
+}

@@ -1,0 +1,86 @@
+//! Skin and bone as nodes, elements and closed surfaces without units.
+
+use nalgebra::Vector3;
+
+use crate::response::body::check::tissue::area_vectors;
+use crate::response::body::equations::assemble::{Discretization, Element, NONE};
+use crate::response::body::equations::incompressible::ClosedSurface;
+use crate::response::body::equations::kelvin::Kelvin;
+use crate::response::body::equations::moments::Triangle;
+use crate::response::body::solve::Body;
+use crate::surface::checked::Surface;
+
+impl Body {
+    /// Nodes, faces and closed surfaces in units of `length`.
+    pub(crate) fn discretize(
+        &self,
+        skin: &Surface,
+        length: f64,
+        poisson_ratio: f64,
+        fixed: &[bool],
+        nodes: &[usize],
+    ) -> (Discretization, Vec<ClosedSurface>) {
+        let skin_count = skin.vertices().len();
+        let origin = skin.vertices().iter().sum::<Vector3<f64>>() / skin_count as f64;
+        let bones = self.bone.iter();
+        let points: Vec<Vector3<f64>> = skin
+            .vertices()
+            .iter()
+            .chain(bones.clone().flat_map(|bone| bone.vertices()))
+            .map(|vertex| (vertex - origin) / length)
+            .collect();
+        let mut slots = vec![NONE; skin_count];
+        nodes.iter().enumerate().for_each(|(slot, &node)| slots[node] = slot as u32);
+
+        let skin_elements = skin.faces().iter().map(|face| {
+            let is_held = face.iter().all(|&v| fixed[v as usize]);
+            Element {
+                triangle: Triangle::new(face.map(|v| points[v as usize])),
+                nodes: *face,
+                moving: face.map(|v| if fixed[v as usize] { NONE } else { v }),
+                supported: if is_held { *face } else { [NONE; 3] },
+                loaded: face.map(|v| slots[v as usize]),
+                load_scales: face.map(|v| length * length / skin.vertex_areas()[v as usize]),
+                is_skin: true,
+            }
+        });
+        let bone_elements = bones.clone().flat_map(|bone| bone.faces()).map(|face| {
+            let face = face.map(|v| v + skin_count as u32);
+            Element {
+                triangle: Triangle::new(face.map(|v| points[v as usize])),
+                nodes: face,
+                moving: [NONE; 3],
+                supported: face,
+                loaded: [NONE; 3],
+                load_scales: [0.0; 3],
+                is_skin: false,
+            }
+        });
+        let elements = skin_elements.chain(bone_elements).collect();
+
+        let scaled = |surface: &Surface| -> Vec<Vector3<f64>> {
+            area_vectors(surface).iter().map(|area| area / (length * length)).collect()
+        };
+        let mut surfaces = vec![ClosedSurface {
+            nodes: (0..skin_count as u32).collect(),
+            area_vectors: scaled(skin),
+            is_bone: false,
+        }];
+        for bone in bones {
+            let areas = scaled(bone);
+            let topology = bone.topology();
+            for component in 0..topology.component_count() {
+                let members: Vec<usize> =
+                    (0..areas.len()).filter(|&v| topology.vertex_component(v) == component).collect();
+                surfaces.push(ClosedSurface {
+                    nodes: members.iter().map(|&v| (skin_count + v) as u32).collect(),
+                    area_vectors: members.iter().map(|&v| areas[v]).collect(),
+                    is_bone: true,
+                });
+            }
+        }
+        let is_moving = (0..points.len()).map(|node| node < skin_count && !fixed[node]).collect();
+        let kelvin = Kelvin::new(poisson_ratio);
+        (Discretization { kelvin, points, is_moving, elements, load_count: nodes.len() }, surfaces)
+    }
+}

@@ -1,0 +1,353 @@
+//! Integrals of Kelvin's kernels against the three hat functions of a flat triangle.
+//!
+//! With `r = y - x`, `n` the triangle's normal and `phi_k` the hat of corner `k`, all that Kelvin's kernels
+//! need is, for every `nu`, made of three moments of each hat (and of their traces):
+//!
+//! ```text
+//! B_k = ∫ phi_k r r' / r³ dA        (trace: ∫ phi_k / r dA)
+//! D_k = ∫ phi_k (r·n) r r' / r⁵ dA  (trace: ∫ phi_k (r·n) / r³ dA)
+//! E_k = ∫ phi_k r / r³ dA
+//! ```
+//!
+//! Near the triangle they are taken in closed form ([`exact_moments`]): the in-plane gradients of `1/r` and
+//! `1/r³` turn every one of them into the solid angle `W`, and `∫ds/R`, `∫s ds/R`, `∫s² ds/R`, `∫ds/R³`, ...
+//! over the three edges (the notation is that of Wilton et al. 1984). So neither the singular nor the
+//! near-singular integrals cost more than others or lose digits. Far away, where the closed form cancels,
+//! quadrature takes over, see [`quadrature`](crate::response::body::equations::quadrature).
+
+use nalgebra::{Matrix3, Vector3};
+
+/// A flat triangle with what the integrals need of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Triangle {
+    pub corners: [Vector3<f64>; 3],
+    pub normal: Vector3<f64>,
+    pub area: f64,
+    pub centroid: Vector3<f64>,
+    /// Largest distance of a corner from the centroid (m).
+    pub radius: f64,
+}
+
+impl Triangle {
+    pub fn new(corners: [Vector3<f64>; 3]) -> Self {
+        let cross = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+        let twice_area = cross.norm();
+        let centroid = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let radius = corners.iter().map(|c| (c - centroid).norm()).fold(0.0, f64::max);
+        Triangle { corners, normal: cross / twice_area, area: 0.5 * twice_area, centroid, radius }
+    }
+}
+
+/// Moments of one hat function; symmetric matrices are stored as xx, xy, xz, yy, yz, zz.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct HatMoments {
+    pub b: [f64; 6],
+    pub d: [f64; 6],
+    pub e: [f64; 3],
+}
+
+fn pack(m: &Matrix3<f64>) -> [f64; 6] {
+    let half = |a: f64, b: f64| 0.5 * (a + b);
+    [
+        m[(0, 0)],
+        half(m[(0, 1)], m[(1, 0)]),
+        half(m[(0, 2)], m[(2, 0)]),
+        m[(1, 1)],
+        half(m[(1, 2)], m[(2, 1)]),
+        m[(2, 2)],
+    ]
+}
+
+/// Integrals over one edge, from its start to its end, with `s` the distance from the foot of the point.
+struct EdgeIntegrals {
+    tangent: Vector3<f64>,
+    outward: Vector3<f64>,
+    /// Signed in-plane distance of the edge's line from the foot of the point (m), positive inside.
+    distance: f64,
+    /// `∫ ds/R`, `∫ s ds/R`, `∫ s² ds/R`, `∫ R ds`.
+    over_r: [f64; 3],
+    r: f64,
+    /// `z²∫ds/R³`, `z d∫ds/R³`, `z∫s ds/R³`, `z∫s² ds/R³`: the height makes each of them bounded.
+    z2_over_r3: f64,
+    zd_over_r3: f64,
+    z_over_r3: [f64; 2],
+    /// Part of the solid angle.
+    angle: f64,
+}
+
+impl EdgeIntegrals {
+    fn new(
+        start: &Vector3<f64>,
+        end: &Vector3<f64>,
+        normal: &Vector3<f64>,
+        foot: &Vector3<f64>,
+        z: f64,
+    ) -> Self {
+        let edge = end - start;
+        let length = edge.norm();
+        let tangent = edge / length;
+        let outward = tangent.cross(normal);
+        let distance = (start - foot).dot(&outward);
+        let from = (start - foot).dot(&tangent);
+        let to = (end - foot).dot(&tangent);
+        let rho_squared = distance * distance + z * z;
+        let on_line = rho_squared <= (1e-14 * length) * (1e-14 * length);
+        let r_from = (rho_squared + from * from).sqrt();
+        let r_to = (rho_squared + to * to).sqrt();
+        // ∫ds/R without cancellation on either side of the foot; a point on the edge itself never meets a
+        // non-zero factor, so 0 stands for its infinite value.
+        let logarithm = if from >= 0.0 {
+            if r_from > 0.0 && !(on_line && from <= 1e-14 * length) {
+                ((to + r_to) / (from + r_from)).ln()
+            } else {
+                0.0
+            }
+        } else if to <= 0.0 {
+            if r_to > 0.0 && !(on_line && -to <= 1e-14 * length) {
+                ((r_from - from) / (r_to - to)).ln()
+            } else {
+                0.0
+            }
+        } else if on_line {
+            0.0
+        } else {
+            ((to + r_to) * (r_from - from) / rho_squared).ln()
+        };
+        let s_r = to * r_to - from * r_from;
+        let over_r = [logarithm, r_to - r_from, 0.5 * (s_r - rho_squared * logarithm)];
+        let r = 0.5 * (s_r + rho_squared * logarithm);
+        let mut edge = EdgeIntegrals {
+            tangent,
+            outward,
+            distance,
+            over_r,
+            r,
+            z2_over_r3: 0.0,
+            zd_over_r3: 0.0,
+            z_over_r3: [0.0; 2],
+            angle: 0.0,
+        };
+        if z != 0.0 {
+            let ratio = to / r_to - from / r_from;
+            edge.z2_over_r3 = z * z / rho_squared * ratio;
+            edge.zd_over_r3 = z * distance / rho_squared * ratio;
+            edge.z_over_r3 = [z * (1.0 / r_from - 1.0 / r_to), z * (logarithm - ratio)];
+            edge.angle = (distance * to).atan2(rho_squared + z.abs() * r_to)
+                - (distance * from).atan2(rho_squared + z.abs() * r_from);
+        }
+        edge
+    }
+}
+
+/// Moments of the three hats seen from `point`, in closed form.
+///
+/// `point` may be a corner: then `E` of that corner's own hat, which has no finite value, is meaningless (its
+/// Cauchy value enters through the rigid translation) and all else is right.
+pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> [HatMoments; 3] {
+    let normal = triangle.normal;
+    let nn = normal * normal.transpose();
+    let in_plane = Matrix3::identity() - nn;
+    let mut z = (point - triangle.corners[0]).dot(&normal);
+    if z.abs() <= 1e-13 * triangle.radius {
+        z = 0.0;
+    }
+    let foot = point - normal * z;
+    let [a, b, c] = &triangle.corners;
+    let edges = [
+        EdgeIntegrals::new(a, b, &normal, &foot, z),
+        EdgeIntegrals::new(b, c, &normal, &foot, z),
+        EdgeIntegrals::new(c, a, &normal, &foot, z),
+    ];
+    // W = z ∫1/r³, I0 = ∫1/r, I1 = ∫rho/r, V = ∫rho/r³ with rho the in-plane part of r
+    let solid_angle = z.signum() * edges.iter().map(|e| e.angle).sum::<f64>();
+    let i0 = edges.iter().map(|e| e.distance * e.over_r[0]).sum::<f64>() - z * solid_angle;
+    let mut i1 = Vector3::zeros();
+    let mut v = Vector3::zeros();
+    let mut third = solid_angle; // 3 z³ ∫1/r⁵
+    let mut z3_rho_over_r5 = Vector3::zeros(); // z³ ∫rho/r⁵
+    for edge in &edges {
+        i1 += edge.outward * edge.r;
+        v -= edge.outward * edge.over_r[0];
+        third += edge.zd_over_r3;
+        z3_rho_over_r5 -= edge.outward * (z * edge.z2_over_r3 / 3.0);
+    }
+
+    let mut moments = [HatMoments::default(); 3];
+    for (corner, moment) in moments.iter_mut().enumerate() {
+        // phi = value + gradient · rho, with rho from the foot
+        let opposite = &edges[(corner + 1) % 3];
+        let height = (triangle.corners[corner] - triangle.corners[(corner + 1) % 3]).dot(&opposite.outward);
+        let gradient = opposite.outward / height;
+        let value = 1.0 + gradient.dot(&(foot - triangle.corners[corner]));
+
+        let phi_over_r = value * i0 + gradient.dot(&i1);
+        let z_phi_over_r3 = value * solid_angle + z * gradient.dot(&v);
+        let mut k = gradient * i0; // ∫ phi rho / r³
+        let mut p = gradient * i1.transpose() + in_plane * phi_over_r; // ∫ phi rho rho' / r³
+        let mut q = (gradient * v.transpose() * z + in_plane * z_phi_over_r3) / 3.0; // z ∫ phi rho rho' / r⁵
+        let mut h = gradient * (z * solid_angle / 3.0); // z² ∫ phi rho / r⁵
+        for edge in &edges {
+            let at_foot = value + edge.distance * gradient.dot(&edge.outward);
+            let slope = gradient.dot(&edge.tangent);
+            let first = at_foot * edge.over_r[0] + slope * edge.over_r[1];
+            let second = at_foot * edge.over_r[1] + slope * edge.over_r[2];
+            k -= edge.outward * first;
+            p -= edge.outward * (edge.outward * (edge.distance * first) + edge.tangent * second).transpose();
+            if z != 0.0 {
+                let across = at_foot * edge.zd_over_r3 + slope * edge.distance * edge.z_over_r3[0];
+                let along = at_foot * edge.z_over_r3[0] + slope * edge.z_over_r3[1];
+                q -= edge.outward * (edge.outward * across + edge.tangent * along).transpose() / 3.0;
+                h -= edge.outward * ((at_foot * edge.z2_over_r3 + slope * z * edge.z_over_r3[0]) / 3.0);
+            }
+        }
+        let zzz_phi_over_r5 = value * third / 3.0 + gradient.dot(&z3_rho_over_r5);
+        moment.b =
+            pack(&(p - (k * normal.transpose() + normal * k.transpose()) * z + nn * (z * z_phi_over_r3)));
+        moment.d = pack(&-(q - (h * normal.transpose() + normal * h.transpose()) + nn * zzz_phi_over_r5));
+        moment.e = (k - normal * z_phi_over_r3).into();
+    }
+    moments
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::response::body::equations::quadrature::RULES;
+
+    pub fn moments_as_array(m: &HatMoments) -> [f64; 15] {
+        let mut all = [0.0; 15];
+        all[..6].copy_from_slice(&m.b);
+        all[6..12].copy_from_slice(&m.d);
+        all[12..].copy_from_slice(&m.e);
+        all
+    }
+
+    /// The same moments by splitting the triangle evenly into `4^levels` and a rule of degree 8 on each.
+    pub fn by_subdivision(triangle: &Triangle, point: &Vector3<f64>, levels: usize) -> [[f64; 15]; 3] {
+        fn add(
+            triangle: &Triangle,
+            piece: [[f64; 3]; 3],
+            point: &Vector3<f64>,
+            levels: usize,
+            sum: &mut [[f64; 15]; 3],
+        ) {
+            let at = |l: &[f64; 3]| {
+                triangle.corners[0] * l[0] + triangle.corners[1] * l[1] + triangle.corners[2] * l[2]
+            };
+            let here = Triangle::new([at(&piece[0]), at(&piece[1]), at(&piece[2])]);
+            if levels == 0 || (here.centroid - point).norm() > 12.0 * here.radius {
+                let rule = &RULES[2];
+                for (bary, weight) in rule.points.iter().zip(rule.weights) {
+                    let lambda: [f64; 3] = std::array::from_fn(|c| {
+                        bary[0] * piece[0][c] + bary[1] * piece[1][c] + bary[2] * piece[2][c]
+                    });
+                    let r = at(&lambda) - point;
+                    let d = r.norm();
+                    let slope = r.dot(&triangle.normal) / (d * d);
+                    let w = weight * here.area / (d * d * d);
+                    let b = [r.x * r.x, r.x * r.y, r.x * r.z, r.y * r.y, r.y * r.z, r.z * r.z];
+                    for k in 0..3 {
+                        for c in 0..6 {
+                            sum[k][c] += lambda[k] * b[c] * w;
+                            sum[k][6 + c] += lambda[k] * b[c] * w * slope;
+                        }
+                        for c in 0..3 {
+                            sum[k][12 + c] += lambda[k] * r[c] * w;
+                        }
+                    }
+                }
+                return;
+            }
+            let mid =
+                |a: &[f64; 3], b: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|c| 0.5 * (a[c] + b[c])) };
+            let [a, b, c] = piece;
+            let (ab, bc, ca) = (mid(&a, &b), mid(&b, &c), mid(&c, &a));
+            for piece in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+                add(triangle, piece, point, levels - 1, sum);
+            }
+        }
+        let mut sum = [[0.0; 15]; 3];
+        add(triangle, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], point, levels, &mut sum);
+        sum
+    }
+
+    pub fn triangles() -> Vec<Triangle> {
+        let v = Vector3::new;
+        vec![
+            Triangle::new([v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.4, 0.9, 0.0)]),
+            Triangle::new([v(0.1, -0.2, 0.3), v(1.3, 0.4, -0.2), v(0.3, 0.8, 0.9)]),
+            Triangle::new([v(0.0, 0.0, 0.0), v(1.0, 0.1, 0.0), v(0.5, 0.15, 0.1)]),
+        ]
+    }
+
+    fn scale(moments: &[[f64; 15]; 3], range: std::ops::Range<usize>) -> f64 {
+        moments.iter().flat_map(|m| m[range.clone()].iter()).fold(0.0, |a: f64, b| a.max(b.abs()))
+    }
+
+    #[test]
+    fn the_closed_form_agrees_with_deep_subdivision_near_above_and_beside_the_triangle() {
+        for triangle in triangles() {
+            let [a, b, c] = triangle.corners;
+            let n = triangle.normal;
+            let foots = [
+                triangle.centroid,
+                a,
+                (a + b) / 2.0,
+                b + (b - a) * 0.7, // on an edge's line
+                a - (c - a) * 0.2,
+                triangle.centroid * 3.0 - a - b + (c - b),
+            ];
+            for foot in foots {
+                for height in [1e-3, -0.02, 0.2, -1.5] {
+                    let point = foot + n * height;
+                    let expected = by_subdivision(&triangle, &point, 14);
+                    let found = exact_moments(&triangle, &point).map(|m| moments_as_array(&m));
+                    for (range, tolerance) in [(0..6, 1e-9), (6..12, 1e-8), (12..15, 1e-8)] {
+                        let size = scale(&expected, range.clone());
+                        for k in 0..3 {
+                            for c in range.clone() {
+                                let error = (found[k][c] - expected[k][c]).abs();
+                                assert!(
+                                    error < tolerance * size,
+                                    "hat {k}, component {c}, height {height}, foot {foot:?}: {} expected {}",
+                                    found[k][c],
+                                    expected[k][c]
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn at_a_corner_the_weakly_singular_integrals_are_finite_and_right() {
+        for triangle in triangles() {
+            let point = triangle.corners[0];
+            let expected = by_subdivision(&triangle, &point, 22);
+            let found = exact_moments(&triangle, &point).map(|m| moments_as_array(&m));
+            for k in 0..3 {
+                for c in 0..6 {
+                    assert!((found[k][c] - expected[k][c]).abs() < 1e-5 * scale(&expected, 0..6));
+                    assert_eq!(found[k][6 + c], 0.0, "D vanishes in the triangle's plane");
+                }
+                if k > 0 {
+                    for c in 12..15 {
+                        assert!(
+                            (found[k][c] - expected[k][c]).abs()
+                                < 1e-5
+                                    * scale(
+                                        &expected[1..]
+                                            .try_into()
+                                            .map(|s: [[f64; 15]; 2]| [s[0], s[1], [0.0; 15]])
+                                            .unwrap(),
+                                        12..15
+                                    )
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

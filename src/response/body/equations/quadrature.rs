@@ -1,0 +1,266 @@
+//! Kelvin's kernels over triangles well away from the point, many triangles at a time.
+//!
+//! Symmetric rules of degree 2, 5 and 8 (Dunavant 1985); [`RuleReach`] says from which distance each keeps a
+//! stated tolerance. Closer than that, [`exact_moments`](crate::response::body::equations::moments::exact_moments) takes over.
+
+use nalgebra::Vector3;
+
+use crate::response::body::equations::moments::Triangle;
+
+/// A symmetric quadrature rule on a triangle: barycentric coordinates and weights that add up to 1.
+pub(crate) struct Rule {
+    pub points: &'static [[f64; 3]],
+    pub weights: &'static [f64],
+}
+
+macro_rules! around {
+    ($a:expr) => {
+        [1.0 - 2.0 * $a, $a, $a]
+    };
+    ($a:expr, 1) => {
+        [$a, 1.0 - 2.0 * $a, $a]
+    };
+    ($a:expr, 2) => {
+        [$a, $a, 1.0 - 2.0 * $a]
+    };
+}
+
+const DEGREE_2: Rule = Rule {
+    points: &[around!(1.0 / 6.0), around!(1.0 / 6.0, 1), around!(1.0 / 6.0, 2)],
+    weights: &[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+};
+
+const A5: f64 = 0.470142064105115;
+const B5: f64 = 0.101286507323456;
+const DEGREE_5: Rule = Rule {
+    points: &[
+        [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+        around!(A5),
+        around!(A5, 1),
+        around!(A5, 2),
+        around!(B5),
+        around!(B5, 1),
+        around!(B5, 2),
+    ],
+    weights: &[
+        0.225,
+        0.132394152788506,
+        0.132394152788506,
+        0.132394152788506,
+        0.125939180544827,
+        0.125939180544827,
+        0.125939180544827,
+    ],
+};
+
+const A8: f64 = 0.459292588292723;
+const B8: f64 = 0.170569307751760;
+const C8: f64 = 0.050547228317031;
+const P8: f64 = 0.263112829634638;
+const Q8: f64 = 0.728492392955404;
+const S8: f64 = 1.0 - P8 - Q8;
+const WA8: f64 = 0.095091634267285;
+const WB8: f64 = 0.103217370534718;
+const WC8: f64 = 0.032458497623198;
+const WP8: f64 = 0.027230314174435;
+const DEGREE_8: Rule = Rule {
+    points: &[
+        [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
+        around!(A8),
+        around!(A8, 1),
+        around!(A8, 2),
+        around!(B8),
+        around!(B8, 1),
+        around!(B8, 2),
+        around!(C8),
+        around!(C8, 1),
+        around!(C8, 2),
+        [P8, Q8, S8],
+        [P8, S8, Q8],
+        [Q8, P8, S8],
+        [Q8, S8, P8],
+        [S8, P8, Q8],
+        [S8, Q8, P8],
+    ],
+    weights: &[0.144315607677787, WA8, WA8, WA8, WB8, WB8, WB8, WC8, WC8, WC8, WP8, WP8, WP8, WP8, WP8, WP8],
+};
+
+/// The rules in rising order, as [`RuleReach`] counts them.
+pub(crate) const RULES: [Rule; 3] = [DEGREE_2, DEGREE_5, DEGREE_8];
+
+/// From which distance, in radii of the triangle, each of [`RULES`] keeps the stated relative tolerance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RuleReach {
+    squared: [f64; 3],
+}
+
+impl RuleReach {
+    /// `tolerance`: relative error of a triangle's hat moments, between 1e-9 and 1e-2.
+    ///
+    /// A hat is linear, so a rule of degree `m` sees the kernel's Taylor terms up to `m - 1` and errs by
+    /// `(constant · radius / distance)^m`; the constants cover every direction and triangle of the test.
+    pub fn new(tolerance: f64) -> Self {
+        const CONSTANTS: [(f64, f64); 3] = [(2.0, 0.3), (5.0, 0.65), (8.0, 0.75)];
+        let tolerance = tolerance.clamp(1e-9, 1e-2);
+        RuleReach {
+            squared: CONSTANTS
+                .map(|(degree, constant)| (constant * tolerance.powf(-1.0 / degree)).max(2.0).powi(2)),
+        }
+    }
+
+    /// The cheapest rule for a triangle at `distance_squared` (in squared radii); `None`: the closed form.
+    #[inline(always)]
+    pub fn rule(&self, distance_squared: f64) -> Option<usize> {
+        (0..3).find(|&rule| distance_squared >= self.squared[rule])
+    }
+}
+
+/// Number of triangles that [`far_moments`] takes at once.
+pub(crate) const LANES: usize = 8;
+/// One number for each of them.
+pub(crate) type Lanes = [f64; LANES];
+
+/// Corners relative to the point, normal and area of up to [`LANES`] triangles, lane by lane.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct TriangleLanes {
+    pub corners: [[Lanes; 3]; 3],
+    pub normal: [Lanes; 3],
+    pub area: Lanes,
+}
+
+impl TriangleLanes {
+    /// Puts `triangle`, seen from `point`, into a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, triangle: &Triangle, point: &Vector3<f64>) {
+        for corner in 0..3 {
+            for axis in 0..3 {
+                self.corners[corner][axis][lane] = triangle.corners[corner][axis] - point[axis];
+            }
+        }
+        for axis in 0..3 {
+            self.normal[axis][lane] = triangle.normal[axis];
+        }
+        self.area[lane] = triangle.area;
+    }
+}
+
+/// Moments of the hats of several triangles: `[corner][component][lane]`, components `b` (6), `d` (6), `e` (3).
+pub(crate) type MomentLanes = [[Lanes; 15]; 3];
+
+/// Moments by a quadrature rule, for triangles well away from the point.
+///
+/// `TRACTION` asks for `d` and `e` too. Written lane by lane, for the compiler to vectorise.
+#[inline(always)]
+pub(crate) fn far_moments<const TRACTION: bool>(
+    lanes: &TriangleLanes,
+    rule: &Rule,
+    moments: &mut MomentLanes,
+) {
+    let components = if TRACTION { 15 } else { 6 };
+    for corner in moments.iter_mut() {
+        for component in corner.iter_mut().take(components) {
+            *component = [0.0; LANES];
+        }
+    }
+    let corners = &lanes.corners;
+    for (bary, weight) in rule.points.iter().zip(rule.weights) {
+        let mut values = [[0.0; LANES]; 15];
+        for l in 0..LANES {
+            let x = bary[0] * corners[0][0][l] + bary[1] * corners[1][0][l] + bary[2] * corners[2][0][l];
+            let y = bary[0] * corners[0][1][l] + bary[1] * corners[1][1][l] + bary[2] * corners[2][1][l];
+            let z = bary[0] * corners[0][2][l] + bary[1] * corners[1][2][l] + bary[2] * corners[2][2][l];
+            let over_r2 = 1.0 / (x * x + y * y + z * z);
+            let w = weight * lanes.area[l] * over_r2 * over_r2.sqrt();
+            values[0][l] = x * x * w;
+            values[1][l] = x * y * w;
+            values[2][l] = x * z * w;
+            values[3][l] = y * y * w;
+            values[4][l] = y * z * w;
+            values[5][l] = z * z * w;
+            if TRACTION {
+                let slope =
+                    (x * lanes.normal[0][l] + y * lanes.normal[1][l] + z * lanes.normal[2][l]) * over_r2;
+                for c in 0..6 {
+                    values[6 + c][l] = values[c][l] * slope;
+                }
+                values[12][l] = x * w;
+                values[13][l] = y * w;
+                values[14][l] = z * w;
+            }
+        }
+        for corner in 0..3 {
+            for c in 0..components {
+                for l in 0..LANES {
+                    moments[corner][c][l] += bary[corner] * values[c][l];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::moments::tests::{by_subdivision, triangles};
+    use super::*;
+
+    #[test]
+    fn rules_integrate_polynomials_of_their_degree() {
+        let factorial = |n: u32| (1..=n).map(f64::from).product::<f64>();
+        for (rule, degree) in RULES.iter().zip([2u32, 5, 8]) {
+            for i in 0..=degree {
+                for j in 0..=degree - i {
+                    let found: f64 = rule
+                        .points
+                        .iter()
+                        .zip(rule.weights)
+                        .map(|(p, w)| w * p[0].powi(i as i32) * p[1].powi(j as i32))
+                        .sum();
+                    let expected = 2.0 * factorial(i) * factorial(j) / factorial(i + j + 2);
+                    assert!((found - expected).abs() < 2e-15, "degree {degree}, {i} {j}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn far_rules_keep_the_stated_tolerance_where_they_take_over() {
+        let directions: Vec<Vector3<f64>> = (0..60)
+            .map(|i| {
+                let z = 1.0 - 2.0 * (i as f64 + 0.5) / 60.0;
+                let angle = 2.399963 * i as f64;
+                let rho = (1.0 - z * z).sqrt();
+                Vector3::new(rho * angle.cos(), rho * angle.sin(), z)
+            })
+            .collect();
+        for tolerance in [1e-3, 1e-4, 1e-5, 1e-6] {
+            let reach = RuleReach::new(tolerance);
+            for (number, rule) in RULES.iter().enumerate() {
+                let ratio = reach.squared[number].sqrt();
+                let mut worst = 0.0_f64;
+                for triangle in triangles() {
+                    for direction in &directions {
+                        let point = triangle.centroid + direction * (ratio * triangle.radius);
+                        let exact = by_subdivision(&triangle, &point, 4);
+                        let mut lanes = TriangleLanes::default();
+                        (0..LANES).for_each(|lane| lanes.set(lane, &triangle, &point));
+                        let mut moments = [[[0.0; LANES]; 15]; 3];
+                        far_moments::<true>(&lanes, rule, &mut moments);
+                        let distance = ratio * triangle.radius;
+                        let sizes = [triangle.area / 3.0 / distance, triangle.area / 3.0 / distance.powi(2)];
+                        for k in 0..3 {
+                            for c in 0..15 {
+                                let error = (moments[k][c][0] - exact[k][c]).abs();
+                                worst = worst.max(error / sizes[usize::from(c >= 6)]);
+                            }
+                        }
+                    }
+                }
+                println!("tolerance {tolerance:e}, rule {number} from {ratio:.1} radii: {worst:.2e}");
+                assert!(
+                    worst < tolerance,
+                    "tolerance {tolerance:e}, rule {number}: {worst:e} at {ratio} radii"
+                );
+            }
+        }
+    }
+}

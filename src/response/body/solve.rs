@@ -1,0 +1,274 @@
+//! From skin, bone and fixed vertices to the compliance at chosen nodes.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+use faer::{Mat, MatMut, MatRef, Par};
+use nalgebra::Vector3;
+
+use crate::response::body::check::tissue::{
+    TissueReport, area_vectors, check_fixed, check_nodes, check_tissue,
+};
+use crate::response::body::compliance::{BodyCompliance, BodyParts};
+use crate::response::body::cost::{BodyCost, SOLVE_BLOCK};
+use crate::response::body::equations::assemble::assemble_equations;
+use crate::response::body::equations::incompressible::impose_flux_identities;
+use crate::response::body::error::BodyError;
+use crate::response::body::factor::factor_in_place;
+use crate::surface::checked::Surface;
+
+/// The body under a skin: what holds it.
+#[derive(Debug, Clone, Default)]
+pub struct Body {
+    /// Rigid, immobile bones: closed surfaces inside the skin, one connected component each.
+    pub bone: Option<Surface>,
+    /// Skin vertices that do not move, such as those of the cut face of a finger; one entry per vertex.
+    pub fixed: Option<Vec<bool>>,
+}
+
+/// Parameters of [`Body::prepare`].
+#[derive(Clone, Copy)]
+pub struct BodyOptions<'a> {
+    /// Relative error of the integral over one face, 1e-9 to 1e-2.
+    pub tolerance: f64,
+    /// Threads (>= 1); `None` takes all that rayon has.
+    pub num_threads: Option<usize>,
+    /// Peak memory allowed (bytes); `None`: what the system has free, where it says so (Linux).
+    pub memory_limit: Option<usize>,
+    /// Whether to keep the pressure on the bone too.
+    pub bone_pressure: bool,
+    /// Asked now and then, from any thread; true ends the work with [`BodyError::Interrupted`].
+    pub interrupt: Option<&'a (dyn Fn() -> bool + Sync)>,
+    /// Told how far the work is, from any thread.
+    pub progress: Option<&'a (dyn Fn(BodyProgress) + Sync)>,
+}
+
+impl Default for BodyOptions<'_> {
+    fn default() -> Self {
+        BodyOptions {
+            tolerance: 1e-6,
+            num_threads: None,
+            memory_limit: None,
+            bone_pressure: false,
+            interrupt: None,
+            progress: None,
+        }
+    }
+}
+
+/// How far [`Body::prepare`] is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyProgress {
+    /// "assembly", "factorization" or "solution", in this order.
+    pub stage: &'static str,
+    /// Part of that stage that is done, 0 to 1.
+    pub done: f64,
+}
+
+/// Looks at the clock and the caller's wishes.
+struct Watch<'a> {
+    options: &'a BodyOptions<'a>,
+    start: Instant,
+    stopped: AtomicBool,
+}
+
+impl Watch<'_> {
+    /// Reports and returns whether to go on.
+    fn advance(&self, stage: &'static str, done: f64) -> bool {
+        if let Some(progress) = self.options.progress {
+            progress(BodyProgress { stage, done });
+        }
+        if self.options.interrupt.is_some_and(|interrupt| interrupt()) {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+        !self.stopped.load(Ordering::Relaxed)
+    }
+
+    fn interrupted(&self, stage: &'static str) -> BodyError {
+        BodyError::Interrupted { stage, seconds: self.start.elapsed().as_secs_f64() }
+    }
+}
+
+impl Body {
+    /// Checks the body without solving anything.
+    ///
+    /// # Errors
+    /// Whatever is wrong with skin, bones or fixed vertices, as in [`Body::prepare`].
+    pub fn inspect(&self, skin: &Surface) -> Result<TissueReport, BodyError> {
+        self.check(skin).map(|(report, _)| report)
+    }
+
+    fn check(&self, skin: &Surface) -> Result<(TissueReport, Vec<bool>), BodyError> {
+        if self.bone.is_none() && self.fixed.is_none() {
+            return Err(BodyError::Unsupported);
+        }
+        let mut report = check_tissue(skin, self.bone.as_ref())?;
+        let fixed = match &self.fixed {
+            Some(mask) => check_fixed(skin, mask, &mut report)?,
+            None => vec![false; skin.vertices().len()],
+        };
+        Ok((report, fixed))
+    }
+
+    /// What preparing `node_count` nodes costs.
+    pub fn estimate(&self, skin: &Surface, node_count: usize) -> BodyCost {
+        BodyCost::estimate(skin.vertices().len(), self.bone_count(), node_count)
+    }
+
+    fn bone_count(&self) -> usize {
+        self.bone.as_ref().map_or(0, |bone| bone.vertices().len())
+    }
+
+    /// Displacement of the whole skin per unit force at each of `nodes`, by boundary elements.
+    ///
+    /// * `skin`: the closed skin of one body
+    /// * `shear_modulus`: G (Pa), > 0
+    /// * `poisson_ratio`: ν, 0 to 0.5, both included
+    /// * `nodes`: skin vertices that may be loaded, each once, none fixed
+    ///
+    /// A force at node `j` acts as a traction `f / S_j` times the hat function of `j`.
+    ///
+    /// # Errors
+    /// - constants or tolerance out of range; nodes empty, repeated, out of range or fixed
+    /// - [`BodyError::Unsupported`], `Fixed…`: nothing or too little holds the body, or everything is held
+    /// - `Skin…`, `Bone…`: the surfaces bound no tissue
+    /// - [`BodyError::MemoryLimit`], [`BodyError::Interrupted`], [`BodyError::Singular`]
+    pub fn prepare(
+        &self,
+        skin: &Surface,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        nodes: &[usize],
+        options: &BodyOptions,
+    ) -> Result<BodyCompliance, BodyError> {
+        if !(shear_modulus > 0.0 && shear_modulus.is_finite()) {
+            return Err(BodyError::ShearModulus { value: shear_modulus });
+        }
+        if !(0.0..=0.5).contains(&poisson_ratio) {
+            return Err(BodyError::PoissonRatio { value: poisson_ratio });
+        }
+        if !(1e-9..=1e-2).contains(&options.tolerance) {
+            return Err(BodyError::Tolerance { value: options.tolerance });
+        }
+        self.check_memory(skin, nodes.len(), options.memory_limit)?;
+        let (report, fixed) = self.check(skin)?;
+        check_nodes(skin.vertices().len(), &fixed, nodes)?;
+        let solve = || {
+            let parts = self.solve(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
+            Ok(BodyCompliance::new(parts, report))
+        };
+        match options.num_threads {
+            None => solve(),
+            Some(0) => Err(BodyError::Threads { threads: 0, reason: "at least 1 is needed".to_string() }),
+            Some(threads) => {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+                let pool = pool.map_err(|error| BodyError::Threads { threads, reason: error.to_string() })?;
+                pool.install(solve)
+            }
+        }
+    }
+
+    fn check_memory(&self, skin: &Surface, node_count: usize, limit: Option<usize>) -> Result<(), BodyError> {
+        let needed = self.estimate(skin, node_count).peak_bytes;
+        let Some(limit) = limit.or_else(free_memory).filter(|&limit| needed > limit) else { return Ok(()) };
+        Err(BodyError::MemoryLimit {
+            needed,
+            limit,
+            skin_count: skin.vertices().len(),
+            bone_count: self.bone_count(),
+            node_count,
+            affordable: BodyCost::affordable_vertices(limit, node_count),
+        })
+    }
+
+    fn solve(
+        &self,
+        skin: &Surface,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        fixed: &[bool],
+        nodes: &[usize],
+        options: &BodyOptions,
+    ) -> Result<BodyParts, BodyError> {
+        // Lengths in mean edges and G = 1: the same numbers in every unit system.
+        let length = skin.mean_edge_length();
+        let (body, surfaces) = self.discretize(skin, length, poisson_ratio, fixed, nodes);
+        let watch = Watch { options, start: Instant::now(), stopped: AtomicBool::new(false) };
+        let point_count = body.points.len();
+
+        let rows_done = AtomicUsize::new(0);
+        let advance = || {
+            let done = 1 + rows_done.fetch_add(1, Ordering::Relaxed);
+            if !done.is_multiple_of(64) && done != point_count {
+                return !watch.stopped.load(Ordering::Relaxed);
+            }
+            watch.advance("assembly", done as f64 / point_count as f64)
+        };
+        let mut equations = assemble_equations(&body, options.tolerance, &advance)
+            .ok_or_else(|| watch.interrupted("assembly"))?;
+        impose_flux_identities(&mut equations, &body, &surfaces);
+
+        let unknowns = 3 * point_count;
+        let par = match rayon::current_num_threads() {
+            1 => Par::Seq,
+            threads => Par::rayon(threads),
+        };
+        let matrix = MatMut::from_column_major_slice_mut(&mut equations.matrix, unknowns, unknowns);
+        let factors = factor_in_place(matrix, par, &mut |done| watch.advance("factorization", done))
+            .ok_or_else(|| watch.interrupted("factorization"))?;
+        let pivot_ratio = factors.pivot_ratio();
+        if pivot_ratio < f64::EPSILON {
+            return Err(BodyError::Singular { pivot_ratio });
+        }
+
+        let skin_count = skin.vertices().len();
+        let columns = 3 * nodes.len();
+        let loads = MatRef::from_column_major_slice(&equations.loads, columns, unknowns);
+        let mut displacement = Mat::zeros(3 * skin_count, columns);
+        let bone_normals = self.bone.as_ref().filter(|_| options.bone_pressure).map(Surface::vertex_normals);
+        let mut pressure = bone_normals.map(|normals| Mat::zeros(normals.len(), columns));
+        let per_newton = 1.0 / (shear_modulus * length);
+        let mut start = 0;
+        while start < columns {
+            let width = SOLVE_BLOCK.min(columns - start);
+            let mut block = Mat::from_fn(unknowns, width, |row, column| loads[(start + column, row)]);
+            factors.solve_transposed(block.as_mut());
+            for column in 0..width {
+                let solved = block.col_as_slice(column);
+                let target = &mut displacement.col_as_slice_mut(start + column)[..];
+                for (vertex, target) in
+                    target.chunks_exact_mut(3).enumerate().filter(|(vertex, _)| !fixed[*vertex])
+                {
+                    (0..3).for_each(|axis| target[axis] = solved[3 * vertex + axis] * per_newton);
+                }
+                if let (Some(pressure), Some(normals)) = (&mut pressure, bone_normals) {
+                    for (vertex, normal) in normals.iter().enumerate() {
+                        let at = 3 * (skin_count + vertex);
+                        let traction = Vector3::new(solved[at], solved[at + 1], solved[at + 2]);
+                        pressure[(vertex, start + column)] = traction.dot(normal) / (length * length);
+                    }
+                }
+            }
+            start += width;
+            if !watch.advance("solution", start as f64 / columns as f64) {
+                return Err(watch.interrupted("solution"));
+            }
+        }
+        Ok(BodyParts {
+            nodes: nodes.to_vec(),
+            displacement,
+            area_vectors: area_vectors(skin),
+            bone_pressure: pressure,
+            rotation: nalgebra::Matrix3::identity(),
+            shear_modulus,
+            poisson_ratio,
+        })
+    }
+}
+
+/// Memory that the system can give without swapping (bytes), if it says so.
+fn free_memory() -> Option<usize> {
+    let report = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = report.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<usize>().ok()?.checked_mul(1024)
+}

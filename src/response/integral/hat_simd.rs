@@ -1,0 +1,150 @@
+//! The exact triangle integral for many points at once.
+
+use nalgebra::Vector3;
+use pulp::Simd;
+
+use crate::response::column::load::LoadedFace;
+use crate::response::simd::functions::{angle, ln_ratio};
+use crate::response::simd::lanes::Lanes;
+
+/// A loaded triangle with everything that does not depend on the point.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NearFace {
+    pub(crate) corners: [[f64; 3]; 3],
+    pub(crate) normal: [f64; 3],
+    pub(crate) tangents: [[f64; 3]; 3],
+    pub(crate) outward: [[f64; 3]; 3],
+    lengths: [f64; 3],
+    double_area: f64,
+    /// The load's density is `at_corner - gradient · (y - corner 0)`.
+    pub(crate) at_corner: f64,
+    pub(crate) gradient: [f64; 3],
+    /// Half of `gradient · outward` for each edge.
+    pub(crate) edge: [f64; 3],
+}
+
+fn array(v: &Vector3<f64>) -> [f64; 3] {
+    [v.x, v.y, v.z]
+}
+
+impl NearFace {
+    pub(crate) fn new(face: &LoadedFace) -> Self {
+        let frame = &face.frame;
+        let mut gradient = Vector3::zeros();
+        let even = face.density[0] == face.density[1] && face.density[0] == face.density[2];
+        if !even {
+            for k in 0..3 {
+                gradient += frame.outward[k] * (face.density[k] / frame.heights[k]);
+            }
+        }
+        Self {
+            corners: std::array::from_fn(|k| array(&frame.vertices[k])),
+            normal: array(&frame.normal),
+            tangents: std::array::from_fn(|k| array(&frame.tangents[k])),
+            outward: std::array::from_fn(|k| array(&frame.outward[k])),
+            lengths: frame.heights.map(|h| 2.0 * frame.area / h),
+            double_area: 2.0 * frame.area,
+            at_corner: face.density[0],
+            gradient: array(&gradient),
+            edge: std::array::from_fn(|k| 0.5 * gradient.dot(&frame.outward[k])),
+        }
+    }
+
+    /// Adds `amplitude ∫ p(y) / |x - y| dA` at each point; the lists are whole vectors.
+    #[inline(always)]
+    pub(crate) fn add<S: Simd>(
+        &self,
+        simd: S,
+        amplitude: f64,
+        x: &[f64],
+        y: &[f64],
+        z: &[f64],
+        out: &mut [f64],
+    ) {
+        let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
+        let out = S::as_mut_simd_f64s(out).0;
+        let amplitude = simd.splat_f64s(amplitude);
+        for (((&x, &y), &z), out) in x.iter().zip(y).zip(z).zip(out) {
+            let value = self.at([Lanes::new(simd, x), Lanes::new(simd, y), Lanes::new(simd, z)]);
+            *out = simd.mul_add_f64s(amplitude, value.v, *out);
+        }
+    }
+
+    #[inline(always)]
+    fn at<S: Simd>(&self, x: [Lanes<S>; 3]) -> Lanes<S> {
+        let any = x[0];
+        let zero = any.all(0.0);
+        let a = from_point(&self.corners[0], &x);
+        let b = from_point(&self.corners[1], &x);
+        let c = from_point(&self.corners[2], &x);
+        let (ra, rb, rc) = (dot(&a, &a).sqrt(), dot(&b, &b).sqrt(), dot(&c, &c).sqrt());
+        let height = along(&a, &self.normal);
+        let height_squared = height * height;
+        let mut potential = zero;
+        let mut boundary = zero;
+        for (k, start, end, r0, r1) in [(0, &b, &c, rb, rc), (1, &c, &a, rc, ra), (2, &a, &b, ra, rb)] {
+            // of the two ends the nearer one gives the distance with the least rounding
+            let (d0, d1) = (along(start, &self.outward[k]), along(end, &self.outward[k]));
+            let d = r0.at_most(r1).pick(d0, d1);
+            let (s0, s1) = (along(start, &self.tangents[k]), along(end, &self.tangents[k]));
+            let rho_squared = d.mul_add(d, height_squared);
+            // asinh(s1/ρ) - asinh(s0/ρ) as the logarithm of a ratio of sums of positive parts: t0 t1 / ρ² where
+            // the foot of the point lies on the edge, t1 / t0 before it, t0 / t1 behind it
+            let (t0, t1) = (r0 + s0.abs(), r1 + s1.abs());
+            let (before, behind) = (zero.less(s0), s1.less(zero));
+            let numerator = before.pick(t1, behind.pick(t0, t0 * t1));
+            let denominator = before.pick(t0, behind.pick(t1, rho_squared));
+            let log = ln_ratio(numerator, denominator, any.all(self.lengths[k]), r0 + r1);
+            potential = d.mul_add(log, potential);
+            let term = rho_squared.mul_add(log, s1 * r1 - s0 * r0);
+            boundary = any.all(self.edge[k]).mul_add(term, boundary);
+        }
+        let lifted = height.abs();
+        let solid = ra * rb * rc + dot(&a, &b) * rc + dot(&a, &c) * rb + dot(&b, &c) * ra;
+        potential = potential - any.all(2.0) * lifted * angle(any.all(self.double_area) * lifted, solid);
+        (any.all(self.at_corner) + along(&a, &self.gradient)) * potential - boundary
+    }
+}
+
+#[inline(always)]
+pub(crate) fn from_point<S: Simd>(c: &[f64; 3], x: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    [x[0].all(c[0]) - x[0], x[0].all(c[1]) - x[1], x[0].all(c[2]) - x[2]]
+}
+
+#[inline(always)]
+pub(crate) fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
+    dot(a, &[a[0].all(v[0]), a[0].all(v[1]), a[0].all(v[2])])
+}
+
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::response::integral::hat::Frame;
+    use crate::response::reference_values::INVERSE;
+
+    #[test]
+    fn vector_form_matches_34_digit_quadrature() {
+        for (row, (corners, point, expected)) in INVERSE.iter().enumerate() {
+            let frame =
+                Frame::new([0, 3, 6].map(|k| Vector3::new(corners[k], corners[k + 1], corners[k + 2])));
+            let least = frame.heights.into_iter().fold(f64::INFINITY, f64::min);
+            let length = 2.0 * frame.area / least;
+            let reach = ((Vector3::from(*point) - frame.vertices[0]).norm() / length).max(1.0);
+            let bound = 40.0 * f64::EPSILON * (length / least).powi(2) * reach.powi(3);
+            for k in 0..3 {
+                let mut density = [0.0; 3];
+                density[k] = 1.0;
+                let face = LoadedFace { frame, density, center: Vector3::zeros(), radius: length };
+                let mut out = [0.0; 1];
+                NearFace::new(&face).add(pulp::Scalar, 1.0, &[point[0]], &[point[1]], &[point[2]], &mut out);
+                let error = (out[0] / expected[k] - 1.0).abs();
+                assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! The response kernel of an elastic layer bonded to rigid bone.
+
+use std::sync::{Arc, Mutex};
+
+use crate::response::error::ResponseError;
+use crate::response::kernel::layer_table::{LARGEST, LayerTable};
+
+/// Steps per unit of r/h at which it is known how large the kernel still gets.
+const STEPS: usize = 16;
+
+/// Kernel of a flat elastic layer, thickness h, bonded to rigid ground.
+///
+/// In wave numbers the surface answers a pressure by `U(k) = (1-ν)/(G k) W(kh)`,
+///
+/// ```text
+/// W(t) = [(3-4ν) sinh 2t - 2t] / [(3-4ν) cosh 2t + 2t² + 5 - 12ν + 8ν²]
+/// ```
+///
+/// and over the distance r by `u(r) = K [1/r - φ(r/h)/h]` per newton, K = (1-ν)/(2πG), with the smooth part
+/// `φ(ρ) = ∫_0^∞ (1 - W(t)) J0(ρt) dt` (Hankel transform; Johnson 1985, §5.8). W grows from 0 to 1 without
+/// turning, which makes the matrix of a layer whose thickness varies positive definite: see
+/// [`Thickness`](crate::response::Thickness).
+#[derive(Debug)]
+pub struct LayerKernel {
+    poisson_ratio: f64,
+    table: LayerTable,
+    /// The largest |h u / K| from each step of r/h on.
+    envelope: Vec<f64>,
+}
+
+/// 1 - W(t), without cancellation.
+fn one_minus_w(t: f64, nu: f64) -> f64 {
+    let (k, c) = (3.0 - 4.0 * nu, 5.0 - 12.0 * nu + 8.0 * nu * nu);
+    let e = (-2.0 * t).exp();
+    (k * e + 2.0 * t * t + 2.0 * t + c) * e / (0.5 * k * (1.0 + e * e) + (2.0 * t * t + c) * e)
+}
+
+impl LayerKernel {
+    /// The kernel for a Poisson's ratio in 0 ..= 0.5, made once (some 20 ms) and kept.
+    ///
+    /// # Errors
+    /// [`ResponseError::Constant`] for a ratio out of range.
+    pub fn new(poisson_ratio: f64) -> Result<Arc<Self>, ResponseError> {
+        static KEPT: Mutex<Vec<Arc<LayerKernel>>> = Mutex::new(Vec::new());
+        if !(0.0..=0.5).contains(&poisson_ratio) {
+            let (name, value, expected) = ("poisson_ratio", poisson_ratio, "from 0 to 0.5");
+            return Err(ResponseError::Constant { name, value, expected });
+        }
+        let mut kept = KEPT.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if let Some(kernel) = kept.iter().find(|k| k.poisson_ratio == poisson_ratio) {
+            return Ok(kernel.clone());
+        }
+        let kernel = Arc::new(Self::tabulate(poisson_ratio));
+        kept.push(kernel.clone());
+        Ok(kernel)
+    }
+
+    fn tabulate(nu: f64) -> Self {
+        let table = LayerTable::new(|t| one_minus_w(t, nu));
+        let mut kernel = Self { poisson_ratio: nu, table, envelope: vec![0.0; LARGEST * STEPS] };
+        let mut largest: f64 = 0.0;
+        for step in (1..kernel.envelope.len()).rev() {
+            largest = largest.max(kernel.value(step as f64 / STEPS as f64).abs());
+            kernel.envelope[step] = largest;
+        }
+        kernel.envelope[0] = f64::INFINITY;
+        kernel
+    }
+
+    pub(crate) fn table(&self) -> &LayerTable {
+        &self.table
+    }
+
+    /// φ(ρ), the smooth part, with an absolute error below 1e-11; 1/ρ beyond the table.
+    pub fn smooth_part(&self, rho: f64) -> f64 {
+        if rho < LARGEST as f64 { self.table.smooth_slopes::<1>(rho)[0] } else { 1.0 / rho }
+    }
+
+    /// W(t): the answer to a pressure wave as a share of the half-space's, t = 2π h / wave length.
+    pub fn symbol(t: f64, poisson_ratio: f64) -> f64 {
+        1.0 - one_minus_w(t, poisson_ratio)
+    }
+
+    /// h u / K = 1/ρ - φ(ρ) at ρ = r/h > 0.
+    pub fn value(&self, rho: f64) -> f64 {
+        1.0 / rho - self.smooth_part(rho)
+    }
+
+    /// The r/h beyond which the kernel stays below `threshold` (relative to K/h).
+    pub(crate) fn reach(&self, threshold: f64) -> f64 {
+        self.envelope.partition_point(|&largest| largest > threshold) as f64 / STEPS as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::response::integral::gauss::gauss;
+
+    #[test]
+    fn smooth_part_at_the_origin_has_its_known_values() {
+        for (nu, expected) in [(0.5, 1.7702), (0.45, 1.6255), (0.4, 1.5187), (0.3, 1.3769)] {
+            let kernel = LayerKernel::new(nu).expect("in range");
+            assert!((kernel.smooth_part(0.0) - expected).abs() < 5e-5);
+        }
+    }
+
+    #[test]
+    fn incompressible_kernel_has_its_known_values() {
+        let kernel = LayerKernel::new(0.5).expect("in range");
+        for (rho, expected) in
+            [(0.1, 8.23932), (0.5, 0.44430), (1.0, -0.12570), (2.0, -0.05275), (3.0, -0.01672)]
+        {
+            assert!((kernel.value(rho) - expected).abs() < 1e-5, "{rho}: {}", kernel.value(rho));
+        }
+    }
+
+    #[test]
+    fn table_is_accurate_to_1e_11() {
+        for nu in [0.0, 0.3, 0.5] {
+            let kernel = LayerKernel::new(nu).expect("in range");
+            // independent quadrature: other panels, other points
+            let mut points = Vec::new();
+            for panel in 0..90 {
+                for (u, w) in gauss(16, 0.0) {
+                    let t = 0.25 * (panel as f64 + u);
+                    points.push((t, 0.25 * w * one_minus_w(t, nu)));
+                }
+            }
+            for i in 0..200 {
+                let rho = 0.157 * i as f64;
+                let expected: f64 = points.iter().map(|(t, w)| w * libm::j0(rho * t)).sum();
+                assert!(
+                    (kernel.smooth_part(rho) - expected).abs() < 1e-11,
+                    "{nu} {rho}: {}",
+                    kernel.smooth_part(rho) - expected
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn symbol_grows_from_zero_to_one_for_every_ratio() {
+        // on this rests that the matrix of a layer of varying thickness is positive definite
+        for i in 0..=50 {
+            let nu = 0.01 * i as f64;
+            let mut before = 0.0;
+            for k in 0..4000 {
+                let w = 1.0 - one_minus_w(0.005 * k as f64, nu);
+                assert!(w >= before - 2e-16 && w <= 1.0, "{nu} {k}");
+                before = w;
+            }
+            assert!((1.0 - one_minus_w(0.0, nu)).abs() < 1e-15 && 1.0 - before < 1e-12);
+        }
+    }
+
+    #[test]
+    fn kernels_are_kept_and_ratios_checked() {
+        let (one, two) =
+            (LayerKernel::new(0.37).expect("in range"), LayerKernel::new(0.37).expect("in range"));
+        assert!(Arc::ptr_eq(&one, &two));
+        for nu in [-0.01, 0.51, f64::NAN] {
+            assert!(matches!(
+                LayerKernel::new(nu),
+                Err(ResponseError::Constant { name: "poisson_ratio", .. })
+            ));
+        }
+    }
+
+    #[test]
+    fn reach_shrinks_with_the_threshold_and_holds() {
+        let kernel = LayerKernel::new(0.5).expect("in range");
+        assert!(kernel.reach(1e-3) < kernel.reach(1e-6) && kernel.reach(1e-6) < 18.0);
+        let reach = kernel.reach(1e-6);
+        assert!((0..100).all(|i| kernel.value(reach + 0.13 * i as f64).abs() <= 1e-6));
+    }
+}

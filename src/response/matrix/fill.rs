@@ -1,0 +1,65 @@
+//! Columns of a matrix filled on several threads.
+
+use faer::Mat;
+use rayon::prelude::*;
+
+use crate::response::error::ResponseError;
+use crate::response::matrix::options::AssemblyOptions;
+
+/// Columns between two looks at `interrupt`, per thread.
+const BATCH: usize = 64;
+
+/// Fills each column of `matrix` by `fill(scratch, j, column)`.
+///
+/// Columns are disjoint and each is computed by one thread from the same inputs, so the result does not
+/// depend on the number of threads. `interrupt` is asked on the calling thread between batches.
+pub(crate) fn fill_columns<S>(
+    matrix: &mut Mat<f64>,
+    options: &AssemblyOptions,
+    scratch: impl Fn() -> S + Sync + Send,
+    fill: impl Fn(&mut S, usize, &mut [f64]) + Sync + Send,
+) -> Result<(), ResponseError> {
+    let nodes = matrix.ncols();
+    if nodes == 0 {
+        return Ok(());
+    }
+    let pool = pool(options)?;
+    let threads = options.num_threads.unwrap_or_else(rayon::current_num_threads);
+    let batch = if options.interrupt.is_some() { BATCH * threads } else { nodes };
+    let mut columns: Vec<(usize, &mut [f64])> = matrix
+        .col_iter_mut()
+        .map(|c| c.try_as_col_major_mut().expect("columns of a Mat are contiguous").as_slice_mut())
+        .enumerate()
+        .collect();
+    let mut alone = scratch();
+    for (turn, chunk) in columns.chunks_mut(batch).enumerate() {
+        if options.interrupt.is_some_and(|stop| stop()) {
+            return Err(ResponseError::Interrupted { columns: turn * batch, nodes });
+        }
+        if threads == 1 {
+            chunk.iter_mut().for_each(|(j, column)| fill(&mut alone, *j, column));
+        } else {
+            let mut work = || {
+                let columns = chunk.par_iter_mut().with_min_len(4);
+                columns.for_each_init(&scratch, |s, (j, column)| fill(s, *j, column));
+            };
+            match &pool {
+                Some(pool) => pool.install(work),
+                None => work(),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The local pool that the options ask for; `None` for the global one, or for a single thread.
+fn pool(options: &AssemblyOptions) -> Result<Option<rayon::ThreadPool>, ResponseError> {
+    match options.num_threads {
+        None | Some(1) => Ok(None),
+        Some(threads) => {
+            let reason = |e: rayon::ThreadPoolBuildError| e.to_string();
+            let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            built.map(Some).map_err(|e| ResponseError::Threads { threads, reason: reason(e) })
+        }
+    }
+}

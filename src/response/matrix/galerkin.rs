@@ -1,0 +1,188 @@
+//! The weighted (Galerkin) form: gap and pressure both against the nodes' pressures.
+
+use std::ops::Range;
+
+use faer::Mat;
+use nalgebra::Vector3;
+
+use crate::response::column::half_space::{Scratch, half_space_values};
+use crate::response::column::layer::PreparedLayer;
+use crate::response::column::load::loaded_faces;
+use crate::response::error::ResponseError;
+use crate::response::integral::gauss::{RulePoint, graded_triangle_rule, triangle_rule};
+use crate::response::kernel::skin::{Pressure, Response, Skin};
+use crate::response::kernel::thickness::Thickness;
+use crate::response::matrix::fill::fill_columns;
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::simd::points::Targets;
+use crate::surface::checked::Surface;
+
+/// Most points in each direction of the outer rule on triangles that do not touch the load.
+const MOST_POINTS: usize = 10;
+
+/// The outer rule of a triangle at some points in each direction; 0 stands for the rule of triangles that touch
+/// the load, where the inner potential is exact but behaves like d log d at the distance d from edges.
+fn outer_rule(points: usize) -> &'static [RulePoint] {
+    if points == TOUCHING { graded_triangle_rule() } else { triangle_rule(points) }
+}
+
+const TOUCHING: usize = 0;
+
+/// A triangle around some row nodes.
+struct RowFace {
+    corners: [Vector3<f64>; 3],
+    /// Vertices of the surface.
+    vertices: [u32; 3],
+    /// Row of each corner; `NO_ROW` where it is no row node.
+    rows: [usize; 3],
+    center: Vector3<f64>,
+    radius: f64,
+    area: f64,
+}
+
+const NO_ROW: usize = usize::MAX;
+
+/// What one thread needs for the outer rule.
+struct Outer {
+    scratch: Scratch,
+    targets: Targets,
+    /// 1/thickness of the targets of a layer (1/m).
+    inverse_thickness: Vec<f64>,
+    /// Faces used in this column with their rule and the corners that they are used for.
+    used: Vec<(u32, usize, Range<usize>)>,
+}
+
+/// `R_ij = ∫∫ p_i(x) k(|x - y|) p_j(y) dA dA` over row nodes i and column nodes j, for the half-space and the layer.
+///
+/// The inner integral is that of the node form; the outer one a Gauss rule whose order falls with distance. On
+/// triangles that touch the load it is good to some 5e-7 of the 1/r part, also for smaller tolerances.
+/// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
+pub(crate) fn weighted_block(
+    surface: &Surface,
+    skin: &Skin,
+    rows: &[usize],
+    columns: &[usize],
+    options: &AssemblyOptions,
+) -> Result<Mat<f64>, ResponseError> {
+    let symmetric = rows == columns;
+    let faces = row_faces(surface, rows);
+    let (constant, pressure, tolerance) = (skin.kernel_constant(), skin.pressure(), options.tolerance);
+    let area = surface.vertex_areas();
+    let density: Vec<f64> = rows.iter().map(|&v| 1.0 / area[v]).collect();
+    let layer = match &skin.response {
+        Response::Layer { thickness, .. } => Some((PreparedLayer::new(skin, options)?, thickness)),
+        _ => None,
+    };
+    let mut matrix = Mat::zeros(rows.len(), columns.len());
+    let outer = || Outer {
+        scratch: Scratch::new(&Targets::default()),
+        targets: Targets::default(),
+        inverse_thickness: Vec::new(),
+        used: Vec::with_capacity(faces.len()),
+    };
+    fill_columns(&mut matrix, options, outer, |outer: &mut Outer, j, column| {
+        let Outer { scratch, targets, inverse_thickness, used } = outer;
+        scratch.faces.clear();
+        loaded_faces(surface, columns[j], pressure, &mut scratch.faces);
+        let first = if symmetric { j } else { 0 };
+        let ring = surface.neighbours(columns[j]);
+        let touches = |v: u32| v as usize == columns[j] || ring.contains(&v);
+        let center = surface.vertices()[columns[j]];
+        let radius =
+            ring.iter().map(|&v| (surface.vertices()[v as usize] - center).norm()).fold(0.0, f64::max);
+        let own_thickness = layer.as_ref().map_or(f64::INFINITY, |(_, thickness)| thickness.at(columns[j]));
+        let silent = layer.as_ref().map_or(f64::INFINITY, |(layer, _)| layer.reach * own_thickness);
+        targets.clear();
+        inverse_thickness.clear();
+        used.clear();
+        for (index, face) in faces.iter().enumerate() {
+            let distance = (face.center - center).norm() - radius;
+            if !face.rows.iter().any(|&r| r != NO_ROW && r >= first) || distance > silent + face.radius {
+                continue;
+            }
+            let n = if face.vertices.iter().any(|&v| touches(v)) {
+                TOUCHING
+            } else {
+                // a layer's smooth part is as good as singular at two thicknesses
+                outer_points(face, distance.min(2.0 * own_thickness), tolerance)
+            };
+            // Where the thickness varies, each pair of nodes has its own.
+            let together = match &layer {
+                Some((_, Thickness::PerVertex(_))) => 1,
+                _ => 3,
+            };
+            for range in (0..3).step_by(together).map(|k| k..k + together) {
+                for (l, _) in outer_rule(n) {
+                    targets.push(&(face.corners[0] * l[0] + face.corners[1] * l[1] + face.corners[2] * l[2]));
+                    if let Some((_, thickness)) = &layer {
+                        inverse_thickness.push(1.0 / thickness.at(face.vertices[range.start] as usize));
+                    }
+                }
+                used.push((index as u32, n, range));
+            }
+        }
+        targets.pad();
+        match &layer {
+            Some((layer, _)) => {
+                inverse_thickness.resize(targets.x.len(), 1.0 / own_thickness);
+                layer.values(targets, inverse_thickness, scratch, own_thickness);
+            }
+            None => half_space_values(targets, scratch, constant, tolerance, f64::INFINITY),
+        }
+        column.fill(0.0);
+        let mut values = scratch.values.iter();
+        for (index, n, corners) in used.iter() {
+            let face = &faces[*index as usize];
+            let mut hats = [0.0; 3];
+            let mut even = 0.0;
+            for ((l, weight), value) in outer_rule(*n).iter().zip(&mut values) {
+                let share = weight * face.area * value;
+                even += share;
+                for k in 0..3 {
+                    hats[k] += share * l[k];
+                }
+            }
+            for k in corners.clone() {
+                let row = face.rows[k];
+                if row != NO_ROW && row >= first {
+                    column[row] +=
+                        density[row] * if pressure == Pressure::Linear { hats[k] } else { even / 3.0 };
+                }
+            }
+        }
+    })?;
+    if symmetric {
+        for j in 0..columns.len() {
+            for i in 0..j {
+                matrix[(i, j)] = matrix[(j, i)];
+            }
+        }
+    }
+    Ok(matrix)
+}
+
+/// Points in each direction that keep the outer error within the tolerance on a triangle at `distance` (m) from
+/// the load: the best polynomial of degree 2n - 1 errs by some `(radius / 2 distance)^2n`.
+fn outer_points(face: &RowFace, distance: f64, tolerance: f64) -> usize {
+    let ratio = 0.5 * face.radius / distance.max(face.radius);
+    let n = (0.25 * tolerance.max(1e-12)).ln() / (2.0 * ratio.ln());
+    (n.ceil() as usize).clamp(2, MOST_POINTS)
+}
+
+fn row_faces(surface: &Surface, rows: &[usize]) -> Vec<RowFace> {
+    let mut row_of = vec![NO_ROW; surface.vertices().len()];
+    for (row, &vertex) in rows.iter().enumerate() {
+        row_of[vertex] = row;
+    }
+    let face = |(&vertices, &area): (&[u32; 3], &f64)| {
+        let rows = vertices.map(|v| row_of[v as usize]);
+        if rows == [NO_ROW; 3] {
+            return None;
+        }
+        let corners = vertices.map(|v| surface.vertices()[v as usize]);
+        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let radius = corners.iter().map(|c| (c - center).norm()).fold(0.0, f64::max);
+        Some(RowFace { corners, vertices, rows, center, radius, area })
+    };
+    surface.faces().iter().zip(surface.face_areas()).filter_map(face).collect()
+}

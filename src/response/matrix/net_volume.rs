@@ -1,0 +1,229 @@
+//! Volume that the skin moves per unit force, and for which constants a kernel is well posed.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::response::error::ResponseError;
+use crate::response::integral::gauss::gauss;
+use crate::response::kernel::layer::LayerKernel;
+use crate::response::kernel::skin::{Gap, Response, Skin};
+use crate::response::matrix::collocation::assemble_block;
+use crate::response::matrix::options::AssemblyOptions;
+use crate::surface::checked::Surface;
+
+/// Volume under the displacement of a unit force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NetVolume {
+    /// Dents less bulges (m³/N).
+    pub net: f64,
+    /// Dents and bulges added up (m³/N).
+    pub gross: f64,
+}
+
+/// Volume that the mesh moves per newton at `node`: `Σ S_i R_ij` over all its vertices, S the vertex areas.
+///
+/// R is the weighted form where the kernel has one (half-space, layer), so that the sum is the integral of the
+/// displacement over the mesh, whatever its triangles; the Gaussian is summed as it is at the vertices.
+///
+/// The paper's condition (its eq. 4) asks for a net volume of 0. A half-space moves a volume that grows with
+/// the mesh.
+///
+/// # Errors
+/// As [`assemble`](crate::response::matrix::collocation::assemble).
+pub fn net_volume(
+    surface: &Surface,
+    skin: &Skin,
+    node: usize,
+    options: &AssemblyOptions,
+) -> Result<NetVolume, ResponseError> {
+    let rows: Vec<usize> = (0..surface.vertices().len()).collect();
+    let column = assemble_block(surface, &skin.with_gap(Gap::Weighted), &rows, &[node], options)?;
+    let mut volume = NetVolume { net: 0.0, gross: 0.0 };
+    for (i, area) in surface.vertex_areas().iter().enumerate() {
+        volume.net += area * column[(i, 0)];
+        volume.gross += area * column[(i, 0)].abs();
+    }
+    Ok(volume)
+}
+
+/// Height a (m/N) of the Gaussian that makes the corrected kernel keep volume, eq. 5 of Xie, Kanai, Date 2011:
+/// `∫_0^cutoff (K/r - a exp(-r²/2c²)) r dr = 0`.
+///
+/// * `kernel_constant`: K = (1-ν)/(2πG) (m²/N), > 0
+/// * `width`: c (m), > 0
+/// * `cutoff`: L (m), > 0, finite
+///
+/// # Errors
+/// [`ResponseError::Constant`] names the constant that is out of range.
+pub fn balanced_height(kernel_constant: f64, width: f64, cutoff: f64) -> Result<f64, ResponseError> {
+    let expected = "finite and positive (m)";
+    for (name, value) in [("kernel_constant", kernel_constant), ("width", width), ("cutoff", cutoff)] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(ResponseError::Constant { name, value, expected });
+        }
+    }
+    let taken = -(-0.5 * (cutoff / width).powi(2)).exp_m1() * width * width;
+    Ok(kernel_constant * cutoff / taken)
+}
+
+impl Skin {
+    /// Volume moved per newton on a wide flat surface (m³/N); infinite for a half-space and for a Gaussian
+    /// without cutoff.
+    pub fn net_volume(&self) -> f64 {
+        let (g, nu) = (self.shear_modulus, self.poisson_ratio);
+        match &self.response {
+            Response::GaussianCorrected { height, width, cutoff, .. } if cutoff.is_finite() => {
+                let taken = -(-0.5 * (cutoff / width).powi(2)).exp_m1() * width * width;
+                TAU * (self.kernel_constant() * cutoff - height * taken)
+            }
+            // confined compression: h / (2 G (1-ν) / (1-2ν))
+            Response::Layer { thickness, .. } => {
+                thickness.largest() * (1.0 - 2.0 * nu) / (2.0 * g * (1.0 - nu))
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Answer of a wide flat surface to a pressure wave of wave number k = 2π / wave length (m³/N): the
+    /// kernel's two-dimensional Fourier transform. Where it is negative the kernel is not well posed.
+    ///
+    /// * `wave_number`: k (1/m), > 0
+    pub fn symbol(&self, wave_number: f64) -> f64 {
+        let (k, constant) = (wave_number, self.kernel_constant());
+        match &self.response {
+            &Response::GaussianCorrected { height, width, cutoff, .. } => {
+                if cutoff.is_infinite() {
+                    return TAU
+                        * (constant / k - height * width * width * (-0.5 * (k * width).powi(2)).exp());
+                }
+                // panels of at most two turns of J0 or a width of the Gaussian
+                let panels = (cutoff * k / 12.0).max(cutoff / width).ceil().max(1.0);
+                let (step, rule) = (cutoff / panels, gauss(20, 0.0));
+                let mut sum = 0.0;
+                for p in 0..panels as usize {
+                    for (u, w) in &rule {
+                        let r = step * (p as f64 + u);
+                        let kernel = constant - height * r * (-0.5 * (r / width).powi(2)).exp();
+                        sum += w * step * kernel * libm::j0(k * r);
+                    }
+                }
+                TAU * sum
+            }
+            Response::Layer { thickness, .. } => {
+                TAU * constant / k * LayerKernel::symbol(k * thickness.largest(), self.poisson_ratio)
+            }
+            _ => TAU * constant / k,
+        }
+    }
+
+    /// The range of wave lengths (m) at which the kernel answers a pressure with the wrong sign, if there is
+    /// one: a patch about as wide can push itself in without end, and the contact problem then has no
+    /// solution. The upper end is infinite where all longer waves are wrong.
+    pub fn ill_posed_wavelengths(&self) -> Option<(f64, f64)> {
+        let Response::GaussianCorrected { width, .. } = self.response else { return None };
+        let wrong = |length: f64| self.symbol(2.0 * PI / length) < 0.0;
+        // from half a width to 200 widths, in steps of 1 %
+        let length = |i: usize| 0.5 * width * 1.01f64.powi(i as i32);
+        let steps = 600;
+        let first = (0..steps).find(|&i| wrong(length(i)))?;
+        let last = (0..steps).rfind(|&i| wrong(length(i)))?;
+        // the end between a right and a wrong length
+        let end = |mut right: f64, mut bad: f64| {
+            for _ in 0..40 {
+                let middle = 0.5 * (right + bad);
+                if wrong(middle) { bad = middle } else { right = middle }
+            }
+            bad
+        };
+        let from = if first == 0 { length(0) } else { end(length(first - 1), length(first)) };
+        let to = if last + 1 == steps { f64::INFINITY } else { end(length(last + 1), length(last)) };
+        Some((from, to))
+    }
+
+    /// A warning about constants for which the kernel is not well posed, with what to change; `None` for all
+    /// others. [`Skin::ill_posed_wavelengths`] has the numbers.
+    pub fn caution(&self) -> Option<String> {
+        let Response::GaussianCorrected { height, width, cutoff, .. } = self.response else { return None };
+        let (from, to) = self.ill_posed_wavelengths()?;
+        let range = if to.is_finite() {
+            format!("from {:.1} to {:.1} mm", 1e3 * from, 1e3 * to)
+        } else {
+            format!("above {:.1} mm", 1e3 * from)
+        };
+        let bound = self.kernel_constant() * 0.5f64.exp() / width;
+        Some(format!(
+            "the Gaussian-corrected kernel (height {height:.3e} m/N, width {width:.3e} m, cutoff {cutoff:.3e} m) is \
+             not well posed: wave lengths {range} are pushed in by an outward pressure, so contacts of that \
+             width can end on a ray. Without cutoff a height up to K exp(1/2) / width = {bound:.3e} m/N is well \
+             posed; balanced and cut off at L, a width from about L / 2; or take a layer or half-space"
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::response::kernel::skin::Pressure;
+
+    fn gaussian(height: f64, width: f64, cutoff: f64) -> Skin {
+        let pressure = Pressure::Linear;
+        let response = Response::GaussianCorrected { height, width, cutoff, pressure };
+        Skin::new(60e3, 0.5, response).expect("valid constants")
+    }
+
+    #[test]
+    fn balanced_height_at_three_widths_is_that_of_the_paper() {
+        let constant = gaussian(0.0, 5e-3, 15e-3).kernel_constant();
+        let height = balanced_height(constant, 5e-3, 15e-3).expect("valid");
+        let closed = 3.0 * constant / (5e-3 * (1.0 - (-4.5f64).exp()));
+        assert!((height / closed - 1.0).abs() < 1e-14);
+        assert!((height - 0.805e-3).abs() < 1e-6);
+        let balanced = gaussian(height, 5e-3, 15e-3);
+        assert!(balanced.net_volume().abs() < 1e-15 * TAU * constant * 15e-3);
+        for (k, c, l, name) in [
+            (0.0, 1.0, 1.0, "kernel_constant"),
+            (1.0, -1.0, 1.0, "width"),
+            (1.0, 1.0, f64::INFINITY, "cutoff"),
+        ] {
+            match balanced_height(k, c, l) {
+                Err(ResponseError::Constant { name: found, .. }) => assert_eq!(found, name),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn the_papers_constants_are_ill_posed_at_the_known_wave_lengths() {
+        // without cutoff: 16.9 to 89 mm; cut off at 15 mm: above 15.2 mm
+        let (from, to) = gaussian(0.8e-3, 5e-3, f64::INFINITY).ill_posed_wavelengths().expect("ill posed");
+        assert!((from - 16.9e-3).abs() < 0.2e-3 && (to - 89e-3).abs() < 1e-3, "{from} {to}");
+        let skin = gaussian(0.8e-3, 5e-3, 15e-3);
+        let (from, _) = skin.ill_posed_wavelengths().expect("ill posed");
+        assert!((from - 15.2e-3).abs() < 0.2e-3, "{from}");
+        let caution = skin.caution().expect("a warning");
+        assert!(caution.contains("4.37") && caution.contains("from 15.3 to"), "{caution}");
+    }
+
+    #[test]
+    fn constants_within_the_bound_are_well_posed() {
+        let constant = gaussian(0.0, 5e-3, 15e-3).kernel_constant();
+        let bound = constant * 0.5f64.exp() / 5e-3;
+        assert_eq!(gaussian(0.999 * bound, 5e-3, f64::INFINITY).caution(), None);
+        assert!(gaussian(1.01 * bound, 5e-3, f64::INFINITY).caution().is_some());
+        let height = balanced_height(constant, 8e-3, 15e-3).expect("valid");
+        assert_eq!(gaussian(height, 8e-3, 15e-3).ill_posed_wavelengths(), None);
+    }
+
+    #[test]
+    fn a_layer_moves_the_volume_of_confined_compression() {
+        let skin = |nu| {
+            let response =
+                Response::Layer { thickness: 2e-3.into(), pressure: Pressure::Linear, gap: Gap::Node };
+            Skin::new(60e3, nu, response).expect("valid constants")
+        };
+        assert_eq!(skin(0.5).net_volume(), 0.0);
+        for nu in [0.0, 0.3, 0.45] {
+            let long_wave = skin(nu).symbol(1e-2);
+            assert!((long_wave / skin(nu).net_volume() - 1.0).abs() < 1e-4, "{nu}");
+        }
+    }
+}

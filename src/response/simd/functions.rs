@@ -1,0 +1,252 @@
+//! Elementary functions without branches, for vectors of numbers.
+//!
+//! Called within a `pulp` dispatch; each is accurate to a few units in the last place.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI, SQRT_2};
+
+use pulp::Simd;
+
+use crate::response::simd::lanes::Lanes;
+
+const MANTISSA: u64 = (1 << 52) - 1;
+const ONE: u64 = 1023 << 52;
+/// 2⁵² as bits: a small integer put into its mantissa reads as 2⁵² plus that integer.
+const MAGIC: u64 = 1075 << 52;
+/// ln 2 in two parts: the first times any exponent is exact.
+const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
+
+/// `ln(numerator / denominator)`, with one division.
+///
+/// Where the ratio is close to 1 it equals `2 atanh(length / sum)`, which keeps all digits. Any finite
+/// argument gives a finite result; 0 and subnormal numbers give a wrong one, which the caller multiplies
+/// by 0.
+#[inline(always)]
+pub(crate) fn ln_ratio<S: Simd>(
+    numerator: Lanes<S>,
+    denominator: Lanes<S>,
+    length: Lanes<S>,
+    sum: Lanes<S>,
+) -> Lanes<S> {
+    let one = sum.all(1.0);
+    let zero = sum.all(0.0);
+    let two = sum.all(2.0);
+    // the two offsets 2⁵² cancel
+    let power = exponent(numerator) - exponent(denominator);
+    let (a, b) = (mantissa(numerator), mantissa(denominator));
+    // bring a / b into 1/√2 .. √2
+    let root = sum.all(SQRT_2);
+    let (high, low) = ((root * b).less(a), (root * a).less(b));
+    let power = power + high.pick(one, zero) - low.pick(one, zero);
+    let b = b * high.pick(two, one);
+    let a = a * low.pick(two, one);
+    let close = power.abs().less(sum.all(0.5));
+    let f = close.pick(length, a - b) / close.pick(sum, a + b);
+    let w = f * f;
+    // 2 atanh(f) / f - 2 over f² on |f| <= (√2 - 1) / (√2 + 1), error 2e-20
+    let p = w.polynomial([
+        0.132_621_445_130_916_62,
+        0.132_487_585_772_216_45,
+        0.153_871_611_272_208_64,
+        0.181_817_737_333_680_17,
+        0.222_222_226_769_887_07,
+        0.285_714_285_688_187_2,
+        0.400_000_000_000_074_96,
+        0.666_666_666_666_666_6,
+    ]);
+    let series = (f * w).mul_add(p, two * f);
+    power.mul_add(sum.all(LN_2[0]), power.mul_add(sum.all(LN_2[1]), series))
+}
+
+/// The exponent, biased, plus 2⁵².
+#[inline(always)]
+fn exponent<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    x.map_bits(|b| (b >> 52) | MAGIC)
+}
+
+/// The mantissa in 1 .. 2.
+#[inline(always)]
+fn mantissa<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    x.map_bits(|b| (b & MANTISSA) | ONE)
+}
+
+/// `atan2(y, x)` for y >= 0, finite at the origin.
+#[inline(always)]
+pub(crate) fn angle<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
+    let zero = x.all(0.0);
+    let across = x.abs();
+    let steep = across.less(y);
+    let small = steep.pick(across, y);
+    let large = steep.pick(y, across);
+    let least = x.all(f64::MIN_POSITIVE);
+    let large = least.less(large).pick(large, least);
+    // atan(t) = π/4 + atan((t - 1) / (t + 1)) beyond tan(π/8)
+    let turn = (large * x.all(SQRT_2 - 1.0)).less(small);
+    let t = turn.pick(small - large, small) / turn.pick(small + large, large);
+    let w = t * t;
+    // atan(t) / t - 1 over t² on |t| <= tan(π/8), error 5e-20
+    let p = w.polynomial([
+        0.015_113_188_421_315_578,
+        -0.033_387_254_662_610_874,
+        0.044_994_761_370_224_005,
+        -0.052_173_064_890_151_256,
+        0.058_768_330_517_689_14,
+        -0.066_662_051_616_548_52,
+        0.076_922_810_931_870_7,
+        -0.090_909_080_587_269_49,
+        0.111_111_110_853_134_44,
+        -0.142_857_142_853_295_62,
+        0.199_999_999_999_970_12,
+        -0.333_333_333_333_333_26,
+    ]);
+    let a = (t * w).mul_add(p, t) + turn.pick(x.all(FRAC_PI_4), zero);
+    let a = steep.pick(x.all(FRAC_PI_2) - a, a);
+    x.less(zero).pick(x.all(PI) - a, a)
+}
+
+/// `exp(x)` for x <= 0; 1e-300 or so below -690.
+#[inline(always)]
+pub(crate) fn exp_negative<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    let floor = x.all(-690.0);
+    let x = x.less(floor).pick(floor, x);
+    // the nearest integer to x / ln 2 appears in the low bits of a number near 1.5 * 2^52
+    let offset = x.all(6755399441055744.0);
+    let shifted = x.mul_add(x.all(LOG2_E), offset);
+    let power = shifted - offset;
+    let r = power.mul_add(x.all(-LN_2[1]), power.mul_add(x.all(-LN_2[0]), x));
+    // exp(r) on |r| <= ln 2 / 2, error 3e-18
+    let p = r.polynomial([
+        2.511_003_794_061_966_5e-8,
+        2.763_264_007_423_722_4e-7,
+        2.755_724_091_767_456e-6,
+        2.480_148_548_115_237e-5,
+        0.000_198_412_698_900_479_6,
+        0.001_388_888_895_231_587_4,
+        0.008_333_333_333_319_601,
+        0.041_666_666_666_488_09,
+        0.166_666_666_666_666_8,
+        0.500_000_000_000_001_9,
+        1.0,
+        1.0,
+    ]);
+    p * shifted.map_bits(|b| b.wrapping_add(1023) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::marker::PhantomData;
+
+    use pulp::WithSimd;
+
+    use super::*;
+
+    /// A function of four numbers on the machine's vectors.
+    struct Apply<F>(PhantomData<F>, [f64; 4]);
+
+    trait Fn4 {
+        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S>;
+    }
+
+    impl<F: Fn4> WithSimd for Apply<F> {
+        type Output = f64;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> f64 {
+            simd.reduce_max_f64s(F::of(self.1.map(|x| Lanes::splat(simd, x))).v)
+        }
+    }
+
+    struct LnRatio;
+    impl Fn4 for LnRatio {
+        #[inline(always)]
+        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S> {
+            super::ln_ratio(x[0], x[1], x[2], x[3])
+        }
+    }
+
+    struct Angle;
+    impl Fn4 for Angle {
+        #[inline(always)]
+        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S> {
+            super::angle(x[0], x[1])
+        }
+    }
+
+    struct ExpNegative;
+    impl Fn4 for ExpNegative {
+        #[inline(always)]
+        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S> {
+            super::exp_negative(x[0])
+        }
+    }
+
+    /// On the machine's vectors, which must agree with plain numbers to rounding.
+    fn both<F: Fn4>(_: F, x: [f64; 4]) -> f64 {
+        let vector = pulp::Arch::new().dispatch(Apply::<F>(PhantomData, x));
+        let plain = Apply::<F>(PhantomData, x).with_simd(pulp::Scalar);
+        assert!((vector - plain).abs() <= 16.0 * f64::EPSILON * plain.abs().max(1.0), "{vector} {plain}");
+        vector
+    }
+
+    fn ln_ratio(a: f64, b: f64, length: f64, sum: f64) -> f64 {
+        both(LnRatio, [a, b, length, sum])
+    }
+
+    fn angle(y: f64, x: f64) -> f64 {
+        both(Angle, [y, x, 0.0, 0.0])
+    }
+
+    fn exp_negative(x: f64) -> f64 {
+        both(ExpNegative, [x, 0.0, 0.0, 0.0])
+    }
+
+    #[test]
+    fn logarithm_is_accurate_to_a_few_ulp() {
+        for i in 0..4000 {
+            let s0 = 0.001 * 1.007f64.powi(i % 1500) - 5.0;
+            let s1 = s0 + 0.01 * 1.01f64.powi(i / 5);
+            let rho: f64 = 1.3f64.powi(i % 37 - 25);
+            let (r0, r1) = (rho.hypot(s0), rho.hypot(s1));
+            let (t0, t1) = (r0 + s0.abs(), r1 + s1.abs());
+            let (n, d) = if s0 > 0.0 {
+                (t1, t0)
+            } else if s1 >= 0.0 {
+                (t0 * t1, rho * rho)
+            } else {
+                (t0, t1)
+            };
+            let expected = 2.0 * libm::atanh((s1 - s0) / (r0 + r1));
+            let by_parts = libm::asinh(s1 / rho) - libm::asinh(s0 / rho);
+            let got = ln_ratio(n, d, s1 - s0, r0 + r1);
+            let best = if expected < 1.0 { expected } else { by_parts };
+            assert!((got - best).abs() <= 8.0 * f64::EPSILON * (1.0 + best), "{s0} {s1} {rho}: {got} {best}");
+            if expected < 0.3 {
+                assert!((got / expected - 1.0).abs() <= 8.0 * f64::EPSILON, "{got} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn angle_is_accurate_to_a_few_ulp() {
+        for i in 0..=1000 {
+            let turn = std::f64::consts::PI * i as f64 / 1000.0;
+            for scale in [1e-20, 1e-9, 1.0, 1e7] {
+                let (y, x) = (scale * turn.sin().abs(), scale * turn.cos());
+                let expected = libm::atan2(y, x);
+                assert!((angle(y, x) - expected).abs() <= 4.0 * f64::EPSILON * expected, "{turn}");
+            }
+        }
+        assert_eq!(angle(0.0, 1.0), 0.0);
+        assert!(angle(0.0, 0.0).is_finite());
+    }
+
+    #[test]
+    fn exponential_is_accurate_to_a_few_ulp() {
+        for i in 0..20_000 {
+            let x = -0.033 * i as f64;
+            let expected = x.exp();
+            assert!((exp_negative(x) - expected).abs() <= 4.0 * f64::EPSILON * expected, "{x}");
+        }
+        assert_eq!(exp_negative(0.0), 1.0);
+        assert!(exp_negative(-1e30) < 1e-290);
+    }
+}

@@ -1,0 +1,127 @@
+//! The points at which a column is evaluated, laid out for vector code.
+
+use nalgebra::Vector3;
+use pulp::Simd;
+
+use crate::response::simd::lanes::Lanes;
+
+/// Coordinates in separate lists, in an order that keeps neighbours together (a Z-order curve) so that points
+/// of a vector lie at similar distances from any load.
+#[derive(Debug, Default)]
+pub(crate) struct Targets {
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) z: Vec<f64>,
+    /// Row of each point in the matrix; shorter than the coordinates, which are padded by repeating the last.
+    pub(crate) rows: Vec<u32>,
+}
+
+/// Points in a vector block, a multiple of every vector length.
+pub(crate) const BLOCK: usize = 16;
+
+impl Targets {
+    pub(crate) fn new(points: &[Vector3<f64>]) -> Self {
+        let low = points.iter().fold(Vector3::repeat(f64::INFINITY), |a, p| a.inf(p));
+        let high = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, p| a.sup(p));
+        let scale = 1023.0 / (high - low).max().max(f64::MIN_POSITIVE);
+        let key = |p: &Vector3<f64>| {
+            let cell = (p - low) * scale;
+            spread(cell.x as u32) | spread(cell.y as u32) << 1 | spread(cell.z as u32) << 2
+        };
+        let mut keyed: Vec<(u32, u32)> = points.iter().zip(0..).map(|(p, row)| (key(p), row)).collect();
+        keyed.sort_unstable();
+        let rows: Vec<u32> = keyed.iter().map(|&(_, row)| row).collect();
+        let padded = rows.len().next_multiple_of(BLOCK);
+        let coordinate = |axis: usize| {
+            let mut list: Vec<f64> = rows.iter().map(|&row| points[row as usize][axis]).collect();
+            if let Some(&last) = list.last() {
+                list.resize(padded, last);
+            }
+            list
+        };
+        Self { x: coordinate(0), y: coordinate(1), z: coordinate(2), rows }
+    }
+
+    /// Empties the lists, to be filled by [`Targets::push`] in place of [`Targets::new`].
+    pub(crate) fn clear(&mut self) {
+        for list in [&mut self.x, &mut self.y, &mut self.z] {
+            list.clear();
+        }
+        self.rows.clear();
+    }
+
+    pub(crate) fn push(&mut self, point: &Vector3<f64>) {
+        self.rows.push(self.rows.len() as u32);
+        self.x.push(point.x);
+        self.y.push(point.y);
+        self.z.push(point.z);
+    }
+
+    /// Fills up to whole blocks.
+    pub(crate) fn pad(&mut self) {
+        let padded = self.rows.len().next_multiple_of(BLOCK);
+        for list in [&mut self.x, &mut self.y, &mut self.z] {
+            if let Some(&last) = list.last() {
+                list.resize(padded, last);
+            }
+        }
+    }
+
+    /// Copies the values of a column, in the order of the points, to their rows.
+    pub(crate) fn scatter(&self, values: &[f64], column: &mut [f64]) {
+        for (&row, &value) in self.rows.iter().zip(values) {
+            column[row as usize] = value;
+        }
+    }
+}
+
+/// Some of the targets, gathered for vector code.
+#[derive(Debug, Default)]
+pub(crate) struct Selection {
+    /// Places in the lists of [`Targets`]; shorter than the coordinates, which are padded to whole blocks.
+    pub(crate) index: Vec<u32>,
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) z: Vec<f64>,
+    /// A value for each, 0 after [`Selection::gather`].
+    pub(crate) values: Vec<f64>,
+}
+
+impl Selection {
+    /// Copies the coordinates of the targets in `index`.
+    pub(crate) fn gather(&mut self, targets: &Targets) {
+        for (list, from) in [(&mut self.x, &targets.x), (&mut self.y, &targets.y), (&mut self.z, &targets.z)]
+        {
+            gather(&self.index, from, list);
+        }
+        self.values.clear();
+        self.values.resize(self.x.len(), 0.0);
+    }
+
+    /// Coordinates from the given one on.
+    #[inline(always)]
+    pub(crate) fn place<S: Simd>(&self, simd: S, first: usize) -> [Lanes<S>; 3] {
+        [
+            Lanes::load(simd, &self.x, first),
+            Lanes::load(simd, &self.y, first),
+            Lanes::load(simd, &self.z, first),
+        ]
+    }
+}
+
+/// The values of a list at `index`, padded to whole blocks by repeating the last.
+pub(crate) fn gather(index: &[u32], from: &[f64], list: &mut Vec<f64>) {
+    list.clear();
+    list.extend(index.iter().map(|&i| from[i as usize]));
+    if let Some(&last) = list.last() {
+        list.resize(index.len().next_multiple_of(BLOCK), last);
+    }
+}
+
+/// Every bit of a 10-bit number moved to every third place.
+fn spread(v: u32) -> u32 {
+    let v = (v | v << 16) & 0x0300_00ff;
+    let v = (v | v << 8) & 0x0300_f00f;
+    let v = (v | v << 4) & 0x030c_30c3;
+    (v | v << 2) & 0x0924_9249
+}
