@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .contact import Contact
+    from .contact.result import Contact
     from .lcp import LcpSolution
 
 

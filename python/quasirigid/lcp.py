@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from . import _core
-from .checks import integer_of, integers_of
+from ._check import integer_of, integers_of
 from .errors import LcpError
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _core
-from .checks import count_of, index_of, skin_on
+from ._check import count_of, index_of, skin_on
 from .errors import ResponseError
 from .obstacle import Obstacle
-from .skin import Skin
+from .skin.material import Skin
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from .parts import CombinedSkin
-    from .prepared import PreparedSkin
+    from .skin.parts import CombinedSkin
+    from .skin.prepared import PreparedSkin
     from .surface import Surface
 
 __all__ = ["Definiteness", "NetVolume", "definiteness", "initial_gaps", "net_volume", "response_matrix"]

@@ -16,8 +16,8 @@ pytest.importorskip("rich")
 pytest.importorskip("matplotlib")
 
 import quasirigid as qr
-from quasirigid.arguments import response_of, rotation
 from quasirigid.cli import run
+from quasirigid.cli.arguments import response_of, rotation
 
 COMMANDS = [[], ["demo"], ["press"], ["info"]]
 

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import quasirigid as qr
-from quasirigid import export
+from quasirigid.io import write
 
 
 def vtp_arrays(path: Path) -> dict[str, np.ndarray]:
@@ -38,7 +38,7 @@ def test_the_ply_carries_pressure_and_displacement_at_each_vertex(
     pressed: qr.Contact, tmp_path: Path
 ) -> None:
     path = tmp_path / "deformed.ply"
-    export.write_ply(pressed, path)
+    write.write_ply(pressed, path)
     vertices, faces = qr.read_mesh(path, unit="m")
     assert np.array_equal(vertices, pressed.deformed.vertices)
     assert np.array_equal(faces, pressed.deformed.faces)
@@ -52,7 +52,7 @@ def test_the_ply_carries_pressure_and_displacement_at_each_vertex(
 
 def test_the_vtp_holds_the_mesh_and_every_vertex_array(pressed: qr.Contact, tmp_path: Path) -> None:
     path = tmp_path / "deformed.vtp"
-    export.write_vtp(pressed, path)
+    write.write_vtp(pressed, path)
     arrays = vtp_arrays(path)
     assert np.array_equal(arrays["points"], pressed.deformed.vertices)
     assert np.array_equal(arrays["connectivity"].reshape(-1, 3), pressed.deformed.faces)
@@ -66,7 +66,7 @@ def test_the_vtp_holds_the_mesh_and_every_vertex_array(pressed: qr.Contact, tmp_
 
 
 def test_the_archive_holds_every_array(pressed: qr.Contact, tmp_path: Path) -> None:
-    export.write_npz(pressed, tmp_path / "contact.npz")
+    write.write_npz(pressed, tmp_path / "contact.npz")
     with np.load(tmp_path / "contact.npz") as archive:
         assert np.array_equal(archive["vertices"], pressed.deformed.vertices)
         for name in (
@@ -83,7 +83,7 @@ def test_the_archive_holds_every_array(pressed: qr.Contact, tmp_path: Path) -> N
 
 
 def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, tmp_path: Path) -> None:
-    export.write_json(pressed, tmp_path / "contact.json", inputs={"depth": {"value": 1.12e-3, "unit": "m"}})
+    write.write_json(pressed, tmp_path / "contact.json", inputs={"depth": {"value": 1.12e-3, "unit": "m"}})
     document = json.loads((tmp_path / "contact.json").read_text())
     assert document["status"] == "solved"
     assert document["force"] == {"value": pressed.force.tolist(), "unit": "N"}
@@ -97,14 +97,14 @@ def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, tmp_path: 
 
 
 def test_numbers_that_are_not_finite_are_null(apart: qr.Contact, tmp_path: Path) -> None:
-    export.write_json(apart, tmp_path / "contact.json")
+    write.write_json(apart, tmp_path / "contact.json")
     document = json.loads((tmp_path / "contact.json").read_text(), parse_constant=pytest.fail)
     assert document["status"] == "no_contact"
     assert document["center_of_pressure"]["value"] == [None, None, None]
 
 
 def test_a_contact_without_result_is_written_with_its_reason(unsolved: qr.Contact, tmp_path: Path) -> None:
-    export.write_contact(unsolved, tmp_path / "out", pictures=False)
+    write.write_contact(unsolved, tmp_path / "out", pictures=False)
     document = json.loads((tmp_path / "out" / "contact.json").read_text())
     assert document["status"] == unsolved.status
     assert document["advice"]
@@ -112,7 +112,7 @@ def test_a_contact_without_result_is_written_with_its_reason(unsolved: qr.Contac
 
 
 def test_a_folder_is_written_whole(pressed: qr.Contact, tmp_path: Path) -> None:
-    files = export.write_contact(pressed, tmp_path / "deep" / "out", pictures=False)
+    files = write.write_contact(pressed, tmp_path / "deep" / "out", pictures=False)
     assert sorted(path.name for path in files) == [
         "contact.json",
         "contact.npz",
@@ -126,7 +126,7 @@ def test_a_folder_is_written_whole(pressed: qr.Contact, tmp_path: Path) -> None:
 def test_files_of_others_stay_in_a_folder_that_is_there(pressed: qr.Contact, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "contact.json").write_text("old")
-    export.write_contact(pressed, tmp_path, pictures=False)
+    write.write_contact(pressed, tmp_path, pictures=False)
     assert (tmp_path / "notes.txt").read_text() == "mine"
     assert json.loads((tmp_path / "contact.json").read_text())["status"] == "solved"
 
@@ -137,19 +137,19 @@ def test_nothing_is_left_behind_when_writing_fails(
     def full_disk(*_: Any, **__: Any) -> None:
         raise OSError("no space left")
 
-    monkeypatch.setattr(export, "write_json", full_disk)
+    monkeypatch.setattr(write, "write_json", full_disk)
     with pytest.raises(OSError, match="no space left"):
-        export.write_contact(pressed, tmp_path / "out", pictures=False)
+        write.write_contact(pressed, tmp_path / "out", pictures=False)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_in_the_place_of_the_folder_is_refused(pressed: qr.Contact, tmp_path: Path) -> None:
     (tmp_path / "out").write_text("a file")
     with pytest.raises(NotADirectoryError, match="is a file"):
-        export.write_contact(pressed, tmp_path / "out")
+        write.write_contact(pressed, tmp_path / "out")
     assert (tmp_path / "out").read_text() == "a file"
 
 
 def test_meshes_are_written_as_ply_or_stl_only(tmp_path: Path) -> None:
     with pytest.raises(qr.MeshFileError, match=r"expected \.ply or \.stl"):
-        export.write_mesh(np.zeros((3, 3)), np.array([[0, 1, 2]]), tmp_path / "mesh.obj", unit="m")
+        write.write_mesh(np.zeros((3, 3)), np.array([[0, 1, 2]]), tmp_path / "mesh.obj", unit="m")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.errors import MeshFileError
-from quasirigid.export import write_mesh
+from quasirigid.io import write_mesh
 from quasirigid.models.fingers import build_finger
 
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))

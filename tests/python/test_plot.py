@@ -12,9 +12,9 @@ import quasirigid as qr
 pytest.importorskip("matplotlib")
 
 from quasirigid import plot
-from quasirigid.drawing import contact_side, cut_lines, joined, round_steps
 from quasirigid.errors import MissingExtraError
-from quasirigid.raster import View, rasterise
+from quasirigid.plot.raster import View, rasterise
+from quasirigid.plot.style import contact_side, cut_lines, joined, round_steps
 
 FRONT = View.along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from quasirigid.quantities import (
+from quasirigid.cli.quantities import (
     ANGLE,
     COMPLIANCE,
     LENGTH,

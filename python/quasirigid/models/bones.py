@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..checks import direction_of, mask_of, number_of, vector_of
+from .._check import direction_of, mask_of, number_of, vector_of
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
 from ..surface import Surface, flat_cap_mask

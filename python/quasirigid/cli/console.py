@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 
 if TYPE_CHECKING:
-    from .contact import Contact
+    from ..contact.result import Contact
 
 MM = 1e3
 KPA = 1e-3

@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from .lcp import LcpSolution
-    from .obstacle import Obstacle
-    from .surface import Surface
+    from ..lcp import LcpSolution
+    from ..obstacle import Obstacle
+    from ..surface import Surface
 
 __all__ = ["Accuracy", "Contact", "ContactStatus", "Patch"]
 

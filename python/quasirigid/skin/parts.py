@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _core
-from .checks import index_of, vector_of
-from .errors import ResponseError, SurfaceError
+from .. import _core
+from .._check import index_of, vector_of
+from ..errors import ResponseError, SurfaceError
 from .prepared import PreparedSkin
 from .response import Body
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from .skin import Skin
-    from .surface import Surface
+    from ..surface import Surface
+    from .material import Skin
 
 __all__ = ["CombinedSkin", "CutOut", "cut_out"]
 

@@ -9,12 +9,12 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import MeshFileError, QuasirigidError
-from .mesh_files import read_file
-from .obstacle import Obstacle
-from .surface import Surface
+from ..errors import MeshFileError, QuasirigidError
+from ..obstacle import Obstacle
+from ..surface import Surface
+from .files import read_file
 
-__all__ = ["read_mesh", "read_obstacle", "read_surface"]
+__all__ = ["LengthUnit", "read_mesh", "read_obstacle", "read_surface"]
 
 LengthUnit: TypeAlias = Literal["m", "mm"]
 

@@ -19,12 +19,12 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import MeshFileError
+from ..errors import MeshFileError
 from .summary import contact_summary
 
 if TYPE_CHECKING:
-    from .contact import Contact
-    from .surface import Surface
+    from ..contact.result import Contact
+    from ..surface import Surface
 
 __all__ = ["write_contact", "write_json", "write_mesh", "write_npz", "write_ply", "write_vtp"]
 
@@ -65,7 +65,7 @@ def write_contact(
         write_npz(contact, draft / "contact.npz")
         write_json(contact, draft / "contact.json", inputs=inputs)
         if pictures:
-            from . import plot
+            from .. import plot
 
             plot.before_and_after(contact, bone=bone).savefig(draft / "skin.png")
             plot.footprint(contact).savefig(draft / "footprint.png")

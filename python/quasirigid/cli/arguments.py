@@ -8,11 +8,11 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from .io import LengthUnit, read_surface
-from .models import bone_of
+from ..io import LengthUnit, read_surface
+from ..models import bone_of
+from ..skin.response import Body, GaussianCorrected, HalfSpace, Layer
+from ..surface import Surface, flat_cap_mask
 from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
-from .response import Body, GaussianCorrected, HalfSpace, Layer
-from .surface import Surface, flat_cap_mask
 
 _CONSTANTS: dict[str, dict[str, dict[str, float]]] = {
     "half-space": {},

@@ -1,8 +1,4 @@
-"""Pictures of a contact: the skin with its pressure map, a cut through the contact, the footprint.
-
-Lengths are drawn in mm and pressures in kPa. Every function takes and returns a matplotlib `Axes`, or returns
-a `Figure`; matplotlib (the extra `plot`) is imported where it is used, and no window is opened.
-"""
+"""Skin and footprint of a contact, alone and side by side."""
 
 from __future__ import annotations
 
@@ -11,7 +7,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from .drawing import (
+from .raster import View
+from .section import plot_section
+from .style import (
     FAINT,
     INK,
     axes_or_new,
@@ -25,23 +23,19 @@ from .drawing import (
     scale_bar,
     window_around,
 )
-from .raster import View
-from .section import plot_section
-from .views import KPA, MM, pad_view, vertices_before
+from .view import KPA, MM, pad_view, vertices_before
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .contact import Contact
-    from .surface import Surface
+    from ..contact.result import Contact
+    from ..surface import Surface
 
 __all__ = [
     "before_and_after",
     "footprint",
-    "pad_view",
     "plot_footprint",
-    "plot_section",
     "plot_skin",
     "side_by_side",
 ]

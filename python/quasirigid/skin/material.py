@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _core
-from .checks import count_of, mask_of
-from .errors import QuasirigidWarning, ResponseError
+from .. import _core
+from .._check import count_of, mask_of
+from ..errors import QuasirigidWarning, ResponseError
 from .progress import Progress, announced, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from ..surface import Surface
     from .parts import CombinedSkin, CutOut
     from .prepared import PreparedSkin
-    from .surface import Surface
 
 __all__ = ["Skin"]
 

@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _core
-from .contact import Contact
-from .errors import ResponseError
+from .. import _core
+from ..contact.result import Contact
+from ..errors import ResponseError
+from .material import Skin
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
-from .skin import Skin
 
 if TYPE_CHECKING:
     from os import PathLike
 
     from numpy.typing import ArrayLike, NDArray
 
-    from .surface import Surface
+    from ..surface import Surface
 
 __all__ = ["PreparedSkin", "load_prepared"]
 

@@ -5,26 +5,23 @@ from __future__ import annotations
 import warnings
 from typing import TYPE_CHECKING, Literal
 
-from . import _core
-from .checks import skin_on
-from .contact_options import ContactOptions as ContactOptions
-from .contact_result import Accuracy as Accuracy
-from .contact_result import Contact as Contact
-from .contact_result import ContactStatus as ContactStatus
-from .contact_result import Patch as Patch
-from .errors import ContactError, QuasirigidWarning
-from .lcp import LcpSolution
+from .. import _core
+from .._check import skin_on
+from ..errors import ContactError, QuasirigidWarning
+from ..lcp import LcpSolution
+from .options import ContactOptions
+from .result import Accuracy, Contact, ContactStatus, Patch
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .obstacle import Obstacle
-    from .parts import CombinedSkin
-    from .prepared import PreparedSkin
-    from .skin import Skin
-    from .surface import Surface
+    from ..obstacle import Obstacle
+    from ..skin.material import Skin
+    from ..skin.parts import CombinedSkin
+    from ..skin.prepared import PreparedSkin
+    from ..surface import Surface
 
-__all__ = ["Accuracy", "Contact", "ContactOptions", "ContactStatus", "Patch", "press", "solve_contact"]
+__all__ = ["press", "solve_contact"]
 
 
 def _finish(result: _core.Contact, throw: bool) -> Contact:

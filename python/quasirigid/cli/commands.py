@@ -14,13 +14,13 @@ from rich.table import Table
 
 import quasirigid as qr
 
+from ..errors import MissingExtraError, QuasirigidError
+from ..io.write import write_contact, write_mesh
+from ..models.products import build_cylinder_handle
 from .arguments import body_of, file_unit, masked, one_of, response_of, rotation
 from .console import MM, console, print_contacts, progress, refuse, show_warning
-from .errors import MissingExtraError, QuasirigidError
-from .export import write_contact, write_mesh
-from .models.products import build_cylinder_handle
+from .demo import demo_scenes, may_touch
 from .quantities import ANGLE, LENGTH, STRESS, QuantityError, parse_numbers, parse_quantities, parse_quantity
-from .scenes import demo_scenes, may_touch
 
 Made = TypeVar("Made")
 
@@ -78,7 +78,7 @@ def demo(
     footprints of both.
     """
     _need_matplotlib()
-    from . import plot
+    from .. import plot
 
     depth, edge_length = 1.12e-3, 1.6e-3 if quick else 1.0e-3
     with progress("building finger, bone and products"):

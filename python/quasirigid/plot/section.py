@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .drawing import (
+from .raster import Floats, Indices, View
+from .style import (
     AFTER,
     BEFORE,
     BONE,
@@ -19,14 +20,13 @@ from .drawing import (
     joined,
     scale_bar,
 )
-from .raster import Floats, Indices, View
-from .views import MM, pad_view, vertices_before
+from .view import MM, pad_view, vertices_before
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from .contact import Contact
-    from .surface import Surface
+    from ..contact.result import Contact
+    from ..surface import Surface
 
 
 def plot_section(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from .errors import QuasirigidError
+from ..errors import QuasirigidError
 
 __all__ = ["QuantityError", "parse_numbers", "parse_quantities", "parse_quantity"]
 

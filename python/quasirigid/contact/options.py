@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from . import _core
-from .checks import integer_of
-from .lcp import LcpMethod
+from .. import _core
+from .._check import integer_of
+from ..lcp import LcpMethod
 
 __all__ = ["ContactOptions"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from . import _core
+from .. import _core
 
 __all__ = ["Progress", "announced", "stage_reporter"]
 

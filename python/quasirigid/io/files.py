@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..errors import MeshFileError
 from .check import Floats, Indices, check_values
 from .obj import read_obj
 from .ply import read_ply
@@ -21,8 +22,6 @@ _READERS = {".ply": read_ply, ".stl": read_stl, ".obj": read_obj}
 
 def read_file(path: Path) -> tuple[Floats, Indices]:
     """Vertices (n, 3) in the file's own unit and faces (m, 3), checked to be finite and in range."""
-    from ..errors import MeshFileError
-
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise MeshFileError(f"{path}: the ending is '{path.suffix}', expected .ply, .stl or .obj")

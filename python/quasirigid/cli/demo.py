@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from . import models
-from .contact import Contact
-from .obstacle import Obstacle
-from .surface import Surface, flat_cap_mask
+from .. import models
+from ..contact.result import Contact
+from ..obstacle import Obstacle
+from ..surface import Surface, flat_cap_mask
 
 __all__ = ["Scene", "demo_scenes", "may_touch", "under_the_pad"]
 

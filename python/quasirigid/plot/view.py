@@ -9,7 +9,7 @@ import numpy as np
 from .raster import Floats, View
 
 if TYPE_CHECKING:
-    from .contact import Contact
+    from ..contact.result import Contact
 
 MM = 1e3
 KPA = 1e-3

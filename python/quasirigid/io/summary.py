@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from .contact import Contact
+    from ..contact.result import Contact
 
 __all__ = ["contact_summary"]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from .errors import MissingExtraError
+from ..errors import MissingExtraError
 from .raster import Floats, Indices, View, rasterise
 
 if TYPE_CHECKING:

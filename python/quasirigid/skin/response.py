@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .surface import Surface
+    from ..surface import Surface
 
 __all__ = ["Body", "Gap", "GaussianCorrected", "GivenMatrix", "HalfSpace", "Layer", "Pressure", "Response"]
 

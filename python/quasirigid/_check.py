@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from . import _core
-    from .parts import CombinedSkin
-    from .prepared import PreparedSkin
-    from .skin import Skin
+    from .skin.material import Skin
+    from .skin.parts import CombinedSkin
+    from .skin.prepared import PreparedSkin
     from .surface import Surface
 
 Refusal = type[QuasirigidError]

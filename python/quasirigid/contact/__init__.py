@@ -1,0 +1,9 @@
+"""Contact of the skin with an obstacle: the solve, its options and its result."""
+
+from .options import ContactOptions as ContactOptions
+from .press import press as press
+from .press import solve_contact as solve_contact
+from .result import Accuracy as Accuracy
+from .result import Contact as Contact
+from .result import ContactStatus as ContactStatus
+from .result import Patch as Patch
