@@ -15,23 +15,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from . import _core
-    from .skin.material import Skin
-    from .skin.parts import CombinedSkin
-    from .skin.prepared import PreparedSkin
-    from .surface import Surface
-
 Refusal = type[QuasirigidError]
-
-
-def skin_on(skin: Skin | PreparedSkin | CombinedSkin, surface: Surface) -> _core.Skin:
-    """The core's skin for a surface; refuses what is none, a bare response above all."""
-    if not hasattr(skin, "_on"):
-        raise TypeError(
-            f"skin is a {type(skin).__name__}, expected a Skin, PreparedSkin or CombinedSkin: a response "
-            "goes into Skin(shear_modulus=..., poisson_ratio=..., response=...)"
-        )
-    return skin._on(surface)
 
 
 def number_of(name: str, value: Any, refusal: Refusal, least: float = 0.0, most: float = np.inf) -> float:

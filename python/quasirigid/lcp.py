@@ -223,19 +223,6 @@ class LcpSolution:
     candidates: int = field(repr=False)
     shift: float = field(repr=False)
 
-    @classmethod
-    def _from_core(cls, solution: _core.LcpSolution) -> LcpSolution:
-        fields = solution.fields()
-        fields["status"] = _STATUS[fields["status"]]
-        fields["certificate"] = _built(Certificate, fields["certificate"])
-        if fields["ray"] is not None:
-            fields["ray"] = _built(LcpRay, fields["ray"])
-        fields["attempts"] = tuple(
-            LcpAttempt(method, _STATUS[status], pivots, warm, crash)
-            for method, status, pivots, warm, crash in fields["attempts"]
-        )
-        return _built(cls, fields)
-
 
 _T = TypeVar("_T")
 _STATUS = {status.value: status for status in LcpStatus}
@@ -246,6 +233,19 @@ def _built(cls: type[_T], fields: dict[str, Any]) -> _T:
     built = object.__new__(cls)
     vars(built).update(fields)
     return built
+
+
+def solution_from_core(solution: _core.LcpSolution) -> LcpSolution:
+    fields = solution.fields()
+    fields["status"] = _STATUS[fields["status"]]
+    fields["certificate"] = _built(Certificate, fields["certificate"])
+    if fields["ray"] is not None:
+        fields["ray"] = _built(LcpRay, fields["ray"])
+    fields["attempts"] = tuple(
+        LcpAttempt(method, _STATUS[status], pivots, warm, crash)
+        for method, status, pivots, warm, crash in fields["attempts"]
+    )
+    return _built(LcpSolution, fields)
 
 
 def solve_lcp(
@@ -296,7 +296,7 @@ def solve_lcp(
     ('solved', [1.333333, 2.333333])
     """
     core_options = _DEFAULT_OPTIONS if options is None else options._to_core()
-    solution = LcpSolution._from_core(_core.solve_lcp(M, q, method, core_options))
+    solution = solution_from_core(_core.solve_lcp(M, q, method, core_options))
     if throw and solution.status is not LcpStatus.SOLVED:
         error = LcpError(f"the complementarity problem ended with status {solution.advice}")
         error.solution = solution

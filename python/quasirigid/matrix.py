@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _core
-from ._check import count_of, index_of, skin_on
+from ._check import count_of, index_of
 from .errors import ResponseError
 from .obstacle import Obstacle
+from .skin.elastic import core_skin
 from .skin.material import Skin
 
 if TYPE_CHECKING:
@@ -17,8 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-    from .skin.parts import CombinedSkin
-    from .skin.prepared import PreparedSkin
+    from .skin.elastic import ElasticSkin
     from .surface import Surface
 
 __all__ = ["Definiteness", "NetVolume", "definiteness", "initial_gaps", "net_volume", "response_matrix"]
@@ -26,7 +26,7 @@ __all__ = ["Definiteness", "NetVolume", "definiteness", "initial_gaps", "net_vol
 
 def response_matrix(
     surface: Surface,
-    skin: Skin | PreparedSkin | CombinedSkin,
+    skin: ElasticSkin,
     nodes: ArrayLike,
     directions: ArrayLike | None = None,
     tolerance: float = 1e-6,
@@ -64,13 +64,13 @@ def response_matrix(
     """
     threads = count_of("num_threads", num_threads, ResponseError)
     return _core.response_matrix(
-        surface, skin_on(skin, surface), nodes, directions, tolerance=tolerance, num_threads=threads
+        surface, core_skin(skin, surface), nodes, directions, tolerance=tolerance, num_threads=threads
     )
 
 
 def initial_gaps(
     surface: Surface,
-    skin: Skin | PreparedSkin | CombinedSkin,
+    skin: ElasticSkin,
     nodes: ArrayLike,
     distance: Obstacle | Callable[[NDArray[np.float64]], ArrayLike],
 ) -> NDArray[np.float64]:
@@ -118,10 +118,10 @@ def initial_gaps(
     measured = (
         (lambda points: distance.signed_distance(points)[0]) if isinstance(distance, Obstacle) else distance
     )
-    return _core.initial_gaps(surface, skin_on(skin, surface), nodes, measured)
+    return _core.initial_gaps(surface, core_skin(skin, surface), nodes, measured)
 
 
-def kernel_of(skin: Skin | PreparedSkin | CombinedSkin, need: str) -> _core.Skin:
+def kernel_of(skin: ElasticSkin, need: str) -> _core.Skin:
     """The core's kernel of a skin that is one, for what `need` says; a refusal says what to take."""
     if not isinstance(skin, Skin):
         kind = type(skin).__name__
@@ -129,9 +129,9 @@ def kernel_of(skin: Skin | PreparedSkin | CombinedSkin, need: str) -> _core.Skin
         if within is None:
             raise TypeError(f"skin is a {kind}, expected a Skin: {need}")
         raise ResponseError(f"a {kind} is no kernel: {need}; its `{within}` may be one")
-    if skin._kernel is None:
+    if skin.kernel is None:
         raise ResponseError(f"the response {type(skin.response).__name__} is no kernel: {need}")
-    return skin._kernel
+    return skin.kernel
 
 
 class NetVolume(NamedTuple):

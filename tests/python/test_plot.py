@@ -13,8 +13,11 @@ pytest.importorskip("matplotlib")
 
 from quasirigid import plot
 from quasirigid.errors import MissingExtraError
-from quasirigid.plot.raster import View, rasterise
-from quasirigid.plot.style import contact_side, cut_lines, joined, round_steps
+from quasirigid.plot.outline import contact_side
+from quasirigid.plot.raster import rasterise
+from quasirigid.plot.section import cut_lines, joined
+from quasirigid.plot.style import round_steps
+from quasirigid.plot.view import View
 
 FRONT = View.along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
 

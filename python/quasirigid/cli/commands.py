@@ -9,17 +9,16 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 import typer
-from numpy.typing import NDArray
 from rich.table import Table
 
 import quasirigid as qr
 
 from ..errors import MissingExtraError, QuasirigidError
-from ..io.write import write_contact, write_mesh
-from ..models.products import build_cylinder_handle
+from ..io import write_contact
 from .arguments import body_of, file_unit, masked, one_of, response_of, rotation
 from .console import MM, console, print_contacts, progress, refuse, show_warning
-from .demo import demo_scenes, may_touch
+from .demo import press_demo
+from .nodes import free_nodes, may_touch
 from .quantities import ANGLE, LENGTH, STRESS, QuantityError, parse_numbers, parse_quantities, parse_quantity
 
 Made = TypeVar("Made")
@@ -78,47 +77,7 @@ def demo(
     footprints of both.
     """
     _need_matplotlib()
-    from .. import plot
-
-    depth, edge_length = 1.12e-3, 1.6e-3 if quick else 1.0e-3
-    with progress("building finger, bone and products"):
-        scenes = demo_scenes(edge_length)
-    surface, bone = scenes[0].surface, scenes[0].bone
-    half_space = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
-    first = {
-        scene.name: qr.press(surface, scene.obstacle, half_space, scene.direction, depth=depth)
-        for scene in scenes
-    }
-    nodes = np.unique(np.concatenate([may_touch(contact, depth) for contact in first.values()]))
-    body = qr.Skin(
-        shear_modulus=60e3, poisson_ratio=0.5, response=qr.Body(bone=bone, fixed=~surface.skin_mask)
-    ).prepared(surface, nodes, progress=True)
-    inputs = {
-        "depth": {"value": depth, "unit": "m"},
-        "shear_modulus": {"value": 60e3, "unit": "Pa"},
-        "poisson_ratio": {"value": 0.5, "unit": "1"},
-        "response": "body",
-        "bone": "auto",
-        "fixed": "caps",
-        "skin_mask": "caps",
-    }
-    contacts: dict[str, qr.Contact] = {}
-    for scene in scenes:
-        with progress(f"pressing the {scene.name}"):
-            contact = qr.press(surface, scene.obstacle, body, scene.direction, depth=depth)
-        folder = out / scene.name
-        with progress(f"drawing and writing {folder}"):
-            write_contact(contact, folder, inputs=inputs | {"scene": scene.name}, bone=bone)
-            both = {"half-space": first[scene.name], "body": contact}
-            plot.side_by_side(both).savefig(folder / "responses.png")
-        contacts |= {f"{scene.name}: {name}": pressed for name, pressed in both.items()}
-    write_mesh(surface.vertices, surface.faces, out / "fingertip.ply", unit="m")
-    write_mesh(bone.vertices, bone.faces, out / "bone.ply", unit="m")
-    write_mesh(*build_cylinder_handle(0.016, 0.110, 0.003, edge_length), out / "handle.stl", unit="mm")
-    print_contacts(contacts)
-    for scene in scenes:
-        pictures = ("skin.png", "footprint.png", "responses.png")
-        typer.echo(f"{scene.name}: " + ", ".join(str(out / scene.name / name) for name in pictures))
+    press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3)
     return 0
 
 
@@ -225,7 +184,7 @@ def press(
         skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=body)
         nodes = may_touch(contact, travel)
         if len(nodes):
-            prepared = skin.prepared(surface, _free(nodes, body), progress=True)
+            prepared = skin.prepared(surface, free_nodes(nodes, body), progress=True)
             with progress("pressing"):
                 contact = qr.press(surface, obstacle, prepared, way, depth=travel, start=begin, throw=False)
     inputs = {
@@ -302,11 +261,6 @@ def info(
 def _only_for_a_body(text: str | None, option: str) -> None:
     if text is not None:
         raise QuantityError(f"{option}: '{text}' is of use to --response body alone")
-
-
-def _free(nodes: NDArray[np.int64], body: qr.Body) -> NDArray[np.int64]:
-    """Nodes that can be loaded: those that are not fixed."""
-    return nodes if body.fixed is None else nodes[~np.asarray(body.fixed)[nodes]]
 
 
 def _tried(make: Callable[[], Made]) -> tuple[Made | None, str]:

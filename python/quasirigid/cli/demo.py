@@ -1,18 +1,26 @@
-"""The scenes of `quasirigid demo`: the built-in fingertip over a handle and over a phone-sized box."""
+"""What `quasirigid demo` shows: the built-in fingertip over a handle and over a phone-sized box."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import typer
 from numpy.typing import NDArray
 
 from .. import models
-from ..contact.result import Contact
+from ..contact import Contact, press
+from ..io import write_contact, write_mesh
+from ..models.products import build_cylinder_handle
 from ..obstacle import Obstacle
+from ..plot import side_by_side
+from ..skin import Body, HalfSpace, Skin
 from ..surface import Surface, flat_cap_mask
+from .console import print_contacts, progress
+from .nodes import may_touch
 
-__all__ = ["Scene", "demo_scenes", "may_touch", "under_the_pad"]
+__all__ = ["Scene", "demo_scenes", "press_demo", "under_the_pad"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,19 +71,44 @@ def under_the_pad(vertices: NDArray[np.float64], below: float) -> NDArray[np.flo
     return point
 
 
-def may_touch(contact: Contact, depth: float) -> NDArray[np.int64]:
-    """Skin vertices (k,) that a press like this one may bring into contact, whatever the response.
-
-    Parameters
-    ----------
-    contact : Contact
-        The press with a response that costs little; where its obstacle stands counts.
-    depth : float
-        Of the press (m). Vertices closer to the obstacle than half of it and two edges are told.
-    """
-    surface = contact.deformed
-    before = surface.vertices - contact.displacement
-    reach = 0.5 * depth + 2.0 * surface.mean_edge_length
-    distance = contact.obstacle.signed_distance(before, reach)[0]
-    near: NDArray[np.int64] = np.flatnonzero(surface.skin_mask & (distance < reach))
-    return near
+def press_demo(out: Path, edge_length: float) -> None:
+    """Press both scenes, print their figures and write their files into `out`."""
+    depth = 1.12e-3
+    with progress("building finger, bone and products"):
+        scenes = demo_scenes(edge_length)
+    surface, bone = scenes[0].surface, scenes[0].bone
+    half_space = Skin(shear_modulus=60e3, poisson_ratio=0.5, response=HalfSpace())
+    first = {
+        scene.name: press(surface, scene.obstacle, half_space, scene.direction, depth=depth)
+        for scene in scenes
+    }
+    nodes = np.unique(np.concatenate([may_touch(contact, depth) for contact in first.values()]))
+    body = Skin(
+        shear_modulus=60e3, poisson_ratio=0.5, response=Body(bone=bone, fixed=~surface.skin_mask)
+    ).prepared(surface, nodes, progress=True)
+    inputs = {
+        "depth": {"value": depth, "unit": "m"},
+        "shear_modulus": {"value": 60e3, "unit": "Pa"},
+        "poisson_ratio": {"value": 0.5, "unit": "1"},
+        "response": "body",
+        "bone": "auto",
+        "fixed": "caps",
+        "skin_mask": "caps",
+    }
+    contacts: dict[str, Contact] = {}
+    for scene in scenes:
+        with progress(f"pressing the {scene.name}"):
+            contact = press(surface, scene.obstacle, body, scene.direction, depth=depth)
+        folder = out / scene.name
+        with progress(f"drawing and writing {folder}"):
+            write_contact(contact, folder, inputs=inputs | {"scene": scene.name}, bone=bone)
+            both = {"half-space": first[scene.name], "body": contact}
+            side_by_side(both).savefig(folder / "responses.png")
+        contacts |= {f"{scene.name}: {name}": pressed for name, pressed in both.items()}
+    write_mesh(surface.vertices, surface.faces, out / "fingertip.ply", unit="m")
+    write_mesh(bone.vertices, bone.faces, out / "bone.ply", unit="m")
+    write_mesh(*build_cylinder_handle(0.016, 0.110, 0.003, edge_length), out / "handle.stl", unit="mm")
+    print_contacts(contacts)
+    for scene in scenes:
+        pictures = ("skin.png", "footprint.png", "responses.png")
+        typer.echo(f"{scene.name}: " + ", ".join(str(out / scene.name / name) for name in pictures))

@@ -53,15 +53,21 @@ class ContactOptions:
     couple_fingers: bool = _DEFAULTS["couple_fingers"]
     max_growths: int = _DEFAULTS["max_growths"]
 
-    def _to_core(self) -> _core.ContactOptions:
-        return _core.ContactOptions(
-            tolerance=self.tolerance,
-            rings=None if self.rings is None else integer_of("rings", self.rings),
-            method=self.method,
-            num_threads=None if self.num_threads is None else integer_of("num_threads", self.num_threads),
-            memory_limit=None if self.memory_limit is None else integer_of("memory_limit", self.memory_limit),
-            search_distance=self.search_distance,
-            condition=self.condition,
-            couple_fingers=self.couple_fingers,
-            max_growths=integer_of("max_growths", self.max_growths),
-        )
+
+def options_to_core(options: ContactOptions) -> _core.ContactOptions:
+    """Return the core's options; refuses what is no integer where one is due."""
+    return _core.ContactOptions(
+        tolerance=options.tolerance,
+        rings=_integer_or_none("rings", options.rings),
+        method=options.method,
+        num_threads=_integer_or_none("num_threads", options.num_threads),
+        memory_limit=_integer_or_none("memory_limit", options.memory_limit),
+        search_distance=options.search_distance,
+        condition=options.condition,
+        couple_fingers=options.couple_fingers,
+        max_growths=integer_of("max_growths", options.max_growths),
+    )
+
+
+def _integer_or_none(name: str, value: int | None) -> int | None:
+    return None if value is None else integer_of(name, value)

@@ -6,19 +6,17 @@ import warnings
 from typing import TYPE_CHECKING, Literal
 
 from .. import _core
-from .._check import skin_on
 from ..errors import ContactError, QuasirigidWarning
-from ..lcp import LcpSolution
-from .options import ContactOptions
+from ..lcp import solution_from_core
+from ..skin.elastic import core_skin
+from .options import ContactOptions, options_to_core
 from .result import Accuracy, Contact, ContactStatus, Patch
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ..obstacle import Obstacle
-    from ..skin.material import Skin
-    from ..skin.parts import CombinedSkin
-    from ..skin.prepared import PreparedSkin
+    from ..skin.elastic import ElasticSkin
     from ..surface import Surface
 
 __all__ = ["press", "solve_contact"]
@@ -35,7 +33,7 @@ def _finish(result: _core.Contact, throw: bool) -> Contact:
         patches=tuple(Patch(**patch) for patch in result.patches()),
         deformed=result.deformed(),
         obstacle=result.obstacle(),
-        lcp_solutions=tuple(LcpSolution._from_core(solution) for solution in result.lcp_solutions()),
+        lcp_solutions=tuple(solution_from_core(solution) for solution in result.lcp_solutions()),
         accuracy=Accuracy(**result.accuracy()),
     )
     if throw and contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
@@ -48,7 +46,7 @@ def _finish(result: _core.Contact, throw: bool) -> Contact:
 def solve_contact(
     surface: Surface,
     obstacle: Obstacle,
-    skin: Skin | PreparedSkin | CombinedSkin,
+    skin: ElasticSkin,
     *,
     options: ContactOptions | None = None,
     throw: bool = True,
@@ -95,14 +93,14 @@ def solve_contact(
     >>> qr.solve_contact(tip, far, skin).status.value
     'no_contact'
     """
-    core_options = (options or ContactOptions())._to_core()
-    return _finish(_core.solve_contact(surface, obstacle, skin_on(skin, surface), core_options), throw)
+    core_options = options_to_core(options or ContactOptions())
+    return _finish(_core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options), throw)
 
 
 def press(
     surface: Surface,
     obstacle: Obstacle,
-    skin: Skin | PreparedSkin | CombinedSkin,
+    skin: ElasticSkin,
     direction: ArrayLike,
     *,
     depth: float,
@@ -167,8 +165,8 @@ def press(
     >>> contact.status.value, bool(contact.force[2] > 0)
     ('solved', True)
     """
-    core_options = (options or ContactOptions())._to_core()
+    core_options = options_to_core(options or ContactOptions())
     result = _core.press(
-        surface, obstacle, skin_on(skin, surface), direction, depth=depth, start=start, options=core_options
+        surface, obstacle, core_skin(skin, surface), direction, depth=depth, start=start, options=core_options
     )
     return _finish(result, throw)

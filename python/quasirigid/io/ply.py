@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -201,3 +202,21 @@ def _ascii(text: bytes, elements: list[_Element], name: str) -> dict[str, dict[s
     if at != len(lines):
         raise MeshFileError(f"{name}: {len(lines) - at} lines are left after the last element")
     return columns
+
+
+def ply_bytes(comments: list[str], columns: Mapping[str, Floats], faces: Indices) -> bytes:
+    """Return a binary little-endian PLY with a double property for each column."""
+    rows = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    rows["count"], rows["corners"] = 3, faces
+    values = np.column_stack(list(columns.values())).astype("<f8")
+    header = [
+        "ply",
+        "format binary_little_endian 1.0",
+        *(f"comment {comment}" for comment in comments),
+        f"element vertex {len(values)}",
+        *(f"property double {name}" for name in columns),
+        f"element face {len(faces)}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
+    return ("\n".join(header) + "\n").encode("ascii") + values.tobytes() + rows.tobytes()

@@ -60,3 +60,10 @@ def _ascii(data: bytes, name: str) -> Floats:
             f"{name}: ends after line {number} without 'endsolid' ({len(corners) // 3} triangles)"
         )
     return np.array(corners, dtype=np.float64).reshape(-1, 3, 3)
+
+
+def stl_bytes(points: Floats, faces: Indices, unit: str) -> bytes:
+    """Return a binary STL, normals left 0, with the unit in its header."""
+    triangles = np.zeros(len(faces), dtype=_ROW)
+    triangles["corners"] = points[faces]
+    return f"units: {unit}".encode().ljust(80) + len(faces).to_bytes(4, "little") + triangles.tobytes()

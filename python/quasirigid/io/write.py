@@ -5,22 +5,21 @@ Arrays are in SI, as everywhere in the package. Files are written whole or not a
 
 from __future__ import annotations
 
-import base64
 import json
 import os
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MeshFileError
+from .atomic import whole_folder, write_whole, write_with
+from .ply import ply_bytes
+from .stl import stl_bytes
 from .summary import contact_summary
+from .vtp import vtp_bytes
 
 if TYPE_CHECKING:
     from ..contact.result import Contact
@@ -59,7 +58,7 @@ def write_contact(
         The files.
     """
     folder = Path(folder)
-    with _whole_folder(folder) as draft:
+    with whole_folder(folder) as draft:
         write_ply(contact, draft / "deformed.ply")
         write_vtp(contact, draft / "deformed.vtp")
         write_npz(contact, draft / "contact.npz")
@@ -89,7 +88,7 @@ def write_ply(contact: Contact, path: str | os.PathLike[str]) -> None:
     columns["pressure"] = np.asarray(contact.pressure, dtype=np.float64)
     columns |= {f"displacement_{name}": displacement[:, axis] for axis, name in enumerate("xyz")}
     comments = ["skin after contact, written by quasirigid", "units: x y z m, pressure Pa, displacement m"]
-    _write_whole(path, _ply(comments, columns, faces))
+    write_whole(path, ply_bytes(comments, columns, faces))
 
 
 def write_vtp(contact: Contact, path: str | os.PathLike[str]) -> None:
@@ -118,29 +117,7 @@ def write_vtp(contact: Contact, path: str | os.PathLike[str]) -> None:
         "displacement": np.asarray(contact.displacement, dtype=np.float64),
         **flags,
     }
-    lines = [
-        '<?xml version="1.0"?>',
-        "<!-- skin after contact, written by quasirigid; units: points, gap and displacement m, pressure Pa,"
-        " node_force N -->",
-        '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
-        "<PolyData>",
-        f'<Piece NumberOfPoints="{len(vertices)}" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0"'
-        f' NumberOfPolys="{len(faces)}">',
-        '<PointData Scalars="pressure" Vectors="displacement">',
-        *(_vtk_array(name, values) for name, values in data.items()),
-        "</PointData>",
-        "<Points>",
-        _vtk_array("points", vertices),
-        "</Points>",
-        "<Polys>",
-        _vtk_array("connectivity", faces.ravel()),
-        _vtk_array("offsets", 3 * np.arange(1, len(faces) + 1)),
-        "</Polys>",
-        "</Piece>",
-        "</PolyData>",
-        "</VTKFile>",
-    ]
-    _write_whole(path, ("\n".join(lines) + "\n").encode("ascii"))
+    write_whole(path, vtp_bytes(vertices, faces, data))
 
 
 def write_npz(contact: Contact, path: str | os.PathLike[str]) -> None:
@@ -164,7 +141,7 @@ def write_npz(contact: Contact, path: str | os.PathLike[str]) -> None:
         with draft.open("wb") as file:
             np.savez_compressed(file, vertices=vertices, faces=faces, skin_mask=mask, **arrays)
 
-    _write_with(path, save)
+    write_with(path, save)
 
 
 def write_json(
@@ -182,7 +159,7 @@ def write_json(
         Anything JSON can hold, kept under "inputs".
     """
     document = contact_summary(contact) | {"inputs": dict(inputs or {})}
-    _write_whole(path, (json.dumps(document, indent=2, allow_nan=False) + "\n").encode("utf-8"))
+    write_whole(path, (json.dumps(document, indent=2, allow_nan=False) + "\n").encode("utf-8"))
 
 
 def write_mesh(
@@ -210,18 +187,12 @@ def write_mesh(
     match Path(path).suffix.lower():
         case ".ply":
             comments = [f"units: x y z {unit}"]
-            content = _ply(comments, {name: points[:, axis] for axis, name in enumerate("xyz")}, corners)
+            content = ply_bytes(comments, {name: points[:, axis] for axis, name in enumerate("xyz")}, corners)
         case ".stl":
-            triangles = np.zeros(
-                len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("end", "<u2")]
-            )
-            triangles["corners"] = points[corners]
-            content = (
-                f"units: {unit}".encode().ljust(80) + len(corners).to_bytes(4, "little") + triangles.tobytes()
-            )
+            content = stl_bytes(points, corners, unit)
         case ending:
             raise MeshFileError(f"{path}: the ending is '{ending}', expected .ply or .stl")
-    _write_whole(path, content)
+    write_whole(path, content)
 
 
 def _mesh(contact: Contact) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -229,68 +200,3 @@ def _mesh(contact: Contact) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         np.asarray(contact.deformed.vertices, dtype=np.float64),
         np.asarray(contact.deformed.faces, dtype=np.int64),
     )
-
-
-def _ply(comments: list[str], columns: Mapping[str, NDArray[np.float64]], faces: NDArray[np.int64]) -> bytes:
-    """Binary little-endian PLY with a double property for each column."""
-    rows = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-    rows["count"], rows["corners"] = 3, faces
-    values = np.column_stack(list(columns.values())).astype("<f8")
-    header = [
-        "ply",
-        "format binary_little_endian 1.0",
-        *(f"comment {comment}" for comment in comments),
-        f"element vertex {len(values)}",
-        *(f"property double {name}" for name in columns),
-        f"element face {len(faces)}",
-        "property list uchar int vertex_indices",
-        "end_header",
-    ]
-    return ("\n".join(header) + "\n").encode("ascii") + values.tobytes() + rows.tobytes()
-
-
-def _vtk_array(name: str, values: NDArray[Any]) -> str:
-    kind = {"f": "Float64", "i": "Int64", "u": "UInt8"}[values.dtype.kind]
-    raw = np.ascontiguousarray(values.astype(values.dtype.newbyteorder("<"))).tobytes()
-    width = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
-    text = base64.b64encode(len(raw).to_bytes(8, "little") + raw).decode("ascii")
-    return f'<DataArray type="{kind}" Name={quoteattr(name)}{width} format="binary">{text}</DataArray>'
-
-
-def _write_whole(path: str | os.PathLike[str], content: bytes) -> None:
-    _write_with(path, lambda draft: draft.write_bytes(content))
-
-
-def _write_with(path: str | os.PathLike[str], write: Callable[[Path], object]) -> None:
-    target = Path(path)
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        write(draft)
-        draft.replace(target)
-    finally:
-        draft.unlink(missing_ok=True)
-
-
-@contextmanager
-def _whole_folder(folder: Path) -> Iterator[Path]:
-    """A folder to fill beside `folder`; moved to it when all went well, and thrown away when not."""
-    if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", dir=folder.parent))
-    try:
-        yield draft
-        if folder.exists():
-            for path in sorted(draft.iterdir()):
-                path.replace(folder / path.name)
-        else:
-            draft.chmod(0o777 & ~_umask())
-            draft.rename(folder)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

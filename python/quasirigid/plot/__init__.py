@@ -10,4 +10,5 @@ from .figures import plot_footprint as plot_footprint
 from .figures import plot_skin as plot_skin
 from .figures import side_by_side as side_by_side
 from .section import plot_section as plot_section
+from .view import View as View
 from .view import pad_view as pad_view

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from .raster import View
+from .outline import contact_side
 from .section import plot_section
+from .shading import lit_skin
 from .style import (
     FAINT,
     INK,
     axes_or_new,
     colour_bar,
-    contact_side,
-    lit_skin,
     new_figure,
     overlap_colours,
     pressure_colours,
@@ -23,7 +22,7 @@ from .style import (
     scale_bar,
     window_around,
 )
-from .view import KPA, MM, pad_view, vertices_before
+from .view import KPA, MM, View, pad_view, vertices_before
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

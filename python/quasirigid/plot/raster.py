@@ -18,27 +18,6 @@ CHUNK = 4_000_000  # pairs of triangle and pixel looked at together
 
 
 @dataclass(frozen=True, kw_only=True)
-class View:
-    """Directions of a parallel view, orthonormal: `right` and `up` in the picture, `toward` the viewer."""
-
-    right: Floats
-    up: Floats
-    toward: Floats
-
-    @classmethod
-    def along(cls, sight: Floats, up: Floats) -> View:
-        """View along `sight` (3,), with `up` (3,), made perpendicular to it, upwards in the picture."""
-        toward = -np.asarray(sight, dtype=np.float64) / np.linalg.norm(sight)
-        upward = np.asarray(up, dtype=np.float64) - np.dot(up, toward) * toward
-        upward /= np.linalg.norm(upward)
-        return cls(right=np.cross(upward, toward), up=upward, toward=toward)
-
-    def project(self, points: Floats) -> Floats:
-        """Points (n, 3) as (n, 3): right, up, towards the viewer, in the same unit."""
-        return points @ np.stack([self.right, self.up, self.toward], axis=1)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Frame:
     """What the covered pixels show.
 

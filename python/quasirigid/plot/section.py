@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .raster import Floats, Indices, View
+from .raster import Floats, Indices
 from .style import (
     AFTER,
     BEFORE,
@@ -16,11 +16,9 @@ from .style import (
     PRODUCT_EDGE,
     Window,
     axes_or_new,
-    cut_lines,
-    joined,
     scale_bar,
 )
-from .view import MM, pad_view, vertices_before
+from .view import MM, View, pad_view, vertices_before
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -118,3 +116,72 @@ def _draw_cut(ax: Axes, segments: Floats, colour: str, thickness: float, dashes:
     # Joined by nan, so that dashes run on along the line and not anew in each triangle.
     line = joined(segments)
     ax.plot(line[:, 0], line[:, 1], color=colour, linewidth=thickness, linestyle=dashes, label=name, zorder=3)
+
+
+def cut_lines(faces: Indices, offset: Floats, plane: Floats) -> Floats:
+    """Where a plane cuts a mesh.
+
+    Parameters
+    ----------
+    faces : (m, 3) int64
+        Triangles.
+    offset : (n,) float64
+        Signed distance of each vertex from the cutting plane.
+    plane : (n, 2) float64
+        Each vertex in the coordinates in which the lines are wanted.
+
+    Returns
+    -------
+    (k, 2, 2) float64
+        One segment for each triangle that is cut.
+    """
+    above = offset > 0.0
+    cut = faces[above[faces].sum(axis=1) % 3 != 0]
+    # Turn each triangle until its first corner is the one alone on its side.
+    side = above[cut]
+    alone = np.where(side[:, 1] == side[:, 2], 0, np.where(side[:, 0] == side[:, 2], 1, 2))
+    rows = np.arange(len(cut))
+    first = cut[rows, alone]
+    ends = []
+    for step in (1, 2):
+        other = cut[rows, (alone + step) % 3]
+        share = (offset[first] / (offset[first] - offset[other]))[:, None]
+        ends.append(plane[first] + share * (plane[other] - plane[first]))
+    return np.stack(ends, axis=1)
+
+
+def joined(segments: Floats) -> Floats:
+    """Segments (k, 2, 2) strung to lines (j, 2), nan between two lines.
+
+    Ends are matched by their place, rounded to a millionth of the extent.
+    """
+    if len(segments) == 0:
+        return np.full((1, 2), np.nan)
+    grain = 1e-6 * float(np.ptp(segments.reshape(-1, 2), axis=0).max() or 1.0)
+    keys = [
+        [tuple(end) for end in segment] for segment in np.round(segments / grain).astype(np.int64).tolist()
+    ]
+    at: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+    for number, pair in enumerate(keys):
+        for end in (0, 1):
+            at.setdefault(pair[end], []).append((number, end))
+    used = np.zeros(len(segments), dtype=bool)
+    lines: list[Floats] = []
+    # Lines with a loose end first, from that end, then closed ones from anywhere.
+    starts = [uses[0] for uses in at.values() if len(uses) == 1] + [
+        (number, 0) for number in range(len(segments))
+    ]
+    for start, start_end in starts:
+        number, end = start, start_end
+        if used[number]:
+            continue
+        line = [segments[number, end]]
+        while True:
+            used[number] = True
+            line.append(segments[number, 1 - end])
+            following = [use for use in at[keys[number][1 - end]] if not used[use[0]]]
+            if not following:
+                break
+            number, end = following[0]
+        lines.append(np.array([*line, [np.nan, np.nan]]))
+    return np.concatenate(lines)

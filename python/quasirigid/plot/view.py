@@ -2,17 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .raster import Floats, View
+from .raster import Floats
 
 if TYPE_CHECKING:
     from ..contact.result import Contact
 
 MM = 1e3
 KPA = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """Directions of a parallel view, orthonormal: `right` and `up` in the picture, `toward` the viewer."""
+
+    right: Floats
+    up: Floats
+    toward: Floats
+
+    @classmethod
+    def along(cls, sight: Floats, up: Floats) -> View:
+        """View along `sight` (3,), with `up` (3,), made perpendicular to it, upwards in the picture."""
+        toward = -np.asarray(sight, dtype=np.float64) / np.linalg.norm(sight)
+        upward = np.asarray(up, dtype=np.float64) - np.dot(up, toward) * toward
+        upward /= np.linalg.norm(upward)
+        return cls(right=np.cross(upward, toward), up=upward, toward=toward)
+
+    def project(self, points: Floats) -> Floats:
+        """Points (n, 3) as (n, 3): right, up, towards the viewer, in the same unit."""
+        return points @ np.stack([self.right, self.up, self.toward], axis=1)
 
 
 def pad_view(contact: Contact) -> View:

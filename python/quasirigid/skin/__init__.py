@@ -1,11 +1,12 @@
 """How the skin answers a force: material and response, prepared for a surface, joined from parts."""
 
+from .elastic import ElasticSkin as ElasticSkin
+from .load import load_prepared as load_prepared
 from .material import Skin as Skin
 from .parts import CombinedSkin as CombinedSkin
 from .parts import CutOut as CutOut
 from .parts import cut_out as cut_out
 from .prepared import PreparedSkin as PreparedSkin
-from .prepared import load_prepared as load_prepared
 from .response import Body as Body
 from .response import GaussianCorrected as GaussianCorrected
 from .response import GivenMatrix as GivenMatrix

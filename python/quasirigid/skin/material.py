@@ -11,6 +11,8 @@ import numpy as np
 from .. import _core
 from .._check import count_of, mask_of
 from ..errors import QuasirigidWarning, ResponseError
+from .parts import CombinedSkin, CutOut, combine
+from .prepared import PreparedSkin
 from .progress import Progress, announced, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
@@ -20,8 +22,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from ..surface import Surface
-    from .parts import CombinedSkin, CutOut
-    from .prepared import PreparedSkin
 
 __all__ = ["Skin"]
 
@@ -58,23 +58,24 @@ class Skin:
     shear_modulus: float
     poisson_ratio: float
     response: Response
-    _kernel: _core.Skin | None = field(init=False, repr=False, compare=False)
+    # The core's skin; None where the response depends on the surface.
+    kernel: _core.Skin | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         kernel = self._build()
-        object.__setattr__(self, "_kernel", kernel)
+        object.__setattr__(self, "kernel", kernel)
         caution = kernel.caution() if kernel is not None else None
         if caution is not None:
             warnings.warn(caution, QuasirigidWarning, stacklevel=3)
 
     def __getstate__(self) -> dict[str, Any]:
         """All but the core's skin, which is made anew."""
-        return {name: value for name, value in vars(self).items() if name != "_kernel"}
+        return {name: value for name, value in vars(self).items() if name != "kernel"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Build the core's skin again, without its caution: whoever made the skin has seen it."""
         vars(self).update(state)
-        object.__setattr__(self, "_kernel", self._build())
+        object.__setattr__(self, "kernel", self._build())
 
     def _build(self) -> _core.Skin | None:
         """The core's skin; None where the response depends on the surface."""
@@ -127,9 +128,7 @@ class Skin:
         TypeError
             If `progress` cannot be called or the fixed vertices of a body are no booleans.
         """
-        from .prepared import PreparedSkin
-
-        return PreparedSkin(skin=self, _response=self._prepare(surface, nodes, announced(progress)))
+        return PreparedSkin(skin=self, core=self._prepare(surface, nodes, announced(progress)))
 
     def combined(self, surface: Surface, parts: Mapping[str, tuple[CutOut, PreparedSkin]]) -> CombinedSkin:
         """Join bodies of parts of a skin with this kernel for the rest.
@@ -160,8 +159,6 @@ class Skin:
         A force on a part moves that part alone, a force elsewhere the rest alone: patches on different sides
         of a cut do not couple, since each body is held there. Patches off the parts couple with one another.
         """
-        from .parts import combine
-
         return combine(self, surface, parts)
 
     def _prepare(
@@ -193,12 +190,12 @@ class Skin:
                         len(chosen),
                     ),
                 )
-        assert self._kernel is not None
-        return self._kernel.prepare(surface, chosen)
+        assert self.kernel is not None
+        return self.kernel.prepare(surface, chosen)
 
-    def _on(self, surface: Surface) -> _core.Skin:
+    def core_on(self, surface: Surface) -> _core.Skin:
         """The core's skin for a surface, prepared where it must be."""
-        return self._prepare(surface, None) if self._kernel is None else self._kernel
+        return self._prepare(surface, None) if self.kernel is None else self.kernel
 
 
 def _given(

@@ -113,7 +113,7 @@ class CombinedSkin:
     elsewhere: Skin
     parts: Mapping[str, tuple[CutOut, PreparedSkin]]
     _surface: Surface = field(repr=False)
-    _response: _core.Skin = field(repr=False)
+    core: _core.Skin = field(repr=False)
 
     def without(self, *names: str) -> CombinedSkin:
         """The same with these parts left to the kernel, as where a contact straddles their cut.
@@ -150,7 +150,7 @@ class CombinedSkin:
         CombinedSkin
             For ``surface.moved(rotation, translation)``; its parts are moved too.
         """
-        response = self._response.moved(rotation, translation)
+        response = self.core.moved(rotation, translation)
         parts = {
             name: (
                 replace(cut, surface=cut.surface.moved(rotation, translation)),
@@ -162,22 +162,23 @@ class CombinedSkin:
             elsewhere=self.elsewhere,
             parts=parts,
             _surface=self._surface.moved(rotation, translation),
-            _response=response,
+            core=response,
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what it is made of."""
         return combine, (self.elsewhere, self._surface, self.parts)
 
-    def _on(self, surface: Surface) -> _core.Skin:
-        return self._response
+    def core_on(self, surface: Surface) -> _core.Skin:
+        """The core's skin, which refuses any other surface."""
+        return self.core
 
 
 def combine(
     elsewhere: Skin, surface: Surface, parts: Mapping[str, tuple[CutOut, PreparedSkin]]
 ) -> CombinedSkin:
     """What `Skin.combined` returns."""
-    if elsewhere._kernel is None:
+    if elsewhere.kernel is None:
         raise ResponseError("a combined skin needs a kernel off its parts, such as HalfSpace()")
     if not isinstance(parts, Mapping):
         raise TypeError(
@@ -186,11 +187,11 @@ def combine(
     for name, part in parts.items():
         _check_part(name, part)
     told = [
-        (name, prepared._response, cut.part_vertices.tolist(), cut.fixed)
+        (name, prepared.core, cut.part_vertices.tolist(), cut.fixed)
         for name, (cut, prepared) in parts.items()
     ]
-    response = _core.Skin.combined(surface, elsewhere._kernel, told)
-    return CombinedSkin(elsewhere=elsewhere, parts=dict(parts), _surface=surface, _response=response)
+    response = _core.Skin.combined(surface, elsewhere.kernel, told)
+    return CombinedSkin(elsewhere=elsewhere, parts=dict(parts), _surface=surface, core=response)
 
 
 def _check_part(name: object, part: object) -> None:

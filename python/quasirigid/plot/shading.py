@@ -1,0 +1,82 @@
+"""The skin under two lights, as a picture of pixels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .raster import Floats, Indices, rasterise
+from .style import Window
+from .view import View
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Colormap
+
+SKIN = np.array([0.930, 0.780, 0.695])
+SAMPLES = 2  # drawn pixels per shown pixel, along each side
+
+
+def lit_skin(
+    vertices: Floats,
+    faces: Indices,
+    view: View,
+    values: Floats,
+    inside: Floats,
+    colours: Colormap,
+    window: Window,
+    height: int,
+) -> Floats:
+    """Picture (height, width, 4) of the skin under two lights, in colour where `inside` (n,) is above 0.
+
+    `values` (n,) pick the colour, from 0 to their largest; `window` is in the unit of `vertices`.
+    """
+    width = max(1, round(height * (window[1] - window[0]) / (window[3] - window[2])))
+    frame = rasterise(view.project(vertices), faces, window, width * SAMPLES, height * SAMPLES)
+    normals = frame.interpolate(faces, view.project(vertex_normals(vertices, faces)))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    # Along a sharp rim the mean of both sides is neither: such faces are lit flat.
+    flat = view.project(face_normals(vertices, faces))[frame.face]
+    flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-12)
+    normals = np.where(((normals * flat).sum(axis=1) < 0.8)[:, None], flat, normals)
+    brightness = (
+        0.36 + 0.56 * _lambert(normals, (-0.50, 0.55, 0.67)) + 0.22 * _lambert(normals, (0.75, -0.10, 0.65))
+    )
+    shine = 0.09 * _lambert(normals, (-0.27, 0.30, 0.915)) ** 40
+
+    largest = float(values.max()) if values.max() > 0.0 else 1.0
+    share = np.clip(frame.interpolate(faces, values) / largest, 0.0, 1.0)
+    # Colours stay close to those of the colour bar: a part of the shading only, no shine.
+    mapped = colours(share)[:, :3] * np.clip(0.66 + 0.36 * brightness, 0.0, 1.03)[:, None]
+    coloured = frame.interpolate(faces, inside) > 0.0
+    colour = np.where(coloured[:, None], mapped, SKIN * brightness[:, None] + shine[:, None])
+    picture = np.zeros((height * width * SAMPLES**2, 4))
+    picture[frame.pixel, :3] = np.clip(colour, 0.0, 1.0)
+    picture[frame.pixel, 3] = 1.0
+    # Average of the drawn pixels, the colour over the covered ones only so that rims do not darken.
+    summed = picture.reshape(height, SAMPLES, width, SAMPLES, 4).sum(axis=(1, 3))
+    summed[..., :3] /= np.maximum(summed[..., 3:], 1.0)
+    summed[..., 3] /= SAMPLES**2
+    averaged: Floats = summed
+    return averaged
+
+
+def _lambert(normals: Floats, light: tuple[float, float, float]) -> Floats:
+    direction = np.asarray(light) / np.linalg.norm(light)
+    brightness: Floats = np.clip(normals @ direction, 0.0, 1.0)
+    return brightness
+
+
+def face_normals(vertices: Floats, faces: Indices) -> Floats:
+    """Normals (m, 3) of the faces, as long as twice their area."""
+    corners = vertices[faces]
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+
+def vertex_normals(vertices: Floats, faces: Indices) -> Floats:
+    """Sums (n, 3) of the face normals around each vertex, not normalised."""
+    summed = np.zeros_like(vertices)
+    normals = face_normals(vertices, faces)
+    for corner in range(3):
+        np.add.at(summed, faces[:, corner], normals)
+    return summed

@@ -1,0 +1,45 @@
+"""Prepared skins, read from their files."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..errors import ResponseError
+from .material import Skin
+from .prepared import PreparedSkin, from_parts
+from .storage import read_prepared, restored_response
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+__all__ = ["load_prepared"]
+
+
+def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
+    """Read what `PreparedSkin.save` wrote.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    PreparedSkin
+        Equal to the one saved, to the bit. Using it with another surface is an error that says what differs.
+
+    Raises
+    ------
+    ResponseError
+        If the file is no prepared skin, is damaged or from a later version.
+    """
+    header, stored = read_prepared(path)
+    try:
+        skin = Skin(
+            shear_modulus=header["shear_modulus"],
+            poisson_ratio=header["poisson_ratio"],
+            response=restored_response(header, stored),
+        )
+        return from_parts(skin, stored)
+    except (KeyError, TypeError) as error:
+        raise ResponseError(f"{path} lacks or misnames a part of a prepared skin: {error}") from error
