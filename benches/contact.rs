@@ -13,7 +13,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
 use quasirigid::contact::{Contact, ContactOptions, Press, Start, press};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
-use quasirigid::response::{Gap, Pressure, Response, Skin};
+use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 /// Subdivisions k of the ball of skin, which has 10 · 4^k + 2 vertices.
@@ -27,9 +27,9 @@ fn skin(subdivisions: usize) -> Surface {
     Surface::new(vertices, faces).expect("a sphere is a good mesh")
 }
 
-fn half_space() -> Skin {
-    let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
-    Skin::new(60e3, 0.5, response).expect("constants of a fingertip")
+fn half_space() -> KernelSkin {
+    let response = Kernel::HalfSpace;
+    KernelSkin::new(60e3, 0.5, response).expect("constants of a fingertip")
 }
 
 fn plate() -> Obstacle {

@@ -10,7 +10,8 @@ use criterion::{BenchmarkId, Criterion};
 use faer::Mat;
 use nalgebra::Vector3;
 use quasirigid::response::{
-    AssemblyOptions, Gap, Pressure, Response, Skin, assemble, assemble_block, balanced_height, definiteness,
+    AssemblyOptions, Discretization, Kernel, KernelSkin, PressureBasis, assemble, assemble_block,
+    balanced_height, definiteness,
 };
 use quasirigid::surface::Surface;
 use std::time::Instant;
@@ -78,24 +79,23 @@ fn median(times: usize, mut run: impl FnMut()) -> f64 {
     seconds[times / 2]
 }
 
-fn skin(response: Response) -> Skin {
-    Skin::new(60e3, 0.5, response).expect("valid constants")
+fn skin(kernel: Kernel) -> KernelSkin {
+    KernelSkin::new(60e3, 0.5, kernel).expect("valid constants")
 }
 
-fn half_space(gap: Gap) -> Skin {
-    skin(Response::HalfSpace { pressure: Pressure::Linear, gap })
+fn half_space(discretization: Discretization) -> KernelSkin {
+    skin(Kernel::HalfSpace).with_discretization(discretization).expect("a half-space has both")
 }
 
-fn kernels() -> Vec<(&'static str, Skin)> {
-    let pressure = Pressure::Linear;
-    let plain = half_space(Gap::Node);
+fn kernels() -> Vec<(&'static str, KernelSkin)> {
+    let plain = half_space(Discretization::Collocation);
     let (width, cutoff) = (8e-3, 15e-3);
     let height = balanced_height(plain.kernel_constant(), width, cutoff).expect("valid constants");
     vec![
-        ("half-space, one_ring", skin(Response::HalfSpace { pressure: Pressure::OneRing, gap: Gap::Node })),
-        ("half-space, weighted", half_space(Gap::Weighted)),
-        ("gaussian, balanced", skin(Response::GaussianCorrected { height, width, cutoff, pressure })),
-        ("layer, 2 mm", skin(Response::Layer { thickness: 2e-3.into(), pressure, gap: Gap::Node })),
+        ("half-space, one_ring", skin(Kernel::HalfSpace).with_basis(PressureBasis::OneRing)),
+        ("half-space, galerkin", half_space(Discretization::Galerkin)),
+        ("gaussian, balanced", skin(Kernel::GaussianCorrected { height, width, cutoff })),
+        ("layer, 2 mm", skin(Kernel::Layer { thickness: 2e-3.into() })),
         ("half-space", plain),
     ]
 }
@@ -110,15 +110,15 @@ fn product_seconds(order: usize, threads: usize, times: usize) -> f64 {
 }
 
 /// Largest error in some columns against tolerance 0, relative to the entry of the half-space.
-fn achieved_error(surface: &Surface, skin: &Skin, tolerance: f64) -> f64 {
+fn achieved_error(surface: &Surface, skin: &KernelSkin, tolerance: f64) -> f64 {
     let rows: Vec<usize> = (0..surface.vertices().len()).collect();
     let columns: Vec<usize> = rows.iter().copied().step_by(rows.len() / 16).collect();
-    let block = |skin: &Skin, tolerance| {
+    let block = |skin: &KernelSkin, tolerance| {
         let options = AssemblyOptions { tolerance, ..Default::default() };
         assemble_block(surface, skin, &rows, &columns, &options).expect("a valid request")
     };
     let (found, exact) = (block(skin, tolerance), block(skin, 0.0));
-    let scale = block(&half_space(Gap::Node), 1e-6);
+    let scale = block(&half_space(Discretization::Collocation), 1e-6);
     let mut worst: f64 = 0.0;
     for j in 0..found.ncols() {
         for i in 0..found.nrows() {
@@ -129,7 +129,7 @@ fn achieved_error(surface: &Surface, skin: &Skin, tolerance: f64) -> f64 {
 }
 
 /// One line of the table; `product` is the time of a dense product of this order (s).
-fn line(name: &str, surface: &Surface, skin: &Skin, tolerance: f64, threads: usize, product: f64) {
+fn line(name: &str, surface: &Surface, skin: &KernelSkin, tolerance: f64, threads: usize, product: f64) {
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let order = nodes.len();
     let options = AssemblyOptions { tolerance, num_threads: Some(threads), ..Default::default() };
@@ -163,10 +163,10 @@ fn table(quick: bool) {
             let product = product_seconds(surface.vertices().len(), threads, times(n));
             for (name, skin) in kernels() {
                 // the weighted form costs some 30 times as much and is for contact patches
-                let tolerances: &[f64] = match skin.gap() {
-                    Gap::Weighted if n > 1000 => continue,
-                    Gap::Weighted => &[1e-6],
-                    Gap::Node => &[1e-3, 1e-6, 1e-9],
+                let tolerances: &[f64] = match skin.discretization() {
+                    Discretization::Galerkin if n > 1000 => continue,
+                    Discretization::Galerkin => &[1e-6],
+                    Discretization::Collocation => &[1e-3, 1e-6, 1e-9],
                 };
                 for &tolerance in tolerances {
                     line(name, &surface, &skin, tolerance, threads, product);
@@ -196,7 +196,7 @@ fn main() {
     for n in [100, 400, 1500] {
         let surface = capsule(n);
         let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
-        let (plain, options) = (half_space(Gap::Node), AssemblyOptions::default());
+        let (plain, options) = (half_space(Discretization::Collocation), AssemblyOptions::default());
         group.bench_with_input(BenchmarkId::new("half-space", nodes.len()), &nodes, |bench, nodes| {
             bench.iter(|| assemble(&surface, &plain, nodes, None, &options));
         });

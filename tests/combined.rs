@@ -5,8 +5,8 @@ mod common;
 use nalgebra::{Isometry3, Vector3};
 use quasirigid::response::body::{BodyOptions, cut_out};
 use quasirigid::response::{
-    AssemblyOptions, CombinedSkin, ElasticSkin, Gap, Part, PreparedSkin, Pressure, Response, ResponseError,
-    Skin,
+    AssemblyOptions, CombinedSkin, Discretization, ElasticSkin, Kernel, KernelSkin, Part, PreparedBody,
+    ResponseError,
 };
 use quasirigid::surface::Surface;
 
@@ -15,9 +15,9 @@ fn sphere() -> Surface {
     Surface::new(vertices, faces).expect("a sound mesh")
 }
 
-fn half_space() -> Skin {
-    let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
-    Skin::new(60e3, 0.5, response).expect("in range")
+fn half_space() -> KernelSkin {
+    let response = Kernel::HalfSpace;
+    KernelSkin::new(60e3, 0.5, response).expect("in range")
 }
 
 /// The lowest vertices, below z = -4 mm, as a body of their own; prepared at the lowest of them.
@@ -28,7 +28,7 @@ fn lower_part(skin: &Surface) -> Part {
     let low = |&own: &usize| cut.surface.vertices()[own].z < -6e-3 && !cut.fixed[own];
     let nodes: Vec<usize> = (0..cut.surface.vertices().len()).filter(low).collect();
     let prepared =
-        PreparedSkin::of_body(&cut.surface, &cut.body(None), 60e3, 0.5, &nodes, &BodyOptions::default())
+        PreparedBody::new(&cut.surface, &cut.body(None), 60e3, 0.5, &nodes, &BodyOptions::default())
             .expect("held at its cut");
     Part { name: "lower".to_string(), prepared, part_vertices: cut.part_vertices, fixed: cut.fixed }
 }
@@ -37,23 +37,28 @@ fn near(skin: &Surface, height: impl Fn(f64) -> bool) -> Vec<usize> {
     (0..skin.vertices().len()).filter(|&v| height(skin.vertices()[v].z)).collect()
 }
 
+/// Whether a vertex of the whole skin moves with the part.
+fn is_moving(part: &Part, vertex: usize) -> bool {
+    part.part_vertices[vertex].is_some_and(|own| !part.fixed[own])
+}
+
 #[test]
 fn each_side_of_a_cut_answers_for_itself() {
     let skin = sphere();
     let part = lower_part(&skin);
     let combined = CombinedSkin::new(&skin, half_space(), vec![part.clone()]).expect("a part that fits");
-    combined.check_surface(&skin).expect("the same surface");
+    combined.traits(&skin).expect("the same surface");
     let (low, high) = (near(&skin, |z| z < -7.5e-3), near(&skin, |z| z > 7.5e-3));
     assert!(!low.is_empty() && !high.is_empty());
-    assert!(low.iter().chain(&high).all(|&v| combined.knows(v)));
+    assert!(low.iter().chain(&high).all(|&v| combined.is_prepared(v)));
     let nodes: Vec<usize> = low.iter().chain(&high).copied().collect();
     let up = vec![Vector3::z(); nodes.len()];
     let options = AssemblyOptions::default();
-    let matrix = combined.response_matrix(&skin, &nodes, &up, &options).expect("two patches");
+    let matrix = combined.matrix(&skin, &nodes, &up, &options).expect("two patches");
 
     let own: Vec<usize> = low.iter().map(|&v| part.part_vertices[v].expect("of the part")).collect();
-    let body = part.prepared.response_matrix(&skin, &own, &up[..own.len()], &options).expect("prepared");
-    let kernel = half_space().response_matrix(&skin, &high, &up[..high.len()], &options).expect("nodes");
+    let body = part.prepared.matrix(&skin, &own, &up[..own.len()], &options).expect("prepared");
+    let kernel = half_space().matrix(&skin, &high, &up[..high.len()], &options).expect("nodes");
     for i in 0..nodes.len() {
         for j in 0..nodes.len() {
             let expected = match (i.checked_sub(low.len()), j.checked_sub(low.len())) {
@@ -67,12 +72,10 @@ fn each_side_of_a_cut_answers_for_itself() {
 
     let everywhere: Vec<usize> = (0..skin.vertices().len()).collect();
     let push = vec![Vector3::z() * 0.01; low.len()];
-    let moved = combined.displacements(&skin, &everywhere, &low, &push, &options).expect("prepared");
+    let moved = combined.displace(&skin, &everywhere, &low, &push, &options).expect("prepared");
     let moves = |v: usize| moved.vectors[v] != Vector3::zeros();
-    let bodies = combined.bodies();
-    assert_eq!(bodies.len(), 1);
-    assert!(everywhere.iter().all(|&v| moves(v) == bodies[0].contains(&v)));
-    assert!(everywhere.iter().all(|&v| moved.along_normal[v].is_none() == bodies[0].contains(&v)));
+    assert!(everywhere.iter().all(|&v| moves(v) == is_moving(&part, v)));
+    assert!(everywhere.iter().all(|&v| moved.along_normal[v].is_none() == is_moving(&part, v)));
 }
 
 #[test]
@@ -82,19 +85,17 @@ fn a_patch_across_the_cut_and_parts_that_do_not_fit_are_named() {
     let combined = CombinedSkin::new(&skin, half_space(), vec![part.clone()]).expect("a part that fits");
     let across = near(&skin, |z| z < 0.0);
     let up = vec![Vector3::z(); across.len()];
-    let error =
-        combined.response_matrix(&skin, &across, &up, &AssemblyOptions::default()).expect_err("straddles");
+    let error = combined.matrix(&skin, &across, &up, &AssemblyOptions::default()).expect_err("straddles");
     let ResponseError::StraddlingPatch { part: name, inside, outside, count } = error else {
         panic!("{error}")
     };
     assert_eq!((name.as_str(), count), ("lower", across.len()));
-    let moving = &combined.bodies()[0];
-    assert!(moving.contains(&inside) && !moving.contains(&outside));
+    assert!(is_moving(&part, inside) && !is_moving(&part, outside));
 
     let shifted = Isometry3::translation(1e-3, 0.0, 0.0);
     let there = skin.moved(&shifted);
-    assert!(matches!(combined.check_surface(&there), Err(ResponseError::PartMismatch { .. })));
-    combined.moved(&shifted).expect("a rigid motion").check_surface(&there).expect("moved with its skin");
+    assert!(matches!(combined.traits(&there), Err(ResponseError::PartMismatch { .. })));
+    combined.moved(&shifted).expect("a rigid motion").traits(&there).expect("moved with its skin");
 
     let refused = |parts: Vec<Part>| CombinedSkin::new(&skin, half_space(), parts).expect_err("does not fit");
     let twice = refused(vec![part.clone(), Part { name: "again".to_string(), ..part.clone() }]);
@@ -103,14 +104,8 @@ fn a_patch_across_the_cut_and_parts_that_do_not_fit_are_named() {
     assert!(short.to_string().contains("1 entries tell which"), "{short}");
     let few = refused(vec![Part { part_vertices: vec![None], ..part.clone() }]);
     assert!(few.to_string().contains("1 entries for the 642 vertices"), "{few}");
-    let nodes: Vec<usize> = vec![0];
-    let kernel =
-        PreparedSkin::of_kernel(&skin, &half_space(), &nodes, &AssemblyOptions::default()).expect("a node");
-    let no_body = refused(vec![Part { prepared: kernel, ..part.clone() }]);
-    assert!(no_body.to_string().contains("not that of a body"), "{no_body}");
 
-    let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let weighted = Skin::new(60e3, 0.5, weighted).expect("in range");
+    let weighted = half_space().with_discretization(Discretization::Galerkin).expect("it has both");
     let error = CombinedSkin::new(&skin, weighted, vec![part]).expect_err("averaged gaps");
     assert_eq!(error, ResponseError::PartsNeedLinear);
 }

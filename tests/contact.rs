@@ -11,38 +11,38 @@ use quasirigid::contact::{
 use quasirigid::lcp::LcpStatus;
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
-use quasirigid::response::{Gap, Pressure, Response, Skin};
+use quasirigid::response::{Discretization, Kernel, KernelSkin, PressureBasis};
 use quasirigid::surface::Surface;
 
 const SHEAR_MODULUS: f64 = 60e3;
 const POISSON_RATIO: f64 = 0.5;
 const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
 
-fn half_space(pressure: Pressure) -> Skin {
-    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Node })
-        .expect("valid constants")
+fn half_space(basis: PressureBasis) -> KernelSkin {
+    let skin = KernelSkin::new(SHEAR_MODULUS, POISSON_RATIO, Kernel::HalfSpace);
+    skin.expect("valid constants").with_basis(basis)
 }
 
-fn linear() -> Skin {
-    half_space(Pressure::Linear)
+fn linear() -> KernelSkin {
+    half_space(PressureBasis::Linear)
 }
 
 fn go_on() -> bool {
     false
 }
 
-fn solve(surface: &Surface, obstacle: &Obstacle, skin: &Skin) -> Contact {
+fn solve(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin) -> Contact {
     solve_contact(surface, obstacle, skin, &ContactOptions::default(), &go_on).expect("a valid request")
 }
 
-fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &Skin, depth: f64) -> Contact {
+fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
     let upwards = Press { direction: UP, depth, start: Start::Infinity };
     press(surface, obstacle, skin, &upwards, &ContactOptions::default(), &go_on).expect("a valid request")
 }
 
 /// A sphere (m) pressed 0.5 mm into a flat skin with `cells` cells per contact radius, its inner vertices moved by
 /// up to `jitter` cells.
-fn hertz_contact_on(cells: usize, jitter: f64, radius: f64, skin: &Skin) -> (Contact, Hertz, f64) {
+fn hertz_contact_on(cells: usize, jitter: f64, radius: f64, skin: &KernelSkin) -> (Contact, Hertz, f64) {
     let hertz = Hertz { radius, contact_modulus: contact_modulus(SHEAR_MODULUS, POISSON_RATIO) };
     let approach = 0.5e-3;
     let spacing = hertz.contact_radius(approach) / cells as f64;
@@ -62,25 +62,27 @@ fn hertz_contact_on(cells: usize, jitter: f64, radius: f64, skin: &Skin) -> (Con
 }
 
 /// A sphere R = 200 mm pressed 0.5 mm into a regular flat skin.
-fn hertz_contact(cells: usize, pressure: Pressure) -> (Contact, Hertz, f64) {
+fn hertz_contact(cells: usize, pressure: PressureBasis) -> (Contact, Hertz, f64) {
     hertz_contact_on(cells, 0.0, 0.2, &half_space(pressure))
 }
 
 fn force_error(cells: usize) -> f64 {
-    let (contact, hertz, approach) = hertz_contact(cells, Pressure::Linear);
+    let (contact, hertz, approach) = hertz_contact(cells, PressureBasis::Linear);
     (contact.resultant.force.norm() / hertz.force(approach) - 1.0).abs()
 }
 
 #[test]
 fn a_sphere_on_flat_skin_gives_hertz_force_and_peak_pressure() {
-    let (contact, hertz, approach) = hertz_contact(8, Pressure::Linear);
+    let (contact, hertz, approach) = hertz_contact(8, PressureBasis::Linear);
     assert_eq!(contact.status, ContactStatus::Solved);
     // 0.1 % of it is the true sphere against Hertz's parabola, the rest the mesh.
     assert_relative_eq!(contact.resultant.force.norm(), hertz.force(approach), max_relative = 2e-3);
     assert_relative_eq!(contact.resultant.max_pressure, hertz.max_pressure(approach), max_relative = 5e-3);
     // The sphere presses from above: the skin is pushed down.
     assert!(contact.resultant.force.z < 0.0);
-    assert!(contact.volume_change < 0.0);
+    let skin = half_space(PressureBasis::Linear);
+    let drawn = contact.drawn_skin(&skin, &ContactOptions::default(), &|| false).expect("not interrupted");
+    assert!(drawn.volume_change < 0.0);
 }
 
 #[test]
@@ -91,10 +93,9 @@ fn the_error_against_hertz_falls_with_refinement() {
 
 #[test]
 fn averaged_gaps_give_a_better_hertz_force_than_gaps_at_vertices() {
-    let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).expect("valid constants");
+    let weighted = averaged(PressureBasis::Linear);
     // So flat a sphere is Hertz's parabola up to d / R = 2.5e-6, and all error the mesh's.
-    let errors = |cells: usize, jitter: f64, skin: &Skin| {
+    let errors = |cells: usize, jitter: f64, skin: &KernelSkin| {
         let (contact, hertz, approach) = hertz_contact_on(cells, jitter, 200.0, skin);
         let force = contact.resultant.force.norm() / hertz.force(approach) - 1.0;
         let peak = contact.resultant.max_pressure / hertz.max_pressure(approach) - 1.0;
@@ -134,7 +135,7 @@ fn lattice(
 
 /// Root mean squares of the errors of force, peak pressure and contact area against Hertz, over places of the sphere
 /// on a mesh of `cells` cells per contact radius.
-fn hertz_errors(skin: &Skin, cells: usize, angle: f64, jitter: f64, places: usize) -> [f64; 3] {
+fn hertz_errors(skin: &KernelSkin, cells: usize, angle: f64, jitter: f64, places: usize) -> [f64; 3] {
     // So flat a sphere is Hertz's parabola up to d / R = 2.5e-6, and all error the mesh's.
     let hertz = Hertz { radius: 200.0, contact_modulus: contact_modulus(SHEAR_MODULUS, POISSON_RATIO) };
     let approach = 0.5e-3;
@@ -162,8 +163,7 @@ fn hertz_errors(skin: &Skin, cells: usize, angle: f64, jitter: f64, places: usiz
 
 #[test]
 fn averaged_gaps_beat_gaps_at_vertices_in_force_peak_and_area_over_places_on_every_mesh() {
-    let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).expect("valid constants");
+    let weighted = averaged(PressureBasis::Linear);
     let meshes = [("equilateral", 120.0, 0.0), ("square", 90.0, 0.0), ("jittered", 90.0, 0.25)];
     for (mesh, degrees, jitter) in meshes {
         let mut before = None;
@@ -189,8 +189,7 @@ fn averaged_gaps_beat_gaps_at_vertices_in_force_peak_and_area_over_places_on_eve
 
 #[test]
 fn the_arrays_of_a_weighted_contact_agree_with_its_figures() {
-    let weighted = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let weighted = Skin::new(SHEAR_MODULUS, POISSON_RATIO, weighted).expect("valid constants");
+    let weighted = averaged(PressureBasis::Linear);
     let (contact, hertz, approach) = hertz_contact_on(8, 0.25, 200.0, &weighted);
     let total: f64 = contact.node_force.iter().sum();
     assert_relative_eq!(contact.resultant.force.norm(), total, max_relative = 1e-4);
@@ -204,9 +203,11 @@ fn the_arrays_of_a_weighted_contact_agree_with_its_figures() {
     assert_relative_eq!(of_patches, contact.resultant.contact_area, max_relative = 1e-12);
     // Four cells from the rim the vertices' pressures are Hertz's; uncorrected, h² |Δp| / 12 would be 0.26 %, and the
     // jitter adds as much.
-    let center = contact.deformed.vertices().iter().sum::<Vector3<f64>>() / contact.pressure.len() as f64;
+    let deformed =
+        contact.drawn_skin(&weighted, &ContactOptions::default(), &|| false).expect("drawn").deformed;
+    let center = deformed.vertices().iter().sum::<Vector3<f64>>() / contact.pressure.len() as f64;
     let radius = hertz.contact_radius(approach);
-    for (vertex, position) in contact.deformed.vertices().iter().enumerate() {
+    for (vertex, position) in deformed.vertices().iter().enumerate() {
         let distance = (position - center).xy().norm();
         if distance < 0.5 * radius {
             let error = contact.pressure[vertex] - hertz.pressure(approach, distance);
@@ -215,10 +216,9 @@ fn the_arrays_of_a_weighted_contact_agree_with_its_figures() {
     }
 }
 
-/// The response of the half-space with gaps averaged.
-fn averaged(pressure: Pressure) -> Skin {
-    Skin::new(SHEAR_MODULUS, POISSON_RATIO, Response::HalfSpace { pressure, gap: Gap::Weighted })
-        .expect("valid constants")
+/// The half-space in Galerkin form.
+fn averaged(basis: PressureBasis) -> KernelSkin {
+    half_space(basis).with_discretization(Discretization::Galerkin).expect("a half-space has it")
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn no_contact_of_averaged_gaps_carries_its_force_above_its_largest_pressure() {
                 .moved(&Matrix3::identity(), &Vector3::new(0.0, 0.0, -depth))
                 .expect("a rigid motion"),
         };
-        let contact = solve(&surface, &obstacle, &averaged(Pressure::Linear));
+        let contact = solve(&surface, &obstacle, &averaged(PressureBasis::Linear));
         let highest = (contact.active.iter())
             .map(|&vertex| contact.node_force[vertex] / surface.vertex_areas()[vertex])
             .fold(0.0, f64::max);
@@ -263,8 +263,8 @@ fn no_contact_of_averaged_gaps_carries_its_force_above_its_largest_pressure() {
 
 #[test]
 fn the_figures_of_averaged_gaps_do_not_turn_with_the_scene() {
-    let layer = Response::Layer { thickness: 4e-3.into(), pressure: Pressure::Linear, gap: Gap::Weighted };
-    let layer = Skin::new(SHEAR_MODULUS, POISSON_RATIO, layer).expect("valid constants");
+    let layer = KernelSkin::new(SHEAR_MODULUS, POISSON_RATIO, Kernel::Layer { thickness: 4e-3.into() });
+    let layer = layer.and_then(|skin| skin.with_discretization(Discretization::Galerkin)).expect("valid");
     let (vertices, faces) = icosphere(8e-3, 3);
     let surface = Surface::new(vertices, faces).expect("a valid surface");
     let sphere = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, 37.2e-3), 30e-3).expect("a valid obstacle");
@@ -272,7 +272,7 @@ fn the_figures_of_averaged_gaps_do_not_turn_with_the_scene() {
     let shift = Vector3::new(0.03, -0.02, 0.05);
     let turned_sphere = sphere.moved(rotation.matrix(), &shift).expect("a rigid motion");
     let moved = surface.with_vertices(surface.vertices().iter().map(|x| rotation * x + shift).collect());
-    for skin in [averaged(Pressure::Linear), layer] {
+    for skin in [averaged(PressureBasis::Linear), layer] {
         let straight = solve(&surface, &sphere, &skin).resultant;
         let turned = solve(&moved, &turned_sphere, &skin).resultant;
         assert_relative_eq!(turned.contact_area, straight.contact_area, max_relative = 1e-9);
@@ -282,8 +282,7 @@ fn the_figures_of_averaged_gaps_do_not_turn_with_the_scene() {
 
 #[test]
 fn a_press_too_shallow_for_averaged_gaps_keeps_its_penetration_and_says_so() {
-    let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let skin = Skin::new(SHEAR_MODULUS, POISSON_RATIO, response).expect("valid constants");
+    let skin = averaged(PressureBasis::Linear);
     let contact = press_up(&ball(8e-3, 3), &plate(), &skin, 1e-5);
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.resultant.force, Vector3::zeros());
@@ -293,15 +292,15 @@ fn a_press_too_shallow_for_averaged_gaps_keeps_its_penetration_and_says_so() {
 
 #[test]
 fn one_ring_pressures_oscillate_where_linear_ones_do_not() {
-    let (linear, hertz, approach) = hertz_contact(8, Pressure::Linear);
+    let (linear, hertz, approach) = hertz_contact(8, PressureBasis::Linear);
     let peak_error = |contact: &Contact| {
         // Node force over vertex area is what the LCP itself finds, before any averaging.
-        let surface = &contact.deformed;
+        let surface = &contact.surface;
         let peak = contact.active.iter().map(|&v| contact.node_force[v] / surface.vertex_areas()[v]);
         peak.fold(0.0, f64::max) / hertz.max_pressure(approach) - 1.0
     };
     assert!(peak_error(&linear).abs() < 0.005);
-    let (one_ring, ..) = hertz_contact(8, Pressure::OneRing);
+    let (one_ring, ..) = hertz_contact(8, PressureBasis::OneRing);
     // The force is right all the same; the node pressures are not.
     assert_relative_eq!(one_ring.resultant.force.norm(), linear.resultant.force.norm(), max_relative = 0.02);
     assert!(peak_error(&one_ring) > 0.04, "{}", peak_error(&one_ring));
@@ -415,8 +414,8 @@ fn force_grows_with_the_square_of_the_scale() {
 #[test]
 fn force_is_proportional_to_the_shear_modulus() {
     let at = |modulus: f64| {
-        let response = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
-        let skin = Skin::new(modulus, POISSON_RATIO, response).expect("valid constants");
+        let response = Kernel::HalfSpace;
+        let skin = KernelSkin::new(modulus, POISSON_RATIO, response).expect("valid constants");
         press_up(&ball(8e-3, 3), &plate(), &skin, 0.5e-3).resultant.force.z
     };
     assert_relative_eq!(at(6e9), 1e5 * at(6e4), max_relative = 1e-9);
@@ -432,14 +431,9 @@ fn masked_vertices_stay_out_of_contact() {
     assert!(contact.travel > press_up(&surface, &plate(), &linear(), 0.3e-3).travel);
 }
 
-fn paper_skin() -> Skin {
-    let response = Response::GaussianCorrected {
-        height: 0.8e-3,
-        width: 5e-3,
-        cutoff: 15e-3,
-        pressure: Pressure::Linear,
-    };
-    Skin::new(SHEAR_MODULUS, POISSON_RATIO, response).expect("valid constants")
+fn paper_skin() -> KernelSkin {
+    let response = Kernel::GaussianCorrected { height: 0.8e-3, width: 5e-3, cutoff: 15e-3 };
+    KernelSkin::new(SHEAR_MODULUS, POISSON_RATIO, response).expect("valid constants")
 }
 
 #[test]
@@ -454,7 +448,9 @@ fn the_paper_s_constants_solve_shallow_presses_and_end_on_a_ray_in_deep_ones() {
     assert_eq!(deep.status, ContactStatus::Failed(LcpStatus::Ray));
     assert!(!deep.advice().is_empty());
     assert!(deep.resultant.force.z.is_nan(), "no figure may pass for an answer");
-    assert!(deep.displacement.iter().all(|u| *u == Vector3::zeros()));
+    let drawn =
+        deep.drawn_skin(&paper_skin(), &ContactOptions::default(), &|| false).expect("nothing to draw");
+    assert!(drawn.displacement.iter().all(|u| *u == Vector3::zeros()));
 }
 
 #[test]
@@ -511,5 +507,9 @@ fn threads_change_nothing() {
     };
     let (one, two) = (with(1), with(2));
     assert_eq!(one.node_force, two.node_force);
-    assert_eq!(one.displacement, two.displacement);
+    let drawn = |contact: &Contact| {
+        let drawn = contact.drawn_skin(&linear(), &ContactOptions::default(), &|| false);
+        drawn.expect("not interrupted").displacement
+    };
+    assert_eq!(drawn(&one), drawn(&two));
 }

@@ -8,23 +8,21 @@ use nalgebra::Vector3;
 use quasirigid::contact::{Contact, ContactOptions, Press, Start, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::{
-    AssemblyOptions, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure, Response, Skin, assemble,
+    AssemblyOptions, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin, PreparedKernel, assemble,
 };
 use quasirigid::surface::{LONGEST_DETOUR, Surface};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 
 const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
-const PRESSURE: Pressure = Pressure::Linear;
 /// Distance between the two fingertips (m).
 const PITCH: f64 = 20e-3;
 
-fn skin(response: Response) -> Skin {
-    Skin::new(60e3, 0.5, response).unwrap()
+fn skin(kernel: Kernel) -> KernelSkin {
+    KernelSkin::new(60e3, 0.5, kernel).unwrap()
 }
 
-fn half_space() -> Skin {
-    skin(Response::HalfSpace { pressure: PRESSURE, gap: Gap::Node })
+fn half_space() -> KernelSkin {
+    skin(Kernel::HalfSpace)
 }
 
 /// Two ridges of skin with their crests down, `height` (m) above which they meet; the second a little longer.
@@ -72,17 +70,20 @@ fn two_fingers_under_one_plate_are_two_problems_that_add_up() {
     };
     let (first, second) = (only(true), only(false));
     assert!(first.resultant.force.z > 0.0 && second.resultant.force.z > 0.0);
+    let drawn = [&both, &first, &second].map(|contact| {
+        contact.drawn_skin(&half_space(), &ContactOptions::default(), &|| false).unwrap().displacement
+    });
     for vertex in 0..surface.vertices().len() {
         assert_eq!(both.node_force[vertex], first.node_force[vertex] + second.node_force[vertex]);
         // One finger's forces do not move another one.
-        let alone = if surface.vertices()[vertex].x < PITCH { &first } else { &second };
-        if alone.displacement[vertex].norm() > 0.0 && both.candidates.contains(&vertex) {
-            assert_eq!(both.displacement[vertex], alone.displacement[vertex]);
+        let alone = if surface.vertices()[vertex].x < PITCH { &drawn[1] } else { &drawn[2] };
+        if alone[vertex].norm() > 0.0 && both.candidates.contains(&vertex) {
+            assert_eq!(drawn[0][vertex], alone[vertex]);
         }
     }
     // The middle between them, far along the skin from both, stays.
     let web = (0..surface.vertices().len()).filter(|&v| (surface.vertices()[v].x - PITCH).abs() < 1e-9);
-    assert!(web.clone().count() > 0 && web.clone().all(|v| both.displacement[v] == Vector3::zeros()));
+    assert!(web.clone().count() > 0 && web.clone().all(|v| drawn[0][v] == Vector3::zeros()));
 
     // The way from crest to crest is up one flank and down the other, at least twice the height.
     let why = note(&both, APART).expect("said to be left out");
@@ -104,22 +105,21 @@ fn every_kernel_tells_fingers_apart_and_a_matrix_of_its_own_is_left_whole() {
     let surface = two_ridges(40e-3);
     let plate = plate_at(&surface, 0.4e-3);
     let kernels = [
-        Response::HalfSpace { pressure: PRESSURE, gap: Gap::Weighted },
-        Response::GaussianCorrected { height: 0.2e-3, width: 5e-3, cutoff: 40e-3, pressure: PRESSURE },
-        Response::Layer { thickness: 10e-3.into(), pressure: PRESSURE, gap: Gap::Node },
+        half_space().with_discretization(Discretization::Galerkin).unwrap(),
+        skin(Kernel::GaussianCorrected { height: 0.2e-3, width: 5e-3, cutoff: 40e-3 }),
+        skin(Kernel::Layer { thickness: 10e-3.into() }),
     ];
-    for kernel in kernels {
-        let told_apart = solve(&surface, &plate, &skin(kernel.clone()), false);
-        assert_eq!(told_apart.lcp_solutions.len(), 2, "{kernel:?}");
+    for skin in kernels {
+        let told_apart = solve(&surface, &plate, &skin, false);
+        assert_eq!(told_apart.lcp_solutions.len(), 2, "{skin:?}");
         assert!(note(&told_apart, APART).is_some());
-        assert_eq!(solve(&surface, &plate, &skin(kernel), true).lcp_solutions.len(), 1);
+        assert_eq!(solve(&surface, &plate, &skin, true).lcp_solutions.len(), 1);
     }
     let nodes = solve(&surface, &plate, &half_space(), false).candidates;
-    let prepared =
-        PreparedSkin::of_kernel(&surface, &half_space(), &nodes, &AssemblyOptions::default()).unwrap();
+    let prepared = PreparedKernel::new(&surface, &half_space(), &nodes, &AssemblyOptions::default()).unwrap();
     assert_eq!(solve(&surface, &plate, &prepared, false).lcp_solutions.len(), 2);
     let matrix = assemble(&surface, &half_space(), &nodes, None, &AssemblyOptions::default()).unwrap();
-    let given = PreparedSkin::new(&surface, &nodes, PreparedResponse::Given(Arc::new(matrix))).unwrap();
+    let given = GivenMatrix::new(&surface, &nodes, matrix).unwrap();
     assert_eq!(solve(&surface, &plate, &given, false).lcp_solutions.len(), 1);
 }
 

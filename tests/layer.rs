@@ -9,15 +9,16 @@ use quasirigid::contact::{ContactOptions, ContactStatus, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::sphere_on_layer;
 use quasirigid::response::{
-    AssemblyOptions, Gap, Pressure, Response, Skin, Thickness, assemble, definiteness, net_volume,
+    AssemblyOptions, Discretization, Kernel, KernelSkin, Thickness, assemble, definiteness, net_volume,
 };
 use quasirigid::surface::Surface;
 
 const CELL: f64 = 1e-3;
 
-fn skin(poisson_ratio: f64, thickness: impl Into<Thickness>, gap: Gap) -> Skin {
-    let response = Response::Layer { thickness: thickness.into(), pressure: Pressure::Linear, gap };
-    Skin::new(60e3, poisson_ratio, response).expect("valid constants")
+fn skin(poisson_ratio: f64, thickness: impl Into<Thickness>, discretization: Discretization) -> KernelSkin {
+    let skin = KernelSkin::new(60e3, poisson_ratio, Kernel::Layer { thickness: thickness.into() });
+    let skin = skin.expect("valid constants");
+    skin.with_discretization(discretization).expect("a layer has both")
 }
 
 /// A flat skin of `cells`² cells with its inner vertices moved by up to `jitter` cells.
@@ -34,7 +35,7 @@ fn flat(cells: usize, spacing: f64, jitter: f64) -> Surface {
 }
 
 /// Smallest over largest eigenvalue of the symmetric part over all vertices, borders included.
-fn smallest_share(surface: &Surface, skin: &Skin) -> f64 {
+fn smallest_share(surface: &Surface, skin: &KernelSkin) -> f64 {
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let r = assemble(surface, skin, &nodes, None, &AssemblyOptions::default()).expect("valid");
     assert!((0..r.ncols()).all(|j| (0..r.nrows()).all(|i| r[(i, j)].is_finite())));
@@ -48,7 +49,8 @@ fn layers_of_any_thickness_and_ratio_are_positive_definite_up_to_open_borders() 
     for surface in [flat(10, CELL, 0.0), flat(10, CELL, 0.3)] {
         for poisson_ratio in [0.0, 0.3, 0.49, 0.5] {
             for cells in [0.1, 0.3, 0.6, 1.0, 3.0, 10.0, 100.0] {
-                let found = smallest_share(&surface, &skin(poisson_ratio, cells * CELL, Gap::Node));
+                let found =
+                    smallest_share(&surface, &skin(poisson_ratio, cells * CELL, Discretization::Collocation));
                 // a thin incompressible layer answers long waves by (kh)² of short ones, down to 0.01
                 assert!(found > 1e-3, "ratio {poisson_ratio}, thickness {cells} cells: {found:e}");
             }
@@ -61,7 +63,7 @@ fn weighted_layers_are_symmetric_positive_definite_on_flat_meshes_of_any_shape()
     let surface = flat(6, CELL, 0.45);
     for poisson_ratio in [0.0, 0.3, 0.5] {
         for cells in [0.1, 1.0, 10.0] {
-            let skin = skin(poisson_ratio, cells * CELL, Gap::Weighted);
+            let skin = skin(poisson_ratio, cells * CELL, Discretization::Galerkin);
             let found = smallest_share(&surface, &skin);
             assert!(found > 1e-3, "ratio {poisson_ratio}, thickness {cells} cells: {found:e}");
         }
@@ -69,7 +71,7 @@ fn weighted_layers_are_symmetric_positive_definite_on_flat_meshes_of_any_shape()
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let mut random = Random(3);
     let varying: Vec<f64> = nodes.iter().map(|_| CELL * (0.5 + 3.0 * random.next())).collect();
-    let skin = skin(0.5, Thickness::PerVertex(varying.into()), Gap::Weighted);
+    let skin = skin(0.5, Thickness::PerVertex(varying.into()), Discretization::Galerkin);
     let r = assemble(&surface, &skin, &nodes, None, &AssemblyOptions::default()).expect("valid");
     assert!((0..r.ncols()).all(|j| (0..j).all(|i| r[(i, j)] == r[(j, i)])));
     let found = definiteness(r.as_ref());
@@ -81,12 +83,12 @@ fn a_thick_weighted_layer_is_the_weighted_half_space() {
     let surface = flat(5, CELL, 0.3);
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let options = AssemblyOptions::default();
-    let half_space = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Weighted };
-    let half_space = Skin::new(60e3, 0.5, half_space).expect("valid constants");
+    let half_space = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).expect("valid constants");
+    let half_space = half_space.with_discretization(Discretization::Galerkin).expect("it has both");
     let limit = assemble(&surface, &half_space, &nodes, None, &options).expect("valid");
     for thickness in [1.0, 10.0] {
-        let r =
-            assemble(&surface, &skin(0.5, thickness, Gap::Weighted), &nodes, None, &options).expect("valid");
+        let r = assemble(&surface, &skin(0.5, thickness, Discretization::Galerkin), &nodes, None, &options)
+            .expect("valid");
         for j in 0..r.ncols() {
             for i in 0..r.nrows() {
                 // 1/r - φ(0)/h, φ(0) = 1.7702, up to (r/h)²
@@ -107,7 +109,7 @@ fn an_incompressible_layer_displaces_no_net_volume_on_flat_meshes_of_any_shape()
     for (cells, jitter, thickness) in [(44, 0.0, 1.0), (44, 0.3, 1.0), (50, 0.2, 0.5), (64, 0.3, 1.5)] {
         let surface = flat(cells, CELL, jitter);
         let options = AssemblyOptions { tolerance: 1e-9, ..Default::default() };
-        let skin = skin(0.5, thickness * CELL, Gap::Node);
+        let skin = skin(0.5, thickness * CELL, Discretization::Collocation);
         let volume = net_volume(&surface, &skin, cells / 2 * (cells + 2), &options).expect("valid");
         println!("{cells} {jitter} {thickness}: {:e}", volume.net / volume.gross);
         assert!(volume.net.abs() < 1e-6 * volume.gross, "{cells}, {jitter}, {thickness}: {volume:?}");
@@ -120,8 +122,8 @@ fn both_forms_agree_where_the_layer_is_thick_for_its_mesh() {
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let options = AssemblyOptions::default();
     let block = |gap| assemble(&surface, &skin(0.5, 3.0 * CELL, gap), &nodes, None, &options).expect("valid");
-    let (node, weighted) = (block(Gap::Node), block(Gap::Weighted));
-    let constant = skin(0.5, 1.0, Gap::Node).kernel_constant();
+    let (node, weighted) = (block(Discretization::Collocation), block(Discretization::Galerkin));
+    let constant = skin(0.5, 1.0, Discretization::Collocation).kernel_constant();
     // seen from four cells away a hat acts through its second moments: (cell / distance)² / 12 or so
     let (middle, far) = (4 * 9 + 4, 4 * 9 + 8);
     let error = (node[(far, middle)] - weighted[(far, middle)]).abs();
@@ -136,7 +138,7 @@ fn force_ratio(thinness: f64, cells: usize) -> f64 {
     let surface = flat(3 * cells + 6, scale / cells as f64, 0.0);
     let middle = 0.5 * (3 * cells + 6) as f64 * scale / cells as f64;
     let sphere = Obstacle::sphere(Vector3::new(middle, middle, radius - depth), radius).expect("valid");
-    let skin = skin(0.5, scale / thinness, Gap::Node);
+    let skin = skin(0.5, scale / thinness, Discretization::Collocation);
     let contact =
         solve_contact(&surface, &sphere, &skin, &ContactOptions::default(), &|| false).expect("valid");
     assert_eq!(contact.status, ContactStatus::Solved);
@@ -162,7 +164,7 @@ fn a_pad_bent_within_the_layers_reach_is_found_indefinite_and_the_advice_names_w
     let mut nodes: Vec<usize> = (0..points.len()).collect();
     nodes.sort_by(|&a, &b| (points[a] - low).norm().total_cmp(&(points[b] - low).norm()));
     let check = |count: usize, poisson_ratio: f64| {
-        let skin = skin(poisson_ratio, 1e-3, Gap::Node);
+        let skin = skin(poisson_ratio, 1e-3, Discretization::Collocation);
         let r = assemble(&surface, &skin, &nodes[..count], None, &AssemblyOptions::default()).expect("valid");
         let found = definiteness(r.as_ref());
         (found, found.advice(&skin))

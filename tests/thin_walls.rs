@@ -7,13 +7,13 @@ use common::{grid, icosphere};
 use nalgebra::Vector3;
 use quasirigid::contact::{Contact, ContactOptions, Press, Start, press, solve_contact};
 use quasirigid::obstacle::{Obstacle, ObstacleError};
-use quasirigid::response::{Gap, Pressure, Response, Skin};
+use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 
-fn skin() -> Skin {
-    Skin::new(60e3, 0.5, Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node }).unwrap()
+fn skin() -> KernelSkin {
+    KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).unwrap()
 }
 
 /// Flat skin about the origin, outside above, `count` cells of size `spacing` (m) a side.

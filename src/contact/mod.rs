@@ -12,18 +12,22 @@
 //! vertex outside gets pressed or the rim carries force.
 
 pub(crate) mod candidate;
+pub(crate) mod discretization;
 pub(crate) mod equilibrium;
 pub(crate) mod error;
 pub(crate) mod figures;
+pub(crate) mod finish;
 pub(crate) mod gap;
 pub(crate) mod options;
 pub(crate) mod outcome;
 pub(crate) mod press;
 pub(crate) mod report;
+pub(crate) mod scene;
 pub(crate) mod solve;
 
 pub use error::ContactError;
 pub use figures::accuracy::Accuracy;
+pub use figures::drawn::DrawnSkin;
 pub use options::{ContactOptions, Interrupt};
 pub use outcome::{Contact, ContactStatus, LeftOut, Patch, Resultant, Timing};
 pub use press::{Press, Start, press};

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
+use crate::contact::figures::drawn::Drawing;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
@@ -38,11 +39,11 @@ pub struct Resultant {
     pub moment: Vector3<f64>,
     /// Mean of the deformed positions weighted by node force (m); NaN without force.
     pub center_of_pressure: Vector3<f64>,
-    /// Sum of the vertex areas with f > 0; where gaps are weighted, the area within the rim that the gaps beside it
+    /// Sum of the vertex areas with f > 0; in Galerkin form the area within the rim that the gaps beside it
     /// tell, between the vertices (m²). Under a sharp edge, where the gap opens with a step, that rim is up to a cell
     /// too far in.
     pub contact_area: f64,
-    /// Largest pressure at a vertex; where gaps are weighted, between vertices too, and never below the mean over the
+    /// Largest pressure at a vertex; in Galerkin form between vertices too, and never below the mean over the
     /// contact area of a patch (Pa).
     pub max_pressure: f64,
 }
@@ -81,14 +82,12 @@ pub struct Contact {
     pub status: ContactStatus,
     /// Force, moment, centre of pressure, area, peak pressure of the whole contact.
     pub resultant: Resultant,
-    /// Change of volume enclosed by the skin, `Σ S_i N_i · u_i` over the skin, N outward (m³).
-    pub volume_change: f64,
     /// Deepest penetration of a skin vertex before (m, ≥ 0).
     pub max_penetration_before: f64,
     /// Deepest penetration of a skin vertex after, measured anew at the deformed skin (m, ≥ 0).
     pub max_penetration_after: f64,
-    /// Pressure (n, Pa): `f_i / S_i`, with S_i a third of the area of the triangles around the vertex. Where gaps are
-    /// weighted that is right in the mean only, and this is the smooth pressure recovered from it: its sum over
+    /// Pressure (n, Pa): `f_i / S_i`, with S_i a third of the area of the triangles around the vertex. In Galerkin
+    /// form that is right in the mean only, and this is the smooth pressure recovered from it: its sum over
     /// S_i is the force up to the mesh error, below it as the rim's cells count in part.
     pub pressure: Vec<f64>,
     /// Node force along the obstacle's outward normal (n, N).
@@ -97,18 +96,14 @@ pub struct Contact {
     pub force_vectors: Vec<Vector3<f64>>,
     /// Gap: `g0 + R f` on the candidates, `g0` within the search distance, infinite beyond (n, m).
     pub gap: Vec<f64>,
-    /// Displacement of the skin, faded to zero at `fade_distance` from the candidates (n, m).
-    pub displacement: Vec<Vector3<f64>>,
-    /// Distance along the skin from the candidates at which the drawn displacement has faded to zero (m).
-    pub fade_distance: f64,
     /// Vertices in the complementarity problem, ascending.
     pub candidates: Vec<usize>,
     /// Vertices with f > 0, ascending.
     pub active: Vec<usize>,
     /// Connected parts of the active set.
     pub patches: Vec<Patch>,
-    /// The deformed skin.
-    pub deformed: Surface,
+    /// The skin as it was given; [`Contact::drawn_skin`] deforms it.
+    pub surface: Surface,
     /// The obstacle where it stands now.
     pub obstacle: Obstacle,
     /// Way of the obstacle along the direction of a press (m); 0 for a contact solved in place.
@@ -123,6 +118,7 @@ pub struct Contact {
     pub left_out: Vec<LeftOut>,
     /// What the user should know, in sentences.
     pub warnings: Vec<String>,
+    pub(crate) drawing: Drawing,
 }
 
 impl Contact {

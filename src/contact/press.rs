@@ -5,10 +5,12 @@ use std::time::Instant;
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::entry::Travel;
+use crate::contact::gap::initial::Measured;
 use crate::contact::options::{ContactOptions, Interrupt};
 use crate::contact::outcome::Contact;
-use crate::contact::solve::{Place, clock, solve_in_place, with_threads};
+use crate::contact::report::Report;
+use crate::contact::scene::{Scene, Travel};
+use crate::contact::solve::{solve_in_place, with_threads};
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
@@ -44,7 +46,7 @@ const TOUCH_ROUNDING: f64 = 1e-10;
 ///
 /// Vertices that came in through another side of the obstacle than their closest one (beside an edge, through the rim
 /// of a can) get the way back along the travel for their gap, which `left_out` counts; a warning counts those
-/// that went through a wall thinner than their depth. Not so where gaps are weighted.
+/// that went through a wall thinner than their depth. Not so in Galerkin form.
 ///
 /// # Errors
 /// [`ContactError`] by variant; among them a direction that cannot be normalised, a negative depth, an obstacle
@@ -69,15 +71,15 @@ pub fn press(
             Start::Current => free_start(surface, obstacle)?,
         };
         let travel = touch + press.depth;
-        let mut place = Place {
+        let scene = Scene {
             obstacle: obstacle.translated(&(travel * direction)),
             travel,
             press: Some(Travel { direction, depth: press.depth }),
             depth_bound: Some(press.depth + TOUCH_ROUNDING * size(surface)),
-            timings: Vec::new(),
         };
-        clock(&mut place.timings, "first_touch", started);
-        solve_in_place(surface, place, skin, options, interrupt)
+        let mut report = Report::default();
+        report.clock("first_touch", started);
+        solve_in_place(surface, &scene, skin, options, interrupt, report)
     })
 }
 
@@ -110,8 +112,7 @@ fn first_touch(
 /// Travel 0, after a check that nothing penetrates yet.
 fn free_start(surface: &Surface, obstacle: &Obstacle) -> Result<f64, ContactError> {
     let (vertices, positions): (Vec<usize>, Vec<Vector3<f64>>) = skin_vertices(surface).unzip();
-    let distance =
-        crate::contact::gap::initial::InitialGaps::measure(&positions, obstacle, 0.0, None)?.distance;
+    let distance = Measured::near(&positions, obstacle, 0.0, None)?.distance;
     // A position reached by an earlier press touches exactly; its rounding is no penetration.
     let allowed = -TOUCH_ROUNDING * size(surface);
     let inside = distance.iter().filter(|&&d| d < allowed).count();

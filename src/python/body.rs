@@ -58,13 +58,13 @@ pub(super) fn combined(
 ) -> PyResult<CombinedSkin> {
     let made = parts.into_iter().map(|(name, prepared, part_vertices, fixed)| {
         Ok(Part {
+            prepared: prepared.get().body_part(&name)?.clone(),
             name,
-            prepared: prepared.get().prepared()?.clone(),
             part_vertices: part_vertices.into_iter().map(|own| usize::try_from(own).ok()).collect(),
             fixed: mask(&fixed, "fixed")?,
         })
     });
     let parts = made.collect::<PyResult<Vec<Part>>>()?;
-    CombinedSkin::new(&surface.inner, elsewhere.computed()?.clone(), parts)
+    CombinedSkin::new(&surface.inner, elsewhere.kernel()?.clone(), parts)
         .map_err(|error| ResponseError::new_err(error.to_string()))
 }

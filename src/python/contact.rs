@@ -8,7 +8,8 @@ use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::contact::{self, Contact, ContactError, ContactOptions, Press, Resultant, Start};
-use numpy::PyArray1;
+use crate::response::ElasticSkin;
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -82,6 +83,9 @@ impl PyContactOptions {
 #[pyclass(name = "Contact", module = "quasirigid._core", frozen)]
 pub(super) struct PyContact {
     inner: Contact,
+    /// What it was solved with, for the drawn skin.
+    skin: Py<PySkin>,
+    options: ContactOptions,
 }
 
 fn resultant_out<'py>(py: Python<'py>, resultant: &Resultant) -> PyResult<Bound<'py, PyDict>> {
@@ -102,10 +106,8 @@ impl PyContact {
         let fields = resultant_out(py, &contact.resultant)?;
         fields.set_item("status", contact.status.as_str())?;
         fields.set_item("advice", contact.advice())?;
-        fields.set_item("volume_change", contact.volume_change)?;
         fields.set_item("max_penetration_before", contact.max_penetration_before)?;
         fields.set_item("max_penetration_after", contact.max_penetration_after)?;
-        fields.set_item("fade_distance", contact.fade_distance)?;
         fields.set_item("travel", contact.travel)?;
         fields.set_item("natural_residual", contact.accuracy.natural_residual)?;
         for (name, values) in
@@ -114,7 +116,6 @@ impl PyContact {
             fields.set_item(name, PyArray1::from_slice(py, values))?;
         }
         fields.set_item("force_vectors", vectors_out(py, &contact.force_vectors))?;
-        fields.set_item("displacement", vectors_out(py, &contact.displacement))?;
         fields.set_item("candidates", nodes_out(py, &contact.candidates))?;
         fields.set_item("active", nodes_out(py, &contact.active))?;
         fields.set_item("warnings", contact.warnings.clone())?;
@@ -153,8 +154,13 @@ impl PyContact {
         Ok(fields)
     }
 
-    fn deformed(&self) -> PySurface {
-        self.inner.deformed.clone().into()
+    /// The drawn skin, computed now: displacement (n, 3), fade distance (m), volume change (m^3), deformed surface.
+    fn drawn<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, f64, f64, PySurface)> {
+        let skin = self.skin.get().elastic();
+        let drawn = detached(py, |interrupt| self.inner.drawn_skin(skin, &self.options, interrupt))?;
+        let drawn = drawn.map_err(IntoPyErr::into_py_err)?;
+        let displacement = vectors_out(py, &drawn.displacement);
+        Ok((displacement, drawn.fade_distance, drawn.volume_change, drawn.deformed.into()))
     }
 
     fn obstacle(&self) -> PyObstacle {
@@ -168,38 +174,37 @@ impl PyContact {
 
 /// Runs a solve with the interpreter released and Ctrl-C heard.
 fn run(
-    py: Python<'_>,
+    skin: &Bound<'_, PySkin>,
     options: &PyContactOptions,
-    solve: impl FnOnce(contact::Interrupt) -> Result<Contact, ContactError> + Send,
+    solve: impl FnOnce(&dyn ElasticSkin, contact::Interrupt) -> Result<Contact, ContactError> + Send,
 ) -> PyResult<PyContact> {
+    let (py, elastic) = (skin.py(), skin.get().elastic());
     let result = match options.inner.num_threads {
-        None => detached(py, |interrupt| solve(interrupt))?,
-        Some(_) => detached_on_thread(py, |interrupt| solve(interrupt))?,
+        None => detached(py, |interrupt| solve(elastic, interrupt))?,
+        Some(_) => detached_on_thread(py, |interrupt| solve(elastic, interrupt))?,
     };
-    result.map(|inner| PyContact { inner }).map_err(IntoPyErr::into_py_err)
+    let inner = result.map_err(IntoPyErr::into_py_err)?;
+    Ok(PyContact { inner, skin: skin.clone().unbind(), options: options.inner.clone() })
 }
 
 #[pyfunction]
 pub(super) fn solve_contact(
-    py: Python<'_>,
     surface: &PySurface,
     obstacle: &PyObstacle,
-    skin: &PySkin,
+    skin: &Bound<'_, PySkin>,
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
-    run(py, options, |interrupt| {
-        contact::solve_contact(&surface.inner, &obstacle.inner, skin.elastic(), &options.inner, interrupt)
+    run(skin, options, |skin, interrupt| {
+        contact::solve_contact(&surface.inner, &obstacle.inner, skin, &options.inner, interrupt)
     })
 }
 
 #[pyfunction]
 #[pyo3(signature = (surface, obstacle, skin, direction, *, depth, start, options))]
-#[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn press(
-    py: Python<'_>,
     surface: &PySurface,
     obstacle: &PyObstacle,
-    skin: &PySkin,
+    skin: &Bound<'_, PySkin>,
     direction: &Bound<'_, PyAny>,
     depth: f64,
     start: &str,
@@ -214,7 +219,7 @@ pub(super) fn press(
         }
     };
     let press = Press { direction: vector(direction, "direction")?, depth, start };
-    run(py, options, |interrupt| {
-        contact::press(&surface.inner, &obstacle.inner, skin.elastic(), &press, &options.inner, interrupt)
+    run(skin, options, |skin, interrupt| {
+        contact::press(&surface.inner, &obstacle.inner, skin, &press, &options.inner, interrupt)
     })
 }

@@ -34,8 +34,8 @@ pub(super) fn response_matrix<'py>(
             interrupt: Some(interrupt),
             ..AssemblyOptions::default()
         };
-        skin.elastic().check_surface(&surface.inner)?;
-        skin.elastic().response_matrix(&surface.inner, &nodes, &directions, &options)
+        skin.elastic().traits(&surface.inner)?;
+        skin.elastic().matrix(&surface.inner, &nodes, &directions, &options)
     };
     let matrix = match num_threads {
         None => detached(py, assemble)?,

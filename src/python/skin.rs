@@ -10,14 +10,14 @@ use super::surface::PySurface;
 use crate::geometry::rigid_motion;
 use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
 use crate::response::{
-    self, AssemblyOptions, CombinedSkin, ElasticSkin, Gap, PreparedResponse, PreparedSkin, Pressure,
-    Response, Skin, Thickness,
+    self, AssemblyOptions, CombinedSkin, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin,
+    PreparedBody, PreparedKernel, PreparedNodes, PressureBasis, Thickness,
 };
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 /// Material and response, checked; computed as it is needed, or once.
 #[pyclass(name = "Skin", module = "quasirigid._core", frozen)]
@@ -26,62 +26,93 @@ pub(super) struct PySkin {
 }
 
 enum Elastic {
-    Computed(Skin),
-    Prepared(PreparedSkin),
+    Kernel(KernelSkin),
+    PreparedKernel(PreparedKernel),
+    Body(PreparedBody),
+    /// 3 × 3 blocks that somebody else computed or measured.
+    GivenBlocks(PreparedBody),
+    Given(GivenMatrix),
     Combined(CombinedSkin),
 }
 
-fn pressure_named(name: &str) -> PyResult<Pressure> {
+fn basis_named(name: &str) -> PyResult<PressureBasis> {
     match name {
-        "linear" => Ok(Pressure::Linear),
-        "one_ring" => Ok(Pressure::OneRing),
+        "linear" => Ok(PressureBasis::Linear),
+        "one_ring" => Ok(PressureBasis::OneRing),
         other => {
             Err(PyValueError::new_err(format!("pressure is {other:?}, expected \"linear\" or \"one_ring\"")))
         }
     }
 }
 
-fn gap_named(name: &str) -> PyResult<Gap> {
+fn discretization_named(name: &str) -> PyResult<Discretization> {
     match name {
-        "node" => Ok(Gap::Node),
-        "weighted" => Ok(Gap::Weighted),
+        "collocation" => Ok(Discretization::Collocation),
+        "galerkin" => Ok(Discretization::Galerkin),
         other => {
-            let message = format!("gap is {other:?}, expected \"node\" or \"weighted\"");
+            let message = format!("discretization is {other:?}, expected \"collocation\" or \"galerkin\"");
             Err(PyValueError::new_err(message))
         }
     }
 }
 
-fn made(shear_modulus: f64, poisson_ratio: f64, response: Response) -> PyResult<PySkin> {
-    Skin::new(shear_modulus, poisson_ratio, response)
-        .map(|skin| PySkin { inner: Elastic::Computed(skin) })
-        .map_err(IntoPyErr::into_py_err)
+fn made(
+    shear_modulus: f64,
+    poisson_ratio: f64,
+    kernel: Kernel,
+    pressure: &str,
+    discretization: &str,
+) -> PyResult<PySkin> {
+    let (basis, discretization) = (basis_named(pressure)?, discretization_named(discretization)?);
+    let skin = KernelSkin::new(shear_modulus, poisson_ratio, kernel)
+        .and_then(|skin| skin.with_basis(basis).with_discretization(discretization));
+    Ok(Elastic::Kernel(skin.map_err(IntoPyErr::into_py_err)?).into())
 }
 
-fn prepared(skin: Result<PreparedSkin, response::ResponseError>) -> PyResult<PySkin> {
-    skin.map(|skin| PySkin { inner: Elastic::Prepared(skin) }).map_err(IntoPyErr::into_py_err)
+impl From<Elastic> for PySkin {
+    fn from(inner: Elastic) -> Self {
+        Self { inner }
+    }
+}
+
+fn not_prepared() -> PyErr {
+    ResponseError::new_err("this skin is not prepared for one surface")
 }
 
 impl PySkin {
     pub(super) fn elastic(&self) -> &dyn ElasticSkin {
         match &self.inner {
-            Elastic::Computed(skin) => skin,
-            Elastic::Prepared(skin) => skin,
+            Elastic::Kernel(skin) => skin,
+            Elastic::PreparedKernel(skin) => skin,
+            Elastic::Body(skin) | Elastic::GivenBlocks(skin) => skin,
+            Elastic::Given(skin) => skin,
             Elastic::Combined(skin) => skin,
         }
     }
 
-    pub(super) fn computed(&self) -> PyResult<&Skin> {
+    pub(super) fn kernel(&self) -> PyResult<&KernelSkin> {
         match &self.inner {
-            Elastic::Computed(skin) => Ok(skin),
+            Elastic::Kernel(skin) => Ok(skin),
             _ => Err(ResponseError::new_err("this skin is prepared already")),
         }
     }
 
-    pub(super) fn prepared(&self) -> PyResult<&PreparedSkin> {
+    /// The solved body of a part.
+    pub(super) fn body_part(&self, part: &str) -> PyResult<&PreparedBody> {
         match &self.inner {
-            Elastic::Prepared(skin) => Ok(skin),
-            _ => Err(ResponseError::new_err("this skin is not prepared for one surface")),
+            Elastic::Body(body) => Ok(body),
+            _ => Err(ResponseError::new_err(format!(
+                "part {part:?} does not fit the whole skin: its response is not that of a body"
+            ))),
+        }
+    }
+
+    fn prepared_nodes(&self) -> PyResult<&PreparedNodes> {
+        match &self.inner {
+            Elastic::PreparedKernel(skin) => Ok(skin.nodes()),
+            Elastic::Body(skin) | Elastic::GivenBlocks(skin) => Ok(skin.nodes()),
+            Elastic::Given(skin) => Ok(skin.nodes()),
+            Elastic::Kernel(_) | Elastic::Combined(_) => Err(not_prepared()),
         }
     }
 }
@@ -89,9 +120,13 @@ impl PySkin {
 #[pymethods]
 impl PySkin {
     #[staticmethod]
-    fn half_space(shear_modulus: f64, poisson_ratio: f64, pressure: &str, gap: &str) -> PyResult<Self> {
-        let (pressure, gap) = (pressure_named(pressure)?, gap_named(gap)?);
-        made(shear_modulus, poisson_ratio, Response::HalfSpace { pressure, gap })
+    fn half_space(
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        pressure: &str,
+        discretization: &str,
+    ) -> PyResult<Self> {
+        made(shear_modulus, poisson_ratio, Kernel::HalfSpace, pressure, discretization)
     }
 
     #[staticmethod]
@@ -103,8 +138,8 @@ impl PySkin {
         cutoff: f64,
         pressure: &str,
     ) -> PyResult<Self> {
-        let pressure = pressure_named(pressure)?;
-        made(shear_modulus, poisson_ratio, Response::GaussianCorrected { height, width, cutoff, pressure })
+        let kernel = Kernel::GaussianCorrected { height, width, cutoff };
+        made(shear_modulus, poisson_ratio, kernel, pressure, "collocation")
     }
 
     #[staticmethod]
@@ -113,20 +148,19 @@ impl PySkin {
         poisson_ratio: f64,
         thickness: &Bound<'_, PyAny>,
         pressure: &str,
-        gap: &str,
+        discretization: &str,
     ) -> PyResult<Self> {
         let thickness = match thickness.extract::<f64>() {
             Ok(uniform) => Thickness::Uniform(uniform),
             Err(_) => Thickness::PerVertex(scalars(thickness, "thickness")?.into()),
         };
-        let (pressure, gap) = (pressure_named(pressure)?, gap_named(gap)?);
-        made(shear_modulus, poisson_ratio, Response::Layer { thickness, pressure, gap })
+        made(shear_modulus, poisson_ratio, Kernel::Layer { thickness }, pressure, discretization)
     }
 
     /// What a user should know of the constants, or None.
     fn caution(&self) -> Option<String> {
         match &self.inner {
-            Elastic::Computed(skin) => skin.caution(),
+            Elastic::Kernel(skin) => skin.caution(),
             _ => None,
         }
     }
@@ -134,8 +168,9 @@ impl PySkin {
     /// Height of the Gaussian that keeps volume (m/N).
     #[staticmethod]
     fn balanced_height(shear_modulus: f64, poisson_ratio: f64, width: f64, cutoff: f64) -> PyResult<f64> {
-        let half_space = Response::HalfSpace { pressure: Pressure::Linear, gap: Gap::Node };
-        let skin = Skin::new(shear_modulus, poisson_ratio, half_space).map_err(IntoPyErr::into_py_err)?;
+        let half_space = Kernel::HalfSpace;
+        let skin =
+            KernelSkin::new(shear_modulus, poisson_ratio, half_space).map_err(IntoPyErr::into_py_err)?;
         response::balanced_height(skin.kernel_constant(), width, cutoff).map_err(IntoPyErr::into_py_err)
     }
 
@@ -143,18 +178,19 @@ impl PySkin {
     fn net_volume(&self, surface: &PySurface, node: usize) -> PyResult<(f64, f64)> {
         // a sum of both signs over the whole mesh asks for more digits than a matrix does, and takes one column
         let options = AssemblyOptions { tolerance: 1e-9, ..AssemblyOptions::default() };
-        let volume = response::net_volume(&surface.inner, self.computed()?, node, &options);
+        let volume = response::net_volume(&surface.inner, self.kernel()?, node, &options);
         volume.map(|volume| (volume.net, volume.gross)).map_err(IntoPyErr::into_py_err)
     }
 
     /// The kernel's matrix over `nodes`, computed once.
     fn prepare(&self, py: Python<'_>, surface: &PySurface, nodes: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let skin = self.computed()?;
+        let skin = self.kernel()?;
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        prepared(detached(py, |interrupt| {
+        let prepared = detached(py, |interrupt| {
             let options = AssemblyOptions { interrupt: Some(interrupt), ..AssemblyOptions::default() };
-            PreparedSkin::of_kernel(&surface.inner, skin, &nodes, &options)
-        })?)
+            PreparedKernel::new(&surface.inner, skin, &nodes, &options)
+        })?;
+        Ok(Elastic::PreparedKernel(prepared.map_err(IntoPyErr::into_py_err)?).into())
     }
 
     /// The kernel's matrix over `nodes`, as stored.
@@ -165,17 +201,18 @@ impl PySkin {
         matrix: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let matrix = Arc::new(MatrixIn::new(matrix, "matrix")?.view().to_owned());
-        let skin = self.computed()?.clone();
-        prepared(PreparedSkin::new(&surface.inner, &nodes, PreparedResponse::Kernel { skin, matrix }))
+        let matrix = MatrixIn::new(matrix, "matrix")?.view().to_owned();
+        let prepared = PreparedKernel::from_matrix(&surface.inner, self.kernel()?.clone(), &nodes, matrix);
+        Ok(Elastic::PreparedKernel(prepared.map_err(IntoPyErr::into_py_err)?).into())
     }
 
     /// A matrix that somebody else computed or measured.
     #[staticmethod]
     fn given(surface: &PySurface, nodes: &Bound<'_, PyAny>, matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let matrix = Arc::new(MatrixIn::new(matrix, "compliance")?.view().to_owned());
-        prepared(PreparedSkin::new(&surface.inner, &nodes, PreparedResponse::Given(matrix)))
+        let matrix = MatrixIn::new(matrix, "compliance")?.view().to_owned();
+        let given = GivenMatrix::new(&surface.inner, &nodes, matrix);
+        Ok(Elastic::Given(given.map_err(IntoPyErr::into_py_err)?).into())
     }
 
     /// A body solved for unit forces at `nodes`; what `progress` raises ends the work and is raised here.
@@ -217,9 +254,12 @@ impl PySkin {
                 progress: progress.is_some().then_some(&report as _),
                 ..BodyOptions::default()
             };
-            PreparedSkin::of_body(&surface.inner, &body, shear_modulus, poisson_ratio, &nodes, &options)
+            PreparedBody::new(&surface.inner, &body, shear_modulus, poisson_ratio, &nodes, &options)
         })?;
-        failure.into_inner().map_or_else(|| prepared(done), Err)
+        match failure.into_inner() {
+            Some(raised) => Err(raised),
+            None => Ok(Elastic::Body(done.map_err(IntoPyErr::into_py_err)?).into()),
+        }
     }
 
     /// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k), `area_vectors` (n, 3)
@@ -254,17 +294,15 @@ impl PySkin {
             poisson_ratio,
         });
         let compliance = compliance.map_err(|error| ResponseError::new_err(error.to_string()))?;
-        let response = match solved {
-            true => PreparedResponse::Body(compliance),
-            false => PreparedResponse::GivenBlocks(compliance),
-        };
-        prepared(PreparedSkin::new(&surface.inner, &nodes, response))
+        let body = PreparedBody::from_compliance(&surface.inner, &nodes, compliance);
+        let body = body.map_err(IntoPyErr::into_py_err)?;
+        Ok(if solved { Elastic::Body(body) } else { Elastic::GivenBlocks(body) }.into())
     }
 
     /// Prepared bodies on parts of a surface, a kernel elsewhere.
     #[staticmethod]
     fn combined(surface: &PySurface, elsewhere: &PySkin, parts: Vec<PartIn<'_>>) -> PyResult<Self> {
-        Ok(PySkin { inner: Elastic::Combined(combined(surface, elsewhere, parts)?) })
+        Ok(Elastic::Combined(combined(surface, elsewhere, parts)?).into())
     }
 
     /// Pressure (m,) in Pa on the bone under forces (n, 3) in N at the vertices; None if it was not asked for.
@@ -274,7 +312,10 @@ impl PySkin {
         forces: &Bound<'py, PyAny>,
     ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let forces = vectors(forces, "forces")?;
-        let pressures = self.prepared()?.bone_pressures(&forces).map_err(IntoPyErr::into_py_err)?;
+        let (Elastic::Body(body) | Elastic::GivenBlocks(body)) = &self.inner else {
+            return self.prepared_nodes().map(|_| None);
+        };
+        let pressures = body.bone_pressures(&forces).map_err(IntoPyErr::into_py_err)?;
         Ok(pressures.map(|pressures| PyArray1::from_vec(py, pressures)))
     }
 
@@ -287,46 +328,52 @@ impl PySkin {
 
     /// Vertices whose response is known.
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
-        Ok(nodes_out(py, self.prepared()?.nodes()))
+        Ok(nodes_out(py, self.prepared_nodes()?.list()))
     }
 
     /// The prepared or combined skin after a rigid motion of its surface.
     fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
         let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)
             .map_err(|error| ResponseError::new_err(error.to_string()))?;
-        if let Elastic::Combined(skin) = &self.inner {
-            let moved = skin.moved(&motion).map_err(IntoPyErr::into_py_err)?;
-            return Ok(PySkin { inner: Elastic::Combined(moved) });
-        }
-        prepared(self.prepared()?.moved(&motion))
+        let moved = match &self.inner {
+            Elastic::Kernel(_) => return Err(not_prepared()),
+            Elastic::PreparedKernel(skin) => Ok(Elastic::PreparedKernel(skin.moved(&motion))),
+            Elastic::Given(skin) => Ok(Elastic::Given(skin.moved(&motion))),
+            Elastic::Body(skin) => skin.moved(&motion).map(Elastic::Body),
+            Elastic::GivenBlocks(skin) => skin.moved(&motion).map(Elastic::GivenBlocks),
+            Elastic::Combined(skin) => skin.moved(&motion).map(Elastic::Combined),
+        };
+        Ok(moved.map_err(IntoPyErr::into_py_err)?.into())
     }
 
     /// Whether the surface is the one that this skin fits.
     fn check_surface(&self, surface: &PySurface) -> PyResult<()> {
-        self.elastic().check_surface(&surface.inner).map_err(IntoPyErr::into_py_err)
+        self.elastic().traits(&surface.inner).map(drop).map_err(IntoPyErr::into_py_err)
     }
 
     /// Arrays of a prepared skin: nodes, vertices, faces, and matrix or displacement and rotation.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let skin = self.prepared()?;
+        let nodes = self.prepared_nodes()?;
         let parts = PyDict::new(py);
-        parts.set_item("nodes", nodes_out(py, skin.nodes()))?;
-        parts.set_item("vertices", vectors_out(py, skin.vertices()))?;
-        parts.set_item("faces", faces_out(py, skin.faces()))?;
-        match skin.response() {
-            PreparedResponse::Kernel { matrix, .. } | PreparedResponse::Given(matrix) => {
-                parts.set_item("matrix", matrix_out(py, matrix))?;
+        parts.set_item("nodes", nodes_out(py, nodes.list()))?;
+        parts.set_item("vertices", vectors_out(py, nodes.vertices()))?;
+        parts.set_item("faces", faces_out(py, nodes.faces()))?;
+        match &self.inner {
+            Elastic::PreparedKernel(skin) => {
+                parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?;
             }
-            PreparedResponse::Body(compliance) | PreparedResponse::GivenBlocks(compliance) => {
-                if let Some(bone_pressure) = &compliance.parts().bone_pressure {
+            Elastic::Given(skin) => parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?,
+            Elastic::Body(skin) | Elastic::GivenBlocks(skin) => {
+                let (stored, rotation) = (skin.compliance().parts(), skin.compliance().rotation());
+                if let Some(bone_pressure) = &stored.bone_pressure {
                     parts.set_item("bone_pressure", matrix_out(py, bone_pressure))?;
                 }
-                parts.set_item("displacement", matrix_out(py, &compliance.parts().displacement))?;
-                parts.set_item("area_vectors", vectors_out(py, &compliance.parts().area_vectors))?;
-                let rotation = compliance.rotation();
+                parts.set_item("displacement", matrix_out(py, &stored.displacement))?;
+                parts.set_item("area_vectors", vectors_out(py, &stored.area_vectors))?;
                 let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
                 parts.set_item("rotation", vectors_out(py, &rows))?;
             }
+            Elastic::Kernel(_) | Elastic::Combined(_) => {}
         }
         Ok(parts)
     }

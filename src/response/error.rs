@@ -14,6 +14,12 @@ pub enum ResponseError {
         /// The range, in words.
         expected: &'static str,
     },
+    /// The kernel has no Galerkin form.
+    #[error("the {kernel} kernel takes the gap at the nodes: discretization = collocation")]
+    CollocationOnly {
+        /// Name of the kernel.
+        kernel: &'static str,
+    },
     /// A node is no vertex of the surface.
     #[error("entry {index} of nodes is vertex {vertex}, but the surface has {vertex_count} vertices")]
     NodeOutOfRange {

@@ -11,9 +11,9 @@
 //! integrals are exact near the point, so the singularity of 1/r costs no accuracy; far from the load a multipole
 //! series takes over, whose order follows from a bound on the relative error of each entry.
 //!
-//! Which form to take: the node form ([`Gap::Node`]) leaves no penetration at vertices and is cheapest; on finger
+//! Which form to take: the node form ([`Discretization::Collocation`]) leaves no penetration at vertices and is cheapest; on finger
 //! pads its symmetric part has a condition number of some 30 and is positive definite. Where [`definiteness`]
-//! says that it is not (badly shaped triangles), the weighted form ([`Gap::Weighted`]) is, on any surface (a layer:
+//! says that it is not (badly shaped triangles), the weighted form ([`Discretization::Galerkin`]) is, on any surface (a layer:
 //! on any flat one), with a condition number of some 90 and at 30 times the time.
 //!
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
@@ -33,8 +33,9 @@ pub(crate) mod skin;
 pub use error::ResponseError;
 pub use integral::gaussian::gaussian_hat_integrals;
 pub use integral::hat::hat_integrals;
+pub use kernel::basis::{Discretization, PressureBasis};
 pub use kernel::layer::LayerKernel;
-pub use kernel::skin::{Gap, Pressure, Response, Skin};
+pub use kernel::skin::{Kernel, KernelSkin};
 pub use kernel::thickness::Thickness;
 pub use matrix::average::pressure_average;
 pub use matrix::collocation::{assemble, assemble_block};
@@ -42,5 +43,8 @@ pub use matrix::definiteness::{Definiteness, definiteness};
 pub use matrix::net_volume::{NetVolume, balanced_height, net_volume};
 pub use matrix::options::{AssemblyOptions, matrix_bytes};
 pub use skin::combined::{CombinedSkin, Part};
-pub use skin::elastic::{Displacements, ElasticSkin};
-pub use skin::prepared::{PreparedResponse, PreparedSkin};
+pub use skin::elastic::{Displacements, ElasticSkin, Traits};
+pub use skin::given_matrix::GivenMatrix;
+pub use skin::nodes::PreparedNodes;
+pub use skin::prepared_body::PreparedBody;
+pub use skin::prepared_kernel::PreparedKernel;

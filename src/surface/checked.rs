@@ -29,14 +29,14 @@ pub enum SurfaceError {
 
 /// The skin: a checked triangle mesh (m) with its neighbourhoods, areas and normals.
 ///
-/// Clones share the neighbourhoods.
+/// Clones share all of it.
 #[derive(Debug, Clone)]
 pub struct Surface {
-    vertices: Vec<Vector3<f64>>,
+    vertices: Arc<Vec<Vector3<f64>>>,
     faces: Arc<Vec<[u32; 3]>>,
     topology: Arc<Topology>,
     skin_mask: Arc<Vec<bool>>,
-    geometry: Geometry,
+    geometry: Arc<Geometry>,
 }
 
 impl Surface {
@@ -50,9 +50,10 @@ impl Surface {
     pub fn new(vertices: Vec<Vector3<f64>>, faces: Vec<[u32; 3]>) -> Result<Surface, SurfaceError> {
         let topology = check(&vertices, &faces)?;
         check_nesting(&vertices, &faces, &topology)?;
-        let geometry = Geometry::new(&vertices, &faces, &topology);
+        let geometry = Arc::new(Geometry::new(&vertices, &faces, &topology));
         let skin_mask = Arc::new(vec![true; vertices.len()]);
-        Ok(Surface { vertices, faces: Arc::new(faces), topology: Arc::new(topology), skin_mask, geometry })
+        let (vertices, faces, topology) = (Arc::new(vertices), Arc::new(faces), Arc::new(topology));
+        Ok(Surface { vertices, faces, topology, skin_mask, geometry })
     }
 
     /// The same surface, of which only some vertices may touch.
@@ -79,9 +80,9 @@ impl Surface {
     /// If the number of positions is another.
     pub fn with_vertices(&self, vertices: Vec<Vector3<f64>>) -> Surface {
         assert_eq!(vertices.len(), self.vertices.len(), "as many positions as the surface has vertices");
-        let geometry = Geometry::new(&vertices, &self.faces, &self.topology);
+        let geometry = Arc::new(Geometry::new(&vertices, &self.faces, &self.topology));
         Surface {
-            vertices,
+            vertices: Arc::new(vertices),
             faces: Arc::clone(&self.faces),
             topology: Arc::clone(&self.topology),
             skin_mask: Arc::clone(&self.skin_mask),

@@ -28,10 +28,14 @@ def _finish(result: _core.Contact, throw: bool) -> Contact:
     for message in fields.pop("warnings"):
         warnings.warn(message, QuasirigidWarning, stacklevel=3)
     fields["status"] = ContactStatus(fields["status"])
+    displacement, fade_distance, volume_change, deformed = result.drawn()
     contact = Contact(
         **fields,
+        displacement=displacement,
+        fade_distance=fade_distance,
+        volume_change=volume_change,
         patches=tuple(Patch(**patch) for patch in result.patches()),
-        deformed=result.deformed(),
+        deformed=deformed,
         obstacle=result.obstacle(),
         lcp_solutions=tuple(solution_from_core(solution) for solution in result.lcp_solutions()),
         accuracy=Accuracy(**result.accuracy()),

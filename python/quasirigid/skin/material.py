@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 __all__ = ["Skin"]
 
 
+CORE_NAMES = {"node": "collocation", "weighted": "galerkin"}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Skin:
     """Material and response of the skin.
@@ -82,15 +85,15 @@ class Skin:
         material = (self.shear_modulus, self.poisson_ratio)
         match self.response:
             case HalfSpace(pressure, gap):
-                return _core.Skin.half_space(*material, pressure, gap)
+                return _core.Skin.half_space(*material, pressure, CORE_NAMES[gap])
             case GaussianCorrected(height, width, cutoff, pressure):
                 if height is None:
                     height = _core.Skin.balanced_height(*material, width, cutoff)
                 return _core.Skin.gaussian_corrected(*material, height, width, cutoff, pressure)
             case Layer(thickness, pressure, gap):
-                return _core.Skin.layer(*material, thickness, pressure, gap)
+                return _core.Skin.layer(*material, thickness, pressure, CORE_NAMES[gap])
             case Body() | GivenMatrix():
-                _core.Skin.half_space(*material, "linear", "node")  # checks the material
+                _core.Skin.half_space(*material, "linear", "collocation")  # checks the material
                 return None
         raise TypeError(f"response is {self.response!r}, expected one of {Response}")
 

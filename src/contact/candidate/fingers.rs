@@ -53,11 +53,11 @@ impl Fingers {
         }
     }
 
-    /// Tells apart the patches of candidates that share no tissue.
+    /// Splits candidates into fingers: patches that share no tissue.
     ///
     /// Patches that share tissue with a third are on one finger. The search along the skin covers what could be
     /// one finger first, and the whole surface only where there are two or more.
-    pub fn tell_apart(surface: &Surface, candidates: &[usize]) -> Self {
+    pub fn split_by_tissue(surface: &Surface, candidates: &[usize]) -> Self {
         let patches = surface.patches(candidates);
         if patches.len() < 2 {
             return Self::one(candidates);
@@ -95,8 +95,8 @@ impl Fingers {
         Self { candidates: fingers, ways, vertices: Some(vertices), of_candidate: label }
     }
 
-    /// Nearest finger of a vertex along the skin: the one whose forces move it. `None` where the skin leads to none.
-    pub fn of(&self, vertex: usize) -> Option<usize> {
+    /// Finger nearest to a vertex along the skin, whose forces move it; `None` where the skin leads to none.
+    pub fn finger_of(&self, vertex: usize) -> Option<usize> {
         match &self.vertices {
             None => Some(0),
             Some(nearest) => {
@@ -112,7 +112,7 @@ impl Fingers {
     }
 
     /// Way along the skin from a finger to the next one (m); infinite where the skin leads to none.
-    pub fn to_next(&self, finger: usize) -> f64 {
+    pub fn distance_to_next(&self, finger: usize) -> f64 {
         let of_finger = |(pair, _): &&([usize; 2], Way)| pair.contains(&finger);
         self.ways.iter().find(of_finger).map_or(f64::INFINITY, |(_, way)| way.along_skin)
     }

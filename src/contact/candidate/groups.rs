@@ -5,13 +5,6 @@ use nalgebra::Vector3;
 use crate::contact::candidate::fingers::Fingers;
 use crate::surface::checked::Surface;
 
-/// Skin vertices that start inside the obstacle, ascending.
-pub(crate) fn penetrating(surface: &Surface, initial_gap: &[f64]) -> Vec<usize> {
-    (0..initial_gap.len())
-        .filter(|&vertex| surface.skin_mask()[vertex] && initial_gap[vertex] < 0.0)
-        .collect()
-}
-
 /// `nodes` with their `rings`-ring, kept to vertices that may touch; ascending.
 pub(crate) fn with_rings(surface: &Surface, nodes: &[usize], rings: usize) -> Vec<usize> {
     let mut grown = surface.k_ring(nodes, rings);

@@ -1,23 +1,23 @@
-//! The response as the pipeline uses it: a square matrix over candidates, displacements anywhere under forces.
+//! The response as the pipeline uses it: a square matrix over candidates, displacement anywhere under forces.
 
 use faer::Mat;
 use nalgebra::Vector3;
 
-use crate::contact::candidate::fingers::Fingers;
+use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
 use crate::contact::options::{ContactOptions, Interrupt};
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
 use crate::surface::checked::Surface;
 
-/// Relative quadrature tolerance of displacements away from the candidates, which are drawn and summed to a
-/// volume but enter no complementarity.
-const DISPLACEMENT_TOLERANCE: f64 = 1e-3;
+/// Relative quadrature tolerance of displacements that are drawn and summed to a volume but enter no complementarity.
+const DRAWN_TOLERANCE: f64 = 1e-3;
 
 /// A skin's response on a surface.
 pub(crate) struct Compliance<'a> {
     surface: &'a Surface,
     pub skin: &'a dyn ElasticSkin,
+    pub traits: Traits,
     options: AssemblyOptions<'a>,
 }
 
@@ -25,6 +25,7 @@ impl<'a> Compliance<'a> {
     pub fn new(
         surface: &'a Surface,
         skin: &'a dyn ElasticSkin,
+        traits: Traits,
         options: &ContactOptions,
         interrupt: Interrupt<'a>,
     ) -> Self {
@@ -34,85 +35,59 @@ impl<'a> Compliance<'a> {
             interrupt: Some(interrupt),
             ..AssemblyOptions::default()
         };
-        Self { surface, skin, options }
+        Self { surface, skin, traits, options }
     }
 
-    /// R over `nodes` (k × k, m/N); `normals`: obstacle normal per vertex.
-    pub fn square(&self, nodes: &[usize], normals: &[Vector3<f64>]) -> Result<Mat<f64>, ContactError> {
-        let directions: Vec<Vector3<f64>> = nodes.iter().map(|&vertex| normals[vertex]).collect();
-        Ok(self.skin.response_matrix(self.surface, nodes, &directions, &self.options)?)
+    /// R over `nodes` along the obstacle's normals there (k × k, m/N).
+    pub fn matrix(&self, nodes: &[usize], normals: &[Vector3<f64>]) -> Result<Mat<f64>, ContactError> {
+        Ok(self.skin.matrix(self.surface, nodes, normals, &self.options)?)
     }
 
-    /// Displacement of `vertices` under the forces of `active`, each under those of its own finger; `node_force`
-    /// and `normals` are per vertex. To no more than [`DISPLACEMENT_TOLERANCE`].
-    pub fn displacement(
+    /// Displacement of `vertices`, each under the forces of its own finger, to the tolerance of R itself.
+    pub fn displace(&self, forces: AppliedForces, vertices: &[usize]) -> Result<Displacements, ContactError> {
+        self.displace_to(&self.options, forces, vertices)
+    }
+
+    /// The same to no more than [`DRAWN_TOLERANCE`].
+    pub fn displace_coarsely(
         &self,
-        fingers: &Fingers,
+        forces: AppliedForces,
         vertices: &[usize],
-        active: &[usize],
-        node_force: &[f64],
-        normals: &[Vector3<f64>],
     ) -> Result<Displacements, ContactError> {
-        let tolerance = self.options.tolerance.max(DISPLACEMENT_TOLERANCE);
-        let options = AssemblyOptions { tolerance, ..self.options };
-        self.displacement_to(&options, fingers, vertices, active, node_force, normals)
+        let tolerance = self.options.tolerance.max(DRAWN_TOLERANCE);
+        self.displace_to(&AssemblyOptions { tolerance, ..self.options }, forces, vertices)
     }
 
-    /// `(R f)_i` (m) at `vertices`, to the tolerance of R itself; the arguments are those of
-    /// [`displacement`](Self::displacement), of a response that knows no directions.
-    pub fn rise(
-        &self,
-        fingers: &Fingers,
-        vertices: &[usize],
-        active: &[usize],
-        node_force: &[f64],
-        normals: &[Vector3<f64>],
-    ) -> Result<Vec<f64>, ContactError> {
-        let moved = self.displacement_to(&self.options, fingers, vertices, active, node_force, normals)?;
-        let known = |rise: Option<f64>| rise.expect("only kernels average the gap");
-        Ok(moved.along_normal.into_iter().map(known).collect())
-    }
-
-    fn displacement_to(
+    fn displace_to(
         &self,
         options: &AssemblyOptions,
-        fingers: &Fingers,
+        forces: AppliedForces,
         vertices: &[usize],
-        active: &[usize],
-        node_force: &[f64],
-        normals: &[Vector3<f64>],
     ) -> Result<Displacements, ContactError> {
-        let count = fingers.candidates.len();
-        if count == 1 {
-            return self.displacement_of_one(options, vertices, active, node_force, normals);
+        let under = |active: &[usize], vertices: &[usize]| {
+            let pushed: Vec<Vector3<f64>> = active.iter().map(|&vertex| forces.vectors[vertex]).collect();
+            self.skin.displace(self.surface, vertices, active, &pushed, options)
+        };
+        let fingers = forces.fingers;
+        if fingers.candidates.len() == 1 {
+            return Ok(under(forces.active, vertices)?);
         }
         let mut all = Displacements {
             vectors: vec![Vector3::zeros(); vertices.len()],
             along_normal: vec![Some(0.0); vertices.len()],
         };
-        for finger in 0..count {
-            let rows: Vec<usize> =
-                (0..vertices.len()).filter(|&row| fingers.of(vertices[row]) == Some(finger)).collect();
+        for finger in 0..fingers.candidates.len() {
+            let is_own = |vertex: usize| fingers.finger_of(vertex) == Some(finger);
+            let rows: Vec<usize> = (0..vertices.len()).filter(|&row| is_own(vertices[row])).collect();
             let own: Vec<usize> = rows.iter().map(|&row| vertices[row]).collect();
-            let active: Vec<usize> =
-                active.iter().copied().filter(|&vertex| fingers.of(vertex) == Some(finger)).collect();
-            let moved = self.displacement_of_one(options, &own, &active, node_force, normals)?;
-            rows.iter().zip(moved.vectors).for_each(|(&row, vector)| all.vectors[row] = vector);
-            rows.iter().zip(moved.along_normal).for_each(|(&row, rise)| all.along_normal[row] = rise);
+            let active: Vec<usize> = forces.active.iter().copied().filter(|&vertex| is_own(vertex)).collect();
+            let moved = under(&active, &own)?;
+            for (row, (vector, along)) in
+                rows.into_iter().zip(moved.vectors.into_iter().zip(moved.along_normal))
+            {
+                (all.vectors[row], all.along_normal[row]) = (vector, along);
+            }
         }
         Ok(all)
-    }
-
-    fn displacement_of_one(
-        &self,
-        options: &AssemblyOptions,
-        vertices: &[usize],
-        active: &[usize],
-        node_force: &[f64],
-        normals: &[Vector3<f64>],
-    ) -> Result<Displacements, ContactError> {
-        let forces: Vec<Vector3<f64>> =
-            active.iter().map(|&vertex| node_force[vertex] * normals[vertex]).collect();
-        Ok(self.skin.displacements(self.surface, vertices, active, &forces, options)?)
     }
 }

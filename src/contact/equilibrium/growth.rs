@@ -1,47 +1,54 @@
-//! Candidates that were not inside: vertices that the forces elsewhere press into the obstacle.
+//! Candidates that were not inside: the forces elsewhere press them into the obstacle.
 
+use crate::contact::candidate::groups::loaded_rim;
 use crate::contact::equilibrium::compliance::Compliance;
-use crate::contact::equilibrium::solve::Equilibrium;
+use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::gap::initial::InitialGaps;
-use crate::obstacle::posed::Obstacle;
-use crate::surface::checked::Surface;
+use crate::contact::gap::initial::Gaps;
 
 /// A vertex outside the candidates counts as pressed when its gap falls below this share of the deepest
 /// penetration; well above the rounding of `g0 + R f`, well below anything visible.
 const PRESSED_SHARE: f64 = 1e-9;
 
-/// Vertices outside the candidates that the solved forces press into the obstacle.
-pub(crate) fn pressed_outside(
-    surface: &Surface,
-    obstacle: &Obstacle,
-    compliance: &Compliance,
-    gaps: &mut InitialGaps,
-    round: &Equilibrium,
-    deepest: f64,
+/// Vertices that ask for a larger set of candidates: the loaded rim, and what the forces press into the obstacle.
+pub(crate) fn wanting(
+    gaps: &Gaps,
+    response: &Compliance,
+    forces: &NodeForces,
 ) -> Result<Vec<usize>, ContactError> {
-    let active = round.active();
-    let outside: Vec<usize> = (0..surface.vertices().len())
-        .filter(|&vertex| surface.skin_mask()[vertex] && round.candidates.binary_search(&vertex).is_err())
+    let mut wanting = loaded_rim(gaps.surface, &forces.candidates, &forces.force);
+    if response.traits.negative_entries {
+        wanting.extend(pressed_outside(gaps, response, forces)?);
+    }
+    Ok(wanting)
+}
+
+/// Vertices outside the candidates that the solved forces press into the obstacle.
+fn pressed_outside(
+    gaps: &Gaps,
+    response: &Compliance,
+    forces: &NodeForces,
+) -> Result<Vec<usize>, ContactError> {
+    let may_touch = gaps.surface.skin_mask();
+    let outside: Vec<usize> = (0..may_touch.len())
+        .filter(|&vertex| may_touch[vertex] && forces.candidates.binary_search(&vertex).is_err())
         .collect();
-    let displacement =
-        compliance.displacement(&round.fingers, &outside, &active, &round.node_force, &gaps.normal)?;
+    let moved = response.displace_coarsely(forces.applied(), &outside)?;
     // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
-    let sinks = |row: usize| match displacement.along_normal[row] {
-        Some(rise) => -rise,
-        None => displacement.vectors[row].norm(),
+    let sinks = |row: usize| moved.along_normal[row].map_or(moved.vectors[row].norm(), |along| -along);
+    let sinking: Vec<usize> = {
+        let distance = gaps.distances();
+        // An unmeasured vertex stays clear unless it sinks by more than the search distance.
+        let clear = |vertex: usize| distance[vertex].min(gaps.search_distance);
+        (0..outside.len()).filter(|&row| sinks(row) > 0.0 && clear(outside[row]) < sinks(row)).collect()
     };
-    // An unmeasured vertex stays clear unless it sinks by more than the search distance.
-    let clear_below = |vertex: usize| gaps.distance[vertex].min(gaps.search_distance);
-    let sinking: Vec<usize> = (0..outside.len())
-        .filter(|&row| sinks(row) > 0.0 && clear_below(outside[row]) < sinks(row))
-        .collect();
     let vertices: Vec<usize> = sinking.iter().map(|&row| outside[row]).collect();
-    gaps.complete(surface.vertices(), obstacle, &vertices)?;
-    let rise = |row: usize| match displacement.along_normal[row] {
-        Some(rise) => rise,
-        None => displacement.vectors[row].dot(&gaps.normal[outside[row]]),
+    let there = gaps.at(&vertices)?;
+    let pressed = PRESSED_SHARE * gaps.deepest();
+    let is_pressed = |index: &usize| {
+        let row = sinking[*index];
+        let along = moved.along_normal[row].unwrap_or_else(|| moved.vectors[row].dot(&there.normal[*index]));
+        there.distance[*index] + along < -pressed
     };
-    let is_pressed = |row: &usize| gaps.distance[outside[*row]] + rise(*row) < -PRESSED_SHARE * deepest;
-    Ok(sinking.into_iter().filter(is_pressed).map(|row| outside[row]).collect())
+    Ok((0..sinking.len()).filter(is_pressed).map(|index| vertices[index]).collect())
 }

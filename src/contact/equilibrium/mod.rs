@@ -1,5 +1,6 @@
 //! Node forces that end all penetration: `g = g0 + R f, g >= 0, f >= 0, g·f = 0` on the candidates.
 
 pub(crate) mod compliance;
+pub(crate) mod forces;
 pub(crate) mod growth;
 pub(crate) mod solve;

@@ -1,5 +1,6 @@
 //! How far the figures of a contact can be trusted.
 
+use crate::contact::equilibrium::forces::NodeForces;
 use crate::lcp::certificate::Definiteness;
 use crate::lcp::solution::LcpSolution;
 use crate::response;
@@ -22,28 +23,21 @@ pub struct Accuracy {
     /// Mesh cells per equivalent contact radius, `√(area / π) / mean edge length there`; below about 4 force and
     /// area are coarse, at 8 a sphere's force is good to 0.2 %.
     pub cells_per_radius: f64,
-    /// Uncertainty of the contact area from the mesh alone: half the area of the vertices on its rim (m²). Where gaps
-    /// are weighted the rim is found between vertices, and the area is several times as good.
+    /// Uncertainty of the contact area from the mesh alone: half the area of the vertices on its rim (m²). In Galerkin
+    /// form the rim is found between vertices, and the area is several times as good.
     pub area_resolution: f64,
 }
 
 impl Accuracy {
-    pub(crate) fn new(
-        surface: &Surface,
-        node_force: &[f64],
-        active: &[usize],
-        contact_area: f64,
-        integration_tolerance: f64,
-        solutions: &[LcpSolution],
-        examined: &[Option<response::Definiteness>],
-    ) -> Self {
+    pub(crate) fn new(surface: &Surface, forces: &NodeForces, contact_area: f64, tolerance: f64) -> Self {
+        let solutions = &forces.solutions;
         let worst = |value: fn(&LcpSolution) -> f64| solutions.iter().map(value).fold(0.0, f64::max);
         let mut rim_area = 0.0;
         let (mut length, mut edges) = (0.0, 0_usize);
-        for &vertex in active {
+        for &vertex in &forces.active {
             let position = surface.vertices()[vertex];
             let neighbours = surface.neighbours(vertex);
-            if neighbours.iter().any(|&other| node_force[other as usize] == 0.0) {
+            if neighbours.iter().any(|&other| forces.force[other as usize] == 0.0) {
                 rim_area += surface.vertex_areas()[vertex];
             }
             length += neighbours
@@ -56,9 +50,9 @@ impl Accuracy {
         Self {
             natural_residual: worst(|solution| solution.natural_residual),
             complementarity: worst(|solution| solution.complementarity),
-            integration_tolerance,
-            condition: worst_condition(examined),
-            definite: definiteness(solutions, examined),
+            integration_tolerance: tolerance,
+            condition: worst_condition(&forces.definiteness),
+            definite: definiteness(solutions, &forces.definiteness),
             cells_per_radius: if edges == 0 { 0.0 } else { radius * edges as f64 / length },
             area_resolution: 0.5 * rim_area,
         }

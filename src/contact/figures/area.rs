@@ -1,4 +1,4 @@
-//! The contact area of the weighted form: the rim is found between the vertices.
+//! Contact area in Galerkin form: the rim is found between the vertices.
 
 use crate::surface::checked::Surface;
 
@@ -23,10 +23,8 @@ pub(crate) fn contact_areas(
     node_force: &[f64],
     active: &[usize],
 ) -> Vec<f64> {
-    // How far inside the rim (m), negative outside. Vertices that no triangle shares with a force stay at zero, on the
-    // rim: only vertices that touch without force are measured from them, which the mesh error has sunk. From their
-    // own distances the rim of Hertz's contact would come out some 0.03 cells inside (area -0.7 % at 8 cells per
-    // contact radius, against -0.2 %).
+    // Distance inside the rim (m), negative outside. Vertices off the loaded triangles keep 0: their own distances shift
+    // the rim inward by 0.03 cells.
     let mut depth = vec![0.0; gap.len()];
     let around = surface.k_ring(active, 1);
     for &vertex in around.iter().filter(|&&vertex| !touches[vertex]) {

@@ -3,6 +3,8 @@
 pub(crate) mod accuracy;
 pub(crate) mod area;
 pub(crate) mod displacement;
+pub(crate) mod drawn;
+pub(crate) mod fade;
 pub(crate) mod pressure;
+pub(crate) mod recovery;
 pub(crate) mod resultant;
-pub(crate) mod volume;

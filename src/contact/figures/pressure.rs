@@ -1,10 +1,11 @@
-//! The pressure that the forces of the weighted form stand for.
+//! Pressure at the vertices.
 
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
-
+use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::figures::recovery::recover_pressure;
+use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::surface::checked::Surface;
 
-/// Pressure at the vertices and what of it is found between them.
+/// Pressure at the vertices, and the largest that each stands for.
 pub(crate) struct VertexPressure {
     /// (n, Pa).
     pub at_vertices: Vec<f64>,
@@ -13,234 +14,95 @@ pub(crate) struct VertexPressure {
     pub peak: Vec<f64>,
 }
 
-/// Coefficients of a quadratic in two variables.
-const TERMS: usize = 6;
-
-/// A quadratic counts as determined where the smallest singular value of its fit is above this share of the largest.
-const DETERMINED: f64 = 1e-6;
-
-/// Recovers the pressure from `f_i / S_i` of the weighted form with hats.
-///
-/// The piecewise linear pressure of the weighted form is right in its averages against hats, not at its corners: on a
-/// regular mesh these overshoot a smooth pressure by half the hat's second moment times its second derivative (h² |Δp|
-/// / 16 on equilateral triangles of edge h, h² |Δp| / 12 on squares cut by one diagonal), and beside the rim they
-/// alternate. So, where a vertex and all its neighbours carry force, the pressure is the quadratic whose averages
-/// against the hats of these vertices fit those of the piecewise linear field best; it is exact for a quadratic
-/// pressure on any flat mesh. Elsewhere in the contact it is the mean of `f_i / S_i` and of the average against the
-/// hat, which is the same to the second order on these two meshes; without force it is zero.
-///
-/// * `coefficients`: (n, Pa) `f_i / S_i`
-/// * `active`: vertices with f > 0, ascending
-pub(crate) fn recover_pressure(
-    surface: &Surface,
-    coefficients: Vec<f64>,
-    active: &[usize],
-) -> VertexPressure {
-    let means: Vec<f64> = active.iter().map(|&vertex| hat_average(surface, &coefficients, vertex)).collect();
-    let moments: Vec<Moments> = active.iter().map(|&vertex| Moments::of_hat(surface, vertex)).collect();
-    let quadratic = |vertex: usize| {
-        fit_region(surface, active, vertex)
-            .and_then(|rows| fit(surface, active, &rows, vertex, &means, &moments))
-            .filter(|quadratic| quadratic.value > 0.0)
-    };
-    let quadratics: Vec<Option<Quadratic>> = active.iter().map(|&vertex| quadratic(vertex)).collect();
-    let mut at_vertices = coefficients;
-    for ((&vertex, quadratic), mean) in active.iter().zip(&quadratics).zip(means) {
-        at_vertices[vertex] = match quadratic {
-            Some(quadratic) => quadratic.value,
-            None => 0.5 * (at_vertices[vertex] + mean),
-        };
-    }
-    let mut peak = at_vertices.clone();
-    for (&vertex, quadratic) in active.iter().zip(&quadratics) {
-        let own = at_vertices[vertex];
-        let is_highest = surface.neighbours(vertex).iter().all(|&other| at_vertices[other as usize] <= own);
-        if let (true, Some(quadratic)) = (is_highest, quadratic) {
-            peak[vertex] = quadratic.peak();
+impl VertexPressure {
+    /// Pressure of node forces: `p_i = f_i / S_i` of hats, from which the Galerkin form recovers a smooth one; with the
+    /// one-ring basis constant on each triangle, `p_t = Σ_{j in t} f_j / (3 S_j)`, and averaged to the vertices by area.
+    pub fn new(
+        surface: &Surface,
+        basis: PressureBasis,
+        discretization: Discretization,
+        forces: &NodeForces,
+    ) -> Self {
+        match (basis, discretization) {
+            (PressureBasis::OneRing, _) => one_ring_pressure(surface, &forces.force, &forces.active),
+            (PressureBasis::Linear, Discretization::Collocation) => {
+                let at_vertices = coefficients(surface, &forces.force);
+                Self { peak: at_vertices.clone(), at_vertices }
+            }
+            (PressureBasis::Linear, Discretization::Galerkin) => {
+                recover_pressure(surface, coefficients(surface, &forces.force), &forces.active)
+            }
         }
     }
-    VertexPressure { at_vertices, peak }
+
+    /// Raises a patch's peak to its mean pressure F/A where recovery left it lower (patches of a few vertices).
+    ///
+    /// * `areas`: the contact's share of each vertex (n, m²)
+    pub fn raise_to_means(&mut self, surface: &Surface, forces: &NodeForces, areas: &[f64]) {
+        for patch in surface.patches(&forces.active) {
+            let sum = |values: &[f64]| patch.iter().map(|&vertex| values[vertex]).sum::<f64>();
+            let mean = sum(&forces.force) / sum(areas);
+            let highest = patch.iter().copied().max_by(|&a, &b| self.peak[a].total_cmp(&self.peak[b]));
+            let highest = highest.expect("a patch has a vertex");
+            self.peak[highest] = self.peak[highest].max(mean);
+        }
+    }
 }
 
-/// Average of a piecewise linear field against the hat of a vertex.
-fn hat_average(surface: &Surface, field: &[f64], vertex: usize) -> f64 {
-    let share = |&face: &u32| {
-        let corners: f64 = surface.faces()[face as usize].iter().map(|&corner| field[corner as usize]).sum();
-        surface.face_areas()[face as usize] * (corners + field[vertex]) / 12.0
-    };
-    surface.faces_around(vertex).iter().map(share).sum::<f64>() / surface.vertex_areas()[vertex]
+/// `f_i / S_i` (n, Pa).
+fn coefficients(surface: &Surface, node_force: &[f64]) -> Vec<f64> {
+    node_force.iter().zip(surface.vertex_areas()).map(|(force, area)| force / area).collect()
 }
 
-/// First (m) and second (m²) moments of a hat about its vertex, by its integral.
-struct Moments {
-    first: Vector3<f64>,
-    second: Matrix3<f64>,
-}
-
-impl Moments {
-    fn of_hat(surface: &Surface, vertex: usize) -> Self {
-        let (mut first, mut second) = (Vector3::zeros(), Matrix3::zeros());
-        let origin = surface.vertices()[vertex];
+fn one_ring_pressure(surface: &Surface, node_force: &[f64], active: &[usize]) -> VertexPressure {
+    let areas = surface.vertex_areas();
+    let mut of_face = vec![0.0; surface.faces().len()];
+    for &vertex in active {
         for &face in surface.faces_around(vertex) {
-            // The corners' places from the vertex; its own is zero and adds nothing.
-            let places = surface.faces()[face as usize].map(|v| surface.vertices()[v as usize] - origin);
-            let sum = places[0] + places[1] + places[2];
-            let squares: Matrix3<f64> = places.iter().map(|place| place * place.transpose()).sum();
-            // ∫ l_a l_b dA = A/12, ∫ l_a l_b² dA = A/30, ∫ l_a l_b l_c dA = A/60
-            let area = surface.face_areas()[face as usize];
-            first += area / 12.0 * sum;
-            second += area / 60.0 * (squares + sum * sum.transpose());
-        }
-        let integral = surface.vertex_areas()[vertex];
-        Self { first: first / integral, second: second / integral }
-    }
-}
-
-/// Rows of the active vertices to fit over: the vertex and its neighbours, all of which must carry force. The next
-/// ring is added where these are fewer than a quadratic has terms.
-fn fit_region(surface: &Surface, active: &[usize], vertex: usize) -> Option<Vec<usize>> {
-    let ring_of = |vertex: usize| surface.neighbours(vertex).iter().map(|&other| other as usize);
-    let mut vertices: Vec<usize> = ring_of(vertex).chain([vertex]).collect();
-    if vertices.len() < TERMS {
-        vertices = vertices.into_iter().flat_map(ring_of).collect();
-    }
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices.iter().map(|other| active.binary_search(other).ok()).collect()
-}
-
-/// A quadratic about a vertex, in its tangent plane.
-struct Quadratic {
-    /// At the vertex (Pa).
-    value: f64,
-    gradient: Vector2<f64>,
-    hessian: Matrix2<f64>,
-    /// Distance of the farthest neighbour, in the unit of the coordinates.
-    reach: f64,
-}
-
-impl Quadratic {
-    /// Its largest value, where it has one no farther than the neighbours; else that at the vertex (Pa).
-    fn peak(&self) -> f64 {
-        if !(self.hessian[(0, 0)] < 0.0 && self.hessian.determinant() > 0.0) {
-            return self.value;
-        }
-        match self.hessian.try_inverse().map(|inverse| -inverse * self.gradient) {
-            Some(place) if place.norm() <= self.reach => self.value + 0.5 * self.gradient.dot(&place),
-            _ => self.value,
+            of_face[face as usize] += node_force[vertex] / (3.0 * areas[vertex]);
         }
     }
-}
-
-/// The quadratic whose averages against the hats of `active[rows]` fit `means` best; `None` where they do not tell it.
-fn fit(
-    surface: &Surface,
-    active: &[usize],
-    rows: &[usize],
-    vertex: usize,
-    means: &[f64],
-    moments: &[Moments],
-) -> Option<Quadratic> {
-    let length = surface.vertex_areas()[vertex].sqrt();
-    let to_plane = tangents(&surface.vertex_normals()[vertex]) / length;
-    let place = |other: usize| to_plane * (surface.vertices()[other] - surface.vertices()[vertex]);
-    let mut averages = DMatrix::zeros(rows.len(), TERMS);
-    let mut found = DVector::zeros(rows.len());
-    for (k, &row) in rows.iter().enumerate() {
-        let (x, first) = (place(active[row]), to_plane * moments[row].first);
-        let second = to_plane * moments[row].second * to_plane.transpose();
-        // averages of 1, x, y, x², x y, y² against the hat
-        let square = x * x.transpose() + x * first.transpose() + first * x.transpose() + second;
-        let terms = [1.0, x.x + first.x, x.y + first.y, square[(0, 0)], square[(0, 1)], square[(1, 1)]];
-        averages.row_mut(k).copy_from_slice(&terms);
-        found[k] = means[row];
+    let mut pressure = vec![0.0; node_force.len()];
+    for (face, corners) in surface.faces().iter().enumerate() {
+        for &corner in corners {
+            pressure[corner as usize] += of_face[face] * surface.face_areas()[face];
+        }
     }
-    let decomposed = averages.svd(true, true);
-    let largest = decomposed.singular_values.max();
-    if decomposed.rank(DETERMINED * largest) < TERMS {
-        return None;
+    pressure.iter_mut().zip(areas).for_each(|(sum, area)| *sum /= 3.0 * area);
+    for (pressure, force) in pressure.iter_mut().zip(node_force) {
+        // A problem that did not solve has no pressure either.
+        if force.is_nan() {
+            *pressure = f64::NAN;
+        }
     }
-    let c = decomposed.solve(&found, 0.0).ok()?;
-    let neighbours = surface.neighbours(vertex);
-    Some(Quadratic {
-        value: c[0],
-        gradient: Vector2::new(c[1], c[2]),
-        hessian: Matrix2::new(2.0 * c[3], c[4], c[4], 2.0 * c[5]),
-        reach: neighbours.iter().map(|&other| place(other as usize).norm()).fold(0.0, f64::max),
-    })
-}
-
-/// Two unit vectors across a unit normal, as rows.
-fn tangents(normal: &Vector3<f64>) -> Matrix2x3<f64> {
-    let mut axis = Vector3::zeros();
-    axis[normal.iamin()] = 1.0;
-    let first = normal.cross(&axis).normalize();
-    Matrix2x3::from_rows(&[first.transpose(), normal.cross(&first).transpose()])
+    // A triangle's pressure is that of its free corners too.
+    let around = |vertex: usize| surface.neighbours(vertex).iter().map(|&other| pressure[other as usize]);
+    let peak = (0..pressure.len()).map(|vertex| around(vertex).fold(pressure[vertex], f64::max)).collect();
+    VertexPressure { peak, at_vertices: pressure }
 }
 
 #[cfg(test)]
 mod tests {
-    use approx::assert_relative_eq;
-    use nalgebra::{Rotation3, Vector2, Vector3};
+    use nalgebra::Vector3;
 
-    use super::{Moments, fit, fit_region};
-    use crate::response::kernel::skin::Pressure;
-    use crate::response::matrix::average::pressure_average;
+    use super::one_ring_pressure;
     use crate::surface::checked::Surface;
 
-    /// A flat grid of squares of 1 mm with alternating diagonals (4 and 8 neighbours), its vertices moved by some
-    /// 0.2 mm, turned out of the plane by `turn`.
-    fn uneven(turn: &Rotation3<f64>) -> Surface {
-        let (side, h) = (9_u32, 1e-3);
-        let place = |k: u32| {
-            let shift = |phase: f64| 0.2 * (2.4 * f64::from(k * k % 97) + phase).sin();
-            let (i, j) = (f64::from(k % side), f64::from(k / side));
-            turn * Vector3::new((i + shift(0.3)) * h, (j + shift(1.7)) * h, 0.0)
-        };
-        let cell = |k: u32| {
-            let [a, b, c, d] = [k, k + 1, k + side + 1, k + side];
-            if (k % side + k / side).is_multiple_of(2) {
-                [[a, b, c], [a, c, d]]
-            } else {
-                [[a, b, d], [b, c, d]]
-            }
-        };
-        let cells = (0..side * (side - 1)).filter(|k| k % side + 1 < side);
-        Surface::new((0..side * side).map(place).collect(), cells.flat_map(cell).collect())
-            .expect("a valid surface")
-    }
-
     #[test]
-    fn a_quadratic_pressure_and_its_peak_come_back_from_its_averages_against_hats() {
-        let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.1);
-        let surface = uneven(&turn);
-        let active: Vec<usize> = (0..surface.vertices().len()).collect();
-        // Largest, 7 Pa, at (4.2, 3.9) mm.
-        let field = |x: &Vector3<f64>| {
-            let x = (turn.inverse() * x).xy() * 1e3 - Vector2::new(4.2, 3.9);
-            7.0 - 0.2 * x.x * x.x - 0.3 * x.y * x.y + 0.1 * x.x * x.y
-        };
-        let points = surface.vertices();
-        let at_vertices: Vec<f64> = points.iter().map(field).collect();
-        let at_middle = |a: u32, b: u32| field(&(0.5 * (points[a as usize] + points[b as usize])));
-        let mean =
-            |&vertex: &usize| pressure_average(&surface, Pressure::Linear, vertex, &at_vertices, at_middle);
-        let means: Vec<f64> = active.iter().map(mean).collect();
-        let moments: Vec<Moments> = active.iter().map(|&vertex| Moments::of_hat(&surface, vertex)).collect();
-        let mut at_peak = 0;
-        for &vertex in &active {
-            let rows = fit_region(&surface, &active, vertex).expect("all carry force");
-            let Some(found) = fit(&surface, &active, &rows, vertex, &means, &moments) else {
-                assert!(rows.len() < 9, "only at corners are vertices few");
-                continue;
-            };
-            // Rounding grows with the condition of a fit, some 100.
-            assert_relative_eq!(found.value, field(&points[vertex]), max_relative = 1e-11);
-            if found.peak() > found.value {
-                assert_relative_eq!(found.peak(), 7.0, max_relative = 1e-11);
-                at_peak += 1;
-            }
-        }
-        assert!(at_peak > 0, "some vertex sees the peak beside it");
+    fn the_largest_pressure_of_one_rings_may_lie_at_a_vertex_without_force() {
+        // Squares cut by one diagonal; the six neighbours of the middle carry force. Twice as much of it lies on the
+        // triangles at the middle as on those around them.
+        let place = |k: u32| Vector3::new(f64::from(k % 5), f64::from(k / 5), 0.0);
+        let cells = (0..20).filter(|k| k % 5 < 4);
+        let faces = cells.flat_map(|k| [[k, k + 1, k + 6], [k, k + 6, k + 5]]).collect();
+        let surface = Surface::new((0..25).map(place).collect(), faces).expect("a valid surface");
+        let middle = 12;
+        let active: Vec<usize> = surface.neighbours(middle).iter().map(|&other| other as usize).collect();
+        let mut node_force = [0.0; 25];
+        active.iter().for_each(|&vertex| node_force[vertex] = 1.0);
+        let found = one_ring_pressure(&surface, &node_force, &active);
+        let largest = found.at_vertices.iter().copied().fold(0.0, f64::max);
+        assert_eq!(found.at_vertices[middle], largest);
+        assert!(active.iter().all(|&vertex| found.peak[vertex] == largest));
     }
 }

@@ -1,4 +1,4 @@
-//! Vertices that came in through another side than their closest one: their gap is the way back.
+//! Vertices that came in through another side than their closest one: their gap is measured back along the press.
 //!
 //! Beside an edge of the obstacle, and inside a wall thinner than the depth, the closest surface is a side of it or its
 //! far end, and the gap to it says nothing about how the vertex came in: it would push the skin out sideways, at a
@@ -13,25 +13,17 @@
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::initial::InitialGaps;
+use crate::contact::gap::initial::Measured;
+use crate::contact::scene::Travel;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
-
-/// A press that ends where the obstacle stands, which nothing penetrated at its start.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Travel {
-    /// Unit direction of the obstacle.
-    pub direction: Vector3<f64>,
-    /// Its length (m).
-    pub depth: f64,
-}
 
 /// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees.
 const OTHER_SIDE: f64 = 0.5;
 
-/// Vertices whose gap is the way back.
+/// Vertices whose gap is measured back along the press.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(crate) struct WayBack {
+pub(crate) struct EntryGap {
     /// All of them.
     pub vertices: usize,
     /// Those that went through a wall thinner than their depth: they left the obstacle again, or their closest
@@ -39,22 +31,22 @@ pub(crate) struct WayBack {
     pub through_walls: usize,
 }
 
-/// Takes the way back for the gap of vertices whose entry normal points elsewhere than the one at their closest point.
+/// Measures the gap back along the press where the entry normal points elsewhere than the one at the closest point.
 ///
 /// Others keep their gap to the bit.
-pub(crate) fn measure_way_back(
+pub(crate) fn measure_entries(
     surface: &Surface,
     obstacle: &Obstacle,
     travel: &Travel,
-    gaps: &mut InitialGaps,
-) -> Result<WayBack, ContactError> {
+    gaps: &mut Measured,
+) -> Result<EntryGap, ContactError> {
     let cosine = |vertex: usize| gaps.normal[vertex].dot(&travel.direction);
     let suspects: Vec<usize> = (0..gaps.distance.len())
         .filter(|&vertex| surface.skin_mask()[vertex] && gaps.distance[vertex] < travel.depth)
         .filter(|&vertex| cosine(vertex) < if gaps.distance[vertex] < 0.0 { OTHER_SIDE } else { 0.0 })
         .collect();
     if suspects.is_empty() {
-        return Ok(WayBack::default());
+        return Ok(EntryGap::default());
     }
     let points: Vec<Vector3<f64>> = suspects.iter().map(|&vertex| surface.vertices()[vertex]).collect();
     let ways = obstacle.way_back(&points, &travel.direction, travel.depth)?;
@@ -71,7 +63,7 @@ pub(crate) fn measure_way_back(
         })
         .collect();
     let behind = obstacle.signed_distance(&beyond, None)?.distance;
-    let mut counted = WayBack::default();
+    let mut counted = EntryGap::default();
     for (row, (vertex, way)) in met.into_iter().enumerate() {
         let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
         let advance = entry.dot(&travel.direction);

@@ -1,63 +1,153 @@
 //! Initial gaps: signed distance of the skin's vertices from the obstacle, measured no further than needed.
 
+use std::cell::{Ref, RefCell};
+use std::collections::HashMap;
+
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
+use crate::contact::gap::averaged;
+use crate::contact::gap::entry::{EntryGap, measure_entries};
+use crate::contact::scene::Scene;
 use crate::obstacle::posed::Obstacle;
+use crate::response::kernel::basis::{Discretization, PressureBasis};
+use crate::response::skin::elastic::Traits;
+use crate::surface::checked::Surface;
 
-/// Initial gap and obstacle normal per vertex; infinite and NaN beyond the search distance.
+/// Default search distance beyond the depth, in mean edge lengths.
+const SEARCH_EDGES: f64 = 2.0;
+
+/// Initial gap g0 (m) and obstacle normal of the skin's vertices, measured anew where somebody asks beyond the search
+/// distance.
+pub(crate) struct Gaps<'a> {
+    pub surface: &'a Surface,
+    pub scene: &'a Scene,
+    /// Every vertex not measured is at least this far from the obstacle, outside it (m).
+    pub search_distance: f64,
+    /// Vertices whose gap is measured back along the press.
+    pub entry: EntryGap,
+    /// Vertices that may touch with g0 < 0, ascending.
+    pub penetrating: Vec<usize>,
+    measured: RefCell<Measured>,
+    /// g0 (m) averaged against the pressure of a node.
+    averaged: RefCell<HashMap<usize, f64>>,
+}
+
+/// Signed distance and normal per point; infinite and NaN where the search found none.
 #[derive(Debug, Clone)]
-pub(crate) struct InitialGaps {
+pub(crate) struct Measured {
     /// g0 (n, m).
     pub distance: Vec<f64>,
     /// Outward unit normal of the obstacle at its closest point (n).
     pub normal: Vec<Vector3<f64>>,
-    /// Every vertex not measured is at least this far from the obstacle, outside it (m).
-    pub search_distance: f64,
 }
 
-impl InitialGaps {
-    /// Measures every vertex nearer to the obstacle than `search_distance` (m) and every vertex inside it.
+impl<'a> Gaps<'a> {
+    /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; under a press,
+    /// in collocation, back along the travel where the closest side is not the one that the vertex came in through.
     ///
-    /// `depth_bound` (m), where known, is a penetration that no vertex exceeds; without it the vertices within
-    /// the obstacle's bounding box are measured without limit, as any of them may lie deep inside.
+    /// * `search_distance`: (m); `None`: depth and two mean edge lengths
     pub fn measure(
+        surface: &'a Surface,
+        scene: &'a Scene,
+        traits: &Traits,
+        search_distance: Option<f64>,
+    ) -> Result<Self, ContactError> {
+        let depth_bound = scene.depth_bound;
+        let default = || depth_bound.unwrap_or(0.0) + SEARCH_EDGES * surface.mean_edge_length();
+        let reach = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
+        let mut measured = Measured::near(surface.vertices(), &scene.obstacle, reach, depth_bound)?;
+        let entry = match &scene.press {
+            Some(travel) if traits.discretization == Discretization::Collocation => {
+                measure_entries(surface, &scene.obstacle, travel, &mut measured)?
+            }
+            _ => EntryGap::default(),
+        };
+        let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
+        Ok(Self {
+            surface,
+            scene,
+            search_distance: reach,
+            entry,
+            penetrating: (0..measured.distance.len()).filter(is_inside).collect(),
+            measured: RefCell::new(measured),
+            averaged: RefCell::default(),
+        })
+    }
+
+    /// Deepest penetration of a vertex (m, ≥ 0).
+    pub fn deepest(&self) -> f64 {
+        let distance = self.distances();
+        self.penetrating.iter().map(|&vertex| -distance[vertex]).fold(0.0, f64::max)
+    }
+
+    /// g0 (n, m) as measured so far.
+    pub fn distances(&self) -> Ref<'_, [f64]> {
+        Ref::map(self.measured.borrow(), |measured| &measured.distance[..])
+    }
+
+    /// g0 (m) and obstacle normal of `vertices`, measured without limit where they have not been yet.
+    pub fn at(&self, vertices: &[usize]) -> Result<Measured, ContactError> {
+        let mut measured = self.measured.borrow_mut();
+        measured.complete(self.surface.vertices(), &self.scene.obstacle, vertices)?;
+        Ok(Measured {
+            distance: vertices.iter().map(|&vertex| measured.distance[vertex]).collect(),
+            normal: vertices.iter().map(|&vertex| measured.normal[vertex]).collect(),
+        })
+    }
+
+    /// g0 (m) of `nodes`, averaged against their pressures.
+    pub fn averaged(&self, basis: PressureBasis, nodes: &[usize]) -> Result<Vec<f64>, ContactError> {
+        let mut known = self.averaged.borrow_mut();
+        let missing: Vec<usize> = nodes.iter().copied().filter(|node| !known.contains_key(node)).collect();
+        if !missing.is_empty() {
+            let averages = averaged::measure(self, basis, &missing)?;
+            known.extend(missing.into_iter().zip(averages));
+        }
+        Ok(nodes.iter().map(|node| known[node]).collect())
+    }
+}
+
+impl Measured {
+    /// Measures every point nearer to the obstacle than `reach` (m) and every point inside it.
+    ///
+    /// `depth_bound` (m), where known, is a penetration that no point exceeds; without it the points within the
+    /// obstacle's bounding box are measured without limit, as any of them may lie deep inside.
+    pub fn near(
         points: &[Vector3<f64>],
         obstacle: &Obstacle,
-        search_distance: f64,
+        reach: f64,
         depth_bound: Option<f64>,
     ) -> Result<Self, ContactError> {
-        let reach = search_distance.max(depth_bound.unwrap_or(0.0));
-        let mut gaps = Self {
+        let mut measured = Self {
             distance: vec![f64::INFINITY; points.len()],
             normal: vec![Vector3::repeat(f64::NAN); points.len()],
-            search_distance: reach,
         };
         let near = within_box(points, obstacle, reach, 0..points.len());
-        gaps.fill(points, obstacle, &near, Some(reach))?;
+        measured.fill(points, obstacle, &near, Some(reach))?;
         if depth_bound.is_none() {
-            let unanswered = near.into_iter().filter(|&vertex| gaps.distance[vertex].is_infinite());
+            let unanswered = near.into_iter().filter(|&point| measured.distance[point].is_infinite());
             let maybe_inside = within_box(points, obstacle, 0.0, unanswered);
-            gaps.fill(points, obstacle, &maybe_inside, None)?;
-            for vertex in maybe_inside {
-                if gaps.distance[vertex] > reach {
-                    gaps.distance[vertex] = f64::INFINITY;
-                    gaps.normal[vertex].fill(f64::NAN);
+            measured.fill(points, obstacle, &maybe_inside, None)?;
+            for point in maybe_inside {
+                if measured.distance[point] > reach {
+                    measured.distance[point] = f64::INFINITY;
+                    measured.normal[point].fill(f64::NAN);
                 }
             }
         }
-        Ok(gaps)
+        Ok(measured)
     }
 
-    /// Measures `vertices` without limit where they have not been measured yet.
-    pub fn complete(
+    /// Measures `wanted` without limit where they have not been measured yet.
+    fn complete(
         &mut self,
         points: &[Vector3<f64>],
         obstacle: &Obstacle,
-        vertices: &[usize],
+        wanted: &[usize],
     ) -> Result<(), ContactError> {
         let missing: Vec<usize> =
-            vertices.iter().copied().filter(|&vertex| self.distance[vertex].is_infinite()).collect();
+            wanted.iter().copied().filter(|&point| self.distance[point].is_infinite()).collect();
         self.fill(points, obstacle, &missing, None)
     }
 
@@ -65,37 +155,34 @@ impl InitialGaps {
         &mut self,
         points: &[Vector3<f64>],
         obstacle: &Obstacle,
-        vertices: &[usize],
+        wanted: &[usize],
         max_distance: Option<f64>,
     ) -> Result<(), ContactError> {
-        if vertices.is_empty() {
+        if wanted.is_empty() {
             return Ok(());
         }
-        let queried: Vec<Vector3<f64>> = vertices.iter().map(|&vertex| points[vertex]).collect();
+        let queried: Vec<Vector3<f64>> = wanted.iter().map(|&point| points[point]).collect();
         let answer = obstacle.signed_distance(&queried, max_distance)?;
-        for (row, &vertex) in vertices.iter().enumerate() {
-            self.distance[vertex] = answer.distance[row];
-            self.normal[vertex] = answer.normal[row];
+        for (row, &point) in wanted.iter().enumerate() {
+            self.distance[point] = answer.distance[row];
+            self.normal[point] = answer.normal[row];
         }
         Ok(())
     }
 }
 
-/// Those of `vertices` that lie within the obstacle's bounding box grown by `margin` (m).
+/// Those of `wanted` that lie within the obstacle's bounding box grown by `margin` (m).
 fn within_box(
     points: &[Vector3<f64>],
     obstacle: &Obstacle,
     margin: f64,
-    vertices: impl Iterator<Item = usize>,
+    wanted: impl Iterator<Item = usize>,
 ) -> Vec<usize> {
     let Some((low, high)) = obstacle.bounding_box() else {
-        return vertices.collect();
+        return wanted.collect();
     };
     let (low, high) = (low.add_scalar(-margin), high.add_scalar(margin));
-    vertices
-        .filter(|&vertex| {
-            let point = &points[vertex];
-            (0..3).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis])
-        })
-        .collect()
+    let is_within =
+        |point: &Vector3<f64>| (0..3).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis]);
+    wanted.filter(|&point| is_within(&points[point])).collect()
 }

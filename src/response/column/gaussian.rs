@@ -260,7 +260,7 @@ mod tests {
     use super::*;
     use crate::response::column::load::loaded_faces;
     use crate::response::integral::gauss::gauss_interval;
-    use crate::response::kernel::skin::Pressure;
+    use crate::response::kernel::basis::PressureBasis;
     use crate::surface::checked::Surface;
 
     /// A bent hexagon of some 1 mm around the origin, loaded in the middle.
@@ -342,7 +342,7 @@ mod tests {
     fn check(kernel: &Corrected, points: &[Vector3<f64>]) -> (usize, usize) {
         let (surface, targets) = (hexagon(), Targets::new(points));
         let mut scratch = Scratch::new(&targets);
-        loaded_faces(&surface, 0, Pressure::Linear, &mut scratch.faces);
+        loaded_faces(&surface, 0, PressureBasis::Linear, &mut scratch.faces);
         let scale = kernel.constant / kernel.cutoff;
         let reference = |x: &Vector3<f64>| {
             let exact: f64 = scratch.faces.iter().map(|face| kernel.exact(face, x)).sum();

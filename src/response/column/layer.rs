@@ -12,7 +12,7 @@ use crate::response::integral::edge_quadrature::EdgePotential;
 use crate::response::integral::hat_simd::NearFace;
 use crate::response::kernel::layer::LayerKernel;
 use crate::response::kernel::layer_table::{LARGEST, LayerTable};
-use crate::response::kernel::skin::Skin;
+use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::series::taylor::{DEGREES, MAX_DEGREE};
 use crate::response::simd::lanes::Lanes;
@@ -38,8 +38,8 @@ pub(crate) struct PreparedLayer {
 }
 
 impl PreparedLayer {
-    pub(crate) fn new(skin: &Skin, options: &AssemblyOptions) -> Result<Self, ResponseError> {
-        let kernel = LayerKernel::new(skin.poisson_ratio)?;
+    pub(crate) fn new(skin: &KernelSkin, options: &AssemblyOptions) -> Result<Self, ResponseError> {
+        let kernel = LayerKernel::new(skin.poisson_ratio())?;
         Ok(Self {
             reach: kernel.reach(SKIPPED * options.tolerance),
             constant: skin.kernel_constant(),

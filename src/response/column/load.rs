@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::response::integral::hat::Frame;
-use crate::response::kernel::skin::Pressure;
+use crate::response::kernel::basis::PressureBasis;
 use crate::surface::checked::Surface;
 
 /// A triangle that carries part of a node's unit force.
@@ -33,7 +33,7 @@ impl LoadedFace {
 pub(crate) fn loaded_faces(
     surface: &Surface,
     vertex: usize,
-    pressure: Pressure,
+    pressure: PressureBasis,
     faces: &mut Vec<LoadedFace>,
 ) {
     let (points, triangles) = (surface.vertices(), surface.faces());
@@ -48,12 +48,17 @@ pub(crate) fn loaded_faces(
 }
 
 /// Pressure at the corners of a face around `vertex`, per newton there (1/m²).
-pub(crate) fn density(surface: &Surface, corners: [u32; 3], vertex: usize, pressure: Pressure) -> [f64; 3] {
+pub(crate) fn density(
+    surface: &Surface,
+    corners: [u32; 3],
+    vertex: usize,
+    pressure: PressureBasis,
+) -> [f64; 3] {
     let vertex_area = surface.vertex_areas()[vertex];
     match pressure {
-        Pressure::Linear => corners.map(|v| if v as usize == vertex { 1.0 / vertex_area } else { 0.0 }),
+        PressureBasis::Linear => corners.map(|v| if v as usize == vertex { 1.0 / vertex_area } else { 0.0 }),
         // the area of the one-ring is three vertex areas
-        Pressure::OneRing => [1.0 / (3.0 * vertex_area); 3],
+        PressureBasis::OneRing => [1.0 / (3.0 * vertex_area); 3],
     }
 }
 

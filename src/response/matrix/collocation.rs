@@ -9,7 +9,8 @@ use crate::response::column::half_space::{Scratch, half_space_values};
 use crate::response::column::layer::PreparedLayer;
 use crate::response::column::load::loaded_faces;
 use crate::response::error::ResponseError;
-use crate::response::kernel::skin::{Gap, Response, Skin};
+use crate::response::kernel::basis::Discretization;
+use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::matrix::fill::fill_columns;
 use crate::response::matrix::galerkin::weighted_block;
 use crate::response::matrix::options::{AssemblyOptions, check_request};
@@ -34,7 +35,7 @@ use crate::surface::checked::Surface;
 /// a matrix, or an interruption: see [`ResponseError`].
 pub fn assemble(
     surface: &Surface,
-    skin: &Skin,
+    skin: &KernelSkin,
     nodes: &[usize],
     directions: Option<&[Vector3<f64>]>,
     options: &AssemblyOptions,
@@ -51,7 +52,7 @@ pub fn assemble(
 /// As [`assemble`].
 pub fn assemble_block(
     surface: &Surface,
-    skin: &Skin,
+    skin: &KernelSkin,
     rows: &[usize],
     columns: &[usize],
     options: &AssemblyOptions,
@@ -63,14 +64,13 @@ pub fn assemble_block(
 
 fn fill_block(
     surface: &Surface,
-    skin: &Skin,
+    skin: &KernelSkin,
     rows: &[usize],
     columns: &[usize],
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
-    skin.validate()?;
     skin.check_against(surface)?;
-    if skin.gap() == Gap::Weighted {
+    if skin.discretization() == Discretization::Galerkin {
         return weighted_block(surface, skin, rows, columns, options);
     }
     let mut matrix = Mat::zeros(rows.len(), columns.len());
@@ -86,7 +86,7 @@ fn fill_block(
 /// What all columns of the node form over the same rows share.
 pub(crate) struct Columns<'a> {
     surface: &'a Surface,
-    skin: &'a Skin,
+    skin: &'a KernelSkin,
     tolerance: f64,
     layer: Option<PreparedLayer>,
     /// 1/thickness of the targets of a layer (1/m).
@@ -97,19 +97,19 @@ pub(crate) struct Columns<'a> {
 impl<'a> Columns<'a> {
     pub(crate) fn new(
         surface: &'a Surface,
-        skin: &'a Skin,
+        skin: &'a KernelSkin,
         rows: &[usize],
         options: &AssemblyOptions,
     ) -> Result<Self, ResponseError> {
-        let point = |&v: &usize| match &skin.response {
-            Response::Layer { thickness, .. } => displacement_point(surface, v, thickness.at(v)),
+        let point = |&v: &usize| match skin.kernel() {
+            Kernel::Layer { thickness } => displacement_point(surface, v, thickness.at(v)),
             _ => surface.vertices()[v],
         };
         let points: Vec<_> = rows.iter().map(point).collect();
         let targets = Targets::new(&points);
         let mut inverse_thickness = Vec::new();
         let mut layer = None;
-        if let Response::Layer { thickness, .. } = &skin.response {
+        if let Kernel::Layer { thickness } = skin.kernel() {
             let places = targets.rows.iter().map(|&row| 1.0 / thickness.at(rows[row as usize]));
             inverse_thickness.extend(places);
             if let Some(&last) = inverse_thickness.last() {
@@ -125,16 +125,16 @@ impl<'a> Columns<'a> {
         let (targets, tolerance) = (&self.targets, self.tolerance);
         let constant = self.skin.kernel_constant();
         scratch.faces.clear();
-        loaded_faces(self.surface, vertex, self.skin.pressure(), &mut scratch.faces);
-        match self.skin.response {
-            Response::Layer { ref thickness, .. } => {
+        loaded_faces(self.surface, vertex, self.skin.basis(), &mut scratch.faces);
+        match self.skin.kernel() {
+            Kernel::Layer { thickness } => {
                 let layer = self.layer.as_ref().expect("prepared for a layer");
                 layer.values(targets, &self.inverse_thickness, scratch, thickness.at(vertex));
             }
-            Response::HalfSpace { .. } => {
+            Kernel::HalfSpace => {
                 half_space_values(targets, scratch, constant, tolerance, f64::INFINITY);
             }
-            Response::GaussianCorrected { height, width, cutoff, .. } => {
+            &Kernel::GaussianCorrected { height, width, cutoff } => {
                 Corrected { constant, height, cutoff, width }.values(targets, scratch, tolerance);
             }
         }

@@ -3,7 +3,8 @@
 use faer::{Mat, MatRef, Side};
 
 use crate::lcp::definite::cholesky_rounding;
-use crate::response::kernel::skin::{Gap, Pressure, Response, Skin};
+use crate::response::kernel::basis::{Discretization, PressureBasis};
+use crate::response::kernel::skin::{Kernel, KernelSkin};
 
 /// Up to this order all eigenvalues are computed; beyond it the extreme ones are estimated.
 const SMALL: usize = 192;
@@ -122,7 +123,7 @@ fn lanczos(n: usize, steps: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> Ext
 
 impl Definiteness {
     /// Why the matrix is not positive definite and which constant to change; `None` if it is.
-    pub fn advice(&self, skin: &Skin) -> Option<String> {
+    pub fn advice(&self, skin: &KernelSkin) -> Option<String> {
         if self.positive_definite {
             return None;
         }
@@ -131,20 +132,20 @@ impl Definiteness {
              contact problem may have no solution or several",
             self.smallest / self.largest
         );
-        let remedy = match &skin.response {
-            _ if skin.pressure() == Pressure::OneRing => {
+        let remedy = match skin.kernel() {
+            _ if skin.basis() == PressureBasis::OneRing => {
                 "pressure = one_ring is singular on regular meshes: take pressure = linear".to_string()
             }
-            Response::GaussianCorrected { height, width, .. } => format!(
+            Kernel::GaussianCorrected { height, width, .. } => format!(
                 "the Gaussian of height {height:.3e} m/N and width {width:.3e} m takes off more than K/r gives: \
                  without a cutoff a height up to {:.3e} m/N is well posed at this width, balanced and cut off at \
                  L a width from about L/2; or take a layer or half-space",
                 skin.kernel_constant() * 0.5f64.exp() / width
             ),
-            Response::Layer { thickness, gap, .. } => {
-                let form = match gap {
-                    Gap::Node => "on badly shaped flat triangles gap = weighted is; ",
-                    Gap::Weighted => "",
+            Kernel::Layer { thickness } => {
+                let form = match skin.discretization() {
+                    Discretization::Collocation => "on badly shaped flat triangles gap = weighted is; ",
+                    Discretization::Galerkin => "",
                 };
                 format!(
                     "the kernel of a layer of thickness {:.3e} m is that of a flat layer: {form}where the surface \
@@ -164,8 +165,8 @@ impl Definiteness {
 mod tests {
     use super::*;
 
-    fn skin(pressure: Pressure) -> Skin {
-        Skin::new(60e3, 0.5, Response::HalfSpace { pressure, gap: Gap::Node }).expect("valid constants")
+    fn skin(basis: PressureBasis) -> KernelSkin {
+        KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).expect("valid constants").with_basis(basis)
     }
 
     #[test]
@@ -176,7 +177,7 @@ mod tests {
         assert!(d.positive_definite && !d.estimated);
         assert!((d.smallest - 1.0).abs() < 1e-14 && (d.largest - 3.0).abs() < 1e-14);
         assert!((d.condition - 3.0).abs() < 1e-13);
-        assert_eq!(d.advice(&skin(Pressure::Linear)), None);
+        assert_eq!(d.advice(&skin(PressureBasis::Linear)), None);
     }
 
     #[test]
@@ -185,8 +186,8 @@ mod tests {
         let d = definiteness(m.as_ref());
         assert!(!d.positive_definite && d.condition == f64::INFINITY);
         assert!((d.smallest + 1.0).abs() < 1e-14);
-        assert!(d.advice(&skin(Pressure::Linear)).expect("advice").contains("weighted"));
-        assert!(d.advice(&skin(Pressure::OneRing)).expect("advice").contains("one_ring"));
+        assert!(d.advice(&skin(PressureBasis::Linear)).expect("advice").contains("weighted"));
+        assert!(d.advice(&skin(PressureBasis::OneRing)).expect("advice").contains("one_ring"));
     }
 
     #[test]

@@ -10,7 +10,8 @@ use crate::response::column::layer::PreparedLayer;
 use crate::response::column::load::loaded_faces;
 use crate::response::error::ResponseError;
 use crate::response::integral::gauss::{RulePoint, graded_triangle_rule, triangle_rule};
-use crate::response::kernel::skin::{Pressure, Response, Skin};
+use crate::response::kernel::basis::PressureBasis;
+use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
 use crate::response::matrix::fill::fill_columns;
 use crate::response::matrix::options::AssemblyOptions;
@@ -59,18 +60,18 @@ struct Outer {
 /// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
 pub(crate) fn weighted_block(
     surface: &Surface,
-    skin: &Skin,
+    skin: &KernelSkin,
     rows: &[usize],
     columns: &[usize],
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
     let symmetric = rows == columns;
     let faces = row_faces(surface, rows);
-    let (constant, pressure, tolerance) = (skin.kernel_constant(), skin.pressure(), options.tolerance);
+    let (constant, pressure, tolerance) = (skin.kernel_constant(), skin.basis(), options.tolerance);
     let area = surface.vertex_areas();
     let density: Vec<f64> = rows.iter().map(|&v| 1.0 / area[v]).collect();
-    let layer = match &skin.response {
-        Response::Layer { thickness, .. } => Some((PreparedLayer::new(skin, options)?, thickness)),
+    let layer = match skin.kernel() {
+        Kernel::Layer { thickness } => Some((PreparedLayer::new(skin, options)?, thickness)),
         _ => None,
     };
     let mut matrix = Mat::zeros(rows.len(), columns.len());
@@ -146,7 +147,7 @@ pub(crate) fn weighted_block(
                 let row = face.rows[k];
                 if row != NO_ROW && row >= first {
                     column[row] +=
-                        density[row] * if pressure == Pressure::Linear { hats[k] } else { even / 3.0 };
+                        density[row] * if pressure == PressureBasis::Linear { hats[k] } else { even / 3.0 };
                 }
             }
         }

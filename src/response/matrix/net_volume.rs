@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use crate::response::error::ResponseError;
 use crate::response::integral::gauss::gauss;
+use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::layer::LayerKernel;
-use crate::response::kernel::skin::{Gap, Response, Skin};
+use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::matrix::collocation::assemble_block;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
@@ -31,12 +32,15 @@ pub struct NetVolume {
 /// As [`assemble`](crate::response::matrix::collocation::assemble).
 pub fn net_volume(
     surface: &Surface,
-    skin: &Skin,
+    skin: &KernelSkin,
     node: usize,
     options: &AssemblyOptions,
 ) -> Result<NetVolume, ResponseError> {
     let rows: Vec<usize> = (0..surface.vertices().len()).collect();
-    let column = assemble_block(surface, &skin.with_gap(Gap::Weighted), &rows, &[node], options)?;
+    // In Galerkin form where the kernel has one: the sum is then the integral over the mesh.
+    let averaged = skin.clone().with_discretization(Discretization::Galerkin);
+    let skin = averaged.as_ref().unwrap_or(skin);
+    let column = assemble_block(surface, skin, &rows, &[node], options)?;
     let mut volume = NetVolume { net: 0.0, gross: 0.0 };
     for (i, area) in surface.vertex_areas().iter().enumerate() {
         volume.net += area * column[(i, 0)];
@@ -65,20 +69,18 @@ pub fn balanced_height(kernel_constant: f64, width: f64, cutoff: f64) -> Result<
     Ok(kernel_constant * cutoff / taken)
 }
 
-impl Skin {
+impl KernelSkin {
     /// Volume moved per newton on a wide flat surface (m³/N); infinite for a half-space and for a Gaussian
     /// without cutoff.
     pub fn net_volume(&self) -> f64 {
-        let (g, nu) = (self.shear_modulus, self.poisson_ratio);
-        match &self.response {
-            Response::GaussianCorrected { height, width, cutoff, .. } if cutoff.is_finite() => {
+        let (g, nu) = (self.shear_modulus(), self.poisson_ratio());
+        match self.kernel() {
+            Kernel::GaussianCorrected { height, width, cutoff } if cutoff.is_finite() => {
                 let taken = -(-0.5 * (cutoff / width).powi(2)).exp_m1() * width * width;
                 TAU * (self.kernel_constant() * cutoff - height * taken)
             }
             // confined compression: h / (2 G (1-ν) / (1-2ν))
-            Response::Layer { thickness, .. } => {
-                thickness.largest() * (1.0 - 2.0 * nu) / (2.0 * g * (1.0 - nu))
-            }
+            Kernel::Layer { thickness } => thickness.largest() * (1.0 - 2.0 * nu) / (2.0 * g * (1.0 - nu)),
             _ => f64::INFINITY,
         }
     }
@@ -89,8 +91,8 @@ impl Skin {
     /// * `wave_number`: k (1/m), > 0
     pub fn symbol(&self, wave_number: f64) -> f64 {
         let (k, constant) = (wave_number, self.kernel_constant());
-        match &self.response {
-            &Response::GaussianCorrected { height, width, cutoff, .. } => {
+        match self.kernel() {
+            &Kernel::GaussianCorrected { height, width, cutoff } => {
                 if cutoff.is_infinite() {
                     return TAU
                         * (constant / k - height * width * width * (-0.5 * (k * width).powi(2)).exp());
@@ -108,8 +110,8 @@ impl Skin {
                 }
                 TAU * sum
             }
-            Response::Layer { thickness, .. } => {
-                TAU * constant / k * LayerKernel::symbol(k * thickness.largest(), self.poisson_ratio)
+            Kernel::Layer { thickness } => {
+                TAU * constant / k * LayerKernel::symbol(k * thickness.largest(), self.poisson_ratio())
             }
             _ => TAU * constant / k,
         }
@@ -119,7 +121,7 @@ impl Skin {
     /// one: a patch about as wide can push itself in without end, and the contact problem then has no
     /// solution. The upper end is infinite where all longer waves are wrong.
     pub fn ill_posed_wavelengths(&self) -> Option<(f64, f64)> {
-        let Response::GaussianCorrected { width, .. } = self.response else { return None };
+        let Kernel::GaussianCorrected { width, .. } = *self.kernel() else { return None };
         let wrong = |length: f64| self.symbol(2.0 * PI / length) < 0.0;
         // from half a width to 200 widths, in steps of 1 %
         let length = |i: usize| 0.5 * width * 1.01f64.powi(i as i32);
@@ -140,9 +142,9 @@ impl Skin {
     }
 
     /// A warning about constants for which the kernel is not well posed, with what to change; `None` for all
-    /// others. [`Skin::ill_posed_wavelengths`] has the numbers.
+    /// others. [`KernelSkin::ill_posed_wavelengths`] has the numbers.
     pub fn caution(&self) -> Option<String> {
-        let Response::GaussianCorrected { height, width, cutoff, .. } = self.response else { return None };
+        let Kernel::GaussianCorrected { height, width, cutoff } = *self.kernel() else { return None };
         let (from, to) = self.ill_posed_wavelengths()?;
         let range = if to.is_finite() {
             format!("from {:.1} to {:.1} mm", 1e3 * from, 1e3 * to)
@@ -162,12 +164,10 @@ impl Skin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::response::kernel::skin::Pressure;
 
-    fn gaussian(height: f64, width: f64, cutoff: f64) -> Skin {
-        let pressure = Pressure::Linear;
-        let response = Response::GaussianCorrected { height, width, cutoff, pressure };
-        Skin::new(60e3, 0.5, response).expect("valid constants")
+    fn gaussian(height: f64, width: f64, cutoff: f64) -> KernelSkin {
+        let response = Kernel::GaussianCorrected { height, width, cutoff };
+        KernelSkin::new(60e3, 0.5, response).expect("valid constants")
     }
 
     #[test]
@@ -216,9 +216,8 @@ mod tests {
     #[test]
     fn a_layer_moves_the_volume_of_confined_compression() {
         let skin = |nu| {
-            let response =
-                Response::Layer { thickness: 2e-3.into(), pressure: Pressure::Linear, gap: Gap::Node };
-            Skin::new(60e3, nu, response).expect("valid constants")
+            let response = Kernel::Layer { thickness: 2e-3.into() };
+            KernelSkin::new(60e3, nu, response).expect("valid constants")
         };
         assert_eq!(skin(0.5).net_volume(), 0.0);
         for nu in [0.0, 0.3, 0.45] {

@@ -11,10 +11,11 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
-use crate::response::kernel::skin::{Gap, Pressure, Skin};
+use crate::response::kernel::basis::{Discretization, PressureBasis};
+use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin};
-use crate::response::skin::prepared::{PreparedResponse, PreparedSkin};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
+use crate::response::skin::prepared_body::PreparedBody;
 use crate::surface::checked::Surface;
 
 /// Largest distance, in mean edge lengths, between a part's vertices and those of the whole skin.
@@ -26,7 +27,7 @@ pub struct Part {
     /// For messages.
     pub name: String,
     /// The body's compliance, prepared for the part's own surface.
-    pub prepared: PreparedSkin,
+    pub prepared: PreparedBody,
     /// For each vertex of the whole skin its vertex in the part, if it belongs to it.
     pub part_vertices: Vec<Option<usize>>,
     /// Vertices of the part that do not move with the body: its cut, rim included. Those of the whole skin answer
@@ -42,14 +43,11 @@ impl Part {
 
     fn check(&self, surface: &Surface) -> Result<(), ResponseError> {
         let mismatch = |what: String| ResponseError::PartMismatch { part: self.name.clone(), what };
-        if !matches!(self.prepared.response(), PreparedResponse::Body(_)) {
-            return Err(mismatch("its response is not that of a body".to_string()));
-        }
         let (found, expected) = (self.part_vertices.len(), surface.vertices().len());
         if found != expected {
             return Err(mismatch(format!("{found} entries for the {expected} vertices of the whole skin")));
         }
-        let own_count = self.prepared.vertices().len();
+        let own_count = self.prepared.nodes().vertices().len();
         if self.fixed.len() != own_count {
             return Err(mismatch(format!(
                 "{} entries tell which of its {own_count} vertices are fixed",
@@ -59,7 +57,7 @@ impl Part {
         let allowed = SAME_PLACE * surface.mean_edge_length();
         for (vertex, own) in self.part_vertices.iter().enumerate() {
             let Some(own) = *own else { continue };
-            let place = self.prepared.vertices().get(own);
+            let place = self.prepared.nodes().vertices().get(own);
             let place = place.ok_or_else(|| mismatch(format!("vertex {own} of {own_count}")))?;
             let distance = (surface.vertices()[vertex] - place).norm();
             if distance > allowed {
@@ -73,23 +71,25 @@ impl Part {
     }
 }
 
-/// Bodies on parts of a skin, a kernel elsewhere; goes wherever a [`Skin`] goes.
+/// Bodies on parts of a skin, a kernel elsewhere; goes wherever a [`KernelSkin`] goes.
 #[derive(Debug, Clone)]
 pub struct CombinedSkin {
-    elsewhere: Skin,
+    background: KernelSkin,
     parts: Vec<Part>,
     /// Number of the part that each vertex moves with.
     owner: Arc<[Option<usize>]>,
 }
 
 impl CombinedSkin {
-    /// Joins parts of `surface` with the response `elsewhere`.
+    /// Joins parts of `surface` with the kernel `background`.
     ///
     /// # Errors
     /// - [`ResponseError::PartMismatch`]: a part does not fit the surface, is no body, or shares vertices with another
     /// - [`ResponseError::PartsNeedLinear`]: the kernel averages gaps or spreads forces over one-rings
-    pub fn new(surface: &Surface, elsewhere: Skin, parts: Vec<Part>) -> Result<Self, ResponseError> {
-        if elsewhere.gap() != Gap::Node || elsewhere.pressure() != Pressure::Linear {
+    pub fn new(surface: &Surface, background: KernelSkin, parts: Vec<Part>) -> Result<Self, ResponseError> {
+        if background.discretization() != Discretization::Collocation
+            || background.basis() != PressureBasis::Linear
+        {
             return Err(ResponseError::PartsNeedLinear);
         }
         let mut owner: Vec<Option<usize>> = vec![None; surface.vertices().len()];
@@ -105,7 +105,7 @@ impl CombinedSkin {
                 }
             }
         }
-        Ok(Self { elsewhere, parts, owner: owner.into() })
+        Ok(Self { background, parts, owner: owner.into() })
     }
 
     /// The parts.
@@ -116,7 +116,7 @@ impl CombinedSkin {
     /// The same after a rigid motion of the whole skin.
     ///
     /// # Errors
-    /// As [`PreparedSkin::moved`].
+    /// As [`PreparedBody::moved`].
     pub fn moved(&self, motion: &Isometry3<f64>) -> Result<Self, ResponseError> {
         let move_part = |part: &Part| Ok(Part { prepared: part.prepared.moved(motion)?, ..part.clone() });
         let parts = self.parts.iter().map(move_part).collect::<Result<_, ResponseError>>()?;
@@ -149,44 +149,20 @@ fn picked<T: Copy>(values: &[T], positions: &[usize]) -> Vec<T> {
 }
 
 impl ElasticSkin for CombinedSkin {
-    fn check_surface(&self, surface: &Surface) -> Result<(), ResponseError> {
-        self.elsewhere.check_surface(surface)?;
-        self.parts.iter().try_for_each(|part| part.check(surface))
+    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        let background = self.background.traits(surface)?;
+        self.parts.iter().try_for_each(|part| part.check(surface))?;
+        Ok(if self.parts.is_empty() { background } else { Traits::of_matrix(true) })
     }
 
-    fn has_negative_entries(&self) -> bool {
-        !self.parts.is_empty() || self.elsewhere.has_negative_entries()
-    }
-
-    fn reach(&self) -> Option<f64> {
-        if self.parts.is_empty() { self.elsewhere.reach() } else { None }
-    }
-
-    fn is_kernel(&self) -> bool {
-        self.parts.is_empty() && self.elsewhere.is_kernel()
-    }
-
-    fn pressure(&self) -> Pressure {
-        Pressure::Linear
-    }
-
-    fn gap(&self) -> Gap {
-        Gap::Node
-    }
-
-    fn knows(&self, vertex: usize) -> bool {
+    fn is_prepared(&self, vertex: usize) -> bool {
         self.owner[vertex].is_none_or(|number| {
             let part = &self.parts[number];
-            part.prepared.knows(part.moving(vertex).expect("an owned vertex moves"))
+            part.prepared.is_prepared(part.moving(vertex).expect("an owned vertex moves"))
         })
     }
 
-    fn bodies(&self) -> Vec<Vec<usize>> {
-        let moving = |part: &Part| (0..self.owner.len()).filter(|&v| part.moving(v).is_some()).collect();
-        self.parts.iter().map(moving).collect()
-    }
-
-    fn response_matrix(
+    fn matrix(
         &self,
         surface: &Surface,
         nodes: &[usize],
@@ -203,9 +179,9 @@ impl ElasticSkin for CombinedSkin {
             let block = match self.parts.get(number) {
                 Some(part) => {
                     let own: Vec<usize> = own.iter().filter_map(|&vertex| part.moving(vertex)).collect();
-                    part.prepared.response_matrix(surface, &own, &along, options)?
+                    part.prepared.matrix(surface, &own, &along, options)?
                 }
-                None => self.elsewhere.response_matrix(surface, &own, &along, options)?,
+                None => self.background.matrix(surface, &own, &along, options)?,
             };
             for (j, &column) in positions.iter().enumerate() {
                 for (i, &row) in positions.iter().enumerate() {
@@ -216,7 +192,7 @@ impl ElasticSkin for CombinedSkin {
         Ok(matrix)
     }
 
-    fn displacements(
+    fn displace(
         &self,
         surface: &Surface,
         vertices: &[usize],
@@ -236,11 +212,11 @@ impl ElasticSkin for CombinedSkin {
                         vertices.iter().filter_map(|&vertex| part.moving(vertex)).collect()
                     };
                     let (own, rows) = (moving(&own), moving(&picked(vertices, wanted)));
-                    part.prepared.displacements(surface, &rows, &own, &pushed, options)?
+                    part.prepared.displace(surface, &rows, &own, &pushed, options)?
                 }
                 None => {
                     let rows = picked(vertices, wanted);
-                    self.elsewhere.displacements(surface, &rows, &own, &pushed, options)?
+                    self.background.displace(surface, &rows, &own, &pushed, options)?
                 }
             };
             for ((&position, vector), rise) in wanted.iter().zip(moved.vectors).zip(moved.along_normal) {

@@ -1,5 +1,12 @@
-//! What a contact asks of a skin: a kernel computes it, a prepared skin looks it up, a combined one asks its parts.
+//! What a contact asks of a skin, and who answers.
+//!
+//! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`] and a
+//! [`given_matrix`] look it up at their [`nodes`]; a [`combined`] skin asks its parts.
 
 pub(crate) mod combined;
 pub(crate) mod elastic;
-pub(crate) mod prepared;
+pub(crate) mod given_matrix;
+pub(crate) mod kernel;
+pub(crate) mod nodes;
+pub(crate) mod prepared_body;
+pub(crate) mod prepared_kernel;

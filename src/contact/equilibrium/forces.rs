@@ -1,0 +1,107 @@
+//! Solved node forces and what it took to find them.
+
+use nalgebra::Vector3;
+
+use crate::contact::candidate::fingers::Fingers;
+use crate::contact::gap::initial::{Gaps, Measured};
+use crate::lcp::solution::{LcpSolution, LcpStatus};
+use crate::response::matrix::definiteness::Definiteness;
+
+/// Forces, and which vertices feel them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AppliedForces<'a> {
+    /// Each moves the vertices nearest to it along the skin.
+    pub fingers: &'a Fingers,
+    /// Vertices with a force, ascending.
+    pub active: &'a [usize],
+    /// Force on the skin at every vertex (n, N).
+    pub vectors: &'a [Vector3<f64>],
+}
+
+/// Node forces on the candidates, with the gaps that they leave.
+#[derive(Debug)]
+pub(crate) struct NodeForces {
+    /// Vertices in the complementarity problems, ascending.
+    pub candidates: Vec<usize>,
+    /// Which of them feel each other.
+    pub fingers: Fingers,
+    /// Vertices with f > 0, ascending.
+    pub active: Vec<usize>,
+    /// f (n, N), zero outside the candidates; NaN on candidates of a problem that did not solve.
+    pub force: Vec<f64>,
+    /// g = g0 + R f on the candidates (n, m), g0 elsewhere.
+    pub gap: Vec<f64>,
+    /// f along the obstacle's outward normals (n, N).
+    pub vectors: Vec<Vector3<f64>>,
+    /// Outward unit normal of the obstacle at each candidate (k).
+    pub normal: Vec<Vector3<f64>>,
+    /// One solution per uncoupled group of candidates.
+    pub solutions: Vec<LcpSolution>,
+    /// What is known of each group's response matrix, where it was examined.
+    pub definiteness: Vec<Option<Definiteness>>,
+    /// First ending other than `Solved`.
+    pub failure: Option<LcpStatus>,
+}
+
+impl NodeForces {
+    /// No forces yet on `candidates`, whose gaps are `at_candidates`.
+    pub fn none(gaps: &Gaps, candidates: Vec<usize>, fingers: Fingers, at_candidates: Measured) -> Self {
+        let vertex_count = gaps.surface.vertices().len();
+        Self {
+            fingers,
+            active: Vec::new(),
+            force: vec![0.0; vertex_count],
+            gap: gaps.distances().to_vec(),
+            vectors: vec![Vector3::zeros(); vertex_count],
+            normal: at_candidates.normal,
+            solutions: Vec::new(),
+            definiteness: Vec::new(),
+            failure: None,
+            candidates,
+        }
+    }
+
+    /// Skin and obstacle are apart.
+    pub fn apart(gaps: &Gaps) -> Self {
+        let nothing = Measured { distance: Vec::new(), normal: Vec::new() };
+        Self::none(gaps, Vec::new(), Fingers::one(&[]), nothing)
+    }
+
+    /// The forces as a response sees them.
+    pub fn applied(&self) -> AppliedForces<'_> {
+        AppliedForces { fingers: &self.fingers, active: &self.active, vectors: &self.vectors }
+    }
+
+    /// Takes over the solution of one group.
+    pub fn adopt(&mut self, group: &[usize], solution: LcpSolution) {
+        let solved = solution.status == LcpStatus::Solved;
+        for (node, &vertex) in group.iter().enumerate() {
+            self.force[vertex] = if solved { solution.z[node] } else { f64::NAN };
+            self.gap[vertex] = if solved { solution.w[node] } else { f64::NAN };
+        }
+        if !solved {
+            self.failure.get_or_insert(solution.status);
+        }
+        self.solutions.push(solution);
+    }
+
+    /// Tells the active vertices and the force vectors, once all groups are solved.
+    pub fn settle(&mut self) {
+        self.active = self.candidates.iter().copied().filter(|&vertex| self.force[vertex] > 0.0).collect();
+        for (&vertex, normal) in self.candidates.iter().zip(&self.normal) {
+            // Zero where there is no force, whatever the normal.
+            if self.force[vertex] != 0.0 {
+                self.vectors[vertex] = self.force[vertex] * normal;
+            }
+        }
+    }
+
+    /// Which vertices (n) carry force or have a closed gap.
+    pub fn touching(&self) -> Vec<bool> {
+        let mut touches = vec![false; self.gap.len()];
+        for &vertex in &self.candidates {
+            touches[vertex] = self.force[vertex] > 0.0 || self.gap[vertex] <= 0.0;
+        }
+        touches
+    }
+}

@@ -1,0 +1,91 @@
+//! The skin as it looks under the solved forces, and the volume it moves: computed when somebody asks.
+
+use nalgebra::Vector3;
+
+use crate::contact::candidate::fingers::Fingers;
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::forces::AppliedForces;
+use crate::contact::error::ContactError;
+use crate::contact::figures::displacement::CandidateMotion;
+use crate::contact::figures::fade::{Fade, drawn_vector};
+use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::checked::Surface;
+
+/// What a contact keeps for the drawn skin.
+#[derive(Debug, Clone)]
+pub(crate) struct Drawing {
+    pub fingers: Fingers,
+    pub motion: CandidateMotion,
+}
+
+/// The skin under the forces of a contact.
+#[derive(Debug, Clone)]
+pub struct DrawnSkin {
+    /// u (n, m). Under a scalar kernel it is faded to zero at `fade_distance` from the candidates; the fade enters no
+    /// figure.
+    pub displacement: Vec<Vector3<f64>>,
+    /// Distance along the skin at which the displacement has faded to zero (m); infinite where nothing fades.
+    pub fade_distance: f64,
+    /// Change of the volume under the skin to first order, `Σ S_i N_i · u_i` over the skin without the fade, N outward (m³).
+    pub volume_change: f64,
+    /// The surface moved by `displacement`.
+    pub deformed: Surface,
+}
+
+impl Contact {
+    /// Displaces the skin under the forces of this contact.
+    ///
+    /// On a candidate `u_i = (R f)_i n_i`, with the obstacle's normal there. Elsewhere the magnitude is `(R f)_i` too and
+    /// the direction that of `Σ_j R_ij f_j n_j`, which goes over into the former without a need for the obstacle's
+    /// normal far away. A vertex moves with the finger nearest along the skin. A body moves each of its vertices.
+    ///
+    /// * `skin`, `options`: those that the contact was solved with
+    ///
+    /// # Errors
+    /// [`ContactError::Response`]: the skin does not fit, or the work was interrupted.
+    pub fn drawn_skin(
+        &self,
+        skin: &dyn ElasticSkin,
+        options: &ContactOptions,
+        interrupt: Interrupt,
+    ) -> Result<DrawnSkin, ContactError> {
+        let surface = &self.surface;
+        let vertex_count = surface.vertices().len();
+        if self.status != ContactStatus::Solved {
+            let displacement = vec![Vector3::zeros(); vertex_count];
+            let deformed = surface.clone();
+            return Ok(DrawnSkin { displacement, fade_distance: 0.0, volume_change: 0.0, deformed });
+        }
+        let response = Compliance::new(surface, skin, skin.traits(surface)?, options, interrupt);
+        let Drawing { fingers, motion } = &self.drawing;
+        let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
+        let everywhere: Vec<usize> = (0..vertex_count).collect();
+        let found = response.displace_coarsely(forces, &everywhere)?;
+
+        let drawn = |fade: &Fade| -> Vec<Vector3<f64>> {
+            let mut drawn: Vec<Vector3<f64>> =
+                everywhere.iter().map(|&vertex| drawn_vector(&found, vertex, fade, vertex)).collect();
+            // At the candidates the forces answer for more than the drawing's tolerance.
+            for (&vertex, displacement) in self.candidates.iter().zip(&motion.displacement) {
+                drawn[vertex] = *displacement;
+            }
+            drawn
+        };
+        let volume_change = volume_change(surface, &drawn(&Fade::none()));
+        let fade = Fade::new(surface, fingers, &self.candidates, &motion.scalar);
+        let displacement = drawn(&fade);
+        let moved = surface.vertices().iter().zip(&displacement).map(|(x, u)| x + u).collect();
+        let deformed = surface.with_vertices(moved);
+        Ok(DrawnSkin { displacement, fade_distance: fade.distance, volume_change, deformed })
+    }
+}
+
+/// `Σ S_i N_i · u_i` over the skin (m³).
+fn volume_change(surface: &Surface, displacement: &[Vector3<f64>]) -> f64 {
+    let swept = |vertex: usize| {
+        surface.vertex_areas()[vertex] * surface.vertex_normals()[vertex].dot(&displacement[vertex])
+    };
+    (0..displacement.len()).filter(|&vertex| surface.skin_mask()[vertex]).map(swept).sum()
+}

@@ -1,0 +1,100 @@
+//! How the drawn displacement of a scalar kernel fades away from the contact; it enters no figure.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector3;
+
+use crate::contact::candidate::fingers::Fingers;
+use crate::response::skin::elastic::Displacements;
+use crate::surface::checked::Surface;
+
+/// The drawn displacement fades to zero over this many equivalent radii of the candidate region, so that the
+/// skin has no step where the response is cut off.
+const FADE_RADII: f64 = 3.0;
+
+/// How much of its displacement every vertex is drawn with.
+pub(crate) struct Fade {
+    share: Vec<f64>,
+    /// Largest distance along the skin at which that is nothing (m); infinite where nothing fades.
+    pub distance: f64,
+}
+
+impl Fade {
+    /// Nothing fades.
+    pub fn none() -> Self {
+        Self { share: Vec::new(), distance: f64::INFINITY }
+    }
+
+    /// * `candidates`: all of them
+    /// * `scalar`: those that a scalar kernel answers for; a body's displacement does not fade
+    pub fn new(surface: &Surface, fingers: &Fingers, candidates: &[usize], scalar: &[usize]) -> Self {
+        if scalar.is_empty() {
+            return Self::none();
+        }
+        if scalar.len() < candidates.len() {
+            return Self::on_one(surface, scalar);
+        }
+        match &fingers.candidates[..] {
+            [finger] => Self::on_one(surface, finger),
+            _ => Self::on_fingers(surface, fingers),
+        }
+    }
+
+    fn on_one(surface: &Surface, candidates: &[usize]) -> Self {
+        let distance = fade_distance(surface, candidates);
+        let mut share = vec![0.0; surface.vertices().len()];
+        for (vertex, way) in surface.skin_distances(candidates, distance) {
+            share[vertex] = fade(way / distance);
+        }
+        Self { share, distance }
+    }
+
+    fn on_fingers(surface: &Surface, fingers: &Fingers) -> Self {
+        // Half-way to the next finger another one's displacement begins, so this one's ends there.
+        let distances: Vec<f64> = (fingers.candidates.iter().enumerate())
+            .map(|(index, finger)| fade_distance(surface, finger).min(0.5 * fingers.distance_to_next(index)))
+            .collect();
+        let share = |vertex| match (fingers.finger_of(vertex), fingers.distance(vertex)) {
+            (Some(finger), Some(way)) => fade(way / distances[finger]),
+            _ => 0.0,
+        };
+        let share = (0..surface.vertices().len()).map(share).collect();
+        Self { share, distance: distances.into_iter().fold(0.0, f64::max) }
+    }
+}
+
+/// Displacement (m) with which a vertex is drawn: under a scalar kernel the direction of `Σ_j R_ij f_j n_j` and the
+/// magnitude `(R f)_i`, faded; of a body the vector itself.
+pub(crate) fn drawn_vector(found: &Displacements, row: usize, fade: &Fade, vertex: usize) -> Vector3<f64> {
+    let vector = found.vectors[row];
+    let Some(along) = found.along_normal[row] else { return vector };
+    let norm = vector.norm();
+    let resized = if norm > 0.0 { vector * (along.abs() / norm) } else { Vector3::zeros() };
+    match fade.share.get(vertex) {
+        Some(share) => resized * *share,
+        None => resized,
+    }
+}
+
+fn fade_distance(surface: &Surface, candidates: &[usize]) -> f64 {
+    let area: f64 = candidates.iter().map(|&vertex| surface.vertex_areas()[vertex]).sum();
+    FADE_RADII * (area / PI).sqrt()
+}
+
+/// 1 at 0, 0 from 1 on, level at both ends.
+fn fade(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    1.0 - x * x * (3.0 - 2.0 * x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fade;
+
+    #[test]
+    fn fade_is_whole_at_the_contact_gone_at_its_end_and_level_at_both() {
+        assert_eq!((fade(0.0), fade(1.0), fade(7.0)), (1.0, 0.0, 0.0));
+        let slope = |x: f64| (fade(x + 1e-6) - fade(x - 1e-6)) / 2e-6;
+        assert!(slope(1e-6).abs() < 1e-5 && slope(1.0 - 1e-6).abs() < 1e-5);
+    }
+}

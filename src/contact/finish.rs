@@ -1,0 +1,132 @@
+//! From solved node forces to a [`Contact`].
+
+use std::time::Instant;
+
+use nalgebra::Vector3;
+
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::error::ContactError;
+use crate::contact::figures::accuracy::Accuracy;
+use crate::contact::figures::displacement::{CandidateMotion, penetration_after};
+use crate::contact::figures::drawn::Drawing;
+use crate::contact::figures::pressure::VertexPressure;
+use crate::contact::figures::resultant::Resultants;
+use crate::contact::gap::initial::Gaps;
+use crate::contact::options::ContactOptions;
+use crate::contact::outcome::{Contact, ContactStatus, Patch, Resultant};
+use crate::contact::report::Report;
+use crate::lcp::solution::LcpStatus;
+use crate::response::skin::elastic::Traits;
+
+/// What is read off the forces.
+struct Figures {
+    total: Resultant,
+    patches: Vec<Patch>,
+    pressure: VertexPressure,
+    motion: CandidateMotion,
+    max_penetration_after: f64,
+}
+
+impl Contact {
+    /// Skin and obstacle are apart: no forces.
+    pub(crate) fn apart(gaps: &Gaps, traits: &Traits, options: &ContactOptions, report: Report) -> Self {
+        let forces = NodeForces::apart(gaps);
+        let figures = Figures::at_rest(gaps, traits, &forces);
+        Self::new(ContactStatus::NoContact, gaps, forces, figures, options, report)
+    }
+
+    /// A complementarity problem did not end solved: no figures but those of the problems that did.
+    pub(crate) fn failed(
+        ending: LcpStatus,
+        gaps: &Gaps,
+        forces: NodeForces,
+        traits: &Traits,
+        options: &ContactOptions,
+        report: Report,
+    ) -> Self {
+        let mut figures = Figures::at_rest(gaps, traits, &forces);
+        figures.total = Resultant::unknown();
+        Self::new(ContactStatus::Failed(ending), gaps, forces, figures, options, report)
+    }
+
+    /// Every complementarity problem solved.
+    pub(crate) fn solved(
+        gaps: &Gaps,
+        forces: NodeForces,
+        response: &Compliance,
+        options: &ContactOptions,
+        mut report: Report,
+    ) -> Result<Self, ContactError> {
+        let started = Instant::now();
+        let traits = &response.traits;
+        let (surface, discretization) = (gaps.surface, traits.discretization);
+        let motion = CandidateMotion::new(gaps, response, &forces)?;
+        let max_penetration_after = penetration_after(gaps, response, &forces, &motion)?;
+        report.warn_of_penetration(discretization, gaps.deepest(), max_penetration_after);
+        let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
+        let areas = discretization.contact_area(gaps, response, &forces, &mut pressure)?;
+        let figures = Figures::new(gaps, &forces, pressure, &areas, motion, max_penetration_after);
+        report.clock("outcome", started);
+        Ok(Self::new(ContactStatus::Solved, gaps, forces, figures, options, report))
+    }
+
+    fn new(
+        status: ContactStatus,
+        gaps: &Gaps,
+        forces: NodeForces,
+        figures: Figures,
+        options: &ContactOptions,
+        report: Report,
+    ) -> Self {
+        let surface = gaps.surface;
+        let accuracy = Accuracy::new(surface, &forces, figures.total.contact_area, options.tolerance);
+        Self {
+            status,
+            resultant: figures.total,
+            max_penetration_before: gaps.deepest(),
+            max_penetration_after: figures.max_penetration_after,
+            pressure: figures.pressure.at_vertices,
+            node_force: forces.force,
+            force_vectors: forces.vectors,
+            gap: forces.gap,
+            candidates: forces.candidates,
+            active: forces.active,
+            patches: figures.patches,
+            surface: surface.clone(),
+            obstacle: gaps.scene.obstacle.clone(),
+            travel: gaps.scene.travel,
+            lcp_solutions: forces.solutions,
+            accuracy,
+            timings: report.timings,
+            left_out: report.left_out,
+            warnings: report.warnings,
+            drawing: Drawing { fingers: forces.fingers, motion: figures.motion },
+        }
+    }
+}
+
+impl Figures {
+    fn new(
+        gaps: &Gaps,
+        forces: &NodeForces,
+        pressure: VertexPressure,
+        areas: &[f64],
+        motion: CandidateMotion,
+        max_penetration_after: f64,
+    ) -> Self {
+        let surface = gaps.surface;
+        let displacement = &motion.displacement[..];
+        let resultants = Resultants { surface, forces, pressure: &pressure, areas, displacement };
+        let (total, patches) = (resultants.of(&forces.active), resultants.patches());
+        Self { total, patches, pressure, motion, max_penetration_after }
+    }
+
+    /// Of a skin that stays where it is.
+    fn at_rest(gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Self {
+        let pressure = VertexPressure::new(gaps.surface, traits.basis, traits.discretization, forces);
+        let displacement = vec![Vector3::zeros(); forces.candidates.len()];
+        let motion = CandidateMotion { displacement, scalar: Vec::new() };
+        Self::new(gaps, forces, pressure, gaps.surface.vertex_areas(), motion, gaps.deepest())
+    }
+}

@@ -1,0 +1,88 @@
+//! A matrix that somebody else computed or measured.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use nalgebra::{Isometry3, Vector3};
+
+use crate::response::error::ResponseError;
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits, add_products};
+use crate::response::skin::nodes::PreparedNodes;
+use crate::surface::checked::Surface;
+
+/// R (k × k, m/N) along the obstacle's normals; vertices other than the nodes stay where they are.
+#[derive(Debug, Clone)]
+pub struct GivenMatrix {
+    matrix: Arc<Mat<f64>>,
+    nodes: PreparedNodes,
+}
+
+impl GivenMatrix {
+    /// * `nodes`: (k,) vertices, in the order of the rows
+    /// * `matrix`: R (k × k, m/N), finite
+    ///
+    /// # Errors
+    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`], [`ResponseError::MatrixShape`],
+    /// [`ResponseError::MatrixEntry`].
+    pub fn new(surface: &Surface, nodes: &[usize], matrix: Mat<f64>) -> Result<Self, ResponseError> {
+        let nodes = PreparedNodes::new(surface, nodes)?;
+        nodes.check_matrix(&matrix)?;
+        Ok(Self { matrix: Arc::new(matrix), nodes })
+    }
+
+    /// R (k × k, m/N).
+    pub fn response_matrix(&self) -> &Mat<f64> {
+        &self.matrix
+    }
+
+    /// Vertices whose response is known.
+    pub fn nodes(&self) -> &PreparedNodes {
+        &self.nodes
+    }
+
+    /// The same after a rigid motion of the surface.
+    pub fn moved(&self, motion: &Isometry3<f64>) -> Self {
+        Self { nodes: self.nodes.moved(motion), ..self.clone() }
+    }
+}
+
+impl ElasticSkin for GivenMatrix {
+    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        self.nodes.check_surface(surface)?;
+        let mut columns = self.matrix.col_iter();
+        Ok(Traits::of_matrix(columns.any(|column| column.iter().any(|&entry| entry < 0.0))))
+    }
+
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.nodes.row(vertex).is_some()
+    }
+
+    fn matrix(
+        &self,
+        _: &Surface,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+        _: &AssemblyOptions,
+    ) -> Result<Mat<f64>, ResponseError> {
+        self.nodes.pick(&self.matrix, nodes, directions)
+    }
+
+    fn displace(
+        &self,
+        _: &Surface,
+        vertices: &[usize],
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+        _: &AssemblyOptions,
+    ) -> Result<Displacements, ResponseError> {
+        let columns = self.nodes.rows(nodes)?;
+        let entry = |vertex: usize, column: usize| {
+            self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
+        };
+        let block = Mat::from_fn(vertices.len(), columns.len(), |i, j| entry(vertices[i], columns[j]));
+        let (mut vectors, mut along_normal) = (Vec::new(), Vec::new());
+        add_products(&block, forces, &mut vectors, &mut along_normal);
+        Ok(Displacements::scalar(vectors, along_normal))
+    }
+}

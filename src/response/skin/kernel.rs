@@ -1,0 +1,61 @@
+//! A kernel that is evaluated when a contact asks.
+
+use faer::Mat;
+use nalgebra::Vector3;
+
+use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
+use crate::response::kernel::skin::KernelSkin;
+use crate::response::matrix::collocation::{assemble, assemble_block};
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits, add_products};
+use crate::surface::checked::Surface;
+
+/// Rows handled at a time where displacements are wanted over the whole surface, so that memory stays small.
+const ROWS_AT_ONCE: usize = 4096;
+
+impl ElasticSkin for KernelSkin {
+    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        self.check_against(surface)?;
+        Ok(Traits {
+            negative_entries: self.has_negative_entries(),
+            reach: self.reach(),
+            is_kernel: true,
+            basis: self.basis(),
+            discretization: self.discretization(),
+        })
+    }
+
+    fn is_prepared(&self, _: usize) -> bool {
+        true
+    }
+
+    fn matrix(
+        &self,
+        surface: &Surface,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+        options: &AssemblyOptions,
+    ) -> Result<Mat<f64>, ResponseError> {
+        assemble(surface, self, nodes, Some(directions), options)
+    }
+
+    fn displace(
+        &self,
+        surface: &Surface,
+        vertices: &[usize],
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+        options: &AssemblyOptions,
+    ) -> Result<Displacements, ResponseError> {
+        // Displacements are those of the vertices, in either discretization.
+        let at_vertices = self.clone().with_discretization(Discretization::Collocation)?;
+        let mut vectors = Vec::with_capacity(vertices.len());
+        let mut along_normal = Vec::with_capacity(vertices.len());
+        for rows in vertices.chunks(ROWS_AT_ONCE) {
+            let block = assemble_block(surface, &at_vertices, rows, nodes, options)?;
+            add_products(&block, forces, &mut vectors, &mut along_normal);
+        }
+        Ok(Displacements::scalar(vectors, along_normal))
+    }
+}

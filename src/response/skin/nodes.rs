@@ -1,0 +1,149 @@
+//! Vertices whose response is known, and the surface that they lie on.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use nalgebra::{Isometry3, Vector3};
+
+use crate::response::error::ResponseError;
+use crate::surface::checked::Surface;
+
+/// Largest distance, in mean edge lengths, between the vertices of a surface and those that a response was
+/// prepared for: rounding of a rigid motion, and no more.
+const SAME_SHAPE: f64 = 1e-6;
+
+/// No row: the vertex is no node.
+const UNKNOWN: usize = usize::MAX;
+
+/// Nodes of a prepared response, in the order of its rows, with the shape that it was prepared for.
+#[derive(Debug, Clone)]
+pub struct PreparedNodes {
+    nodes: Arc<[usize]>,
+    /// Row of each vertex, [`UNKNOWN`] for none.
+    row_of: Arc<[usize]>,
+    vertices: Arc<[Vector3<f64>]>,
+    faces: Arc<[[u32; 3]]>,
+}
+
+impl PreparedNodes {
+    /// # Errors
+    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
+    pub(crate) fn new(surface: &Surface, nodes: &[usize]) -> Result<Self, ResponseError> {
+        let vertex_count = surface.vertices().len();
+        let mut row_of = vec![UNKNOWN; vertex_count];
+        for (index, &vertex) in nodes.iter().enumerate() {
+            let row = row_of.get_mut(vertex);
+            let row = row.ok_or(ResponseError::NodeOutOfRange { index, vertex, vertex_count })?;
+            if *row != UNKNOWN {
+                return Err(ResponseError::RepeatedNode { vertex, first: *row, second: index });
+            }
+            *row = index;
+        }
+        let (vertices, faces) = (surface.vertices().into(), surface.faces().into());
+        Ok(Self { nodes: nodes.into(), row_of: row_of.into(), vertices, faces })
+    }
+
+    /// The nodes, in the order of the rows.
+    pub fn list(&self) -> &[usize] {
+        &self.nodes
+    }
+
+    /// Vertices (m) of the surface that they lie on, where it stands now.
+    pub fn vertices(&self) -> &[Vector3<f64>] {
+        &self.vertices
+    }
+
+    /// Faces of the surface that they lie on.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// Row of a vertex, if it is a node.
+    pub(crate) fn row(&self, vertex: usize) -> Option<usize> {
+        Some(self.row_of[vertex]).filter(|&row| row != UNKNOWN)
+    }
+
+    /// Rows of `nodes`.
+    ///
+    /// # Errors
+    /// [`ResponseError::NotPrepared`] for a vertex that is no node.
+    pub(crate) fn rows(&self, nodes: &[usize]) -> Result<Vec<usize>, ResponseError> {
+        let unknown = |vertex: usize| self.row_of[vertex] == UNKNOWN;
+        if let Some(&vertex) = nodes.iter().find(|&&vertex| unknown(vertex)) {
+            let missing = nodes.iter().filter(|&&vertex| unknown(vertex)).count();
+            return Err(ResponseError::NotPrepared { vertex, missing, prepared: self.nodes.len() });
+        }
+        Ok(nodes.iter().map(|&vertex| self.row_of[vertex]).collect())
+    }
+
+    /// The same nodes after a rigid motion of the surface.
+    pub(crate) fn moved(&self, motion: &Isometry3<f64>) -> Self {
+        let turn = motion.rotation.to_rotation_matrix();
+        let shift = motion.translation.vector;
+        Self { vertices: self.vertices.iter().map(|vertex| turn * vertex + shift).collect(), ..self.clone() }
+    }
+
+    /// # Errors
+    /// [`ResponseError::OtherSurface`], [`ResponseError::OtherShape`]: they lie on another surface.
+    pub(crate) fn check_surface(&self, surface: &Surface) -> Result<(), ResponseError> {
+        let (found, expected) = (surface.vertices().len(), self.vertices.len());
+        if found != expected {
+            return Err(ResponseError::OtherSurface { what: "number of vertices", found, expected });
+        }
+        if surface.faces() != &self.faces[..] {
+            let found = surface.faces().iter().zip(self.faces.iter()).filter(|(a, b)| a != b).count();
+            return Err(ResponseError::OtherSurface { what: "faces that differ", found, expected: 0 });
+        }
+        let allowed = SAME_SHAPE * surface.mean_edge_length();
+        let distance = |vertex: usize| (surface.vertices()[vertex] - self.vertices[vertex]).norm();
+        match (0..found).find(|&vertex| distance(vertex) > allowed) {
+            Some(vertex) => Err(ResponseError::OtherShape { vertex, distance: distance(vertex), allowed }),
+            None => Ok(()),
+        }
+    }
+
+    /// # Errors
+    /// [`ResponseError::MatrixShape`], [`ResponseError::MatrixEntry`]: R (k × k, m/N) does not belong to the nodes.
+    pub(crate) fn check_matrix(&self, matrix: &Mat<f64>) -> Result<(), ResponseError> {
+        let (rows, columns, nodes) = (matrix.nrows(), matrix.ncols(), self.nodes.len());
+        if (rows, columns) != (nodes, nodes) {
+            return Err(ResponseError::MatrixShape { rows, columns, nodes });
+        }
+        for (column, entries) in matrix.col_iter().enumerate() {
+            if let Some((row, &value)) = entries.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+                return Err(ResponseError::MatrixEntry { row, column, value });
+            }
+        }
+        Ok(())
+    }
+
+    /// R of `nodes` out of that of all.
+    ///
+    /// # Errors
+    /// [`ResponseError::NotPrepared`], [`ResponseError::DirectionCount`].
+    pub(crate) fn pick(
+        &self,
+        matrix: &Mat<f64>,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+    ) -> Result<Mat<f64>, ResponseError> {
+        let rows = self.checked_rows(nodes, directions)?;
+        Ok(Mat::from_fn(rows.len(), rows.len(), |i, j| matrix[(rows[i], rows[j])]))
+    }
+
+    /// Rows of `nodes`, with one direction each.
+    ///
+    /// # Errors
+    /// [`ResponseError::NotPrepared`], [`ResponseError::DirectionCount`].
+    pub(crate) fn checked_rows(
+        &self,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+    ) -> Result<Vec<usize>, ResponseError> {
+        let rows = self.rows(nodes)?;
+        if directions.len() != nodes.len() {
+            return Err(ResponseError::DirectionCount { directions: directions.len(), nodes: nodes.len() });
+        }
+        Ok(rows)
+    }
+}

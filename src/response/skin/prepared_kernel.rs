@@ -1,0 +1,102 @@
+//! A kernel's matrix, computed once.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use nalgebra::{Isometry3, Vector3};
+
+use crate::response::error::ResponseError;
+use crate::response::kernel::skin::KernelSkin;
+use crate::response::matrix::collocation::assemble;
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
+use crate::response::skin::nodes::PreparedNodes;
+use crate::surface::checked::Surface;
+
+/// R of a kernel over chosen nodes; it moves with the surface and serves every product.
+#[derive(Debug, Clone)]
+pub struct PreparedKernel {
+    skin: KernelSkin,
+    matrix: Arc<Mat<f64>>,
+    nodes: PreparedNodes,
+}
+
+impl PreparedKernel {
+    /// Computes the response matrix over `nodes`.
+    ///
+    /// # Errors
+    /// As [`assemble`].
+    pub fn new(
+        surface: &Surface,
+        skin: &KernelSkin,
+        nodes: &[usize],
+        options: &AssemblyOptions,
+    ) -> Result<Self, ResponseError> {
+        let matrix = assemble(surface, skin, nodes, None, options)?;
+        Self::from_matrix(surface, skin.clone(), nodes, matrix)
+    }
+
+    /// Takes a response matrix (k × k, m/N) that was computed before.
+    ///
+    /// # Errors
+    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`], [`ResponseError::MatrixShape`],
+    /// [`ResponseError::MatrixEntry`].
+    pub fn from_matrix(
+        surface: &Surface,
+        skin: KernelSkin,
+        nodes: &[usize],
+        matrix: Mat<f64>,
+    ) -> Result<Self, ResponseError> {
+        let nodes = PreparedNodes::new(surface, nodes)?;
+        nodes.check_matrix(&matrix)?;
+        Ok(Self { skin, matrix: Arc::new(matrix), nodes })
+    }
+
+    /// R (k × k, m/N).
+    pub fn response_matrix(&self) -> &Mat<f64> {
+        &self.matrix
+    }
+
+    /// Vertices whose response is known.
+    pub fn nodes(&self) -> &PreparedNodes {
+        &self.nodes
+    }
+
+    /// The same after a rigid motion of the surface.
+    pub fn moved(&self, motion: &Isometry3<f64>) -> Self {
+        Self { nodes: self.nodes.moved(motion), ..self.clone() }
+    }
+}
+
+impl ElasticSkin for PreparedKernel {
+    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        self.nodes.check_surface(surface)?;
+        self.skin.traits(surface)
+    }
+
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.nodes.row(vertex).is_some()
+    }
+
+    fn matrix(
+        &self,
+        _: &Surface,
+        nodes: &[usize],
+        directions: &[Vector3<f64>],
+        _: &AssemblyOptions,
+    ) -> Result<Mat<f64>, ResponseError> {
+        self.nodes.pick(&self.matrix, nodes, directions)
+    }
+
+    fn displace(
+        &self,
+        surface: &Surface,
+        vertices: &[usize],
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+        options: &AssemblyOptions,
+    ) -> Result<Displacements, ResponseError> {
+        self.nodes.rows(nodes)?;
+        self.skin.displace(surface, vertices, nodes, forces, options)
+    }
+}
