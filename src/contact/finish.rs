@@ -8,14 +8,13 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::displacement::{CandidateMotion, penetration_after};
-use crate::contact::figures::drawn::Drawing;
+use crate::contact::figures::displacement::{CandidateMotion, Drawing, penetration_after};
 use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::resultant::Resultants;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, Patch, Resultant};
-use crate::contact::report::Report;
+use crate::contact::report::record::Report;
 use crate::lcp::solution::LcpStatus;
 use crate::response::skin::elastic::Traits;
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::drawn::Drawing;
+use crate::contact::figures::displacement::Drawing;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;

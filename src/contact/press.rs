@@ -5,10 +5,10 @@ use std::time::Instant;
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::initial::Measured;
+use crate::contact::gap::measured::Measured;
 use crate::contact::options::{ContactOptions, Interrupt};
 use crate::contact::outcome::Contact;
-use crate::contact::report::Report;
+use crate::contact::report::record::Report;
 use crate::contact::scene::{Scene, Travel};
 use crate::contact::solve::{solve_in_place, with_threads};
 use crate::obstacle::posed::Obstacle;

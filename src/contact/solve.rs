@@ -8,7 +8,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::{ContactOptions, Interrupt};
 use crate::contact::outcome::Contact;
-use crate::contact::report::Report;
+use crate::contact::report::record::Report;
 use crate::contact::scene::Scene;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::contact::candidate::fingers::Fingers;
-use crate::contact::gap::initial::{Gaps, Measured};
+use crate::contact::gap::initial::Gaps;
+use crate::contact::gap::measured::Measured;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::response::matrix::definiteness::Definiteness;
 

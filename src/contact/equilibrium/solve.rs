@@ -11,7 +11,7 @@ use crate::contact::equilibrium::growth::wanting;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::{ContactOptions, Interrupt};
-use crate::contact::report::Report;
+use crate::contact::report::record::Report;
 use crate::lcp::options::LcpOptions;
 use crate::lcp::problem::LcpProblem;
 use crate::lcp::solution::LcpStatus;

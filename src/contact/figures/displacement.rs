@@ -2,11 +2,13 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::fade::{Fade, drawn_vector};
-use crate::contact::gap::initial::{Gaps, Measured};
+use crate::contact::gap::initial::Gaps;
+use crate::contact::gap::measured::Measured;
 
 /// How the candidates move (k of them).
 #[derive(Debug, Clone, Default)]
@@ -36,6 +38,13 @@ impl CandidateMotion {
         }
         Ok(Self { displacement, scalar })
     }
+}
+
+/// What a contact keeps for the drawn skin.
+#[derive(Debug, Clone)]
+pub(crate) struct Drawing {
+    pub fingers: Fingers,
+    pub motion: CandidateMotion,
 }
 
 /// Deepest penetration of a skin vertex (m, ≥ 0), measured anew at the deformed skin.

@@ -2,23 +2,15 @@
 
 use nalgebra::Vector3;
 
-use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::displacement::CandidateMotion;
+use crate::contact::figures::displacement::Drawing;
 use crate::contact::figures::fade::{Fade, drawn_vector};
 use crate::contact::options::{ContactOptions, Interrupt};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
-
-/// What a contact keeps for the drawn skin.
-#[derive(Debug, Clone)]
-pub(crate) struct Drawing {
-    pub fingers: Fingers,
-    pub motion: CandidateMotion,
-}
 
 /// The skin under the forces of a contact.
 #[derive(Debug, Clone)]

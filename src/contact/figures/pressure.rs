@@ -30,7 +30,9 @@ impl VertexPressure {
                 Self { peak: at_vertices.clone(), at_vertices }
             }
             (PressureBasis::Linear, Discretization::Galerkin) => {
-                recover_pressure(surface, coefficients(surface, &forces.force), &forces.active)
+                let coefficients = coefficients(surface, &forces.force);
+                let (at_vertices, peak) = recover_pressure(surface, coefficients, &forces.active);
+                Self { at_vertices, peak }
             }
         }
     }

@@ -3,7 +3,6 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
-use crate::contact::figures::pressure::VertexPressure;
 use crate::surface::checked::Surface;
 
 /// Coefficients of a quadratic in two variables.
@@ -24,11 +23,13 @@ const DETERMINED: f64 = 1e-6;
 ///
 /// * `coefficients`: (n, Pa) `f_i / S_i`
 /// * `active`: vertices with f > 0, ascending
+///
+/// Returns the pressure at the vertices (n, Pa), and the largest that each stands for.
 pub(crate) fn recover_pressure(
     surface: &Surface,
     coefficients: Vec<f64>,
     active: &[usize],
-) -> VertexPressure {
+) -> (Vec<f64>, Vec<f64>) {
     let means: Vec<f64> = active.iter().map(|&vertex| hat_average(surface, &coefficients, vertex)).collect();
     let moments: Vec<Moments> = active.iter().map(|&vertex| Moments::of_hat(surface, vertex)).collect();
     let quadratic = |vertex: usize| {
@@ -52,7 +53,7 @@ pub(crate) fn recover_pressure(
             peak[vertex] = quadratic.peak();
         }
     }
-    VertexPressure { at_vertices, peak }
+    (at_vertices, peak)
 }
 
 /// Average of a piecewise linear field against the hat of a vertex.

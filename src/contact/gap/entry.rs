@@ -13,7 +13,7 @@
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::initial::Measured;
+use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Travel;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;

@@ -1,15 +1,13 @@
-//! Initial gaps: signed distance of the skin's vertices from the obstacle, measured no further than needed.
+//! Initial gaps of a skin, measured on demand.
 
 use std::cell::{Ref, RefCell};
 use std::collections::HashMap;
 
-use nalgebra::Vector3;
-
 use crate::contact::error::ContactError;
 use crate::contact::gap::averaged;
 use crate::contact::gap::entry::{EntryGap, measure_entries};
+use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
-use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::skin::elastic::Traits;
 use crate::surface::checked::Surface;
@@ -31,15 +29,6 @@ pub(crate) struct Gaps<'a> {
     measured: RefCell<Measured>,
     /// g0 (m) averaged against the pressure of a node.
     averaged: RefCell<HashMap<usize, f64>>,
-}
-
-/// Signed distance and normal per point; infinite and NaN where the search found none.
-#[derive(Debug, Clone)]
-pub(crate) struct Measured {
-    /// g0 (n, m).
-    pub distance: Vec<f64>,
-    /// Outward unit normal of the obstacle at its closest point (n).
-    pub normal: Vec<Vector3<f64>>,
 }
 
 impl<'a> Gaps<'a> {
@@ -101,88 +90,11 @@ impl<'a> Gaps<'a> {
         let mut known = self.averaged.borrow_mut();
         let missing: Vec<usize> = nodes.iter().copied().filter(|node| !known.contains_key(node)).collect();
         if !missing.is_empty() {
-            let averages = averaged::measure(self, basis, &missing)?;
+            let at_vertices = |vertices: &[usize]| Ok(self.at(vertices)?.distance);
+            let averages =
+                averaged::measure(self.surface, &self.scene.obstacle, basis, &missing, at_vertices)?;
             known.extend(missing.into_iter().zip(averages));
         }
         Ok(nodes.iter().map(|node| known[node]).collect())
     }
-}
-
-impl Measured {
-    /// Measures every point nearer to the obstacle than `reach` (m) and every point inside it.
-    ///
-    /// `depth_bound` (m), where known, is a penetration that no point exceeds; without it the points within the
-    /// obstacle's bounding box are measured without limit, as any of them may lie deep inside.
-    pub fn near(
-        points: &[Vector3<f64>],
-        obstacle: &Obstacle,
-        reach: f64,
-        depth_bound: Option<f64>,
-    ) -> Result<Self, ContactError> {
-        let mut measured = Self {
-            distance: vec![f64::INFINITY; points.len()],
-            normal: vec![Vector3::repeat(f64::NAN); points.len()],
-        };
-        let near = within_box(points, obstacle, reach, 0..points.len());
-        measured.fill(points, obstacle, &near, Some(reach))?;
-        if depth_bound.is_none() {
-            let unanswered = near.into_iter().filter(|&point| measured.distance[point].is_infinite());
-            let maybe_inside = within_box(points, obstacle, 0.0, unanswered);
-            measured.fill(points, obstacle, &maybe_inside, None)?;
-            for point in maybe_inside {
-                if measured.distance[point] > reach {
-                    measured.distance[point] = f64::INFINITY;
-                    measured.normal[point].fill(f64::NAN);
-                }
-            }
-        }
-        Ok(measured)
-    }
-
-    /// Measures `wanted` without limit where they have not been measured yet.
-    fn complete(
-        &mut self,
-        points: &[Vector3<f64>],
-        obstacle: &Obstacle,
-        wanted: &[usize],
-    ) -> Result<(), ContactError> {
-        let missing: Vec<usize> =
-            wanted.iter().copied().filter(|&point| self.distance[point].is_infinite()).collect();
-        self.fill(points, obstacle, &missing, None)
-    }
-
-    fn fill(
-        &mut self,
-        points: &[Vector3<f64>],
-        obstacle: &Obstacle,
-        wanted: &[usize],
-        max_distance: Option<f64>,
-    ) -> Result<(), ContactError> {
-        if wanted.is_empty() {
-            return Ok(());
-        }
-        let queried: Vec<Vector3<f64>> = wanted.iter().map(|&point| points[point]).collect();
-        let answer = obstacle.signed_distance(&queried, max_distance)?;
-        for (row, &point) in wanted.iter().enumerate() {
-            self.distance[point] = answer.distance[row];
-            self.normal[point] = answer.normal[row];
-        }
-        Ok(())
-    }
-}
-
-/// Those of `wanted` that lie within the obstacle's bounding box grown by `margin` (m).
-fn within_box(
-    points: &[Vector3<f64>],
-    obstacle: &Obstacle,
-    margin: f64,
-    wanted: impl Iterator<Item = usize>,
-) -> Vec<usize> {
-    let Some((low, high)) = obstacle.bounding_box() else {
-        return wanted.collect();
-    };
-    let (low, high) = (low.add_scalar(-margin), high.add_scalar(margin));
-    let is_within =
-        |point: &Vector3<f64>| (0..3).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis]);
-    wanted.filter(|&point| is_within(&points[point])).collect()
 }

@@ -5,7 +5,7 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::report::Report;
+use crate::contact::report::record::Report;
 use crate::surface::geodesic::LONGEST_DETOUR;
 
 impl Report {

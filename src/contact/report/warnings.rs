@@ -1,7 +1,7 @@
 //! What the user should know of a contact, in sentences.
 
 use crate::contact::gap::initial::Gaps;
-use crate::contact::report::Report;
+use crate::contact::report::record::Report;
 use crate::response::kernel::basis::Discretization;
 
 /// Penetration left at the deformed skin, as a share of that before, from which the user is warned.

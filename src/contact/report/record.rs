@@ -1,0 +1,28 @@
+//! What is noted while a contact is under way.
+
+use std::time::Instant;
+
+use crate::contact::outcome::{LeftOut, Timing};
+
+/// Timings, omissions and warnings of a contact under way.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    pub timings: Vec<Timing>,
+    pub left_out: Vec<LeftOut>,
+    pub warnings: Vec<String>,
+}
+
+impl Report {
+    /// Adds the time since `started` to a stage.
+    pub fn clock(&mut self, stage: &'static str, started: Instant) {
+        let seconds = started.elapsed().as_secs_f64();
+        match self.timings.iter_mut().find(|timing| timing.stage == stage) {
+            Some(timing) => timing.seconds += seconds,
+            None => self.timings.push(Timing { stage, seconds }),
+        }
+    }
+
+    pub fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
+        self.left_out.push(LeftOut { what, why: why.into() });
+    }
+}
