@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from . import _core
@@ -10,15 +10,17 @@ from ._core import Surface as Surface
 from ._core import flat_cap_mask as flat_cap_mask
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Repair", "Surface", "flat_cap_mask", "repair"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Repair:
-    """Repaired raw mesh and what was changed.
+    """A repaired raw mesh and what was changed.
 
     Attributes
     ----------
@@ -28,21 +30,20 @@ class Repair:
         Faces kept.
     vertex_map : (n_before,) int64
         New number of each old vertex, -1 for a dropped one.
-    report : dict of str to int
-        How many of each thing were changed.
+    report : mapping of str to int
+        Number of changes of each kind.
     """
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    vertex_map: NDArray[np.int64]
-    report: dict[str, int]
+    vertices: NDArray[np.float64] = field(repr=False)
+    faces: NDArray[np.int64] = field(repr=False)
+    vertex_map: NDArray[np.int64] = field(repr=False)
+    report: Mapping[str, int]
 
 
 def repair(vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float) -> Repair:
     """Weld, drop what is unused, degenerate or double, and turn faces the same way.
 
-    Nothing else in the package repairs anything: a mesh with a defect is refused, and this call is the
-    remedy.
+    Nothing else in the package repairs a mesh: elsewhere one with a defect is refused.
 
     Parameters
     ----------
@@ -71,7 +72,5 @@ def repair(vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float) -> R
     >>> len(fixed.vertices), fixed.vertex_map.tolist()
     (4, [0, 1, 2, 1, 3, 2])
     """
-    fixed_vertices, fixed_faces, vertex_map, report = _core.repair(
-        vertices, faces, weld_tolerance=weld_tolerance
-    )
-    return Repair(vertices=fixed_vertices, faces=fixed_faces, vertex_map=vertex_map, report=report)
+    kept, corners, vertex_map, report = _core.repair(vertices, faces, weld_tolerance=weld_tolerance)
+    return Repair(vertices=kept, faces=corners, vertex_map=vertex_map, report=report)

@@ -17,7 +17,7 @@ pytest.importorskip("matplotlib")
 
 import quasirigid as qr
 from quasirigid.cli import run
-from quasirigid.cli.arguments import response_of, rotation
+from quasirigid.cli.arguments import parse_response, rotation
 
 COMMANDS = [[], ["demo"], ["press"], ["info"]]
 
@@ -86,6 +86,7 @@ def test_the_demo_writes_pictures_files_and_meshes(demo_folder: Path) -> None:
             "deformed.ply",
             "deformed.vtp",
             "footprint.png",
+            "product.ply",
             "responses.png",
             "skin.png",
         }
@@ -155,14 +156,17 @@ def test_a_body_out_of_reach_is_not_prepared(
         ("half-space", qr.HalfSpace()),
         ("half-space:pressure=one_ring", qr.HalfSpace(pressure="one_ring")),
         ("layer:thickness=5mm", qr.Layer(thickness=5e-3)),
-        ("gaussian:height=0.8mm/N,width=5mm,cutoff=15mm", qr.GaussianCorrected(0.8e-3, 5e-3, 15e-3)),
+        (
+            "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm",
+            qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3),
+        ),
     ],
 )
-def test_a_response_is_told_by_name_and_constants(text: str, response: object) -> None:
-    told = response_of(text)
-    assert type(told) is type(response)
+def test_a_response_is_parsed_from_name_and_constants(text: str, response: object) -> None:
+    parsed = parse_response(text)
+    assert type(parsed) is type(response)
     for name, value in vars(response).items():
-        assert getattr(told, name) == (value if isinstance(value, str) else pytest.approx(value))
+        assert getattr(parsed, name) == (value if isinstance(value, str) else pytest.approx(value))
 
 
 def test_a_turn_is_about_fixed_axes_x_then_y_then_z() -> None:
@@ -183,7 +187,7 @@ def test_a_mask_file_decides_what_may_touch(in_demo_folder: Path, capsys: pytest
 BAD_INPUT = {
     "no unit on a length": ({"depth": "1.12"}, "--depth: '1.12' has no unit"),
     "a wrong unit": ({"shear_modulus": "60mm"}, "--shear-modulus: '60mm' is not a number with a unit"),
-    "an unknown file unit": ({"unit": "cm"}, "--unit: 'cm' is not known, expected m or mm"),
+    "an unknown file unit": ({"unit": "km"}, "--unit: 'km' is not known, expected m, cm, mm or inch"),
     "two numbers for three": ({"direction": "0,1"}, "--direction: '0,1' has 2 values"),
     "a zero direction": ({"direction": "0,0,0"}, "direction"),
     "a negative depth": ({"depth": "-1mm"}, "depth"),

@@ -1,9 +1,10 @@
-"""Files that a contact is written to: complete, in SI, and whole or not there."""
+"""What a contact is saved to: complete, in SI, each file whole or not there; and its tables."""
 
 from __future__ import annotations
 
 import base64
 import json
+import sys
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -11,7 +12,33 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import quasirigid as qr
-from quasirigid.io import write
+from quasirigid.io import (
+    compare_contacts,
+    contact_html,
+    contact_record,
+    contact_summary,
+    save_contact,
+    write_mesh,
+)
+from quasirigid.io.atomic import atomic_write
+
+FILES = ["contact.json", "contact.npz", "deformed.ply", "deformed.vtp"]
+
+
+@pytest.fixture(scope="module")
+def folder(pressed: qr.Contact, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the pressed fingertip is saved to."""
+    folder = tmp_path_factory.mktemp("saved")
+    inputs = {"depth": {"value": np.float64(1.12e-3), "unit": "m"}, "file": Path("finger.ply")}
+    save_contact(pressed, folder, inputs=inputs)
+    return folder
+
+
+def read_record(folder: Path) -> dict[str, Any]:
+    document: dict[str, Any] = json.loads(
+        (folder / "contact.json").read_text(), parse_constant=lambda _: pytest.fail("JSON knows no nan")
+    )
+    return document
 
 
 def vtp_arrays(path: Path) -> dict[str, np.ndarray]:
@@ -34,11 +61,8 @@ def vtp_arrays(path: Path) -> dict[str, np.ndarray]:
     return arrays
 
 
-def test_the_ply_carries_pressure_and_displacement_at_each_vertex(
-    pressed: qr.Contact, tmp_path: Path
-) -> None:
-    path = tmp_path / "deformed.ply"
-    write.write_ply(pressed, path)
+def test_the_ply_carries_pressure_and_displacement_at_each_vertex(pressed: qr.Contact, folder: Path) -> None:
+    path = folder / "deformed.ply"
     vertices, faces = qr.read_mesh(path, unit="m")
     assert np.array_equal(vertices, pressed.deformed.vertices)
     assert np.array_equal(faces, pressed.deformed.faces)
@@ -50,41 +74,32 @@ def test_the_ply_carries_pressure_and_displacement_at_each_vertex(
     assert b"comment units: x y z m, pressure Pa, displacement m\n" in data
 
 
-def test_the_vtp_holds_the_mesh_and_every_vertex_array(pressed: qr.Contact, tmp_path: Path) -> None:
-    path = tmp_path / "deformed.vtp"
-    write.write_vtp(pressed, path)
-    arrays = vtp_arrays(path)
+def test_the_vtp_holds_the_mesh_and_every_vertex_array(pressed: qr.Contact, folder: Path) -> None:
+    arrays = vtp_arrays(folder / "deformed.vtp")
     assert np.array_equal(arrays["points"], pressed.deformed.vertices)
     assert np.array_equal(arrays["connectivity"].reshape(-1, 3), pressed.deformed.faces)
     assert np.array_equal(arrays["offsets"], 3 * np.arange(1, len(pressed.deformed.faces) + 1))
     for name in ("pressure", "node_force", "displacement"):
         assert np.array_equal(arrays[name], getattr(pressed, name))
+    assert np.array_equal(arrays["force"], pressed.force_vectors)
     known = np.isfinite(pressed.gap)
     assert np.array_equal(arrays["gap"][known], pressed.gap[known])
     assert np.isnan(arrays["gap"][~known]).all()
     assert np.array_equal(np.flatnonzero(arrays["active"]), pressed.active)
+    assert np.array_equal(np.flatnonzero(arrays["candidate"]), pressed.candidates)
 
 
-def test_the_archive_holds_every_array(pressed: qr.Contact, tmp_path: Path) -> None:
-    write.write_npz(pressed, tmp_path / "contact.npz")
-    with np.load(tmp_path / "contact.npz") as archive:
+def test_the_archive_holds_every_array(pressed: qr.Contact, folder: Path) -> None:
+    with np.load(folder / "contact.npz") as archive:
         assert np.array_equal(archive["vertices"], pressed.deformed.vertices)
-        for name in (
-            "pressure",
-            "node_force",
-            "gap",
-            "displacement",
-            "candidates",
-            "active",
-            "force",
-            "moment",
-        ):
+        assert np.array_equal(archive["skin_mask"], pressed.deformed.skin_mask)
+        names = ["pressure", "node_force", "force_vectors", "gap", "displacement", "candidates", "active"]
+        for name in [*names, "force", "moment", "center_of_pressure"]:
             assert np.array_equal(archive[name], getattr(pressed, name)), name
 
 
-def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, tmp_path: Path) -> None:
-    write.write_json(pressed, tmp_path / "contact.json", inputs={"depth": {"value": 1.12e-3, "unit": "m"}})
-    document = json.loads((tmp_path / "contact.json").read_text())
+def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, folder: Path) -> None:
+    document = read_record(folder)
     assert document["status"] == "solved"
     assert document["force"] == {"value": pressed.force.tolist(), "unit": "N"}
     assert document["contact_area"] == {"value": pressed.contact_area, "unit": "m^2"}
@@ -92,33 +107,54 @@ def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, tmp_path: 
     assert document["accuracy"]["natural_residual"]["unit"] == "1"
     assert document["timings"].keys() == pressed.timings.keys()
     assert [(entry["what"], entry["why"]) for entry in document["left_out"]] == list(pressed.left_out)
-    assert document["inputs"]["depth"]["value"] == 1.12e-3
+    assert document["inputs"] == {"depth": {"value": 1.12e-3, "unit": "m"}, "file": "finger.ply"}
     assert len(document["patches"]) == len(pressed.patches) == 1
 
 
 def test_numbers_that_are_not_finite_are_null(apart: qr.Contact, tmp_path: Path) -> None:
-    write.write_json(apart, tmp_path / "contact.json")
-    document = json.loads((tmp_path / "contact.json").read_text(), parse_constant=pytest.fail)
+    save_contact(apart, tmp_path, inputs={"limit": float("inf")})
+    document = read_record(tmp_path)
     assert document["status"] == "no_contact"
     assert document["center_of_pressure"]["value"] == [None, None, None]
+    assert document["inputs"] == {"limit": None}
 
 
 def test_a_contact_without_result_is_written_with_its_reason(unsolved: qr.Contact, tmp_path: Path) -> None:
-    write.write_contact(unsolved, tmp_path / "out", pictures=False)
-    document = json.loads((tmp_path / "out" / "contact.json").read_text())
+    save_contact(unsolved, tmp_path / "out")
+    document = read_record(tmp_path / "out")
     assert document["status"] == unsolved.status
     assert document["advice"]
     assert document["contact_area"]["value"] is None
 
 
-def test_a_folder_is_written_whole(pressed: qr.Contact, tmp_path: Path) -> None:
-    files = write.write_contact(pressed, tmp_path / "deep" / "out", pictures=False)
-    assert sorted(path.name for path in files) == [
-        "contact.json",
-        "contact.npz",
-        "deformed.ply",
-        "deformed.vtp",
-    ]
+def test_the_product_is_written_where_it_stands(fingertip: qr.Surface, tmp_path: Path) -> None:
+    turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    handle = qr.models.cylinder_handle(edge_length=3e-3).moved(turn, [0.0, 0.02, -0.05])
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    contact = qr.press(fingertip, handle, skin, [0.0, 0.0, 1.0], depth=0.5e-3)
+    assert tmp_path / "product.ply" in save_contact(contact, tmp_path)
+    vertices, faces = qr.read_mesh(tmp_path / "product.ply", unit="m")
+    expected = contact.obstacle.triangles()
+    assert expected is not None
+    assert np.array_equal(vertices, expected[0])
+    assert np.array_equal(faces, expected[1])
+    # At the end of its way, not at its start.
+    assert vertices.mean(axis=0)[2] == pytest.approx(-0.05 + contact.travel)
+    product = read_record(tmp_path)["product"]
+    assert (product["kind"], product["file"]) == ("mesh", "product.ply")
+    assert product["translation"]["value"] == pytest.approx([0.0, 0.02, -0.05 + contact.travel])
+
+
+def test_a_product_without_triangles_is_left_out_with_a_note(folder: Path) -> None:
+    assert not (folder / "product.ply").exists()
+    product = read_record(folder)["product"]
+    assert product["kind"] == "half_space"
+    assert "no triangles" in product["note"]
+
+
+def test_a_folder_is_made_and_holds_what_is_returned(pressed: qr.Contact, tmp_path: Path) -> None:
+    files = save_contact(pressed, tmp_path / "deep" / "out")
+    assert sorted(path.name for path in files) == FILES
     assert sorted(files) == sorted((tmp_path / "deep" / "out").iterdir())
     assert [path.name for path in (tmp_path / "deep").iterdir()] == ["out"]
 
@@ -126,30 +162,84 @@ def test_a_folder_is_written_whole(pressed: qr.Contact, tmp_path: Path) -> None:
 def test_files_of_others_stay_in_a_folder_that_is_there(pressed: qr.Contact, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "contact.json").write_text("old")
-    write.write_contact(pressed, tmp_path, pictures=False)
+    save_contact(pressed, tmp_path)
     assert (tmp_path / "notes.txt").read_text() == "mine"
-    assert json.loads((tmp_path / "contact.json").read_text())["status"] == "solved"
+    assert read_record(tmp_path)["status"] == "solved"
 
 
-def test_nothing_is_left_behind_when_writing_fails(
+def test_nothing_is_written_before_everything_is_computed(
     pressed: qr.Contact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full_disk(*_: Any, **__: Any) -> None:
-        raise OSError("no space left")
-
-    monkeypatch.setattr(write, "write_json", full_disk)
-    with pytest.raises(OSError, match="no space left"):
-        write.write_contact(pressed, tmp_path / "out", pictures=False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(qr.MissingExtraError, match=r"pip install 'quasirigid\[plot\]'"):
+        save_contact(pressed, tmp_path / "out", pictures=True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_write_that_fails_leaves_the_old_file_and_no_draft(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_text("old")
+
+    def write_half() -> None:
+        with atomic_write(path) as file:
+            file.write(b"half")
+            raise OSError("no space left")
+
+    with pytest.raises(OSError, match="no space left"):
+        write_half()
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+    with atomic_write(path) as file:
+        file.write(b"whole")
+        assert path.read_text() == "old"
+    assert path.read_text() == "whole"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_file_in_the_place_of_the_folder_is_refused(pressed: qr.Contact, tmp_path: Path) -> None:
     (tmp_path / "out").write_text("a file")
     with pytest.raises(NotADirectoryError, match="is a file"):
-        write.write_contact(pressed, tmp_path / "out")
+        save_contact(pressed, tmp_path / "out")
     assert (tmp_path / "out").read_text() == "a file"
 
 
 def test_meshes_are_written_as_ply_or_stl_only(tmp_path: Path) -> None:
     with pytest.raises(qr.MeshFileError, match=r"expected \.ply or \.stl"):
-        write.write_mesh(np.zeros((3, 3)), np.array([[0, 1, 2]]), tmp_path / "mesh.obj", unit="m")
+        write_mesh(np.zeros((3, 3)), np.array([[0, 1, 2]]), tmp_path / "mesh.obj", unit="m")
+
+
+def test_a_summary_has_the_figures_in_mm_n_and_kpa(pressed: qr.Contact) -> None:
+    lines = contact_summary(pressed).splitlines()
+    rows = dict(line.split("  ", 1) for line in lines if "  " in line)
+    rows = {name: value.strip() for name, value in rows.items()}
+    assert rows["status"] == "solved"
+    assert float(rows["force (N)"]) == pytest.approx(np.linalg.norm(pressed.force), rel=1e-3)
+    assert rows["force vector (N)"].split(", ")[:2] == ["0", "0"]
+    assert float(rows["contact area (mm²)"]) == pytest.approx(1e6 * pressed.contact_area, rel=1e-3)
+    assert float(rows["peak pressure (kPa)"]) == pytest.approx(1e-3 * pressed.max_pressure, rel=1e-3)
+    assert float(rows["overlap before (mm)"]) == pytest.approx(1.12, rel=1e-3)
+    assert sum(line.startswith("left out: ") for line in lines) == len(pressed.left_out) > 0
+
+
+def test_a_summary_of_a_bad_ending_says_what_to_try(unsolved: qr.Contact) -> None:
+    assert contact_summary(unsolved).splitlines()[-1] == f"advice: {unsolved.advice}"
+
+
+def test_contacts_are_compared_column_by_column(pressed: qr.Contact, apart: qr.Contact) -> None:
+    lines = compare_contacts({"pressed": pressed, "apart": apart}).splitlines()
+    assert lines[0].split() == ["pressed", "apart"]
+    assert lines[1].split() == ["status", "solved", "no_contact"]
+    # What both left out is noted once.
+    notes = [line for line in lines if line.startswith("left out: ")]
+    assert len(notes) == len(set(notes))
+
+
+def test_a_notebook_gets_the_summary_as_a_table(unsolved: qr.Contact) -> None:
+    text = contact_html(unsolved)
+    rows = ElementTree.fromstring(f"<all>{text}</all>").findall(".//tr")
+    assert [rows[0][0].text, rows[0][1].text] == ["status", str(unsolved.status)]
+    assert len(rows) == len([line for line in contact_summary(unsolved).splitlines() if "  " in line])
+
+
+def test_a_record_is_ready_for_json(apart: qr.Contact) -> None:
+    json.dumps(contact_record(apart), allow_nan=False)

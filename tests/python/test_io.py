@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.errors import MeshFileError
-from quasirigid.io import write_mesh
-from quasirigid.models.fingers import build_finger
+from quasirigid.io import UNITS, LengthUnit, write_mesh
 
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
 
@@ -112,16 +112,24 @@ def test_faces_of_more_corners_become_fans_in_their_place(tmp_path: Path) -> Non
     assert read(tmp_path, "mixed.obj", "\n".join(lines))[1].tolist() == expected
 
 
-def test_millimetres_become_metres(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("unit", "metres"), [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("inch", 25.4e-3)])
+def test_every_unit_becomes_metres(tmp_path: Path, unit: LengthUnit, metres: float) -> None:
     path = tmp_path / "mesh.obj"
     path.write_text(obj_text())
-    assert qr.read_mesh(path, unit="mm")[0] == pytest.approx(1e-3 * np.array(POINTS), rel=1e-15)
+    expected = pytest.approx(metres * np.array(POINTS), rel=1e-15)
+    assert qr.read_mesh(path, unit=unit)[0] == expected
+    assert qr.read_surface(path, unit=unit).vertices == expected
+    product = qr.read_obstacle(path, unit=unit).triangles()
+    assert product is not None
+    assert product[0] == expected
 
 
-@pytest.mark.parametrize("unit", ["cm", "", None, "M"])
-def test_an_unknown_unit_is_refused(tmp_path: Path, unit: str) -> None:
-    with pytest.raises(MeshFileError, match="expected 'm' or 'mm'"):
-        qr.read_mesh(tmp_path / "mesh.ply", unit=unit)  # type: ignore[arg-type]
+@pytest.mark.parametrize("unit", ["km", "", None, "M"])
+def test_an_unknown_unit_is_refused(tmp_path: Path, unit: Any) -> None:
+    with pytest.raises(MeshFileError, match="expected 'm', 'cm', 'mm' or 'inch'"):
+        qr.read_mesh(tmp_path / "mesh.ply", unit=unit)
+    with pytest.raises(MeshFileError, match="expected 'm', 'cm', 'mm' or 'inch'"):
+        write_mesh(np.array(POINTS), np.array(FACES), tmp_path / "mesh.ply", unit=unit)
 
 
 def test_stl_and_obj_join_equal_points_and_nothing_else(tmp_path: Path) -> None:
@@ -270,15 +278,18 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
         qr.read_mesh(tmp_path / "nowhere.ply", unit="m")
 
 
+@pytest.mark.parametrize("unit", UNITS)
 @pytest.mark.parametrize("ending", [".ply", ".stl"])
-def test_what_is_written_is_read_back(tmp_path: Path, ending: str) -> None:
-    vertices, faces = build_finger(0.03, 0.018, None, 2e-3, 1.0)
+def test_what_is_written_is_read_back(tmp_path: Path, ending: str, unit: LengthUnit) -> None:
+    finger = qr.models.fingertip(edge_length=2e-3)
+    vertices, faces = finger.vertices, finger.faces
     path = tmp_path / f"finger{ending}"
-    write_mesh(vertices, faces, path, unit="mm")
-    read_vertices, read_faces = qr.read_mesh(path, unit="mm")
+    write_mesh(vertices, faces, path, unit=unit)
+    read_vertices, read_faces = qr.read_mesh(path, unit=unit)
     assert len(read_vertices) == len(vertices)
-    # STL stores float32: half a unit in the last place of 30 mm.
-    assert np.abs(read_vertices[read_faces] - vertices[faces]).max() < (1e-16 if ending == ".ply" else 1e-9)
+    # STL stores float32: at most half a unit in the last place of 30 mm; PLY stores float64.
+    bound = 0.03 * (2.0**-52 if ending == ".ply" else 2.0**-24)
+    assert np.abs(read_vertices[read_faces] - vertices[faces]).max() <= bound
 
 
 def test_a_refused_surface_names_its_file(tmp_path: Path) -> None:

@@ -3,30 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..io import LengthUnit, read_surface
+from .._units import UNITS, LengthUnit
+from ..io import read_surface
 from ..models import bone_of
 from ..skin.response import Body, GaussianCorrected, HalfSpace, Layer
 from ..surface import Surface, flat_cap_mask
 from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
 
-_CONSTANTS: dict[str, dict[str, dict[str, float]]] = {
-    "half-space": {},
-    "body": {},
-    "layer": {"thickness": LENGTH},
-    "gaussian": {"height": COMPLIANCE, "width": LENGTH, "cutoff": LENGTH},
+__all__ = ["choice", "file_unit", "parse_body", "parse_response", "rotation", "with_skin_mask"]
+
+_Kernel: TypeAlias = type[HalfSpace | Layer | GaussianCorrected]
+
+# Each kernel with its constants, their units, and its choices.
+_KERNELS: dict[str, tuple[_Kernel, dict[str, dict[str, float]], tuple[str, ...]]] = {
+    "half-space": (HalfSpace, {}, ("pressure", "gap")),
+    "layer": (Layer, {"thickness": LENGTH}, ("pressure", "gap")),
+    "gaussian": (
+        GaussianCorrected,
+        {"height": COMPLIANCE, "width": LENGTH, "cutoff": LENGTH},
+        ("pressure",),
+    ),
 }
-
-
+_CHOICES = {"pressure": ("linear", "one_ring"), "gap": ("node", "weighted")}
 _EXAMPLES = {"layer": "layer:thickness=5mm", "gaussian": "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"}
 
 
-def one_of(text: str, choices: Sequence[str], option: str) -> str:
-    """`text`, where it is one of `choices`."""
+def choice(text: str, choices: Sequence[str], option: str) -> str:
+    """Return `text`, where it is one of `choices`."""
     if text not in choices:
         known = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
         raise QuantityError(f"{option}: '{text}' is not known, expected {known}")
@@ -34,12 +42,12 @@ def one_of(text: str, choices: Sequence[str], option: str) -> str:
 
 
 def file_unit(text: str, option: str) -> LengthUnit:
-    """The unit of a mesh file."""
-    return cast(LengthUnit, one_of(text, ("m", "mm"), option))
+    """Return the unit of a mesh file."""
+    return cast(LengthUnit, choice(text, tuple(UNITS), option))
 
 
-def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
-    """A response from its name and constants, as in `gaussian:height=0.8mm/N,width=5mm,cutoff=15mm`.
+def parse_response(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
+    """Return the response of a name and constants, as in `gaussian:height=0.8mm/N,width=5mm,cutoff=15mm`.
 
     None for a body, which needs the skin first.
     """
@@ -52,40 +60,37 @@ def response_of(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
         if key in values:
             raise QuantityError(f"--response: '{key}' is given twice, {values[key]} and {value}")
         values[key] = value
-    one_of(name, tuple(_CONSTANTS), "--response")
+    choice(name, ("half-space", "body", "layer", "gaussian"), "--response")
     if name == "body":
         if values:
             raise QuantityError(
                 f"--response: body has no constant '{next(iter(values))}'; see --bone, --fixed"
             )
         return None
-    pressure: Any = one_of(values.pop("pressure", "linear"), ("linear", "one_ring"), "--response pressure")
-    gap: Any = None
-    if name != "gaussian":
-        gap = one_of(values.pop("gap", "node"), ("node", "weighted"), "--response gap")
-    units = _CONSTANTS[name]
-    if wrong := sorted(values.keys() - units.keys()):
+    kernel, units, choices = _KERNELS[name]
+    if wrong := sorted(values.keys() - units.keys() - set(choices)):
         raise QuantityError(f"--response: {name} has no constant '{wrong[0]}'")
     if missing := [key for key in units if key not in values]:
         raise QuantityError(f"--response: {name} needs {', '.join(missing)}, as in {_EXAMPLES[name]}")
-    constants = {key: parse_quantity(values[key], units[key], f"--response {key}") for key in units}
-    if name == "half-space":
-        return HalfSpace(pressure=pressure, gap=gap)
-    if name == "layer":
-        return Layer(constants["thickness"], pressure=pressure, gap=gap)
-    return GaussianCorrected(**constants, pressure=pressure)
+    arguments: dict[str, Any] = {}
+    for key, value in values.items():
+        if key in units:
+            arguments[key] = parse_quantity(value, units[key], f"--response {key}")
+        else:
+            arguments[key] = choice(value, _CHOICES[key], f"--response {key}")
+    return kernel(**arguments)
 
 
-def masked(surface: Surface, text: str) -> Surface:
-    """The surface with the mask that `caps`, `none` or the name of a NumPy file stands for."""
+def with_skin_mask(surface: Surface, text: str) -> Surface:
+    """Return the surface with the mask that `caps`, `none` or the name of a NumPy file stands for."""
     if text == "none":
         return surface
     mask = flat_cap_mask(surface) if text == "caps" else _mask_file(surface, text, "--skin-mask")
     return surface.with_skin_mask(mask)
 
 
-def body_of(surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Body:
-    """The body of a skin from what `--bone` and `--fixed` say; a bone's file is in `unit`."""
+def parse_body(surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Body:
+    """Return the body of a skin from `--bone`, whose file is in `unit`, and `--fixed`."""
     bones = None
     if bone == "auto":
         bones = bone_of(surface)
@@ -103,7 +108,7 @@ def body_of(surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Body:
 
 
 def _mask_file(surface: Surface, text: str, option: str) -> NDArray[np.bool_]:
-    """(n,) bool from a NumPy file."""
+    """Return (n,) bool from a NumPy file."""
     if not text.endswith(".npy"):
         raise QuantityError(
             f"{option}: '{text}' is not known, expected caps, none or a file that ends in .npy"
@@ -121,7 +126,7 @@ def _mask_file(surface: Surface, text: str, option: str) -> NDArray[np.bool_]:
 
 
 def rotation(angles: Sequence[float]) -> NDArray[np.float64]:
-    """Turns about the fixed axes x, then y, then z, as one (3, 3) matrix."""
+    """Return turns (rad) about the fixed axes x, then y, then z as one (3, 3) matrix."""
     total = np.eye(3)
     for axis, angle in enumerate(angles):
         turn = np.eye(3)

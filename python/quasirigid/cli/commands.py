@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -13,15 +14,21 @@ from rich.table import Table
 
 import quasirigid as qr
 
-from ..errors import MissingExtraError, QuasirigidError
-from ..io import write_contact
-from .arguments import body_of, file_unit, masked, one_of, response_of, rotation
-from .console import MM, console, print_contacts, progress, refuse, show_warning
+from .._extras import import_extra
+from .._units import MM, UNITS
+from ..errors import QuasirigidError
+from ..io import compare_contacts, save_contact
+from .arguments import choice, file_unit, parse_body, parse_response, rotation, with_skin_mask
+from .console import console, progress, refuse, show_warning
 from .demo import press_demo
 from .nodes import free_nodes, may_touch
 from .quantities import ANGLE, LENGTH, STRESS, QuantityError, parse_numbers, parse_quantities, parse_quantity
 
+__all__ = ["run"]
+
 Made = TypeVar("Made")
+
+_UNITS = f"{', '.join(list(UNITS)[:-1])} or {list(UNITS)[-1]}"
 
 app = typer.Typer(
     add_completion=False,
@@ -97,7 +104,7 @@ def press(
         Path, typer.Argument(metavar="SKIN", help="Hand or finger mesh: .ply, .stl or .obj.")
     ],
     product_file: Annotated[Path, typer.Argument(metavar="PRODUCT", help="Closed product mesh.")],
-    unit: Annotated[str, typer.Option(help="Unit of the skin file: m or mm.")],
+    unit: Annotated[str, typer.Option(help=f"Unit of the skin file: {_UNITS}.")],
     direction: Annotated[str, typer.Option(help="The way the product comes, as in 0,0,1.")],
     depth: Annotated[str, typer.Option(help="How far past first touch, as in 1.12mm.")],
     shear_modulus: Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")],
@@ -150,68 +157,74 @@ def press(
 ) -> int:
     """Press a product against a skin mesh by a depth and write what happens.
 
-    Writes deformed.ply, deformed.vtp, contact.npz, contact.json, skin.png and footprint.png. Leaves with 0
-    when solved or without contact, 1 when the solver ended otherwise, 2 on bad input.
+    Writes deformed.ply, deformed.vtp, product.ply, contact.npz, contact.json, skin.png and footprint.png.
+    Leaves with 0 when solved or without contact, 1 when the solver ended otherwise, 2 on bad input.
     """
     # Everything is read and checked before anything is computed.
-    begin: Any = one_of(start, ("infinity", "current"), "--start")
-    way = parse_numbers(direction, 3, "--direction")
-    travel = parse_quantity(depth, LENGTH, "--depth")
+    motion: dict[str, Any] = {
+        "direction": parse_numbers(direction, 3, "--direction"),
+        "depth": parse_quantity(depth, LENGTH, "--depth"),
+        "start": choice(start, ("infinity", "current"), "--start"),
+    }
     shift = parse_quantities(translate, 3, LENGTH, "--translate")
     angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
-    told = response_of(response)
-    if told is not None:
+    kernel = parse_response(response)
+    if kernel is not None:
         _only_for_a_body(bone, "--bone")
         _only_for_a_body(fixed, "--fixed")
-    bone = "auto" if bone is None else bone
-    fixed = "caps" if fixed is None else fixed
     modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
-    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=told or qr.HalfSpace())
+    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=kernel or qr.HalfSpace())
     if pictures:
         _need_matplotlib()
     if out.exists() and not out.is_dir():
         raise NotADirectoryError(f"--out: {out} is a file, expected a folder")
+    units = file_unit(unit, "--unit"), file_unit(product_unit or unit, "--product-unit")
     with progress(f"reading {skin_file} and {product_file}"):
-        skin_unit = file_unit(unit, "--unit")
-        surface = masked(qr.read_surface(skin_file, unit=skin_unit), skin_mask)
-        obstacle = qr.read_obstacle(product_file, unit=file_unit(product_unit or unit, "--product-unit"))
-        obstacle = obstacle.moved(rotation(angles), np.array(shift))
-    body = body_of(surface, bone, fixed, skin_unit) if told is None else None
-    with progress("pressing"):
-        contact = qr.press(surface, obstacle, skin, way, depth=travel, start=begin, throw=False)
-    if body is not None:
-        # The half-space has told where the product gets to; only vertices near it need the body's response.
-        skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=body)
-        nodes = may_touch(contact, travel)
-        if len(nodes):
-            prepared = skin.prepared(surface, free_nodes(nodes, body), progress=True)
-            with progress("pressing"):
-                contact = qr.press(surface, obstacle, prepared, way, depth=travel, start=begin, throw=False)
+        surface = with_skin_mask(qr.read_surface(skin_file, unit=units[0]), skin_mask)
+        obstacle = qr.read_obstacle(product_file, unit=units[1]).moved(rotation(angles), shift)
+    body = None if kernel else parse_body(surface, bone or "auto", fixed or "caps", units[0])
+    contact = _press(surface, obstacle, skin, body, motion)
     inputs = {
         "skin": str(skin_file),
         "product": str(product_file),
-        "unit": unit,
-        "product_unit": product_unit or unit,
+        "unit": units[0],
+        "product_unit": units[1],
         "translate": {"value": shift, "unit": "m"},
         "rotate": {"value": angles, "unit": "rad"},
-        "direction": way,
-        "depth": {"value": travel, "unit": "m"},
-        "start": start,
-        "shear_modulus": {"value": skin.shear_modulus, "unit": "Pa"},
-        "poisson_ratio": {"value": skin.poisson_ratio, "unit": "1"},
+        **motion,
+        "depth": {"value": motion["depth"], "unit": "m"},
+        "shear_modulus": {"value": modulus, "unit": "Pa"},
+        "poisson_ratio": {"value": poisson_ratio, "unit": "1"},
         "response": response,
-        **({} if body is None else {"bone": bone, "fixed": fixed}),
+        **({"bone": bone or "auto", "fixed": fixed or "caps"} if body else {}),
         "skin_mask": skin_mask,
         "quasirigid": qr.__version__,
     }
     with progress(f"writing {out}"):
-        drawn = None if body is None else body.bone
-        files = write_contact(contact, out, inputs=inputs, pictures=pictures, bone=drawn)
-    print_contacts({skin_file.stem: contact})
-    typer.echo("wrote " + ", ".join(str(path) for path in files))
+        bones = body.bone if body else None
+        files = save_contact(contact, out, inputs=inputs, pictures=pictures, bone=bones)
+    typer.echo(compare_contacts({skin_file.stem: contact}))
+    typer.echo("wrote " + ", ".join(map(str, files)))
     if contact.status in ("solved", "no_contact"):
         return 0
     return refuse(f"the contact ended with '{contact.status}': {contact.advice}", status=1)
+
+
+def _press(
+    surface: qr.Surface, obstacle: qr.Obstacle, skin: qr.Skin, body: qr.Body | None, motion: dict[str, Any]
+) -> qr.Contact:
+    """Return the contact with `skin`, or with `body`, where there is one, prepared where `skin` touches."""
+    with progress("pressing"):
+        contact = qr.press(surface, obstacle, skin, throw=False, **motion)
+    if body is None:
+        return contact
+    # Where the half-space comes near the product, the body may touch it; no other vertex needs its response.
+    nodes = may_touch(contact, motion["depth"])
+    if len(nodes) == 0:
+        return contact
+    prepared = replace(skin, response=body).prepared(surface, free_nodes(nodes, body), progress=True)
+    with progress("pressing"):
+        return qr.press(surface, obstacle, prepared, throw=False, **motion)
 
 
 _INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"
@@ -223,7 +236,7 @@ _INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"
 )
 def info(
     file: Annotated[Path, typer.Argument(metavar="MESH", help="Mesh file: .ply, .stl or .obj.")],
-    unit: Annotated[str, typer.Option(help="Unit of the file: m or mm.")],
+    unit: Annotated[str, typer.Option(help=f"Unit of the file: {_UNITS}.")],
 ) -> int:
     """Say what a mesh file holds, and whether it can serve as skin and as product.
 
@@ -264,7 +277,7 @@ def _only_for_a_body(text: str | None, option: str) -> None:
 
 
 def _tried(make: Callable[[], Made]) -> tuple[Made | None, str]:
-    """What is made, or why not."""
+    """Return what is made, or why not."""
     try:
         return make(), ""
     except QuasirigidError as error:
@@ -272,8 +285,4 @@ def _tried(make: Callable[[], Made]) -> tuple[Made | None, str]:
 
 
 def _need_matplotlib() -> None:
-    try:
-        import matplotlib
-    except ModuleNotFoundError:
-        raise MissingExtraError("pictures need matplotlib: pip install 'quasirigid[plot]'") from None
-    matplotlib.use("Agg")
+    import_extra("matplotlib", "pictures", "'quasirigid[plot]'")

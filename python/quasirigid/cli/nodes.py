@@ -12,14 +12,14 @@ __all__ = ["free_nodes", "may_touch"]
 
 
 def may_touch(contact: Contact, depth: float) -> NDArray[np.int64]:
-    """Skin vertices (k,) that a press like this one may bring into contact, whatever the response.
+    """Return the skin vertices (k,) that a press like this one may bring into contact, whatever the response.
 
     Parameters
     ----------
     contact : Contact
         The press with a response that costs little; where its obstacle stands counts.
     depth : float
-        Of the press (m). Vertices closer to the obstacle than half of it and two edges are told.
+        Of the press (m). Vertices closer to the obstacle than half of it and two edges count.
     """
     surface = contact.deformed
     before = surface.vertices - contact.displacement

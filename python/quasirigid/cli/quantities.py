@@ -9,7 +9,7 @@ from ..errors import QuasirigidError
 
 __all__ = ["QuantityError", "parse_numbers", "parse_quantities", "parse_quantity"]
 
-# What one of each unit is in SI.
+# One of each unit, in SI.
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
 STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 ANGLE = {"rad": 1.0, "deg": math.pi / 180.0}
@@ -19,7 +19,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
 class QuantityError(QuasirigidError, ValueError):
-    """A quantity on the command line is not understood; the message says which units it may have."""
+    """A quantity on the command line is not understood; the message names the units it may have."""
 
 
 def parse_quantity(text: str, units: dict[str, float], what: str) -> float:
@@ -30,7 +30,7 @@ def parse_quantity(text: str, units: dict[str, float], what: str) -> float:
     text : str
         As `1.12mm`; blanks around are allowed.
     units : dict of str to float
-        The units it may have and what one of each is in SI.
+        The units it may have, and one of each in SI.
     what : str
         Name of the option, for messages.
 

@@ -1,13 +1,41 @@
-"""Files in and out: meshes with their unit, and what a contact is written to."""
+"""Files and objects of other libraries, in and out.
 
-from .read import LengthUnit as LengthUnit
+Mesh files carry no unit, so reading and writing one asks for it. What a contact is saved to is in SI; the
+tables for people are in mm, N and kPa.
+"""
+
+from .._units import UNITS as UNITS
+from .._units import LengthUnit as LengthUnit
+from .frame import contact_dataframe as contact_dataframe
+from .frame import contact_pyvista as contact_pyvista
+from .frame import contact_trimesh as contact_trimesh
+from .frame import vertex_data as vertex_data
+from .mesh import mesh_arrays as mesh_arrays
 from .read import read_mesh as read_mesh
 from .read import read_obstacle as read_obstacle
 from .read import read_surface as read_surface
+from .record import contact_record as contact_record
+from .summary import compare_contacts as compare_contacts
+from .summary import contact_html as contact_html
 from .summary import contact_summary as contact_summary
-from .write import write_contact as write_contact
-from .write import write_json as write_json
+from .write import save_contact as save_contact
 from .write import write_mesh as write_mesh
-from .write import write_npz as write_npz
-from .write import write_ply as write_ply
-from .write import write_vtp as write_vtp
+
+__all__ = [
+    "UNITS",
+    "LengthUnit",
+    "compare_contacts",
+    "contact_dataframe",
+    "contact_html",
+    "contact_pyvista",
+    "contact_record",
+    "contact_summary",
+    "contact_trimesh",
+    "mesh_arrays",
+    "read_mesh",
+    "read_obstacle",
+    "read_surface",
+    "save_contact",
+    "vertex_data",
+    "write_mesh",
+]

@@ -1,4 +1,4 @@
-"""What the three readers share: checks of the values, fans, and the welding of equal points."""
+"""What the readers share: checks of the values, fans, and the welding of equal points."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def check_values(vertices: Floats, faces: Indices, name: str) -> None:
     if len(wrong):
         x, y, z = vertices[wrong[0]]
         raise MeshFileError(
-            f"{name}: vertex {wrong[0]} is at ({x}, {y}, {z}), {_so_many(len(wrong), 'vertices')}"
+            f"{name}: vertex {wrong[0]} is at ({x}, {y}, {z}), {_how_many(len(wrong), 'vertices')}"
         )
     wrong = np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))
     if len(wrong):
@@ -29,30 +29,30 @@ def check_values(vertices: Floats, faces: Indices, name: str) -> None:
         vertex = corners[(corners < 0) | (corners >= len(vertices))][0]
         raise MeshFileError(
             f"{name}: face {wrong[0]} refers to vertex {vertex}, but the file has {len(vertices)} vertices,"
-            f" {_so_many(len(wrong), 'faces')}"
+            f" {_how_many(len(wrong), 'faces')}"
         )
 
 
-def _so_many(count: int, what: str) -> str:
+def _how_many(count: int, what: str) -> str:
     return "the only one" if count == 1 else f"{count} such {what} in all"
 
 
 def to_float(word: str) -> float:
-    """A number as mesh files write it; Python's own `1_000` is none."""
+    """Return a number as mesh files write it; Python's own `1_000` is none."""
     if "_" in word:
         raise ValueError(word)
     return float(word)
 
 
 def to_int(word: str) -> int:
-    """A whole number that 64 bits hold."""
+    """Return a whole number that 64 bits hold."""
     if "_" in word or not -(2**63) <= int(word) < 2**63:
         raise ValueError(word)
     return int(word)
 
 
 def fans(corners: list[list[int]]) -> Indices:
-    """Faces of three or more corners as triangles from their first corner, in order."""
+    """Return faces of three or more corners as triangles from their first corner, in order."""
     triangles = [(face[0], second, third) for face in corners for second, third in pairwise(face[1:])]
     return np.array(triangles, dtype=np.int64).reshape(-1, 3)
 

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: its points and faces. Texture, normals, groups and materials do not matter here."""
+"""Wavefront OBJ: points and faces; texture, normals, groups and materials are not read."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _FREE_FORM = {"vp", "cstype", "curv", "curv2", "surf"}
 
 
 def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
-    """Vertices (n, 3), equal ones joined, and faces (m, 3); faces of more than three corners become fans."""
+    """Return vertices (n, 3), equal ones joined, and faces (m, 3); larger faces become fans."""
     points: list[tuple[float, float, float]] = []
     faces: list[list[int]] = []
     text = data.decode("latin-1").replace("\\\r\n", "  ").replace("\\\n", " ")
@@ -43,7 +43,7 @@ def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
 
 
 def _corner(word: str, known: int, here: str) -> int:
-    """Number of a vertex, counted from 0: files count from 1, or back from the last one read."""
+    """Return the number of a vertex, counted from 0: files count from 1, or back from the last one read."""
     try:
         index = to_int(word.split("/")[0])
     except ValueError:

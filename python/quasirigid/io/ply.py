@@ -36,7 +36,7 @@ class _Element:
 
 
 def read_ply(data: bytes, name: str) -> tuple[Floats, Indices]:
-    """Vertices (n, 3) and faces (m, 3) as stored; faces of more than three corners become fans."""
+    """Return vertices (n, 3) and faces (m, 3) as stored; larger faces become fans."""
     order, elements, start = _header(data, name)
     corner_name = _check_header(elements, name)
     if order == "":
@@ -89,7 +89,7 @@ def _header(data: bytes, name: str) -> tuple[str, list[_Element], int]:
 
 
 def _check_header(elements: list[_Element], name: str) -> str:
-    """Refuse headers without what a mesh needs; returns the name of the list of corners."""
+    """Return the name of the list of corners; a header without what a mesh needs is refused."""
     for element in elements:
         names = [prop.name for prop in element.properties]
         if not names or len(set(names)) < len(names):
@@ -131,7 +131,7 @@ def _binary(
 
 
 def _row_type(data: bytes, at: int, order: str, element: _Element) -> np.dtype[Any] | None:
-    """Type of a row, all lists as long as the first row's; None where that row is cut off."""
+    """Return the type of a row, all lists as long as the first row's; None where that row is cut off."""
     fields: list[Any] = []
     for prop in element.properties:
         if prop.counter is None:
@@ -152,7 +152,7 @@ def _row_type(data: bytes, at: int, order: str, element: _Element) -> np.dtype[A
 def _rows_of_lists(
     data: bytes, at: int, order: str, element: _Element, name: str
 ) -> tuple[dict[str, list[Any]], int]:
-    """Row by row: for lists of several lengths, and to say where a file ends too early."""
+    """Read row by row: for lists of several lengths, and to find where a file ends too early."""
     columns: dict[str, list[Any]] = {prop.name: [] for prop in element.properties}
     for row in range(element.count):
         for prop in element.properties:

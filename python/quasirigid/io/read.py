@@ -1,19 +1,17 @@
 """Mesh files in, with their unit: PLY, STL and OBJ as arrays, as skin or as product.
 
-Own strict readers, for the general ones mend in silence: trimesh 5.2 leaves out OBJ faces of two corners and
-points that no face uses, puts PLY triangles before quads, takes an ASCII PLY that ends early for a shorter
-one, and gives an empty scene for an STL that was cut off.
+The readers are our own and strict. General ones mend in silence: trimesh 5.2 leaves out OBJ faces of two
+corners and points that no face uses, puts PLY triangles before quads, takes an ASCII PLY that ends early for
+a shorter one, and returns an empty scene for an STL that was cut off.
 """
 
 from __future__ import annotations
 
-import os
+from os import PathLike
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
+from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError, QuasirigidError
 from ..obstacle import Obstacle
 from ..surface import Surface
@@ -22,24 +20,22 @@ from .obj import read_obj
 from .ply import read_ply
 from .stl import read_stl
 
-__all__ = ["LengthUnit", "read_mesh", "read_obstacle", "read_surface"]
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
-LengthUnit: TypeAlias = Literal["m", "mm"]
+__all__ = ["read_mesh", "read_obstacle", "read_surface"]
 
-_METRES = {"m": 1.0, "mm": 1e-3}
 _READERS = {".ply": read_ply, ".stl": read_stl, ".obj": read_obj}
 
 
-def read_mesh(
-    path: str | os.PathLike[str], *, unit: LengthUnit
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def read_mesh(path: str | PathLike[str], *, unit: LengthUnit) -> tuple[Floats, Indices]:
     """Read vertices and faces as they are stored.
 
     Parameters
     ----------
     path : path
         A file that ends in .ply (ASCII or binary), .stl (ASCII or binary) or .obj.
-    unit : {"m", "mm"}
+    unit : {"m", "cm", "mm", "inch"}
         Unit of the coordinates in the file; files do not say it themselves.
 
     Returns
@@ -65,14 +61,13 @@ def read_mesh(
     >>> vertices[1], faces
     (array([0.02, 0.  , 0.  ]), array([[0, 1, 2]]))
     """
-    if unit not in _METRES:
-        raise MeshFileError(f"unit is {unit!r}, expected 'm' or 'mm'")
+    scale = metres_in(unit, MeshFileError)
     vertices, faces = _read_file(Path(path))
-    return (vertices if unit == "m" else vertices * _METRES[unit]), faces
+    return (vertices if unit == "m" else vertices * scale), faces
 
 
 def read_surface(
-    path: str | os.PathLike[str], *, unit: LengthUnit, skin_mask: ArrayLike | None = None
+    path: str | PathLike[str], *, unit: LengthUnit, skin_mask: ArrayLike | None = None
 ) -> Surface:
     """Read a mesh file as skin.
 
@@ -80,8 +75,13 @@ def read_surface(
     ----------
     path, unit
         As for `read_mesh`.
-    skin_mask : (n,) bool, optional
+    skin_mask : (n,) array_like of bool, optional
         Vertices that may touch; all when left out.
+
+    Returns
+    -------
+    Surface
+        The skin, checked.
 
     Raises
     ------
@@ -97,9 +97,7 @@ def read_surface(
         raise type(error)(f"{path}: {error}") from None
 
 
-def read_obstacle(
-    path: str | os.PathLike[str], *, unit: LengthUnit, check_crossings: bool = True
-) -> Obstacle:
+def read_obstacle(path: str | PathLike[str], *, unit: LengthUnit, check_crossings: bool = True) -> Obstacle:
     """Read a mesh file as product.
 
     Parameters
@@ -108,6 +106,11 @@ def read_obstacle(
         As for `read_mesh`.
     check_crossings : bool
         Look for faces that cross each other, where inside and outside are undefined.
+
+    Returns
+    -------
+    Obstacle
+        The product, checked.
 
     Raises
     ------
@@ -124,7 +127,7 @@ def read_obstacle(
 
 
 def _read_file(path: Path) -> tuple[Floats, Indices]:
-    """Vertices (n, 3) in the file's own unit and faces (m, 3), checked to be finite and in range."""
+    """Return vertices (n, 3) in the file's own unit and faces (m, 3), checked to be finite and in range."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise MeshFileError(f"{path}: the ending is '{path.suffix}', expected .ply, .stl or .obj")

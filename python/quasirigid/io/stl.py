@@ -11,7 +11,7 @@ _ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute",
 
 
 def read_stl(data: bytes, name: str) -> tuple[Floats, Indices]:
-    """Vertices (n, 3), equal ones joined, and faces (m, 3) in the order of the file; normals are not read."""
+    """Return vertices (n, 3), equal ones joined, and faces (m, 3), as in the file; normals are not read."""
     promised = int(np.frombuffer(data, "<u4", 1, 80)[0]) if len(data) >= 84 else -1
     # Binary files may start with "solid" too, so the length decides.
     if len(data) == 84 + _ROW.itemsize * promised:

@@ -1,95 +1,114 @@
-"""The scalars of a contact with their units, as plain dictionaries for JSON, tables and reports."""
+"""A contact as a table for people: lengths in mm, forces in N, pressures in kPa."""
 
 from __future__ import annotations
 
-import dataclasses
-import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._units import KPA, MM
+
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from ..contact.result import Contact
 
-__all__ = ["contact_summary"]
-
-# Unit of each figure of a contact; "1" is dimensionless.
-UNITS = {
-    "force": "N",
-    "moment": "N m",
-    "center_of_pressure": "m",
-    "contact_area": "m^2",
-    "max_pressure": "Pa",
-    "volume_change": "m^3",
-    "max_penetration_before": "m",
-    "max_penetration_after": "m",
-    "travel": "m",
-    "fade_distance": "m",
-    "natural_residual": "1",
-}
-ACCURACY_UNITS = {"area_resolution": "m^2"}
-PATCH_UNITS = {
-    "force": "N",
-    "moment": "N m",
-    "center_of_pressure": "m",
-    "contact_area": "m^2",
-    "max_pressure": "Pa",
-}
+__all__ = ["compare_contacts", "contact_html", "contact_summary"]
 
 
-def contact_summary(contact: Contact) -> dict[str, Any]:
-    """Everything about a contact but its arrays.
+def contact_summary(contact: Contact) -> str:
+    """Return the figures of a contact as a text table, and what its scene did not need.
 
     Parameters
     ----------
     contact : Contact
-        What to sum up.
+        The contact.
 
     Returns
     -------
-    dict
-        Ready for JSON: figures as {"value", "unit"}, numbers that are not finite as None.
+    str
+        One line a figure, in mm, N and kPa, each with its unit; then `left_out`, and `advice` where the
+        contact did not end solved.
     """
+    return compare_contacts({"": contact})
+
+
+def compare_contacts(contacts: Mapping[str, Contact]) -> str:
+    """Return the figures of several contacts side by side as a text table.
+
+    Parameters
+    ----------
+    contacts : mapping of str to Contact
+        The contacts under their names.
+
+    Returns
+    -------
+    str
+        As `contact_summary`, with a column for each contact.
+    """
+    columns = [{"": name} | _rows(contact) for name, contact in contacts.items()]
+    names = dict.fromkeys(name for column in columns for name in column)
+    first = max(map(len, names))
+    widths = [max(len(value) for value in column.values()) for column in columns]
+    lines = []
+    for name in names:
+        cells = [column.get(name, "").rjust(width) for column, width in zip(columns, widths, strict=True)]
+        lines.append("  ".join([name.ljust(first), *cells]).rstrip())
+    notes = dict.fromkeys(note for contact in contacts.values() for note in _notes(contact))
+    return "\n".join([*filter(None, lines), *notes])
+
+
+def contact_html(contact: Contact) -> str:
+    """Return the figures of a contact as an HTML table, for notebooks.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    str
+        The lines of `contact_summary`: one `<table>`, and a `<div>` for each note.
+    """
+    from html import escape
+
+    rows = "".join(
+        f'<tr><th style="text-align:left">{escape(name)}</th><td>{escape(value)}</td></tr>'
+        for name, value in _rows(contact).items()
+    )
+    notes = "".join(f"<div>{escape(note)}</div>" for note in _notes(contact))
+    return f"<table>{rows}</table>{notes}"
+
+
+def _rows(contact: Contact) -> dict[str, str]:
+    counts = len(contact.pressure), len(contact.candidates), len(contact.active)
     return {
         "status": str(contact.status),
-        "advice": contact.advice,
-        **{name: _figure(getattr(contact, name), unit) for name, unit in UNITS.items()},
-        "vertices": len(contact.pressure),
-        "candidates": len(contact.candidates),
-        "active": len(contact.active),
-        "patches": [
-            {"vertices": len(patch.vertices)}
-            | {name: _figure(getattr(patch, name), unit) for name, unit in PATCH_UNITS.items()}
-            for patch in contact.patches
-        ],
-        "accuracy": {
-            name: value if isinstance(value, bool) else _figure(value, ACCURACY_UNITS.get(name, "1"))
-            for name, value in plain(contact.accuracy).items()
-        },
-        "timings": {stage: _figure(seconds, "s") for stage, seconds in contact.timings.items()},
-        "left_out": [{"what": what, "why": why} for what, why in contact.left_out],
-    }
+        "force (N)": f"{float(np.linalg.norm(contact.force)):.4g}",
+        "force vector (N)": _vector(contact.force, 1.0),
+        "moment about the origin (N mm)": _vector(contact.moment, MM),
+        "center of pressure (mm)": _vector(contact.center_of_pressure, MM),
+        "contact area (mm²)": f"{contact.contact_area * MM**2:.4g}",
+        "peak pressure (kPa)": f"{contact.max_pressure * KPA:.4g}",
+        "overlap before (mm)": f"{contact.max_penetration_before * MM:.4g}",
+        "overlap after (mm)": f"{contact.max_penetration_after * MM:.2g}",
+        "volume change (mm³)": f"{contact.volume_change * MM**3:.4g}",
+        "patches": str(len(contact.patches)),
+        "vertices, candidates, active": ", ".join(map(str, counts)),
+        "cells per contact radius": f"{contact.accuracy.cells_per_radius:.3g}",
+        "natural residual": f"{contact.natural_residual:.1e}",
+    } | {f"time: {stage} (ms)": f"{seconds * 1e3:.3g}" for stage, seconds in contact.timings.items()}
 
 
-def plain(value: Any) -> Any:
-    """Any value as what JSON holds; arrays become lists and numbers that are not finite None."""
-    if value is None or isinstance(value, (bool, str)):
-        return value if not isinstance(value, str) else str(value)
-    if isinstance(value, (np.bool_, np.integer, np.floating)):
-        return plain(value.item())
-    if isinstance(value, (int, float)):
-        return value if math.isfinite(value) else None
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    return str(value)
+def _vector(values: ArrayLike, scale: float) -> str:
+    """Numbers parted by commas; what is nothing beside the largest is 0, and no 0 has a sign."""
+    numbers = np.asarray(values, dtype=np.float64) * scale
+    small = np.abs(numbers) < 1e-9 * np.abs(numbers).max()
+    return ", ".join(f"{number:.4g}" for number in np.where(small, 0.0, numbers) + 0.0)
 
 
-def _figure(value: Any, unit: str) -> dict[str, Any]:
-    return {"value": plain(value), "unit": unit}
+def _notes(contact: Contact) -> list[str]:
+    advice = [f"advice: {contact.advice}"] if contact.advice else []
+    return [*(f"left out: {what} ({why})" for what, why in contact.left_out), *advice]

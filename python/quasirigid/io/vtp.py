@@ -15,11 +15,11 @@ __all__ = ["vtp_bytes"]
 
 
 def vtp_bytes(vertices: Floats, faces: Indices, data: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return a file of triangles with `data` of a contact at each vertex."""
+    """Return a file of triangles with `data` of a contact (as `vertex_data`) at each vertex."""
     lines = [
         '<?xml version="1.0"?>',
         "<!-- skin after contact, written by quasirigid; units: points, gap and displacement m, pressure Pa,"
-        " node_force N -->",
+        " node_force and force N -->",
         '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
         "<PolyData>",
         f'<Piece NumberOfPoints="{len(vertices)}" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0"'

@@ -1,202 +1,171 @@
-"""Results out: deformed skin as PLY and VTP, arrays as NPZ, scalars with their units as JSON.
+"""Results out: deformed skin as PLY and VTP, arrays as NPZ, scalars with their units as JSON, the product.
 
-Arrays are in SI, as everywhere in the package. Files are written whole or not at all.
+Arrays are in SI, as everywhere in the package.
 """
 
 from __future__ import annotations
 
+import io
 import json
-import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
-from .atomic import whole_folder, write_whole, write_with
+from .atomic import atomic_write
+from .frame import vertex_data
 from .ply import ply_bytes
+from .record import as_plain, contact_record
 from .stl import stl_bytes
-from .summary import contact_summary
 from .vtp import vtp_bytes
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from ..contact.result import Contact
     from ..surface import Surface
 
-__all__ = ["write_contact", "write_json", "write_mesh", "write_npz", "write_ply", "write_vtp"]
+__all__ = ["save_contact", "write_mesh"]
+
+_NO_TRIANGLES = "not written: a primitive has no triangles"
 
 
-def write_contact(
+def save_contact(
     contact: Contact,
-    folder: str | os.PathLike[str],
+    folder: str | PathLike[str],
     *,
     inputs: Mapping[str, Any] | None = None,
-    pictures: bool = True,
+    pictures: bool = False,
     bone: Surface | None = None,
-) -> list[Path]:
+) -> tuple[Path, ...]:
     """Write everything about a contact into a folder.
+
+    `deformed.ply` and `deformed.vtp` (ParaView) hold the deformed skin, the latter with what
+    `vertex_data` returns; `contact.npz` the arrays, named as on `Contact`; `contact.json` status, figures
+    with their units, accuracy, timings, what was left out, and `inputs`; `product.ply` the triangles of the
+    product where it stands (a primitive has none, and `contact.json` says so); `skin.png` and `footprint.png`
+    the pictures.
 
     Parameters
     ----------
     contact : Contact
-        What to write.
+        The contact.
     folder : path
-        Made where it is missing. Everything is written beside it first and moved in at the end, so that a
-        failure leaves it as it was; files of the same names are replaced, others stay.
+        Made where it is missing. Files of the same names are replaced, each of them whole; others stay.
+        Nothing is written before everything is computed and drawn.
     inputs : mapping, optional
         What the contact was computed from, for `contact.json`.
     pictures : bool
-        Draw `skin.png` and `footprint.png` too (extra `plot`).
+        Draw the pictures too (extra `plot`).
     bone : Surface, optional
         Bones to draw in the cut.
 
     Returns
     -------
-    list of Path
+    tuple of Path
         The files.
+
+    Raises
+    ------
+    MissingExtraError
+        If pictures are asked for and matplotlib is not installed.
+    OSError
+        If the folder cannot be written to.
     """
     folder = Path(folder)
-    with whole_folder(folder) as draft:
-        write_ply(contact, draft / "deformed.ply")
-        write_vtp(contact, draft / "deformed.vtp")
-        write_npz(contact, draft / "contact.npz")
-        write_json(contact, draft / "contact.json", inputs=inputs)
-        if pictures:
-            from .. import plot
-
-            plot.before_and_after(contact, bone=bone).savefig(draft / "skin.png")
-            plot.footprint(contact).savefig(draft / "footprint.png")
-        names = sorted(path.name for path in draft.iterdir())
-    return [folder / name for name in names]
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
+    contents = dict(_files(contact, inputs or {}))
+    if pictures:
+        contents |= _pictures(contact, bone)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        with atomic_write(folder / name) as file:
+            file.write(content)
+    return tuple(folder / name for name in contents)
 
 
-def write_ply(contact: Contact, path: str | os.PathLike[str]) -> None:
-    """Write the deformed skin as binary PLY, with pressure (Pa) and displacement (m) at each vertex.
+def _files(contact: Contact, inputs: Mapping[str, Any]) -> Iterator[tuple[str, bytes]]:
+    """Names and contents of all files but the pictures."""
+    yield "deformed.ply", _deformed_ply(contact)
+    yield "deformed.vtp", vtp_bytes(contact.deformed.vertices, contact.deformed.faces, vertex_data(contact))
+    yield "contact.npz", _archive(contact)
+    product = contact.obstacle.triangles()
+    note = {"file": "product.ply"} if product else {"note": _NO_TRIANGLES}
+    record = contact_record(contact)
+    record["product"] |= note
+    record["inputs"] = as_plain(inputs)
+    yield "contact.json", (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
+    if product:
+        yield "product.ply", _plain_ply(*product, "m")
 
-    Parameters
-    ----------
-    contact : Contact
-        What to write.
-    path : path
-        The file.
-    """
-    vertices, faces = _mesh(contact)
-    displacement = np.asarray(contact.displacement, dtype=np.float64)
-    columns = {name: vertices[:, axis] for axis, name in enumerate("xyz")}
-    columns["pressure"] = np.asarray(contact.pressure, dtype=np.float64)
-    columns |= {f"displacement_{name}": displacement[:, axis] for axis, name in enumerate("xyz")}
+
+def _deformed_ply(contact: Contact) -> bytes:
+    columns = _coordinates(contact.deformed.vertices) | {"pressure": contact.pressure}
+    columns |= {f"displacement_{axis}": contact.displacement[:, at] for at, axis in enumerate("xyz")}
     comments = ["skin after contact, written by quasirigid", "units: x y z m, pressure Pa, displacement m"]
-    write_whole(path, ply_bytes(comments, columns, faces))
+    return ply_bytes(comments, columns, contact.deformed.faces)
 
 
-def write_vtp(contact: Contact, path: str | os.PathLike[str]) -> None:
-    """Write the deformed skin as VTK XML PolyData (.vtp), which ParaView opens.
-
-    Parameters
-    ----------
-    contact : Contact
-        What to write.
-    path : path
-        The file. Point data: `pressure` (Pa), `node_force` (N), `gap` (m), `displacement` (m), and the flags
-        `candidate` and `active`.
-    """
-    vertices, faces = _mesh(contact)
-    flags = {}
-    for name, chosen in (("candidate", contact.candidates), ("active", contact.active)):
-        flags[name] = np.zeros(len(vertices), dtype=np.uint8)
-        flags[name][np.asarray(chosen, dtype=np.int64)] = 1
-    # Beyond the search distance the gap is infinite, which ParaView cannot colour.
-    gap = np.asarray(contact.gap, dtype=np.float64)
-    gap = np.where(np.isfinite(gap), gap, np.nan)
-    data: dict[str, NDArray[Any]] = {
-        "pressure": np.asarray(contact.pressure, dtype=np.float64),
-        "node_force": np.asarray(contact.node_force, dtype=np.float64),
-        "gap": gap,
-        "displacement": np.asarray(contact.displacement, dtype=np.float64),
-        **flags,
-    }
-    write_whole(path, vtp_bytes(vertices, faces, data))
+def _archive(contact: Contact) -> bytes:
+    names = ["pressure", "node_force", "force_vectors", "gap", "displacement", "candidates", "active"]
+    names += ["force", "moment", "center_of_pressure"]
+    arrays: dict[str, Any] = {name: getattr(contact, name) for name in names}
+    arrays |= {name: getattr(contact.deformed, name) for name in ("vertices", "faces", "skin_mask")}
+    file = io.BytesIO()
+    np.savez_compressed(file, **arrays)
+    return file.getvalue()
 
 
-def write_npz(contact: Contact, path: str | os.PathLike[str]) -> None:
-    """Write the arrays of a contact, in SI units, as a NumPy archive.
+def _pictures(contact: Contact, bone: Surface | None) -> Iterator[tuple[str, bytes]]:
+    from ..plot import contact_figure, footprint_figure
 
-    Parameters
-    ----------
-    contact : Contact
-        What to write.
-    path : path
-        The file. Names as on `Contact`, and `vertices`, `faces`, `skin_mask` of the deformed skin.
-    """
-    vertices, faces = _mesh(contact)
-    names = ["pressure", "node_force", "gap", "displacement", "force", "moment", "center_of_pressure"]
-    arrays: dict[str, Any] = {
-        name: np.asarray(getattr(contact, name)) for name in [*names, "candidates", "active"]
-    }
-    mask = np.asarray(contact.deformed.skin_mask)
-
-    def save(draft: Path) -> None:
-        with draft.open("wb") as file:
-            np.savez_compressed(file, vertices=vertices, faces=faces, skin_mask=mask, **arrays)
-
-    write_with(path, save)
+    figures = {"skin.png": contact_figure(contact, bone=bone), "footprint.png": footprint_figure(contact)}
+    for name, figure in figures.items():
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        yield name, file.getvalue()
 
 
-def write_json(
-    contact: Contact, path: str | os.PathLike[str], *, inputs: Mapping[str, Any] | None = None
-) -> None:
-    """Write status, scalars with their units, accuracy, timings and what was left out.
-
-    Parameters
-    ----------
-    contact : Contact
-        What to write.
-    path : path
-        The file. Numbers that are not finite are written as null.
-    inputs : mapping, optional
-        Anything JSON can hold, kept under "inputs".
-    """
-    document = contact_summary(contact) | {"inputs": dict(inputs or {})}
-    write_whole(path, (json.dumps(document, indent=2, allow_nan=False) + "\n").encode("utf-8"))
-
-
-def write_mesh(
-    vertices: NDArray[np.float64],
-    faces: NDArray[np.int64],
-    path: str | os.PathLike[str],
-    *,
-    unit: Literal["m", "mm"],
-) -> None:
+def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str], *, unit: LengthUnit) -> None:
     """Write a plain mesh as binary PLY (float64) or STL (float32), by the ending of `path`.
 
     Parameters
     ----------
-    vertices : (n, 3) float64
+    vertices : (n, 3) array_like
         Positions (m).
-    faces : (m, 3) int64
+    faces : (m, 3) array_like of int
         Triangles.
     path : path
-        Ends in .ply or .stl.
-    unit : {"m", "mm"}
+        Ends in .ply or .stl; written whole or not at all.
+    unit : {"m", "cm", "mm", "inch"}
         Unit of the coordinates in the file.
+
+    Raises
+    ------
+    MeshFileError
+        If the path ends in something else, or the unit is not known.
     """
-    points = np.asarray(vertices, dtype=np.float64) * {"m": 1.0, "mm": 1e3}[unit]
+    points = np.asarray(vertices, dtype=np.float64) / metres_in(unit, MeshFileError)
     corners = np.asarray(faces, dtype=np.int64)
     match Path(path).suffix.lower():
         case ".ply":
-            comments = [f"units: x y z {unit}"]
-            content = ply_bytes(comments, {name: points[:, axis] for axis, name in enumerate("xyz")}, corners)
+            content = _plain_ply(points, corners, unit)
         case ".stl":
             content = stl_bytes(points, corners, unit)
         case ending:
             raise MeshFileError(f"{path}: the ending is '{ending}', expected .ply or .stl")
-    write_whole(path, content)
+    with atomic_write(path) as file:
+        file.write(content)
 
 
-def _mesh(contact: Contact) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    return (
-        np.asarray(contact.deformed.vertices, dtype=np.float64),
-        np.asarray(contact.deformed.faces, dtype=np.int64),
-    )
+def _plain_ply(points: Any, faces: Any, unit: LengthUnit) -> bytes:
+    return ply_bytes([f"units: x y z {unit}"], _coordinates(points), faces)
+
+
+def _coordinates(vertices: Any) -> dict[str, Any]:
+    return {axis: vertices[:, at] for at, axis in enumerate("xyz")}

@@ -1,14 +1,26 @@
 """Pictures of a contact: the skin with its pressure map, a cut through the contact, the footprint.
 
-Lengths are drawn in mm and pressures in kPa. Every function takes and returns a matplotlib `Axes`, or returns
-a `Figure`; matplotlib (the extra `plot`) is imported where it is used, and no window is opened.
+Lengths are drawn in mm and pressures in kPa. A function `plot_...` draws into a matplotlib `Axes` and
+returns it, a function `..._figure` returns a `Figure`. Matplotlib (the extra `plot`) is imported where it is
+used, and no window is opened.
 """
 
-from .figures import before_and_after as before_and_after
-from .figures import footprint as footprint
-from .figures import plot_footprint as plot_footprint
-from .figures import plot_skin as plot_skin
-from .figures import side_by_side as side_by_side
+from .figures import comparison_figure as comparison_figure
+from .figures import contact_figure as contact_figure
+from .figures import footprint_figure as footprint_figure
+from .footprint import plot_footprint as plot_footprint
 from .section import plot_section as plot_section
+from .skin import plot_skin as plot_skin
 from .view import View as View
 from .view import pad_view as pad_view
+
+__all__ = [
+    "View",
+    "comparison_figure",
+    "contact_figure",
+    "footprint_figure",
+    "pad_view",
+    "plot_footprint",
+    "plot_section",
+    "plot_skin",
+]

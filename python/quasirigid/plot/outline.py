@@ -8,7 +8,7 @@ from .raster import Floats, Indices
 
 
 def contact_side(vertices: Floats, faces: Indices, pressure: Floats, gap: Floats) -> Floats:
-    """A field (n,) in m that is above 0 inside the contact and crosses 0 at its rim.
+    """Return a field (n,) in m that is above 0 inside the contact and crosses 0 at its rim.
 
     Near the rim of a smooth contact the pressure grows as the square root of the distance from it inside, and
     the gap as its 3/2 power outside (Johnson 1985, sections 4.2 and 5.1), so p^2 and g^(2/3) both grow as the

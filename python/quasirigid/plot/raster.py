@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-CHUNK = 4_000_000  # pairs of triangle and pixel looked at together
+CHUNK = 4_000_000  # pairs of triangle and pixel examined together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class Frame:
     weights: Floats
 
     def interpolate(self, faces: Indices, values: Floats) -> Floats:
-        """Per-vertex values (n,) or (n, j) at each covered pixel, (k,) or (k, j)."""
+        """Return per-vertex values (n,) or (n, j) at each covered pixel, (k,) or (k, j)."""
         corners = faces[self.face]
         picture: Floats = np.einsum("kc,kc...->k...", self.weights, values[corners])
         return picture
@@ -50,13 +50,18 @@ def rasterise(
     Parameters
     ----------
     projected : (n, 3) float64
-        Vertices as `View.project` gives them.
+        Vertices as `View.project` returns them.
     faces : (m, 3) int64
         Counter-clockwise seen from outside; those turned away are left out.
     window : (left, right, bottom, top)
         Part of the picture plane to show, in the unit of `projected`.
     width, height : int
         Size in pixels.
+
+    Returns
+    -------
+    Frame
+        The covered pixels.
     """
     left, right, bottom, top = window
     # Pixel coordinates: pixel (row, column) has its middle at (column, row); rows count downwards.

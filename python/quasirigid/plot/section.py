@@ -6,25 +6,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .raster import Floats, Indices
-from .style import (
-    AFTER,
-    BEFORE,
-    BONE,
-    INK,
-    PRODUCT,
-    PRODUCT_EDGE,
-    Window,
-    axes_or_new,
-    scale_bar,
-)
-from .view import MM, View, pad_view, vertices_before
+from .._units import MM
+from .style import AFTER, BEFORE, BONE, INK, PRODUCT, PRODUCT_EDGE, axes_or_new, scale_bar
+from .view import View, pad_view, vertices_before
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..contact.result import Contact
+    from ..obstacle import Obstacle
     from ..surface import Surface
+    from .raster import Floats, Indices
+    from .style import Window
+
+__all__ = ["cut_lines", "joined", "plot_section"]
 
 
 def plot_section(
@@ -34,7 +29,7 @@ def plot_section(
     ax: Axes | None = None,
     view: View | None = None,
 ) -> Axes:
-    """A cut through the centre of pressure, along the finger: skin before and after, and the product.
+    """Draw a cut through the center of pressure, along the finger: skin before and after, and the product.
 
     Parameters
     ----------
@@ -46,33 +41,23 @@ def plot_section(
         Where to draw; a new figure when left out.
     view : View, optional
         The view whose `up` and `toward` span the cut; `pad_view` when left out. The product is drawn below.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        `ax`, in mm.
     """
     view = pad_view(contact) if view is None else view
     ax = axes_or_new(ax, (4.4, 6.0))
-    before, after = vertices_before(contact), np.asarray(contact.deformed.vertices)
-    centre = np.asarray(contact.center_of_pressure, dtype=np.float64)
-    if not np.isfinite(centre).all():
-        centre = after.mean(axis=0)
-    skin_faces = np.asarray(contact.deformed.faces, dtype=np.int64)
-    cuts = [_cut(points, skin_faces, centre, view) for points in (before, after)]
-    window = _section_window(cuts[1], view.project(centre[None])[0] * MM)
-    # The product fills every point of the cut inside it.
-    along, away = np.linspace(window[0], window[1], 420), np.linspace(window[2], window[3], 300)
-    grid_along, grid_away = np.meshgrid(along, away)
-    points = (
-        grid_along.ravel()[:, None] / MM * view.up
-        - grid_away.ravel()[:, None] / MM * view.toward
-        + np.dot(centre, view.right) * view.right
-    )
-    distance = np.asarray(contact.obstacle.signed_distance(points)[0]).reshape(grid_along.shape)
-    ax.contourf(along, away, distance, levels=[-np.inf, 0.0], colors=[PRODUCT])
-    ax.contour(along, away, distance, levels=[0.0], colors=[PRODUCT_EDGE], linewidths=1.0)
+    before, after = vertices_before(contact), contact.deformed.vertices
+    center = contact.center_of_pressure
+    if not np.isfinite(center).all():
+        center = after.mean(axis=0)
+    cuts = [_cut(points, contact.deformed.faces, center, view) for points in (before, after)]
+    window = _section_window(cuts[1], view.project(center[None])[0] * MM)
+    _draw_product(ax, contact.obstacle, center, view, window)
     if bone is not None:
-        outlines = joined(_cut(np.asarray(bone.vertices), np.asarray(bone.faces), centre, view))
-        ends = np.flatnonzero(np.isnan(outlines[:, 0]))
-        for first, last in zip([0, *(ends[:-1] + 1)], ends, strict=True):
-            ax.fill(*outlines[first:last].T, color=BONE, zorder=2)
-        ax.fill_between([], [], color=BONE, label="bone")
+        _draw_bone(ax, _cut(bone.vertices, bone.faces, center, view))
     styles = [(BEFORE, 1.1, (0, (3.5, 2.0)), "skin before"), (AFTER, 2.0, "solid", "skin after")]
     for segments, (colour, thickness, dashes, name) in zip(cuts, styles, strict=True):
         _draw_cut(ax, segments, colour, thickness, dashes, name)
@@ -83,30 +68,46 @@ def plot_section(
     ax.set_axis_off()
     scale_bar(ax, window)
     ax.legend(
-        loc="upper center",
-        bbox_to_anchor=(0.5, 0.0),
-        ncols=3 if bone is None else 4,
-        frameon=False,
-        fontsize=8.5,
-        labelcolor=INK,
-        handlelength=1.8,
-        columnspacing=1.4,
-    )
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=3 if bone is None else 4, frameon=False,
+        fontsize=8.5, labelcolor=INK, handlelength=1.8, columnspacing=1.4,
+    )  # fmt: skip
     return ax
 
 
-def _cut(vertices: Floats, faces: Indices, centre: Floats, view: View) -> Floats:
-    """Segments (k, 2, 2) in mm of a mesh in the plane through `centre` square to the view's `right`."""
+def _draw_product(ax: Axes, obstacle: Obstacle, center: Floats, view: View, window: Window) -> None:
+    """Fill every point of the cut inside the product."""
+    along, away = np.linspace(window[0], window[1], 420), np.linspace(window[2], window[3], 300)
+    grid_along, grid_away = np.meshgrid(along, away)
+    points = (
+        grid_along.ravel()[:, None] / MM * view.up
+        - grid_away.ravel()[:, None] / MM * view.toward
+        + np.dot(center, view.right) * view.right
+    )
+    distance = obstacle.signed_distance(points)[0].reshape(grid_along.shape)
+    ax.contourf(along, away, distance, levels=[-np.inf, 0.0], colors=[PRODUCT])
+    ax.contour(along, away, distance, levels=[0.0], colors=[PRODUCT_EDGE], linewidths=1.0)
+
+
+def _draw_bone(ax: Axes, segments: Floats) -> None:
+    outlines = joined(segments)
+    ends = np.flatnonzero(np.isnan(outlines[:, 0]))
+    for first, last in zip([0, *(ends[:-1] + 1)], ends, strict=True):
+        ax.fill(*outlines[first:last].T, color=BONE, zorder=2)
+    ax.fill_between([], [], color=BONE, label="bone")
+
+
+def _cut(vertices: Floats, faces: Indices, center: Floats, view: View) -> Floats:
+    """Return segments (k, 2, 2) in mm of a mesh, cut through `center` square to the view's `right`."""
     projected = view.project(vertices) * MM
-    offset = projected[:, 0] - view.project(centre[None])[0, 0] * MM
+    offset = projected[:, 0] - view.project(center[None])[0, 0] * MM
     return cut_lines(faces, offset, np.stack([projected[:, 1], -projected[:, 2]], axis=1))
 
 
-def _section_window(cut: Floats, centre: Floats) -> Window:
-    """The whole cut of a finger; of a long skin the 60 mm around the contact."""
+def _section_window(cut: Floats, center: Floats) -> Window:
+    """Return the window (mm) of the whole cut of a finger; of a long skin the 60 mm around the contact."""
     points = cut.reshape(-1, 2)
     low, high = points.min(axis=0), points.max(axis=0)
-    middle = np.array([centre[1], -centre[2]])
+    middle = np.array([center[1], -center[2]])
     low, high = np.maximum(low, middle - 30.0), np.minimum(high, middle + 30.0)
     rim = 0.08 * float((high - low).max())
     return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 3.0 * rim, float(high[1]) + 2.0 * rim
@@ -119,7 +120,7 @@ def _draw_cut(ax: Axes, segments: Floats, colour: str, thickness: float, dashes:
 
 
 def cut_lines(faces: Indices, offset: Floats, plane: Floats) -> Floats:
-    """Where a plane cuts a mesh.
+    """Return the segments in which a plane cuts a mesh.
 
     Parameters
     ----------
@@ -151,7 +152,7 @@ def cut_lines(faces: Indices, offset: Floats, plane: Floats) -> Floats:
 
 
 def joined(segments: Floats) -> Floats:
-    """Segments (k, 2, 2) strung to lines (j, 2), nan between two lines.
+    """Return segments (k, 2, 2) strung to lines (j, 2), nan between two lines.
 
     Ends are matched by their place, rounded to a millionth of the extent.
     """

@@ -27,7 +27,7 @@ def lit_skin(
     window: Window,
     height: int,
 ) -> Floats:
-    """Picture (height, width, 4) of the skin under two lights, in colour where `inside` (n,) is above 0.
+    """Return a picture (height, width, 4) of the lit skin, in colour where `inside` (n,) is above 0.
 
     `values` (n,) pick the colour, from 0 to their largest; `window` is in the unit of `vertices`.
     """
@@ -68,13 +68,13 @@ def _lambert(normals: Floats, light: tuple[float, float, float]) -> Floats:
 
 
 def face_normals(vertices: Floats, faces: Indices) -> Floats:
-    """Normals (m, 3) of the faces, as long as twice their area."""
+    """Return the normals (m, 3) of the faces, as long as twice their area."""
     corners = vertices[faces]
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def vertex_normals(vertices: Floats, faces: Indices) -> Floats:
-    """Sums (n, 3) of the face normals around each vertex, not normalised."""
+    """Return the sums (n, 3) of the face normals around each vertex, not normalised."""
     summed = np.zeros_like(vertices)
     normals = face_normals(vertices, faces)
     for corner in range(3):

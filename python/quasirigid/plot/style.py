@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ..errors import MissingExtraError
+from .._extras import import_extra
 from .raster import Floats
 
 if TYPE_CHECKING:
@@ -26,33 +26,32 @@ PRODUCT_EDGE = "#7d8590"
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
-    """A white figure of `size` (inches) that opens no window."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise MissingExtraError("pictures need matplotlib: pip install 'quasirigid[plot]'") from error
+    """Return a white figure of `size` (inches) that opens no window."""
+    import_extra("matplotlib", "pictures", "'quasirigid[plot]'")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=size, dpi=150, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
-    """The given axes, or those of a new figure."""
+    """Return the given axes, or those of a new figure."""
     return new_figure(size).subplots() if ax is None else ax
 
 
 def pressure_colours() -> Colormap:
-    """From pale to dark, perceptually even; pale joins the colour of the skin."""
-    return _part_of("magma_r", 0.06, 0.84)
+    """Return colours from pale to dark, perceptually even; pale joins the colour of the skin."""
+    return _colour_range("magma_r", 0.06, 0.84)
 
 
 def overlap_colours() -> Colormap:
-    """For depths: told apart from pressures at a glance."""
-    return _part_of("GnBu", 0.12, 1.0)
+    """Return colours for depths, which nobody takes for pressures."""
+    return _colour_range("GnBu", 0.12, 1.0)
 
 
-def _part_of(name: str, low: float, high: float) -> Colormap:
+def _colour_range(name: str, low: float, high: float) -> Colormap:
     import matplotlib
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -62,14 +61,14 @@ def _part_of(name: str, low: float, high: float) -> Colormap:
 
 
 def window_around(projected: Floats, margin: float = 0.06) -> Window:
-    """The picture's frame around projected points (n, 3)."""
+    """Return the picture's frame around projected points (n, 3)."""
     low, high = projected[:, :2].min(axis=0), projected[:, :2].max(axis=0)
     rim = margin * float((high - low).max())
     return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 1.6 * rim, float(high[1]) + rim
 
 
 def scale_bar(ax: Axes, window: Window) -> None:
-    """A bar of a round number of mm in the lower left corner; axes are in mm."""
+    """Draw a bar of a round number of mm in the lower left corner of axes in mm."""
     width, height = window[1] - window[0], window[3] - window[2]
     length = max((step for step in (0.5, 1, 2, 5, 10, 20, 50, 100) if step <= 0.42 * width), default=0.5)
     left, bottom = window[0] + 0.03 * width, window[2] + 0.03 * height
@@ -83,7 +82,7 @@ def scale_bar(ax: Axes, window: Window) -> None:
 
 
 def colour_bar(ax: Axes, colours: Colormap, largest: float, label: str, *, beside: bool = False) -> None:
-    """A colour bar from 0 to `largest`, under the picture or beside it, its label with the unit."""
+    """Draw a colour bar from 0 to `largest`, under the picture or beside it, its label with the unit."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -104,7 +103,7 @@ def colour_bar(ax: Axes, colours: Colormap, largest: float, label: str, *, besid
 
 
 def round_steps(largest: float) -> Floats:
-    """Four to eight round levels between 0 and `largest`."""
+    """Return four to eight round levels between 0 and `largest`."""
     raw = largest / 5.0
     power = 10.0 ** np.floor(np.log10(raw))
     step = power * min((1.0, 2.0, 2.5, 5.0, 10.0), key=lambda factor: abs(factor * power - raw))

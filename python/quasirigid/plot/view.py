@@ -1,4 +1,4 @@
-"""Where a contact is looked at from, and the units of its pictures."""
+"""From where a contact is looked at."""
 
 from __future__ import annotations
 
@@ -12,13 +12,20 @@ from .raster import Floats
 if TYPE_CHECKING:
     from ..contact.result import Contact
 
-MM = 1e3
-KPA = 1e-3
+__all__ = ["View", "pad_view", "vertices_before"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class View:
-    """Directions of a parallel view, orthonormal: `right` and `up` in the picture, `toward` the viewer."""
+    """Directions of a parallel view, orthonormal.
+
+    Attributes
+    ----------
+    right, up : (3,) float64
+        In the picture.
+    toward : (3,) float64
+        Towards the viewer.
+    """
 
     right: Floats
     up: Floats
@@ -26,33 +33,38 @@ class View:
 
     @classmethod
     def along(cls, sight: Floats, up: Floats) -> View:
-        """View along `sight` (3,), with `up` (3,), made perpendicular to it, upwards in the picture."""
+        """Return the view along `sight` (3,), with `up` (3,), made perpendicular to it, upwards."""
         toward = -np.asarray(sight, dtype=np.float64) / np.linalg.norm(sight)
         upward = np.asarray(up, dtype=np.float64) - np.dot(up, toward) * toward
         upward /= np.linalg.norm(upward)
         return cls(right=np.cross(upward, toward), up=upward, toward=toward)
 
     def project(self, points: Floats) -> Floats:
-        """Points (n, 3) as (n, 3): right, up, towards the viewer, in the same unit."""
+        """Return points (n, 3) as (n, 3): right, up, towards the viewer, in the same unit."""
         return points @ np.stack([self.right, self.up, self.toward], axis=1)
 
 
 def pad_view(contact: Contact) -> View:
-    """The view from the product onto the skin: along the contact force, the skin's long axis upwards.
+    """Return the view from the product onto the skin: along the force, the skin's long axis upwards.
 
     Parameters
     ----------
     contact : Contact
         Where it has no force the view runs along +z.
+
+    Returns
+    -------
+    View
+        An axis of the scene, where force or long axis come close to one.
     """
-    force = np.asarray(contact.force, dtype=np.float64)
+    force = contact.force
     pressed = np.isfinite(force).all() and np.any(force)
     sight = force / np.linalg.norm(force) if pressed else np.array([0.0, 0.0, 1.0])
     # A press along an axis of the scene is drawn square to that axis.
     axis = int(np.argmax(np.abs(sight)))
     if abs(sight[axis]) > 0.95:
         sight = np.sign(sight[axis]) * np.eye(3)[axis]
-    vertices = np.asarray(contact.deformed.vertices)
+    vertices = contact.deformed.vertices
     spread = vertices - vertices.mean(axis=0)
     flat = spread - np.outer(spread @ sight, sight)
     longest = np.linalg.eigh(flat.T @ flat)[1][:, -1]
@@ -65,6 +77,5 @@ def pad_view(contact: Contact) -> View:
 
 
 def vertices_before(contact: Contact) -> Floats:
-    """Vertices (n, 3) of the skin before it gave way (m)."""
-    before: Floats = np.asarray(contact.deformed.vertices) - np.asarray(contact.displacement)
-    return before
+    """Return the vertices (n, 3) of the skin before it gave way (m)."""
+    return contact.deformed.vertices - contact.displacement

@@ -1,0 +1,134 @@
+"""A contact as an object of pandas, pyvista or trimesh; each library is imported where it is used."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._extras import import_extra
+
+if TYPE_CHECKING:
+    from ..contact.result import Contact
+
+__all__ = ["contact_dataframe", "contact_pyvista", "contact_trimesh", "vertex_data"]
+
+_UNITS = {"pressure": "Pa", "node_force": "N", "force": "N", "gap": "m", "displacement": "m"}
+
+
+def vertex_data(contact: Contact) -> dict[str, NDArray[Any]]:
+    """Return what a contact holds at each vertex.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    dict of str to array
+        `pressure` (n,) Pa, `node_force` (n,) N, `force` (n, 3) N, `gap` (n,) m (nan where it was not
+        measured), `displacement` (n, 3) m, `candidate` and `active` (n,) uint8.
+    """
+    flags = {}
+    for name, chosen in (("candidate", contact.candidates), ("active", contact.active)):
+        flags[name] = np.zeros(len(contact.pressure), dtype=np.uint8)
+        flags[name][chosen] = 1
+    return {
+        "pressure": contact.pressure,
+        "node_force": contact.node_force,
+        "force": contact.force_vectors,
+        # Infinite beyond the search distance, which no colour bar can show.
+        "gap": np.where(np.isfinite(contact.gap), contact.gap, np.nan),
+        "displacement": contact.displacement,
+        **flags,
+    }
+
+
+def contact_dataframe(contact: Contact) -> Any:
+    """Return a contact as a table with one row a vertex.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    pandas.DataFrame
+        In SI, the unit in each column's name: the deformed position ``x (m)``, ``y (m)``, ``z (m)``, then
+        what `vertex_data` returns, vectors as ``force_x (N)`` and so on, flags as booleans. The index counts
+        vertices.
+
+    Raises
+    ------
+    MissingExtraError
+        If pandas is not installed.
+    """
+    pandas = import_extra("pandas", "data frames", "pandas")
+    columns: dict[str, Any] = {
+        f"{axis} (m)": contact.deformed.vertices[:, at] for at, axis in enumerate("xyz")
+    }
+    for name, values in vertex_data(contact).items():
+        unit = _UNITS.get(name)
+        if values.ndim == 2:
+            columns |= {f"{name}_{axis} ({unit})": values[:, at] for at, axis in enumerate("xyz")}
+        else:
+            columns |= {name: values.astype(bool)} if unit is None else {f"{name} ({unit})": values}
+    return pandas.DataFrame(columns).rename_axis(index="vertex")
+
+
+def contact_pyvista(contact: Contact) -> Any:
+    """Return the deformed skin as a mesh of pyvista.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    pyvista.PolyData
+        Positions in m, with what `vertex_data` returns as point data; `pressure` is the active one.
+
+    Raises
+    ------
+    MissingExtraError
+        If pyvista is not installed.
+    """
+    pyvista = import_extra("pyvista", "meshes of pyvista", "pyvista")
+    faces = contact.deformed.faces
+    mesh = pyvista.PolyData(np.array(contact.deformed.vertices), np.insert(faces, 0, 3, axis=1).ravel())
+    for name, values in vertex_data(contact).items():
+        mesh.point_data[name] = values
+    mesh.set_active_scalars("pressure")
+    return mesh
+
+
+def contact_trimesh(contact: Contact) -> Any:
+    """Return the deformed skin as a mesh of trimesh.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Positions in m, vertices and faces in our order, with what `vertex_data` returns in
+        `vertex_attributes`.
+
+    Raises
+    ------
+    MissingExtraError
+        If trimesh is not installed.
+    """
+    trimesh = import_extra("trimesh", "meshes of trimesh", "trimesh")
+    return trimesh.Trimesh(
+        vertices=contact.deformed.vertices,
+        faces=contact.deformed.faces,
+        vertex_attributes=vertex_data(contact),
+        process=False,
+    )

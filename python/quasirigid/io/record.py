@@ -1,0 +1,100 @@
+"""The scalars of a contact with their units, as plain dictionaries for JSON and reports."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ..contact.result import Contact
+
+__all__ = ["as_plain", "contact_record"]
+
+# Unit of each figure; "1" is dimensionless.
+_CONTACT = {
+    "force": "N",
+    "moment": "N m",
+    "center_of_pressure": "m",
+    "contact_area": "m^2",
+    "max_pressure": "Pa",
+    "volume_change": "m^3",
+    "max_penetration_before": "m",
+    "max_penetration_after": "m",
+    "travel": "m",
+    "fade_distance": "m",
+    "natural_residual": "1",
+}
+_PATCH = {
+    name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
+}
+_ACCURACY = {"area_resolution": "m^2"}
+
+
+def contact_record(contact: Contact) -> dict[str, Any]:
+    """Return everything about a contact but its arrays.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    dict
+        Ready for JSON: figures in SI as ``{"value": ..., "unit": ...}``, numbers that are not finite as None.
+    """
+    return {
+        "status": str(contact.status),
+        "advice": contact.advice,
+        **_figures(contact, _CONTACT),
+        "vertices": len(contact.pressure),
+        "candidates": len(contact.candidates),
+        "active": len(contact.active),
+        "patches": [{"vertices": len(patch.vertices)} | _figures(patch, _PATCH) for patch in contact.patches],
+        "accuracy": {
+            name: value if isinstance(value, bool) else _figure(value, _ACCURACY.get(name, "1"))
+            for name, value in as_plain(contact.accuracy).items()
+        },
+        "timings": {stage: _figure(seconds, "s") for stage, seconds in contact.timings.items()},
+        "left_out": [{"what": what, "why": why} for what, why in contact.left_out],
+        "product": _product(contact),
+    }
+
+
+def as_plain(value: Any) -> Any:
+    """Return any value as what JSON holds: arrays as lists, numbers that are not finite as None."""
+    if value is None or isinstance(value, (bool, int)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, (np.generic, np.ndarray)):
+        return as_plain(value.tolist())
+    if isinstance(value, Mapping):
+        return {str(key): as_plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [as_plain(entry) for entry in value]
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: as_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    return str(value)
+
+
+def _figures(source: Any, units: Mapping[str, str]) -> dict[str, Any]:
+    return {name: _figure(getattr(source, name), unit) for name, unit in units.items()}
+
+
+def _figure(value: Any, unit: str) -> dict[str, Any]:
+    return {"value": as_plain(value), "unit": unit}
+
+
+def _product(contact: Contact) -> dict[str, Any]:
+    obstacle = contact.obstacle
+    return {
+        "kind": obstacle.kind,
+        "rotation": as_plain(obstacle.rotation),
+        "translation": _figure(obstacle.translation, "m"),
+        "bounding_box": _figure(obstacle.bounding_box, "m"),
+    }

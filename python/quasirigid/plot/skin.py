@@ -1,0 +1,71 @@
+"""The skin in light, coloured by overlap or pressure."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from .._units import KPA, MM
+from .outline import contact_side
+from .shading import lit_skin
+from .style import axes_or_new, colour_bar, overlap_colours, pressure_colours, scale_bar, window_around
+from .view import View, pad_view, vertices_before
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ..contact.result import Contact
+
+__all__ = ["plot_skin"]
+
+
+def plot_skin(
+    contact: Contact,
+    *,
+    show: Literal["overlap", "pressure"] = "pressure",
+    ax: Axes | None = None,
+    view: View | None = None,
+    pixels: int = 800,
+) -> Axes:
+    """Draw the lit skin, coloured by what it carries.
+
+    Parameters
+    ----------
+    contact : Contact
+        What to draw.
+    show : {"pressure", "overlap"}
+        The deformed skin with its pressure (kPa), or the skin before with its depth inside the product (mm).
+    ax : Axes, optional
+        Where to draw; a new figure when left out.
+    view : View, optional
+        From where; `pad_view` when left out.
+    pixels : int
+        Height of the picture.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        `ax`, in mm.
+    """
+    view = pad_view(contact) if view is None else view
+    ax = axes_or_new(ax, (4.4, 6.0))
+    faces = contact.deformed.faces
+    if show == "pressure":
+        vertices = contact.deformed.vertices
+        pressure = np.nan_to_num(contact.pressure)
+        values, colours, label = pressure * KPA, pressure_colours(), "pressure (kPa)"
+        inside = contact_side(vertices, faces, pressure, contact.gap)
+    else:
+        vertices = vertices_before(contact)
+        distance = contact.obstacle.signed_distance(vertices)[0]
+        inside = np.where(contact.deformed.skin_mask, -distance, -np.abs(distance))
+        values, colours, label = inside.clip(0.0) * MM, overlap_colours(), "depth inside the product (mm)"
+    window = window_around(view.project(vertices) * MM)
+    picture = lit_skin(vertices * MM, faces, view, values, inside, colours, window, pixels)
+    ax.imshow(picture, extent=window, interpolation="antialiased")
+    ax.set_axis_off()
+    scale_bar(ax, window)
+    if values.max() > 0.0:
+        colour_bar(ax, colours, float(values.max()), label)
+    return ax
