@@ -6,6 +6,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._units import LengthUnit
+
 __all__ = [
     "Contact",
     "ContactOptions",
@@ -33,6 +35,8 @@ class Surface:
     def __new__(
         cls, vertices: ArrayLike, faces: ArrayLike, skin_mask: ArrayLike | None = None
     ) -> Surface: ...
+    @staticmethod
+    def from_mesh(mesh: object, *, unit: LengthUnit = "m", skin_mask: ArrayLike | None = None) -> Surface: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -63,6 +67,8 @@ class Surface:
 class Obstacle:
     @staticmethod
     def mesh(vertices: ArrayLike, faces: ArrayLike, *, check_crossings: bool = True) -> Obstacle: ...
+    @staticmethod
+    def from_mesh(mesh: object, *, unit: LengthUnit = "m", check_crossings: bool = True) -> Obstacle: ...
     @staticmethod
     def half_space(point: ArrayLike, normal: ArrayLike) -> Obstacle: ...
     @staticmethod

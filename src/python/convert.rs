@@ -8,6 +8,7 @@ use numpy::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyType};
 use rayon::prelude::*;
 
 /// `numpy.require(value, dtype)`, in C order and aligned, with the argument's name in the error.
@@ -44,6 +45,17 @@ pub(super) fn vectors(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vect
         [_, 3] => Ok(array.as_slice()?.chunks_exact(3).map(Vector3::from_column_slice).collect()),
         shape => Err(shape_error(name, "(n, 3)", shape)),
     }
+}
+
+/// Vertices and faces of a mesh object, read by the facade's `mesh_arrays`.
+pub(super) fn mesh_arrays<'py>(
+    mesh: &Bound<'py, PyAny>,
+    unit: &str,
+    refusal: Bound<'py, PyType>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let keywords = [("unit", unit.into_pyobject(mesh.py())?.into_any()), ("refusal", refusal.into_any())];
+    let read = mesh.py().import("quasirigid.io.mesh")?.getattr("mesh_arrays")?;
+    read.call((mesh,), Some(&keywords.into_py_dict(mesh.py())?))?.extract()
 }
 
 /// (3,) vector.

@@ -1,6 +1,6 @@
 //! `quasirigid.Obstacle`.
 
-use super::convert::{faces, faces_out, matrix3, vector, vector_out, vectors, vectors_out};
+use super::convert::{faces, faces_out, matrix3, mesh_arrays, vector, vector_out, vectors, vectors_out};
 use super::errors::{IntoPyErr, ObstacleError};
 use super::pickle::{Reduced, reduced};
 use crate::obstacle::{MeshObstacleOptions, Obstacle};
@@ -64,6 +64,33 @@ impl PyObstacle {
         let vertices = vectors(vertices, "vertices")?;
         let faces = self::faces(faces, "faces", ObstacleError::new_err)?;
         made(py.detach(|| Obstacle::mesh(vertices, faces, &MeshObstacleOptions { check_crossings })))
+    }
+
+    /// A closed mesh object of another library.
+    ///
+    /// Parameters
+    /// ----------
+    /// mesh, unit
+    ///     As for `Surface.from_mesh`.
+    /// check_crossings : bool
+    ///     As for `mesh`.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If it is no such object.
+    /// ObstacleError
+    ///     As `mesh`, and for faces that are no triangles.
+    #[staticmethod]
+    #[pyo3(signature = (mesh, *, unit="m", check_crossings=true), text_signature = "(mesh, *, unit='m', check_crossings=True)")]
+    fn from_mesh(
+        py: Python<'_>,
+        mesh: &Bound<'_, PyAny>,
+        unit: &str,
+        check_crossings: bool,
+    ) -> PyResult<Self> {
+        let (vertices, faces) = mesh_arrays(mesh, unit, py.get_type::<ObstacleError>())?;
+        Self::mesh(py, &vertices, &faces, check_crossings)
     }
 
     /// All points below a plane.

@@ -1,6 +1,8 @@
 //! `quasirigid.Surface` and what works on raw vertices and faces.
 
-use super::convert::{faces, faces_out, mask, matrix3, nodes, nodes_out, vector, vectors, vectors_out};
+use super::convert::{
+    faces, faces_out, mask, matrix3, mesh_arrays, nodes, nodes_out, vector, vectors, vectors_out,
+};
 use super::errors::{IntoPyErr, SurfaceError};
 use crate::geometry::rigid_motion;
 use crate::mesh::{self, RepairOptions};
@@ -97,6 +99,41 @@ impl PySurface {
             }
         });
         surface.map(Self::from).map_err(IntoPyErr::into_py_err)
+    }
+
+    /// The surface of a mesh object of another library.
+    ///
+    /// Parameters
+    /// ----------
+    /// mesh : object
+    ///     Anything with `vertices` and `faces` (trimesh) or `triangles` (open3d), with `points` and `cells` (meshio), or
+    ///     with `points` and `faces` (PolyData of pyvista); triangles alone.
+    /// unit : {"m", "cm", "mm", "inch"}
+    ///     Unit of its coordinates.
+    /// skin_mask : (n,) array_like of bool, optional
+    ///     Vertices that may touch; None for all.
+    ///
+    /// Returns
+    /// -------
+    /// Surface
+    ///     Vertices and faces in the order of the mesh.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If it is no such object.
+    /// SurfaceError
+    ///     As `Surface`, and for faces that are no triangles.
+    #[staticmethod]
+    #[pyo3(signature = (mesh, *, unit="m", skin_mask=None), text_signature = "(mesh, *, unit='m', skin_mask=None)")]
+    fn from_mesh(
+        py: Python<'_>,
+        mesh: &Bound<'_, PyAny>,
+        unit: &str,
+        skin_mask: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (vertices, faces) = mesh_arrays(mesh, unit, py.get_type::<SurfaceError>())?;
+        Self::new(py, &vertices, &faces, skin_mask)
     }
 
     /// (n, 3) float64: positions (m).
