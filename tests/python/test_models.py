@@ -3,33 +3,38 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
 from quasirigid.errors import ObstacleError, SurfaceError
-from quasirigid.models.fingers import build_finger
-from quasirigid.models.products import build_bottle, build_cylinder_handle, build_rounded_box
-
-Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
+from quasirigid.models import bottle, cylinder_handle, finger, fingertip, rounded_box
+from shapes import Mesh
 
 FINGERS = {
-    "fingertip": (0.030, 0.018, None, 1.2e-3, 1.0),
-    "fine fingertip": (0.030, 0.018, None, 0.5e-3, 1.0),
-    "coarse fingertip": (0.030, 0.018, None, 4e-3, 1.0),
-    "finger": (0.076, 0.018, None, 1.85e-3, 1.0),
-    "small finger": (0.060, 0.014, 0.012, 1.5e-3, 0.79),
-    "deep finger": (0.085, 0.022, 0.021, 1.2e-3, 1.12),
+    "fingertip": lambda: fingertip(edge_length=1.2e-3),
+    "fine fingertip": lambda: fingertip(edge_length=0.5e-3),
+    "coarse fingertip": lambda: fingertip(edge_length=4e-3),
+    "finger": lambda: finger(edge_length=1.85e-3),
+    "small finger": lambda: finger(length=0.060, breadth=0.014, depth=0.012, edge_length=1.5e-3),
+    "deep finger": lambda: finger(length=0.085, breadth=0.022, depth=0.021, edge_length=1.2e-3),
 }
 PRODUCTS = {
-    "handle": lambda: build_cylinder_handle(0.016, 0.110, 0.003, 2.5e-3),
-    "disc": lambda: build_cylinder_handle(0.030, 0.010, 0.005, 2e-3),
-    "box": lambda: build_rounded_box((0.075, 0.150, 0.009), 0.003, 2.5e-3),
-    "coarse box": lambda: build_rounded_box((0.075, 0.150, 0.009), 0.003, 3.75e-3),
-    "ball": lambda: build_rounded_box((0.02, 0.02, 0.02), 0.010, 2e-3),
-    "bottle": lambda: build_bottle(0.0325, 0.215, 0.014, 0.030, 0.003, 3e-3),
+    "handle": lambda: cylinder_handle(edge_length=2.5e-3),
+    "disc": lambda: cylinder_handle(radius=0.030, length=0.010, edge_radius=0.005, edge_length=2e-3),
+    "box": rounded_box,
+    "coarse box": lambda: rounded_box(edge_length=3.75e-3),
+    "ball": lambda: rounded_box(size=(0.02, 0.02, 0.02), edge_radius=0.010, edge_length=2e-3),
+    "bottle": lambda: bottle(edge_length=3e-3),
 }
+
+
+def triangles(product: qr.Obstacle) -> Mesh:
+    found = product.triangles()
+    assert found is not None
+    return found
 
 
 def smallest_angle(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
@@ -60,27 +65,24 @@ def assert_closed_sphere(vertices: NDArray[np.float64], faces: NDArray[np.int64]
     assert len(vertices) - len(keys) // 2 + len(faces) == 2
 
 
-@pytest.mark.parametrize("size", FINGERS.values(), ids=FINGERS.keys())
-def test_a_finger_is_closed_outward_and_free_of_slivers(
-    size: tuple[float, float, float | None, float, float],
-) -> None:
-    vertices, faces = build_finger(*size)
+@pytest.mark.parametrize("build", FINGERS.values(), ids=FINGERS.keys())
+def test_a_finger_is_closed_outward_and_free_of_slivers(build: Callable[[], qr.Surface]) -> None:
+    vertices, faces = build().vertices, build().faces
     assert_closed_sphere(vertices, faces)
     assert volume(vertices, faces) > 0.0
     assert smallest_angle(vertices, faces) > 28.0
 
 
 @pytest.mark.parametrize("build", PRODUCTS.values(), ids=PRODUCTS.keys())
-def test_a_product_is_closed_outward_and_free_of_slivers(build: object) -> None:
-    assert callable(build)
-    vertices, faces = build()
+def test_a_product_is_closed_outward_and_free_of_slivers(build: Callable[[], qr.Obstacle]) -> None:
+    vertices, faces = triangles(build())
     assert_closed_sphere(vertices, faces)
     assert volume(vertices, faces) > 0.0
     assert smallest_angle(vertices, faces) > 28.0
 
 
 def test_a_finger_has_the_length_and_breadth_asked_for() -> None:
-    vertices, _ = build_finger(0.076, 0.018, None, 0.5e-3, 1.0)
+    vertices = finger(edge_length=0.5e-3).vertices
     assert vertices[:, 1].min() == 0.0
     assert vertices[:, 1].max() == pytest.approx(0.076, rel=1e-12)
     at_joint = np.abs(vertices[:, 1] - (0.076 - 0.0213)) < 0.5e-3
@@ -89,7 +91,7 @@ def test_a_finger_has_the_length_and_breadth_asked_for() -> None:
 
 
 def test_the_pad_hangs_to_minus_z_and_the_joints_are_thicker_than_their_neighbours() -> None:
-    vertices, _ = build_finger(0.076, 0.018, None, 0.5e-3, 1.0)
+    vertices = finger(edge_length=0.5e-3).vertices
 
     def breadth(from_tip: float) -> float:
         return float(np.ptp(vertices[np.abs(vertices[:, 1] - (0.076 - from_tip)) < 0.5e-3, 0]))
@@ -103,22 +105,22 @@ def test_the_pad_hangs_to_minus_z_and_the_joints_are_thicker_than_their_neighbou
 
 @pytest.mark.parametrize("edge_length", [0.6e-3, 1.2e-3, 2.4e-3])
 def test_edges_are_as_long_as_asked(edge_length: float) -> None:
-    vertices, faces = build_finger(0.076, 0.018, None, edge_length, 1.0)
-    edges = np.linalg.norm(vertices[faces[:, 0]] - vertices[faces[:, 1]], axis=1)
+    built = finger(edge_length=edge_length)
+    ends = built.vertices[built.faces[:, :2]]
+    edges = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
     assert edges.mean() == pytest.approx(edge_length, rel=0.05)
     assert edges.max() < 1.6 * edge_length
 
 
 def test_the_volume_settles_with_the_square_of_the_edge_length() -> None:
-    volumes = [volume(*build_finger(0.030, 0.018, None, edge, 1.0)) for edge in (2e-3, 1e-3, 0.25e-3)]
+    volumes = [fingertip(edge_length=edge).volume for edge in (2e-3, 1e-3, 0.25e-3)]
     coarse, fine = abs(volumes[0] - volumes[2]), abs(volumes[1] - volumes[2])
     assert coarse / fine == pytest.approx(4.0, rel=0.35)
 
 
 def test_fifty_thousand_vertices_take_less_than_a_second() -> None:
     start = time.process_time()
-    vertices, _ = build_finger(0.076, 0.018, None, 0.32e-3, 1.0)
-    assert len(vertices) > 50_000
+    assert len(finger(edge_length=0.32e-3).vertices) > 50_000
     assert time.process_time() - start < 1.0
 
 
@@ -129,8 +131,9 @@ def test_round_products_have_their_exact_volume_in_the_limit() -> None:
     # Centroid of the cut-off corner, from the rim inwards: r (10 - 3 pi) / (12 - 3 pi).
     inwards = rim * (10.0 - 3.0 * np.pi) / (12.0 - 3.0 * np.pi)
     exact = np.pi * radius**2 * length - 2.0 * corner * 2.0 * np.pi * (radius - inwards)
+    handle = cylinder_handle(radius=radius, length=length, edge_radius=rim, edge_length=0.5e-3)
     # Inscribed polygons of edge h lose about h^2 / (4 r^2) of the volume.
-    assert volume(*build_cylinder_handle(radius, length, rim, 0.5e-3)) == pytest.approx(exact, rel=1e-3)
+    assert volume(*triangles(handle)) == pytest.approx(exact, rel=1e-3)
 
 
 def test_a_rounded_box_has_its_exact_volume_in_the_limit() -> None:
@@ -143,51 +146,51 @@ def test_a_rounded_box_has_its_exact_volume_in_the_limit() -> None:
         + np.pi * radius**2 * (x + y + z)
         + 4 / 3 * np.pi * radius**3
     )
-    vertices, faces = build_rounded_box(sides, radius, 0.5e-3)
+    vertices, faces = triangles(rounded_box(size=tuple(sides), edge_radius=radius, edge_length=0.5e-3))
     # Twelve chords a quarter turn lose 0.3 % of the roundings, which are a ninth of the whole.
     assert volume(vertices, faces) == pytest.approx(exact, rel=4e-4)
     assert np.ptp(vertices, axis=0) == pytest.approx(sides, rel=1e-12)
 
 
 def test_the_public_models_are_accepted_as_skin_and_product() -> None:
-    for finger in (qr.models.fingertip(), qr.models.finger()):
-        assert finger.is_closed
-        cut = ~qr.flat_cap_mask(finger)
-        assert np.array_equal(cut, finger.vertices[:, 1] == 0.0)
-    for product in (qr.models.cylinder_handle(), qr.models.rounded_box(), qr.models.bottle()):
+    for skin in (fingertip(), finger()):
+        assert skin.is_closed
+        cut = ~qr.flat_cap_mask(skin)
+        assert np.array_equal(cut, skin.vertices[:, 1] == 0.0)
+    for product in (cylinder_handle(), rounded_box(), bottle()):
         distance, _, _ = product.signed_distance([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
         assert distance[0] < 0.0 < distance[1]
 
 
 def test_products_do_not_cross_themselves() -> None:
     for build in PRODUCTS.values():
-        qr.Obstacle.mesh(*build(), check_crossings=True)
+        qr.Obstacle.mesh(*triangles(build()), check_crossings=True)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((-0.03, 0.018, None, 1e-3, 1.0), "length is -0.03 m"),
-        ((0.03, float("nan"), None, 1e-3, 1.0), "breadth is nan m"),
-        ((0.03, 0.018, 0.0, 1e-3, 1.0), "depth is 0.0 m"),
-        ((0.03, 0.018, None, 0.0, 1.0), "edge_length is 0.0 m"),
-        ((0.01, 0.018, None, 1e-3, 1.0), "at least 0.8 times the breadth"),
-        ((0.03, 0.018, None, 6e-3, 1.0), "at most a quarter"),
+        ({"length": -0.03}, "length is -0.03 m"),
+        ({"breadth": float("nan")}, "breadth is nan m"),
+        ({"depth": 0.0}, "depth is 0.0 m"),
+        ({"edge_length": 0.0}, "edge_length is 0.0 m"),
+        ({"length": 0.01}, "at least 0.8 times the breadth"),
+        ({"edge_length": 6e-3}, "at most a quarter"),
     ],
 )
-def test_a_finger_that_cannot_be_is_refused(arguments: tuple[float, ...], message: str) -> None:
+def test_a_finger_that_cannot_be_is_refused(arguments: dict[str, float], message: str) -> None:
     with pytest.raises(SurfaceError, match=message):
-        build_finger(*arguments)
+        fingertip(**arguments)
 
 
 def test_a_product_that_cannot_be_is_refused() -> None:
     with pytest.raises(ObstacleError, match=r"edge_radius is 0\.02 m"):
-        build_cylinder_handle(0.016, 0.110, 0.020, 2.5e-3)
+        cylinder_handle(edge_radius=0.020)
     with pytest.raises(ObstacleError, match=r"edge_length is 0\.01 m"):
-        build_rounded_box((0.075, 0.150, 0.009), 0.003, 0.010)
+        rounded_box(edge_length=0.010)
     with pytest.raises(ObstacleError, match="size has shape"):
-        build_rounded_box((0.075, 0.150), 0.003, 0.002)
+        rounded_box(size=(0.075, 0.150))
     with pytest.raises(ObstacleError, match=r"neck_radius is 0\.04 m"):
-        build_bottle(0.03, 0.2, 0.04, 0.03, 0.003, 0.003)
+        bottle(neck_radius=0.04)
     with pytest.raises(ObstacleError, match=r"height is 0\.05 m"):
-        build_bottle(0.03, 0.05, 0.014, 0.03, 0.003, 0.003)
+        bottle(height=0.05)

@@ -1,26 +1,6 @@
-"""Phalanges inside a finger's skin.
-
-Where the numbers come from (adults, in mm):
-
-* lengths of the phalanges and of the soft tissue beyond the tip of the last one: Buryanov and Kotiuk 2010,
-  "Proportions of hand segments", Int. J. Morphol. 28(3), 755-758 (radiographs of 66 adults, means).
-* distal phalanx: tuft about 7 broad (Mintalucci et al. 2014, J. Hand Surg. Am. 39(6), 1068-1074), narrowest
-  height 3.6 (Wyrsch et al., 30 phalanges, as cited by Darowish et al. 2015, Hand 10(1), 100-104).
-* heights of the joint surfaces, with the proximal phalanx 44.6 long: base of the middle phalanx 0.17 of that,
-  7.6; its head that over 1.34, 5.7 (84 lateral radiographs, J. Hand Surg. Am. 2014, PubMed 24996675).
-* share and place: beyond the distal crease a fingertip is by volume 56 % soft tissue on the pad's side, 18 %
-  bone and 26 % soft tissue on the nail's side (Murai et al. 1997, "A cadaver study on volume and surface area
-  of the fingertip", J. Hand Surg. Am. 22(5), 935-941). So the middle of the bone lies 26 + 18 / 2 = 35 % of
-  the finger's depth below the nail's side.
-
-The heights and the tuft are taken a tenth to a fifth above these means, and the breadths that no source gives
-are drawn to match. That brings the bone of the built-in fingertip to 14 % of its volume, between the share
-that the means alone would give (10 %) and the one measured.
-"""
+"""Bones inside a finger's skin: the phalanges found, meshed, and checked against the skin."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,77 +9,117 @@ from .._check import direction_of, mask_of, number_of, vector_of
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
 from ..surface import Surface, flat_cap_mask
-from .fingers import REFERENCE_BREADTH
-from .loft import Floats, Indices, loft, perimeter_of, ring_size, rows_along, spread_on_curve
+from .loft import Floats
+from .phalanges import LENGTHS, Frame, as_text, phalanges_in
 
-# Lengths (m) from the tip on: soft tissue, then the phalanges.
-LENGTHS = {
-    "thumb": (5.67e-3, 21.67e-3, 31.57e-3),
-    "index": (3.84e-3, 15.82e-3, 22.38e-3, 39.78e-3),
-    "middle": (3.95e-3, 17.40e-3, 26.33e-3, 44.63e-3),
-    "ring": (3.95e-3, 17.30e-3, 25.65e-3, 41.37e-3),
-    "little": (3.73e-3, 15.96e-3, 18.11e-3, 32.74e-3),
-}
-# (breadth, height) in m of head, waist and base, for a finger REFERENCE_BREADTH broad, from the tip on.
-SECTIONS = (
-    ((8.0e-3, 4.4e-3), (6.0e-3, 4.4e-3), (12.0e-3, 7.4e-3)),
-    ((11.0e-3, 6.4e-3), (8.0e-3, 5.6e-3), (13.0e-3, 8.0e-3)),
-    ((12.0e-3, 8.0e-3), (9.5e-3, 7.0e-3), (14.0e-3, 10.0e-3)),
-)
-JOINT_GAP = 1.0e-3  # cartilage of both sides and what the meshes need between them (m)
-BELOW_THE_NAIL = 0.35  # of the finger's depth
-SHORTEST = 3.0e-3  # a cut phalanx shorter than this is left out (m)
-DEFAULT_NODES = 230
-MOST_NODES = 20_000  # ten times more than a body on any machine can use
-SCALES = (0.3, 2.0)  # from an infant to beyond the largest adult
-COARSER = (
-    1.0,
-    1.3,
-    1.8,
-)  # elements of each phalanx, relative to the first: the pad is pressed, the root is not
+__all__ = ["bone_of"]
+
+_DEFAULT_NODES = 230
+_MOST_NODES = 20_000  # ten times more than a body on any machine can use
+_SCALES = (0.3, 2.0)  # from an infant to beyond the largest adult
+_COARSER = (1.0, 1.3, 1.8)  # elements of each phalanx over the first's: the pad is pressed, the root is not
 
 
-def build_bone(
+def bone_of(
     finger: Surface,
-    digit: str,
-    scale: float,
-    cut: ArrayLike | None,
-    tip: ArrayLike | None,
-    axis: ArrayLike | None,
-    palmar: ArrayLike,
-    min_thickness: float,
-    element_size: float | None,
+    *,
+    digit: str = "middle",
+    scale: float = 1.0,
+    cut: ArrayLike | None = None,
+    tip: ArrayLike | None = None,
+    axis: ArrayLike | None = None,
+    palmar: ArrayLike = (0.0, 0.0, -1.0),
+    min_thickness: float = 1e-3,
+    element_size: float | None = None,
 ) -> Surface:
-    """The phalanges of `bone_of`, checked to lie `min_thickness` (m) below the skin."""
+    """Return plausible phalanges inside a finger, for `quasirigid.Body(bone=...)`.
+
+    Distal, middle and, where the finger is long enough, proximal phalanx: straight bones of elliptic sections
+    with a head, a waist and a base, each on the line that fits the finger's sections best, 1 mm apart at the
+    joints. A phalanx that would reach the cut ends in front of it. Lengths are published means; breadths and
+    heights scale with the finger's breadth at the distal joint.
+
+    Parameters
+    ----------
+    finger : Surface
+        A closed finger, built in or scanned, its root cut off flat; fairly straight.
+    digit : {"thumb", "index", "middle", "ring", "little"}
+        Whose lengths to take.
+    scale : float
+        Factor on all lengths along the finger, 1 for the mean of adults; from 0.3 to 2.
+    cut : (n,) array_like of bool, optional
+        Vertices of the cut at the root, such as `CutOut.fixed`; those of flat cuts when left out.
+    tip : (3,) array_like, optional
+        Foremost point of the fingertip (m); the vertex farthest along the axis when left out.
+    axis : (3,) array_like, optional
+        From the root to the tip; the principal axis of the skin, away from its cut, when left out.
+    palmar : (3,) array_like
+        Towards the pad. Built-in fingers have it at -z.
+    min_thickness : float
+        Least tissue between bone and skin (m), held at every vertex of both.
+    element_size : float, optional
+        Edges of the distal phalanx (m), 1.3 and 1.8 times that on the next ones; at most a quarter of its
+        length, at least what makes 20,000 vertices. Chosen for about 230 vertices when left out.
+
+    Returns
+    -------
+    Surface
+        Closed, one component for each phalanx.
+
+    Raises
+    ------
+    SurfaceError
+        An argument is not of the shape or in the range above, the finger is open, its root cannot be found,
+        no phalanx fits, or less tissue than `min_thickness` is left.
+
+    Notes
+    -----
+    In the built-in fingertip some 4 mm of soft tissue lie beyond the bone's tip, 3 mm under the nail and 6 to
+    8 mm over the pad. A bone from a scan of the person at hand is better.
+
+    References
+    ----------
+    Buryanov and Kotiuk 2010, Int. J. Morphol. 28(3), 755-758 (lengths, tissue beyond the tip); Murai et al.
+    1997, J. Hand Surg. Am. 22(5), 935-941 (share and place of the bone); Mintalucci et al. 2014, J. Hand
+    Surg. Am. 39(6), 1068-1074 (tuft); Darowish et al. 2015, Hand 10(1), 100-104 (narrowest height).
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> finger = qr.models.fingertip(edge_length=2e-3)
+    >>> bone = qr.models.bone_of(finger)
+    >>> bone.is_closed, 0.08 < bone.volume / finger.volume < 0.25
+    (True, True)
+    """
     if not finger.is_closed:
         raise SurfaceError("the finger is open: a bone needs a closed skin around it, cut face included")
     if not isinstance(digit, str) or digit not in LENGTHS:
         raise SurfaceError(f"digit is {digit!r}, expected one of {', '.join(LENGTHS)}")
-    scale = number_of("scale", scale, SurfaceError, *SCALES)
+    scale = number_of("scale", scale, SurfaceError, *_SCALES)
     min_thickness = number_of("min_thickness", min_thickness, SurfaceError)
-    frame = _frame_of(
+    frame = _find_frame(
         finger,
-        None if cut is None else _checked_cut(cut, len(finger.vertices)),
+        None if cut is None else _as_cut(cut, len(finger.vertices)),
         None if tip is None else vector_of("tip", tip, SurfaceError),
         None if axis is None else direction_of("axis", axis, SurfaceError),
         direction_of("palmar", palmar, SurfaceError),
     )
-    phalanges = _phalanges_in(frame, LENGTHS[digit], scale, max(1.5e-3, finger.mean_edge_length))
+    phalanges = phalanges_in(frame, LENGTHS[digit], scale, max(1.5e-3, finger.mean_edge_length))
     if not phalanges:
         raise SurfaceError(_nothing_fits(frame))
-    area = sum(bone.area / COARSER[bone.number] ** 2 for bone in phalanges)
+    area = sum(bone.area / _COARSER[bone.number] ** 2 for bone in phalanges)
     # A vertex of an equilateral mesh has 2 / sqrt(3) of an edge squared less the area of one: 0.866 h^2.
     if element_size is None:
-        element_size = float(np.sqrt(area / (0.866 * DEFAULT_NODES)))
+        element_size = float(np.sqrt(area / (0.866 * _DEFAULT_NODES)))
     else:
         element_size = number_of("element_size", element_size, SurfaceError)
-        finest, coarsest = float(np.sqrt(area / (0.866 * MOST_NODES))), 0.25 * phalanges[0].whole
+        finest, coarsest = float(np.sqrt(area / (0.866 * _MOST_NODES))), 0.25 * phalanges[0].whole
         if not finest <= element_size <= coarsest:
             raise SurfaceError(
-                f"element_size is {element_size} m, expected {finest:.1e} m ({MOST_NODES} vertices) to "
+                f"element_size is {element_size} m, expected {finest:.1e} m ({_MOST_NODES} vertices) to "
                 f"{coarsest:.1e} m (a quarter of the distal phalanx)"
             )
-    meshes = [bone.mesh(element_size * COARSER[bone.number]) for bone in phalanges]
+    meshes = [bone.mesh(element_size * _COARSER[bone.number]) for bone in phalanges]
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
     bone = Surface(
         np.concatenate([vertices for vertices, _ in meshes]),
@@ -109,149 +129,33 @@ def build_bone(
     return bone
 
 
-@dataclass(frozen=True)
-class _Frame:
-    """A finger seen along its axis: stations count from the tip towards the cut (m)."""
-
-    tip: Floats
-    axis: Floats
-    across: Floats
-    dorsal: Floats
-    length: float
-    vertices: Floats
-    edges: Indices
-
-    def section(self, station: float) -> tuple[float, float, float, float]:
-        """Least and greatest place (m) of the skin across and towards the nail, from the tip."""
-        height = (self.vertices - self.tip) @ self.axis + station
-        one, other = height[self.edges[:, 0]], height[self.edges[:, 1]]
-        cut = (one > 0.0) != (other > 0.0)
-        if not cut.any():
-            raise SurfaceError(
-                f"there is no skin {station * 1e3:.1f} mm behind the tip {_told(self.tip)} m, against the "
-                f"axis {_told(self.axis)}: check `tip`, `axis` and the finger's unit"
-            )
-        share = (one[cut] / (one[cut] - other[cut]))[:, None]
-        ends = self.vertices[self.edges[cut]]
-        points = ends[:, 0] + share * (ends[:, 1] - ends[:, 0]) - self.tip
-        x, z = points @ self.across, points @ self.dorsal
-        return float(x.min()), float(x.max()), float(z.min()), float(z.max())
-
-
-@dataclass(frozen=True)
-class _Phalanx:
-    """A bone between two stations of a finger, on a straight axis."""
-
-    frame: _Frame
-    number: int
-    start: float
-    end: float
-    whole: float  # its length before the cut shortened it (m)
-    girth: float  # relative to SECTIONS
-    across_line: Floats  # place across as a polynomial of the station
-    dorsal_line: Floats
-
-    def half_widths(self, station: float) -> tuple[float, float]:
-        """Half breadth and half height (m), rounded off at both ends."""
-        along = (station - self.start) / self.whole
-        widths = np.array(SECTIONS[self.number]) * (0.5 * self.girth)
-        # Level at head, waist and base.
-        places = np.array([0.1, 0.45, 0.9])
-        upper = int(np.clip(np.searchsorted(places, along), 1, 2))
-        x = np.clip((along - places[upper - 1]) / (places[upper] - places[upper - 1]), 0.0, 1.0)
-        blend = x * x * (3.0 - 2.0 * x)
-        breadth, height = widths[upper - 1] + blend * (widths[upper] - widths[upper - 1])
-        radius = min(height, 0.4 * (self.end - self.start))
-        from_end = min(station - self.start, self.end - station)
-        swell = 1.0 if from_end >= radius else float(np.sqrt(max(1.0 - (1.0 - from_end / radius) ** 2, 0.0)))
-        return float(breadth) * swell, float(height) * swell
-
-    def outline(self, station: float, angles: Floats) -> Floats:
-        """Points (k, 3) in m of the cross-section, an ellipse."""
-        half_breadth, half_height = self.half_widths(station)
-        frame = self.frame
-        x = np.polyval(self.across_line, station) + half_breadth * np.cos(angles)
-        z = np.polyval(self.dorsal_line, station) + half_height * np.sin(angles)
-        points: Floats = (
-            frame.tip - station * frame.axis + np.outer(x, frame.across) + np.outer(z, frame.dorsal)
-        )
-        return points
-
-    def stations(self, samples: int = 400) -> Floats:
-        """Stations from end to end, denser towards the rounded ends."""
-        turn = np.linspace(0.0, np.pi, samples)
-        spread: Floats = self.start + (self.end - self.start) * 0.5 * (1.0 - np.cos(turn))
-        return spread
-
-    @property
-    def area(self) -> float:
-        """Area of the bone (m^2), about."""
-        stations = self.stations(60)
-        angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-        rings = np.stack([self.outline(float(station), angles) for station in stations])
-        around = np.linalg.norm(rings - np.roll(rings, 1, axis=1), axis=2).sum(axis=1)
-        steps = np.linalg.norm(np.diff(rings, axis=0), axis=2).mean(axis=1)
-        return float((0.5 * (around[1:] + around[:-1]) * steps).sum())
-
-    def mesh(self, element_size: float) -> tuple[Floats, Indices]:
-        """Vertices (m) and faces, edges of about `element_size` (m)."""
-        stations = self.stations()
-        angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-        meridians = np.stack([self.outline(float(station), angles) for station in stations])
-        steps = np.linalg.norm(np.diff(meridians, axis=0), axis=2).mean(axis=1)
-        way = np.concatenate([[0.0], np.cumsum(steps)])
-        rows = max(4, rows_along(way[-1], element_size))
-        placed = np.interp(np.arange(1, rows) / rows * way[-1], way, stations)
-        rings = []
-        for row, station in enumerate(placed):
-
-            def outline(turned: Floats, station: float = float(station)) -> Floats:
-                return self.outline(station, turned)
-
-            rings.append(
-                spread_on_curve(outline, ring_size(perimeter_of(outline), element_size), row % 2 == 1)
-            )
-        poles = [self.outline(end, np.zeros(1))[0] for end in (self.start, self.end)]
-        return loft(rings, poles[0], poles[1])
-
-
-def _frame_of(
+def _find_frame(
     finger: Surface,
     cut: NDArray[np.bool_] | None,
     tip: Floats | None,
     axis: Floats | None,
     palmar: Floats,
-) -> _Frame:
-    vertices = np.asarray(finger.vertices)
+) -> Frame:
+    """Return the frame of a finger; axis and tip are found where they are not given."""
+    vertices = finger.vertices
     caps = ~flat_cap_mask(finger) if cut is None else cut
     if axis is None:
-        areas = np.asarray(finger.vertex_areas)
-        spread = vertices - np.average(vertices, axis=0, weights=areas)
-        axis = np.linalg.eigh((spread * areas[:, None]).T @ spread)[1][:, -1]
-        if tip is not None:
-            towards = tip - np.average(vertices, axis=0, weights=areas)
-        elif caps.any():
-            towards = np.average(vertices, axis=0, weights=areas) - vertices[caps].mean(axis=0)
-        else:
-            raise SurfaceError(
-                "the finger has no flat cut that would tell its root: give `cut`, `tip` or `axis`"
-            )
-        axis = axis * (1.0 if axis @ towards >= 0.0 else -1.0)
+        axis = _principal_axis(finger, caps, tip)
     if tip is None:
         tip = vertices[np.argmax(vertices @ axis)]
     towards_nail = -(palmar - (palmar @ axis) * axis)
     if np.linalg.norm(towards_nail) < 0.2:
         raise SurfaceError(
-            f"the direction of the pad, {_told(palmar)}, runs along the finger's axis {_told(axis)}: "
+            f"the direction of the pad, {as_text(palmar)}, runs along the finger's axis {as_text(axis)}: "
             "give `palmar`"
         )
     dorsal = towards_nail / np.linalg.norm(towards_nail)
-    faces = np.asarray(finger.faces)
+    faces = finger.faces
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     height = (tip - vertices) @ axis
     # Cut straight across or askew: bones end before the first vertex of the cut.
     length = float(height[caps].min() if caps.any() else height.max())
-    return _Frame(
+    return Frame(
         tip=tip,
         axis=axis,
         across=np.cross(axis, dorsal),
@@ -262,40 +166,22 @@ def _frame_of(
     )
 
 
-def _phalanges_in(frame: _Frame, lengths: tuple[float, ...], scale: float, from_cut: float) -> list[_Phalanx]:
-    if frame.length < SHORTEST:
-        return []
-    joint = min((lengths[0] + lengths[1]) * scale, 0.75 * frame.length)
-    left, right, _, _ = frame.section(joint)
-    girth = (right - left) / REFERENCE_BREADTH
-    phalanges = []
-    start = lengths[0] * scale
-    for number, length in enumerate(lengths[1:]):
-        # The thumb has no middle phalanx.
-        kind = number if len(lengths) > 3 or number == 0 else 2
-        end = min(start + length * scale, frame.length - from_cut)
-        if end - start < SHORTEST:
-            break
-        stations = np.linspace(start, end, 12)
-        left, right, bottom, top = np.array([frame.section(float(station)) for station in stations]).T
-        middle = top - BELOW_THE_NAIL * (top - bottom)
-        phalanges.append(
-            _Phalanx(
-                frame=frame,
-                number=kind,
-                start=start,
-                end=end,
-                whole=length * scale,
-                girth=girth,
-                across_line=np.polyfit(stations, 0.5 * (left + right), 1),
-                dorsal_line=np.polyfit(stations, middle, 1),
-            )
-        )
-        start += length * scale + JOINT_GAP * scale
-    return phalanges
+def _principal_axis(finger: Surface, caps: NDArray[np.bool_], tip: Floats | None) -> Floats:
+    """Return the longest axis (3,) of the skin, towards its tip or, without one, away from its caps."""
+    vertices, areas = finger.vertices, finger.vertex_areas
+    middle = np.average(vertices, axis=0, weights=areas)
+    spread = vertices - middle
+    axis: Floats = np.linalg.eigh((spread * areas[:, None]).T @ spread)[1][:, -1]
+    if tip is not None:
+        towards = tip - middle
+    elif caps.any():
+        towards = middle - vertices[caps].mean(axis=0)
+    else:
+        raise SurfaceError("the finger has no flat cut that would tell its root: give `cut`, `tip` or `axis`")
+    return axis if axis @ towards >= 0.0 else -axis
 
 
-def _checked_cut(cut: ArrayLike, count: int) -> NDArray[np.bool_]:
+def _as_cut(cut: ArrayLike, count: int) -> NDArray[np.bool_]:
     try:
         mask = mask_of("cut", cut, count, SurfaceError)
     except TypeError as error:
@@ -308,24 +194,19 @@ def _checked_cut(cut: ArrayLike, count: int) -> NDArray[np.bool_]:
     return mask
 
 
-def _nothing_fits(frame: _Frame) -> str:
+def _nothing_fits(frame: Frame) -> str:
     return (
-        f"the finger is {frame.length:.4f} m long from its cut to its tip {_told(frame.tip)} m: no phalanx "
+        f"the finger is {frame.length:.4f} m long from its cut to its tip {as_text(frame.tip)} m: no phalanx "
         "fits in it; check its unit, `tip`, `cut`, and that `axis` runs from the root to the tip"
     )
 
 
-def _told(vector: Floats) -> str:
-    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in vector.round(4)) + ")"
-
-
 def _check_thickness(finger: Surface, bone: Surface, min_thickness: float) -> None:
-    inside = -Obstacle.mesh(finger.vertices, finger.faces, check_crossings=False).signed_distance(
-        bone.vertices
-    )[0]
-    around = Obstacle.mesh(bone.vertices, bone.faces, check_crossings=False).signed_distance(finger.vertices)[
-        0
-    ]
+    """Refuse a bone that comes closer to the skin than `min_thickness` (m) at a vertex of either."""
+    skin, core = (
+        Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False) for surface in (finger, bone)
+    )
+    inside, around = -skin.signed_distance(bone.vertices)[0], core.signed_distance(finger.vertices)[0]
     thinnest, place = min(
         (float(inside.min()), bone.vertices[int(np.argmin(inside))]),
         (float(around.min()), finger.vertices[int(np.argmin(around))]),

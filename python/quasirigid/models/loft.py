@@ -15,19 +15,19 @@ ROW = 3.0**0.5 / 2.0
 
 
 def rows_along(length: float, edge_length: float) -> int:
-    """Number of strips (at least 1) that cut a way of `length` (m) into rows of equilateral triangles."""
+    """Return how many rows (at least 1) of equilateral triangles cover `length` (m)."""
     return max(1, round(length / (ROW * edge_length)))
 
 
 def ring_size(perimeter: float, edge_length: float) -> int:
-    """Number of vertices (at least 5) of a closed curve of `perimeter` (m) at `edge_length` (m)."""
+    """Return how many vertices (at least 5) a closed curve of `perimeter` (m) has at `edge_length` (m)."""
     return max(5, round(perimeter / edge_length))
 
 
 def spread_on_curve(
     curve: Callable[[Floats], Floats], count: int, shifted: bool, samples: int = 720
 ) -> Floats:
-    """Points at equal arc length on a closed curve.
+    """Return points at equal arc length on a closed curve.
 
     Parameters
     ----------
@@ -51,8 +51,8 @@ def spread_on_curve(
     return curve(np.interp(stations, way, angles))
 
 
-def perimeter_of(curve: Callable[[Floats], Floats], samples: int = 720) -> float:
-    """Length (m) of a closed curve that maps angles (k,) in rad to points (k, 3) in m."""
+def perimeter(curve: Callable[[Floats], Floats], samples: int = 720) -> float:
+    """Return the length (m) of a closed curve that maps angles (k,) in rad to points (k, 3) in m."""
     points = curve(np.linspace(0.0, 2.0 * np.pi, samples + 1))
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
@@ -96,7 +96,7 @@ def _fan(pole: int, start: int, size: int) -> Indices:
 
 
 def _strip(lower: int, upper: int, shift: int) -> Indices:
-    """Triangles between a ring of `lower` and a ring of `upper` points; `shift`: 1 when the lower one is odd.
+    """Return triangles between rings of `lower` and `upper` points; `shift`: 1 when the lower one is odd.
 
     Middles of edges are compared as whole numbers, in units of a 2 * lower * upper-th of the turn, so that
     both rings agree on the order even where two middles coincide.

@@ -1,4 +1,4 @@
-"""Smooth, closed products of simple form: handle, box, bottle. Arrays in m, faces seen from outside."""
+"""Smooth, closed products of simple form: handle, box, bottle."""
 
 from __future__ import annotations
 
@@ -7,13 +7,43 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import ObstacleError
+from ..obstacle import Obstacle
 from .loft import Floats, Indices, loft, ring_size, rows_along, spread_on_curve
 
 
-def build_cylinder_handle(
-    radius: float, length: float, edge_radius: float, edge_length: float
-) -> tuple[Floats, Indices]:
-    """A round bar about the z axis, centred at the origin, its two rims rounded."""
+def cylinder_handle(
+    *, radius: float = 0.016, length: float = 0.110, edge_radius: float = 0.003, edge_length: float = 1e-3
+) -> Obstacle:
+    """Return a round bar along z with rounded rims.
+
+    Parameters
+    ----------
+    radius, length : float
+        Of the whole bar (m).
+    edge_radius : float
+        Of the rounding at both rims (m); at most the radius and half the length.
+    edge_length : float
+        Mean edge of the mesh (m); at most 1.25 edge radii. Facets lie up to ``edge_length**2 / 8 / radius``
+        inside the round, which a fine skin mesh feels.
+
+    Returns
+    -------
+    Obstacle
+        A closed mesh, centered at the origin.
+
+    Raises
+    ------
+    ObstacleError
+        A length is not above 0, or they do not fit together.
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> handle = qr.models.cylinder_handle(radius=0.012)
+    >>> distance, _, _ = handle.signed_distance([[0.020, 0.0, 0.0]])
+    >>> bool(abs(distance[0] - 0.008) < 1e-4)
+    True
+    """
     _check_lengths(radius=radius, length=length, edge_radius=edge_radius, edge_length=edge_length)
     if edge_radius > min(radius, 0.5 * length):
         raise ObstacleError(
@@ -35,18 +65,48 @@ def build_cylinder_handle(
             [[0.0, top]],
         ]
     )
-    return revolve(profile, edge_length)
+    return _obstacle(*_revolve(profile, edge_length))
 
 
-def build_bottle(
-    radius: float,
-    height: float,
-    neck_radius: float,
-    neck_height: float,
-    edge_radius: float,
-    edge_length: float,
-) -> tuple[Floats, Indices]:
-    """A standing bottle about the z axis: body, shoulder as a half wave, neck; bounding box centred."""
+def bottle(
+    *,
+    radius: float = 0.0325,
+    height: float = 0.215,
+    neck_radius: float = 0.014,
+    neck_height: float = 0.030,
+    edge_radius: float = 0.003,
+    edge_length: float = 2e-3,
+) -> Obstacle:
+    """Return a standing bottle: body, shoulder and neck; by default about the size of a half-litre drink.
+
+    Parameters
+    ----------
+    radius, height : float
+        Of the whole bottle (m).
+    neck_radius, neck_height : float
+        Of the straight neck above the shoulder (m).
+    edge_radius : float
+        Of the rounding at foot and mouth (m).
+    edge_length : float
+        Mean edge of the mesh (m); at most 1.25 edge radii.
+
+    Returns
+    -------
+    Obstacle
+        A closed mesh about the z axis, its bounding box centered at the origin.
+
+    Raises
+    ------
+    ObstacleError
+        A length is not above 0, or they do not fit together.
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> distance, _, _ = qr.models.bottle().signed_distance([[0.0, 0.0, 0.0], [0.0, 0.0, 0.2]])
+    >>> bool(distance[0] < 0 < distance[1])
+    True
+    """
     _check_lengths(
         radius=radius,
         height=height,
@@ -96,11 +156,11 @@ def build_bottle(
             [[0.0, top]],
         ]
     )
-    return revolve(profile, edge_length)
+    return _obstacle(*_revolve(profile, edge_length))
 
 
-def revolve(profile: Floats, edge_length: float) -> tuple[Floats, Indices]:
-    """Turn a profile about the z axis.
+def _revolve(profile: Floats, edge_length: float) -> tuple[Floats, Indices]:
+    """Return the mesh of a profile turned about the z axis.
 
     Parameters
     ----------
@@ -127,12 +187,38 @@ def revolve(profile: Floats, edge_length: float) -> tuple[Floats, Indices]:
     return loft(rings, lower, upper)
 
 
-def build_rounded_box(
-    size: Sequence[float], edge_radius: float, edge_length: float
-) -> tuple[Floats, Indices]:
-    """A box of outer `size` (3,) about the origin, edges and corners rounded by `edge_radius`.
+def rounded_box(
+    *, size: Sequence[float] = (0.075, 0.150, 0.009), edge_radius: float = 0.003, edge_length: float = 2.5e-3
+) -> Obstacle:
+    """Return a box with rounded edges and corners; by default about the size of a mobile phone.
 
-    Each face is a grid; a grid point past the inner box is drawn back onto the rounding around it.
+    Parameters
+    ----------
+    size : (3,) float
+        Outer lengths along x, y and z (m).
+    edge_radius : float
+        Of all edges and corners (m); at most half the shortest side.
+    edge_length : float
+        Mean edge of the mesh (m); at most 1.25 edge radii. Facets lie up to ``edge_length**2 / 8 / radius``
+        inside the round, which a fine skin mesh feels.
+
+    Returns
+    -------
+    Obstacle
+        A closed mesh, centered at the origin.
+
+    Raises
+    ------
+    ObstacleError
+        A length is not above 0, or they do not fit together.
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> box = qr.models.rounded_box(size=(0.04, 0.04, 0.02))
+    >>> distance, _, _ = box.signed_distance([[0.0, 0.0, 0.015]])
+    >>> round(float(distance[0]), 6)
+    0.005
     """
     sides = np.asarray(size, dtype=np.float64)
     if sides.shape != (3,):
@@ -147,6 +233,7 @@ def build_rounded_box(
         )
     _check_edge_length(edge_length, edge_radius)
     inner = 0.5 * sides - edge_radius
+    # Each face is a grid; a grid point past the inner box is drawn back onto the rounding around it.
     axes = [_grid_line(float(half), edge_radius, edge_length) for half in inner]
     vertices, faces, count = [], [], 0
     for axis in range(3):
@@ -167,11 +254,16 @@ def build_rounded_box(
     kept = np.clip(unique, -inner, inner)
     outward = unique - kept
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    return kept + edge_radius * outward, which.reshape(-1)[np.concatenate(faces)]
+    return _obstacle(kept + edge_radius * outward, which.reshape(-1)[np.concatenate(faces)])
+
+
+def _obstacle(vertices: Floats, faces: Indices) -> Obstacle:
+    # Nothing built here crosses itself, so the search for crossing faces is left out.
+    return Obstacle.mesh(vertices, faces, check_crossings=False)
 
 
 def _grid_line(half: float, edge_radius: float, edge_length: float) -> Floats:
-    """Grid coordinates (m) along one side: the flat part, both roundings in equal angles to 45 degrees."""
+    """Return grid coordinates (m) along one side: roundings in equal angles to 45 degrees, flat part."""
     bend = max(1, round(0.25 * np.pi * edge_radius / edge_length))
     rounding = edge_radius * np.tan(np.arange(1, bend + 1) / bend * 0.25 * np.pi)
     rounding[-1] = edge_radius
@@ -182,7 +274,7 @@ def _grid_line(half: float, edge_radius: float, edge_length: float) -> Floats:
 
 
 def _grid_faces(columns: int, rows: int, turned: bool) -> Indices:
-    """Two triangles a cell, the diagonal towards the middle of the face so that corners are cut evenly."""
+    """Return two triangles a cell, diagonals towards the middle of the face, so corners are cut evenly."""
     u, v = (
         index.ravel() for index in np.meshgrid(np.arange(columns - 1), np.arange(rows - 1), indexing="ij")
     )
