@@ -151,8 +151,8 @@ def test_a_body_out_of_reach_is_not_prepared(
 @pytest.mark.parametrize(
     ("text", "response"),
     [
-        ("half-space:gap=weighted", qr.HalfSpace(gap="weighted")),
-        ("layer:thickness=5mm,gap=weighted", qr.Layer(thickness=5e-3, gap="weighted")),
+        ("half-space:discretization=galerkin", qr.HalfSpace(discretization="galerkin")),
+        ("layer:thickness=5mm,discretization=galerkin", qr.Layer(thickness=5e-3, discretization="galerkin")),
         ("half-space", qr.HalfSpace()),
         ("half-space:pressure=one_ring", qr.HalfSpace(pressure="one_ring")),
         ("layer:thickness=5mm", qr.Layer(thickness=5e-3)),
@@ -200,10 +200,13 @@ BAD_INPUT = {
         {"response": "layer:thickness=1mm,thickness=2mm"},
         "--response: 'thickness' is given twice, 1mm and 2mm",
     ),
-    "an unknown gap": ({"response": "layer:thickness=5mm,gap=wide"}, "--response gap: 'wide' is not known"),
-    "a gap for a Gaussian": (
-        {"response": "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm,gap=weighted"},
-        "gaussian has no constant 'gap'",
+    "an unknown discretization": (
+        {"response": "layer:thickness=5mm,discretization=wide"},
+        "--response discretization: 'wide' is not known",
+    ),
+    "a discretization for a Gaussian": (
+        {"response": "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm,discretization=galerkin"},
+        "gaussian has no constant 'discretization'",
     ),
     "a bone for a half-space": ({"bone": "auto"}, "--bone: 'auto' is of use to --response body alone"),
     "a hold for a layer": (
@@ -300,10 +303,29 @@ def test_a_missing_extra_is_one_line_with_its_remedy(library: str) -> None:
     assert done.stderr == "error: the command line needs typer and rich: pip install 'quasirigid[cli]'\n"
 
 
+def test_pictures_without_matplotlib_are_one_line_with_its_remedy(
+    in_demo_folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = press_arguments(out="refused")[:-1]
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    for words in (arguments, ["demo", "--out", "refused"]):
+        assert run(words) == 2
+        assert capsys.readouterr().err == "error: pictures need matplotlib: pip install 'quasirigid[plot]'\n"
+    assert not (in_demo_folder / "refused").exists()
+
+
+def test_files_in_inches_and_centimetres_are_read(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for unit in ("inch", "cm"):
+        tip = qr.models.fingertip(edge_length=3e-3)
+        qr.io.write_mesh(tip.vertices, tip.faces, "tip.stl", unit=unit)
+        assert run(["info", "tip.stl", "--unit", unit]) == 0
+        assert "x 30 x" in capsys.readouterr().out
+
+
 def test_the_package_itself_imports_no_extra() -> None:
-    code = (
-        "import sys, quasirigid; "
-        "print([name for name in ('matplotlib', 'typer', 'rich', 'trimesh') if name in sys.modules])"
-    )
+    extras = ("matplotlib", "typer", "rich", "trimesh", "pandas", "pyvista")
+    code = f"import sys, quasirigid; print([name for name in {extras} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"

@@ -21,15 +21,15 @@ _Kernel: TypeAlias = type[HalfSpace | Layer | GaussianCorrected]
 
 # Each kernel with its constants, their units, and its choices.
 _KERNELS: dict[str, tuple[_Kernel, dict[str, dict[str, float]], tuple[str, ...]]] = {
-    "half-space": (HalfSpace, {}, ("pressure", "gap")),
-    "layer": (Layer, {"thickness": LENGTH}, ("pressure", "gap")),
+    "half-space": (HalfSpace, {}, ("pressure", "discretization")),
+    "layer": (Layer, {"thickness": LENGTH}, ("pressure", "discretization")),
     "gaussian": (
         GaussianCorrected,
         {"height": COMPLIANCE, "width": LENGTH, "cutoff": LENGTH},
         ("pressure",),
     ),
 }
-_CHOICES = {"pressure": ("linear", "one_ring"), "gap": ("node", "weighted")}
+_CHOICES = {"pressure": ("linear", "one_ring"), "discretization": ("collocation", "galerkin")}
 _EXAMPLES = {"layer": "layer:thickness=5mm", "gaussian": "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"}
 
 

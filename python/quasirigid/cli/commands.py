@@ -125,8 +125,8 @@ def press(
         typer.Option(
             help="half-space; body (see --bone and --fixed); layer:thickness=5mm (on bone); or"
             " gaussian:height=0.8mm/N,width=5mm,cutoff=15mm (the paper's). The kernels take pressure=linear"
-            " or pressure=one_ring, half-space and layer gap=node or gap=weighted too, as in"
-            " half-space:gap=weighted."
+            " or pressure=one_ring, half-space and layer discretization=collocation or"
+            " discretization=galerkin too, as in half-space:discretization=galerkin."
         ),
     ] = "half-space",
     bone: Annotated[
