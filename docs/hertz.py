@@ -19,7 +19,7 @@ CELLS = (3, 4, 6, 8, 12, 16)
 
 
 def grid(cells: int, spacing: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Flat open square about the origin."""
+    """Return a flat open square about the origin."""
     x = (np.arange(cells + 1) - cells / 2) * spacing
     points = np.stack([*np.meshgrid(x, x, indexing="ij"), np.zeros((cells + 1, cells + 1))], axis=-1)
     index = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)

@@ -1,4 +1,4 @@
-"""Write docs/responses.md: what each response says of a fingertip, what it costs, how wrong it is.
+"""Write docs/responses.md: each response on a fingertip, its cost and its error.
 
 `--no-times` leaves the seconds out, for a machine that is busy with other things.
 """
@@ -20,7 +20,7 @@ REPEATS = 5
 UP = (0.0, 0.0, 1.0)
 
 PAGE = """\
-# What each response says of a fingertip
+# Each response on a fingertip
 
 The built-in fingertip ({skin_count} vertices, edges of {edge:.2g} mm) with the bone that `models.bone_of`
 draws into it ({bone_count} vertices, {tissue:.1f} mm of tissue over the pad), held at its cut, is pressed by
@@ -37,19 +37,19 @@ The body is prepared for the {node_count} vertices that may touch. Written by `p
   and is well posed, but far too stiff.
 - **Gaussian, as printed**: height 0.8 mm/N, width 5 mm, cutoff 15 mm (Xie, Kanai, Date 2011): not well posed
   on a fingertip; where the problem ends without an answer the table says how.
-- **layer**: `Layer({tissue:.1f}e-3)`, the tissue over the pad: for wide flat tissue; too stiff on a
+- **layer**: `Layer(thickness={tissue:.1f}e-3)`, the tissue over the pad: for wide flat tissue; too stiff on a
   fingertip, where tissue gives way sideways.
 - **body**: `Body(bone=models.bone_of(finger), fixed=cut)`.
 """
 
 
 def responses(tissue: float) -> dict[str, qr.Response]:
-    """The kernels; `tissue` in m."""
+    """Return the kernels; `tissue` in m."""
     return {
         "half-space": qr.HalfSpace(),
-        "Gaussian, balanced": qr.GaussianCorrected.balanced(WIDTH, CUTOFF),
-        "Gaussian, as printed": qr.GaussianCorrected(0.8e-3, 5e-3, 15e-3),
-        "layer": qr.Layer(tissue),
+        "Gaussian, balanced": qr.GaussianCorrected.balanced(width=WIDTH, cutoff=CUTOFF),
+        "Gaussian, as printed": qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3),
+        "layer": qr.Layer(thickness=tissue),
     }
 
 
