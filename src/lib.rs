@@ -35,6 +35,9 @@ pub mod mesh;
 pub mod obstacle;
 pub mod reference;
 pub mod response;
+#[cfg(test)]
+#[allow(dead_code, reason = "tests/ and benches/ use the rest")]
+pub(crate) mod sample;
 pub mod surface;
 
 #[cfg(feature = "python")]

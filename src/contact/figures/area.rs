@@ -137,18 +137,15 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::contact_areas;
+    use crate::sample::one_diagonal_grid;
     use crate::surface::checked::Surface;
 
     /// Squares of edge 1 with one diagonal, about the origin.
-    fn squares(half: i32) -> Surface {
-        let side = (2 * half + 1) as u32;
-        let place = |k: u32| {
-            Vector3::new(f64::from(k % side) - f64::from(half), f64::from(k / side) - f64::from(half), 0.0)
-        };
-        let corners = (0..side * (side - 1)).filter(|k| k % side + 1 < side);
-        let cell = |k: u32| [[k, k + 1, k + side + 1], [k, k + side + 1, k + side]];
-        Surface::new((0..side * side).map(place).collect(), corners.flat_map(cell).collect())
-            .expect("a valid surface")
+    fn squares(half: usize) -> Surface {
+        let (mut vertices, faces) = one_diagonal_grid(2 * half);
+        let middle = Vector3::new(half as f64, half as f64, 0.0);
+        vertices.iter_mut().for_each(|vertex| *vertex -= middle);
+        Surface::new(vertices, faces).expect("a valid surface")
     }
 
     /// The area found for a rim at distance 0 of `outside`, with a gap of `stiffness` times its 3/2 power.
@@ -178,7 +175,7 @@ mod tests {
     #[test]
     fn the_area_of_a_disc_is_right_to_the_square_of_the_cell_anywhere_on_the_mesh() {
         for cells in [4, 8, 16] {
-            let (radius, surface) = (f64::from(cells), squares(cells + 3));
+            let (radius, surface) = (cells as f64, squares(cells + 3));
             for k in 0..10 {
                 let center = Vector3::new(0.1 * f64::from(k) - 0.43, 0.07 * f64::from(k * k % 11) - 0.3, 0.0);
                 let found = area(&surface, 1.0, |p| (p - center).norm() - radius);

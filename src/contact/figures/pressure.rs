@@ -85,19 +85,16 @@ fn one_ring_pressure(surface: &Surface, node_force: &[f64], active: &[usize]) ->
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
-
     use super::one_ring_pressure;
+    use crate::sample::one_diagonal_grid;
     use crate::surface::checked::Surface;
 
     #[test]
     fn the_largest_pressure_of_one_rings_may_lie_at_a_vertex_without_force() {
         // Squares cut by one diagonal; the six neighbours of the middle carry force. Twice as much of it lies on the
         // triangles at the middle as on those around them.
-        let place = |k: u32| Vector3::new(f64::from(k % 5), f64::from(k / 5), 0.0);
-        let cells = (0..20).filter(|k| k % 5 < 4);
-        let faces = cells.flat_map(|k| [[k, k + 1, k + 6], [k, k + 6, k + 5]]).collect();
-        let surface = Surface::new((0..25).map(place).collect(), faces).expect("a valid surface");
+        let (vertices, faces) = one_diagonal_grid(4);
+        let surface = Surface::new(vertices, faces).expect("a valid surface");
         let middle = 12;
         let active: Vec<usize> = surface.neighbours(middle).iter().map(|&other| other as usize).collect();
         let mut node_force = [0.0; 25];

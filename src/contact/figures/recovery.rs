@@ -180,28 +180,18 @@ mod tests {
     use super::{Moments, fit, fit_region};
     use crate::response::kernel::basis::PressureBasis;
     use crate::response::matrix::average::pressure_average;
+    use crate::sample::grid;
     use crate::surface::checked::Surface;
 
     /// A flat grid of squares of 1 mm with alternating diagonals (4 and 8 neighbours), its vertices moved by some
     /// 0.2 mm, turned out of the plane by `turn`.
     fn uneven(turn: &Rotation3<f64>) -> Surface {
-        let (side, h) = (9_u32, 1e-3);
-        let place = |k: u32| {
-            let shift = |phase: f64| 0.2 * (2.4 * f64::from(k * k % 97) + phase).sin();
-            let (i, j) = (f64::from(k % side), f64::from(k / side));
-            turn * Vector3::new((i + shift(0.3)) * h, (j + shift(1.7)) * h, 0.0)
-        };
-        let cell = |k: u32| {
-            let [a, b, c, d] = [k, k + 1, k + side + 1, k + side];
-            if (k % side + k / side).is_multiple_of(2) {
-                [[a, b, c], [a, c, d]]
-            } else {
-                [[a, b, d], [b, c, d]]
-            }
-        };
-        let cells = (0..side * (side - 1)).filter(|k| k % side + 1 < side);
-        Surface::new((0..side * side).map(place).collect(), cells.flat_map(cell).collect())
-            .expect("a valid surface")
+        let (mut vertices, faces) = grid(8, 8, 1e-3);
+        for (k, vertex) in vertices.iter_mut().enumerate() {
+            let shift = |phase: f64| 0.2e-3 * (2.4 * (k * k % 97) as f64 + phase).sin();
+            *vertex = turn * (*vertex + Vector3::new(shift(0.3), shift(1.7), 0.0));
+        }
+        Surface::new(vertices, faces).expect("a valid surface")
     }
 
     #[test]

@@ -52,20 +52,11 @@ fn inwards(surface: &Surface, vertex: usize) -> Option<Vector3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sample::one_diagonal_grid;
 
     #[test]
     fn border_points_move_inwards_under_a_thin_layer_and_no_others() {
-        let mut vertices = Vec::new();
-        let mut faces = Vec::new();
-        for i in 0..3u32 {
-            for j in 0..3u32 {
-                vertices.push(Vector3::new(f64::from(i), f64::from(j), 0.0));
-                if i < 2 && j < 2 {
-                    let at = |di: u32, dj: u32| (i + di) * 3 + j + dj;
-                    faces.extend([[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]]);
-                }
-            }
-        }
+        let (vertices, faces) = one_diagonal_grid(2);
         let surface = Surface::new(vertices, faces).expect("a grid");
         let moved = |vertex: usize, thickness: f64| {
             displacement_point(&surface, vertex, thickness) - surface.vertices()[vertex]
@@ -74,9 +65,9 @@ mod tests {
         let diagonal = depth / 2f64.sqrt();
         for (vertex, expected) in [
             (0, Vector3::new(diagonal, diagonal, 0.0)),
-            (1, Vector3::new(depth, 0.0, 0.0)),
+            (1, Vector3::new(0.0, depth, 0.0)),
             (4, Vector3::zeros()),
-            (5, Vector3::new(0.0, -depth, 0.0)),
+            (5, Vector3::new(-depth, 0.0, 0.0)),
             (8, Vector3::new(-diagonal, -diagonal, 0.0)),
         ] {
             assert!((moved(vertex, 0.2) - expected).norm() < 1e-15, "{vertex}: {:?}", moved(vertex, 0.2));
