@@ -24,8 +24,6 @@ pub(crate) mod error;
 pub(crate) mod integral;
 pub(crate) mod kernel;
 pub(crate) mod matrix;
-#[cfg(test)]
-pub(crate) mod reference_values;
 pub(crate) mod series;
 pub(crate) mod simd;
 pub(crate) mod skin;

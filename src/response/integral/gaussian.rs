@@ -69,15 +69,15 @@ pub fn gaussian_hat_integrals(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::response::reference_values::GAUSSIAN;
+    use crate::response::integral::reference_values::reference_integrals;
 
     #[test]
-    fn gaussian_hat_integrals_match_34_digit_quadrature() {
+    fn gaussian_hat_integrals_match_60_digit_quadrature() {
         let mut worst: f64 = 0.0;
-        for (row, (c, point, width, expected)) in GAUSSIAN.iter().enumerate() {
-            let triangle = [0, 3, 6].map(|k| Vector3::new(c[k], c[k + 1], c[k + 2]));
-            let got = gaussian_hat_integrals(&Vector3::from(*point), &triangle, *width);
-            let frame = Frame::new(triangle);
+        for (row, case) in reference_integrals().iter().enumerate() {
+            let (width, expected) = (case.width, case.gaussian);
+            let got = gaussian_hat_integrals(&case.point, &case.triangle, width);
+            let frame = Frame::new(case.triangle);
             let area = frame.area;
             let height = frame.heights.into_iter().fold(f64::INFINITY, f64::min);
             let longest = 2.0 * area / height;

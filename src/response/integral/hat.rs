@@ -136,19 +136,15 @@ fn solid_angle(frame: &Frame, point: &Vector3<f64>, z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::response::reference_values::INVERSE;
-
-    pub(crate) fn triangle(c: &[f64; 9]) -> [Vector3<f64>; 3] {
-        [0, 3, 6].map(|k| Vector3::new(c[k], c[k + 1], c[k + 2]))
-    }
+    use crate::response::integral::reference_values::reference_integrals;
 
     #[test]
-    fn hat_integrals_match_34_digit_quadrature() {
+    fn hat_integrals_match_60_digit_quadrature() {
         let mut worst: f64 = 0.0;
-        for (row, (corners, point, expected)) in INVERSE.iter().enumerate() {
-            let got = hat_integrals(&Vector3::from(*point), &triangle(corners));
+        for (row, case) in reference_integrals().iter().enumerate() {
+            let got = hat_integrals(&case.point, &case.triangle);
             for k in 0..3 {
-                let error = (got[k] / expected[k] - 1.0).abs();
+                let error = (got[k] / case.inverse[k] - 1.0).abs();
                 worst = worst.max(error);
                 assert!(error < 5e-13, "row {row}, corner {k}: {error:e}");
             }
@@ -158,15 +154,15 @@ mod tests {
 
     #[test]
     fn closed_form_loses_what_it_says_it_loses() {
-        for (row, (corners, point, expected)) in INVERSE.iter().enumerate() {
-            let (frame, x) = (Frame::new(triangle(corners)), Vector3::from(*point));
+        for (row, case) in reference_integrals().iter().enumerate() {
+            let (frame, x) = (Frame::new(case.triangle), case.point);
             let got = frame_hat_integrals(&frame, &x);
             let height = frame.heights.into_iter().fold(f64::INFINITY, f64::min);
             let length = 2.0 * frame.area / height;
             let reach = (x - frame.vertices[0]).norm().max(length) / length;
             let bound = 40.0 * f64::EPSILON * (length / height).powi(2) * reach.powi(3);
             for k in 0..3 {
-                let error = (got[k] / expected[k] - 1.0).abs();
+                let error = (got[k] / case.inverse[k] - 1.0).abs();
                 assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");
             }
         }
@@ -174,8 +170,8 @@ mod tests {
 
     #[test]
     fn order_of_the_corners_permutes_the_integrals() {
-        for (corners, point, _) in INVERSE {
-            let (x, [a, b, c]) = (Vector3::from(*point), triangle(corners));
+        for case in reference_integrals() {
+            let (x, [a, b, c]) = (case.point, case.triangle);
             let first = hat_integrals(&x, &[a, b, c]);
             let turned = hat_integrals(&x, &[b, c, a]);
             let flipped = hat_integrals(&x, &[b, a, c]);

@@ -125,24 +125,23 @@ pub(crate) fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
 mod tests {
     use super::*;
     use crate::response::integral::hat::Frame;
-    use crate::response::reference_values::INVERSE;
+    use crate::response::integral::reference_values::reference_integrals;
 
     #[test]
-    fn vector_form_matches_34_digit_quadrature() {
-        for (row, (corners, point, expected)) in INVERSE.iter().enumerate() {
-            let frame =
-                Frame::new([0, 3, 6].map(|k| Vector3::new(corners[k], corners[k + 1], corners[k + 2])));
+    fn vector_form_matches_60_digit_quadrature() {
+        for (row, case) in reference_integrals().iter().enumerate() {
+            let (frame, point) = (Frame::new(case.triangle), case.point);
             let least = frame.heights.into_iter().fold(f64::INFINITY, f64::min);
             let length = 2.0 * frame.area / least;
-            let reach = ((Vector3::from(*point) - frame.vertices[0]).norm() / length).max(1.0);
+            let reach = ((point - frame.vertices[0]).norm() / length).max(1.0);
             let bound = 40.0 * f64::EPSILON * (length / least).powi(2) * reach.powi(3);
             for k in 0..3 {
                 let mut density = [0.0; 3];
                 density[k] = 1.0;
                 let face = LoadedFace { frame, density, center: Vector3::zeros(), radius: length };
                 let mut out = [0.0; 1];
-                NearFace::new(&face).add(pulp::Scalar, 1.0, &[point[0]], &[point[1]], &[point[2]], &mut out);
-                let error = (out[0] / expected[k] - 1.0).abs();
+                NearFace::new(&face).add(pulp::Scalar, 1.0, &[point.x], &[point.y], &[point.z], &mut out);
+                let error = (out[0] / case.inverse[k] - 1.0).abs();
                 assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");
             }
         }

@@ -9,4 +9,6 @@ pub(crate) mod gauss;
 pub(crate) mod gaussian;
 pub(crate) mod hat;
 pub(crate) mod hat_simd;
+#[cfg(test)]
+pub(crate) mod reference_values;
 pub(crate) mod subdivide;
