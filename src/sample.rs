@@ -42,6 +42,19 @@ pub fn grid(nx: usize, ny: usize, spacing: f64) -> Mesh {
     (vertices, faces)
 }
 
+/// [`grid`] of `count`² cells with its inner vertices moved along x and y by up to `jitter` cells.
+pub fn jittered_grid(count: usize, spacing: f64, jitter: f64, random: &mut Random) -> Mesh {
+    let (mut vertices, faces) = grid(count, count, spacing);
+    let middle = 0.5 * count as f64 * spacing;
+    for vertex in &mut vertices {
+        if (*vertex - Vector3::new(middle, middle, 0.0)).amax() < 0.999 * middle {
+            vertex.x += jitter * spacing * (2.0 * random.next() - 1.0);
+            vertex.y += jitter * spacing * (2.0 * random.next() - 1.0);
+        }
+    }
+    (vertices, faces)
+}
+
 /// Faces of a grid of (n + 1)² vertices whose diagonals all run one way, normals up; vertex (i, j) is `i (n + 1) + j`.
 pub fn one_way_faces(n: usize) -> Vec<[u32; 3]> {
     let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;

@@ -1,7 +1,5 @@
 //! Every way in which a body response is refused, warned about or stopped.
 
-mod common;
-
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,21 +9,16 @@ use quasirigid::response::body::{
 };
 use quasirigid::surface::Surface;
 
-fn surface((vertices, faces): common::Mesh) -> Surface {
-    Surface::new(vertices, faces).expect("a sound mesh")
-}
+use crate::common::{icosphere, joined};
+use crate::{SHEAR_MODULUS, surface, with_bone};
 
 fn sphere(radius: f64, center: Vector3<f64>) -> Surface {
-    let (vertices, faces) = common::icosphere(radius, 1);
+    let (vertices, faces) = icosphere(radius, 1);
     surface((vertices.into_iter().map(|v| v + center).collect(), faces))
 }
 
 fn skin() -> Surface {
     sphere(8e-3, Vector3::zeros())
-}
-
-fn with_bone(bone: Surface) -> Body {
-    Body { bone: Some(bone), fixed: None }
 }
 
 fn with_core() -> Body {
@@ -39,7 +32,7 @@ fn with_fixed(is_fixed: impl Fn(usize, &Vector3<f64>) -> bool) -> Body {
 }
 
 fn prepare(body: &Body, nodes: &[usize], options: &BodyOptions) -> Result<BodyCompliance, BodyError> {
-    body.prepare(&skin(), 60e3, 0.5, nodes, options)
+    body.prepare(&skin(), SHEAR_MODULUS, 0.5, nodes, options)
 }
 
 fn refusal(body: &Body) -> BodyError {
@@ -65,22 +58,24 @@ fn material_and_tolerance_must_be_in_range() {
         assert_eq!(with(modulus, 0.5, 1e-6), BodyError::ShearModulus { value: modulus });
     }
     for nu in [-0.1, 0.5000001] {
-        assert_eq!(with(60e3, nu, 1e-6), BodyError::PoissonRatio { value: nu });
+        assert_eq!(with(SHEAR_MODULUS, nu, 1e-6), BodyError::PoissonRatio { value: nu });
     }
-    assert!(matches!(with(60e3, f64::NAN, 1e-6), BodyError::PoissonRatio { value } if value.is_nan()));
+    assert!(
+        matches!(with(SHEAR_MODULUS, f64::NAN, 1e-6), BodyError::PoissonRatio { value } if value.is_nan())
+    );
     for tolerance in [0.0, 0.1] {
-        assert_eq!(with(60e3, 0.5, tolerance), BodyError::Tolerance { value: tolerance });
+        assert_eq!(with(SHEAR_MODULUS, 0.5, tolerance), BodyError::Tolerance { value: tolerance });
     }
 }
 
 #[test]
 fn the_skin_must_bound_one_body() {
-    let (vertices, faces) = common::icosphere(8e-3, 1);
+    let (vertices, faces) = icosphere(8e-3, 1);
     let open = surface((vertices.clone(), faces[1..].to_vec()));
     assert_eq!(with_core().inspect(&open).expect_err("open"), BodyError::SkinOpen { border_count: 1 });
 
     let beside = (vertices.iter().map(|v| v + Vector3::x()).collect(), faces.clone());
-    let two = surface(common::joined(&(vertices.clone(), faces), &beside));
+    let two = surface(joined(&(vertices.clone(), faces), &beside));
     assert_eq!(with_core().inspect(&two).expect_err("two"), BodyError::SkinPieces { count: 2 });
 
     let mirrored = skin().with_vertices(vertices.iter().map(|v| -v).collect());
@@ -90,7 +85,7 @@ fn the_skin_must_bound_one_body() {
 
 #[test]
 fn a_bone_that_is_open_inverted_outside_crossing_or_touching_is_named() {
-    let (vertices, faces) = common::icosphere(3e-3, 1);
+    let (vertices, faces) = icosphere(3e-3, 1);
     let open = refusal(&with_bone(surface((vertices.clone(), faces[1..].to_vec()))));
     assert!(matches!(open, BodyError::BoneOpen { component: 0, .. }), "{open}");
 
@@ -127,9 +122,9 @@ fn a_bone_that_is_open_inverted_outside_crossing_or_touching_is_named() {
 
 #[test]
 fn bones_that_cross_each_other_are_named() {
-    let (vertices, faces) = common::icosphere(2e-3, 1);
+    let (vertices, faces) = icosphere(2e-3, 1);
     let shifted = |x: f64| (vertices.iter().map(|v| v + Vector3::new(x, 0.0, 0.0)).collect(), faces.clone());
-    let crossing = surface(common::joined(&shifted(1e-3), &shifted(-1.2e-3)));
+    let crossing = surface(joined(&shifted(1e-3), &shifted(-1.2e-3)));
     assert!(matches!(refusal(&with_bone(crossing)), BodyError::BonesMeet { first: 0, second: 1, .. }));
 }
 
@@ -206,11 +201,12 @@ fn the_memory_limit_is_kept_and_says_what_would_fit() {
 
 #[test]
 fn without_a_limit_the_free_memory_is_the_limit_where_the_system_tells_it() {
-    let (vertices, faces) = common::icosphere(8e-3, 7); // 163,842 vertices: 1.9 terabytes
+    let (vertices, faces) = icosphere(8e-3, 7); // 163,842 vertices: 1.9 terabytes
     if cfg!(target_os = "linux") {
         let skin = surface((vertices, faces));
-        let error =
-            with_core().prepare(&skin, 60e3, 0.5, &[0], &BodyOptions::default()).expect_err("too large");
+        let error = with_core()
+            .prepare(&skin, SHEAR_MODULUS, 0.5, &[0], &BodyOptions::default())
+            .expect_err("too large");
         assert!(matches!(error, BodyError::MemoryLimit { skin_count: 163_842, .. }), "{error}");
     }
 }

@@ -1,23 +1,16 @@
 //! Bodies on parts of a skin, a kernel elsewhere.
 
-mod common;
-
 use nalgebra::{Isometry3, Vector3};
 use quasirigid::response::body::{BodyOptions, cut_out};
-use quasirigid::response::{
-    AssemblyOptions, CombinedSkin, Discretization, ElasticSkin, Kernel, KernelSkin, Part, PreparedBody,
-    ResponseError,
-};
+use quasirigid::response::{AssemblyOptions, CombinedSkin, ElasticSkin, Part, PreparedBody, ResponseError};
 use quasirigid::surface::Surface;
 
-fn sphere() -> Surface {
-    let (vertices, faces) = common::icosphere(8e-3, 3);
-    Surface::new(vertices, faces).expect("a sound mesh")
-}
+use crate::common::icosphere;
+use crate::{galerkin, half_space};
 
-fn half_space() -> KernelSkin {
-    let response = Kernel::HalfSpace;
-    KernelSkin::new(60e3, 0.5, response).expect("in range")
+fn sphere() -> Surface {
+    let (vertices, faces) = icosphere(8e-3, 3);
+    Surface::new(vertices, faces).expect("a sound mesh")
 }
 
 /// The lowest vertices, below z = -4 mm, as a body of their own; prepared at the lowest of them.
@@ -105,7 +98,6 @@ fn a_patch_across_the_cut_and_parts_that_do_not_fit_are_named() {
     let few = refused(vec![Part { part_vertices: vec![None], ..part.clone() }]);
     assert!(few.to_string().contains("1 entries for the 642 vertices"), "{few}");
 
-    let weighted = half_space().with_discretization(Discretization::Galerkin).expect("it has both");
-    let error = CombinedSkin::new(&skin, weighted, vec![part]).expect_err("averaged gaps");
+    let error = CombinedSkin::new(&skin, galerkin(), vec![part]).expect_err("Galerkin");
     assert_eq!(error, ResponseError::PartsNeedLinear);
 }

@@ -1,29 +1,19 @@
 //! Fingers side by side: apart where the skin between them is long, together where it is short.
 
-mod common;
+use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
-use common::{data_dir, grid, icosphere, joined, read_ply};
 use nalgebra::Vector3;
 use quasirigid::contact::{Contact, ContactOptions, Press, Start, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
-use quasirigid::response::{
-    AssemblyOptions, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin, PreparedKernel, assemble,
-};
+use quasirigid::response::{AssemblyOptions, ElasticSkin, GivenMatrix, Kernel, PreparedKernel, assemble};
 use quasirigid::surface::{LONGEST_DETOUR, Surface};
-use std::f64::consts::TAU;
 
-const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
+use crate::common::{data_dir, flipped, grid, icosphere, joined, read_ply};
+use crate::{UP, galerkin, go_on, half_space, skin};
+
 /// Distance between the two fingertips (m).
 const PITCH: f64 = 20e-3;
-
-fn skin(kernel: Kernel) -> KernelSkin {
-    KernelSkin::new(60e3, 0.5, kernel).unwrap()
-}
-
-fn half_space() -> KernelSkin {
-    skin(Kernel::HalfSpace)
-}
 
 /// Two ridges of skin with their crests down, `height` (m) above which they meet; the second a little longer.
 fn two_ridges(height: f64) -> Surface {
@@ -37,7 +27,7 @@ fn two_ridges(height: f64) -> Surface {
     };
     let vertices = flat.iter().map(bent).collect();
     // Outside is below.
-    Surface::new(vertices, common::flipped(&faces)).unwrap()
+    Surface::new(vertices, flipped(&faces)).unwrap()
 }
 
 fn plate_at(surface: &Surface, depth: f64) -> Obstacle {
@@ -47,7 +37,7 @@ fn plate_at(surface: &Surface, depth: f64) -> Obstacle {
 
 fn solve(surface: &Surface, obstacle: &Obstacle, skin: &dyn ElasticSkin, couple_fingers: bool) -> Contact {
     let options = ContactOptions { couple_fingers, ..ContactOptions::default() };
-    solve_contact(surface, obstacle, skin, &options, &|| false).unwrap()
+    solve_contact(surface, obstacle, skin, &options, &go_on).unwrap()
 }
 
 fn note<'a>(contact: &'a Contact, what: &str) -> Option<&'a str> {
@@ -71,7 +61,7 @@ fn two_fingers_under_one_plate_are_two_problems_that_add_up() {
     let (first, second) = (only(true), only(false));
     assert!(first.resultant.force.z > 0.0 && second.resultant.force.z > 0.0);
     let drawn = [&both, &first, &second].map(|contact| {
-        contact.drawn_skin(&half_space(), &ContactOptions::default(), &|| false).unwrap().displacement
+        contact.drawn_skin(&half_space(), &ContactOptions::default(), &go_on).unwrap().displacement
     });
     for vertex in 0..surface.vertices().len() {
         assert_eq!(both.node_force[vertex], first.node_force[vertex] + second.node_force[vertex]);
@@ -105,7 +95,7 @@ fn every_kernel_tells_fingers_apart_and_a_matrix_of_its_own_is_left_whole() {
     let surface = two_ridges(40e-3);
     let plate = plate_at(&surface, 0.4e-3);
     let kernels = [
-        half_space().with_discretization(Discretization::Galerkin).unwrap(),
+        galerkin(),
         skin(Kernel::GaussianCorrected { height: 0.2e-3, width: 5e-3, cutoff: 40e-3 }),
         skin(Kernel::Layer { thickness: 10e-3.into() }),
     ];
@@ -203,8 +193,7 @@ fn fingertips_of_a_real_hand_are_told_apart() {
     let direction = Vector3::new(-0.208, -0.927, -0.313).normalize();
     let plate = Obstacle::half_space(Vector3::zeros(), direction).unwrap();
     let pressed = Press { direction, depth: 2.5e-3, start: Start::Infinity };
-    let contact =
-        press(&hand, &plate, &half_space(), &pressed, &ContactOptions::default(), &|| false).unwrap();
+    let contact = press(&hand, &plate, &half_space(), &pressed, &ContactOptions::default(), &go_on).unwrap();
     assert_eq!(contact.lcp_solutions.len(), 2);
     assert!(note(&contact, APART).unwrap().contains(&format!("more than {LONGEST_DETOUR} times")));
 

@@ -1,20 +1,15 @@
 //! Presses deeper than a wall is thick: the way back, and what it changes.
 
-mod common;
-
 use approx::assert_relative_eq;
-use common::{grid, icosphere};
 use nalgebra::Vector3;
 use quasirigid::contact::{Contact, ContactOptions, Press, Start, press, solve_contact};
 use quasirigid::obstacle::{Obstacle, ObstacleError};
-use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
-const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
+use crate::common::{grid, icosphere};
+use crate::{go_on, half_space};
 
-fn skin() -> KernelSkin {
-    KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).unwrap()
-}
+const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 
 /// Flat skin about the origin, outside above, `count` cells of size `spacing` (m) a side.
 fn pad(count: usize, spacing: f64) -> Surface {
@@ -25,7 +20,7 @@ fn pad(count: usize, spacing: f64) -> Surface {
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
     let down = Press { direction: DOWN, depth, start: Start::Infinity };
-    press(surface, obstacle, &skin(), &down, &ContactOptions::default(), &|| false).unwrap()
+    press(surface, obstacle, &half_space(), &down, &ContactOptions::default(), &go_on).unwrap()
 }
 
 fn box_of(half_extents: [f64; 3]) -> Obstacle {
@@ -151,7 +146,7 @@ fn smooth_products_keep_their_gaps_to_the_bit() {
         for depth in [0.3e-3, 1.5e-3] {
             let moved = pressed(&ball, &obstacle, depth);
             let options = ContactOptions::default();
-            let there = solve_contact(&ball, &moved.obstacle, &skin(), &options, &|| false).unwrap();
+            let there = solve_contact(&ball, &moved.obstacle, &half_space(), &options, &go_on).unwrap();
             assert!(!moved.candidates.is_empty());
             assert_eq!(moved.node_force, there.node_force);
             assert_eq!(moved.resultant, there.resultant);

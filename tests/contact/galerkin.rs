@@ -1,0 +1,79 @@
+//! What a contact in Galerkin form keeps: pressure above the mean, figures that do not turn, a word where it is too shallow.
+
+use approx::assert_relative_eq;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use quasirigid::contact::ContactStatus;
+use quasirigid::obstacle::Obstacle;
+use quasirigid::response::{Discretization, Kernel};
+use quasirigid::surface::Surface;
+
+use crate::common::{Random, icosphere};
+use crate::{ball, galerkin, lattice, plate, press_up, skin, solve};
+
+#[test]
+fn no_patch_carries_its_force_above_its_largest_pressure() {
+    let mut random = Random(3);
+    let h = 1e-3;
+    let mut fewest = usize::MAX;
+    // From contacts of one vertex on, under round and sharp obstacles.
+    for k in 0..60 {
+        let shift = h * Vector3::new(random.next() - 0.5, random.next() - 0.5, 0.0);
+        let surface = lattice(12, [h * Vector3::x(), h * Vector3::y()], shift, 0.3, &mut random);
+        let depth = h * 10_f64.powf(-2.5 + 2.0 * random.next());
+        let obstacle = match k % 3 {
+            0 => {
+                Obstacle::sphere(Vector3::new(0.0, 0.0, 5.0 * h - depth), 5.0 * h).expect("a valid obstacle")
+            }
+            1 => Obstacle::cuboid(h * Vector3::new(0.7, 2.2, 1.0))
+                .expect("a valid obstacle")
+                .moved(&Matrix3::identity(), &Vector3::new(0.0, 0.0, h - depth))
+                .expect("a rigid motion"),
+            _ => Obstacle::capsule(h * Vector3::new(-9.0, 0.0, 1.0), h * Vector3::new(9.0, 0.0, 1.0), h)
+                .expect("a valid obstacle")
+                .moved(&Matrix3::identity(), &Vector3::new(0.0, 0.0, -depth))
+                .expect("a rigid motion"),
+        };
+        let contact = solve(&surface, &obstacle, &galerkin());
+        let highest = (contact.active.iter())
+            .map(|&vertex| contact.node_force[vertex] / surface.vertex_areas()[vertex])
+            .fold(0.0, f64::max);
+        for patch in &contact.patches {
+            fewest = fewest.min(patch.vertices.len());
+            let force: f64 = patch.vertices.iter().map(|&vertex| contact.node_force[vertex]).sum();
+            let mean = force / patch.resultant.contact_area;
+            assert!(mean <= patch.resultant.max_pressure * (1.0 + 1e-12), "scene {k}");
+            assert!(mean <= highest * (1.0 + 1e-12), "scene {k}");
+        }
+        let of_patches = contact.patches.iter().map(|patch| patch.resultant.max_pressure);
+        assert_eq!(of_patches.fold(0.0, f64::max), contact.resultant.max_pressure);
+    }
+    assert_eq!(fewest, 1);
+}
+
+#[test]
+fn the_figures_do_not_turn_with_the_scene() {
+    let layer = skin(Kernel::Layer { thickness: 4e-3.into() });
+    let layer = layer.with_discretization(Discretization::Galerkin).expect("a layer has it");
+    let (vertices, faces) = icosphere(8e-3, 3);
+    let surface = Surface::new(vertices, faces).expect("a valid surface");
+    let sphere = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, 37.2e-3), 30e-3).expect("a valid obstacle");
+    let rotation = Rotation3::new(Vector3::new(0.4, 1.1, -0.7));
+    let shift = Vector3::new(0.03, -0.02, 0.05);
+    let turned_sphere = sphere.moved(rotation.matrix(), &shift).expect("a rigid motion");
+    let moved = surface.with_vertices(surface.vertices().iter().map(|x| rotation * x + shift).collect());
+    for skin in [galerkin(), layer] {
+        let straight = solve(&surface, &sphere, &skin).resultant;
+        let turned = solve(&moved, &turned_sphere, &skin).resultant;
+        assert_relative_eq!(turned.contact_area, straight.contact_area, max_relative = 1e-9);
+        assert_relative_eq!(turned.max_pressure, straight.max_pressure, max_relative = 1e-9);
+    }
+}
+
+#[test]
+fn a_press_too_shallow_for_the_mesh_keeps_its_penetration_and_says_so() {
+    let contact = press_up(&ball(8e-3, 3), &plate(), &galerkin(), 1e-5);
+    assert_eq!(contact.status, ContactStatus::Solved);
+    assert_eq!(contact.resultant.force, Vector3::zeros());
+    assert_relative_eq!(contact.max_penetration_after, 1e-5, max_relative = 1e-9);
+    assert!(contact.warnings[0].contains("refine the mesh"), "{:?}", contact.warnings);
+}
