@@ -39,12 +39,15 @@ pub enum ContactError {
     },
     /// Moving along the direction, the obstacle never meets the skin.
     #[error(
-        "the obstacle never meets the skin along direction ({:.4}, {:.4}, {:.4}): move it into line with the skin, or turn the direction",
+        "the obstacle never meets the skin along direction ({:.4}, {:.4}, {:.4}): none of the {skin_vertices} \
+         vertices that may touch lies in its way; move it into line with the skin, or turn the direction",
         direction[0], direction[1], direction[2]
     )]
     NeverTouches {
         /// The unit direction.
         direction: [f64; 3],
+        /// Vertices that may touch.
+        skin_vertices: usize,
     },
     /// A press from the current position starts inside the skin.
     #[error(

@@ -105,7 +105,9 @@ fn first_touch(
     }
     match obstacle.first_touch(&touching, direction)? {
         Some(touch) => Ok(touch.travel),
-        None => Err(ContactError::NeverTouches { direction: (*direction).into() }),
+        None => {
+            Err(ContactError::NeverTouches { direction: (*direction).into(), skin_vertices: touching.len() })
+        }
     }
 }
 

@@ -169,12 +169,15 @@ fn bad_questions_are_named() {
 
     let beside = Obstacle::sphere(Vector3::new(0.1, 0.0, 0.0), 1e-3).expect("a valid obstacle");
     let up = Press { direction: UP, depth: 1e-3, start: Start::Infinity };
-    let missed = press(&surface, &beside, &skin, &up, &options, &go_on).unwrap_err();
-    assert!(matches!(missed, ContactError::NeverTouches { .. }));
+    let masked = |skin_vertices: usize| {
+        let mask = (0..surface.vertices().len()).map(|vertex| vertex < skin_vertices).collect();
+        surface.clone().with_skin_mask(mask).expect("a mask of the surface")
+    };
+    let missed = press(&masked(5), &beside, &skin, &up, &options, &go_on).unwrap_err();
+    assert!(matches!(missed, ContactError::NeverTouches { skin_vertices: 5, .. }));
+    assert!(missed.to_string().contains("none of the 5 vertices that may touch"), "{missed}");
 
-    let masked =
-        surface.clone().with_skin_mask(vec![false; surface.vertices().len()]).expect("a mask of the surface");
-    let none = press(&masked, &plate(), &skin, &up, &options, &go_on).unwrap_err();
+    let none = press(&masked(0), &plate(), &skin, &up, &options, &go_on).unwrap_err();
     assert_eq!(none, ContactError::NoSkin { vertex_count: surface.vertices().len() });
 
     let options = ContactOptions { tolerance: -1.0, ..ContactOptions::default() };
