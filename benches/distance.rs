@@ -10,7 +10,8 @@ use std::hint::black_box;
 use common::{Mesh, icosphere};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Vector3;
-use quasirigid::obstacle::{MeshObstacleOptions, Obstacle, find_crossings};
+use quasirigid::geometry::find_crossings;
+use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 
 /// Subdivisions k of the spheres, which have 10 · 4^k + 2 vertices and 20 · 4^k faces.
 const LADDER: [usize; 4] = [3, 4, 5, 6];

@@ -3,6 +3,7 @@
 mod common;
 
 use nalgebra::Vector3;
+use quasirigid::geometry::Bounds;
 use quasirigid::response::body::{BodyOptions, CutOut, CutOutError, cut_out};
 use quasirigid::surface::Surface;
 
@@ -85,7 +86,7 @@ fn a_finger_comes_out_of_a_whole_hand() {
     let point = hand.vertices()[tip] - Vector3::y() * 45e-3;
     let finger = cut_out(&hand, tip, &point, &Vector3::y()).expect("a finger");
     check_part(&hand, &finger);
-    let (low, high) = finger.surface.bounding_box();
+    let Bounds { low, high } = finger.surface.bounding_box();
     println!(
         "{} of {} vertices, {} in the caps, {:.1} x {:.1} x {:.1} mm",
         finger.surface.vertices().len(),

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Mesh, Random, data_dir, icosphere, read_ply};
 use nalgebra::Vector3;
-use quasirigid::obstacle::find_crossings;
+use quasirigid::geometry::find_crossings;
 
 fn v(x: f64, y: f64, z: f64) -> Vector3<f64> {
     Vector3::new(x, y, z)

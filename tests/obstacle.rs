@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use common::{Mesh, Random, data_dir, flipped, icosphere, joined, read_ply};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use quasirigid::geometry::{RigidMotionError, winding_number};
+use quasirigid::geometry::{Bounds, RigidMotionError, winding_number};
 use quasirigid::mesh::MeshError;
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle, ObstacleError, SignedDistances};
 use rayon::prelude::*;
@@ -466,9 +466,9 @@ fn bounding_boxes_are_tight_in_the_world() {
     let shift = v(1.0, 2.0, 3.0);
     let bounds = |obstacle: &Obstacle| obstacle.moved(&quarter, &shift).unwrap().bounding_box();
     let expect = |obstacle: Obstacle, low: Vector3<f64>, high: Vector3<f64>| {
-        let (found_low, found_high) = bounds(&obstacle).unwrap();
-        assert_near(found_low, shift + low, 1e-15);
-        assert_near(found_high, shift + high, 1e-15);
+        let found = bounds(&obstacle).unwrap();
+        assert_near(found.low, shift + low, 1e-15);
+        assert_near(found.high, shift + high, 1e-15);
     };
     expect(Obstacle::cylinder(0.4, 0.3).unwrap(), v(-0.3, -0.4, -0.3), v(0.3, 0.4, 0.3));
     expect(Obstacle::cuboid(v(0.1, 0.2, 0.3)).unwrap(), v(-0.1, -0.3, -0.2), v(0.1, 0.3, 0.2));
@@ -484,7 +484,7 @@ fn bounding_boxes_are_tight_in_the_world() {
     for obstacle in primitives().iter().skip(1) {
         let turn = Rotation3::from_euler_angles(0.4, 1.0, -0.7);
         let obstacle = obstacle.moved(turn.matrix(), &shift).unwrap();
-        let (low, high) = obstacle.bounding_box().unwrap();
+        let Bounds { low, high } = obstacle.bounding_box().unwrap();
         let found = obstacle.signed_distance(&far, None).unwrap();
         for axis in 0..3 {
             let (least, most) =

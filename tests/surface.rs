@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use common::{Mesh, flipped, grid, icosphere, joined};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use quasirigid::geometry::Bounds;
 use quasirigid::mesh::MeshError;
 use quasirigid::surface::{Surface, SurfaceError};
 
@@ -77,7 +78,7 @@ fn a_cube_has_its_area_volume_and_vertex_areas() {
     for (vertex, area) in cube.vertex_areas().iter().enumerate() {
         assert_relative_eq!(*area, cube.faces_around(vertex).len() as f64 * 0.5 / 3.0, max_relative = 1e-15);
     }
-    assert_eq!(cube.bounding_box(), (Vector3::zeros(), Vector3::repeat(1.0)));
+    assert_eq!(cube.bounding_box(), Bounds { low: Vector3::zeros(), high: Vector3::repeat(1.0) });
 }
 
 #[test]

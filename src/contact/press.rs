@@ -136,6 +136,5 @@ fn skin_vertices(surface: &Surface) -> impl Iterator<Item = (usize, Vector3<f64>
 
 /// Diagonal of the surface's bounding box (m).
 fn size(surface: &Surface) -> f64 {
-    let (low, high) = surface.bounding_box();
-    (high - low).norm()
+    surface.bounding_box().diagonal()
 }

@@ -1,4 +1,4 @@
-//! Closest point on one triangle, with the feature that carries it.
+//! Closest point on one triangle, with the feature that carries it, and the distance of two triangles.
 
 use nalgebra::Vector3;
 
@@ -78,9 +78,69 @@ fn closest_on_edge(
     Closest { distance_squared: (p - point).norm_squared(), point, feature }
 }
 
+/// Square of the distance (m²) of two triangles that do not cross: a corner of one from the other, or two edges.
+///
+/// * `triangles`: a, b, c of each (m), counter-clockwise seen against its normal
+/// * `normals`: unit normal of each
+pub(crate) fn triangle_distance_squared(
+    triangles: [[&Vector3<f64>; 3]; 2],
+    normals: [&Vector3<f64>; 2],
+) -> f64 {
+    let [first, second] = triangles;
+    let from_second = first.map(|p| closest_on_triangle(p, second, normals[1]).distance_squared);
+    let from_first = second.map(|p| closest_on_triangle(p, first, normals[0]).distance_squared);
+    let edges = (0..9).map(|k| (k / 3, k % 3)).map(|(i, j)| {
+        edge_distance_squared([first[i], first[(i + 1) % 3]], [second[j], second[(j + 1) % 3]])
+    });
+    from_second.into_iter().chain(from_first).chain(edges).fold(f64::INFINITY, f64::min)
+}
+
+/// Square of the distance (m²) of two segments where both ends of their common perpendicular lie on them, else an upper
+/// bound; infinite for parallel segments.
+fn edge_distance_squared([p, q]: [&Vector3<f64>; 2], [r, s]: [&Vector3<f64>; 2]) -> f64 {
+    let (u, v, w) = (q - p, s - r, r - p);
+    let normal = u.cross(&v);
+    let length_squared = normal.norm_squared();
+    if length_squared == 0.0 {
+        return f64::INFINITY;
+    }
+    let along = |other: &Vector3<f64>| (w.cross(other).dot(&normal) / length_squared).clamp(0.0, 1.0);
+    (u * along(&v) - v * along(&u) - w).norm_squared()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn unit_normal([a, b, c]: [&Vector3<f64>; 3]) -> Vector3<f64> {
+        (b - a).cross(&(c - a)).normalize()
+    }
+
+    #[test]
+    fn the_nearest_features_may_be_a_corner_over_a_face_two_edges_or_two_corners() {
+        let v = Vector3::new;
+        let flat = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0)];
+        let corner_over_face = [v(0.2, 0.2, 0.3), v(0.4, 0.2, 1.0), v(0.2, 0.5, 1.0)];
+        let edge_beside_edge = [v(0.5, -0.25, -1.0), v(0.5, -0.25, 1.0), v(0.5, -1.0, 0.0)];
+        let parallel_edges = [v(-1.0, -0.25, 0.0), v(2.0, -0.25, 0.0), v(0.5, -1.0, 0.0)];
+        let corner_to_corner = [v(1.3, 0.0, 0.4), v(2.0, 0.0, 0.4), v(2.0, 1.0, 2.0)];
+        for (other, distance) in [
+            (corner_over_face, 0.3),
+            (edge_beside_edge, 0.25),
+            (parallel_edges, 0.25),
+            (corner_to_corner, 0.5),
+        ] {
+            for turn in 0..3 {
+                let triangles = [flat.each_ref(), [0, 1, 2].map(|i| &other[(i + turn) % 3])];
+                let normals = triangles.map(unit_normal);
+                let found = triangle_distance_squared(triangles, normals.each_ref()).sqrt();
+                assert!((found - distance).abs() < 1e-15, "{found}, expected {distance}");
+                let [first, second] = triangles;
+                let swapped = triangle_distance_squared([second, first], [&normals[1], &normals[0]]).sqrt();
+                assert!((swapped - distance).abs() < 1e-15, "{swapped}, expected {distance}");
+            }
+        }
+    }
 
     fn corners() -> [Vector3<f64>; 3] {
         [Vector3::new(0.0, 0.0, 0.0), Vector3::new(4.0, 0.0, 0.0), Vector3::new(1.0, 2.0, 0.0)]

@@ -1,11 +1,11 @@
-//! Whether two triangles cross, decided by the exact signs of orientations.
+//! Whether triangles cross, decided by the exact signs of orientations.
 
 use std::cmp::Ordering;
 
 use nalgebra::Vector3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
-type Triangle<'a> = [&'a Vector3<f64>; 3];
+type Corners<'a> = [&'a Vector3<f64>; 3];
 
 /// Whether two faces of one mesh have points in common beyond their shared edge or vertex.
 pub(crate) fn triangles_cross(vertices: &[Vector3<f64>], [first, second]: [[u32; 3]; 2]) -> bool {
@@ -38,8 +38,8 @@ pub(crate) fn triangles_cross(vertices: &[Vector3<f64>], [first, second]: [[u32;
 }
 
 /// Whether two triangles, as closed sets, have a point in common.
-fn triangles_meet(first: Triangle, second: Triangle) -> bool {
-    let separates = |[a, b, c]: Triangle, other: Triangle| {
+pub(crate) fn triangles_meet(first: Corners, second: Corners) -> bool {
+    let separates = |[a, b, c]: Corners, other: Corners| {
         let [x, y, z] = other.map(|p| sign_3d(a, b, c, p));
         x == y && y == z && x != Ordering::Equal
     };
@@ -50,12 +50,12 @@ fn triangles_meet(first: Triangle, second: Triangle) -> bool {
             || edges(second).into_iter().any(|edge| segment_meets_triangle(edge, first)))
 }
 
-fn edges<'a>([a, b, c]: Triangle<'a>) -> [[&'a Vector3<f64>; 2]; 3] {
+fn edges<'a>([a, b, c]: Corners<'a>) -> [[&'a Vector3<f64>; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
 /// Whether a segment meets a triangle, ends and border included.
-fn segment_meets_triangle([p, q]: [&Vector3<f64>; 2], triangle: Triangle) -> bool {
+fn segment_meets_triangle([p, q]: [&Vector3<f64>; 2], triangle: Corners) -> bool {
     let [a, b, c] = triangle;
     match (sign_3d(a, b, c, p), sign_3d(a, b, c, q)) {
         (Ordering::Equal, Ordering::Equal) => {
@@ -66,7 +66,7 @@ fn segment_meets_triangle([p, q]: [&Vector3<f64>; 2], triangle: Triangle) -> boo
     }
 }
 
-fn segment_meets_in_plane(axis: usize, [p, q]: [&Vector3<f64>; 2], triangle: Triangle) -> bool {
+fn segment_meets_in_plane(axis: usize, [p, q]: [&Vector3<f64>; 2], triangle: Corners) -> bool {
     same_side(edges(triangle).map(|[s, e]| sign_2d(axis, s, e, p)))
         || edges(triangle).into_iter().any(|[s, e]| {
             let across = |a, b, c, d| {
@@ -82,13 +82,28 @@ fn boxes_meet([p, q]: [&Vector3<f64>; 2], [s, e]: [&Vector3<f64>; 2]) -> bool {
     low.iter().zip(high.iter()).all(|(low, high)| low <= high)
 }
 
+/// 1 if the ray from `p` along a coordinate axis meets a triangle from behind, -1 if from the front,
+/// 0 if it misses the triangle; `None` if its line meets an edge.
+pub(crate) fn crossing_along(axis: usize, p: &Vector3<f64>, corners: Corners) -> Option<i32> {
+    let sides = edges(corners).map(|[s, e]| sign_2d(axis, s, e, p));
+    if !same_side(sides) {
+        return Some(0);
+    }
+    if sides.contains(&Ordering::Equal) {
+        return None;
+    }
+    let [a, b, c] = corners;
+    let is_before = sign_3d(a, b, c, p) == sides[0];
+    Some(if !is_before { 0 } else { sides[0] as i32 })
+}
+
 /// No two of the signs are opposite.
 fn same_side(signs: [Ordering; 3]) -> bool {
     !(signs.contains(&Ordering::Less) && signs.contains(&Ordering::Greater))
 }
 
 /// The coordinate that can be dropped such that the triangle keeps an area; `None` if it has none.
-fn flattened([a, b, c]: Triangle) -> Option<usize> {
+fn flattened([a, b, c]: Corners) -> Option<usize> {
     let normal = (b - a).cross(&(c - a)).abs();
     let largest = normal.imax();
     [largest, (largest + 1) % 3, (largest + 2) % 3]

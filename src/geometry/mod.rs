@@ -1,10 +1,14 @@
-//! Points and triangles: closest point, crossing, solid angle, rigid motion. No mesh, no physics.
+//! Points and triangles: bounds, closest point, crossing, solid angle, rigid motion. No mesh, no physics.
 
+pub(crate) mod bounds;
 pub(crate) mod closest_point;
 pub(crate) mod crossing;
+pub(crate) mod face_tree;
 pub(crate) mod rigid_motion;
 pub(crate) mod solid_angle;
 pub(crate) mod triangle_distance;
 
+pub use bounds::Bounds;
+pub use face_tree::find_crossings;
 pub use rigid_motion::{RigidMotionError, rigid_motion};
 pub use solid_angle::{solid_angle, winding_number};

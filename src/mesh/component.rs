@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::bounds::Bounds;
 use crate::geometry::solid_angle::signed_volume;
 use crate::mesh::topology::Topology;
 
@@ -9,24 +10,22 @@ use crate::mesh::topology::Topology;
 const FLAT_VOLUME: f64 = 1e-12;
 
 /// A closed component.
-pub(super) struct Closed {
+pub(super) struct ClosedComponent {
     /// Its number in the mesh.
     pub label: usize,
     /// Number of its first face.
     pub first_face: usize,
     /// Its faces, in their order.
     pub faces: Vec<[u32; 3]>,
-    /// Lowest coordinates (m).
-    pub low: Vector3<f64>,
-    /// Highest coordinates (m).
-    pub high: Vector3<f64>,
+    /// The box around it.
+    pub bounds: Bounds,
     /// Volume (m³), negative where it is turned inward.
     pub volume: f64,
 }
 
-impl Closed {
+impl ClosedComponent {
     fn is_flat(&self) -> bool {
-        self.volume.abs() <= FLAT_VOLUME * (self.high - self.low).norm().powi(3)
+        self.volume.abs() <= FLAT_VOLUME * self.bounds.diagonal().powi(3)
     }
 
     /// Turned against its place, or flat; a cavity turned outward is a nested shell instead.
@@ -50,7 +49,7 @@ pub(super) fn closed_components(
     vertices: &[Vector3<f64>],
     faces: &[[u32; 3]],
     topology: &Topology,
-) -> Vec<Option<Closed>> {
+) -> Vec<Option<ClosedComponent>> {
     let is_closed: Vec<bool> =
         (0..topology.component_count()).map(|label| topology.is_component_closed(label)).collect();
     split_closed(vertices, faces, topology.face_components(), &is_closed)
@@ -62,30 +61,27 @@ pub(super) fn split_closed(
     faces: &[[u32; 3]],
     labels: &[u32],
     is_closed: &[bool],
-) -> Vec<Option<Closed>> {
-    let mut components: Vec<Option<Closed>> = is_closed.iter().map(|_| None).collect();
+) -> Vec<Option<ClosedComponent>> {
+    let mut components: Vec<Option<ClosedComponent>> = is_closed.iter().map(|_| None).collect();
     for (face, (corners, label)) in faces.iter().zip(labels).enumerate() {
         let label = *label as usize;
         if !is_closed[label] {
             continue;
         }
-        let component = components[label].get_or_insert_with(|| Closed {
+        let component = components[label].get_or_insert_with(|| ClosedComponent {
             label,
             first_face: face,
             faces: Vec::new(),
-            low: Vector3::repeat(f64::INFINITY),
-            high: Vector3::repeat(f64::NEG_INFINITY),
+            bounds: Bounds::around([]),
             volume: 0.0,
         });
         component.faces.push(*corners);
-        for vertex in corners {
-            component.low = component.low.inf(&vertices[*vertex as usize]);
-            component.high = component.high.sup(&vertices[*vertex as usize]);
-        }
     }
     for component in components.iter_mut().flatten() {
-        let centre = (component.low + component.high) / 2.0;
-        component.volume = signed_volume(&centre, vertices, component.faces.iter().copied());
+        let corners = component.faces.iter().flatten();
+        component.bounds = Bounds::around(corners.map(|vertex| &vertices[*vertex as usize]));
+        let center = component.bounds.center();
+        component.volume = signed_volume(&center, vertices, component.faces.iter().copied());
     }
     components
 }

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
+use crate::geometry::bounds::Bounds;
+
 /// Points sorted into cubic cells of the search radius.
 pub(super) struct PointGrid<'a> {
     points: &'a [Vector3<f64>],
@@ -18,12 +20,7 @@ impl<'a> PointGrid<'a> {
     /// * `points`: finite
     /// * `radius`: search distance, >= 0
     pub(super) fn new(points: &'a [Vector3<f64>], radius: f64) -> PointGrid<'a> {
-        let mut low = Vector3::repeat(f64::INFINITY);
-        let mut high = Vector3::repeat(f64::NEG_INFINITY);
-        for point in points {
-            low = low.inf(point);
-            high = high.sup(point);
-        }
+        let Bounds { low, high } = Bounds::around(points);
         let extent = if points.is_empty() { 0.0 } else { (high - low).max() };
         // Cells no finer than 1e-12 of the extent keep their numbers far from the limits of i64.
         let cell = radius.max(1e-12 * extent).max(f64::MIN_POSITIVE);

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::mesh::columns::{Columns, Location};
-use crate::mesh::component::{Closed, closed_components};
+use crate::mesh::component::{ClosedComponent, closed_components};
 use crate::mesh::error::MeshError;
 use crate::mesh::topology::Topology;
 
@@ -39,7 +39,7 @@ pub fn check_nesting(
     topology: &Topology,
 ) -> Result<(), MeshError> {
     let components = closed_components(vertices, faces, topology);
-    let closed: Vec<&Closed> = components.iter().flatten().collect();
+    let closed: Vec<&ClosedComponent> = components.iter().flatten().collect();
     let tolerance = COINCIDENT_DISTANCE * topology.mean_edge_length();
     let places = place_all(vertices, &closed, tolerance);
 
@@ -86,10 +86,10 @@ pub fn check_nesting(
 /// Closed components whose faces must be turned over so that the mesh bounds a body.
 pub(super) fn components_to_turn(
     vertices: &[Vector3<f64>],
-    components: &[Option<Closed>],
+    components: &[Option<ClosedComponent>],
     mean_edge_length: f64,
 ) -> Vec<usize> {
-    let closed: Vec<&Closed> = components.iter().flatten().collect();
+    let closed: Vec<&ClosedComponent> = components.iter().flatten().collect();
     place_all(vertices, &closed, COINCIDENT_DISTANCE * mean_edge_length)
         .iter()
         .filter(|place| (closed[place.inner].volume < 0.0) != place.is_cavity())
@@ -112,11 +112,10 @@ impl Place {
     }
 }
 
-fn place_all(vertices: &[Vector3<f64>], closed: &[&Closed], tolerance: f64) -> Vec<Place> {
-    let margin = Vector3::repeat(tolerance);
+fn place_all(vertices: &[Vector3<f64>], closed: &[&ClosedComponent], tolerance: f64) -> Vec<Place> {
     let may_hold = |inner: usize, outer: usize| {
-        let (component, other) = (closed[inner], closed[outer]);
-        inner != outer && component.low >= other.low - margin && component.high <= other.high + margin
+        let (bounds, around) = (closed[inner].bounds, closed[outer].bounds.grown(tolerance));
+        inner != outer && around.contains(&bounds.low) && around.contains(&bounds.high)
     };
     let candidates: Vec<Vec<usize>> = (0..closed.len())
         .map(|inner| (0..closed.len()).filter(|outer| may_hold(inner, *outer)).collect())

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
+use crate::geometry::bounds::Bounds;
+
 /// Cells on either side of a cell that may hold points within the tolerance of its own.
 const REACH: i64 = 2;
 
@@ -12,12 +14,7 @@ const REACH: i64 = 2;
 /// The diagonal of a cell is the tolerance, so that all points of a cell are one cluster and the work stays near
 /// the number of points, however wide the tolerance.
 pub(super) fn weld(vertices: &[Vector3<f64>], tolerance: f64) -> Vec<u32> {
-    let mut low = Vector3::repeat(f64::INFINITY);
-    let mut high = Vector3::repeat(f64::NEG_INFINITY);
-    for point in vertices {
-        low = low.inf(point);
-        high = high.sup(point);
-    }
+    let Bounds { low, high } = Bounds::around(vertices);
     // Cells no finer than 1e-12 of the extent keep their numbers far from the limits of i64.
     let finest = (1e-12 * (high - low).max()).max(f64::MIN_POSITIVE);
     let cell = (tolerance / 3f64.sqrt() * (1.0 - 1e-12)).max(finest);

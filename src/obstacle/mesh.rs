@@ -2,22 +2,20 @@
 
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector;
-use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 
-use crate::geometry::closest_point::{Closest, Feature, closest_on_triangle};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::closest_point::{Closest, Feature};
+use crate::geometry::face_tree::{Faces, crossings_within};
 use crate::geometry::solid_angle::winding_number;
-use crate::mesh;
-use crate::obstacle::crossings::crossing_pairs;
+use crate::mesh::check::check;
+use crate::mesh::nesting::check_nesting;
 use crate::obstacle::distance::Nearest;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::primitive::SURFACE_TOLERANCE;
 
 /// Below this cosine between `p - c` and a pseudo-normal the solid angle decides the sign (dimensionless).
 const AMBIGUOUS_COSINE: f64 = 1e-6;
-
-/// Slack of the search's reach squared, far above rounding (dimensionless).
-const REACH_SLACK: f64 = 1.0 + 1e-9;
 
 /// Choices of [`Obstacle::mesh`](crate::obstacle::Obstacle::mesh).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,7 +52,7 @@ impl MeshShape {
         check_closed(&vertices, &faces)?;
         let shape = MeshShape::unchecked(vertices, faces);
         if options.check_crossings {
-            let pairs = crossing_pairs(&shape.vertices, &shape.faces, shape.tree.bvh());
+            let pairs = crossings_within(&shape.vertices, &shape.faces, shape.tree.bvh());
             if let Some(&[first, second]) = pairs.first() {
                 let location = overlap_center(&shape.vertices, shape.faces[first], shape.faces[second]);
                 return Err(ObstacleError::CrossingFaces { count: pairs.len(), first, second, location });
@@ -74,8 +72,7 @@ impl MeshShape {
         let corners = vertices.iter().map(|v| Vector::new(v.x, v.y, v.z)).collect();
         let mut tree = TriMesh::new(corners, faces.clone()).expect("a checked mesh has faces");
         tree.set_flags(TriMeshFlags::ORIENTED).expect("a checked mesh has a sound topology");
-        let (low, high) = corners_of(&vertices);
-        MeshShape { size: (high - low).norm(), vertices, faces, normals, tree }
+        MeshShape { size: Bounds::around(&vertices).diagonal(), vertices, faces, normals, tree }
     }
 
     /// The vertices (m).
@@ -100,41 +97,27 @@ impl MeshShape {
 
     /// Nearest point of the surface; `None` if it is surely farther than `reach` (m).
     pub fn nearest(&self, p: &Vector3<f64>, reach: f64) -> Option<Nearest> {
-        let (face, (_, closest)) = self.tree.bvh().find_best(
-            reach * reach * REACH_SLACK + f64::MIN_POSITIVE,
-            |node: &BvhNode, _| {
-                let (low, high) = (node.mins(), node.maxs());
-                let gap = |p: f64, low: f64, high: f64| (low - p).max(p - high).max(0.0);
-                let [x, y, z] = [gap(p.x, low.x, high.x), gap(p.y, low.y, high.y), gap(p.z, low.z, high.z)];
-                x * x + y * y + z * z
-            },
-            |face, _| {
-                let corners = self.faces[face as usize].map(|v| &self.vertices[v as usize]);
-                let closest = closest_on_triangle(p, corners, &self.normals[face as usize]);
-                Some((closest.distance_squared, closest))
-            },
-        )?;
+        let faces = Faces { vertices: &self.vertices, corners: &self.faces, normals: &self.normals };
+        let (face, closest) = faces.closest_to_point(self.tree.bvh(), p, reach)?;
         Some(self.signed(p, face, &closest))
     }
 
     /// Signed distance and normal from the closest point on `face`.
-    fn signed(&self, p: &Vector3<f64>, face: u32, closest: &Closest) -> Nearest {
+    fn signed(&self, p: &Vector3<f64>, face: usize, closest: &Closest) -> Nearest {
         let pseudo_normals = self.tree.pseudo_normals_if_oriented().expect("the tree is built oriented");
         let pseudo_normal = match closest.feature {
             Feature::Face => {
                 // p - c is parallel to the face normal, which has no rounding noise however near p is.
-                let normal = self.normals[face as usize];
-                let corner = self.vertices[self.faces[face as usize][0] as usize];
+                let normal = self.normals[face];
+                let corner = self.vertices[self.faces[face][0] as usize];
                 return Nearest { distance: (p - corner).dot(&normal), closest: closest.point, normal };
             }
-            Feature::Edge(i) => pseudo_normals.edges_pseudo_normal[face as usize][i],
-            Feature::Corner(i) => {
-                pseudo_normals.vertices_pseudo_normal[self.faces[face as usize][i] as usize]
-            }
+            Feature::Edge(i) => pseudo_normals.edges_pseudo_normal[face][i],
+            Feature::Corner(i) => pseudo_normals.vertices_pseudo_normal[self.faces[face][i] as usize],
         };
         let pseudo_normal = Vector3::new(pseudo_normal.x, pseudo_normal.y, pseudo_normal.z);
         // A knife edge folded flat has none; its face's normal is as good as any.
-        let pseudo_normal = pseudo_normal.try_normalize(0.0).unwrap_or(self.normals[face as usize]);
+        let pseudo_normal = pseudo_normal.try_normalize(0.0).unwrap_or(self.normals[face]);
 
         let offset = p - closest.point;
         let length = offset.norm();
@@ -166,10 +149,10 @@ impl std::fmt::Debug for MeshShape {
 }
 
 fn check_closed(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), ObstacleError> {
-    let topology = mesh::check(vertices, faces)?;
+    let topology = check(vertices, faces)?;
     let loops = topology.boundary_loops();
     match loops.first() {
-        None => Ok(mesh::check_nesting(vertices, faces, &topology)?),
+        None => Ok(check_nesting(vertices, faces, &topology)?),
         Some(first) => Err(ObstacleError::NotClosed {
             loops: loops.len(),
             edges: loops.iter().map(Vec::len).sum(),
@@ -178,17 +161,7 @@ fn check_closed(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), Obs
     }
 }
 
-/// Smallest and largest coordinates of some points.
-pub(super) fn corners_of(points: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
-    points
-        .iter()
-        .fold((Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
-            (low.inf(p), high.sup(p))
-        })
-}
-
 fn overlap_center(vertices: &[Vector3<f64>], first: [u32; 3], second: [u32; 3]) -> [f64; 3] {
-    let corners = |face: [u32; 3]| corners_of(&face.map(|v| vertices[v as usize]));
-    let ((low_a, high_a), (low_b, high_b)) = (corners(first), corners(second));
-    ((low_a.sup(&low_b) + high_a.inf(&high_b)) * 0.5).into()
+    let [first, second] = [first, second].map(|face| Bounds::around(face.map(|v| &vertices[v as usize])));
+    first.intersection(&second).center().into()
 }

@@ -15,7 +15,6 @@
 //! That needs a closed mesh whose faces do not cross, which [`Obstacle::mesh`] checks once, in exact
 //! arithmetic. [`Obstacle::first_touch`] moves the obstacle along a line until it meets the first of many points.
 
-pub(crate) mod crossings;
 pub(crate) mod distance;
 pub(crate) mod error;
 pub(crate) mod first_touch;
@@ -25,7 +24,6 @@ pub(crate) mod primitive;
 pub(crate) mod shadow;
 pub(crate) mod sweep;
 
-pub use crossings::find_crossings;
 pub use distance::SignedDistances;
 pub use error::ObstacleError;
 pub use first_touch::FirstTouch;

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
+use crate::geometry::bounds::Bounds;
 use crate::geometry::rigid_motion::rigid_motion;
 use crate::obstacle::distance::Nearest;
 use crate::obstacle::error::ObstacleError;
-use crate::obstacle::mesh::{MeshObstacleOptions, MeshShape, corners_of};
+use crate::obstacle::mesh::{MeshObstacleOptions, MeshShape};
 use crate::obstacle::primitive::Primitive;
 
 /// A rigid product: a closed mesh or a primitive, at a pose.
@@ -175,14 +176,14 @@ impl Obstacle {
         }
     }
 
-    /// Smallest and largest coordinates in the world (m); `None` for the half-space.
-    pub fn bounding_box(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    /// The box around the obstacle in the world; `None` for the half-space.
+    pub fn bounding_box(&self) -> Option<Bounds> {
         let frame = self.frame();
         match &*self.shape {
-            Shape::Mesh(_) => self.triangles().map(|(vertices, _)| corners_of(&vertices)),
-            Shape::Primitive(primitive) => primitive
-                .bounding_box(&frame.rotation)
-                .map(|(low, high)| (low + frame.translation, high + frame.translation)),
+            Shape::Mesh(_) => self.triangles().map(|(vertices, _)| Bounds::around(&vertices)),
+            Shape::Primitive(primitive) => {
+                Some(primitive.bounding_box(&frame.rotation)?.translated(&frame.translation))
+            }
         }
     }
 

@@ -1,7 +1,8 @@
 //! Signed distances of primitives in closed form.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
+use crate::geometry::bounds::Bounds;
 use crate::obstacle::distance::Nearest;
 
 /// Within this share of the primitive's size from its surface, a direction `p - c` is rounding noise and the
@@ -46,18 +47,16 @@ impl Primitive {
         }
     }
 
-    /// Corners of the box around the primitive once `turn` has rotated it (m); `None` for the half-space.
-    pub fn bounding_box(&self, turn: &nalgebra::Matrix3<f64>) -> Option<(Vector3<f64>, Vector3<f64>)> {
-        let around = |center: Vector3<f64>, reach: Vector3<f64>| Some((center - reach, center + reach));
+    /// Box around the primitive once `turn` has rotated it; `None` for the half-space.
+    pub fn bounding_box(&self, turn: &Matrix3<f64>) -> Option<Bounds> {
+        let around = |center: Vector3<f64>, reach: Vector3<f64>| {
+            Some(Bounds { low: center - reach, high: center + reach })
+        };
         match self {
             Primitive::HalfSpace { .. } => None,
             Primitive::Sphere { center, radius } => around(turn * center, Vector3::repeat(*radius)),
             Primitive::Cuboid { half_extents } => around(Vector3::zeros(), turn.abs() * half_extents),
-            Primitive::Capsule { a, b, radius } => {
-                let (a, b) = (turn * a, turn * b);
-                let reach = Vector3::repeat(*radius);
-                Some((a.inf(&b) - reach, a.sup(&b) + reach))
-            }
+            Primitive::Capsule { a, b, radius } => Some(Bounds::around(&[turn * a, turn * b]).grown(*radius)),
             Primitive::Cylinder { half_height, radius } => {
                 let reach = Vector3::from_fn(|i, _| {
                     let along = turn[(i, 2)];

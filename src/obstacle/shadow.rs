@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 use parry3d_f64::partitioning::BvhNode;
 use robust::{Coord, orient2d};
 
+use crate::geometry::bounds::Bounds;
+use crate::geometry::face_tree::node_bounds;
 use crate::obstacle::mesh::MeshShape;
 use crate::obstacle::primitive::perpendicular;
 
@@ -50,15 +52,11 @@ impl<'a> Shadow<'a> {
         let (place, depth) = (self.place(p), p.dot(&self.direction));
         let slack = BOX_SLACK * (self.mesh.size() + p.norm());
         let deepest = depth - start;
-        let cost = |node: &BvhNode, _: f64| {
-            let (low, high) = (node.mins(), node.maxs());
-            let low = Vector3::new(low.x, low.y, low.z).add_scalar(-slack);
-            let high = Vector3::new(high.x, high.y, high.z).add_scalar(slack);
-            match self.depths_in_box(p, depth, &low, &high) {
+        let cost =
+            |node: &BvhNode, _: f64| match self.depths_in_box(p, depth, &node_bounds(node).grown(slack)) {
                 Some([near, far]) if near - slack <= deepest => -(far + slack),
                 _ => f64::MAX,
-            }
-        };
+            };
         let leaf = |face: u32, _: f64| self.depth_on_face(face, place, deepest).map(|depth| -depth);
         // Costs are minus depths; a little worse than the best so far is let through, so that ties are seen.
         let bound = latest - depth + slack;
@@ -67,13 +65,8 @@ impl<'a> Shadow<'a> {
     }
 
     /// Depths at which the line through `p` enters and leaves the box.
-    fn depths_in_box(
-        &self,
-        p: &Vector3<f64>,
-        depth: f64,
-        low: &Vector3<f64>,
-        high: &Vector3<f64>,
-    ) -> Option<[f64; 2]> {
+    fn depths_in_box(&self, p: &Vector3<f64>, depth: f64, bounds: &Bounds) -> Option<[f64; 2]> {
+        let Bounds { low, high } = bounds;
         let [mut near, mut far] = [f64::NEG_INFINITY, f64::INFINITY];
         for axis in 0..3 {
             let speed = self.direction[axis];
@@ -102,7 +95,7 @@ impl<'a> Shadow<'a> {
         let total: f64 = weights.iter().sum();
         if total != 0.0 {
             let mean: f64 = weights.iter().zip(&depths).map(|(w, depth)| w / total * depth).sum();
-            let (low, high) = bounds(&depths);
+            let (low, high) = range(&depths);
             return Some(mean.clamp(low, high)).filter(|depth| *depth <= deepest);
         }
         // Seen edge on: its edges, which it shares with its neighbours.
@@ -118,7 +111,7 @@ impl<'a> Shadow<'a> {
 /// The largest depth up to `deepest` at which an edge whose line holds `place` covers it.
 fn depth_on_edge(place: Coord<f64>, [s, e]: [Coord<f64>; 2], depths: [f64; 2], deepest: f64) -> Option<f64> {
     let (length_x, length_y) = (e.x - s.x, e.y - s.y);
-    let (low, high) = bounds(&depths);
+    let (low, high) = range(&depths);
     if length_x == 0.0 && length_y == 0.0 {
         // The edge points along the line.
         return (s == place && low <= deepest).then(|| high.min(deepest));
@@ -132,6 +125,6 @@ fn depth_on_edge(place: Coord<f64>, [s, e]: [Coord<f64>; 2], depths: [f64; 2], d
     ((0.0..=1.0).contains(&share) && depth <= deepest).then_some(depth)
 }
 
-fn bounds(values: &[f64]) -> (f64, f64) {
+fn range(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }

@@ -3,7 +3,7 @@
 //! While the shape travels by `t` along the unit `direction` u, a point at `p` is seen from the shape at
 //! `p - t u`. So the shape meets it at the `t` for which `p - t u` lies on the surface.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::posed::Shape;
@@ -39,9 +39,9 @@ impl<'a> Sweep<'a> {
     pub fn size(&self) -> f64 {
         match &self.body {
             Body::Mesh(shadow) => shadow.mesh().size(),
-            Body::Primitive(primitive) => primitive
-                .bounding_box(&nalgebra::Matrix3::identity())
-                .map_or(1.0, |(low, high)| (high - low).norm()),
+            Body::Primitive(primitive) => {
+                primitive.bounding_box(&Matrix3::identity()).map_or(1.0, |bounds| bounds.diagonal())
+            }
         }
     }
 

@@ -223,7 +223,7 @@ impl PyObstacle {
     /// Lowest and highest corner in the world (2, 3), or None for a half-space.
     #[getter]
     fn bounding_box<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
-        self.inner.bounding_box().map(|(low, high)| vectors_out(py, &[low, high]))
+        self.inner.bounding_box().map(|bounds| vectors_out(py, &[bounds.low, bounds.high]))
     }
 
     /// Vertices and faces of a mesh obstacle in the world, or None for a primitive.

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::bounds::Bounds;
 use crate::surface::checked::Surface;
 
 /// Vertices this close to a plane lie in it, in mean edge lengths; float32 rounding comes on top.
@@ -81,7 +82,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn new(surface: &Surface) -> Search<'_> {
-        let (low, high) = surface.bounding_box();
+        let Bounds { low, high } = surface.bounding_box();
         let rounding = FLOAT32_ROUNDING * low.amax().max(high.amax());
         let tolerance = PLANE_DISTANCE * surface.mean_edge_length() + rounding;
         Search { surface, tolerance, reached: vec![0; surface.faces().len()], round: 0 }

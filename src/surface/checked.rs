@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Vector3};
 
+use crate::geometry::bounds::Bounds;
 use crate::mesh::check::check;
 use crate::mesh::error::MeshError;
 use crate::mesh::nesting::check_nesting;
@@ -169,8 +170,8 @@ impl Surface {
         self.topology.faces_around(vertex)
     }
 
-    /// Lowest and highest coordinates (m).
-    pub fn bounding_box(&self) -> (Vector3<f64>, Vector3<f64>) {
+    /// The box around the vertices.
+    pub fn bounding_box(&self) -> Bounds {
         self.geometry.bounding_box
     }
 }

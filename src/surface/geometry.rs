@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::bounds::Bounds;
 use crate::geometry::solid_angle::signed_volume;
 use crate::mesh::topology::Topology;
 
@@ -15,7 +16,7 @@ pub(super) struct Geometry {
     pub area: f64,
     pub volume: f64,
     pub mean_edge_length: f64,
-    pub bounding_box: (Vector3<f64>, Vector3<f64>),
+    pub bounding_box: Bounds,
 }
 
 impl Geometry {
@@ -55,10 +56,9 @@ impl Geometry {
                 *normal = largest.map_or(Vector3::zeros(), |face| face_normals[face]);
             }
         }
-        let bounding_box = bounding_box(vertices);
-        let middle = (bounding_box.0 + bounding_box.1) / 2.0;
+        let bounding_box = Bounds::around(vertices);
         let volume = if topology.is_closed() {
-            signed_volume(&middle, vertices, faces.iter().copied())
+            signed_volume(&bounding_box.center(), vertices, faces.iter().copied())
         } else {
             f64::NAN
         };
@@ -73,9 +73,4 @@ impl Geometry {
             bounding_box,
         }
     }
-}
-
-fn bounding_box(vertices: &[Vector3<f64>]) -> (Vector3<f64>, Vector3<f64>) {
-    let start = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
-    vertices.iter().fold(start, |(low, high), point| (low.inf(point), high.sup(point)))
 }

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
+use crate::geometry::bounds::Bounds;
 use crate::geometry::solid_angle::winding_number;
 use crate::surface::checked::Surface;
 use crate::surface::geodesic::shares_tissue;
@@ -68,7 +69,8 @@ impl Fingers {
             patch.iter().for_each(|&vertex| label[vertex] = index);
         }
         // Two searches meet half-way, so ways up to twice the candidates' extent are found.
-        let near = surface.nearest_along_skin(candidates, extent(surface, candidates) + slack);
+        let extent = Bounds::around(candidates.iter().map(|&vertex| &surface.vertices()[vertex])).diagonal();
+        let near = surface.nearest_along_skin(candidates, extent + slack);
         let mut finger_of_patch: Vec<usize> = (0..patches.len()).collect();
         for ([a, b], way) in shortest_ways(surface, &near, &label) {
             if shares_tissue(way.along_skin, way.straight, slack) || joined_inside(surface, way.ends) {
@@ -130,16 +132,6 @@ fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
         winding_number(&a.lerp(&b, share), surface.vertices(), surface.faces().iter().copied()) > 0.5
     };
     inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)
-}
-
-/// Diagonal of the box around some vertices (m).
-fn extent(surface: &Surface, vertices: &[usize]) -> f64 {
-    let points = vertices.iter().map(|&vertex| surface.vertices()[vertex]);
-    let bounds = points.fold(None, |bounds, point| match bounds {
-        None => Some((point, point)),
-        Some((low, high)) => Some((point.inf(&low), point.sup(&high))),
-    });
-    bounds.map_or(0.0, |(low, high)| (high - low).norm())
 }
 
 /// The shortest way found between any two sets of sources, told apart by their `label`: where the searches from

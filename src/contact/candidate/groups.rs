@@ -1,8 +1,7 @@
 //! Which vertices enter the complementarity problem, and which of them share one.
 
-use nalgebra::Vector3;
-
 use crate::contact::candidate::fingers::Fingers;
+use crate::geometry::bounds::Bounds;
 use crate::surface::checked::Surface;
 
 /// `nodes` with their `rings`-ring, kept to vertices that may touch; ascending.
@@ -40,13 +39,16 @@ pub(crate) fn uncoupled_groups(surface: &Surface, fingers: &Fingers, reach: Opti
 
 /// The groups of one finger.
 fn within_reach(surface: &Surface, candidates: &[usize], reach: f64) -> Vec<Vec<usize>> {
-    let mut groups: Vec<(Bounds, Vec<usize>)> =
-        surface.patches(candidates).into_iter().map(|patch| (Bounds::of(surface, &patch), patch)).collect();
+    let mut groups: Vec<(Bounds, Vec<usize>)> = surface
+        .patches(candidates)
+        .into_iter()
+        .map(|patch| (loaded_bounds(surface, &patch), patch))
+        .collect();
     // Merge until no pair is within reach; patches are few.
     let mut first = 0;
     while first < groups.len() {
         let bounds = groups[first].0;
-        match (first + 1..groups.len()).find(|&other| bounds.gap_to(&groups[other].0) <= reach) {
+        match (first + 1..groups.len()).find(|&other| bounds.distance(&groups[other].0) <= reach) {
             Some(other) => {
                 let (bounds, patch) = groups.swap_remove(other);
                 groups[first].0 = groups[first].0.union(&bounds);
@@ -61,33 +63,8 @@ fn within_reach(surface: &Surface, candidates: &[usize], reach: f64) -> Vec<Vec<
     groups
 }
 
-/// Axis-parallel box.
-#[derive(Debug, Clone, Copy)]
-struct Bounds {
-    low: Vector3<f64>,
-    high: Vector3<f64>,
-}
-
-impl Bounds {
-    /// Around all triangles that touch a vertex of `patch`: where its hats are not zero.
-    fn of(surface: &Surface, patch: &[usize]) -> Self {
-        let mut bounds =
-            Self { low: Vector3::repeat(f64::INFINITY), high: Vector3::repeat(f64::NEG_INFINITY) };
-        for &vertex in patch {
-            let ring = surface.neighbours(vertex).iter().map(|&other| other as usize);
-            for other in ring.chain(std::iter::once(vertex)) {
-                bounds.low = bounds.low.inf(&surface.vertices()[other]);
-                bounds.high = bounds.high.sup(&surface.vertices()[other]);
-            }
-        }
-        bounds
-    }
-
-    fn union(&self, other: &Self) -> Self {
-        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
-    }
-
-    fn gap_to(&self, other: &Self) -> f64 {
-        (self.low - other.high).sup(&(other.low - self.high)).sup(&Vector3::zeros()).norm()
-    }
+/// Box around all triangles that touch a vertex of `patch`: where its hats are not zero.
+fn loaded_bounds(surface: &Surface, patch: &[usize]) -> Bounds {
+    let rings = patch.iter().flat_map(|&vertex| surface.neighbours(vertex)).map(|&other| other as usize);
+    Bounds::around(patch.iter().copied().chain(rings).map(|vertex| &surface.vertices()[vertex]))
 }

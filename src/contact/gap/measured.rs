@@ -84,11 +84,9 @@ fn within_box(
     margin: f64,
     wanted: impl Iterator<Item = usize>,
 ) -> Vec<usize> {
-    let Some((low, high)) = obstacle.bounding_box() else {
+    let Some(bounds) = obstacle.bounding_box() else {
         return wanted.collect();
     };
-    let (low, high) = (low.add_scalar(-margin), high.add_scalar(margin));
-    let is_within =
-        |point: &Vector3<f64>| (0..3).all(|axis| low[axis] <= point[axis] && point[axis] <= high[axis]);
-    wanted.filter(|&point| is_within(&points[point])).collect()
+    let bounds = bounds.grown(margin);
+    wanted.filter(|&point| bounds.contains(&points[point])).collect()
 }

@@ -43,9 +43,8 @@ impl Report {
 }
 
 fn size_warning(gaps: &Gaps) -> Option<String> {
-    let (low, high) = gaps.surface.bounding_box();
-    let (obstacle_low, obstacle_high) = gaps.scene.obstacle.bounding_box()?;
-    let (skin, product) = ((high - low).norm(), (obstacle_high - obstacle_low).norm());
+    let skin = gaps.surface.bounding_box().diagonal();
+    let product = gaps.scene.obstacle.bounding_box()?.diagonal();
     let ratio = product / skin;
     let suspicious = gaps.scene.obstacle.kind() == "mesh"
         && !(1.0 / SUSPICIOUS_SIZE_RATIO..SUSPICIOUS_SIZE_RATIO).contains(&ratio);
