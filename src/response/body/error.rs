@@ -109,20 +109,20 @@ pub enum BodyError {
         /// Number of vertices of that bone, all of them outside.
         count: usize,
     },
-    /// Bone and skin cross.
+    /// Bone and skin cross or touch.
     #[error(
-        "the bone crosses the skin in {count} pairs of faces (first: bone face {bone_face}, skin face {skin_face}): \
-         shrink or move it"
+        "the bone crosses or touches the skin in {count} pairs of faces (first: bone face {bone_face}, skin face \
+         {skin_face}): shrink or move it"
     )]
     BoneCrossesSkin {
-        /// A bone face that crosses the skin.
+        /// The first bone face that meets the skin.
         bone_face: usize,
-        /// The skin face that it crosses.
+        /// The first skin face that it meets.
         skin_face: usize,
-        /// Number of crossing pairs.
+        /// Number of pairs that meet.
         count: usize,
     },
-    /// Bone and skin touch.
+    /// Bone and skin all but touch.
     #[error(
         "bone face {bone_face} is only {distance:.3e} m from skin face {skin_face}, less than {limit:.1e} m: no \
          tissue is left between"

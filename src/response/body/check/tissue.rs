@@ -5,7 +5,9 @@ use rayon::prelude::*;
 
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::nesting::component_volumes;
-use crate::response::body::check::distance::{FacePair, closest_faces, count_crossings};
+use crate::response::body::check::distance::{
+    FacePair, closest_between_components, closest_faces, crossings,
+};
 use crate::response::body::error::BodyError;
 use crate::surface::checked::Surface;
 
@@ -69,9 +71,9 @@ pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<Tis
     let Some(bone) = bone else { return Ok(report) };
     check_each_bone(bone)?;
 
-    let crossings = count_crossings(bone, skin);
-    if let Some((count, bone_face, skin_face)) = crossings {
-        return Err(BodyError::BoneCrossesSkin { bone_face, skin_face, count });
+    let crossings = crossings(bone, skin);
+    if let Some(&[bone_face, skin_face]) = crossings.first() {
+        return Err(BodyError::BoneCrossesSkin { bone_face, skin_face, count: crossings.len() });
     }
     let topology = bone.topology();
     for component in 0..topology.component_count() {
@@ -133,8 +135,7 @@ fn check_bones_apart(bone: &Surface) -> Result<(), BodyError> {
     }
     let limit = TOUCHING * bone.mean_edge_length();
     let component = |face: usize| topology.face_components()[face] as usize;
-    let meeting = crate::response::body::check::distance::closest_between_components(bone, &component, limit);
-    match meeting {
+    match closest_between_components(bone, component, limit) {
         Some(FacePair { first, second, .. }) => Err(BodyError::BonesMeet {
             first: component(first),
             second: component(second),
