@@ -6,7 +6,6 @@ pub(crate) mod crossing;
 pub(crate) mod face_tree;
 pub(crate) mod rigid_motion;
 pub(crate) mod solid_angle;
-pub(crate) mod triangle_distance;
 
 pub use bounds::Bounds;
 pub use face_tree::find_crossings;

@@ -11,7 +11,6 @@
 pub(crate) mod adjacency;
 pub(crate) mod borders;
 pub(crate) mod check;
-pub(crate) mod columns;
 pub(crate) mod component;
 pub(crate) mod csr;
 pub(crate) mod error;

@@ -1,9 +1,11 @@
 //! How the closed components of a mesh lie in one another, and which way they are turned.
 
 use nalgebra::Vector3;
+use parry3d_f64::partitioning::Bvh;
 use rayon::prelude::*;
 
-use crate::mesh::columns::{Columns, Location};
+use crate::geometry::face_tree::{Faces, face_tree};
+use crate::geometry::solid_angle::winding_number;
 use crate::mesh::component::{ClosedComponent, closed_components};
 use crate::mesh::error::MeshError;
 use crate::mesh::topology::Topology;
@@ -41,24 +43,26 @@ pub fn check_nesting(
     let components = closed_components(vertices, faces, topology);
     let closed: Vec<&ClosedComponent> = components.iter().flatten().collect();
     let tolerance = COINCIDENT_DISTANCE * topology.mean_edge_length();
-    let places = place_all(vertices, &closed, tolerance);
+    let surroundings = find_surroundings(vertices, &closed, tolerance);
 
-    let coincident: Vec<&Place> = places.iter().filter(|place| place.on.is_some()).collect();
+    let coincident: Vec<&Surroundings> = surroundings.iter().filter(|found| found.on.is_some()).collect();
     if let Some(first) = coincident.first() {
         let (other, distance) = first.on.expect("filtered");
         return Err(MeshError::CoincidentShell {
-            component: closed[first.inner].label,
-            face: closed[first.inner].first_face,
+            component: closed[first.component].label,
+            face: closed[first.component].first_face,
             other: closed[other].label,
             other_face: closed[other].first_face,
             distance,
             count: coincident.len(),
         });
     }
-    let inside_out: Vec<&Place> =
-        places.iter().filter(|place| closed[place.inner].is_inside_out(place.is_cavity())).collect();
+    let inside_out: Vec<&Surroundings> = surroundings
+        .iter()
+        .filter(|found| closed[found.component].is_inside_out(found.is_cavity()))
+        .collect();
     if let Some(first) = inside_out.first() {
-        let component = closed[first.inner];
+        let component = closed[first.component];
         return Err(MeshError::InsideOut {
             component: component.label,
             face: component.first_face,
@@ -68,10 +72,12 @@ pub fn check_nesting(
             component_count: topology.component_count(),
         });
     }
-    let nested: Vec<&Place> =
-        places.iter().filter(|place| place.is_cavity() && closed[place.inner].volume > 0.0).collect();
+    let nested: Vec<&Surroundings> = surroundings
+        .iter()
+        .filter(|found| found.is_cavity() && closed[found.component].volume > 0.0)
+        .collect();
     if let Some(first) = nested.first() {
-        let component = closed[first.inner];
+        let component = closed[first.component];
         return Err(MeshError::NestedShell {
             component: component.label,
             face: component.first_face,
@@ -90,63 +96,66 @@ pub(super) fn components_to_turn(
     mean_edge_length: f64,
 ) -> Vec<usize> {
     let closed: Vec<&ClosedComponent> = components.iter().flatten().collect();
-    place_all(vertices, &closed, COINCIDENT_DISTANCE * mean_edge_length)
+    find_surroundings(vertices, &closed, COINCIDENT_DISTANCE * mean_edge_length)
         .iter()
-        .filter(|place| (closed[place.inner].volume < 0.0) != place.is_cavity())
-        .map(|place| closed[place.inner].label)
+        .filter(|found| (closed[found.component].volume < 0.0) != found.is_cavity())
+        .map(|found| closed[found.component].label)
         .collect()
 }
 
-/// Where a closed component lies among the others; indices into the list of closed ones.
-struct Place {
-    inner: usize,
+/// What lies around a closed component; indices into the list of closed ones.
+struct Surroundings {
+    component: usize,
     /// Components around it, from the smallest on.
     around: Vec<usize>,
     /// An earlier component that it lies on, and their largest distance (m).
     on: Option<(usize, f64)>,
 }
 
-impl Place {
+impl Surroundings {
     fn is_cavity(&self) -> bool {
         self.around.len() % 2 == 1
     }
 }
 
-fn place_all(vertices: &[Vector3<f64>], closed: &[&ClosedComponent], tolerance: f64) -> Vec<Place> {
-    let may_hold = |inner: usize, outer: usize| {
+fn find_surroundings(
+    vertices: &[Vector3<f64>],
+    closed: &[&ClosedComponent],
+    tolerance: f64,
+) -> Vec<Surroundings> {
+    let may_hold = |outer: usize, inner: usize| {
         let (bounds, around) = (closed[inner].bounds, closed[outer].bounds.grown(tolerance));
         inner != outer && around.contains(&bounds.low) && around.contains(&bounds.high)
     };
-    let candidates: Vec<Vec<usize>> = (0..closed.len())
-        .map(|inner| (0..closed.len()).filter(|outer| may_hold(inner, *outer)).collect())
-        .collect();
-    let mut holds = vec![false; closed.len()];
-    candidates.iter().flatten().for_each(|outer| holds[*outer] = true);
-    let columns: Vec<Option<Columns>> = closed
-        .par_iter()
-        .zip(&holds)
-        .map(|(component, holds)| holds.then(|| Columns::new(vertices, &component.faces)))
-        .collect();
-    let place = |(inner, candidates): (usize, &Vec<usize>)| {
-        let mut place = Place { inner, around: Vec::new(), on: None };
-        if candidates.is_empty() {
-            return place;
+    let relations_to = |outer: usize| -> Vec<(usize, Relation)> {
+        let held: Vec<usize> = (0..closed.len()).filter(|inner| may_hold(outer, *inner)).collect();
+        if held.is_empty() {
+            return Vec::new();
         }
-        let samples = closed[inner].samples(vertices, SAMPLES);
-        for &outer in candidates {
-            let columns = columns[outer].as_ref().expect("made for every component that may hold another");
-            match relate(&samples, columns, tolerance) {
-                Relation::Inside => place.around.push(outer),
-                Relation::On(distance) if outer < inner && place.on.is_none() => {
-                    place.on = Some((outer, distance));
+        let shell = Shell::new(vertices, &closed[outer].faces);
+        let relation = |inner: usize| shell.relate(&closed[inner].samples(vertices, SAMPLES), tolerance);
+        held.into_par_iter().map(|inner| (inner, relation(inner))).collect()
+    };
+    let relations: Vec<Vec<(usize, Relation)>> =
+        (0..closed.len()).into_par_iter().map(relations_to).collect();
+    let mut surroundings: Vec<Surroundings> =
+        (0..closed.len()).map(|component| Surroundings { component, around: Vec::new(), on: None }).collect();
+    for (outer, relations) in relations.into_iter().enumerate() {
+        for (inner, relation) in relations {
+            let found = &mut surroundings[inner];
+            match relation {
+                Relation::Inside => found.around.push(outer),
+                Relation::On(distance) if outer < inner && found.on.is_none() => {
+                    found.on = Some((outer, distance));
                 }
                 _ => {}
             }
         }
-        place.around.sort_by(|a, b| closed[*a].volume.abs().total_cmp(&closed[*b].volume.abs()));
-        place
-    };
-    candidates.par_iter().enumerate().map(place).collect()
+    }
+    for found in &mut surroundings {
+        found.around.sort_by(|a, b| closed[*a].volume.abs().total_cmp(&closed[*b].volume.abs()));
+    }
+    surroundings
 }
 
 enum Relation {
@@ -155,20 +164,46 @@ enum Relation {
     Apart,
 }
 
-/// Places the points of a component inside, on or outside (or across) another, whichever way that is turned.
-fn relate(samples: &[Vector3<f64>], other: &Columns, tolerance: f64) -> Relation {
-    let (mut inside, mut outside, mut farthest) = (0, 0, 0.0f64);
-    for point in samples {
-        match other.locate(point, tolerance) {
-            Location::Inside => inside += 1,
-            Location::Outside => outside += 1,
-            Location::On(distance) => farthest = farthest.max(distance),
-            Location::Unclear => {}
+/// A closed component that may hold others.
+struct Shell<'a> {
+    vertices: &'a [Vector3<f64>],
+    corners: &'a [[u32; 3]],
+    normals: Vec<Vector3<f64>>,
+    tree: Bvh,
+}
+
+impl<'a> Shell<'a> {
+    fn new(vertices: &'a [Vector3<f64>], corners: &'a [[u32; 3]]) -> Shell<'a> {
+        let normal = |face: &[u32; 3]| {
+            let [a, b, c] = face.map(|vertex| vertices[vertex as usize]);
+            (b - a).cross(&(c - a)).normalize()
+        };
+        let normals = corners.iter().map(normal).collect();
+        Shell { vertices, corners, normals, tree: face_tree(vertices, corners) }
+    }
+
+    /// Places the points of another component inside, on or outside (or across) this one, whichever way it is turned.
+    fn relate(&self, samples: &[Vector3<f64>], tolerance: f64) -> Relation {
+        let (mut farthest, mut is_inside) = (0.0f64, false);
+        for point in samples {
+            let closest = self.faces().closest_to_point(&self.tree, point, tolerance);
+            match closest.map(|(_, closest)| closest.distance_squared.sqrt()) {
+                Some(distance) if distance <= tolerance => farthest = farthest.max(distance),
+                _ if self.goes_around(point) => is_inside = true,
+                _ => return Relation::Apart,
+            }
+        }
+        if is_inside { Relation::Inside } else { Relation::On(farthest) }
+    }
+
+    fn goes_around(&self, point: &Vector3<f64>) -> bool {
+        match (0..3).find_map(|axis| self.faces().winding_along(&self.tree, point, axis)) {
+            Some(winding) => winding != 0,
+            None => winding_number(point, self.vertices, self.corners.iter().copied()).abs() > 0.5,
         }
     }
-    match (inside, outside) {
-        (0, 0) => Relation::On(farthest),
-        (_, 0) => Relation::Inside,
-        _ => Relation::Apart,
+
+    fn faces(&self) -> Faces<'_> {
+        Faces { vertices: self.vertices, corners: self.corners, normals: &self.normals }
     }
 }
