@@ -9,7 +9,7 @@ use crate::mesh::check::check;
 use crate::mesh::error::MeshError;
 use crate::mesh::nesting::check_nesting;
 use crate::mesh::topology::Topology;
-use crate::surface::geometry::Geometry;
+use crate::surface::measures::Measures;
 
 /// Why a surface was rejected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -37,7 +37,7 @@ pub struct Surface {
     faces: Arc<Vec<[u32; 3]>>,
     topology: Arc<Topology>,
     skin_mask: Arc<Vec<bool>>,
-    geometry: Arc<Geometry>,
+    measures: Arc<Measures>,
 }
 
 impl Surface {
@@ -51,10 +51,10 @@ impl Surface {
     pub fn new(vertices: Vec<Vector3<f64>>, faces: Vec<[u32; 3]>) -> Result<Surface, SurfaceError> {
         let topology = check(&vertices, &faces)?;
         check_nesting(&vertices, &faces, &topology)?;
-        let geometry = Arc::new(Geometry::new(&vertices, &faces, &topology));
+        let measures = Arc::new(Measures::new(&vertices, &faces, &topology));
         let skin_mask = Arc::new(vec![true; vertices.len()]);
         let (vertices, faces, topology) = (Arc::new(vertices), Arc::new(faces), Arc::new(topology));
-        Ok(Surface { vertices, faces, topology, skin_mask, geometry })
+        Ok(Surface { vertices, faces, topology, skin_mask, measures })
     }
 
     /// The same surface, of which only some vertices may touch.
@@ -81,13 +81,13 @@ impl Surface {
     /// If the number of positions is another.
     pub fn with_vertices(&self, vertices: Vec<Vector3<f64>>) -> Surface {
         assert_eq!(vertices.len(), self.vertices.len(), "as many positions as the surface has vertices");
-        let geometry = Arc::new(Geometry::new(&vertices, &self.faces, &self.topology));
+        let measures = Arc::new(Measures::new(&vertices, &self.faces, &self.topology));
         Surface {
             vertices: Arc::new(vertices),
             faces: Arc::clone(&self.faces),
             topology: Arc::clone(&self.topology),
             skin_mask: Arc::clone(&self.skin_mask),
-            geometry,
+            measures,
         }
     }
 
@@ -117,32 +117,32 @@ impl Surface {
     /// Unlike weights by area they depend on the shape and not on how it is cut into triangles (Thürmer and
     /// Wüthrich 1998).
     pub fn vertex_normals(&self) -> &[Vector3<f64>] {
-        &self.geometry.vertex_normals
+        &self.measures.vertex_normals
     }
 
     /// Outward unit normals of the faces.
     pub fn face_normals(&self) -> &[Vector3<f64>] {
-        &self.geometry.face_normals
+        &self.measures.face_normals
     }
 
     /// Vertex areas (m²): a third of the area of the faces around each vertex.
     pub fn vertex_areas(&self) -> &[f64] {
-        &self.geometry.vertex_areas
+        &self.measures.vertex_areas
     }
 
     /// Areas of the faces (m²).
     pub fn face_areas(&self) -> &[f64] {
-        &self.geometry.face_areas
+        &self.measures.face_areas
     }
 
     /// Area of the whole surface (m²).
     pub fn area(&self) -> f64 {
-        self.geometry.area
+        self.measures.area
     }
 
     /// Volume enclosed (m³), by the divergence theorem about the middle of the bounding box; nan when open.
     pub fn volume(&self) -> f64 {
-        self.geometry.volume
+        self.measures.volume
     }
 
     /// Whether every edge has two faces.
@@ -152,7 +152,7 @@ impl Surface {
 
     /// Mean length of the edges (m).
     pub fn mean_edge_length(&self) -> f64 {
-        self.geometry.mean_edge_length
+        self.measures.mean_edge_length
     }
 
     /// Per vertex, whether it is skin and so may touch.
@@ -172,6 +172,6 @@ impl Surface {
 
     /// The box around the vertices.
     pub fn bounding_box(&self) -> Bounds {
-        self.geometry.bounding_box
+        self.measures.bounding_box
     }
 }

@@ -10,7 +10,8 @@
 pub(crate) mod cap;
 pub(crate) mod checked;
 pub(crate) mod geodesic;
-pub(crate) mod geometry;
+pub(crate) mod measures;
+
 pub(crate) mod nearest;
 pub(crate) mod path;
 pub(crate) mod rings;

@@ -8,7 +8,7 @@ use crate::mesh::topology::Topology;
 
 /// What follows from the positions.
 #[derive(Debug, Clone)]
-pub(super) struct Geometry {
+pub(super) struct Measures {
     pub face_normals: Vec<Vector3<f64>>,
     pub face_areas: Vec<f64>,
     pub vertex_normals: Vec<Vector3<f64>>,
@@ -19,8 +19,8 @@ pub(super) struct Geometry {
     pub bounding_box: Bounds,
 }
 
-impl Geometry {
-    pub(super) fn new(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology: &Topology) -> Geometry {
+impl Measures {
+    pub(super) fn new(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology: &Topology) -> Measures {
         let mut face_normals = Vec::with_capacity(faces.len());
         let mut face_areas = Vec::with_capacity(faces.len());
         let mut vertex_normals = vec![Vector3::zeros(); vertices.len()];
@@ -62,7 +62,7 @@ impl Geometry {
         } else {
             f64::NAN
         };
-        Geometry {
+        Measures {
             area: face_areas.iter().sum(),
             mean_edge_length: edge_total / topology.edge_count() as f64,
             face_normals,
