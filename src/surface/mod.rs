@@ -5,17 +5,14 @@
 //! the area of the faces around `i`, so that `Σ S_i` is the area of the skin. Open surfaces are welcome.
 //!
 //! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`],
-//! [`Surface::nearest_along_skin`] and [`Surface::flat_cap_mask`]. [`shares_tissue`] tells neighbours through the tissue from other fingers.
+//! [`Surface::nearest_along_skin`] and [`Surface::flat_cap_mask`]. [`shares_tissue`] tells neighbours through the tissue
+//! from other fingers.
 
 pub(crate) mod cap;
 pub(crate) mod checked;
-pub(crate) mod geodesic;
 pub(crate) mod measures;
-
-pub(crate) mod nearest;
-pub(crate) mod path;
 pub(crate) mod rings;
+pub(crate) mod shortest_paths;
 
 pub use checked::{Surface, SurfaceError};
-pub use geodesic::{LONGEST_DETOUR, shares_tissue};
-pub use nearest::NearestAlongSkin;
+pub use shortest_paths::{LONGEST_DETOUR, NearestAlongSkin, shares_tissue};

@@ -174,13 +174,13 @@ fn the_nearest_source_along_the_skin_is_the_one_that_single_searches_find() {
     let nearest = surface.nearest_along_skin(&sources, f64::INFINITY);
     for vertex in 0..surface.vertices().len() {
         let best = (0..3).min_by(|&a, &b| way(a, vertex).total_cmp(&way(b, vertex))).unwrap();
-        assert_eq!(nearest.source[vertex] as usize, sources[best]);
+        assert_eq!(nearest.source(vertex), Some(sources[best]));
         assert_eq!(nearest.distance[vertex], way(best, vertex));
     }
     let near = surface.nearest_along_skin(&sources, 5e-3);
     for vertex in 0..surface.vertices().len() {
         let within = nearest.distance[vertex] <= 5e-3;
-        assert_eq!(near.distance[vertex].is_finite() && near.source[vertex] != u32::MAX, within);
+        assert_eq!(near.distance[vertex].is_finite() && near.source(vertex).is_some(), within);
     }
 }
 

@@ -12,8 +12,7 @@ use nalgebra::Vector3;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::solid_angle::winding_number;
 use crate::surface::checked::Surface;
-use crate::surface::geodesic::shares_tissue;
-use crate::surface::nearest::NearestAlongSkin;
+use crate::surface::shortest_paths::{NearestAlongSkin, shares_tissue};
 
 /// Slack of the way along the skin (mean edge lengths): between patches a few edges apart a path of edges may
 /// be long against the straight line for no reason but the mesh.
@@ -101,10 +100,7 @@ impl Fingers {
     pub fn finger_of(&self, vertex: usize) -> Option<usize> {
         match &self.vertices {
             None => Some(0),
-            Some(nearest) => {
-                let source = nearest.source[vertex];
-                (source != u32::MAX).then(|| self.of_candidate[source as usize])
-            }
+            Some(nearest) => nearest.source(vertex).map(|source| self.of_candidate[source]),
         }
     }
 
@@ -143,15 +139,11 @@ fn shortest_ways(
 ) -> BTreeMap<[usize; 2], Way> {
     let mut ways: BTreeMap<[usize; 2], Way> = BTreeMap::new();
     for vertex in 0..label.len() {
-        if nearest.source[vertex] == u32::MAX {
-            continue;
-        }
+        let Some(source) = nearest.source(vertex) else { continue };
         for &other in surface.neighbours(vertex) {
             let other = other as usize;
-            if other < vertex || nearest.source[other] == u32::MAX {
-                continue;
-            }
-            let ends = [nearest.source[vertex], nearest.source[other]].map(|source| source as usize);
+            let Some(other_source) = nearest.source(other).filter(|_| other > vertex) else { continue };
+            let ends = [source, other_source];
             let [a, b] = ends.map(|end| label[end]);
             if a == b {
                 continue;

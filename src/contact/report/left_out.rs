@@ -6,7 +6,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
-use crate::surface::geodesic::LONGEST_DETOUR;
+use crate::surface::shortest_paths::LONGEST_DETOUR;
 
 impl Report {
     /// What the measurement of gaps left out.
