@@ -51,7 +51,7 @@ impl Certificate {
     pub(super) fn measure(problem: &LcpProblem, z: &[f64], w: &[f64]) -> Self {
         let definiteness = if problem.known_p_matrix { Definiteness::PMatrix } else { Definiteness::Unknown };
         let delta = problem.deficit();
-        if delta == 0.0 && z.iter().all(|&z| z == 0.0) {
+        if delta == 0.0 {
             return Self { natural_residual: 0.0, complementarity: 0.0, infeasibility: 0.0, definiteness };
         }
         let (mut natural, mut products, mut infeasibility, mut total) = (0.0, 0.0, 0.0, 0.0);

@@ -220,38 +220,9 @@ impl Run<'_> {
         let start = if guess.is_some() { Start::Guess } else { Start::Cold };
         let active = guess.unwrap_or_else(|| first_guess(&reduced.q));
         let tolerance = CG_MARGIN * self.options.tolerance;
-        let run =
-            projected_cg::solve(by_columns(&reduced), &reduced.q, &active, None, tolerance, self.options);
-        let solution = self.attempt(LcpMethod::ProjectedCg, &run.outcome, &reduced, start);
-        Ok((solution, run.outcome.work))
-    }
-
-    /// Conjugate gradients with `Σ z` given.
-    pub(super) fn load_control(&mut self) -> Result<Answer, LcpError> {
-        if self.problem.rows(&|| self.options.is_interrupted())?.is_none() {
-            return Ok((self.stopped(LcpMethod::ProjectedCg), 0.0));
-        }
-        let reduced = Reduced::whole(self.problem, power_of_two(largest(self.problem.q)));
-        self.candidates = reduced.size();
-        self.check_symmetry(&reduced)?;
-        let guess = self.options.initial_active.clone();
-        let start = if guess.is_some() { Start::Guess } else { Start::Cold };
-        let active = guess.unwrap_or_else(|| {
-            let lowest = reduced.q.iter().copied().fold(f64::INFINITY, f64::min);
-            let highest = reduced.q.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (0..reduced.size()).filter(|&i| reduced.q[i] <= 0.5 * (lowest + highest)).collect()
-        });
-        let total = self.options.total.map(|total| total / reduced.unit);
-        let tolerance = CG_MARGIN * self.options.tolerance;
-        let run =
-            projected_cg::solve(by_columns(&reduced), &reduced.q, &active, total, tolerance, self.options);
-        let shift = run.shift * reduced.unit;
-        let shifted: Vec<f64> = self.problem.q.iter().map(|q| q + shift).collect();
-        let problem = self.problem.with_vector(&shifted);
-        let mut inner = Run { problem: &problem, attempts: Vec::new(), ..*self };
-        let mut solution = inner.attempt(LcpMethod::ProjectedCg, &run.outcome, &reduced, start);
-        solution.shift = shift;
-        Ok((solution, run.outcome.work))
+        let outcome = projected_cg::solve(by_columns(&reduced), &reduced.q, &active, tolerance, self.options);
+        let solution = self.attempt(LcpMethod::ProjectedCg, &outcome, &reduced, start);
+        Ok((solution, outcome.work))
     }
 
     fn check_symmetry(&self, reduced: &Reduced) -> Result<(), LcpError> {
@@ -275,9 +246,4 @@ fn open_rows(run: &Run, solution: &LcpSolution, is_kept: &[bool]) -> Vec<usize> 
 fn by_columns<'a>(reduced: &'a Reduced) -> faer::MatRef<'a, f64> {
     let m = reduced.m();
     if is_by_rows(m) { m.transpose() } else { m }
-}
-
-fn largest(q: &[f64]) -> f64 {
-    let largest = q.iter().fold(0.0, |a: f64, q| a.max(q.abs()));
-    if largest > 0.0 { largest } else { 1.0 }
 }

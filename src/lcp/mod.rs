@@ -23,7 +23,7 @@
 //! |---|---|---|
 //! | [`Lemke`](LcpMethod::Lemke) | any M; about one pivot for each unknown above zero, by blocks where [`crash`](LcpOptions::crash) serves | columns of M as they enter |
 //! | [`BlockPivoting`](LcpMethod::BlockPivoting) | M with positive principal minors; a few factors of the active block | that block |
-//! | [`ProjectedCg`](LcpMethod::ProjectedCg) | M symmetric positive definite, by depth or by load | products with M |
+//! | [`ProjectedCg`](LcpMethod::ProjectedCg) | M symmetric positive definite | products with M |
 //! | [`Auto`](LcpMethod::Auto) | block pivoting, then Lemke; notes what it did | |
 //!
 //! Unknowns that no `z >= 0` can press (`q_i >= 0`, no negative entry in row i) are left out by all of them. Block

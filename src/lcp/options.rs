@@ -108,8 +108,6 @@ pub struct LcpOptions<'a> {
     /// Asked again and again by the calling thread while the solve runs; `true`, which must then stay so, ends
     /// it as interrupted.
     pub interrupt: Option<&'a (dyn Fn() -> bool + Sync)>,
-    /// Load control, for projected_cg alone: `Σ z` (> 0); q is then known up to one shift for all rows.
-    pub total: Option<f64>,
     /// Whether the certificate looks for positive definiteness.
     pub definiteness: DefinitenessCheck,
     /// Whether Lemke's method may begin from a crash basis (Dirkse, Ferris): block exchanges guess the active
@@ -129,7 +127,6 @@ impl Default for LcpOptions<'_> {
             initial_active: None,
             covering: None,
             interrupt: None,
-            total: None,
             definiteness: DefinitenessCheck::Cheap,
             crash: true,
             check: FiniteCheck::Cheap,
@@ -146,7 +143,6 @@ impl std::fmt::Debug for LcpOptions<'_> {
             .field("initial_active", &self.initial_active)
             .field("covering", &self.covering)
             .field("interrupt", &self.interrupt.map(|_| "Fn() -> bool"))
-            .field("total", &self.total)
             .field("definiteness", &self.definiteness)
             .field("crash", &self.crash)
             .field("check", &self.check)
@@ -156,24 +152,7 @@ impl std::fmt::Debug for LcpOptions<'_> {
 
 impl LcpOptions<'_> {
     /// Checks every option against a problem of `size` unknowns.
-    pub(super) fn validate(&self, size: usize, method: LcpMethod) -> Result<(), LcpError> {
-        if let Some(total) = self.total {
-            let name = "total";
-            if method != LcpMethod::ProjectedCg {
-                return Err(LcpError::OptionOutOfRange {
-                    name,
-                    value: total,
-                    expected: "none but for projected_cg",
-                });
-            }
-            if !(total > 0.0 && total.is_finite()) {
-                return Err(LcpError::OptionOutOfRange {
-                    name,
-                    value: total,
-                    expected: "a finite value above 0",
-                });
-            }
-        }
+    pub(super) fn validate(&self, size: usize) -> Result<(), LcpError> {
         if !(self.pivot_tol > 0.0 && self.pivot_tol <= 1e-3) {
             let expected = "a value in (0, 1e-3]";
             return Err(LcpError::OptionOutOfRange { name: "pivot_tol", value: self.pivot_tol, expected });

@@ -153,15 +153,6 @@ impl<'a> LcpProblem<'a> {
         self.q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q))
     }
 
-    /// The same M with another q, as long as the old.
-    pub(super) fn with_vector<'b>(&self, q: &'b [f64]) -> LcpProblem<'b>
-    where
-        'a: 'b,
-    {
-        debug_assert_eq!(q.len(), self.q.len());
-        LcpProblem { m: self.m, q, known_p_matrix: self.known_p_matrix, extremes: self.extremes.clone() }
-    }
-
     /// Smallest entry and largest magnitude of each row; the first call looks at every entry of M.
     ///
     /// `None` when interrupted meanwhile.

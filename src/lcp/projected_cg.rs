@@ -14,32 +14,23 @@ use crate::lcp::solution::LcpStatus;
 /// Iterations without a smaller residual before the run is given up.
 const STALLED: usize = 500;
 
-/// An outcome and the shift of q that a given load brings.
-pub(super) struct Gradients {
-    pub(super) outcome: Outcome,
-    pub(super) shift: f64,
-}
-
 /// Solves on `m` (columns contiguous where that is possible) from the guess `active`.
-///
-/// With `total`, `Σ z` is given and q known up to the same shift everywhere.
 pub(super) fn solve(
     m: MatRef<'_, f64>,
     q: &[f64],
     active: &[usize],
-    total: Option<f64>,
     tolerance: f64,
     options: &LcpOptions,
-) -> Gradients {
+) -> Outcome {
     let n = q.len();
     let diagonal: Vec<f64> = (0..n).map(|i| m[(i, i)]).collect();
-    let mut run = Gradients { outcome: Outcome::zero(LcpStatus::Breakdown, n), shift: 0.0 };
+    let mut outcome = Outcome::zero(LcpStatus::Breakdown, n);
     if diagonal.iter().any(|&m| m <= 0.0) {
-        return run;
+        return outcome;
     }
     let budget = options.pivot_budget(n);
     let interrupted = || options.is_interrupted();
-    let mut z = start(m, q, &diagonal, active, total, &interrupted);
+    let mut z = start(m, q, &diagonal, active, &interrupted);
     let mut direction = vec![0.0; n];
     let mut curved = vec![0.0; n];
     let (mut conjugate, mut last) = (false, 1.0);
@@ -47,17 +38,12 @@ pub(super) fn solve(
     let mut w = gap(m, q, &z, &interrupted);
     let mut is_fresh = true;
     loop {
-        if total.is_some() {
-            run.shift = -mean(&w, &diagonal, &z);
-        }
-        let shift = run.shift;
         // Natural residual, by which the best iterate so far is kept.
-        let unit = q.iter().fold(0.0, |unit: f64, &q| unit.max(-q - shift));
-        let residual =
-            (0..n).fold(0.0, |worst: f64, i| nan_max(worst, (diagonal[i] * z[i]).min(w[i] + shift).abs()));
+        let unit = q.iter().fold(0.0, |unit: f64, &q| unit.max(-q));
+        let residual = (0..n).fold(0.0, |worst: f64, i| nan_max(worst, (diagonal[i] * z[i]).min(w[i]).abs()));
         if residual < best * unit {
-            (best, best_at) = (residual / unit, run.outcome.pivots);
-            run.outcome.z.copy_from_slice(&z);
+            (best, best_at) = (residual / unit, outcome.pivots);
+            outcome.z.copy_from_slice(&z);
         }
         if residual <= tolerance * unit && !is_fresh {
             // Updates of w gather rounding; the last word has M itself.
@@ -65,35 +51,35 @@ pub(super) fn solve(
             is_fresh = true;
             continue;
         }
-        run.outcome.status = if residual <= tolerance * unit {
+        outcome.status = if residual <= tolerance * unit {
             LcpStatus::Solved
         } else if options.is_interrupted() {
             LcpStatus::Interrupted
-        } else if run.outcome.pivots >= budget {
+        } else if outcome.pivots >= budget {
             LcpStatus::PivotLimit
-        } else if !residual.is_finite() || run.outcome.pivots > best_at + STALLED {
+        } else if !residual.is_finite() || outcome.pivots > best_at + STALLED {
             LcpStatus::Breakdown
         } else {
             LcpStatus::Solved
         };
-        if run.outcome.status != LcpStatus::Solved || residual <= tolerance * unit {
-            return run;
+        if outcome.status != LcpStatus::Solved || residual <= tolerance * unit {
+            return outcome;
         }
-        run.outcome.pivots += 1;
-        let square: f64 = (0..n).filter(|&i| z[i] > 0.0).map(|i| (w[i] + shift).powi(2) / diagonal[i]).sum();
+        outcome.pivots += 1;
+        let square: f64 = (0..n).filter(|&i| z[i] > 0.0).map(|i| w[i].powi(2) / diagonal[i]).sum();
         let keep = if conjugate && last > 0.0 { square / last } else { 0.0 };
         last = square;
         for i in 0..n {
-            direction[i] = if z[i] > 0.0 { (w[i] + shift) / diagonal[i] + keep * direction[i] } else { 0.0 };
+            direction[i] = if z[i] > 0.0 { w[i] / diagonal[i] + keep * direction[i] } else { 0.0 };
         }
         curved.fill(0.0);
         add_product(m, &direction, &mut curved, &interrupted);
-        run.outcome.work += (n * direction.iter().filter(|&&d| d != 0.0).count()) as f64;
-        let slope: f64 = (0..n).map(|i| (w[i] + shift) * direction[i]).sum();
+        outcome.work += (n * direction.iter().filter(|&&d| d != 0.0).count()) as f64;
+        let slope: f64 = (0..n).map(|i| w[i] * direction[i]).sum();
         let curvature: f64 = (0..n).map(|i| curved[i] * direction[i]).sum();
         if curvature <= 0.0 && slope != 0.0 {
-            run.outcome.status = LcpStatus::Breakdown;
-            return run;
+            outcome.status = LcpStatus::Breakdown;
+            return outcome;
         }
         let step = if curvature > 0.0 { slope / curvature } else { 1.0 };
         conjugate = true;
@@ -104,20 +90,15 @@ pub(super) fn solve(
                 let straight = z[i] - step * direction[i];
                 z[i] = straight.max(0.0);
                 correction[i] = z[i] - straight;
-            } else if w[i] + shift < 0.0 {
-                z[i] = -step.abs().min(1.0) * (w[i] + shift) / diagonal[i];
+            } else if w[i] < 0.0 {
+                z[i] = -step.abs().min(1.0) * w[i] / diagonal[i];
                 correction[i] = z[i];
                 conjugate = false;
             }
         }
         w.iter_mut().zip(&curved).for_each(|(w, curved)| *w -= step * curved);
         add_product(m, &correction, &mut w, &interrupted);
-        if let Some(total) = total {
-            let factor = total / z.iter().sum::<f64>();
-            z.iter_mut().for_each(|z| *z *= factor);
-            w.iter_mut().zip(q).for_each(|(w, q)| *w = q + factor * (*w - q));
-        }
-        is_fresh = run.outcome.pivots.is_multiple_of(50);
+        is_fresh = outcome.pivots.is_multiple_of(50);
         if is_fresh {
             w = gap(m, q, &z, &interrupted);
         }
@@ -130,21 +111,9 @@ fn start(
     q: &[f64],
     diagonal: &[f64],
     active: &[usize],
-    total: Option<f64>,
     interrupted: &dyn Fn() -> bool,
 ) -> Vec<f64> {
     let mut z = vec![0.0; q.len()];
-    if let Some(total) = total {
-        // q is known up to a shift: its level is that of the highest in the guess.
-        let highest = active.iter().fold(f64::NEG_INFINITY, |a: f64, &i| a.max(q[i]));
-        active.iter().for_each(|&i| z[i] = (highest - q[i]) / diagonal[i]);
-        if z.iter().all(|&z| z == 0.0) {
-            z.iter_mut().zip(diagonal).for_each(|(z, diagonal)| *z = 1.0 / diagonal);
-        }
-        let sum: f64 = z.iter().sum();
-        z.iter_mut().for_each(|z| *z *= total / sum);
-        return z;
-    }
     active.iter().for_each(|&i| z[i] = (-q[i]).max(0.0) / diagonal[i]);
     let mut curved = vec![0.0; q.len()];
     add_product(m, &z, &mut curved, interrupted);
@@ -159,13 +128,4 @@ fn gap(m: MatRef<'_, f64>, q: &[f64], z: &[f64], interrupted: &dyn Fn() -> bool)
     let mut w = q.to_vec();
     add_product(m, z, &mut w, interrupted);
     w
-}
-
-/// Mean of w over the loaded unknowns, weighted as the scaled directions need it.
-fn mean(w: &[f64], diagonal: &[f64], z: &[f64]) -> f64 {
-    let mut sums = (0.0, 0.0);
-    for i in (0..z.len()).filter(|&i| z[i] > 0.0) {
-        sums = (sums.0 + w[i] / diagonal[i], sums.1 + 1.0 / diagonal[i]);
-    }
-    if sums.1 > 0.0 { sums.0 / sums.1 } else { 0.0 }
 }

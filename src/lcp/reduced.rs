@@ -33,17 +33,12 @@ impl<'a> Reduced<'a> {
     pub(super) fn on(problem: &LcpProblem<'a>, rows: Vec<usize>) -> Self {
         let unit = power_of_two(problem.deficit());
         let n = problem.size();
-        if rows.len() == n || 4 * rows.len() > 3 * n {
-            return Self::whole(problem, unit);
-        }
-        let q = rows.iter().map(|&i| problem.q[i] / unit).collect();
-        Self { kept: Some(rows), source: problem.m, block: None, q, unit }
-    }
-
-    /// All rows.
-    pub(super) fn whole(problem: &LcpProblem<'a>, unit: f64) -> Self {
-        let q = problem.q.iter().map(|q| q / unit).collect();
-        Self { kept: None, source: problem.m, block: None, q, unit }
+        let kept = (4 * rows.len() <= 3 * n).then_some(rows);
+        let q = match &kept {
+            None => problem.q.iter().map(|q| q / unit).collect(),
+            Some(kept) => kept.iter().map(|&i| problem.q[i] / unit).collect(),
+        };
+        Self { kept, source: problem.m, block: None, q, unit }
     }
 
     /// Row of the whole problem that stands at `place` here.

@@ -78,8 +78,6 @@ pub struct LcpSolution {
     pub attempts: Vec<LcpAttempt>,
     /// Number of unknowns that the method looked at; the others can stay at zero.
     pub candidates: usize,
-    /// What load control added to every entry of q, so that `w = M z + q + shift`; 0 without it.
-    pub shift: f64,
 }
 
 impl LcpSolution {

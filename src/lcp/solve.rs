@@ -28,14 +28,14 @@ const SMALL: usize = 64;
 /// [`LcpOptions::check`] says, and [`LcpError::NotSymmetric`] from [`LcpMethod::ProjectedCg`]; no ending is an
 /// error.
 pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> Result<LcpSolution, LcpError> {
-    options.validate(problem.size(), method)?;
+    options.validate(problem.size())?;
     let n = problem.size();
     let mut run = Run { problem, options, attempts: Vec::new(), candidates: 0, has_positive_diagonal: false };
     let look_at_all = n <= SMALL || options.check == FiniteCheck::Always;
     if look_at_all && problem.rows(&|| options.is_interrupted())?.is_none() {
         return Ok(run.stopped(method));
     }
-    if problem.deficit() == 0.0 && options.total.is_none() || n == 0 {
+    if problem.deficit() == 0.0 {
         let zero = Outcome::zero(LcpStatus::Solved, 0);
         let mut solution = run.conclude(method, &zero, vec![0.0; n]);
         if options.definiteness == DefinitenessCheck::Always && !problem.known_p_matrix {
@@ -54,7 +54,6 @@ pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> R
     let (mut solution, work) = match method {
         LcpMethod::Lemke => run.lemke()?,
         LcpMethod::BlockPivoting => run.block_pivoting_or_lemke()?,
-        LcpMethod::ProjectedCg if options.total.is_some() => run.load_control()?,
         LcpMethod::ProjectedCg => run.projected_cg()?,
         LcpMethod::Auto => run.auto()?,
     };
@@ -166,7 +165,6 @@ impl<'a> Run<'a> {
             ray: None,
             attempts: Vec::new(),
             candidates: self.candidates,
-            shift: 0.0,
         }
     }
 

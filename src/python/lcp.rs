@@ -36,7 +36,7 @@ pub(super) struct PyLcpOptions {
 impl PyLcpOptions {
     #[new]
     #[pyo3(signature = (
-        *, max_pivots, pivot_tol, tolerance, initial_active, covering, total, definiteness, crash, check,
+        *, max_pivots, pivot_tol, tolerance, initial_active, covering, definiteness, crash, check,
         known_p_matrix
     ))]
     #[allow(clippy::too_many_arguments, reason = "one for each option, by keyword")]
@@ -46,7 +46,6 @@ impl PyLcpOptions {
         tolerance: f64,
         initial_active: Option<Vec<usize>>,
         covering: Option<&Bound<'_, PyAny>>,
-        total: Option<f64>,
         definiteness: &str,
         crash: bool,
         check: &str,
@@ -59,7 +58,6 @@ impl PyLcpOptions {
             initial_active,
             covering: covering.map(|value| scalars(value, "covering")).transpose()?,
             interrupt: None,
-            total,
             definiteness: named(
                 "definiteness",
                 definiteness,
@@ -80,7 +78,6 @@ impl PyLcpOptions {
         defaults.set_item("max_pivots", options.max_pivots)?;
         defaults.set_item("pivot_tol", options.pivot_tol)?;
         defaults.set_item("tolerance", options.tolerance)?;
-        defaults.set_item("total", options.total)?;
         defaults.set_item("definiteness", options.definiteness.as_str())?;
         defaults.set_item("crash", options.crash)?;
         defaults.set_item("check", options.check.as_str())?;
@@ -134,7 +131,6 @@ impl PyLcpSolution {
         let attempts: Vec<_> = solution.attempts.iter().map(attempt).collect();
         fields.set_item(intern!(py, "attempts"), attempts)?;
         fields.set_item(intern!(py, "candidates"), solution.candidates)?;
-        fields.set_item(intern!(py, "shift"), solution.shift)?;
         Ok(fields)
     }
 }
