@@ -29,6 +29,10 @@
 //! Unknowns that no `z >= 0` can press (`q_i >= 0`, no negative entry in row i) are left out by all of them. Block
 //! exchanges begin on the rows with `q_i < 0` and take in those that an answer presses below zero, so that they
 //! read the columns that touch and little else of M.
+//! Every entry of M that a solve reads must be finite: all of an M of at most 64 rows, of a larger one those that the
+//! method needs, and all of it where the ending is not [`LcpStatus::Solved`]. An answer depends on the columns of its
+//! `z > 0` alone; entries elsewhere may go unread. Of q every entry must be finite.
+//!
 //! Every answer, whichever method found it, is checked against the `M` and `q` as given; only one whose
 //! [natural residual](Certificate::natural_residual) passes is called [`LcpStatus::Solved`].
 //!
@@ -57,7 +61,7 @@ pub(crate) mod solve;
 pub(crate) mod symmetry;
 
 pub use certificate::{Certificate, Definiteness};
-pub use options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
+pub use options::{DefinitenessCheck, LcpMethod, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
 pub use ray::{LcpRay, RayConclusion};
 pub use solution::{LcpAttempt, LcpSolution, LcpStatus};

@@ -64,34 +64,6 @@ impl DefinitenessCheck {
     }
 }
 
-/// Which entries of M are looked at for being finite.
-///
-/// Entries of q always are, and so is the diagonal unless `q >= 0`, where a large M is not read at all. A solved
-/// answer depends on the columns of its `z > 0` alone; an entry elsewhere that is not finite is noticed where a
-/// method reads it, and wherever an ending is not solved. Of an M stored by rows, entries are read in groups of eight:
-/// those beside a column of `z > 0` too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum FiniteCheck {
-    /// All where M has at most 64 rows; else what a solve reads.
-    #[default]
-    Cheap,
-    /// All.
-    Always,
-}
-
-impl FiniteCheck {
-    /// Every choice.
-    pub const ALL: [Self; 2] = [Self::Cheap, Self::Always];
-
-    /// The name by which it is asked for.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Cheap => "cheap",
-            Self::Always => "always",
-        }
-    }
-}
-
 /// Parameters of [`solve`](crate::lcp::solve::solve()).
 #[derive(Clone)]
 pub struct LcpOptions<'a> {
@@ -114,8 +86,6 @@ pub struct LcpOptions<'a> {
     /// set as long as nothing shows that M is no P-matrix; where they stall, the path begins from nothing. Only
     /// without a guess or covering vector of the caller's, and for more than 16 unknowns that may touch.
     pub crash: bool,
-    /// Which entries of M are looked at for being finite.
-    pub check: FiniteCheck,
 }
 
 impl Default for LcpOptions<'_> {
@@ -129,7 +99,6 @@ impl Default for LcpOptions<'_> {
             interrupt: None,
             definiteness: DefinitenessCheck::Cheap,
             crash: true,
-            check: FiniteCheck::Cheap,
         }
     }
 }
@@ -145,7 +114,6 @@ impl std::fmt::Debug for LcpOptions<'_> {
             .field("interrupt", &self.interrupt.map(|_| "Fn() -> bool"))
             .field("definiteness", &self.definiteness)
             .field("crash", &self.crash)
-            .field("check", &self.check)
             .finish()
     }
 }

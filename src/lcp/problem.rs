@@ -29,7 +29,7 @@ pub enum LcpError {
         /// Number of rows of M.
         expected: usize,
     },
-    /// An entry of M that the solve needs is infinite or not a number.
+    /// An entry of M that a solve reads is infinite or not a number.
     #[error("M[{row}, {column}] is {value}; {count} entries of M are not finite")]
     NonFiniteMatrix {
         /// Row of the first such entry.
@@ -98,8 +98,7 @@ pub enum LcpError {
 
 /// `w = M z + q` with `w >= 0`, `z >= 0`, `w·z = 0`, shape and q checked.
 ///
-/// M may be stored by columns, by rows or with any strides; it is not copied here. Its entries are looked at by
-/// [`solve`](crate::lcp::solve::solve()), as far as [`LcpOptions::check`](crate::lcp::LcpOptions::check) says.
+/// M may be stored by columns, by rows or with any strides; it is neither copied nor read here.
 #[derive(Debug, Clone)]
 pub struct LcpProblem<'a> {
     pub(super) m: MatRef<'a, f64>,

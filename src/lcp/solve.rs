@@ -2,14 +2,14 @@
 
 use crate::lcp::certificate::{Certificate, Definiteness};
 use crate::lcp::definite;
-use crate::lcp::options::{DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions};
+use crate::lcp::options::{DefinitenessCheck, LcpMethod, LcpOptions};
 use crate::lcp::outcome::Outcome;
 use crate::lcp::problem::{LcpError, LcpProblem};
 use crate::lcp::reduced::{Reduced, rows_that_matter};
 use crate::lcp::solution::{LcpAttempt, LcpSolution, LcpStatus};
 
-/// Rows up to which all of M is looked at, as that costs next to nothing.
-const SMALL: usize = 64;
+/// Rows up to which all of M is read first: that costs next to nothing and leaves the fewest unknowns.
+const FEW_ROWS: usize = 64;
 
 /// Solves `w = M z + q`, `w >= 0`, `z >= 0`, `w·z = 0`.
 ///
@@ -24,15 +24,13 @@ const SMALL: usize = 64;
 /// to be indefinite.
 ///
 /// # Errors
-/// An option that is out of range or does not fit the problem, [`LcpError::NonFiniteMatrix`] as
-/// [`LcpOptions::check`] says, and [`LcpError::NotSymmetric`] from [`LcpMethod::ProjectedCg`]; no ending is an
-/// error.
+/// An option that is out of range or does not fit the problem, [`LcpError::NonFiniteMatrix`] where an entry that
+/// is read is not finite, and [`LcpError::NotSymmetric`] from [`LcpMethod::ProjectedCg`]; no ending is an error.
 pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> Result<LcpSolution, LcpError> {
     options.validate(problem.size())?;
     let n = problem.size();
     let mut run = Run { problem, options, attempts: Vec::new(), candidates: 0, has_positive_diagonal: false };
-    let look_at_all = n <= SMALL || options.check == FiniteCheck::Always;
-    if look_at_all && problem.rows(&|| options.is_interrupted())?.is_none() {
+    if n <= FEW_ROWS && problem.rows(&|| options.is_interrupted())?.is_none() {
         return Ok(run.stopped(method));
     }
     if problem.deficit() == 0.0 {

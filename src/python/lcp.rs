@@ -3,9 +3,7 @@
 use super::convert::{MatrixIn, nodes_out, scalars};
 use super::errors::IntoPyErr;
 use super::interrupt::detached;
-use crate::lcp::{
-    self, DefinitenessCheck, FiniteCheck, LcpMethod, LcpOptions, LcpProblem, LcpSolution, RayConclusion,
-};
+use crate::lcp::{self, DefinitenessCheck, LcpMethod, LcpOptions, LcpProblem, LcpSolution, RayConclusion};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::intern;
@@ -36,8 +34,7 @@ pub(super) struct PyLcpOptions {
 impl PyLcpOptions {
     #[new]
     #[pyo3(signature = (
-        *, max_pivots, pivot_tol, tolerance, initial_active, covering, definiteness, crash, check,
-        known_p_matrix
+        *, max_pivots, pivot_tol, tolerance, initial_active, covering, definiteness, crash, known_p_matrix
     ))]
     #[allow(clippy::too_many_arguments, reason = "one for each option, by keyword")]
     fn new(
@@ -48,7 +45,6 @@ impl PyLcpOptions {
         covering: Option<&Bound<'_, PyAny>>,
         definiteness: &str,
         crash: bool,
-        check: &str,
         known_p_matrix: bool,
     ) -> PyResult<Self> {
         let inner = LcpOptions {
@@ -65,7 +61,6 @@ impl PyLcpOptions {
                 DefinitenessCheck::as_str,
             )?,
             crash,
-            check: named("check", check, &FiniteCheck::ALL, FiniteCheck::as_str)?,
         };
         Ok(Self { inner, known_p_matrix })
     }
@@ -80,7 +75,6 @@ impl PyLcpOptions {
         defaults.set_item("tolerance", options.tolerance)?;
         defaults.set_item("definiteness", options.definiteness.as_str())?;
         defaults.set_item("crash", options.crash)?;
-        defaults.set_item("check", options.check.as_str())?;
         Ok(defaults)
     }
 }
