@@ -10,6 +10,7 @@ use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
 use crate::lcp::reduced::Reduced;
 use crate::lcp::solution::LcpStatus;
+use crate::lcp::touched_columns::TouchedColumns;
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{Factor, NoFactor};
 
@@ -53,7 +54,7 @@ pub(super) fn solve(
     let full_patience = if fallback == Fallback::Crash { CRASH_PATIENCE } else { PATIENCE };
     let (mut fewest, mut patience) = (usize::MAX, full_patience);
     let mut singles = if options.max_pivots.is_some() { usize::MAX } else { single_budget(n) };
-    let mut blocks = Blocks { reduced, options, kind: Kind::Open };
+    let mut blocks = Blocks { reduced, columns: TouchedColumns::new(reduced), options, kind: Kind::Open };
     loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();
         let factor = match blocks.factor(&set, &mut outcome.work) {
@@ -117,6 +118,7 @@ fn clipped(mut outcome: Outcome) -> Outcome {
 /// Factors of principal blocks, and what they give.
 struct Blocks<'a> {
     reduced: &'a Reduced<'a>,
+    columns: TouchedColumns<'a>,
     options: &'a LcpOptions<'a>,
     kind: Kind,
 }
@@ -139,8 +141,9 @@ impl Blocks<'_> {
     fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<Factor, NoFactor> {
         let interrupted = || self.options.is_interrupted();
         let k = set.len() as f64;
+        self.columns.touch(set, &interrupted);
         if self.kind == Kind::Open {
-            let block = self.reduced.principal(set, true, &interrupted);
+            let block = self.columns.principal(set, true, &interrupted);
             if looks_symmetric(&block) {
                 *work += k * k * k / 3.0;
                 match Factor::cholesky(block, &interrupted) {
@@ -152,7 +155,7 @@ impl Blocks<'_> {
             }
         }
         *work += 2.0 / 3.0 * k * k * k;
-        Factor::lu(self.reduced.principal(set, false, &interrupted), &interrupted)
+        Factor::lu(self.columns.principal(set, false, &interrupted), &interrupted)
     }
 
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
@@ -176,7 +179,7 @@ impl Blocks<'_> {
                 z[i] -= error;
             }
             w.copy_from_slice(&self.reduced.q);
-            self.reduced.add_product(z, &mut w, &interrupted);
+            self.columns.add_product(set, z, &mut w, &interrupted);
             outcome.work += 2.0 * set.len() as f64 * (w.len() + set.len()) as f64;
             size = set.iter().fold(deficit, |size, &i| nan_max(size, scale[i] * z[i].abs()));
             error = set.iter().fold(0.0, |worst: f64, &i| nan_max(worst, w[i].abs()));

@@ -3,7 +3,7 @@
 use faer::MatRef;
 
 use crate::lcp::certificate::Definiteness;
-use crate::lcp::reduced::build;
+use crate::linalg::dense::Dense;
 use crate::linalg::factor::{Factor, NoFactor};
 
 /// Share of its diagonal by which a symmetric matrix of order `n` is lowered, so that a Cholesky factor of what is
@@ -29,7 +29,7 @@ pub(super) fn definiteness(
     }
     let share = cholesky_rounding(kept.len());
     let factor = |diagonal: f64| {
-        let symmetric = build(kept.len(), kept.len(), interrupted, |j, first, entries| {
+        let symmetric = Dense::build(kept.len(), kept.len(), interrupted, |j, first, entries| {
             for (entry, &i) in entries.iter_mut().zip(&kept[first..]) {
                 let factor = if i == kept[j] { diagonal } else { 1.0 };
                 *entry = factor * (0.5 * m[(i, kept[j])] + 0.5 * m[(kept[j], i)]);

@@ -4,10 +4,11 @@ use crate::lcp::block_pivoting::{Fallback, ZERO, first_guess};
 use crate::lcp::options::LcpMethod;
 use crate::lcp::problem::LcpError;
 use crate::lcp::ray::{LcpRay, RayConclusion};
-use crate::lcp::reduced::{Reduced, is_by_rows, power_of_two, rows_that_matter};
+use crate::lcp::reduced::{Reduced, power_of_two, rows_that_matter};
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::lcp::solve::{Run, Start};
 use crate::lcp::symmetry::asymmetry;
+use crate::lcp::touched_columns::TouchedColumns;
 use crate::lcp::{block_pivoting, lemke, projected_cg};
 
 /// Rays further than this from their own equations are rounding.
@@ -211,27 +212,23 @@ impl Run<'_> {
     }
 
     pub(super) fn projected_cg(&mut self) -> Result<Answer, LcpError> {
-        let Some(mut reduced) = self.reduce()? else {
+        let Some(reduced) = self.reduce()? else {
             return Ok((self.stopped(LcpMethod::ProjectedCg), 0.0));
         };
-        reduced.gather(&|| self.options.is_interrupted());
-        self.check_symmetry(&reduced)?;
+        let interrupted = || self.options.is_interrupted();
+        let columns = TouchedColumns::symmetric(&reduced, &interrupted);
+        let (row, column, difference) = asymmetry(&columns, reduced.size(), SYMMETRIC, &interrupted);
+        if difference > SYMMETRIC {
+            let (row, column) = (reduced.index(row), reduced.index(column));
+            return Err(LcpError::NotSymmetric { row, column, difference });
+        }
         let guess = self.options.initial_active.as_ref().map(|guess| reduced.restrict_set(guess));
         let start = if guess.is_some() { Start::Guess } else { Start::Cold };
         let active = guess.unwrap_or_else(|| first_guess(&reduced.q));
         let tolerance = CG_MARGIN * self.options.tolerance;
-        let outcome = projected_cg::solve(by_columns(&reduced), &reduced.q, &active, tolerance, self.options);
+        let outcome = projected_cg::solve(&columns, &reduced.q, &active, tolerance, self.options);
         let solution = self.attempt(LcpMethod::ProjectedCg, &outcome, &reduced, start);
         Ok((solution, outcome.work))
-    }
-
-    fn check_symmetry(&self, reduced: &Reduced) -> Result<(), LcpError> {
-        let (row, column, difference) = asymmetry(reduced.m(), SYMMETRIC, &|| self.options.is_interrupted());
-        if difference <= SYMMETRIC {
-            return Ok(());
-        }
-        let (row, column) = (reduced.index(row), reduced.index(column));
-        Err(LcpError::NotSymmetric { row, column, difference })
     }
 }
 
@@ -240,10 +237,4 @@ fn open_rows(run: &Run, solution: &LcpSolution, is_kept: &[bool]) -> Vec<usize> 
     let scaled = |(i, &z): (usize, &f64)| if z > 0.0 { run.problem.diagonal_scale(i) * z } else { 0.0 };
     let size = solution.z.iter().enumerate().map(scaled).fold(run.problem.deficit(), f64::max);
     (0..is_kept.len()).filter(|&i| !is_kept[i] && solution.w[i] < -ZERO * size).collect()
-}
-
-/// A symmetric matrix as stored, turned if that makes its columns contiguous.
-fn by_columns<'a>(reduced: &'a Reduced) -> faer::MatRef<'a, f64> {
-    let m = reduced.m();
-    if is_by_rows(m) { m.transpose() } else { m }
 }

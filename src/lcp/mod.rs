@@ -45,7 +45,6 @@ pub(crate) mod basis;
 pub(crate) mod block_pivoting;
 pub(crate) mod certificate;
 pub(crate) mod definite;
-pub(crate) mod eights;
 pub(crate) mod lemke;
 pub(crate) mod methods;
 pub(crate) mod options;
@@ -59,6 +58,7 @@ pub(crate) mod row_extremes;
 pub(crate) mod solution;
 pub(crate) mod solve;
 pub(crate) mod symmetry;
+pub(crate) mod touched_columns;
 
 pub use certificate::{Certificate, Definiteness};
 pub use options::{DefinitenessCheck, LcpMethod, LcpOptions};

@@ -104,6 +104,7 @@ pub struct LcpProblem<'a> {
     pub(super) m: MatRef<'a, f64>,
     pub(super) q: &'a [f64],
     pub(super) known_p_matrix: bool,
+    diagonal: OnceLock<Vec<f64>>,
     /// What is known of the rows of M, once all of it has been looked at.
     extremes: OnceLock<Extremes>,
 }
@@ -119,7 +120,7 @@ impl<'a> LcpProblem<'a> {
             return Err(LcpError::NotSquare { rows: n, columns: m.ncols() });
         }
         check_vector("q", q, n)?;
-        Ok(Self { m, q, known_p_matrix: false, extremes: OnceLock::new() })
+        Ok(Self { m, q, known_p_matrix: false, diagonal: OnceLock::new(), extremes: OnceLock::new() })
     }
 
     /// States that every principal minor of M is positive, so that the solution exists and is unique.
@@ -178,9 +179,14 @@ impl<'a> LcpProblem<'a> {
         self.extremes.get()
     }
 
+    /// Diagonal of M (n), read at the first call.
+    pub(super) fn diagonal(&self) -> &[f64] {
+        self.diagonal.get_or_init(|| (0..self.size()).map(|i| self.m[(i, i)]).collect())
+    }
+
     /// Unit in which `z_i` counts in row i: the diagonal where positive, else the row's largest magnitude.
     pub(super) fn diagonal_scale(&self, row: usize) -> f64 {
-        let diagonal = self.m[(row, row)];
+        let diagonal = self.diagonal()[row];
         match self.extremes.get() {
             _ if diagonal > 0.0 => diagonal,
             Some(extremes) => extremes.high[row],

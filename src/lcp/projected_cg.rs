@@ -3,27 +3,25 @@
 //! They need only products with M. The diagonal is taken out first (Jacobi), which changes no sign; after
 //! each step what became negative is cut off, and unknowns at zero with w < 0 are let in.
 
-use faer::MatRef;
-
 use crate::lcp::certificate::nan_max;
 use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
-use crate::lcp::product::add_product;
 use crate::lcp::solution::LcpStatus;
+use crate::lcp::touched_columns::TouchedColumns;
 
 /// Iterations without a smaller residual before the run is given up.
 const STALLED: usize = 500;
 
-/// Solves on `m` (columns contiguous where that is possible) from the guess `active`.
+/// Solves on `m`, all its columns touched, from the guess `active`.
 pub(super) fn solve(
-    m: MatRef<'_, f64>,
+    m: &TouchedColumns,
     q: &[f64],
     active: &[usize],
     tolerance: f64,
     options: &LcpOptions,
 ) -> Outcome {
     let n = q.len();
-    let diagonal: Vec<f64> = (0..n).map(|i| m[(i, i)]).collect();
+    let diagonal: Vec<f64> = (0..n).map(|i| m.column(i)[i]).collect();
     let mut outcome = Outcome::zero(LcpStatus::Breakdown, n);
     if diagonal.iter().any(|&m| m <= 0.0) {
         return outcome;
@@ -107,7 +105,7 @@ pub(super) fn solve(
 
 /// A load on the guess alone, of the size that suits it best.
 fn start(
-    m: MatRef<'_, f64>,
+    m: &TouchedColumns,
     q: &[f64],
     diagonal: &[f64],
     active: &[usize],
@@ -124,8 +122,14 @@ fn start(
     z
 }
 
-fn gap(m: MatRef<'_, f64>, q: &[f64], z: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
+fn gap(m: &TouchedColumns, q: &[f64], z: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
     let mut w = q.to_vec();
     add_product(m, z, &mut w, interrupted);
     w
+}
+
+/// `w += M z`.
+fn add_product(m: &TouchedColumns, z: &[f64], w: &mut [f64], interrupted: &dyn Fn() -> bool) {
+    let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
+    m.add_product(&active, z, w, interrupted);
 }

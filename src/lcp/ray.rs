@@ -2,7 +2,7 @@
 
 use crate::lcp::certificate::nan_max;
 use crate::lcp::problem::LcpProblem;
-use crate::lcp::product::{add_product, magnitudes, product_compensated};
+use crate::lcp::product::{product_and_magnitudes, product_compensated};
 
 /// What a ray proves about the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -51,11 +51,8 @@ impl LcpRay {
         interrupted: &dyn Fn() -> bool,
     ) -> Self {
         let n = z.len();
-        let m = problem.m;
-        let mut product = vec![0.0; n];
-        add_product(m, &z, &mut product, interrupted);
+        let (product, magnitudes) = product_and_magnitudes(problem.m, &z, interrupted);
         let w: Vec<f64> = product.iter().zip(covering).map(|(p, d)| p + d * z0).collect();
-        let magnitudes = magnitudes(m, &z, interrupted);
         let size = (0..n).fold(0.0, |size: f64, i| size.max(magnitudes[i] + covering[i] * z0));
         let mut residual = 0.0_f64;
         let (mut curvature, mut weight) = (0.0, 0.0);
@@ -87,7 +84,7 @@ fn infeasibility(problem: &LcpProblem, z: &[f64], interrupted: &dyn Fn() -> bool
     if columns.iter().all(|&sum| sum <= 0.0) {
         return Some(RayConclusion::Infeasible);
     }
-    let magnitudes = magnitudes(transposed, z, interrupted);
+    let (_, magnitudes) = product_and_magnitudes(transposed, z, interrupted);
     let is_rounding = |(&sum, magnitude): (&f64, f64)| sum <= 16.0 * f64::EPSILON * magnitude;
     columns.iter().zip(magnitudes).all(is_rounding).then_some(RayConclusion::InfeasibleToRounding)
 }

@@ -41,10 +41,7 @@ pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> R
         }
         return Ok(solution);
     }
-    run.has_positive_diagonal = (0..n).all(|i| {
-        let diagonal = problem.m[(i, i)];
-        diagonal > 0.0 && diagonal.is_finite()
-    });
+    run.has_positive_diagonal = problem.diagonal().iter().all(|&entry| entry > 0.0 && entry.is_finite());
     // Where a diagonal is not positive, its row's largest magnitude stands in for it.
     if !run.has_positive_diagonal && problem.rows(&|| options.is_interrupted())?.is_none() {
         return Ok(run.stopped(method));

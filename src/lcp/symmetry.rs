@@ -1,24 +1,26 @@
 //! Whether a matrix is symmetric.
 
-use faer::MatRef;
 use rayon::prelude::*;
 
-/// The worst pair of entries of a matrix that is not symmetric: row, column, difference over the largest entry.
+use crate::lcp::touched_columns::TouchedColumns;
+
+/// The worst pair of entries of a matrix of order `n`: row, column, difference over the largest entry.
 ///
 /// Ends early once a pair is beyond `limit`, or when `interrupted`.
 pub(super) fn asymmetry(
-    m: MatRef<'_, f64>,
+    columns: &TouchedColumns,
+    n: usize,
     limit: f64,
     interrupted: &dyn Fn() -> bool,
 ) -> (usize, usize, f64) {
     const TILE: usize = 32;
-    let n = m.nrows();
     let strip = |first_column: usize| {
         let (mut worst, mut largest) = ((0, 0, 0.0), 0.0_f64);
         for first_row in (first_column..n).step_by(TILE) {
             for j in first_column..(first_column + TILE).min(n) {
+                let column = columns.column(j);
                 for i in first_row.max(j)..(first_row + TILE).min(n) {
-                    let (a, b) = (m[(i, j)], m[(j, i)]);
+                    let (a, b) = (column[i], columns.column(i)[j]);
                     largest = largest.max(a.abs()).max(b.abs());
                     if (a - b).abs() > worst.2 {
                         worst = (j, i, (a - b).abs());

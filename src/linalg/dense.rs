@@ -1,6 +1,10 @@
-//! A matrix of our own by columns.
+//! A matrix of our own by columns, and copies of parts of another into one.
 
+use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
+use rayon::prelude::*;
+
+use crate::linalg::kernels::SHARED;
 
 /// Entries by columns; a new one is zero, and its memory is touched only as it is filled, which for a large one
 /// can then be interrupted.
@@ -38,5 +42,69 @@ impl Dense {
 
     pub(crate) fn as_mut(&mut self) -> MatMut<'_, f64> {
         MatMut::from_column_major_slice_mut(&mut self.entries, self.rows, self.columns)
+    }
+
+    /// The block of `m` on `rows` and `columns`; left unfinished when `interrupted`.
+    pub(crate) fn gather(
+        m: MatRef<'_, f64>,
+        rows: &[usize],
+        columns: &[usize],
+        interrupted: &dyn Fn() -> bool,
+    ) -> Self {
+        let source = m.try_as_col_major();
+        Self::build(rows.len(), columns.len(), interrupted, |j, first, entries| {
+            let rows = &rows[first..first + entries.len()];
+            match source {
+                Some(source) => {
+                    let column = source.col(columns[j]).as_slice();
+                    entries.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = column[i]);
+                }
+                None => entries.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = m[(i, columns[j])]),
+            }
+        })
+    }
+
+    /// A matrix made in tiles, so that reading across the storage order does not starve; `fill` is given a column,
+    /// the first row of a run in it and that run. Left unfinished when `interrupted`.
+    pub(crate) fn build(
+        rows: usize,
+        columns: usize,
+        interrupted: &dyn Fn() -> bool,
+        fill: impl Fn(usize, usize, &mut [f64]) + Sync,
+    ) -> Self {
+        const TILE: usize = 32;
+        let mut block = Self::zeros(rows, columns);
+        if rows * columns <= TILE * TILE * TILE {
+            for j in 0..columns {
+                fill(j, 0, block.column_mut(j));
+            }
+            return block;
+        }
+        let group = (SHARED / rows.max(1)).next_multiple_of(8 * TILE);
+        let tiles = |first: usize, mut strip: MatMut<'_, f64>| {
+            for row in (0..rows).step_by(TILE) {
+                for j in 0..strip.ncols() {
+                    let column = strip.rb_mut().col_mut(j).try_as_col_major_mut();
+                    let column = column.expect("an owned matrix has contiguous columns").as_slice_mut();
+                    fill(first + j, row, &mut column[row..(row + TILE).min(rows)]);
+                }
+            }
+        };
+        for start in (0..columns).step_by(group) {
+            let width = group.min(columns - start);
+            let mut part = block.as_mut().subcols_mut(start, width);
+            if rows * width < SHARED / 2 {
+                for first in (0..width).step_by(TILE) {
+                    tiles(start + first, part.rb_mut().subcols_mut(first, TILE.min(width - first)));
+                }
+            } else {
+                let strips = part.par_col_chunks_mut(TILE).enumerate();
+                strips.for_each(|(k, strip)| tiles(start + k * TILE, strip));
+            }
+            if columns > group && interrupted() {
+                break;
+            }
+        }
+        block
     }
 }

@@ -2,14 +2,12 @@
 
 use std::collections::HashSet;
 
-use rayon::prelude::*;
-
 use crate::lcp::basis::Basis;
-use crate::lcp::lemke::basic_columns::Entered;
+use crate::lcp::lemke::basic_columns::BasicColumns;
 use crate::lcp::options::LcpOptions;
+use crate::lcp::product::add_terms;
 use crate::lcp::reduced::Reduced;
 use crate::linalg::factor::NoFactor;
-use crate::linalg::kernels::{self, SHARED, row_block};
 
 /// Values closer than this are equal, relative to the largest.
 const TIE: f64 = 64.0 * f64::EPSILON;
@@ -17,11 +15,10 @@ pub(super) const NOWHERE: usize = usize::MAX;
 
 /// State of the path. M's columns are scaled to magnitude one, so every tolerance here is dimensionless.
 pub(super) struct Path<'a> {
-    pub(super) source: &'a Reduced<'a>,
     pub(super) q: &'a [f64],
     pub(super) d: Vec<f64>,
     pub(super) n: usize,
-    pub(super) entered: Entered,
+    pub(super) entered: BasicColumns<'a>,
     pub(super) basis: Basis,
     /// B, in the order of the factor's rows.
     pub(super) rows: Vec<usize>,
@@ -56,11 +53,10 @@ impl<'a> Path<'a> {
     pub(super) fn new(source: &'a Reduced<'a>, d: Vec<f64>, options: &'a LcpOptions<'a>) -> Self {
         let n = source.size();
         Self {
-            source,
             q: &source.q,
             d,
             n,
-            entered: Entered::new(n),
+            entered: BasicColumns::new(source),
             basis: Basis::default(),
             rows: Vec::new(),
             columns: Vec::new(),
@@ -119,18 +115,7 @@ impl<'a> Path<'a> {
 
     /// `y += Σ x_c (column c)` over the basic columns.
     pub(super) fn combine(&self, x: &[f64], y: &mut [f64]) {
-        let term = |k: usize| (self.column(self.columns[k]), x[k]);
-        if self.n * x.len() < SHARED {
-            return kernels::add_terms(y, x.len(), term);
-        }
-        let rows_each = row_block(self.n);
-        y.par_chunks_mut(rows_each).enumerate().for_each(|(k, part)| {
-            let (first, height) = (k * rows_each, part.len());
-            kernels::add_terms(part, x.len(), |k| {
-                let (column, x) = term(k);
-                (&column[first..][..height], x)
-            });
-        });
+        add_terms(y, x.len(), |k| (self.column(self.columns[k]), x[k]), &|| false);
     }
 
     pub(super) fn refactor(&mut self) {

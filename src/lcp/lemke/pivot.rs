@@ -31,7 +31,7 @@ impl Path<'_> {
         a.clear();
         match entering {
             Entering::Z(r) => {
-                self.entered.fetch(self.source, r);
+                self.entered.fetch(r);
                 let column = self.entered.column(r);
                 a.extend(self.rows.iter().map(|&i| column[i]));
             }

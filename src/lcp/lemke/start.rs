@@ -26,7 +26,7 @@ impl Path<'_> {
     /// Crash basis: z of `active` and w of the rest are basic. `Some(None)` where that is feasible already.
     pub(super) fn start_warm(&mut self, active: &[usize]) -> Option<Option<Entering>> {
         for &i in active {
-            self.entered.fetch(self.source, i);
+            self.entered.fetch(i);
             self.push_row(i);
             self.columns.push(i);
             self.active_hash ^= hash(i as u64);
