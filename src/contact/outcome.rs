@@ -39,8 +39,8 @@ pub struct Resultant {
     pub moment: Vector3<f64>,
     /// Mean of the deformed positions weighted by node force (m); NaN without force.
     pub center_of_pressure: Vector3<f64>,
-    /// Sum of the vertex areas with f > 0; in Galerkin form the area within the rim that the gaps beside it
-    /// tell, between the vertices (m²). Under a sharp edge, where the gap opens with a step, that rim is up to a cell
+    /// Sum of the vertex areas with f > 0; in Galerkin form the area within the rim, which the gaps
+    /// place between the vertices (m²). Under a sharp edge, where the gap opens with a step, that rim is up to a cell
     /// too far in.
     pub contact_area: f64,
     /// Largest pressure at a vertex; in Galerkin form between vertices too, and never below the mean over the

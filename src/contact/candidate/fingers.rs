@@ -1,9 +1,8 @@
 //! Fingers: parts of the skin that touch without feeling each other.
 //!
-//! A kernel knows the straight line between two points alone, so on a hand it would let one fingertip press down
-//! its neighbour through the air between them; on one half-space two equal spheres 60 to 10 mm apart carry 3.5 to
-//! 27 % more force solved one by one than together. The way along the skin tells fingers apart ([`shares_tissue`]),
-//! unless the straight line runs through tissue: a palm and the back of its hand are far apart along the skin, and one.
+//! A kernel depends on the straight line between two points alone, so on a hand one fingertip would press down its
+//! neighbour through the air. Candidates are on different fingers where the way along the skin is long against the
+//! straight line ([`shares_tissue`]) and that line leaves the skin: a palm and the back of its hand are one.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +31,7 @@ pub(crate) struct Way {
 /// The fingers in contact.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fingers {
-    /// Candidates of each, ascending; ordered by the first. All in one where nothing is told apart.
+    /// Candidates of each, ascending; ordered by the first. All in one where they share tissue.
     pub candidates: Vec<Vec<usize>>,
     /// Shortest way between two of them, where the skin has one, the shortest first.
     pub ways: Vec<([usize; 2], Way)>,
@@ -130,7 +129,7 @@ fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
     inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)
 }
 
-/// The shortest way found between any two sets of sources, told apart by their `label`: where the searches from
+/// The shortest way found between any two sets of sources, by their `label`: where the searches from
 /// both meet on an edge.
 fn shortest_ways(
     surface: &Surface,

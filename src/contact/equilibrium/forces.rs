@@ -86,7 +86,7 @@ impl NodeForces {
         self.solutions.push(solution);
     }
 
-    /// Tells the active vertices and the force vectors, once all groups are solved.
+    /// Sets the active vertices and the force vectors, once all groups are solved.
     pub fn settle(&mut self) {
         self.active = self.candidates.iter().copied().filter(|&vertex| self.force[vertex] > 0.0).collect();
         for (&vertex, normal) in self.candidates.iter().zip(&self.normal) {

@@ -2,15 +2,14 @@
 
 use crate::surface::checked::Surface;
 
-/// Contact area at each vertex (n, m²) up to the rim, from the gaps beside it; zero without force, and no patch has none.
+/// Contact area at each vertex (n, m²), from the rim that the gaps beside it place; zero without force.
 ///
-/// Outside a smooth contact the gap grows as the 3/2 power of the distance s from its rim (Johnson 1985, sections 4.2
-/// and 5.1). So `g^(2/3) / |∇ g^(2/3)|`, from the triangles around a free vertex that are free too, is its distance
-/// from the rim whatever the skin, and that distance is continued with slope one to the touching vertices of the
-/// triangles that the rim cuts. The area of a triangle within the rim is shared by its vertices that carry force.
-/// Beside a rim that is not smooth the area stays between that of the triangles whose corners all touch and that of
-/// all triangles around the force. Of a few vertices under a steep rim almost nothing might be left, so a patch never
-/// has less than carries its force at its largest `f_i / S_i`: a vertex alone has its S_i.
+/// Outside a smooth contact the gap grows as the 3/2 power of the distance from the rim (Johnson 1985, §4.2 and §5.1).
+/// So `g^(2/3) / |∇ g^(2/3)|`, over the free triangles around a free vertex, is its distance from the rim for any
+/// skin. It is continued with slope one to the touching vertices of the triangles that the rim cuts, and the area of a
+/// triangle within the rim is shared by its loaded vertices. A rim that is not smooth leaves the area between that of
+/// the triangles with all corners touching and that of all loaded triangles. The area of a patch is at least its force
+/// over its largest `f_i / S_i`: a vertex alone has its S_i.
 ///
 /// * `gap`: (n, m), read around the contact up to two rings
 /// * `touches`: (n,) vertices that carry force or whose gap is closed
@@ -57,7 +56,7 @@ pub(crate) fn contact_areas(
     areas
 }
 
-/// Distance of a free vertex from the rim (m); half the way to the closest touching neighbour where no triangle tells.
+/// Distance of a free vertex from the rim (m); half the way to the closest touching neighbour where no triangle is free.
 fn distance_outside(surface: &Surface, gap: &[f64], touches: &[bool], vertex: usize) -> f64 {
     let root = |vertex: u32| gap[vertex as usize].max(0.0).powf(2.0 / 3.0);
     let (mut slope, mut area) = (0.0, 0.0);

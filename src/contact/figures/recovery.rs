@@ -11,15 +11,14 @@ const TERMS: usize = 6;
 /// A quadratic counts as determined where the smallest singular value of its fit is above this share of the largest.
 const DETERMINED: f64 = 1e-6;
 
-/// Recovers the pressure from `f_i / S_i` of the Galerkin form with hats.
+/// Pointwise pressure from the Galerkin coefficients `f_i / S_i` of hats.
 ///
-/// The piecewise linear pressure of the Galerkin form is right in its averages against hats, not at its corners: on a
-/// regular mesh these overshoot a smooth pressure by half the hat's second moment times its second derivative (h² |Δp|
-/// / 16 on equilateral triangles of edge h, h² |Δp| / 12 on squares cut by one diagonal), and beside the rim they
-/// alternate. So, where a vertex and all its neighbours carry force, the pressure is the quadratic whose averages
-/// against the hats of these vertices fit those of the piecewise linear field best; it is exact for a quadratic
-/// pressure on any flat mesh. Elsewhere in the contact it is the mean of `f_i / S_i` and of the average against the
-/// hat, which is the same to the second order on these two meshes; without force it is zero.
+/// The coefficients are right in their averages against hats; at the vertices they overshoot a smooth pressure by half
+/// the hat's second moment times its second derivative (h² |Δp| / 16 on equilateral triangles of edge h, h² |Δp| / 12 on
+/// squares with one diagonal), and beside the rim they alternate. Where a vertex and all its neighbours carry force, the
+/// pressure is the quadratic whose averages against their hats fit those of the coefficients best: exact for a
+/// quadratic pressure on any flat mesh. Elsewhere in the contact it is the mean of `f_i / S_i` and of the average
+/// against the hat, the same to second order on these two meshes; without force it is zero.
 ///
 /// * `coefficients`: (n, Pa) `f_i / S_i`
 /// * `active`: vertices with f > 0, ascending
@@ -126,7 +125,7 @@ impl Quadratic {
     }
 }
 
-/// The quadratic whose averages against the hats of `active[rows]` fit `means` best; `None` where they do not tell it.
+/// The quadratic whose averages against the hats of `active[rows]` fit `means` best; `None` where they do not determine it.
 fn fit(
     surface: &Surface,
     active: &[usize],

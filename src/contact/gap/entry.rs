@@ -1,10 +1,9 @@
 //! Vertices that came in through another side than their closest one: their gap is measured back along the press.
 //!
 //! Beside an edge of the obstacle, and inside a wall thinner than the depth, the closest surface is a side of it or its
-//! far end, and the gap to it says nothing about how the vertex came in: it would push the skin out sideways, at a
-//! fraction of the force. A press knows: along its travel the vertex met the obstacle at the entry point
-//! `e = x + s t`, with t the direction of travel and s the way back (m). The plane of the surface there, with its
-//! normal m, gives
+//! far end: a gap to it pushes the skin out sideways, at a fraction of the force. Along the travel of a press the vertex
+//! met the obstacle at the entry point `e = x + s t`, with t the direction of travel and s the way back (m). From the
+//! plane of the surface there, with its normal m,
 //!
 //! ```text
 //! g0 = -s (m . t)    along m
