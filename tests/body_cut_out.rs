@@ -4,8 +4,8 @@ mod common;
 
 use nalgebra::Vector3;
 use quasirigid::geometry::Bounds;
-use quasirigid::response::body::{BodyOptions, CutOut, CutOutError, cut_out};
-use quasirigid::surface::Surface;
+use quasirigid::response::body::{Body, BodyOptions};
+use quasirigid::surface::{CutOut, CutOutError, Surface, cut_out};
 
 fn sphere(subdivisions: usize) -> Surface {
     let (vertices, faces) = common::icosphere(8e-3, subdivisions);
@@ -50,8 +50,7 @@ fn a_cap_of_a_sphere_has_the_volume_of_the_segment_and_can_be_solved() {
     assert!(worst(part.surface.face_areas()) > 0.1 * worst(skin.face_areas()));
 
     let node = part.part_vertices[lowest(&skin)].expect("the tip is kept");
-    let compliance = part
-        .body(None)
+    let compliance = Body::of_part(&part, None)
         .prepare(&part.surface, 60e3, 0.5, &[node], &BodyOptions::default())
         .expect("held at its cut");
     assert!(compliance.block(node, 0)[(2, 2)] > 0.0);
@@ -97,7 +96,7 @@ fn a_finger_comes_out_of_a_whole_hand() {
         (high.z - low.z) * 1e3
     );
     assert!((high.y - low.y - 45e-3).abs() < 4e-3 && high.x - low.x < 30e-3 && high.z - low.z < 35e-3);
-    finger.body(None).inspect(&finger.surface).expect("a sound body");
+    Body::of_part(&finger, None).inspect(&finger.surface).expect("a sound body");
 }
 
 #[test]

@@ -4,8 +4,8 @@ use super::convert::{mask, vector};
 use super::errors::{IntoPyErr, ResponseError, SurfaceError};
 use super::skin::PySkin;
 use super::surface::PySurface;
-use crate::response::body::{self, CutOutError};
 use crate::response::{CombinedSkin, Part};
+use crate::surface::{self, CutOutError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -28,7 +28,7 @@ pub(super) fn cut_out<'py>(
     normal: &Bound<'py, PyAny>,
 ) -> PyResult<CutOutParts<'py>> {
     let (point, normal) = (vector(point, "point")?, vector(normal, "normal")?);
-    let part = py.detach(|| body::cut_out(&surface.inner, tip, &point, &normal));
+    let part = py.detach(|| surface::cut_out(&surface.inner, tip, &point, &normal));
     let part = part.map_err(|error| match error {
         CutOutError::Surface(error) => error.into_py_err(),
         other => SurfaceError::new_err(other.to_string()),

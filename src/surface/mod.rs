@@ -6,13 +6,15 @@
 //!
 //! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`],
 //! [`Surface::nearest_along_skin`] and [`Surface::flat_cap_mask`]. [`shares_tissue`] tells neighbours through the tissue
-//! from other fingers.
+//! from other fingers. [`cut_out`] takes one finger out of a whole hand.
 
 pub(crate) mod cap;
 pub(crate) mod checked;
+pub(crate) mod cut_out;
 pub(crate) mod measures;
 pub(crate) mod rings;
 pub(crate) mod shortest_paths;
 
 pub use checked::{Surface, SurfaceError};
+pub use cut_out::{CutOut, CutOutError, cut_out};
 pub use shortest_paths::{LONGEST_DETOUR, NearestAlongSkin, shares_tissue};

@@ -1,9 +1,9 @@
 //! Bodies on parts of a skin, a kernel elsewhere.
 
 use nalgebra::{Isometry3, Vector3};
-use quasirigid::response::body::{BodyOptions, cut_out};
+use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::response::{AssemblyOptions, CombinedSkin, ElasticSkin, Part, PreparedBody, ResponseError};
-use quasirigid::surface::Surface;
+use quasirigid::surface::{Surface, cut_out};
 
 use crate::common::icosphere;
 use crate::{galerkin, half_space};
@@ -20,9 +20,15 @@ fn lower_part(skin: &Surface) -> Part {
     let cut = cut_out(skin, lowest, &Vector3::new(0.0, 0.0, -2e-3), &-Vector3::z()).expect("a cap");
     let low = |&own: &usize| cut.surface.vertices()[own].z < -6e-3 && !cut.fixed[own];
     let nodes: Vec<usize> = (0..cut.surface.vertices().len()).filter(low).collect();
-    let prepared =
-        PreparedBody::new(&cut.surface, &cut.body(None), 60e3, 0.5, &nodes, &BodyOptions::default())
-            .expect("held at its cut");
+    let prepared = PreparedBody::new(
+        &cut.surface,
+        &Body::of_part(&cut, None),
+        60e3,
+        0.5,
+        &nodes,
+        &BodyOptions::default(),
+    )
+    .expect("held at its cut");
     Part { name: "lower".to_string(), prepared, part_vertices: cut.part_vertices, fixed: cut.fixed }
 }
 

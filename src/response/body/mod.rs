@@ -28,7 +28,6 @@
 pub(crate) mod check;
 pub(crate) mod compliance;
 pub(crate) mod cost;
-pub(crate) mod cut_out;
 pub(crate) mod equations;
 pub(crate) mod error;
 pub(crate) mod factor;
@@ -37,7 +36,6 @@ pub(crate) mod solve;
 pub use check::tissue::{TissueReport, TissueWarning};
 pub use compliance::{BodyCompliance, BodyParts};
 pub use cost::BodyCost;
-pub use cut_out::{CutOut, CutOutError, cut_out};
 pub use equations::kelvin;
 pub use error::BodyError;
 pub use solve::{Body, BodyOptions, BodyProgress};

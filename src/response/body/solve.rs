@@ -16,6 +16,7 @@ use crate::response::body::equations::incompressible::impose_flux_identities;
 use crate::response::body::error::BodyError;
 use crate::response::body::factor::factor_in_place;
 use crate::surface::checked::Surface;
+use crate::surface::cut_out::CutOut;
 
 /// The body under a skin: what holds it.
 #[derive(Debug, Clone, Default)]
@@ -90,6 +91,11 @@ impl Watch<'_> {
 }
 
 impl Body {
+    /// The body of a part that is held at its cut, with `bone` inside if there is one.
+    pub fn of_part(part: &CutOut, bone: Option<Surface>) -> Body {
+        Body { bone, fixed: Some(part.fixed.clone()) }
+    }
+
     /// Checks the body without solving anything.
     ///
     /// # Errors

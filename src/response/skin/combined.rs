@@ -1,6 +1,6 @@
 //! A whole hand: solved bodies where there are some, a kernel everywhere else.
 //!
-//! Parts of the skin, such as fingers cut out by [`cut_out`](crate::response::body::cut_out::cut_out), answer with the compliance of their
+//! Parts of the skin, such as fingers cut out by [`cut_out`](crate::surface::cut_out()), answer with the compliance of their
 //! body; the rest answers with a kernel. Forces on a part move that part alone, forces elsewhere move the rest alone:
 //! across a cut nothing is felt, as each body is held there. So a connected patch of candidates must lie on one
 //! side of every cut; one that straddles is an error that names the part.

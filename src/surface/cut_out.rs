@@ -4,27 +4,19 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-use crate::response::body::solve::Body;
 use crate::surface::checked::{Surface, SurfaceError};
 
-/// A part of a skin, closed by caps, with what a [`Body`] needs to be held there.
+/// A part of a skin, closed by caps.
 #[derive(Debug, Clone)]
 pub struct CutOut {
     /// The part: first the vertices of the whole skin that it keeps, in their order, then those of the caps.
     pub surface: Surface,
-    /// Vertices of the caps, rims included: the fixed vertices of the body.
+    /// Vertices of the caps, rims included: those that a body made of the part holds fixed.
     pub fixed: Vec<bool>,
     /// For each vertex of the part the vertex of the whole skin; `None` inside a cap.
     pub source_vertices: Vec<Option<usize>>,
     /// For each vertex of the whole skin its vertex in the part, if it is kept.
     pub part_vertices: Vec<Option<usize>>,
-}
-
-impl CutOut {
-    /// The body held at the cut, with `bone` inside if there is one.
-    pub fn body(&self, bone: Option<Surface>) -> Body {
-        Body { bone, fixed: Some(self.fixed.clone()) }
-    }
 }
 
 /// Why a part could not be cut out.
@@ -64,11 +56,11 @@ pub enum CutOutError {
     Surface(#[from] SurfaceError),
 }
 
-/// Takes the part of `skin` around a vertex in front of a plane out of it, as a closed surface.
+/// The part of a skin around a vertex in front of a plane, as a closed surface.
 ///
-/// Keeps the faces in front of the plane that hang together with `tip`, cutting along existing edges, and closes every
-/// border by rings of triangles of the border's edge length around its centroid. What the cut leaves out is
-/// taken as immobile, so cut a finger's width or more away from the contact.
+/// Keeps the faces in front of the plane that are connected to `tip`, cut along existing edges, and closes every
+/// border by rings of triangles of the border's edge length around its centroid. A body response takes what the
+/// cut leaves out as immobile, so cut a finger's width or more away from the contact.
 ///
 /// * `skin`: the whole hand
 /// * `tip`: a vertex of the part to keep, such as a fingertip
@@ -124,7 +116,7 @@ pub fn cut_out(
     Ok(CutOut { surface: Surface::new(vertices, faces)?, fixed, source_vertices, part_vertices })
 }
 
-/// The faces in front of the plane that hang together with `tip`, less those that meet others in a mere vertex.
+/// The faces in front of the plane that are connected to `tip`, less those that meet others in a vertex alone.
 fn keep_faces(skin: &Surface, tip: usize, point: &Vector3<f64>, normal: &Vector3<f64>) -> Vec<bool> {
     let in_front = |v: u32| (skin.vertices()[v as usize] - point).dot(normal) > 0.0;
     let mut allowed: Vec<bool> = skin.faces().iter().map(|face| face.iter().all(|&v| in_front(v))).collect();
