@@ -5,23 +5,32 @@ use nalgebra::Vector3;
 use crate::geometry::bounds::Bounds;
 use crate::surface::checked::Surface;
 
+// "The hands" are the capped hands and fingers of the test collection: 1,500 to 53,000 vertices, from three sources.
+
 /// Vertices this close to a plane lie in it, in mean edge lengths; float32 rounding comes on top.
+///
+/// Caps of the hands are flat to 1e-4; skin that bends is not: a one-ring of radius h on a sphere of radius R rises by
+/// h²/2R, so R would have to be 500 h.
 const PLANE_DISTANCE: f64 = 1e-3;
-/// Rounding of float32 coordinates after a rotation, relative to the largest coordinate.
+/// Rounding of float32 coordinates after a rotation, relative to the largest coordinate: half an ε when stored, before
+/// and after a rotation that mixes three, so (√3 + 1)/2 ε each for a vertex and for the plane.
 const FLOAT32_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 /// Faces turned away from the plane by more than this (cosine of 60°) do not belong to it.
 const SAME_SIDE: f64 = 0.5;
-/// Least number of faces of a cut face.
+/// Least number of faces of a cut face: one regular one-ring.
 const CAP_FACES: usize = 6;
-/// Least part of the area of its component that a cut face has.
+/// Least part of the area of its component that a cut face has: caps of the hands have 4 to 11 %, none of their other flat
+/// regions 0.2 %.
 const CAP_AREA: f64 = 0.01;
-/// The surface turns by more than this at a sharp edge (cosine of 40°).
+/// The surface turns by more than this at a sharp edge (cosine of 40°): half of what it does at the rims of the hands'
+/// caps, 80° and more.
 const SHARP_COSINE: f64 = 0.766_044_443_118_978;
-/// Least part of the length of the rim of a cut face that is sharp and convex.
+/// Least part of the length of the rim of a cut face that is sharp and convex; on the hands all of it is.
 const SHARP_PART: f64 = 0.9;
-/// Where more than this part of the area of a component is flat, it is a polyhedron and not a cut skin.
+/// Where more than this part of the area of a component is flat, it is a polyhedron and not a cut skin: the ends of a tube
+/// as long as wide have a third.
 const POLYHEDRON: f64 = 0.5;
-/// Rounds of growing a region and fitting its plane anew.
+/// Most rounds of growing a region and fitting its plane anew; they end once no face is added.
 const FITS: usize = 8;
 
 impl Surface {
