@@ -83,7 +83,7 @@ fn the_half_space_answers_with_the_height_over_its_plane() {
 }
 
 #[test]
-fn the_sphere_answers_along_its_radius_and_with_z_at_its_centre() {
+fn the_sphere_answers_along_its_radius_and_with_z_at_its_center() {
     let center = v(0.1, 0.2, 0.3);
     let obstacle = Obstacle::sphere(center, 0.05).unwrap();
     for direction in [v(1.0, 0.0, 0.0), v(0.0, -0.6, 0.8), v(2.0, 3.0, 6.0) / 7.0] {
@@ -175,7 +175,7 @@ fn the_cylinder_answers_from_side_caps_and_rims() {
             assert_near(normal, expected, 1e-15 + if distance > 1e-10 { 3e-16 / distance } else { 0.0 });
         }
     }
-    // Inside: the nearer of side and cap; the axis looks to +x, the centre's z to +z.
+    // Inside: the nearer of side and cap; the axis looks to +x, the center's z to +z.
     assert_eq!(ask(&obstacle, v(0.0, 0.3, 0.1)), (0.3 - 0.5, v(0.0, 0.5, 0.1), Vector3::y()));
     assert_eq!(ask(&obstacle, v(0.0, 0.3, 0.9)), (0.9 - 1.0, v(0.0, 0.3, 1.0), Vector3::z()));
     assert_eq!(ask(&obstacle, Vector3::zeros()), (-0.5, v(0.5, 0.0, 0.0), Vector3::x()));
@@ -535,8 +535,8 @@ fn primitives_refuse_lengths_and_points_that_make_no_shape() {
     );
     assert_eq!(Obstacle::cylinder(0.0, 1.0).unwrap_err(), not_positive("cylinder", "the half height", 0.0));
     let error = Obstacle::sphere(v(f64::NAN, 0.0, 1.0), 1.0).unwrap_err();
-    assert!(matches!(&error, NotFinite { kind: "sphere", what: "the centre", value } if value[0].is_nan()));
-    assert_eq!(error.to_string(), "sphere: the centre must be finite, found [NaN, 0.0, 1.0]");
+    assert!(matches!(&error, NotFinite { kind: "sphere", what: "the center", value } if value[0].is_nan()));
+    assert_eq!(error.to_string(), "sphere: the center must be finite, found [NaN, 0.0, 1.0]");
     assert!(matches!(Obstacle::cylinder(1.0, f64::NAN), Err(NotPositive { what: "the radius", .. })));
 }
 

@@ -110,8 +110,8 @@ impl Border<'_> {
             let (a, way) = start_and_way(edge);
             let pieces = (way.norm() / step).ceil().max(1.0) as usize;
             for piece in 0..pieces {
-                let centre = a + way * ((piece as f64 + 0.5) / pieces as f64);
-                grid.for_each_near(&centre, |j, _| {
+                let center = a + way * ((piece as f64 + 0.5) / pieces as f64);
+                grid.for_each_near(&center, |j, _| {
                     let id = self.ids[j];
                     let s = (self.points[j] - a).dot(&way) / way.norm_squared();
                     let distance = (self.points[j] - (a + way * s)).norm();

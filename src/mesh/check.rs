@@ -1,4 +1,4 @@
-//! Everything that the later stages rely on, looked at once.
+//! Checks of everything that the later stages rely on.
 
 use nalgebra::Vector3;
 

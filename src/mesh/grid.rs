@@ -39,11 +39,11 @@ impl<'a> PointGrid<'a> {
 
     /// Calls `visit(index, distance)` for every point within the radius of `point`.
     pub(super) fn for_each_near(&self, point: &Vector3<f64>, mut visit: impl FnMut(usize, f64)) {
-        let centre = key(point, &self.origin, self.cell);
+        let center = key(point, &self.origin, self.cell);
         for dx in -1..=1 {
             for dy in -1..=1 {
                 for dz in -1..=1 {
-                    let cell = [centre[0] + dx, centre[1] + dy, centre[2] + dz];
+                    let cell = [center[0] + dx, center[1] + dy, center[2] + dz];
                     let Some(&(start, end)) = self.cells.get(&cell) else { continue };
                     for &i in &self.order[start as usize..end as usize] {
                         let distance = (self.points[i as usize] - point).norm();

@@ -1,10 +1,10 @@
 //! Checks, neighbourhoods and repair of raw triangle meshes, shared by skin and product.
 //!
 //! A mesh is a list of vertices (m) and a list of faces, each three vertex indices counter-clockwise seen from
-//! outside. [`check`] looks once at everything that the later stages rely on and returns the [`Topology`], or
-//! a [`MeshError`] that names the first element at fault, its value and how many there are. It accepts open
-//! meshes. [`check_nesting`] looks at how the closed components of a mesh lie in one another and which way they
-//! are turned. [`repair`] mends what can be mended without guessing, as a separate, explicit step.
+//! outside. [`check`] tests once what the later stages rely on and returns the [`Topology`], or a [`MeshError`] that
+//! names the first element at fault, its value and how many there are; open meshes pass. [`check_nesting`] tests that
+//! the closed components are turned as their nesting asks. [`repair`] mends what can be mended without guessing, as a
+//! separate, explicit step.
 //!
 //! All tolerances are relative to the size of the mesh, so a mesh is judged alike in m and in mm.
 

@@ -10,7 +10,7 @@ use crate::mesh::component::{ClosedComponent, closed_components};
 use crate::mesh::error::MeshError;
 use crate::mesh::topology::Topology;
 
-/// Points of one component that are looked at to place it inside, outside or on another.
+/// Points of one component that place it inside, outside or on another.
 const SAMPLES: usize = 64;
 /// Points closer to a component than this part of the mean edge length lie on it (dimensionless).
 const COINCIDENT_DISTANCE: f64 = 1e-3;
@@ -27,9 +27,9 @@ pub fn component_volumes(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology
 
 /// Checks that the closed components of a mesh bound a body: turned outward, or inward where they are cavities.
 ///
-/// A component lies in another if its points have a winding number other than 0 in it.
-/// One at even depth must have a positive volume, one at odd depth (a cavity) a negative one. Components that
-/// cross each other count as side by side. Open components are left out.
+/// A component lies in another if the other's winding number around its points is not 0. One at even depth must
+/// have a positive volume, one at odd depth (a cavity) a negative one. Components that cross each other count as
+/// side by side. Open components are left out.
 ///
 /// * `vertices`, `faces`: the mesh (m), of which `topology` was made
 ///

@@ -87,13 +87,17 @@ impl fmt::Display for RepairReport {
     }
 }
 
-/// Welds, drops and flips what can be mended without guessing, and says what it changed.
+/// Mends what can be mended without guessing, and reports the changes.
 ///
-/// In this order: vertices within `weld_tolerance` become one (chains of them too; the lowest index stays where
-/// it is); faces that so lost a corner, faces without area and faces with the vertices of an earlier one are
-/// dropped (the earlier one too where the two are the sides of a fin, which stands on the surface); the faces of each component are flipped to agree with their neighbours, the smaller part of them;
-/// closed components are turned outward, or inward where they are cavities; unused vertices are dropped. Holes
-/// are not filled and crossings stay, so [`check`](crate::mesh::check::check) may still find something.
+/// In this order:
+/// 1. vertices within `weld_tolerance` become one, chains of them too; the lowest index stays where it is;
+/// 2. faces that lost a corner, faces without area and faces with the vertices of an earlier one are dropped; of the
+///    two sides of a fin, which stands on the surface, both;
+/// 3. in each component the smaller part of the faces is flipped to agree with the rest;
+/// 4. closed components are turned outward, cavities inward;
+/// 5. unused vertices are dropped.
+///
+/// Holes are not filled and crossings stay, so [`check`](crate::mesh::check::check) may still find a defect.
 ///
 /// * `vertices`: positions (m)
 /// * `faces`: three vertex indices each

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::obstacle::error::ObstacleError;
+use crate::obstacle::nearest::Nearest;
 use crate::obstacle::posed::Obstacle;
 
 /// Fewest points that are worth a task of their own.
@@ -21,31 +22,11 @@ pub struct SignedDistances {
     pub normal: Vec<Vector3<f64>>,
 }
 
-/// The surface's answer to one point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Nearest {
-    /// Signed distance (m).
-    pub distance: f64,
-    /// Closest point (m).
-    pub closest: Vector3<f64>,
-    /// Outward unit normal.
-    pub normal: Vector3<f64>,
-}
-
-impl Nearest {
-    /// The answer beyond the maximum distance.
-    const BEYOND: Nearest = Nearest {
-        distance: f64::INFINITY,
-        closest: Vector3::new(f64::NAN, f64::NAN, f64::NAN),
-        normal: Vector3::new(f64::NAN, f64::NAN, f64::NAN),
-    };
-}
-
 impl Obstacle {
     /// Signed distance, closest point and outward normal of every point, in parallel.
     ///
-    /// Distances are right to rounding, about 1e-16 of the coordinates. The answers are equal to the bit for
-    /// any number of threads.
+    /// Distances are right to rounding, about 1e-16 of the coordinates. They are equal to the bit
+    /// for any number of threads.
     ///
     /// * `points`: (n) points (m), finite
     /// * `max_distance`: farthest distance of interest (m), >= 0; a point farther from the surface, outside or
@@ -64,13 +45,13 @@ impl Obstacle {
         if reach.is_nan() || reach < 0.0 {
             return Err(ObstacleError::MaxDistance { max_distance: reach });
         }
-        let frame = self.frame();
+        let pose = self.pose_matrix();
         let answer = |point: &Vector3<f64>| {
-            let found = self.shape().nearest(&frame.to_local(point), reach)?;
+            let found = self.shape().nearest(&pose.to_local(point), reach)?;
             (found.distance.abs() <= reach).then(|| Nearest {
                 distance: found.distance,
-                closest: frame.to_world(&found.closest),
-                normal: frame.turn(&found.normal),
+                closest: pose.to_world(&found.closest),
+                normal: pose.turn(&found.normal),
             })
         };
         let answers: Vec<Nearest> = points

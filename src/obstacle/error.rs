@@ -10,7 +10,7 @@ pub enum ObstacleError {
     /// The mesh itself is defective.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// The mesh has a border, so inside and outside are not told apart.
+    /// The mesh has a border, so it has no inside.
     #[error(
         "an obstacle must be closed, but the mesh has {loops} open border(s) with {edges} edges in all, \
          the first at vertex {vertex}; close the holes or weld the seams (see `repair`)"

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::obstacle::distance::check_points;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::posed::{Obstacle, unit};
-use crate::obstacle::sweep::Sweep;
+use crate::obstacle::sweep::SweptShape;
 
 /// A point that rounding puts this share of the obstacle's size inside still counts as not yet met.
 const START_TOLERANCE: f64 = 1e-12;
@@ -68,17 +68,17 @@ impl Obstacle {
         Ok(met.map(|touch| FirstTouch { travel: touch.travel.max(0.0), ..touch }))
     }
 
-    /// For every point, how far the obstacle has to go back against `direction` to where it first met the point, on a
-    /// way of `reach` (m) that ends where it stands now; `None` for points that it did not meet.
+    /// Way of the obstacle (m) since it first met each point, on a travel of length `reach` that ends where it stands
+    /// now; `None` for points that it did not meet.
     ///
     /// * `points`: (n) points (m), finite
     /// * `direction`: of the obstacle's travel, of any length but 0
-    /// * `reach`: length of its way (m), >= 0
+    /// * `reach`: length of the travel (m), >= 0
     ///
     /// # Errors
     ///
     /// [`ObstacleError::NonFinitePoint`] and [`ObstacleError::Direction`].
-    pub fn way_back(
+    pub fn entry_distances(
         &self,
         points: &[Vector3<f64>],
         direction: &Vector3<f64>,
@@ -93,15 +93,19 @@ impl Obstacle {
         Ok((0..points.len()).into_par_iter().map(back).collect())
     }
 
-    fn sweep(&self, points: &[Vector3<f64>], direction: &Vector3<f64>) -> Result<Sweep<'_>, ObstacleError> {
+    fn sweep(
+        &self,
+        points: &[Vector3<f64>],
+        direction: &Vector3<f64>,
+    ) -> Result<SweptShape<'_>, ObstacleError> {
         check_points(points)?;
         let direction = Some(*direction)
             .filter(|direction| direction.iter().all(|x| x.is_finite()))
             .and_then(|direction| unit(&direction))
             .ok_or(ObstacleError::Direction { direction: (*direction).into() })?;
-        let frame = self.frame();
-        let local = points.par_iter().map(|point| frame.to_local(point)).collect();
-        Ok(Sweep::new(self.shape(), local, frame.turn_back(&direction)))
+        let pose = self.pose_matrix();
+        let local = points.par_iter().map(|point| pose.to_local(point)).collect();
+        Ok(SweptShape::new(self.shape(), local, pose.turn_back(&direction)))
     }
 }
 

@@ -10,11 +10,12 @@ use crate::geometry::face_tree::{Faces, crossings_within};
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::check;
 use crate::mesh::nesting::check_nesting;
-use crate::obstacle::distance::Nearest;
 use crate::obstacle::error::ObstacleError;
+use crate::obstacle::nearest::Nearest;
 use crate::obstacle::primitive::SURFACE_TOLERANCE;
 
-/// Below this cosine between `p - c` and a pseudo-normal the solid angle decides the sign (dimensionless).
+/// Below this cosine between `p - c` and a pseudo-normal the solid angle decides the sign (dimensionless): `p - c` is longer
+/// than [`SURFACE_TOLERANCE`] of the mesh's size and rounded by 1e-16 of it, so its direction is known to 1e-6.
 const AMBIGUOUS_COSINE: f64 = 1e-6;
 
 /// Choices of [`Obstacle::mesh`](crate::obstacle::Obstacle::mesh).

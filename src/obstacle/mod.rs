@@ -19,6 +19,7 @@ pub(crate) mod distance;
 pub(crate) mod error;
 pub(crate) mod first_touch;
 pub(crate) mod mesh;
+pub(crate) mod nearest;
 pub(crate) mod posed;
 pub(crate) mod primitive;
 pub(crate) mod shadow;

@@ -6,9 +6,9 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::rigid_motion::rigid_motion;
-use crate::obstacle::distance::Nearest;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::mesh::{MeshObstacleOptions, MeshShape};
+use crate::obstacle::nearest::Nearest;
 use crate::obstacle::primitive::Primitive;
 
 /// A rigid product: a closed mesh or a primitive, at a pose.
@@ -71,14 +71,14 @@ impl Obstacle {
 
     /// A ball.
     ///
-    /// * `center`: its centre (m)
+    /// * `center`: its center (m)
     /// * `radius`: > 0 (m)
     ///
     /// # Errors
     ///
     /// [`ObstacleError::NotFinite`] and [`ObstacleError::NotPositive`].
     pub fn sphere(center: Vector3<f64>, radius: f64) -> Result<Obstacle, ObstacleError> {
-        check_finite("sphere", "the centre", &center)?;
+        check_finite("sphere", "the center", &center)?;
         check_positive("sphere", "the radius", radius)?;
         Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Sphere { center, radius })))
     }
@@ -115,7 +115,7 @@ impl Obstacle {
         Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Capsule { a, b, radius })))
     }
 
-    /// A cylinder with flat caps around the z axis, centred on the origin.
+    /// A cylinder with flat caps around the z axis, centerd on the origin.
     ///
     /// * `half_height`: half its length along z, > 0 (m)
     /// * `radius`: > 0 (m)
@@ -178,21 +178,21 @@ impl Obstacle {
 
     /// The box around the obstacle in the world; `None` for the half-space.
     pub fn bounding_box(&self) -> Option<Bounds> {
-        let frame = self.frame();
+        let pose = self.pose_matrix();
         match &*self.shape {
             Shape::Mesh(_) => self.triangles().map(|(vertices, _)| Bounds::around(&vertices)),
             Shape::Primitive(primitive) => {
-                Some(primitive.bounding_box(&frame.rotation)?.translated(&frame.translation))
+                Some(primitive.bounding_box(&pose.rotation)?.translated(&pose.translation))
             }
         }
     }
 
     /// Vertices in the world (m) and faces of a mesh; `None` for a primitive.
     pub fn triangles(&self) -> Option<Triangles> {
-        let frame = self.frame();
+        let pose = self.pose_matrix();
         match &*self.shape {
             Shape::Mesh(mesh) => {
-                Some((mesh.vertices().iter().map(|v| frame.to_world(v)).collect(), mesh.faces().to_vec()))
+                Some((mesh.vertices().iter().map(|v| pose.to_world(v)).collect(), mesh.faces().to_vec()))
             }
             Shape::Primitive(_) => None,
         }
@@ -232,8 +232,8 @@ impl Obstacle {
         &self.shape
     }
 
-    pub(super) fn frame(&self) -> Frame {
-        Frame {
+    pub(super) fn pose_matrix(&self) -> PoseMatrix {
+        PoseMatrix {
             rotation: self.pose.rotation.to_rotation_matrix().into_inner(),
             translation: self.pose.translation.vector,
         }
@@ -241,12 +241,12 @@ impl Obstacle {
 }
 
 /// The pose as a matrix, which is quicker to apply than a quaternion.
-pub(super) struct Frame {
+pub(super) struct PoseMatrix {
     rotation: Matrix3<f64>,
     translation: Vector3<f64>,
 }
 
-impl Frame {
+impl PoseMatrix {
     /// A point of the world in the obstacle's frame.
     pub fn to_local(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(&(point - self.translation))

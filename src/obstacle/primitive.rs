@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::bounds::Bounds;
-use crate::obstacle::distance::Nearest;
+use crate::obstacle::nearest::Nearest;
 
 /// Within this share of the primitive's size from its surface, a direction `p - c` is rounding noise and the
 /// normal of the surface's feature takes its place (dimensionless).
@@ -27,8 +27,8 @@ pub(crate) enum Primitive {
 impl Primitive {
     /// Nearest point of the surface, in the primitive's frame.
     ///
-    /// Where several points are nearest (centres, axes, medial planes) one is chosen by a fixed rule: +z at
-    /// the centre of a sphere, +x on a cylinder's axis, the direction of [`perpendicular`] on a capsule's; of
+    /// Where several points are nearest (centers, axes, medial planes) one is chosen by a fixed rule: +z at
+    /// the center of a sphere, +x on a cylinder's axis, the direction of [`perpendicular`] on a capsule's; of
     /// faces equally near the one along the first axis, on its positive side at 0; a cylinder's side before its caps.
     pub(super) fn nearest(&self, p: &Vector3<f64>) -> Nearest {
         match self {
@@ -68,7 +68,7 @@ impl Primitive {
     }
 }
 
-/// Nearest point of the sphere around `center`; `fallback` is the normal seen from the centre itself.
+/// Nearest point of the sphere around `center`; `fallback` is the normal seen from the center itself.
 fn around(p: &Vector3<f64>, center: &Vector3<f64>, radius: f64, fallback: Vector3<f64>) -> Nearest {
     let out = p - center;
     let length = out.norm();

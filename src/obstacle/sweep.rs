@@ -14,32 +14,33 @@ use crate::obstacle::shadow::Shadow;
 const ARRIVAL_COSINE: f64 = 1e-12;
 
 /// Points and a shape that travels past them.
-pub(super) struct Sweep<'a> {
+pub(super) struct SweptShape<'a> {
     points: Vec<Vector3<f64>>,
     direction: Vector3<f64>,
-    body: Body<'a>,
+    outline: Outline<'a>,
 }
 
-enum Body<'a> {
+/// What meets the points.
+enum Outline<'a> {
     Mesh(Shadow<'a>),
     Primitive(&'a Primitive),
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> SweptShape<'a> {
     /// `points` (m) and the unit `direction` are in the shape's frame.
-    pub fn new(shape: &'a Shape, points: Vec<Vector3<f64>>, direction: Vector3<f64>) -> Sweep<'a> {
-        let body = match shape {
-            Shape::Mesh(mesh) => Body::Mesh(Shadow::new(mesh, &direction)),
-            Shape::Primitive(primitive) => Body::Primitive(primitive),
+    pub fn new(shape: &'a Shape, points: Vec<Vector3<f64>>, direction: Vector3<f64>) -> SweptShape<'a> {
+        let outline = match shape {
+            Shape::Mesh(mesh) => Outline::Mesh(Shadow::new(mesh, &direction)),
+            Shape::Primitive(primitive) => Outline::Primitive(primitive),
         };
-        Sweep { points, direction, body }
+        SweptShape { points, direction, outline }
     }
 
     /// A length that stands for the shape (m).
     pub fn size(&self) -> f64 {
-        match &self.body {
-            Body::Mesh(shadow) => shadow.mesh().size(),
-            Body::Primitive(primitive) => {
+        match &self.outline {
+            Outline::Mesh(shadow) => shadow.mesh().size(),
+            Outline::Primitive(primitive) => {
                 primitive.bounding_box(&Matrix3::identity()).map_or(1.0, |bounds| bounds.diagonal())
             }
         }
@@ -47,7 +48,7 @@ impl<'a> Sweep<'a> {
 
     /// Whether the shape is away from every point at `t = -inf`.
     pub fn check_arrival(&self) -> Result<(), ObstacleError> {
-        if let Body::Primitive(Primitive::HalfSpace { normal, .. }) = self.body {
+        if let Outline::Primitive(Primitive::HalfSpace { normal, .. }) = self.outline {
             let cosine = normal.dot(&self.direction);
             if cosine <= ARRIVAL_COSINE {
                 return Err(ObstacleError::HalfSpaceDirection { cosine, tolerance: ARRIVAL_COSINE });
@@ -60,9 +61,9 @@ impl<'a> Sweep<'a> {
     /// to `latest`.
     pub fn meeting(&self, point: usize, start: f64, latest: f64) -> Option<f64> {
         let p = &self.points[point];
-        match &self.body {
-            Body::Mesh(shadow) => shadow.meeting(p, start, latest),
-            Body::Primitive(primitive) => {
+        match &self.outline {
+            Outline::Mesh(shadow) => shadow.meeting(p, start, latest),
+            Outline::Primitive(primitive) => {
                 let [enter, leave] = stay(primitive, p, &self.direction)?;
                 [enter, leave].into_iter().find(|t| *t >= start && t.is_finite())
             }

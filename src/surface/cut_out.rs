@@ -211,7 +211,7 @@ fn add_cap(rim: &[u32], vertices: &mut Vec<Vector3<f64>>, faces: &mut Vec<[u32; 
     }
 }
 
-/// Triangles between two rings around the same centre, each with its position along the rim and its vertex.
+/// Triangles between two rings around the same center, each with its position along the rim and its vertex.
 fn join_rings(outer: &[(f64, u32)], inner: &[(f64, u32)], faces: &mut Vec<[u32; 3]>) {
     let position = |ring: &[(f64, u32)], i: usize| ring[i % ring.len()].0 + (i / ring.len()) as f64;
     let vertex = |ring: &[(f64, u32)], i: usize| ring[i % ring.len()].1;

@@ -12,7 +12,7 @@ use crate::surface::checked::Surface;
 /// the way leads down to the web and up again, many times the gap between them.
 pub const LONGEST_DETOUR: f64 = 2.0;
 
-/// Whether two points of the skin answer each other's forces through the tissue between them.
+/// Whether the tissue between two points of the skin couples them: the force at one moves the other.
 ///
 /// `along_skin <= LONGEST_DETOUR · straight + slack`: points that are close in space but far along the skin lie on
 /// different fingers, with air in between.

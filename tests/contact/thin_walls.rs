@@ -53,27 +53,28 @@ fn mesh_of(half_extents: [f64; 3]) -> Obstacle {
 fn the_way_back_leads_to_the_first_meeting() {
     let ball = Obstacle::sphere(Vector3::zeros(), 5.0).unwrap();
     // Travelling down, the ball met a point at its underside: at (3, 0, -4) seen from the ball.
-    let met =
-        |z: f64, reach: f64| ball.way_back(&[Vector3::new(3.0, 0.0, z)], &(2.0 * DOWN), reach).unwrap()[0];
+    let met = |z: f64, reach: f64| {
+        ball.entry_distances(&[Vector3::new(3.0, 0.0, z)], &(2.0 * DOWN), reach).unwrap()[0]
+    };
     assert_relative_eq!(met(-3.5, 1.0).unwrap(), 0.5, max_relative = 1e-14);
     assert_relative_eq!(met(6.0, 100.0).unwrap(), 10.0, max_relative = 1e-14);
     assert_eq!(met(-4.1, 1.0), None, "not met yet");
     assert_eq!(met(6.0, 1.0), None, "met and left before the way began");
     assert_eq!(met(-4.0, 0.0), Some(0.0), "met just now");
-    assert_eq!(ball.way_back(&[Vector3::new(6.0, 0.0, 0.0)], &DOWN, 100.0).unwrap(), [None]);
+    assert_eq!(ball.entry_distances(&[Vector3::new(6.0, 0.0, 0.0)], &DOWN, 100.0).unwrap(), [None]);
 
     // A mesh finds what the primitive finds, beside edges and behind it too.
     let (points, _) = icosphere(2.5e-3, 4);
     let direction = Vector3::new(0.1, -0.2, -1.0);
     let half_extents = [2e-3, 1e-3, 0.4e-3];
     let [primitive, mesh] = [box_of(half_extents), mesh_of(half_extents)]
-        .map(|obstacle| obstacle.way_back(&points, &direction, 3e-3).unwrap());
+        .map(|obstacle| obstacle.entry_distances(&points, &direction, 3e-3).unwrap());
     assert!(primitive.iter().any(Option::is_some) && primitive.iter().any(Option::is_none));
     for (a, b) in primitive.iter().zip(&mesh) {
         assert_eq!(a.is_some(), b.is_some());
         assert!((a.unwrap_or(0.0) - b.unwrap_or(0.0)).abs() < 1e-15);
     }
-    let nowhere = ball.way_back(&[], &Vector3::zeros(), 1.0).unwrap_err();
+    let nowhere = ball.entry_distances(&[], &Vector3::zeros(), 1.0).unwrap_err();
     assert_eq!(nowhere, ObstacleError::Direction { direction: [0.0; 3] });
 }
 

@@ -48,7 +48,7 @@ pub(crate) fn measure_entries(
         return Ok(EntryGap::default());
     }
     let points: Vec<Vector3<f64>> = suspects.iter().map(|&vertex| surface.vertices()[vertex]).collect();
-    let ways = obstacle.way_back(&points, &travel.direction, travel.depth)?;
+    let ways = obstacle.entry_distances(&points, &travel.direction, travel.depth)?;
     let met: Vec<(usize, f64)> =
         suspects.into_iter().zip(ways).filter_map(|(vertex, way)| Some((vertex, way?))).collect();
     let entries: Vec<Vector3<f64>> =
