@@ -1,26 +1,23 @@
 //! One column of the paper's kernel: half-space less a Gaussian, cut off.
 
 use nalgebra::Vector3;
-use pulp::{Simd, WithSimd};
 
 use crate::response::column::half_space::{Scratch, half_space_values};
 use crate::response::column::load::{LoadedFace, weighted};
 use crate::response::integral::cutoff::{Inverse, hats_within};
-use crate::response::integral::edge_quadrature::EdgePotential;
+use crate::response::integral::gauss::{RulePoint, triangle_rule};
 use crate::response::integral::gaussian::Gaussian;
-use crate::response::integral::hat_simd::NearFace;
 use crate::response::integral::subdivide::subdivided_hat_integrals;
-use crate::response::series::taylor::{DEGREES, MAX_DEGREE, RadialSeries, TOGETHER};
-use crate::response::simd::functions::exp_negative;
-use crate::response::simd::lanes::Lanes;
-use crate::response::simd::points::{BLOCK, Targets};
+use crate::response::simd::points::Targets;
 
 /// Widths beyond which the Gaussian is below 1e-17.
-const SILENT: f64 = 9.0;
-/// Radii of a load from which on a cutoff can be cut along edges.
-const FAR_CUT: f64 = 3.0;
-/// Room, as a share of the cutoff, of the quadrature along edges; points project beside a triangle by twice as much.
-const BESIDE: f64 = 0.1;
+const SILENT_WIDTHS: f64 = 9.0;
+/// Share of the cutoff from which on a triangle that it leaves whole is far enough for a rule.
+const FAR_SHARE: f64 = 0.5;
+/// Most points of a rule in each direction; beyond, the closed form costs less.
+const MOST_RULE_POINTS: usize = 12;
+/// The closed form's own error.
+const LEAST_TOLERANCE: f64 = 1e-13;
 
 /// `K/r - a exp(-r²/2c²)` for r < cutoff, 0 beyond.
 #[derive(Debug, Clone, Copy)]
@@ -37,36 +34,76 @@ pub(crate) struct Corrected {
 
 impl Corrected {
     /// Sets `scratch.values` to the displacement of all targets by the load on `scratch.faces`.
+    ///
+    /// Within the cutoff the Gaussian is taken off the half-space by a Gauss rule; where the cutoff crosses the load, each
+    /// triangle is taken by itself.
     pub(crate) fn values(&self, targets: &Targets, scratch: &mut Scratch, tolerance: f64) {
         half_space_values(targets, scratch, self.constant, tolerance, self.cutoff);
-        pulp::Arch::new().dispatch(TakeOff { kernel: self, targets, scratch, tolerance });
-        pulp::Arch::new().dispatch(Cut { kernel: self, targets, scratch, tolerance });
+        let Scratch { faces, values, .. } = scratch;
+        let load: Vec<_> = faces.iter().map(|face| (face, self.point_forces(face, tolerance))).collect();
+        for (i, value) in values[..targets.rows.len()].iter_mut().enumerate() {
+            let x = targets.point(i);
+            if faces.iter().all(|face| (x - face.center).norm() + face.radius <= self.cutoff) {
+                let taken = load.iter().map(|(face, forces)| self.gaussian(face, forces.as_deref(), &x));
+                *value -= self.height * taken.sum::<f64>();
+            } else {
+                *value = load.iter().map(|(face, forces)| self.share(face, forces.as_deref(), &x)).sum();
+            }
+        }
     }
 
-    /// Error of the Gaussian's part, as a multiple of its height, that keeps the tolerance.
-    fn allowed(&self, tolerance: f64) -> f64 {
-        let reach = self.cutoff.min(SILENT * self.width);
-        tolerance.max(1e-13) * self.constant / (self.height * reach)
-    }
-
-    /// The lowest degree of a series of the Gaussian that keeps the tolerance.
+    /// The load of a face as point forces, places (m) and shares of the unit force, by a Gauss rule that keeps the
+    /// tolerance; `None` where it needs too many points.
     ///
-    /// Derivatives of order m of exp(-t²/2c²) are at most 1.09 √m! / cᵐ (Cramér's bound of the Hermite functions).
-    fn series_degree(&self, series: &RadialSeries, tolerance: f64) -> Option<usize> {
-        let ratio = series.radius / self.width;
-        DEGREES.into_iter().find(|&degree| {
-            let first: f64 = (1..=degree + 1).map(|m| ratio / (m as f64).sqrt()).product();
-            let next = ratio / (degree as f64 + 2.0).sqrt();
-            next < 0.9 && 1.09 * first * series.mean(degree + 1) <= self.allowed(tolerance) * (1.0 - next)
-        })
+    /// Along each of the two directions of an n × n rule the density is linear, so that the error is at most twice what
+    /// the best polynomial of degree m - 1 = 2n - 2 leaves of the kernel, `2 |f⁽ᵐ⁾| / m! (radius / 2)ᵐ`. Derivatives of 1/r
+    /// are at most `m! / rᵐ⁺¹`, those of exp(-t²/2c²) at most `1.09 √m! / cᵐ` (Cramér's bound of the Hermite functions).
+    fn point_forces(&self, face: &LoadedFace, tolerance: f64) -> Option<Vec<(Vector3<f64>, f64)>> {
+        let closest = FAR_SHARE * self.cutoff - face.radius;
+        let inverse_ratio = 0.5 * face.radius / closest;
+        let gaussian_ratio = 0.5 * face.radius / self.width;
+        // the Gaussian as a multiple of K/r
+        let share = self.height * self.cutoff.min(SILENT_WIDTHS * self.width) / self.constant;
+        let keeps = |n: &usize| {
+            let order = 2 * n - 1;
+            let inverse = inverse_ratio.powi(order as i32) * (1.0 + 2.0 * inverse_ratio);
+            let gaussian: f64 = (1..=order).map(|m| gaussian_ratio / (m as f64).sqrt()).product();
+            8.0 * (inverse + 1.09 * share * gaussian) <= tolerance.max(LEAST_TOLERANCE)
+        };
+        let n = (1..=MOST_RULE_POINTS).find(|n| closest > 0.0 && keeps(n))?;
+        let [a, b, c] = face.frame.vertices;
+        let force = |(l, weight): &RulePoint| {
+            (a * l[0] + b * l[1] + c * l[2], weight * face.frame.area * weighted(&face.density, l))
+        };
+        Some(triangle_rule(n).iter().map(force).collect())
     }
 
-    /// Whether x, projected on the plane of a face, is outside it by at least `distance` (m): no arc of the cutoff then
-    /// runs around the projection.
-    fn projects_beside(face: &LoadedFace, x: &Vector3<f64>, distance: f64) -> bool {
-        let arm = x - face.center;
-        let height = arm.dot(&face.frame.normal);
-        (arm - face.frame.normal * height).norm() >= face.radius + distance
+    /// `∫ p(y) exp(-r²/2c²) dA` over one face that lies within the cutoff.
+    fn gaussian(&self, face: &LoadedFace, forces: Option<&[(Vector3<f64>, f64)]>, x: &Vector3<f64>) -> f64 {
+        let falloff = -0.5 / (self.width * self.width);
+        match forces {
+            Some(forces) => {
+                forces.iter().map(|(y, share)| share * ((x - y).norm_squared() * falloff).exp()).sum()
+            }
+            None if (x - face.center).norm() > face.radius + SILENT_WIDTHS * self.width => 0.0,
+            None => {
+                let smooth = Gaussian { width: self.width };
+                weighted(&face.density, &hats_within(&face.frame, x, &smooth, self.cutoff))
+            }
+        }
+    }
+
+    /// One face's share of the displacement at x.
+    fn share(&self, face: &LoadedFace, forces: Option<&[(Vector3<f64>, f64)]>, x: &Vector3<f64>) -> f64 {
+        let distance = (x - face.center).norm();
+        let is_far = distance >= FAR_SHARE * self.cutoff && distance + face.radius <= self.cutoff;
+        match forces {
+            Some(forces) if is_far => {
+                let inverse: f64 = forces.iter().map(|(y, share)| share / (x - y).norm()).sum();
+                self.constant * inverse - self.height * self.gaussian(face, Some(forces), x)
+            }
+            _ => self.exact(face, x),
+        }
     }
 
     /// One face's share of the displacement at x, in closed form.
@@ -82,174 +119,6 @@ impl Corrected {
         };
         let smooth = hats_within(&face.frame, x, &Gaussian { width: self.width }, self.cutoff);
         self.constant * weighted(&face.density, &inverse) - self.height * weighted(&face.density, &smooth)
-    }
-}
-
-/// Takes the Gaussian off the values.
-struct TakeOff<'a> {
-    kernel: &'a Corrected,
-    targets: &'a Targets,
-    scratch: &'a mut Scratch,
-    tolerance: f64,
-}
-
-impl WithSimd for TakeOff<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { kernel, targets, scratch, tolerance } = self;
-        scratch.fill_series(simd, MAX_DEGREE);
-        let half_edge = scratch.half_edge();
-        let degree = kernel.series_degree(&scratch.series, tolerance);
-        let Scratch { series, values, near, faces, rule, .. } = scratch;
-        let far = kernel.cutoff.min(SILENT * kernel.width) + series.radius;
-        near.index.clear();
-        for start in (0..values.len()).step_by(BLOCK) {
-            let at = |i: usize| Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
-            let felt = |i: usize| (at(i) - series.center).norm_squared() < far * far;
-            if !(start..start + BLOCK).any(felt) {
-                continue;
-            }
-            match degree {
-                Some(degree) => kernel.series(simd, series, degree, targets, start, values),
-                None => {
-                    let last = targets.rows.len().min(start + BLOCK);
-                    near.index.extend((start..last).filter(|&i| felt(i)).map(|i| i as u32));
-                }
-            }
-        }
-        // too narrow for a series
-        near.gather(targets);
-        let potential = Potential { constant: 0.0, height: 1.0, width: kernel.width, cutoff: None };
-        rule.set(half_edge, 2.0 * kernel.width, 4.0, kernel.allowed(tolerance));
-        for face in faces.iter().map(NearFace::new) {
-            for i in (0..near.values.len()).step_by(S::F64_LANES) {
-                let integral = face.along_edges(near.place(simd, i), rule, &potential);
-                (integral + Lanes::load(simd, &near.values, i)).store(&mut near.values, i);
-            }
-        }
-        for (&i, sum) in near.index.iter().zip(&near.values) {
-            values[i as usize] += kernel.height * sum;
-        }
-    }
-}
-
-impl Corrected {
-    /// Takes the Gaussian off one block, as a series.
-    #[inline(always)]
-    fn series<S: Simd>(
-        &self,
-        simd: S,
-        series: &RadialSeries,
-        degree: usize,
-        targets: &Targets,
-        start: usize,
-        values: &mut [f64],
-    ) {
-        let zero = Lanes::splat(simd, 0.0);
-        let ratio = series.radius / self.width;
-        let falloff = zero.all(-0.5 * ratio * ratio);
-        let step = TOGETHER * S::F64_LANES;
-        for first in (start..start + BLOCK).step_by(step) {
-            let place = series.place(simd, targets, first);
-            let mut slopes = [[zero; TOGETHER]; MAX_DEGREE + 1];
-            for k in 0..TOGETHER {
-                let [x, y, z] = [place[0][k], place[1][k], place[2][k]];
-                let mut slope = exp_negative(x.mul_add(x, y.mul_add(y, z * z)) * falloff);
-                for (n, slot) in slopes[..=degree].iter_mut().enumerate() {
-                    slot[k] = slope;
-                    slope = slope * falloff * zero.all(1.0 / (n as f64 + 1.0));
-                }
-            }
-            let gaussian = series.evaluate(degree, &place, &slopes);
-            for (k, gaussian) in gaussian.into_iter().enumerate() {
-                let from = first + k * S::F64_LANES;
-                gaussian.mul_add(zero.all(-self.height), Lanes::load(simd, values, from)).store(values, from);
-            }
-        }
-    }
-}
-
-/// Sets what the cutoff cuts and what lies beyond it.
-struct Cut<'a> {
-    kernel: &'a Corrected,
-    targets: &'a Targets,
-    scratch: &'a mut Scratch,
-    tolerance: f64,
-}
-
-impl WithSimd for Cut<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { kernel, targets, scratch, tolerance } = self;
-        let half_edge = scratch.half_edge();
-        let Scratch { series, values, near, faces, rule, .. } = scratch;
-        let &Corrected { constant, height, width, cutoff } = kernel;
-        near.index.clear();
-        for (i, value) in values[..targets.rows.len()].iter_mut().enumerate() {
-            let x = Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
-            let distance = (x - series.center).norm();
-            if distance - series.radius >= cutoff {
-                *value = 0.0;
-            } else if distance + series.radius > cutoff {
-                near.index.push(i as u32);
-            }
-        }
-        // half of the way from an edge to the projection of the point, where the integrands are singular
-        let room = half_edge.max(BESIDE * cutoff);
-        let is_small = cutoff >= FAR_CUT * series.radius;
-        near.index.retain(|&i| {
-            let i = i as usize;
-            let x = Vector3::new(targets.x[i], targets.y[i], targets.z[i]);
-            let along_edges =
-                is_small && faces.iter().all(|face| Corrected::projects_beside(face, &x, 2.0 * room));
-            if !along_edges {
-                values[i] = faces.iter().map(|face| kernel.exact(face, &x)).sum();
-            }
-            along_edges
-        });
-        if near.index.is_empty() {
-            return;
-        }
-        near.gather(targets);
-        let potential = Potential { constant, height, width, cutoff: Some(cutoff) };
-        // Potential and moment of a face cancel by the square of the distance over its size.
-        let bound = 16.0 * (1.0 + height * cutoff / constant) * (cutoff / half_edge).powi(2);
-        rule.set(half_edge, (2.0 * width).min(room), bound, tolerance.max(1e-13));
-        for face in faces.iter().map(NearFace::new) {
-            for i in (0..near.values.len()).step_by(S::F64_LANES) {
-                let integral = face.along_edges(near.place(simd, i), rule, &potential);
-                (integral + Lanes::load(simd, &near.values, i)).store(&mut near.values, i);
-            }
-        }
-        for (&i, &sum) in near.index.iter().zip(&near.values) {
-            values[i as usize] = sum;
-        }
-    }
-}
-
-/// Ψ of `constant / r - height exp(-r²/2 width²)`.
-struct Potential {
-    constant: f64,
-    height: f64,
-    width: f64,
-    cutoff: Option<f64>,
-}
-
-impl<S: Simd> EdgePotential<S> for Potential {
-    #[inline(always)]
-    fn at(&self, squared: Lanes<S>) -> Lanes<S> {
-        let square = self.width * self.width;
-        let gaussian = exp_negative(squared * squared.all(-0.5 / square)) * squared.all(self.height * square);
-        squared.sqrt().mul_add(squared.all(self.constant), gaussian)
-    }
-
-    #[inline(always)]
-    fn cutoff_squared(&self) -> Option<f64> {
-        self.cutoff.map(|cutoff| cutoff * cutoff)
     }
 }
 

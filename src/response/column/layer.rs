@@ -166,13 +166,13 @@ impl LayerColumn<'_> {
         let Scratch { near, values, faces, rule, thicknesses, .. } = scratch;
         near.gather(targets);
         gather(&near.index, self.inverse_thickness, thicknesses);
+        let table = self.layer.kernel.table();
         for face in faces.iter().map(NearFace::new) {
             for i in (0..near.values.len()).step_by(S::F64_LANES) {
                 let own = Lanes::load(simd, thicknesses, i);
                 let pair = own.all(self.own_inverse);
                 let inverse = own.less(pair).pick(pair, own);
-                let potential = SmoothPart { table: self.layer.kernel.table(), inverse };
-                let integral = face.along_edges(near.place(simd, i), rule, &potential);
+                let integral = face.along_edges(near.place(simd, i), rule, &SmoothPart { table, inverse });
                 integral.mul_add(inverse, Lanes::load(simd, &near.values, i)).store(&mut near.values, i);
             }
         }
@@ -194,10 +194,5 @@ impl<S: Simd> EdgePotential<S> for SmoothPart<'_, S> {
     fn at(&self, squared: Lanes<S>) -> Lanes<S> {
         let rho = squared.sqrt() * self.inverse;
         squared.all(0.5) * squared * rho.map(|rho| self.table.mean(rho))
-    }
-
-    #[inline(always)]
-    fn cutoff_squared(&self) -> Option<f64> {
-        None
     }
 }

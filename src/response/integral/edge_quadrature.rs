@@ -7,10 +7,7 @@
 //! ∫ f dA = Σ d ∫ (Ψ(r) - Ψ(|z|)) / s² dl,      ∫ f (y - x_proj) dA = Σ m ∫ Ψ(r) dl
 //! ```
 //!
-//! with d the distance of an edge and m its outward normal. Both integrands are as smooth as f. For a kernel
-//! that ends at a cutoff, Ψ(cutoff) is taken off instead and the edges are clipped: the arcs that close the
-//! region then add nothing. That holds where x does not project into the triangle; and as both integrands
-//! are singular at the projection, it has to be away from the triangle by more than the room of the rule.
+//! with d the distance of an edge and m its outward normal. Both integrands are as smooth as f.
 
 use pulp::Simd;
 
@@ -18,12 +15,10 @@ use crate::response::integral::gauss::gauss_interval;
 use crate::response::integral::hat_simd::{NearFace, along, dot, from_point};
 use crate::response::simd::lanes::Lanes;
 
-/// The function Ψ of a kernel.
+/// The function Ψ of a kernel; a trait, as a closure would not be compiled for the machine's vectors.
 pub(crate) trait EdgePotential<S: Simd> {
     /// Ψ (m² times the kernel), up to a constant, at a squared distance (m²).
     fn at(&self, squared: Lanes<S>) -> Lanes<S>;
-    /// Squared distance (m²) at which the kernel ends.
-    fn cutoff_squared(&self) -> Option<f64>;
 }
 
 /// Points and weights along an edge, from 0 to 1.
@@ -67,24 +62,14 @@ impl NearFace {
         let to = [from_point(a, &x), from_point(b, &x), from_point(c, &x)];
         let height = along(&to[0], &self.normal);
         let height_squared = height * height;
-        let base = potential.at(match potential.cutoff_squared() {
-            Some(cutoff) => any.all(cutoff),
-            None => height_squared,
-        });
+        let base = potential.at(height_squared);
         let (mut zeroth, mut boundary) = (zero, zero);
         for k in 0..3 {
             let (start, end) = (&to[(k + 1) % 3], &to[(k + 2) % 3]);
             // of the two ends the nearer one gives the distance with the least rounding
             let nearer = dot(start, start).at_most(dot(end, end));
             let d = nearer.pick(along(start, &self.outward[k]), along(end, &self.outward[k]));
-            let (mut s0, mut s1) = (along(start, &self.tangents[k]), along(end, &self.tangents[k]));
-            let rho_squared = d.mul_add(d, height_squared);
-            if let Some(cutoff) = potential.cutoff_squared() {
-                let chord_squared = any.all(cutoff) - rho_squared;
-                let half = zero.less(chord_squared).pick(chord_squared, zero).sqrt();
-                s0 = s0.clamp(zero - half, half);
-                s1 = s1.clamp(zero - half, half);
-            }
+            let (s0, s1) = (along(start, &self.tangents[k]), along(end, &self.tangents[k]));
             let length = s1 - s0;
             let (mut turn, mut sum) = (zero, zero);
             for &(t, weight) in &rule.points {

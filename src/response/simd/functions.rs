@@ -2,7 +2,7 @@
 //!
 //! Called within a `pulp` dispatch; each is accurate to a few units in the last place.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI, SQRT_2};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
 use pulp::Simd;
 
@@ -103,34 +103,6 @@ pub(crate) fn angle<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
     x.less(zero).pick(x.all(PI) - a, a)
 }
 
-/// `exp(x)` for x <= 0; 1e-300 or so below -690.
-#[inline(always)]
-pub(crate) fn exp_negative<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    let floor = x.all(-690.0);
-    let x = x.less(floor).pick(floor, x);
-    // the nearest integer to x / ln 2 appears in the low bits of a number near 1.5 * 2^52
-    let offset = x.all(6755399441055744.0);
-    let shifted = x.mul_add(x.all(LOG2_E), offset);
-    let power = shifted - offset;
-    let r = power.mul_add(x.all(-LN_2[1]), power.mul_add(x.all(-LN_2[0]), x));
-    // exp(r) on |r| <= ln 2 / 2, error 3e-18
-    let p = r.polynomial([
-        2.511_003_794_061_966_5e-8,
-        2.763_264_007_423_722_4e-7,
-        2.755_724_091_767_456e-6,
-        2.480_148_548_115_237e-5,
-        0.000_198_412_698_900_479_6,
-        0.001_388_888_895_231_587_4,
-        0.008_333_333_333_319_601,
-        0.041_666_666_666_488_09,
-        0.166_666_666_666_666_8,
-        0.500_000_000_000_001_9,
-        1.0,
-        1.0,
-    ]);
-    p * shifted.map_bits(|b| b.wrapping_add(1023) << 52)
-}
-
 #[cfg(test)]
 mod tests {
     use std::marker::PhantomData;
@@ -171,14 +143,6 @@ mod tests {
         }
     }
 
-    struct ExpNegative;
-    impl Fn4 for ExpNegative {
-        #[inline(always)]
-        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S> {
-            super::exp_negative(x[0])
-        }
-    }
-
     /// On the machine's vectors, which must agree with plain numbers to rounding.
     fn both<F: Fn4>(_: F, x: [f64; 4]) -> f64 {
         let vector = pulp::Arch::new().dispatch(Apply::<F>(PhantomData, x));
@@ -193,10 +157,6 @@ mod tests {
 
     fn angle(y: f64, x: f64) -> f64 {
         both(Angle, [y, x, 0.0, 0.0])
-    }
-
-    fn exp_negative(x: f64) -> f64 {
-        both(ExpNegative, [x, 0.0, 0.0, 0.0])
     }
 
     #[test]
@@ -237,16 +197,5 @@ mod tests {
         }
         assert_eq!(angle(0.0, 1.0), 0.0);
         assert!(angle(0.0, 0.0).is_finite());
-    }
-
-    #[test]
-    fn exponential_is_accurate_to_a_few_ulp() {
-        for i in 0..20_000 {
-            let x = -0.033 * i as f64;
-            let expected = x.exp();
-            assert!((exp_negative(x) - expected).abs() <= 4.0 * f64::EPSILON * expected, "{x}");
-        }
-        assert_eq!(exp_negative(0.0), 1.0);
-        assert!(exp_negative(-1e30) < 1e-290);
     }
 }

@@ -67,13 +67,6 @@ impl<S: Simd> Lanes<S> {
         Self::new(self.simd, self.simd.transmute_f64s_u64s(rest))
     }
 
-    /// Within `low` and `high`.
-    #[inline(always)]
-    pub(crate) fn clamp(self, low: Self, high: Self) -> Self {
-        let raised = self.less(low).pick(low, self);
-        high.less(raised).pick(high, raised)
-    }
-
     #[inline(always)]
     pub(crate) fn less(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, m: self.simd.less_than_f64s(self.v, other.v) }

@@ -67,6 +67,11 @@ impl Targets {
         }
     }
 
+    /// A target, by its place in the lists.
+    pub(crate) fn point(&self, place: usize) -> Vector3<f64> {
+        Vector3::new(self.x[place], self.y[place], self.z[place])
+    }
+
     /// Copies the values of a column, in the order of the points, to their rows.
     pub(crate) fn scatter(&self, values: &[f64], column: &mut [f64]) {
         for (&row, &value) in self.rows.iter().zip(values) {
