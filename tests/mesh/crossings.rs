@@ -1,10 +1,9 @@
 //! Faces that cross, found exactly.
 
-mod common;
-
-use common::{Mesh, Random, data_dir, icosphere, read_ply};
 use nalgebra::Vector3;
 use quasirigid::geometry::find_crossings;
+
+use crate::common::{Mesh, Random, data_dir, icosphere, read_ply};
 
 fn v(x: f64, y: f64, z: f64) -> Vector3<f64> {
     Vector3::new(x, y, z)

@@ -1,14 +1,13 @@
 //! Every defective mesh of the collection is answered as its description says.
 
-mod common;
-
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use common::Mesh;
 use nalgebra::Vector3;
 use quasirigid::mesh::{MeshError, Repair, RepairOptions, check, repair};
 use quasirigid::surface::{Surface, SurfaceError};
+
+use crate::common::{self, Mesh};
 
 fn bad(name: &str) -> Option<PathBuf> {
     common::data_dir().map(|data| data.join("bad").join(name))

@@ -1,18 +1,10 @@
 //! The travel at which an obstacle first meets a skin vertex.
 
-mod common;
-
-use common::{Mesh, Random, data_dir, flipped, icosphere, joined, read_ply};
 use nalgebra::{Rotation3, Vector3};
-use quasirigid::obstacle::{FirstTouch, MeshObstacleOptions, Obstacle, ObstacleError};
+use quasirigid::obstacle::{FirstTouch, Obstacle, ObstacleError};
 
-fn v(x: f64, y: f64, z: f64) -> Vector3<f64> {
-    Vector3::new(x, y, z)
-}
-
-fn mesh_obstacle((vertices, faces): Mesh) -> Obstacle {
-    Obstacle::mesh(vertices, faces, &MeshObstacleOptions::default()).expect("a good mesh")
-}
+use crate::common::{Mesh, Random, data_dir, flipped, icosphere, joined, read_ply};
+use crate::{mesh_obstacle, v};
 
 fn touch(obstacle: &Obstacle, points: &[Vector3<f64>], direction: Vector3<f64>) -> Option<FirstTouch> {
     obstacle.first_touch(points, &direction).expect("a sound question")

@@ -1,15 +1,15 @@
 //! Cutting a finger out of a hand for its body response.
 
-mod common;
-
 use nalgebra::Vector3;
 use quasirigid::geometry::Bounds;
 use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::surface::{CutOut, CutOutError, Surface, cut_out};
 
+use crate::common::{data_dir, icosphere, read_ply};
+use crate::surface;
+
 fn sphere(subdivisions: usize) -> Surface {
-    let (vertices, faces) = common::icosphere(8e-3, subdivisions);
-    Surface::new(vertices, faces).expect("a sound mesh")
+    surface(icosphere(8e-3, subdivisions))
 }
 
 fn lowest(skin: &Surface) -> usize {
@@ -75,9 +75,8 @@ fn a_part_can_be_cut_again() {
 
 #[test]
 fn a_finger_comes_out_of_a_whole_hand() {
-    let Some(data) = common::data_dir() else { return };
-    let (vertices, faces) = common::read_ply(&data.join("hands/makehuman_male_right_13k.ply"));
-    let hand = Surface::new(vertices, faces).expect("a sound hand");
+    let Some(data) = data_dir() else { return };
+    let hand = surface(read_ply(&data.join("hands/makehuman_male_right_13k.ply")));
     // an open hand, fingers along y: the middle finger reaches farthest
     let tip = (0..hand.vertices().len())
         .max_by(|&a, &b| hand.vertices()[a].y.total_cmp(&hand.vertices()[b].y))
