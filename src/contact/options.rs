@@ -67,3 +67,21 @@ impl ContactOptions {
         Ok(())
     }
 }
+
+/// Runs `work` on as many threads as the options ask for.
+pub(crate) fn with_threads<T: Send>(
+    options: &ContactOptions,
+    work: impl FnOnce() -> Result<T, ContactError> + Send,
+) -> Result<T, ContactError> {
+    match options.num_threads {
+        None => work(),
+        Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+            Ok(pool) => pool.install(work),
+            Err(_) => Err(ContactError::Option {
+                option: "num_threads",
+                value: threads as f64,
+                expected: "a number of threads that the system can start",
+            }),
+        },
+    }
+}

@@ -6,11 +6,11 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
-use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::options::{ContactOptions, Interrupt, with_threads};
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
 use crate::contact::scene::{Scene, Travel};
-use crate::contact::solve::{solve_in_place, with_threads};
+use crate::contact::solve::solve_in_place;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;

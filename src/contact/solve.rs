@@ -6,7 +6,7 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::solve as equilibrium;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
-use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::options::{ContactOptions, Interrupt, with_threads};
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Scene;
@@ -71,22 +71,4 @@ pub(crate) fn solve_in_place(
 
     // 5-6. Figures; the drawn skin when somebody asks.
     Contact::solved(&gaps, forces, &response, options, report)
-}
-
-/// Runs `work` on as many threads as the options ask for.
-pub(crate) fn with_threads<T: Send>(
-    options: &ContactOptions,
-    work: impl FnOnce() -> Result<T, ContactError> + Send,
-) -> Result<T, ContactError> {
-    match options.num_threads {
-        None => work(),
-        Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
-            Ok(pool) => pool.install(work),
-            Err(_) => Err(ContactError::Option {
-                option: "num_threads",
-                value: threads as f64,
-                expected: "a number of threads that the system can start",
-            }),
-        },
-    }
 }

@@ -7,7 +7,7 @@ use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::Drawing;
 use crate::contact::figures::fade::{Fade, drawn_vector};
-use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::options::{ContactOptions, Interrupt, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
@@ -43,17 +43,25 @@ impl Contact {
         options: &ContactOptions,
         interrupt: Interrupt,
     ) -> Result<DrawnSkin, ContactError> {
-        let surface = &self.surface;
-        let vertex_count = surface.vertices().len();
         if self.status != ContactStatus::Solved {
-            let displacement = vec![Vector3::zeros(); vertex_count];
-            let deformed = surface.clone();
+            let displacement = vec![Vector3::zeros(); self.surface.vertices().len()];
+            let deformed = self.surface.clone();
             return Ok(DrawnSkin { displacement, fade_distance: 0.0, volume_change: 0.0, deformed });
         }
+        with_threads(options, || self.draw(skin, options, interrupt))
+    }
+
+    fn draw(
+        &self,
+        skin: &dyn ElasticSkin,
+        options: &ContactOptions,
+        interrupt: Interrupt,
+    ) -> Result<DrawnSkin, ContactError> {
+        let surface = &self.surface;
         let response = Compliance::new(surface, skin, skin.traits(surface)?, options, interrupt);
         let Drawing { fingers, motion } = &self.drawing;
         let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
-        let everywhere: Vec<usize> = (0..vertex_count).collect();
+        let everywhere: Vec<usize> = (0..surface.vertices().len()).collect();
         let found = response.displace_coarsely(forces, &everywhere)?;
 
         let drawn = |fade: &Fade| -> Vec<Vector3<f64>> {
