@@ -2,54 +2,147 @@
 
 Press a posed hand (a triangle mesh) against a product (a triangle mesh or a primitive) and read off the
 deformed skin, the pressure map, area, force and moment, and how far each can be trusted. All numbers are
-SI: m, N, Pa, rad, s.
+SI: m, N, Pa, rad, s. `io`, `plot` and `reference` are imported when they are first used.
 """
 
-from . import models as models
-from ._core import __version__ as __version__
-from .contact import Accuracy as Accuracy
-from .contact import Contact as Contact
-from .contact import ContactOptions as ContactOptions
-from .contact import ContactStatus as ContactStatus
-from .contact import Patch as Patch
-from .contact import press as press
-from .contact import solve_contact as solve_contact
-from .errors import ContactError as ContactError
-from .errors import LcpError as LcpError
-from .errors import MeshFileError as MeshFileError
-from .errors import MissingExtraError as MissingExtraError
-from .errors import ObstacleError as ObstacleError
-from .errors import QuasirigidError as QuasirigidError
-from .errors import QuasirigidWarning as QuasirigidWarning
-from .errors import ResponseError as ResponseError
-from .errors import SurfaceError as SurfaceError
-from .io import read_mesh as read_mesh
-from .io import read_obstacle as read_obstacle
-from .io import read_surface as read_surface
-from .lcp import LcpOptions as LcpOptions
-from .lcp import LcpSolution as LcpSolution
-from .lcp import LcpStatus as LcpStatus
-from .lcp import solve_lcp as solve_lcp
-from .matrix import Definiteness as Definiteness
-from .matrix import NetVolume as NetVolume
-from .matrix import definiteness as definiteness
-from .matrix import initial_gaps as initial_gaps
-from .matrix import net_volume as net_volume
-from .matrix import response_matrix as response_matrix
-from .obstacle import Obstacle as Obstacle
-from .skin import Body as Body
-from .skin import CombinedSkin as CombinedSkin
-from .skin import CutOut as CutOut
-from .skin import GaussianCorrected as GaussianCorrected
-from .skin import GivenMatrix as GivenMatrix
-from .skin import HalfSpace as HalfSpace
-from .skin import Layer as Layer
-from .skin import PreparedSkin as PreparedSkin
-from .skin import Response as Response
-from .skin import Skin as Skin
-from .skin import cut_out as cut_out
-from .skin import load_prepared as load_prepared
-from .surface import Repair as Repair
-from .surface import Surface as Surface
-from .surface import flat_cap_mask as flat_cap_mask
-from .surface import repair as repair
+from importlib import import_module as _import_module
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+
+from . import models
+from ._core import __version__
+from .contact import (
+    Accuracy,
+    Contact,
+    ContactError,
+    ContactOptions,
+    ContactStatus,
+    LeftOut,
+    Patch,
+    Start,
+    press,
+    solve_contact,
+)
+from .errors import (
+    MeshFileError,
+    MissingExtraError,
+    ObstacleError,
+    QuasirigidError,
+    QuasirigidWarning,
+    ResponseError,
+    SurfaceError,
+)
+from .io.read import read_mesh, read_obstacle, read_surface
+from .lcp import (
+    Certificate,
+    LcpAttempt,
+    LcpDefiniteness,
+    LcpError,
+    LcpMethod,
+    LcpOptions,
+    LcpRay,
+    LcpSolution,
+    LcpStatus,
+    RayConclusion,
+    solve_lcp,
+)
+from .matrix import Definiteness, NetVolume, definiteness, initial_gaps, net_volume, response_matrix
+from .obstacle import Obstacle
+from .skin import (
+    Body,
+    CombinedSkin,
+    CutOut,
+    Discretization,
+    ElasticSkin,
+    GaussianCorrected,
+    GivenMatrix,
+    HalfSpace,
+    Layer,
+    PreparedSkin,
+    PressureBasis,
+    Response,
+    Skin,
+    cut_out,
+    load_prepared,
+)
+from .surface import Repair, Surface, flat_cap_mask, repair
+
+if _TYPE_CHECKING:
+    from types import ModuleType as _ModuleType
+
+    from . import io, plot
+
+__all__ = [
+    "Accuracy",
+    "Body",
+    "Certificate",
+    "CombinedSkin",
+    "Contact",
+    "ContactError",
+    "ContactOptions",
+    "ContactStatus",
+    "CutOut",
+    "Definiteness",
+    "Discretization",
+    "ElasticSkin",
+    "GaussianCorrected",
+    "GivenMatrix",
+    "HalfSpace",
+    "Layer",
+    "LcpAttempt",
+    "LcpDefiniteness",
+    "LcpError",
+    "LcpMethod",
+    "LcpOptions",
+    "LcpRay",
+    "LcpSolution",
+    "LcpStatus",
+    "LeftOut",
+    "MeshFileError",
+    "MissingExtraError",
+    "NetVolume",
+    "Obstacle",
+    "ObstacleError",
+    "Patch",
+    "PreparedSkin",
+    "PressureBasis",
+    "QuasirigidError",
+    "QuasirigidWarning",
+    "RayConclusion",
+    "Repair",
+    "Response",
+    "ResponseError",
+    "Skin",
+    "Start",
+    "Surface",
+    "SurfaceError",
+    "__version__",
+    "cut_out",
+    "definiteness",
+    "flat_cap_mask",
+    "initial_gaps",
+    "io",
+    "load_prepared",
+    "models",
+    "net_volume",
+    "plot",
+    "press",
+    "read_mesh",
+    "read_obstacle",
+    "read_surface",
+    "repair",
+    "response_matrix",
+    "solve_contact",
+    "solve_lcp",
+]
+
+
+def __getattr__(name: str) -> "_ModuleType":
+    """Import what is used by some alone when it is first asked for."""
+    if name in ("io", "plot"):
+        return _import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Return the names that a user may use."""
+    return __all__

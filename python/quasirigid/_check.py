@@ -1,10 +1,11 @@
-"""What several functions ask of an argument; refusals name it, what was found, and what is expected."""
+"""Checks of arguments; a refusal names the argument, what was found and what is expected."""
 
 from __future__ import annotations
 
 import operator
 import sys
-from typing import TYPE_CHECKING, Any
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -16,10 +17,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Refusal = type[QuasirigidError]
+_Choice = TypeVar("_Choice", bound=StrEnum)
 
 
-def number_of(name: str, value: Any, refusal: Refusal, least: float = 0.0, most: float = np.inf) -> float:
-    """A finite number above 0, at least `least` and at most `most`."""
+def as_number(name: str, value: Any, refusal: Refusal, least: float = 0.0, most: float = np.inf) -> float:
+    """Return a finite number above 0, at least `least` and at most `most`."""
     try:
         number = float("nan") if isinstance(value, (str, bytes)) else float(value)
     except (TypeError, ValueError):
@@ -30,29 +32,29 @@ def number_of(name: str, value: Any, refusal: Refusal, least: float = 0.0, most:
     raise refusal(f"{name} is {value!r}, expected a number {wanted}")
 
 
-def vector_of(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]:
-    """Three finite numbers."""
+def as_vector(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]:
+    """Return three finite numbers."""
     try:
         vector = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
         vector = np.empty(0)
     if vector.shape != (3,) or not np.isfinite(vector).all():
-        raise refusal(f"{name} is {_short(value)}, expected three finite numbers")
+        raise refusal(f"{name} is {short(value)}, expected three finite numbers")
     return vector
 
 
-def direction_of(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]:
-    """Three finite numbers that are not all 0, made a unit vector."""
-    vector = vector_of(name, value, refusal)
+def as_direction(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]:
+    """Return the unit vector along three finite numbers that are not all 0."""
+    vector = as_vector(name, value, refusal)
     largest = np.abs(vector).max()
     if largest == 0.0:
-        raise refusal(f"{name} is {_short(value)}, expected a direction")
+        raise refusal(f"{name} is {short(value)}, expected a direction")
     scaled: NDArray[np.float64] = vector / largest
     return scaled / np.linalg.norm(scaled)
 
 
-def mask_of(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.bool_]:
-    """One boolean for each of `count` vertices.
+def as_mask(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.bool_]:
+    """Return one boolean for each of `count` vertices.
 
     Raises
     ------
@@ -62,7 +64,7 @@ def mask_of(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.b
     try:
         mask = np.asarray(value)
     except ValueError:
-        raise TypeError(f"`{name}` is {_short(value)}, expected an array of booleans") from None
+        raise TypeError(f"`{name}` is {short(value)}, expected an array of booleans") from None
     if mask.dtype != np.bool_:
         remedy = f": np.isin(np.arange({count}), numbers) makes them of vertex numbers"
         raise TypeError(
@@ -76,27 +78,14 @@ def mask_of(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.b
     return mask
 
 
-def count_of(name: str, value: Any, refusal: Refusal) -> int | None:
-    """A whole number that is not negative, or None; whether 0 will do is left to the core.
+def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int:
+    """Return an integer >= 0.
 
     Raises
     ------
     TypeError
-        If it is no whole number; a `refusal` if it is negative.
+        If it is a boolean or would have to be rounded; a `refusal` if it is out of range.
     """
-    if value is None:
-        return None
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} is {value!r}, expected a whole number or None") from None
-    if count < 0:
-        raise refusal(f"{name} is {count}, expected a number above 0 or None")
-    return count
-
-
-def integer_of(name: str, value: Any) -> int:
-    """An integer >= 0; no boolean, and nothing that would have to be rounded."""
     is_boolean = isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"
     try:
         number = None if is_boolean else operator.index(value)
@@ -105,21 +94,26 @@ def integer_of(name: str, value: Any) -> int:
     if number is None:
         raise TypeError(f"{name} is {value!r}, expected an integer")
     if not 0 <= number <= sys.maxsize:
-        raise ValueError(f"{name} is {number}, expected an integer of at least 0 and at most {sys.maxsize}")
+        raise refusal(f"{name} is {number}, expected an integer of at least 0 and at most {sys.maxsize}")
     return number
 
 
-def integers_of(name: str, values: Iterable[Any]) -> list[int]:
-    """Integers >= 0, one after the other."""
+def as_integer_or_none(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int | None:
+    """Return None, or what `as_integer` does."""
+    return None if value is None else as_integer(name, value, refusal)
+
+
+def as_integers(name: str, values: Iterable[Any]) -> list[int]:
+    """Return a list of integers >= 0."""
     try:
         listed = list(values)
     except TypeError:
         raise TypeError(f"{name} is {values!r}, expected a sequence of integers") from None
-    return [integer_of(f"{name}[{place}]", value) for place, value in enumerate(listed)]
+    return [as_integer(f"{name}[{place}]", value) for place, value in enumerate(listed)]
 
 
-def index_of(name: str, value: Any, count: int, refusal: Refusal) -> int:
-    """The number of one of `count` vertices.
+def as_index(name: str, value: Any, count: int, refusal: Refusal) -> int:
+    """Return the number of one of `count` vertices.
 
     Raises
     ------
@@ -129,14 +123,26 @@ def index_of(name: str, value: Any, count: int, refusal: Refusal) -> int:
     try:
         index = operator.index(value)
     except TypeError:
-        raise TypeError(f"{name} is {_short(value)}, expected the number of a vertex") from None
+        raise TypeError(f"{name} is {short(value)}, expected the number of a vertex") from None
     if not 0 <= index < count:
         raise refusal(f"{name} vertex {index}: the skin has vertices 0 to {count - 1}")
     return index
 
 
-def _short(value: Any) -> str:
+def as_choice(name: str, value: Any, kind: type[_Choice], refusal: Refusal) -> _Choice:
+    """Return a member of an enumeration, given itself or by its word."""
+    try:
+        return kind(value)
+    except ValueError:
+        known = ", ".join(f'"{member}"' for member in kind)
+        raise refusal(f"{name} is {value!r}, expected one of {known}") from None
+
+
+def short(value: Any) -> str:
+    """Return what a value is on one short line."""
     if isinstance(value, np.ndarray):
-        value = value.tolist() if value.size <= 6 else f"an array of shape {value.shape}"
-    text = str(value)
+        if value.size > 6:
+            return f"an array of shape {value.shape}"
+        value = value.tolist()
+    text = repr(str(value) if isinstance(value, StrEnum) else value)
     return text if len(text) <= 80 else text[:77] + "..."

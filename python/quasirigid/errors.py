@@ -1,12 +1,7 @@
-"""Exceptions and warnings. Everything raised on purpose is a `QuasirigidError`."""
+"""Exceptions and warnings; everything raised on purpose is a `QuasirigidError`.
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .contact.result import Contact
-    from .lcp import LcpSolution
+`LcpError` and `ContactError` stand beside the results that they carry, in `lcp` and `contact.result`.
+"""
 
 
 class QuasirigidError(Exception):
@@ -25,30 +20,6 @@ class ResponseError(QuasirigidError, ValueError):
     """A response was rejected, or its matrix could not be built."""
 
 
-class LcpError(QuasirigidError, ValueError, RuntimeError):
-    """A complementarity problem was malformed, or did not end solved.
-
-    Attributes
-    ----------
-    solution : LcpSolution or None
-        What the solver returned, where the problem was well posed and the ending was not "solved".
-    """
-
-    solution: LcpSolution | None = None
-
-
-class ContactError(QuasirigidError, ValueError, RuntimeError):
-    """A contact was malformed, or did not end solved.
-
-    Attributes
-    ----------
-    contact : Contact or None
-        What was found, where the question was well posed and the ending was not "solved".
-    """
-
-    contact: Contact | None = None
-
-
 class MeshFileError(QuasirigidError, ValueError):
     """A mesh file could not be read as it stands; the message names the file, the defect and its place."""
 
@@ -58,4 +29,4 @@ class QuasirigidWarning(UserWarning):
 
 
 class MissingExtraError(QuasirigidError, ImportError):
-    """A part of the package needs a library that is not installed; the message says how to get it."""
+    """A part of the package needs a library that is not installed; the message names the command."""

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from . import _core
-from ._check import integer_of, integers_of
-from .errors import LcpError
+from ._check import as_choice, as_integer_or_none, as_integers
+from ._frozen import Frozen
+from .errors import QuasirigidError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,15 +20,27 @@ if TYPE_CHECKING:
 __all__ = [
     "Certificate",
     "LcpAttempt",
+    "LcpDefiniteness",
+    "LcpError",
     "LcpMethod",
     "LcpOptions",
     "LcpRay",
     "LcpSolution",
     "LcpStatus",
+    "RayConclusion",
     "solve_lcp",
 ]
 
-LcpMethod = Literal["lemke", "block_pivoting", "projected_cg", "auto"]
+LcpMethodName = Literal["lemke", "block_pivoting", "projected_cg", "auto"]
+
+
+class LcpMethod(StrEnum):
+    """Solver of a complementarity problem."""
+
+    LEMKE = "lemke"
+    BLOCK_PIVOTING = "block_pivoting"
+    PROJECTED_CG = "projected_cg"
+    AUTO = "auto"
 
 
 class LcpStatus(StrEnum):
@@ -38,6 +51,24 @@ class LcpStatus(StrEnum):
     PIVOT_LIMIT = "pivot_limit"
     BREAKDOWN = "breakdown"
     INTERRUPTED = "interrupted"
+
+
+class LcpDefiniteness(StrEnum):
+    """What a solve has shown of its matrix; the first two leave one solution."""
+
+    POSITIVE_DEFINITE = "positive_definite"
+    P_MATRIX = "p_matrix"
+    NOT_POSITIVE_DEFINITE = "not_positive_definite"
+    UNKNOWN = "unknown"
+
+
+class RayConclusion(StrEnum):
+    """What an unbounded path proves: no solution, none that is not huge, no copositive matrix, or nothing."""
+
+    INFEASIBLE = "infeasible"
+    INFEASIBLE_TO_ROUNDING = "infeasible_to_rounding"
+    NOT_COPOSITIVE = "not_copositive"
+    INCONCLUSIVE = "inconclusive"
 
 
 _DEFAULTS: dict[str, Any] = _core.LcpOptions.defaults()
@@ -59,9 +90,6 @@ class LcpOptions:
         Guess of the unknowns with z > 0, by their indices (of a mask: ``numpy.flatnonzero(mask)``).
     covering : (n,) array_like or None
         Covering vector of Lemke's method, all > 0; None for ones.
-    total : float or None
-        Load control, for "projected_cg" alone: the sum of z, > 0. q is then known up to one shift for all
-        rows, which `LcpSolution.shift` tells.
     definiteness : {"cheap", "always", "never"}
         Whether the certificate looks for positive definiteness, which makes a solution the only one;
         "cheap": where that costs no more than the solve did. A matrix that is singular to rounding stays
@@ -71,14 +99,9 @@ class LcpOptions:
         shows that M is no P-matrix; where they stall, the path begins from nothing. Every exchange counts as
         a pivot. Only where neither `initial_active` nor `covering` is given, and for more than 16 unknowns
         that may touch.
-    check : {"cheap", "always"}
-        Which entries of M are looked at for being finite. "always": all. "cheap": all where M has at most 64
-        rows, else what the solve reads; a solved answer depends on the columns of its ``z > 0`` alone, and
-        where an ending is not "solved" all of M has been looked at. q always is, and the diagonal unless
-        ``q >= 0``. Of an M in C order, entries beside a column of ``z > 0`` are read too, in groups of eight.
     known_p_matrix : bool
         Promise that every principal minor of M is positive, so that there is one solution; it is taken at
-        your word and told in the certificate. "auto" then begins with block pivoting at any size; the one
+        your word and stands in the certificate. "auto" then begins with block pivoting at any size; the one
         solution is the same, to rounding.
     """
 
@@ -87,24 +110,20 @@ class LcpOptions:
     tolerance: float = _DEFAULTS["tolerance"]
     initial_active: Sequence[int] | NDArray[np.int64] | None = None
     covering: ArrayLike | None = None
-    total: float | None = _DEFAULTS["total"]
     definiteness: Literal["cheap", "always", "never"] = _DEFAULTS["definiteness"]
     crash: bool = _DEFAULTS["crash"]
-    check: Literal["cheap", "always"] = _DEFAULTS["check"]
     known_p_matrix: bool = False
 
     def _to_core(self) -> _core.LcpOptions:
-        guess = None if self.initial_active is None else integers_of("initial_active", self.initial_active)
+        guess = None if self.initial_active is None else as_integers("initial_active", self.initial_active)
         return _core.LcpOptions(
-            max_pivots=None if self.max_pivots is None else integer_of("max_pivots", self.max_pivots),
+            max_pivots=as_integer_or_none("max_pivots", self.max_pivots),
             pivot_tol=self.pivot_tol,
             tolerance=self.tolerance,
             initial_active=guess,
             covering=self.covering,
-            total=self.total,
             definiteness=self.definiteness,
             crash=self.crash,
-            check=self.check,
             known_p_matrix=self.known_p_matrix,
         )
 
@@ -124,7 +143,7 @@ class Certificate:
         ``sum |z_i w_i|`` over ``delta max(delta / mean diagonal, sum z)`` with ``delta = max(-q)``.
     infeasibility : float
         ``max(-w_i, 0) / max(-q)``.
-    definiteness : str
+    definiteness : LcpDefiniteness
         "positive_definite", "p_matrix", "not_positive_definite" or "unknown".
     is_unique : bool
         Whether the solution is known to be the only one.
@@ -133,12 +152,12 @@ class Certificate:
     natural_residual: float
     complementarity: float
     infeasibility: float
-    definiteness: str
+    definiteness: LcpDefiniteness
     is_unique: bool
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LcpRay:
+class LcpRay(Frozen):
     """Direction of the unbounded path on which Lemke's method ended: ``w = M z + d z0``.
 
     Attributes
@@ -151,23 +170,23 @@ class LcpRay:
         Largest violation of the ray's equations and signs, relative to its size.
     curvature : float
         ``z'Mz`` relative to the sum of its terms' magnitudes.
-    conclusion : str
+    conclusion : RayConclusion
         "infeasible" (no solution exists), "infeasible_to_rounding" (one would have to be huge),
         "not_copositive" or "inconclusive".
     """
 
-    z: NDArray[np.float64]
-    w: NDArray[np.float64]
+    z: NDArray[np.float64] = field(repr=False)
+    w: NDArray[np.float64] = field(repr=False)
     z0: float
     residual: float
     curvature: float
-    conclusion: str
+    conclusion: RayConclusion
 
 
 class LcpAttempt(NamedTuple):
     """One method's run within a solve: from your guess (`warm`), or looking for a crash basis (`crash`)."""
 
-    method: str
+    method: LcpMethod
     status: LcpStatus
     pivots: int
     warm: bool
@@ -175,7 +194,7 @@ class LcpAttempt(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LcpSolution:
+class LcpSolution(Frozen):
     """What a solve found; z and w are an answer only where the status is "solved".
 
     Attributes
@@ -185,14 +204,14 @@ class LcpSolution:
     z : (n,) float64
         Unknowns, never negative.
     w : (n,) float64
-        ``M z + q`` (+ `shift`), computed anew from the M and q given.
+        ``M z + q``, computed anew from the M and q given.
     active : (a,) int64
         Unknowns with z > 0, ascending.
     pivots : int
         Basis exchanges (iterations, for projected_cg) of every run together, those of a crash basis included.
     natural_residual, complementarity : float
         As in `certificate`.
-    method : str
+    method : LcpMethod
         The method that gave this ending.
     advice : str
         What happened, why that usually is, and what to try.
@@ -204,55 +223,88 @@ class LcpSolution:
         Every run, in order.
     candidates : int
         Number of unknowns that the method looked at; the others stay at zero.
-    shift : float
-        What load control added to every entry of q, so that ``w = M z + q + shift``; 0 without it.
     """
 
     status: LcpStatus
-    z: NDArray[np.float64] = field(repr=False)
-    w: NDArray[np.float64] = field(repr=False)
-    active: NDArray[np.int64] = field(repr=False)
+    z: NDArray[np.float64]
+    w: NDArray[np.float64]
+    active: NDArray[np.int64]
     pivots: int
     natural_residual: float
     complementarity: float
-    method: str
-    advice: str = field(repr=False)
-    certificate: Certificate = field(repr=False)
-    ray: LcpRay | None = field(repr=False)
-    attempts: tuple[LcpAttempt, ...] = field(repr=False)
-    candidates: int = field(repr=False)
-    shift: float = field(repr=False)
+    method: LcpMethod
+    advice: str
+    certificate: Certificate
+    ray: LcpRay | None
+    attempts: tuple[LcpAttempt, ...]
+    candidates: int
+
+    def __repr__(self) -> str:
+        """Return ending, method, counts and residual on one line."""
+        return (
+            f"LcpSolution({self.status} by {self.method}: "
+            f"{len(self.active)} of {len(self.z)} unknowns above 0, "
+            f"{self.pivots} pivots, natural residual {self.natural_residual:.1e})"
+        )
 
 
-_T = TypeVar("_T")
-_STATUS = {status.value: status for status in LcpStatus}
+class LcpError(QuasirigidError, ValueError, RuntimeError):
+    """A complementarity problem was malformed, or did not end solved.
+
+    Attributes
+    ----------
+    solution : LcpSolution or None
+        What the solver returned, where the problem was well posed and the ending was not "solved".
+    """
+
+    solution: LcpSolution | None = None
 
 
-def _built(cls: type[_T], fields: dict[str, Any]) -> _T:
-    """A frozen dataclass from all of its fields; its own `__init__` takes longer than a small solve."""
-    built = object.__new__(cls)
-    vars(built).update(fields)
-    return built
-
-
-def solution_from_core(solution: _core.LcpSolution) -> LcpSolution:
-    fields = solution.fields()
-    fields["status"] = _STATUS[fields["status"]]
-    fields["certificate"] = _built(Certificate, fields["certificate"])
-    if fields["ray"] is not None:
-        fields["ray"] = _built(LcpRay, fields["ray"])
-    fields["attempts"] = tuple(
-        LcpAttempt(method, _STATUS[status], pivots, warm, crash)
-        for method, status, pivots, warm, crash in fields["attempts"]
+def solution_from_core(core: _core.LcpSolution) -> LcpSolution:
+    """Return the facade's solution."""
+    certificate, ray = core.certificate, core.ray
+    return LcpSolution(
+        status=LcpStatus(core.status),
+        z=core.z,
+        w=core.w,
+        active=core.active,
+        pivots=core.pivots,
+        natural_residual=core.natural_residual,
+        complementarity=core.complementarity,
+        method=LcpMethod(core.method),
+        advice=core.advice,
+        certificate=Certificate(
+            natural_residual=certificate.natural_residual,
+            complementarity=certificate.complementarity,
+            infeasibility=certificate.infeasibility,
+            definiteness=LcpDefiniteness(certificate.definiteness),
+            is_unique=certificate.is_unique,
+        ),
+        ray=None if ray is None else _ray_from_core(ray),
+        attempts=tuple(
+            LcpAttempt(LcpMethod(method), LcpStatus(status), pivots, warm, crash)
+            for method, status, pivots, warm, crash in core.attempts
+        ),
+        candidates=core.candidates,
     )
-    return _built(LcpSolution, fields)
+
+
+def _ray_from_core(core: _core.LcpRay) -> LcpRay:
+    return LcpRay(
+        z=core.z,
+        w=core.w,
+        z0=core.z0,
+        residual=core.residual,
+        curvature=core.curvature,
+        conclusion=RayConclusion(core.conclusion),
+    )
 
 
 def solve_lcp(
     M: ArrayLike,
     q: ArrayLike,
     *,
-    method: LcpMethod = "lemke",
+    method: LcpMethod | LcpMethodName = "lemke",
     options: LcpOptions | None = None,
     throw: bool = True,
 ) -> LcpSolution:
@@ -262,7 +314,7 @@ def solve_lcp(
     ----------
     M : (n, n) array_like
         Any real matrix: nonsymmetric, indefinite and singular ones are welcome. float64 in C or Fortran
-        order is read in place.
+        order is read in place; what a solve reads of it must be finite.
     q : (n,) array_like
         Any real vector.
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
@@ -296,7 +348,8 @@ def solve_lcp(
     ('solved', [1.333333, 2.333333])
     """
     core_options = _DEFAULT_OPTIONS if options is None else options._to_core()
-    solution = solution_from_core(_core.solve_lcp(M, q, method, core_options))
+    solver = as_choice("method", method, LcpMethod, LcpError)
+    solution = solution_from_core(_core.solve_lcp(M, q, solver, core_options))
     if throw and solution.status is not LcpStatus.SOLVED:
         error = LcpError(f"the complementarity problem ended with status {solution.advice}")
         error.solution = solution

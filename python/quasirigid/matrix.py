@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _core
-from ._check import count_of, index_of
+from ._check import as_index, as_integer_or_none
 from .errors import ResponseError
 from .obstacle import Obstacle
 from .skin.elastic import core_skin
-from .skin.material import Skin
+from .skin.skins import CombinedSkin, PreparedSkin, Skin
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,11 +28,12 @@ def response_matrix(
     surface: Surface,
     skin: ElasticSkin,
     nodes: ArrayLike,
+    *,
     directions: ArrayLike | None = None,
     tolerance: float = 1e-6,
     num_threads: int | None = None,
 ) -> NDArray[np.float64]:
-    """Displacement of each node per newton at each node.
+    """Return the displacement of each node per newton at each node.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def response_matrix(
     Returns
     -------
     (k, k) float64
-        R (m/N): entry (i, j) is the displacement of node i per newton at node j; with weighted gaps, its
+        R (m/N): entry (i, j) is the displacement of node i per newton at node j; in Galerkin form, its
         average against the pressure of node i. The gaps that belong to it are those of `initial_gaps`.
 
     Raises
@@ -62,9 +63,13 @@ def response_matrix(
     ResponseError
         If a node, the tolerance or the memory needed is out of range.
     """
-    threads = count_of("num_threads", num_threads, ResponseError)
     return _core.response_matrix(
-        surface, core_skin(skin, surface), nodes, directions, tolerance=tolerance, num_threads=threads
+        surface,
+        core_skin(skin, surface),
+        nodes,
+        directions=directions,
+        tolerance=tolerance,
+        num_threads=as_integer_or_none("num_threads", num_threads, ResponseError),
     )
 
 
@@ -74,11 +79,11 @@ def initial_gaps(
     nodes: ArrayLike,
     distance: Obstacle | Callable[[NDArray[np.float64]], ArrayLike],
 ) -> NDArray[np.float64]:
-    """Give the gaps that a response matrix works on: ``q`` of a contact problem of one's own.
+    """Return the initial gaps that match `response_matrix`, for use as ``q`` in `solve_lcp`.
 
-    At the vertices; with weighted gaps averaged against the pressure of each node, from the vertices and the
-    middles of the edges around it. Gaps of the vertices alone would cost a weighted contact more force than
-    all else: a round obstacle's are h^2/6R too large on edges of length h.
+    In collocation at the vertices; in Galerkin form averaged against the pressure of each node, from the
+    vertices and the middles of the edges around it. Gaps of the vertices alone would cost the latter more
+    force than all else: a round obstacle's are h^2/6R too large on edges of length h.
 
     Parameters
     ----------
@@ -101,14 +106,15 @@ def initial_gaps(
     ResponseError
         If the skin was made for another surface.
     ValueError
-        If a node is out of range, or the function does not give one finite number per point.
+        If a node is out of range, or the function does not return one finite number per point.
 
     Examples
     --------
     >>> import numpy as np
     >>> import quasirigid as qr
     >>> finger = qr.models.fingertip(edge_length=2e-3)
-    >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace(gap="weighted"))
+    >>> response = qr.HalfSpace(discretization="galerkin")
+    >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
     >>> ball = qr.Obstacle.sphere(finger.vertices[0] + [0, 0, 1.0], 1.0005)
     >>> q = qr.initial_gaps(finger, skin, np.arange(20), ball)
     >>> R = qr.response_matrix(finger, skin, np.arange(20))
@@ -121,19 +127,6 @@ def initial_gaps(
     return _core.initial_gaps(surface, core_skin(skin, surface), nodes, measured)
 
 
-def kernel_of(skin: ElasticSkin, need: str) -> _core.Skin:
-    """The core's kernel of a skin that is one, for what `need` says; a refusal says what to take."""
-    if not isinstance(skin, Skin):
-        kind = type(skin).__name__
-        within = {"PreparedSkin": "skin", "CombinedSkin": "elsewhere"}.get(kind)
-        if within is None:
-            raise TypeError(f"skin is a {kind}, expected a Skin: {need}")
-        raise ResponseError(f"a {kind} is no kernel: {need}; its `{within}` may be one")
-    if skin.kernel is None:
-        raise ResponseError(f"the response {type(skin.response).__name__} is no kernel: {need}")
-    return skin.kernel
-
-
 class NetVolume(NamedTuple):
     """Volume under the displacement of a unit force: dents less bulges, and both added up (m^3/N)."""
 
@@ -142,11 +135,10 @@ class NetVolume(NamedTuple):
 
 
 def net_volume(surface: Surface, skin: Skin, node: int) -> NetVolume:
-    """Tell the volume that the mesh moves per newton at a vertex, ``sum S_i R_ij`` over all its vertices.
+    """Return the volume that the mesh moves per newton at a vertex, ``sum S_i R_ij`` over all its vertices.
 
-    R is the weighted form where the kernel has one (half-space, layer): the sum is then the integral of the
-    displacement, whatever the triangles. The paper's condition (its eq. 4) asks for a net volume of 0; an
-    incompressible layer has it to 1e-6 of the gross on flat meshes 44 thicknesses wide, to 1e-8 at 60.
+    R is in Galerkin form where the kernel has one (half-space, layer): the sum is then the integral of the
+    displacement, whatever the triangles. The paper's condition (its eq. 4) asks for a net volume of 0.
 
     Parameters
     ----------
@@ -167,10 +159,21 @@ def net_volume(surface: Surface, skin: Skin, node: int) -> NetVolume:
     ResponseError
         If the node is out of range or the response is no kernel.
     """
-    kernel = kernel_of(skin, "net_volume needs one; for a body read Contact.volume_change")
-    return NetVolume(
-        *kernel.net_volume(surface, index_of("node", node, len(surface.vertices), ResponseError))
-    )
+    vertex = as_index("node", node, len(surface.vertices), ResponseError)
+    return NetVolume(*_require_kernel(skin).net_volume(surface, vertex))
+
+
+def _require_kernel(skin: Skin) -> _core.Skin:
+    need = "net_volume needs one; for a body read Contact.volume_change"
+    if isinstance(skin, PreparedSkin):
+        raise ResponseError(f"a PreparedSkin is no kernel: {need}; its `skin` may be one")
+    if isinstance(skin, CombinedSkin):
+        raise ResponseError(f"a CombinedSkin is no kernel: {need}; its `background` is one")
+    if not isinstance(skin, Skin):
+        raise TypeError(f"skin is a {type(skin).__name__}, expected a Skin: {need}")
+    if skin._kernel is None:
+        raise ResponseError(f"the response {type(skin.response).__name__} is no kernel: {need}")
+    return skin._kernel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,4 +219,11 @@ def definiteness(matrix: ArrayLike) -> Definiteness:
     >>> qr.definiteness([[2.0, 1.0], [0.0, 2.0]]).positive_definite
     True
     """
-    return Definiteness(**_core.definiteness(matrix))
+    found = _core.definiteness(matrix)
+    return Definiteness(
+        positive_definite=found.positive_definite,
+        smallest=found.smallest,
+        largest=found.largest,
+        condition=found.condition,
+        estimated=found.estimated,
+    )

@@ -1,23 +1,33 @@
 //! `solve_contact` and `press`.
 
-use super::convert::{nodes_out, vector, vector_out, vectors_out};
+use super::convert::{named, nodes_out, read_only, vector, vector_out, vectors_out};
 use super::errors::IntoPyErr;
-use super::interrupt::{detached, detached_on_thread};
+use super::interrupt::detached_with;
 use super::lcp::{PyLcpSolution, method_named};
 use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
-use crate::contact::{self, Contact, ContactError, ContactOptions, Press, Resultant, Start};
+use crate::contact::{
+    self, Accuracy, Contact, ContactError, ContactOptions, Interrupt, Press, Resultant, Start,
+};
+use crate::lcp::LcpSolution;
 use crate::response::ElasticSkin;
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use std::mem::take;
 
-/// Options of a contact; their defaults are the crate's.
-#[pyclass(name = "ContactOptions", module = "quasirigid._core", frozen)]
+/// Options of a contact.
+#[pyclass(name = "ContactOptions", module = "quasirigid._core", frozen, get_all)]
 pub(super) struct PyContactOptions {
-    inner: ContactOptions,
+    tolerance: f64,
+    rings: Option<usize>,
+    method: String,
+    num_threads: Option<usize>,
+    memory_limit: Option<usize>,
+    search_distance: Option<f64>,
+    condition: bool,
+    couple_fingers: bool,
+    max_growths: usize,
 }
 
 #[pymethods]
@@ -28,16 +38,15 @@ impl PyContactOptions {
     fn new(
         tolerance: f64,
         rings: Option<usize>,
-        method: &str,
+        method: String,
         num_threads: Option<usize>,
         memory_limit: Option<usize>,
         search_distance: Option<f64>,
         condition: bool,
         couple_fingers: bool,
         max_growths: usize,
-    ) -> PyResult<Self> {
-        let method = method_named(method)?;
-        let inner = ContactOptions {
+    ) -> Self {
+        Self {
             tolerance,
             rings,
             method,
@@ -47,128 +56,173 @@ impl PyContactOptions {
             condition,
             couple_fingers,
             max_growths,
-        };
-        Ok(Self { inner })
+        }
     }
 
-    /// The crate's defaults by name.
+    /// Those of the crate.
     #[staticmethod]
-    fn defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let ContactOptions {
-            tolerance,
-            rings,
-            method,
-            num_threads,
-            memory_limit,
-            search_distance,
-            condition,
-            couple_fingers,
-            max_growths,
-        } = ContactOptions::default();
-        let defaults = PyDict::new(py);
-        defaults.set_item("tolerance", tolerance)?;
-        defaults.set_item("rings", rings)?;
-        defaults.set_item("method", method.as_str())?;
-        defaults.set_item("num_threads", num_threads)?;
-        defaults.set_item("memory_limit", memory_limit)?;
-        defaults.set_item("search_distance", search_distance)?;
-        defaults.set_item("condition", condition)?;
-        defaults.set_item("couple_fingers", couple_fingers)?;
-        defaults.set_item("max_growths", max_growths)?;
-        Ok(defaults)
+    fn defaults() -> Self {
+        let options = ContactOptions::default();
+        Self {
+            tolerance: options.tolerance,
+            rings: options.rings,
+            method: options.method.as_str().into(),
+            num_threads: options.num_threads,
+            memory_limit: options.memory_limit,
+            search_distance: options.search_distance,
+            condition: options.condition,
+            couple_fingers: options.couple_fingers,
+            max_growths: options.max_growths,
+        }
     }
 }
 
-/// What the crate returns for a contact, read field by field by the facade.
-#[pyclass(name = "Contact", module = "quasirigid._core", frozen)]
+impl PyContactOptions {
+    fn to_core(&self) -> PyResult<ContactOptions> {
+        Ok(ContactOptions {
+            tolerance: self.tolerance,
+            rings: self.rings,
+            method: method_named(&self.method)?,
+            num_threads: self.num_threads,
+            memory_limit: self.memory_limit,
+            search_distance: self.search_distance,
+            condition: self.condition,
+            couple_fingers: self.couple_fingers,
+            max_growths: self.max_growths,
+        })
+    }
+}
+
+/// Force (N), moment (N m), centre (m), area (m²) and peak (Pa) of a contact or of one of its patches.
+#[pyclass(name = "Resultant", module = "quasirigid._core", frozen, get_all)]
+pub(super) struct PyResultant {
+    force: Py<PyArray1<f64>>,
+    moment: Py<PyArray1<f64>>,
+    center_of_pressure: Py<PyArray1<f64>>,
+    contact_area: f64,
+    max_pressure: f64,
+}
+
+impl PyResultant {
+    fn new(py: Python<'_>, resultant: &Resultant) -> PyResult<Py<Self>> {
+        let values = Self {
+            force: read_only(vector_out(py, &resultant.force)),
+            moment: read_only(vector_out(py, &resultant.moment)),
+            center_of_pressure: read_only(vector_out(py, &resultant.center_of_pressure)),
+            contact_area: resultant.contact_area,
+            max_pressure: resultant.max_pressure,
+        };
+        Py::new(py, values)
+    }
+}
+
+/// How far the figures of a contact can be trusted.
+#[pyclass(name = "Accuracy", module = "quasirigid._core", frozen, get_all)]
+pub(super) struct PyAccuracy {
+    natural_residual: f64,
+    complementarity: f64,
+    integration_tolerance: f64,
+    condition: Option<f64>,
+    definite: Option<bool>,
+    cells_per_radius: f64,
+    area_resolution: f64,
+}
+
+impl From<&Accuracy> for PyAccuracy {
+    fn from(accuracy: &Accuracy) -> Self {
+        Self {
+            natural_residual: accuracy.natural_residual,
+            complementarity: accuracy.complementarity,
+            integration_tolerance: accuracy.integration_tolerance,
+            condition: accuracy.condition,
+            definite: accuracy.definite,
+            cells_per_radius: accuracy.cells_per_radius,
+            area_resolution: accuracy.area_resolution,
+        }
+    }
+}
+
+/// A contact, and what draws its skin.
+#[pyclass(name = "Contact", module = "quasirigid._core", frozen, get_all)]
 pub(super) struct PyContact {
-    inner: Contact,
-    /// What it was solved with, for the drawn skin.
+    status: &'static str,
+    advice: String,
+    resultant: Py<PyResultant>,
+    /// Vertices and resultant of each connected part of the active set.
+    patches: Vec<(Py<PyArray1<i64>>, Py<PyResultant>)>,
+    max_penetration_before: f64,
+    max_penetration_after: f64,
+    pressure: Py<PyArray1<f64>>,
+    node_force: Py<PyArray1<f64>>,
+    force_vectors: Py<PyArray2<f64>>,
+    gap: Py<PyArray1<f64>>,
+    candidates: Py<PyArray1<i64>>,
+    active: Py<PyArray1<i64>>,
+    obstacle: Py<PyObstacle>,
+    travel: f64,
+    lcp_solutions: Vec<Py<PyLcpSolution>>,
+    accuracy: Py<PyAccuracy>,
+    /// Stage and seconds, in order.
+    timings: Vec<(&'static str, f64)>,
+    /// What the scene did not need, and why.
+    left_out: Vec<(&'static str, String)>,
+    warnings: Vec<String>,
+    drawing: Py<PyDrawing>,
+}
+
+impl PyContact {
+    fn new(contact: Contact, skin: &Bound<'_, PySkin>, options: ContactOptions) -> PyResult<Self> {
+        let py = skin.py();
+        let patch = |patch: &contact::Patch| {
+            let vertices = read_only(nodes_out(py, &patch.vertices));
+            Ok((vertices, PyResultant::new(py, &patch.resultant)?))
+        };
+        let lcp_solution = |solution: &LcpSolution| PyLcpSolution::new(py, solution);
+        let mut contact = contact;
+        // The arrays that nothing is drawn from move out without a copy.
+        let moved = |numbers: &mut Vec<f64>| read_only(PyArray1::from_vec(py, take(numbers)));
+        Ok(Self {
+            status: contact.status.as_str(),
+            advice: contact.advice(),
+            resultant: PyResultant::new(py, &contact.resultant)?,
+            patches: contact.patches.iter().map(patch).collect::<PyResult<_>>()?,
+            max_penetration_before: contact.max_penetration_before,
+            max_penetration_after: contact.max_penetration_after,
+            pressure: moved(&mut contact.pressure),
+            node_force: moved(&mut contact.node_force),
+            force_vectors: read_only(vectors_out(py, &contact.force_vectors)),
+            gap: moved(&mut contact.gap),
+            candidates: read_only(nodes_out(py, &contact.candidates)),
+            active: read_only(nodes_out(py, &contact.active)),
+            obstacle: Py::new(py, PyObstacle::from(contact.obstacle.clone()))?,
+            travel: contact.travel,
+            lcp_solutions: contact.lcp_solutions.iter().map(lcp_solution).collect::<PyResult<_>>()?,
+            accuracy: Py::new(py, PyAccuracy::from(&contact.accuracy))?,
+            timings: contact.timings.iter().map(|timing| (timing.stage, timing.seconds)).collect(),
+            left_out: take(&mut contact.left_out).into_iter().map(|one| (one.what, one.why)).collect(),
+            warnings: take(&mut contact.warnings),
+            drawing: Py::new(py, PyDrawing { contact, skin: PySkin::for_drawing(skin)?, options })?,
+        })
+    }
+}
+
+/// What the drawn skin is computed from.
+#[pyclass(name = "Drawing", module = "quasirigid._core", frozen)]
+pub(super) struct PyDrawing {
+    contact: Contact,
     skin: Py<PySkin>,
     options: ContactOptions,
 }
 
-fn resultant_out<'py>(py: Python<'py>, resultant: &Resultant) -> PyResult<Bound<'py, PyDict>> {
-    let fields = PyDict::new(py);
-    fields.set_item("force", vector_out(py, &resultant.force))?;
-    fields.set_item("moment", vector_out(py, &resultant.moment))?;
-    fields.set_item("center_of_pressure", vector_out(py, &resultant.center_of_pressure))?;
-    fields.set_item("contact_area", resultant.contact_area)?;
-    fields.set_item("max_pressure", resultant.max_pressure)?;
-    Ok(fields)
-}
-
 #[pymethods]
-impl PyContact {
-    /// Scalars, vectors and arrays by the names of the facade's `Contact`.
-    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let contact = &self.inner;
-        let fields = resultant_out(py, &contact.resultant)?;
-        fields.set_item("status", contact.status.as_str())?;
-        fields.set_item("advice", contact.advice())?;
-        fields.set_item("max_penetration_before", contact.max_penetration_before)?;
-        fields.set_item("max_penetration_after", contact.max_penetration_after)?;
-        fields.set_item("travel", contact.travel)?;
-        fields.set_item("natural_residual", contact.accuracy.natural_residual)?;
-        for (name, values) in
-            [("pressure", &contact.pressure), ("node_force", &contact.node_force), ("gap", &contact.gap)]
-        {
-            fields.set_item(name, PyArray1::from_slice(py, values))?;
-        }
-        fields.set_item("force_vectors", vectors_out(py, &contact.force_vectors))?;
-        fields.set_item("candidates", nodes_out(py, &contact.candidates))?;
-        fields.set_item("active", nodes_out(py, &contact.active))?;
-        fields.set_item("warnings", contact.warnings.clone())?;
-        let timings = PyDict::new(py);
-        for timing in &contact.timings {
-            timings.set_item(timing.stage, timing.seconds)?;
-        }
-        fields.set_item("timings", timings)?;
-        let left_out: Vec<(&str, &str)> =
-            contact.left_out.iter().map(|left_out| (left_out.what, left_out.why.as_str())).collect();
-        fields.set_item("left_out", left_out)?;
-        Ok(fields)
-    }
-
-    /// One dictionary per connected part of the active set.
-    fn patches<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let fields_of = |patch: &contact::Patch| {
-            let fields = resultant_out(py, &patch.resultant)?;
-            fields.set_item("vertices", nodes_out(py, &patch.vertices))?;
-            Ok(fields)
-        };
-        self.inner.patches.iter().map(fields_of).collect()
-    }
-
-    /// The figures of `Accuracy`.
-    fn accuracy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let accuracy = &self.inner.accuracy;
-        let fields = PyDict::new(py);
-        fields.set_item("natural_residual", accuracy.natural_residual)?;
-        fields.set_item("complementarity", accuracy.complementarity)?;
-        fields.set_item("integration_tolerance", accuracy.integration_tolerance)?;
-        fields.set_item("condition", accuracy.condition)?;
-        fields.set_item("definite", accuracy.definite)?;
-        fields.set_item("cells_per_radius", accuracy.cells_per_radius)?;
-        fields.set_item("area_resolution", accuracy.area_resolution)?;
-        Ok(fields)
-    }
-
-    /// The drawn skin, computed now: displacement (n, 3), fade distance (m), volume change (m^3), deformed surface.
-    fn drawn<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, f64, f64, PySurface)> {
+impl PyDrawing {
+    /// Displacement (n, 3) in m, fade distance (m), volume change (m³) and deformed surface, computed now.
+    fn draw(&self, py: Python<'_>) -> PyResult<(Py<PyArray2<f64>>, f64, f64, PySurface)> {
         let skin = self.skin.get().elastic();
-        let drawn = detached(py, |interrupt| self.inner.drawn_skin(skin, &self.options, interrupt))?;
-        let drawn = drawn.map_err(IntoPyErr::into_py_err)?;
-        let displacement = vectors_out(py, &drawn.displacement);
+        let draw = |interrupt: Interrupt| self.contact.drawn_skin(skin, &self.options, interrupt);
+        let drawn = detached_with(py, self.options.num_threads, draw)?.map_err(IntoPyErr::into_py_err)?;
+        let displacement = read_only(vectors_out(py, &drawn.displacement));
         Ok((displacement, drawn.fade_distance, drawn.volume_change, drawn.deformed.into()))
-    }
-
-    fn obstacle(&self) -> PyObstacle {
-        self.inner.obstacle.clone().into()
-    }
-
-    fn lcp_solutions(&self) -> Vec<PyLcpSolution> {
-        self.inner.lcp_solutions.iter().cloned().map(PyLcpSolution::from).collect()
     }
 }
 
@@ -176,15 +230,12 @@ impl PyContact {
 fn run(
     skin: &Bound<'_, PySkin>,
     options: &PyContactOptions,
-    solve: impl FnOnce(&dyn ElasticSkin, contact::Interrupt) -> Result<Contact, ContactError> + Send,
+    solve: impl FnOnce(&dyn ElasticSkin, &ContactOptions, Interrupt) -> Result<Contact, ContactError> + Send,
 ) -> PyResult<PyContact> {
-    let (py, elastic) = (skin.py(), skin.get().elastic());
-    let result = match options.inner.num_threads {
-        None => detached(py, |interrupt| solve(elastic, interrupt))?,
-        Some(_) => detached_on_thread(py, |interrupt| solve(elastic, interrupt))?,
-    };
-    let inner = result.map_err(IntoPyErr::into_py_err)?;
-    Ok(PyContact { inner, skin: skin.clone().unbind(), options: options.inner.clone() })
+    let (elastic, options) = (skin.get().elastic(), options.to_core()?);
+    let contact =
+        detached_with(skin.py(), options.num_threads, |interrupt| solve(elastic, &options, interrupt))?;
+    PyContact::new(contact.map_err(IntoPyErr::into_py_err)?, skin, options)
 }
 
 #[pyfunction]
@@ -194,8 +245,8 @@ pub(super) fn solve_contact(
     skin: &Bound<'_, PySkin>,
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
-    run(skin, options, |skin, interrupt| {
-        contact::solve_contact(&surface.inner, &obstacle.inner, skin, &options.inner, interrupt)
+    run(skin, options, |skin, options, interrupt| {
+        contact::solve_contact(&surface.inner, &obstacle.inner, skin, options, interrupt)
     })
 }
 
@@ -210,16 +261,9 @@ pub(super) fn press(
     start: &str,
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
-    let start = match start {
-        "infinity" => Start::Infinity,
-        "current" => Start::Current,
-        other => {
-            let message = format!("start is {other:?}, expected \"infinity\" or \"current\"");
-            return Err(PyValueError::new_err(message));
-        }
-    };
+    let start = named("start", start, &[(Start::Infinity, "infinity"), (Start::Current, "current")])?;
     let press = Press { direction: vector(direction, "direction")?, depth, start };
-    run(skin, options, |skin, interrupt| {
-        contact::press(&surface.inner, &obstacle.inner, skin, &press, &options.inner, interrupt)
+    run(skin, options, |skin, options, interrupt| {
+        contact::press(&surface.inner, &obstacle.inner, skin, &press, options, interrupt)
     })
 }

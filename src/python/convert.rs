@@ -2,8 +2,9 @@
 
 use faer::{Mat, MatRef};
 use nalgebra::{Matrix3, Vector3};
+use numpy::ndarray::Dimension;
 use numpy::{
-    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
+    Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
     PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -36,6 +37,14 @@ fn float_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonl
         )));
     }
     Ok(as_array(&array, name, Some("float64"))?.cast_into::<PyArrayDyn<f64>>()?.readonly())
+}
+
+/// The value of a name.
+pub(super) fn named<T: Copy>(option: &str, name: &str, all: &[(T, &str)]) -> PyResult<T> {
+    all.iter().find(|(_, known)| *known == name).map(|(value, _)| *value).ok_or_else(|| {
+        let known: Vec<String> = all.iter().map(|(_, known)| format!("{known:?}")).collect();
+        PyValueError::new_err(format!("{option} is {name:?}, expected one of {}", known.join(", ")))
+    })
 }
 
 /// (n, 3) points or vectors.
@@ -164,8 +173,14 @@ pub(super) fn nodes(value: &Bound<'_, PyAny>, name: &str, count: usize) -> PyRes
 
 /// (n, 3) array of vectors.
 pub(super) fn vectors_out<'py>(py: Python<'py>, vectors: &[Vector3<f64>]) -> Bound<'py, PyArray2<f64>> {
-    let flat: Vec<f64> = vectors.iter().flat_map(|vector| [vector.x, vector.y, vector.z]).collect();
-    PyArray1::from_vec(py, flat).reshape([vectors.len(), 3]).expect("three numbers a vector")
+    let rows: Vec<[f64; 3]> = vectors.iter().map(|&vector| vector.into()).collect();
+    PyArray1::from_vec(py, rows.into_flattened()).reshape([vectors.len(), 3]).expect("three numbers a vector")
+}
+
+/// The array for all to share: nobody may write to it.
+pub(super) fn read_only<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Py<PyArray<T, D>> {
+    array.readwrite().make_nonwriteable();
+    array.unbind()
 }
 
 /// (3,) array.
@@ -185,9 +200,9 @@ pub(super) fn nodes_out<'py>(py: Python<'py>, nodes: &[usize]) -> Bound<'py, PyA
 }
 
 /// A matrix of float64 in C or Fortran order, aligned; anything else is copied to C order first.
-pub(super) struct MatrixIn<'py>(PyReadonlyArray2<'py, f64>);
+pub(super) struct MatrixArgument<'py>(PyReadonlyArray2<'py, f64>);
 
-impl<'py> MatrixIn<'py> {
+impl<'py> MatrixArgument<'py> {
     pub fn new(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
         let fits = value.cast::<PyArray2<f64>>().is_ok_and(|array| array.readonly().as_slice().is_ok());
         let array = if fits { value.clone() } else { float_array(value, name)?.as_any().clone() };

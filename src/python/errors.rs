@@ -1,4 +1,4 @@
-//! One exception per error enum; the classes live in `quasirigid.errors`.
+//! One exception per error enum; the classes live in the facade.
 
 use crate::contact::ContactError as ContactFailure;
 use crate::lcp::LcpError as LcpFailure;
@@ -10,8 +10,8 @@ use pyo3::{PyErr, import_exception};
 import_exception!(quasirigid.errors, SurfaceError);
 import_exception!(quasirigid.errors, ObstacleError);
 import_exception!(quasirigid.errors, ResponseError);
-import_exception!(quasirigid.errors, LcpError);
-import_exception!(quasirigid.errors, ContactError);
+import_exception!(quasirigid.lcp, LcpError);
+import_exception!(quasirigid.contact.result, ContactError);
 
 /// The exception that stands for an error of the crate.
 pub(super) trait IntoPyErr {

@@ -4,13 +4,13 @@ use super::convert::{nodes, scalars, vectors_out};
 use super::errors::IntoPyErr;
 use super::skin::PySkin;
 use super::surface::PySurface;
-use crate::response::Discretization;
-use crate::response::matrix::average::AveragePoints;
+use crate::response;
+use nalgebra::Vector3;
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Initial gap of each node from a function that gives it at points (p, 3).
+/// Initial gap of each node from a function of points (p, 3).
 #[pyfunction]
 #[pyo3(text_signature = "(surface, skin, nodes, distance)")]
 pub(super) fn initial_gaps<'py>(
@@ -23,24 +23,15 @@ pub(super) fn initial_gaps<'py>(
     let surface = &surface.inner;
     let nodes = self::nodes(nodes, "nodes", surface.vertices().len())?;
     let traits = skin.elastic().traits(surface).map_err(IntoPyErr::into_py_err)?;
-    let measure = |points: &[nalgebra::Vector3<f64>]| -> PyResult<Vec<f64>> {
+    let measure = |points: &[Vector3<f64>]| {
         let found = scalars(&distance.call1((vectors_out(py, points),))?, "distance(points)")?;
         if found.len() != points.len() || found.iter().any(|gap| !gap.is_finite()) {
             let message =
-                format!("distance(points) must give {} finite numbers, one per point", points.len());
+                format!("distance(points) must return {} finite numbers, one per point", points.len());
             return Err(PyValueError::new_err(message));
         }
         Ok(found)
     };
-    if traits.discretization == Discretization::Collocation {
-        let points: Vec<_> = nodes.iter().map(|&vertex| surface.vertices()[vertex]).collect();
-        return Ok(PyArray1::from_vec(py, measure(&points)?));
-    }
-    let around = AveragePoints::around(surface, &nodes);
-    let mut points: Vec<_> = around.vertices.iter().map(|&vertex| surface.vertices()[vertex]).collect();
-    points.extend(around.middles(surface));
-    let found = measure(&points)?;
-    let (at_vertices, at_middles) = found.split_at(around.vertices.len());
-    let averages = around.averages(surface, traits.basis, &nodes, at_vertices, at_middles);
-    Ok(PyArray1::from_vec(py, averages))
+    let gaps = response::initial_gaps(surface, traits.basis, traits.discretization, &nodes, measure)?;
+    Ok(PyArray1::from_vec(py, gaps))
 }

@@ -9,6 +9,18 @@ use std::time::{Duration, Instant};
 /// How often signals are looked at.
 const POLL: Duration = Duration::from_millis(20);
 
+/// Runs `work` with the interpreter released, on a thread of its own where it asks for a number of threads.
+pub(super) fn detached_with<T: Send>(
+    py: Python<'_>,
+    num_threads: Option<usize>,
+    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
+) -> PyResult<T> {
+    match num_threads {
+        None => detached(py, work),
+        Some(_) => detached_on_thread(py, work),
+    }
+}
+
 /// Runs `work` with the interpreter released. `work` gets a function that answers whether to stop; a pending
 /// signal (KeyboardInterrupt) makes it answer yes, and is raised once `work` has returned.
 pub(super) fn detached<T: Send>(

@@ -1,26 +1,16 @@
 //! `solve_lcp`.
 
-use super::convert::{MatrixIn, nodes_out, scalars};
+use super::convert::{MatrixArgument, named, nodes_out, read_only, scalars};
 use super::errors::IntoPyErr;
 use super::interrupt::detached;
 use crate::lcp::{self, DefinitenessCheck, LcpMethod, LcpOptions, LcpProblem, LcpSolution, RayConclusion};
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
-use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// The method of a name.
 pub(super) fn method_named(name: &str) -> PyResult<LcpMethod> {
-    named("method", name, &LcpMethod::ALL, LcpMethod::as_str)
-}
-
-/// The one of `all` that has the name.
-fn named<T: Copy>(option: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> PyResult<T> {
-    all.iter().copied().find(|&one| name_of(one) == name).ok_or_else(|| {
-        let known: Vec<String> = all.iter().map(|&one| format!("{:?}", name_of(one))).collect();
-        PyValueError::new_err(format!("{option} is {name:?}, expected one of {}", known.join(", ")))
-    })
+    named("method", name, &LcpMethod::ALL.map(|method| (method, method.as_str())))
 }
 
 /// Options of a complementarity problem; their defaults are the crate's.
@@ -57,8 +47,7 @@ impl PyLcpOptions {
             definiteness: named(
                 "definiteness",
                 definiteness,
-                &DefinitenessCheck::ALL,
-                DefinitenessCheck::as_str,
+                &DefinitenessCheck::ALL.map(|check| (check, check.as_str())),
             )?,
             crash,
         };
@@ -79,16 +68,46 @@ impl PyLcpOptions {
     }
 }
 
-/// What the crate returns for a complementarity problem, read by the facade.
-#[pyclass(name = "LcpSolution", module = "quasirigid._core", frozen)]
-pub(super) struct PyLcpSolution {
-    inner: LcpSolution,
+/// Measures of an answer against the problem given.
+#[pyclass(name = "Certificate", module = "quasirigid._core", frozen, get_all)]
+pub(super) struct PyCertificate {
+    natural_residual: f64,
+    complementarity: f64,
+    infeasibility: f64,
+    definiteness: &'static str,
+    is_unique: bool,
 }
 
-impl From<LcpSolution> for PyLcpSolution {
-    fn from(inner: LcpSolution) -> Self {
-        Self { inner }
-    }
+/// Direction of the path on which Lemke's method ended.
+#[pyclass(name = "LcpRay", module = "quasirigid._core", frozen, get_all)]
+pub(super) struct PyLcpRay {
+    z: Py<PyArray1<f64>>,
+    w: Py<PyArray1<f64>>,
+    z0: f64,
+    residual: f64,
+    curvature: f64,
+    conclusion: &'static str,
+}
+
+/// Method, ending, pivots, whether it began from a guess, whether it looked for a crash basis.
+type Attempt = (&'static str, &'static str, usize, bool, bool);
+
+/// What a solve of a complementarity problem found.
+#[pyclass(name = "LcpSolution", module = "quasirigid._core", frozen, get_all)]
+pub(super) struct PyLcpSolution {
+    status: &'static str,
+    z: Py<PyArray1<f64>>,
+    w: Py<PyArray1<f64>>,
+    active: Py<PyArray1<i64>>,
+    pivots: usize,
+    natural_residual: f64,
+    complementarity: f64,
+    method: &'static str,
+    advice: String,
+    certificate: Py<PyCertificate>,
+    ray: Option<Py<PyLcpRay>>,
+    attempts: Vec<Attempt>,
+    candidates: usize,
 }
 
 fn conclusion_name(conclusion: RayConclusion) -> &'static str {
@@ -100,60 +119,53 @@ fn conclusion_name(conclusion: RayConclusion) -> &'static str {
     }
 }
 
-#[pymethods]
 impl PyLcpSolution {
-    /// Everything by the names of the facade's `LcpSolution`; certificate and ray as dicts of theirs, attempts as
-    /// tuples (method, status, pivots, warm, crash).
-    fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let solution = &self.inner;
-        let fields = PyDict::new(py);
-        fields.set_item(intern!(py, "status"), solution.status.as_str())?;
-        fields.set_item(intern!(py, "z"), PyArray1::from_slice(py, &solution.z))?;
-        fields.set_item(intern!(py, "w"), PyArray1::from_slice(py, &solution.w))?;
-        fields.set_item(intern!(py, "active"), nodes_out(py, &solution.active()))?;
-        fields.set_item(intern!(py, "pivots"), solution.pivots)?;
-        fields.set_item(intern!(py, "natural_residual"), solution.natural_residual)?;
-        fields.set_item(intern!(py, "complementarity"), solution.complementarity)?;
-        fields.set_item(intern!(py, "method"), solution.method.as_str())?;
-        fields.set_item(intern!(py, "advice"), solution.advice())?;
-        fields.set_item(intern!(py, "certificate"), self.certificate(py)?)?;
-        fields.set_item(intern!(py, "ray"), self.ray(py)?)?;
+    pub(super) fn new(py: Python<'_>, solution: &LcpSolution) -> PyResult<Py<Self>> {
         let attempt = |attempt: &lcp::LcpAttempt| {
             let (method, status) = (attempt.method.as_str(), attempt.status.as_str());
             (method, status, attempt.pivots, attempt.warm, attempt.crash)
         };
-        let attempts: Vec<_> = solution.attempts.iter().map(attempt).collect();
-        fields.set_item(intern!(py, "attempts"), attempts)?;
-        fields.set_item(intern!(py, "candidates"), solution.candidates)?;
-        Ok(fields)
+        let certificate = PyCertificate {
+            natural_residual: solution.certificate.natural_residual,
+            complementarity: solution.certificate.complementarity,
+            infeasibility: solution.certificate.infeasibility,
+            definiteness: solution.certificate.definiteness.as_str(),
+            is_unique: solution.certificate.is_unique(),
+        };
+        let values = Self {
+            status: solution.status.as_str(),
+            z: numbers_out(py, &solution.z),
+            w: numbers_out(py, &solution.w),
+            active: read_only(nodes_out(py, &solution.active())),
+            pivots: solution.pivots,
+            natural_residual: solution.natural_residual,
+            complementarity: solution.complementarity,
+            method: solution.method.as_str(),
+            advice: solution.advice(),
+            certificate: Py::new(py, certificate)?,
+            ray: solution.ray.as_ref().map(|ray| Py::new(py, PyLcpRay::new(py, ray))).transpose()?,
+            attempts: solution.attempts.iter().map(attempt).collect(),
+            candidates: solution.candidates,
+        };
+        Py::new(py, values)
     }
 }
 
-impl PyLcpSolution {
-    fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let certificate = &self.inner.certificate;
-        let fields = PyDict::new(py);
-        fields.set_item(intern!(py, "natural_residual"), certificate.natural_residual)?;
-        fields.set_item(intern!(py, "complementarity"), certificate.complementarity)?;
-        fields.set_item(intern!(py, "infeasibility"), certificate.infeasibility)?;
-        fields.set_item(intern!(py, "definiteness"), certificate.definiteness.as_str())?;
-        fields.set_item(intern!(py, "is_unique"), certificate.is_unique())?;
-        Ok(fields)
+impl PyLcpRay {
+    fn new(py: Python<'_>, ray: &lcp::LcpRay) -> Self {
+        Self {
+            z: numbers_out(py, &ray.z),
+            w: numbers_out(py, &ray.w),
+            z0: ray.z0,
+            residual: ray.residual,
+            curvature: ray.curvature,
+            conclusion: conclusion_name(ray.conclusion),
+        }
     }
+}
 
-    fn ray<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(ray) = &self.inner.ray else {
-            return Ok(None);
-        };
-        let fields = PyDict::new(py);
-        fields.set_item("z", PyArray1::from_slice(py, &ray.z))?;
-        fields.set_item("w", PyArray1::from_slice(py, &ray.w))?;
-        fields.set_item("z0", ray.z0)?;
-        fields.set_item("residual", ray.residual)?;
-        fields.set_item("curvature", ray.curvature)?;
-        fields.set_item("conclusion", conclusion_name(ray.conclusion))?;
-        Ok(Some(fields))
-    }
+fn numbers_out(py: Python<'_>, numbers: &[f64]) -> Py<PyArray1<f64>> {
+    read_only(PyArray1::from_slice(py, numbers))
 }
 
 #[pyfunction]
@@ -164,8 +176,8 @@ pub(super) fn solve_lcp(
     q: &Bound<'_, PyAny>,
     method: &str,
     options: &PyLcpOptions,
-) -> PyResult<PyLcpSolution> {
-    let matrix = MatrixIn::new(matrix, "M")?;
+) -> PyResult<Py<PyLcpSolution>> {
+    let matrix = MatrixArgument::new(matrix, "M")?;
     let q = scalars(q, "q")?;
     let method = method_named(method)?;
     let view = matrix.view();
@@ -178,5 +190,5 @@ pub(super) fn solve_lcp(
         }
         lcp::solve(&problem, method, &options)
     })?;
-    solution.map(PyLcpSolution::from).map_err(IntoPyErr::into_py_err)
+    PyLcpSolution::new(py, &solution.map_err(IntoPyErr::into_py_err)?)
 }

@@ -1,18 +1,17 @@
 //! The response matrix, and what is known of the symmetric part of a matrix.
 
-use super::convert::{MatrixIn, matrix_out, nodes, vectors};
+use super::convert::{MatrixArgument, matrix_out, nodes, vectors};
 use super::errors::IntoPyErr;
-use super::interrupt::{detached, detached_on_thread};
+use super::interrupt::detached_with;
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::response::{self, AssemblyOptions};
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 #[pyfunction]
-#[pyo3(signature = (surface, skin, nodes, directions, *, tolerance, num_threads))]
+#[pyo3(signature = (surface, skin, nodes, *, directions, tolerance, num_threads))]
 pub(super) fn response_matrix<'py>(
     py: Python<'py>,
     surface: &PySurface,
@@ -37,18 +36,25 @@ pub(super) fn response_matrix<'py>(
         skin.elastic().traits(&surface.inner)?;
         skin.elastic().matrix(&surface.inner, &nodes, &directions, &options)
     };
-    let matrix = match num_threads {
-        None => detached(py, assemble)?,
-        Some(_) => detached_on_thread(py, assemble)?,
-    };
+    let matrix = detached_with(py, num_threads, assemble)?;
     Ok(matrix_out(py, &matrix.map_err(IntoPyErr::into_py_err)?))
+}
+
+/// What is known of the symmetric part of a matrix.
+#[pyclass(name = "Definiteness", module = "quasirigid._core", frozen, get_all)]
+pub(super) struct PyDefiniteness {
+    positive_definite: bool,
+    smallest: f64,
+    largest: f64,
+    condition: f64,
+    estimated: bool,
 }
 
 /// Whether the symmetric part of a matrix is positive definite, its extreme eigenvalues and condition number.
 #[pyfunction]
 #[pyo3(text_signature = "(matrix)")]
-pub(super) fn definiteness<'py>(py: Python<'py>, matrix: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
-    let matrix = MatrixIn::new(matrix, "matrix")?;
+pub(super) fn definiteness(py: Python<'_>, matrix: &Bound<'_, PyAny>) -> PyResult<PyDefiniteness> {
+    let matrix = MatrixArgument::new(matrix, "matrix")?;
     let view = matrix.view();
     if view.nrows() != view.ncols() {
         let message = format!("`matrix` has shape [{}, {}], expected (k, k)", view.nrows(), view.ncols());
@@ -58,11 +64,11 @@ pub(super) fn definiteness<'py>(py: Python<'py>, matrix: &Bound<'py, PyAny>) -> 
         return Err(PyValueError::new_err("`matrix` has entries that are not finite"));
     }
     let found = py.detach(|| response::definiteness(view));
-    let fields = PyDict::new(py);
-    fields.set_item("positive_definite", found.positive_definite)?;
-    fields.set_item("smallest", found.smallest)?;
-    fields.set_item("largest", found.largest)?;
-    fields.set_item("condition", found.condition)?;
-    fields.set_item("estimated", found.estimated)?;
-    Ok(fields)
+    Ok(PyDefiniteness {
+        positive_definite: found.positive_definite,
+        smallest: found.smallest,
+        largest: found.largest,
+        condition: found.condition,
+        estimated: found.estimated,
+    })
 }

@@ -1,8 +1,8 @@
 //! Thin PyO3 layer: convert, detach, call, convert back. The typed facade in `python/quasirigid` builds on it.
 
-mod body;
 mod contact;
 mod convert;
+mod cut_out;
 mod errors;
 mod gaps;
 mod interrupt;
@@ -19,20 +19,19 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::body::cut_out;
+    use super::contact::{
+        PyAccuracy, PyContact, PyContactOptions, PyDrawing, PyResultant, press, solve_contact,
+    };
     #[pymodule_export]
-    use super::contact::{PyContact, PyContactOptions, press, solve_contact};
+    use super::cut_out::cut_out;
     #[pymodule_export]
     use super::gaps::initial_gaps;
     #[pymodule_export]
-    use super::lcp::{PyLcpOptions, PyLcpSolution, solve_lcp};
+    use super::lcp::{PyCertificate, PyLcpOptions, PyLcpRay, PyLcpSolution, solve_lcp};
     #[pymodule_export]
+    use super::matrix::{PyDefiniteness, definiteness, response_matrix};
     #[pymodule_export]
-    use super::matrix::{definiteness, response_matrix};
-    #[pymodule_export]
-    use super::obstacle::PyObstacle;
-    #[pymodule_export]
-    use super::pickle::restore_obstacle;
+    use super::obstacle::{PyObstacle, restore_obstacle};
     #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
@@ -46,11 +45,17 @@ mod _core {
         module.add(
             "__all__",
             [
+                "Accuracy",
+                "Certificate",
                 "Contact",
                 "ContactOptions",
+                "Definiteness",
+                "Drawing",
                 "LcpOptions",
+                "LcpRay",
                 "LcpSolution",
                 "Obstacle",
+                "Resultant",
                 "Skin",
                 "Surface",
                 "cut_out",

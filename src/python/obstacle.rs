@@ -2,7 +2,7 @@
 
 use super::convert::{faces, faces_out, matrix3, mesh_arrays, vector, vector_out, vectors, vectors_out};
 use super::errors::{IntoPyErr, ObstacleError};
-use super::pickle::{Reduced, reduced};
+use super::pickle::{Pose, Reduced, reduced, restored};
 use crate::obstacle::{MeshObstacleOptions, Obstacle};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -254,4 +254,11 @@ impl PyObstacle {
         let at = self.inner.pose().translation.vector;
         format!("Obstacle({} at ({:.6}, {:.6}, {:.6}) m)", self.inner.kind(), at.x, at.y, at.z)
     }
+}
+
+/// The obstacle of a pickle: kind, mesh or numbers of the primitive, pose.
+#[pyfunction]
+#[pyo3(signature = (kind, shape, pose, /), text_signature = "(kind, shape, pose, /)")]
+pub(super) fn restore_obstacle(kind: &str, shape: &Bound<'_, PyAny>, pose: Pose) -> PyResult<PyObstacle> {
+    restored(kind, shape, pose).map(PyObstacle::from)
 }

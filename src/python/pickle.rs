@@ -2,13 +2,12 @@
 
 use super::convert::{faces, faces_out, vectors, vectors_out};
 use super::errors::{IntoPyErr, ObstacleError};
-use super::obstacle::PyObstacle;
 use crate::obstacle::{MeshObstacleOptions, Obstacle, Primitive};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use pyo3::prelude::*;
 
 /// Quaternion i, j, k, w and translation (m).
-type Pose = [f64; 7];
+pub(super) type Pose = [f64; 7];
 
 /// The function that restores, and its arguments: kind, mesh or numbers of the primitive, pose.
 pub(super) type Reduced<'py> = (Bound<'py, PyAny>, (&'static str, Bound<'py, PyAny>, Pose));
@@ -45,9 +44,7 @@ fn flat(vectors: &[&Vector3<f64>], numbers: &[f64]) -> Vec<f64> {
 /// The obstacle of a pickle: kind, mesh or numbers of the primitive, pose.
 ///
 /// A mesh is checked again, but not for faces that cross: that was done, or waived, when it was made.
-#[pyfunction]
-#[pyo3(signature = (kind, shape, pose, /), text_signature = "(kind, shape, pose, /)")]
-pub(super) fn restore_obstacle(kind: &str, shape: &Bound<'_, PyAny>, pose: Pose) -> PyResult<PyObstacle> {
+pub(super) fn restored(kind: &str, shape: &Bound<'_, PyAny>, pose: Pose) -> PyResult<Obstacle> {
     let at_rest = if kind == "mesh" {
         let (vertices, triangles): (Bound<'_, PyAny>, Bound<'_, PyAny>) = shape.extract()?;
         let vertices = vectors(&vertices, "vertices")?;
@@ -63,7 +60,7 @@ pub(super) fn restore_obstacle(kind: &str, shape: &Bound<'_, PyAny>, pose: Pose)
     };
     let [i, j, k, w, x, y, z] = pose;
     let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
-    Ok(at_rest.at(Isometry3::from_parts(Translation3::new(x, y, z), turn)).into())
+    Ok(at_rest.at(Isometry3::from_parts(Translation3::new(x, y, z), turn)))
 }
 
 fn primitive(kind: &str, numbers: &[f64]) -> Option<Primitive> {

@@ -1,8 +1,8 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
-use super::body::{PartIn, combined};
 use super::convert::{
-    MatrixIn, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors, vectors_out,
+    MatrixArgument, faces_out, mask, matrix_out, matrix3, named, nodes, nodes_out, scalars, vector, vectors,
+    vectors_out,
 };
 use super::errors::{IntoPyErr, ResponseError};
 use super::interrupt::{detached, detached_on_thread};
@@ -10,11 +10,10 @@ use super::surface::PySurface;
 use crate::geometry::rigid_motion;
 use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
 use crate::response::{
-    self, AssemblyOptions, CombinedSkin, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin,
+    self, AssemblyOptions, CombinedSkin, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Part,
     PreparedBody, PreparedKernel, PreparedNodes, PressureBasis, Thickness,
 };
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::OnceLock;
@@ -24,6 +23,9 @@ use std::sync::OnceLock;
 pub(super) struct PySkin {
     inner: Elastic,
 }
+
+/// Name, prepared body, vertex of the part for each of the whole (-1 for none), and the part's fixed vertices.
+type PartArgument<'py> = (String, Bound<'py, PySkin>, Vec<i64>, Bound<'py, PyAny>);
 
 enum Elastic {
     Kernel(KernelSkin),
@@ -35,35 +37,22 @@ enum Elastic {
     Combined(CombinedSkin),
 }
 
-fn basis_named(name: &str) -> PyResult<PressureBasis> {
-    match name {
-        "linear" => Ok(PressureBasis::Linear),
-        "one_ring" => Ok(PressureBasis::OneRing),
-        other => {
-            Err(PyValueError::new_err(format!("pressure is {other:?}, expected \"linear\" or \"one_ring\"")))
-        }
-    }
-}
-
-fn discretization_named(name: &str) -> PyResult<Discretization> {
-    match name {
-        "collocation" => Ok(Discretization::Collocation),
-        "galerkin" => Ok(Discretization::Galerkin),
-        other => {
-            let message = format!("discretization is {other:?}, expected \"collocation\" or \"galerkin\"");
-            Err(PyValueError::new_err(message))
-        }
-    }
-}
-
 fn made(
     shear_modulus: f64,
     poisson_ratio: f64,
     kernel: Kernel,
     pressure: &str,
-    discretization: &str,
+    discretization: Option<&str>,
 ) -> PyResult<PySkin> {
-    let (basis, discretization) = (basis_named(pressure)?, discretization_named(discretization)?);
+    let bases = [(PressureBasis::Linear, "linear"), (PressureBasis::OneRing, "one_ring")];
+    let basis = named("pressure", pressure, &bases)?;
+    let discretization = match discretization {
+        None => Discretization::default(),
+        Some(name) => {
+            let all = [(Discretization::Collocation, "collocation"), (Discretization::Galerkin, "galerkin")];
+            named("discretization", name, &all)?
+        }
+    };
     let skin = KernelSkin::new(shear_modulus, poisson_ratio, kernel)
         .and_then(|skin| skin.with_basis(basis).with_discretization(discretization));
     Ok(Elastic::Kernel(skin.map_err(IntoPyErr::into_py_err)?).into())
@@ -90,15 +79,25 @@ impl PySkin {
         }
     }
 
-    pub(super) fn kernel(&self) -> PyResult<&KernelSkin> {
+    fn kernel(&self) -> PyResult<&KernelSkin> {
         match &self.inner {
             Elastic::Kernel(skin) => Ok(skin),
             _ => Err(ResponseError::new_err("this skin is prepared already")),
         }
     }
 
+    /// The skin that draws what `skin` solved: of a prepared kernel the kernel, without its matrix.
+    pub(super) fn for_drawing(skin: &Bound<'_, Self>) -> PyResult<Py<Self>> {
+        match &skin.get().inner {
+            Elastic::PreparedKernel(prepared) => {
+                Py::new(skin.py(), Self::from(Elastic::Kernel(prepared.kernel().clone())))
+            }
+            _ => Ok(skin.clone().unbind()),
+        }
+    }
+
     /// The solved body of a part.
-    pub(super) fn body_part(&self, part: &str) -> PyResult<&PreparedBody> {
+    fn body_part(&self, part: &str) -> PyResult<&PreparedBody> {
         match &self.inner {
             Elastic::Body(body) => Ok(body),
             _ => Err(ResponseError::new_err(format!(
@@ -124,7 +123,7 @@ impl PySkin {
         shear_modulus: f64,
         poisson_ratio: f64,
         pressure: &str,
-        discretization: &str,
+        discretization: Option<&str>,
     ) -> PyResult<Self> {
         made(shear_modulus, poisson_ratio, Kernel::HalfSpace, pressure, discretization)
     }
@@ -139,7 +138,7 @@ impl PySkin {
         pressure: &str,
     ) -> PyResult<Self> {
         let kernel = Kernel::GaussianCorrected { height, width, cutoff };
-        made(shear_modulus, poisson_ratio, kernel, pressure, "collocation")
+        made(shear_modulus, poisson_ratio, kernel, pressure, None)
     }
 
     #[staticmethod]
@@ -148,7 +147,7 @@ impl PySkin {
         poisson_ratio: f64,
         thickness: &Bound<'_, PyAny>,
         pressure: &str,
-        discretization: &str,
+        discretization: Option<&str>,
     ) -> PyResult<Self> {
         let thickness = match thickness.extract::<f64>() {
             Ok(uniform) => Thickness::Uniform(uniform),
@@ -157,10 +156,10 @@ impl PySkin {
         made(shear_modulus, poisson_ratio, Kernel::Layer { thickness }, pressure, discretization)
     }
 
-    /// What a user should know of the constants, or None.
-    fn caution(&self) -> Option<String> {
+    /// Why the kernel is not well posed, or None.
+    fn ill_posedness(&self) -> Option<String> {
         match &self.inner {
-            Elastic::Kernel(skin) => skin.caution(),
+            Elastic::Kernel(skin) => skin.ill_posedness(),
             _ => None,
         }
     }
@@ -201,7 +200,7 @@ impl PySkin {
         matrix: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let matrix = MatrixIn::new(matrix, "matrix")?.view().to_owned();
+        let matrix = MatrixArgument::new(matrix, "matrix")?.view().to_owned();
         let prepared = PreparedKernel::from_matrix(&surface.inner, self.kernel()?.clone(), &nodes, matrix);
         Ok(Elastic::PreparedKernel(prepared.map_err(IntoPyErr::into_py_err)?).into())
     }
@@ -210,7 +209,7 @@ impl PySkin {
     #[staticmethod]
     fn given(surface: &PySurface, nodes: &Bound<'_, PyAny>, matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let matrix = MatrixIn::new(matrix, "compliance")?.view().to_owned();
+        let matrix = MatrixArgument::new(matrix, "compliance")?.view().to_owned();
         let given = GivenMatrix::new(&surface.inner, &nodes, matrix);
         Ok(Elastic::Given(given.map_err(IntoPyErr::into_py_err)?).into())
     }
@@ -236,9 +235,9 @@ impl PySkin {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let body = Body { bone: bone.map(|bone| bone.inner.clone()), fixed };
         let failure = OnceLock::new();
-        let report = |told: BodyProgress| {
+        let report = |step: BodyProgress| {
             if let (Some(progress), None) = (&progress, failure.get())
-                && let Err(error) = Python::attach(|py| progress.call1(py, (told.stage, told.done)))
+                && let Err(error) = Python::attach(|py| progress.call1(py, (step.stage, step.done)))
             {
                 // The first failure ends the work and is raised then; others have nothing to add.
                 let _ = failure.set(error);
@@ -280,9 +279,9 @@ impl PySkin {
     ) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let bone_pressure = bone_pressure
-            .map(|value| Ok::<_, PyErr>(MatrixIn::new(value, "bone_pressure")?.view().to_owned()));
+            .map(|value| Ok::<_, PyErr>(MatrixArgument::new(value, "bone_pressure")?.view().to_owned()));
         let rotation = matrix3(rotation, "rotation")?;
-        let displacement = MatrixIn::new(displacement, "displacement")?.view().to_owned();
+        let displacement = MatrixArgument::new(displacement, "displacement")?.view().to_owned();
         let area_vectors = vectors(area_vectors, "area_vectors")?;
         let compliance = BodyCompliance::from_parts(BodyParts {
             nodes: nodes.clone(),
@@ -299,10 +298,20 @@ impl PySkin {
         Ok(if solved { Elastic::Body(body) } else { Elastic::GivenBlocks(body) }.into())
     }
 
-    /// Prepared bodies on parts of a surface, a kernel elsewhere.
+    /// Prepared bodies on parts of a surface, a kernel off them.
     #[staticmethod]
-    fn combined(surface: &PySurface, elsewhere: &PySkin, parts: Vec<PartIn<'_>>) -> PyResult<Self> {
-        Ok(Elastic::Combined(combined(surface, elsewhere, parts)?).into())
+    fn combined(surface: &PySurface, background: &PySkin, parts: Vec<PartArgument<'_>>) -> PyResult<Self> {
+        let part = |(name, prepared, part_vertices, fixed): PartArgument<'_>| {
+            Ok(Part {
+                prepared: prepared.get().body_part(&name)?.clone(),
+                name,
+                part_vertices: part_vertices.into_iter().map(|own| usize::try_from(own).ok()).collect(),
+                fixed: mask(&fixed, "fixed")?,
+            })
+        };
+        let parts = parts.into_iter().map(part).collect::<PyResult<_>>()?;
+        let skin = CombinedSkin::new(&surface.inner, background.kernel()?.clone(), parts);
+        Ok(Elastic::Combined(skin.map_err(IntoPyErr::into_py_err)?).into())
     }
 
     /// Pressure (m,) in Pa on the bone under forces (n, 3) in N at the vertices; None if it was not asked for.

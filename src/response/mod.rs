@@ -35,7 +35,7 @@ pub use kernel::basis::{Discretization, PressureBasis};
 pub use kernel::layer::LayerKernel;
 pub use kernel::skin::{Kernel, KernelSkin};
 pub use kernel::thickness::Thickness;
-pub use matrix::average::pressure_average;
+pub use matrix::average::{initial_gaps, pressure_average};
 pub use matrix::collocation::{assemble, assemble_block};
 pub use matrix::definiteness::{Definiteness, definiteness};
 pub use matrix::net_volume::{NetVolume, balanced_height, net_volume};

@@ -9,7 +9,8 @@ use crate::surface::checked::{Surface, SurfaceError};
 /// A part of a skin, closed by caps.
 #[derive(Debug, Clone)]
 pub struct CutOut {
-    /// The part: first the vertices of the whole skin that it keeps, in their order, then those of the caps.
+    /// The part: first the vertices of the whole skin that it keeps, in their order, then those of the caps. The skin
+    /// mask keeps caps and what was masked before out of contact.
     pub surface: Surface,
     /// Vertices of the caps, rims included: those that a body made of the part holds fixed.
     pub fixed: Vec<bool>,
@@ -113,7 +114,12 @@ pub fn cut_out(
     }
     fixed.resize(vertices.len(), true);
     source_vertices.resize(vertices.len(), None);
-    Ok(CutOut { surface: Surface::new(vertices, faces)?, fixed, source_vertices, part_vertices })
+    let may_touch = |(source, fixed): (&Option<usize>, &bool)| {
+        !fixed && source.is_some_and(|vertex| skin.skin_mask()[vertex])
+    };
+    let skin_mask = source_vertices.iter().zip(&fixed).map(may_touch).collect();
+    let surface = Surface::new(vertices, faces)?.with_skin_mask(skin_mask)?;
+    Ok(CutOut { surface, fixed, source_vertices, part_vertices })
 }
 
 /// The faces in front of the plane that are connected to `tip`, less those that meet others in a vertex alone.

@@ -31,6 +31,8 @@ fn check_part(skin: &Surface, part: &CutOut) {
             }
             None => assert!(part.fixed[vertex], "cap vertices are fixed"),
         }
+        let may_touch = !part.fixed[vertex] && source.is_some_and(|source| skin.skin_mask()[source]);
+        assert_eq!(part.surface.skin_mask()[vertex], may_touch);
     }
     let kept = part.part_vertices.iter().flatten().count();
     assert_eq!(kept, part.source_vertices.iter().flatten().count());

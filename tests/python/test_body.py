@@ -63,7 +63,7 @@ REFUSALS: dict[str, tuple[Callable[[], dict[str, object]], str]] = {
     "a bone around": (lambda: {"bone": at(ball(9e-3, 1), 0.0)}, "lies outside the skin"),
     "a bone that crosses": (
         lambda: {"bone": at(ball(3e-3, 1), [7e-3, 0, 0])},
-        r"crosses the skin in \d+ pairs of faces",
+        r"crosses or touches the skin in \d+ pairs of faces",
     ),
     "a bone that touches": (lambda: {"bone": touching()}, r"bone face \d+ is only .* from skin face 0"),
     "a short mask": (lambda: {"fixed": [True] * 3}, "3 entries, but the skin has 42"),
@@ -146,7 +146,7 @@ def swept(surface: qr.Surface, contact: qr.Contact) -> float:
 
 
 @pytest.mark.parametrize("depth", [0.3e-3, 1.12e-3, 2e-3])
-def test_the_deformed_finger_keeps_its_volume_and_its_contact(depth: float) -> None:
+def test_the_deformed_finger_keeps_its_volume_to_first_order_and_its_contact(depth: float) -> None:
     finger = qr.models.fingertip(edge_length=2.2e-3)
     finger = finger.with_skin_mask(qr.flat_cap_mask(finger))
     body = {"bone": qr.models.bone_of(finger), "fixed": ~finger.skin_mask}
@@ -155,22 +155,21 @@ def test_the_deformed_finger_keeps_its_volume_and_its_contact(depth: float) -> N
     plate = qr.Obstacle.half_space([0, 0, -0.05], UP)
     contact = qr.press(finger, plate, prepared, UP, depth=depth)
     pushed = swept(finger, contact)
-    assert abs(contact.deformed.volume - finger.volume) < 1e-6 * pushed
-    # Neither opened nor closed: the contact lies on the plate, everything else off it.
+    assert abs(contact.volume_change) < 5e-3 * pushed
+    # Of the mesh's own change the rest is of second order: some depth over the radius of what is pushed in.
+    assert abs(contact.deformed.volume - finger.volume) < depth / 8e-3 * pushed
+    # Neither opened nor closed: the contact lies on the plate, everything else as far off it as the gap says.
     heights = contact.obstacle.signed_distance(contact.deformed.vertices)[0]
     assert np.abs(heights[contact.active]).max() < 1e-9
     free = np.setdiff1d(contact.candidates, contact.active)
-    assert heights[free].min() > 0.4 * contact.gap[free].min() >= 0.0
+    np.testing.assert_allclose(heights[free], contact.gap[free], rtol=1e-9, atol=1e-15)
+    assert contact.gap[free].min() >= 0.0
     assert contact.max_penetration_after < 1e-9
-    # The offset is told, and smaller than anything visible.
-    why = dict(contact.left_out)["second order of a body's volume"]
-    offset = float(why.split("moved by up to ")[1].split(" m ")[0])
-    assert 0 < offset < 0.05 * depth
     # What is fixed stays.
     assert not contact.displacement[~finger.skin_mask].any()
 
 
-def test_a_compressible_body_changes_its_volume_as_the_first_order_tells() -> None:
+def test_a_compressible_body_changes_its_volume_by_the_first_order() -> None:
     surface = qr.Surface(*ball(8e-3, 2))
     bone = at(ball(3e-3, 2), [0, 0, 8e-3])
     low = np.flatnonzero(surface.vertices[:, 2] < 4e-3)
@@ -260,13 +259,13 @@ def test_only_the_nodes_asked_for_get_right_hand_sides(tmp_path: Path) -> None:
 
 
 def test_progress_announces_the_cost_and_goes_through_the_stages(capsys: pytest.CaptureFixture[str]) -> None:
-    told: list[tuple[str, float]] = []
-    skin_of(bone=CORE).prepared(BALL, [0, 1], progress=lambda what, done: told.append((what, done)))
-    words = [what for what, _ in told]
+    calls: list[tuple[str, float]] = []
+    skin_of(bone=CORE).prepared(BALL, [0, 1], progress=lambda what, done: calls.append((what, done)))
+    words = [what for what, _ in calls]
     assert words[0].startswith("body of 42 skin and 42 bone vertices, 2 of them loaded: ")
     assert "GB" in words[0]
     assert list(dict.fromkeys(words[1:])) == ["assembly", "factorization", "solution"]
-    assert told[-1] == ("solution", 1.0)
+    assert calls[-1] == ("solution", 1.0)
     skin_of(bone=CORE).prepared(BALL, [0], progress=True)
     printed = capsys.readouterr()
     assert printed.out == ""
@@ -288,17 +287,17 @@ def test_a_progress_that_cannot_be_called_is_refused(progress: object) -> None:
 def test_what_progress_raises_ends_the_work_and_reaches_the_caller(
     at: str, failure: type[BaseException]
 ) -> None:
-    told: list[str] = []
+    calls: list[str] = []
 
     def progress(what: str, done: float) -> None:
-        told.append(what)
+        calls.append(what)
         if what.startswith(at):
             raise failure
 
     with pytest.raises(failure):
         skin_of(bone=CORE).prepared(BALL, [0, 1], progress=progress)
-    # Nothing is told after the failure.
-    assert [what.startswith(at) for what in told] == [False] * (len(told) - 1) + [True]
+    # Nothing is called after the failure.
+    assert [what.startswith(at) for what in calls] == [False] * (len(calls) - 1) + [True]
 
 
 def test_a_progress_of_other_arguments_says_so() -> None:

@@ -11,8 +11,8 @@ from shapes import grid
 SPACING, RADIUS, DEPTH = 1.25e-3, 0.2, 0.5e-3
 
 
-def half_space(gap: str) -> qr.Skin:
-    response = qr.HalfSpace(gap="weighted") if gap == "weighted" else qr.HalfSpace()
+def half_space(discretization: qr.Discretization) -> qr.Skin:
+    response = qr.HalfSpace(discretization=discretization)
     return qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
 
 
@@ -21,11 +21,11 @@ def parabola(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return gaps
 
 
-@pytest.mark.parametrize("gap", ["node", "weighted"])
-def test_a_contact_of_ones_own_has_the_force_of_hertz(gap: str) -> None:
+@pytest.mark.parametrize("discretization", qr.Discretization)
+def test_a_contact_of_ones_own_has_the_force_of_hertz(discretization: qr.Discretization) -> None:
     # 8 cells per contact radius
     surface = qr.Surface(*grid(22, SPACING))
-    skin, nodes = half_space(gap), np.arange(len(surface.vertices))
+    skin, nodes = half_space(discretization), np.arange(len(surface.vertices))
     q = qr.initial_gaps(surface, skin, nodes, parabola)
     force = qr.solve_lcp(qr.response_matrix(surface, skin, nodes), q).z.sum()
     hertz = 4 / 3 * (2 * 60e3 / 0.5) * RADIUS**0.5 * DEPTH**1.5
@@ -33,11 +33,11 @@ def test_a_contact_of_ones_own_has_the_force_of_hertz(gap: str) -> None:
     assert force == pytest.approx(hertz, rel=0.5 * 1.5 * SPACING**2 / (6 * RADIUS) / DEPTH)
 
 
-@pytest.mark.parametrize("gap", ["node", "weighted"])
-def test_gaps_of_an_obstacle_are_those_of_a_contact(gap: str) -> None:
+@pytest.mark.parametrize("discretization", qr.Discretization)
+def test_gaps_of_an_obstacle_are_those_of_a_contact(discretization: qr.Discretization) -> None:
     surface = qr.Surface(*grid(16, SPACING))
     obstacle = qr.Obstacle.sphere([0, 0, RADIUS - DEPTH], RADIUS)
-    skin = half_space(gap)
+    skin = half_space(discretization)
     contact = qr.solve_contact(surface, obstacle, skin)
     q = qr.initial_gaps(surface, skin, contact.candidates, obstacle)
     solution = qr.solve_lcp(qr.response_matrix(surface, skin, contact.candidates), q)
@@ -47,9 +47,11 @@ def test_gaps_of_an_obstacle_are_those_of_a_contact(gap: str) -> None:
 def test_averages_are_exact_for_quadratic_gaps() -> None:
     surface = qr.Surface(*grid(4, SPACING))
     middle = [int(np.argmin(np.linalg.norm(surface.vertices, axis=1)))]
-    plane = qr.initial_gaps(surface, half_space("weighted"), middle, lambda p: 3.0 + 2.0 * p[:, 0])
+    plane = qr.initial_gaps(
+        surface, half_space(qr.Discretization.GALERKIN), middle, lambda p: 3.0 + 2.0 * p[:, 0]
+    )
     assert plane == pytest.approx([3.0], rel=1e-14)
-    square = qr.initial_gaps(surface, half_space("weighted"), middle, lambda p: p[:, 0] ** 2)
+    square = qr.initial_gaps(surface, half_space(qr.Discretization.GALERKIN), middle, lambda p: p[:, 0] ** 2)
     corners = surface.vertices[surface.faces[np.any(surface.faces == middle[0], axis=1)]]
     edges = corners[:, 1:] - corners[:, :1]
     areas = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
@@ -61,7 +63,7 @@ def test_averages_are_exact_for_quadratic_gaps() -> None:
 
 
 @pytest.mark.parametrize("bad", [lambda p: p[:-1, 0], lambda p: np.full(len(p), np.nan)])
-def test_a_function_that_gives_no_gaps_is_named(bad: object) -> None:
+def test_a_function_that_returns_no_gaps_is_named(bad: object) -> None:
     surface = qr.Surface(*grid(4, SPACING))
-    with pytest.raises(ValueError, match=r"distance\(points\) must give \d+ finite numbers"):
-        qr.initial_gaps(surface, half_space("weighted"), [0], bad)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"distance\(points\) must return \d+ finite numbers"):
+        qr.initial_gaps(surface, half_space(qr.Discretization.GALERKIN), [0], bad)  # type: ignore[arg-type]

@@ -135,8 +135,7 @@ def pressed_grid(side: int, depth: float = 1e-3) -> tuple[np.ndarray, np.ndarray
 
 def test_every_option_of_the_core_has_its_twin() -> None:
     defaults = qr.LcpOptions()
-    assert defaults.total is None
-    assert (defaults.definiteness, defaults.crash, defaults.check) == ("cheap", True, "cheap")
+    assert (defaults.definiteness, defaults.crash) == ("cheap", True)
     matrix, q = pressed_grid(10)
     always = qr.solve_lcp(matrix, q, options=qr.LcpOptions(definiteness="always"))
     assert always.certificate.definiteness == "positive_definite"
@@ -146,13 +145,11 @@ def test_every_option_of_the_core_has_its_twin() -> None:
     promised = qr.solve_lcp(matrix, q, options=qr.LcpOptions(known_p_matrix=True))
     assert promised.certificate.definiteness == "p_matrix"
     assert promised.certificate.is_unique
-    for wrong in ({"definiteness": "sometimes"}, {"check": "never"}):
-        name, value = next(iter(wrong.items()))
-        with pytest.raises(ValueError, match=f"{name} is .{value}., expected one of .*always"):
-            qr.solve_lcp(matrix, q, options=qr.LcpOptions(**wrong))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"definiteness is .sometimes., expected one of .*always"):
+        qr.solve_lcp(matrix, q, options=qr.LcpOptions(definiteness="sometimes"))  # type: ignore[arg-type]
 
 
-def test_a_crash_basis_is_told_and_can_be_left_out() -> None:
+def test_a_crash_basis_is_recorded_and_can_be_left_out() -> None:
     matrix, q = pressed_grid(12)
     crashed = qr.solve_lcp(matrix, q)
     plain = qr.solve_lcp(matrix, q, options=qr.LcpOptions(crash=False))
@@ -163,18 +160,6 @@ def test_a_crash_basis_is_told_and_can_be_left_out() -> None:
     np.testing.assert_array_equal(crashed.active, plain.active)
     np.testing.assert_allclose(crashed.z, plain.z, atol=1e-14)
     assert crashed.candidates < len(q)
-
-
-def test_load_control_finds_the_depth_that_belongs_to_the_load() -> None:
-    matrix, q = pressed_grid(12)
-    by_depth = qr.solve_lcp(matrix, q)
-    options = qr.LcpOptions(total=float(by_depth.z.sum()))
-    by_load = qr.solve_lcp(matrix, q + 2e-3, method="projected_cg", options=options)
-    assert by_load.shift == pytest.approx(-2e-3, rel=1e-7)
-    np.testing.assert_allclose(by_load.z, by_depth.z, atol=1e-8)
-    np.testing.assert_allclose(by_load.w, matrix @ by_load.z + q + 2e-3 + by_load.shift, atol=1e-12)
-    with pytest.raises(qr.LcpError, match="total is 1, expected none but for projected_cg"):
-        qr.solve_lcp(matrix, q, options=qr.LcpOptions(total=1.0))
 
 
 @pytest.mark.parametrize("method", ["lemke", "block_pivoting", "projected_cg", "auto"])
@@ -189,8 +174,6 @@ def test_what_an_answer_needs_is_finite_or_named(method: qr.LcpMethod, order: Li
         qr.solve_lcp(bad, q, method=method)
     if method != "projected_cg":
         np.testing.assert_array_equal(qr.solve_lcp(bad.T, q, method=method).active, sound.active)
-    with pytest.raises(qr.LcpError, match=rf"M\[{column}, {row}\] is NaN"):
-        qr.solve_lcp(bad.T, q, method=method, options=qr.LcpOptions(check="always"))
     q[5] = np.inf
     with pytest.raises(qr.LcpError, match=r"q\[5\] is inf"):
         qr.solve_lcp(matrix, q, method=method)
@@ -203,4 +186,4 @@ def test_results_are_frozen_and_can_be_stored() -> None:
     again = pickle.loads(pickle.dumps(solution))
     assert (again.status, again.attempts) == (solution.status, solution.attempts)
     assert again.certificate == solution.certificate
-    assert "status=<LcpStatus.SOLVED: 'solved'>" in repr(solution)
+    assert repr(solution).startswith("LcpSolution(solved by lemke: 2 of 2 unknowns above 0, ")

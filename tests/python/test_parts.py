@@ -30,7 +30,7 @@ def part(finger: qr.Surface) -> qr.CutOut:
 
 
 def prepared_part(part: qr.CutOut) -> qr.PreparedSkin:
-    response = part.body(qr.models.bone_of(part.surface, cut=part.fixed))
+    response = part.body(bone=qr.models.bone_of(part.surface, cut=part.fixed))
     skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=response)
     pad = part.surface.skin_mask & (part.surface.vertices[:, 2] < 2e-3)
     return skin.prepared(part.surface, np.flatnonzero(pad))
@@ -76,9 +76,9 @@ def test_a_cut_that_cannot_be_is_refused(
     arguments: dict[str, object], message: str, finger: qr.Surface
 ) -> None:
     tip = int(np.argmax(finger.vertices[:, 1]))
-    told = {"tip": tip, "point": [0, 0.04, 0], "normal": [0, 1, 0], **arguments}
+    asked = {"tip": tip, "point": [0, 0.04, 0], "normal": [0, 1, 0], **arguments}
     with pytest.raises(qr.SurfaceError, match=message):
-        qr.cut_out(finger, **told)
+        qr.cut_out(finger, **asked)
 
 
 def test_a_tip_is_the_number_of_a_vertex(finger: qr.Surface) -> None:
@@ -86,7 +86,7 @@ def test_a_tip_is_the_number_of_a_vertex(finger: qr.Surface) -> None:
         qr.cut_out(finger, tip=[0, 0.08, 0], point=[0, 0.04, 0], normal=[0, 1, 0])  # type: ignore[arg-type]
 
 
-def test_on_the_part_it_is_the_body_and_elsewhere_the_kernel(
+def test_on_the_part_it_is_the_body_and_off_it_the_kernel(
     finger: qr.Surface, part: qr.CutOut, combined: qr.CombinedSkin
 ) -> None:
     on_tip = qr.press(finger, ball_below(0.066, finger), combined, UP, depth=0.8e-3)
@@ -97,8 +97,9 @@ def test_on_the_part_it_is_the_body_and_elsewhere_the_kernel(
         on_tip.displacement[kept], alone.displacement[part.part_vertices[kept]], atol=1e-9
     )
     assert not on_tip.displacement[~kept].any()
-    # The part keeps its volume, and so does the whole.
-    assert abs(on_tip.deformed.volume - finger.volume) < 1e-14
+    # The part keeps its volume to first order, and so does the whole.
+    shifted = np.abs(np.einsum("ij,ij->i", on_tip.displacement, finger.vertex_normals)) @ finger.vertex_areas
+    assert abs(on_tip.volume_change) < 5e-3 * shifted
 
     at_root = qr.press(finger, ball_below(0.015, finger), combined, UP, depth=0.8e-3)
     kernel = qr.press(finger, ball_below(0.015, finger), HALF_SPACE, UP, depth=0.8e-3)
@@ -177,7 +178,7 @@ def test_what_needs_a_kernel_names_the_skin_that_is_none(
     finger: qr.Surface, combined: qr.CombinedSkin
 ) -> None:
     for skin, found, within in [
-        (combined, "a CombinedSkin is no kernel", "its `elsewhere`"),
+        (combined, "a CombinedSkin is no kernel", "its `background`"),
         (combined.parts["tip"][1], "a PreparedSkin is no kernel", "its `skin`"),
     ]:
         with pytest.raises(qr.ResponseError, match=f"{found}: .*{within}"):
@@ -198,9 +199,9 @@ def test_parts_that_do_not_fit_are_refused(
         HALF_SPACE.combined(finger.moved(np.eye(3), [1e-3, 0, 0]), {"tip": (part, prepared)})
     with pytest.raises(qr.ResponseError, match="not that of a body"):
         HALF_SPACE.combined(finger, {"tip": (part, HALF_SPACE.prepared(part.surface, [0]))})
-    weighted = qr.Skin(shear_modulus=6e4, poisson_ratio=0.5, response=qr.HalfSpace(gap="weighted"))
+    galerkin = qr.Skin(shear_modulus=6e4, poisson_ratio=0.5, response=qr.HalfSpace(discretization="galerkin"))
     with pytest.raises(qr.ResponseError, match="gaps at the vertices only"):
-        weighted.combined(finger, {"tip": (part, prepared)})
+        galerkin.combined(finger, {"tip": (part, prepared)})
     with pytest.raises(qr.ResponseError, match="needs a kernel"):
         prepared.skin.combined(finger, {"tip": (part, prepared)})
 
@@ -215,7 +216,7 @@ def test_a_finger_cut_out_of_a_hand_presses_with_the_palm() -> None:
     part = qr.cut_out(hand, tip=tip, point=top - [0, 0.042, 0], normal=[0, 1, 0])
     assert part.surface.is_closed
     bone = qr.models.bone_of(part.surface, cut=part.fixed)
-    response = part.body(bone)
+    response = part.body(bone=bone)
     skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=response)
     free = part.surface.skin_mask
     low = part.surface.vertices[:, 2] < np.median(part.surface.vertices[:, 2])

@@ -72,16 +72,17 @@ def test_a_surface_comes_back_with_its_mask() -> None:
 def responses(surface: qr.Surface) -> dict[str, qr.Response]:
     """One of each kind, for a closed surface."""
     count = len(surface.vertices)
+    blocks = np.einsum("ij,ab->iajb", np.eye(count) * 1e-3, np.eye(3))
     bone = qr.Surface(*(part if i else 0.3 * part + [0, 0, 5.6e-3] for i, part in enumerate(ball(8e-3, 1))))
     return {
-        "half-space": qr.HalfSpace(gap="weighted"),
+        "half-space": qr.HalfSpace(discretization="galerkin"),
         "Gaussian": qr.GaussianCorrected.balanced(width=10e-3, cutoff=15e-3),
         "not well posed": qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3),
-        "layer": qr.Layer(5e-3),
-        "layer per vertex": qr.Layer(np.linspace(4e-3, 6e-3, count)),
+        "layer": qr.Layer(thickness=5e-3),
+        "layer per vertex": qr.Layer(thickness=np.linspace(4e-3, 6e-3, count)),
         "body": qr.Body(bone=bone),
-        "matrix": qr.GivenMatrix(np.arange(count), np.eye(count) * 1e-3),
-        "blocks": qr.GivenMatrix(np.arange(count), np.einsum("ij,ab->iajb", np.eye(count) * 1e-3, np.eye(3))),
+        "matrix": qr.GivenMatrix(nodes=np.arange(count), compliance=np.eye(count) * 1e-3),
+        "blocks": qr.GivenMatrix(nodes=np.arange(count), compliance=blocks),
     }
 
 
@@ -130,7 +131,7 @@ def test_a_contact_comes_back_from_another_process() -> None:
 def test_an_ending_that_raises_takes_its_contact_along() -> None:
     surface = qr.Surface(*grid(20, 1e-3))
     with pytest.warns(qr.QuasirigidWarning, match="not well posed"):
-        skin = qr.Skin(**MATERIAL, response=qr.GaussianCorrected(0.8e-3, 5e-3, 15e-3))
+        skin = qr.Skin(**MATERIAL, response=qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3))
     punch = qr.Obstacle.sphere([0, 0, 49e-3], 50e-3)
     with pytest.raises(qr.ContactError) as caught:
         qr.solve_contact(surface, punch, skin)

@@ -18,6 +18,10 @@ def skin_of(response: qr.Response) -> qr.Skin:
     return qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.45, response=response)
 
 
+def given(nodes: np.ndarray, compliance: np.ndarray) -> qr.Skin:
+    return skin_of(qr.GivenMatrix(nodes=nodes, compliance=compliance))
+
+
 @pytest.fixture(scope="module")
 def surface() -> qr.Surface:
     return qr.Surface(*ball(8e-3, 3))
@@ -30,8 +34,8 @@ def core() -> qr.Surface:
 
 RESPONSES = {
     "half_space": qr.HalfSpace(),
-    "layer": qr.Layer(20e-3),
-    "field": qr.Layer(np.full(642, 20e-3)),
+    "layer": qr.Layer(thickness=20e-3),
+    "field": qr.Layer(thickness=np.full(642, 20e-3)),
     "body": qr.Body(bone=core()),
 }
 
@@ -62,9 +66,9 @@ def test_saved_and_loaded_it_is_equal_to_the_bit(name: str, surface: qr.Surface,
     "response",
     [
         qr.HalfSpace(),
-        qr.GaussianCorrected(1e-4, np.float32(8e-3), np.float64(15e-3)),  # type: ignore[arg-type]
-        qr.Layer(np.float32(20e-3)),  # type: ignore[arg-type]
-        qr.Layer(np.array(20e-3)),
+        qr.GaussianCorrected(height=1e-4, width=np.float32(8e-3), cutoff=15e-3),  # type: ignore[arg-type]
+        qr.Layer(thickness=np.float32(20e-3)),  # type: ignore[arg-type]
+        qr.Layer(thickness=np.array(20e-3)),
     ],
     ids=["half_space", "gaussian", "layer", "layer of an array"],
 )
@@ -145,17 +149,16 @@ def test_a_file_that_is_no_prepared_skin_is_refused(tmp_path: Path) -> None:
 def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
     low = np.flatnonzero(surface.vertices[:, 2] < 1e-3)
     matrix = qr.response_matrix(surface, skin_of(qr.HalfSpace()), low)
-    given = skin_of(qr.GivenMatrix(low, matrix))
-    one = qr.press(surface, PLATE, given, [0, 0, 1], depth=0.3e-3)
+    one = qr.press(surface, PLATE, given(low, matrix), [0, 0, 1], depth=0.3e-3)
     two = qr.press(surface, PLATE, skin_of(qr.HalfSpace()), [0, 0, 1], depth=0.3e-3)
     np.testing.assert_allclose(one.force, two.force, rtol=1e-5, atol=1e-9)
     blocks = np.einsum("ij,ab->iajb", matrix, np.eye(3))
-    three = qr.press(surface, PLATE, skin_of(qr.GivenMatrix(low, blocks)), [0, 0, 1], depth=0.3e-3)
+    three = qr.press(surface, PLATE, given(low, blocks), [0, 0, 1], depth=0.3e-3)
     np.testing.assert_allclose(three.force, one.force, rtol=1e-9, atol=1e-12)
     with pytest.raises(qr.ResponseError, match="the matrix is 3 x 3, expected"):
-        qr.press(surface, PLATE, skin_of(qr.GivenMatrix(low, np.eye(3))), [0, 0, 1], depth=0.3e-3)
+        qr.press(surface, PLATE, given(low, np.eye(3)), [0, 0, 1], depth=0.3e-3)
     with pytest.raises(qr.ResponseError, match="compliance has shape"):
-        skin_of(qr.GivenMatrix(low, np.zeros((2, 3, 2, 3)))).prepared(surface)
+        given(low, np.zeros((2, 3, 2, 3))).prepared(surface)
 
 
 def test_a_body_on_its_bone_is_right_against_finite_elements(surface: qr.Surface) -> None:

@@ -96,7 +96,7 @@ def test_a_real_press_does_not_depend_on_place_numbering_or_scale() -> None:
     assert np.linalg.norm(tiny.force) / 0.37**2 == pytest.approx(force, rel=1e-6)
 
 
-def test_a_scanned_finger_with_its_bone_keeps_its_volume() -> None:
+def test_a_scanned_finger_with_its_bone_keeps_its_volume_to_first_order() -> None:
     surface = finger(FINGERS[0])
     bone = qr.models.bone_of(surface)
     # Announced before it is spent: well under 2 GB for every vertex loaded.
@@ -113,7 +113,7 @@ def test_a_scanned_finger_with_its_bone_keeps_its_volume() -> None:
         assert contact.max_penetration_after < 1e-6 * depth
         inward = -np.einsum("ij,ij->i", contact.displacement, surface.vertex_normals)
         displaced = np.maximum(inward, 0) @ surface.vertex_areas
-        assert abs(contact.deformed.volume - surface.volume) < 5e-3 * displaced
+        assert abs(contact.volume_change) < 5e-3 * displaced
 
 
 def test_a_mug_from_below_meets_the_palm_of_a_whole_hand() -> None:

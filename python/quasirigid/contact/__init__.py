@@ -1,9 +1,12 @@
 """Contact of the skin with an obstacle: the solve, its options and its result."""
 
 from .options import ContactOptions as ContactOptions
+from .press import Start as Start
 from .press import press as press
 from .press import solve_contact as solve_contact
 from .result import Accuracy as Accuracy
 from .result import Contact as Contact
+from .result import ContactError as ContactError
 from .result import ContactStatus as ContactStatus
+from .result import LeftOut as LeftOut
 from .result import Patch as Patch

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from .. import _core
-from .._check import integer_of
-from ..lcp import LcpMethod
+from .._check import as_choice, as_integer, as_integer_or_none
+from ..lcp import LcpMethod, LcpMethodName
+from .result import ContactError
 
 __all__ = ["ContactOptions"]
 
-_DEFAULTS: dict[str, Any] = _core.ContactOptions.defaults()
+_DEFAULTS = _core.ContactOptions.defaults()
+_METHOD = LcpMethod(_DEFAULTS.method)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,31 +44,27 @@ class ContactOptions:
         How often candidates may be added before the solve gives up.
     """
 
-    tolerance: float = _DEFAULTS["tolerance"]
-    rings: int | None = _DEFAULTS["rings"]
-    method: LcpMethod = _DEFAULTS["method"]
-    num_threads: int | None = _DEFAULTS["num_threads"]
-    memory_limit: int | None = _DEFAULTS["memory_limit"]
-    search_distance: float | None = _DEFAULTS["search_distance"]
-    condition: bool = _DEFAULTS["condition"]
-    couple_fingers: bool = _DEFAULTS["couple_fingers"]
-    max_growths: int = _DEFAULTS["max_growths"]
+    tolerance: float = _DEFAULTS.tolerance
+    rings: int | None = _DEFAULTS.rings
+    method: LcpMethod | LcpMethodName = _METHOD
+    num_threads: int | None = _DEFAULTS.num_threads
+    memory_limit: int | None = _DEFAULTS.memory_limit
+    search_distance: float | None = _DEFAULTS.search_distance
+    condition: bool = _DEFAULTS.condition
+    couple_fingers: bool = _DEFAULTS.couple_fingers
+    max_growths: int = _DEFAULTS.max_growths
 
 
 def options_to_core(options: ContactOptions) -> _core.ContactOptions:
-    """Return the core's options; refuses what is no integer where one is due."""
+    """Return the core's options; refuse unknown words and what is no integer where one is due."""
     return _core.ContactOptions(
         tolerance=options.tolerance,
-        rings=_integer_or_none("rings", options.rings),
-        method=options.method,
-        num_threads=_integer_or_none("num_threads", options.num_threads),
-        memory_limit=_integer_or_none("memory_limit", options.memory_limit),
+        rings=as_integer_or_none("rings", options.rings),
+        method=as_choice("method", options.method, LcpMethod, ContactError),
+        num_threads=as_integer_or_none("num_threads", options.num_threads),
+        memory_limit=as_integer_or_none("memory_limit", options.memory_limit),
         search_distance=options.search_distance,
         condition=options.condition,
         couple_fingers=options.couple_fingers,
-        max_growths=integer_of("max_growths", options.max_growths),
+        max_growths=as_integer("max_growths", options.max_growths),
     )
-
-
-def _integer_or_none(name: str, value: int | None) -> int | None:
-    return None if value is None else integer_of(name, value)

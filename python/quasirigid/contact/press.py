@@ -3,48 +3,35 @@
 from __future__ import annotations
 
 import warnings
+from enum import StrEnum
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 from .. import _core
-from ..errors import ContactError, QuasirigidWarning
+from .._check import as_choice
+from ..errors import QuasirigidWarning
 from ..lcp import solution_from_core
 from ..skin.elastic import core_skin
+from .drawn import Drawing
 from .options import ContactOptions, options_to_core
-from .result import Accuracy, Contact, ContactStatus, Patch
+from .result import Accuracy, Contact, ContactError, ContactStatus, LeftOut, Patch
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
     from ..obstacle import Obstacle
     from ..skin.elastic import ElasticSkin
     from ..surface import Surface
 
-__all__ = ["press", "solve_contact"]
+__all__ = ["Start", "press", "solve_contact"]
 
 
-def _finish(result: _core.Contact, throw: bool) -> Contact:
-    """The facade's contact; warns, and raises on a bad ending where asked."""
-    fields = result.fields()
-    for message in fields.pop("warnings"):
-        warnings.warn(message, QuasirigidWarning, stacklevel=3)
-    fields["status"] = ContactStatus(fields["status"])
-    displacement, fade_distance, volume_change, deformed = result.drawn()
-    contact = Contact(
-        **fields,
-        displacement=displacement,
-        fade_distance=fade_distance,
-        volume_change=volume_change,
-        patches=tuple(Patch(**patch) for patch in result.patches()),
-        deformed=deformed,
-        obstacle=result.obstacle(),
-        lcp_solutions=tuple(solution_from_core(solution) for solution in result.lcp_solutions()),
-        accuracy=Accuracy(**result.accuracy()),
-    )
-    if throw and contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
-        error = ContactError(f"the contact ended with status {contact.status.value!r}: {contact.advice}")
-        error.contact = contact
-        raise error
-    return contact
+class Start(StrEnum):
+    """Where a press begins: at first touch from infinity, or where the obstacle stands."""
+
+    INFINITY = "infinity"
+    CURRENT = "current"
 
 
 def solve_contact(
@@ -98,7 +85,8 @@ def solve_contact(
     'no_contact'
     """
     core_options = options_to_core(options or ContactOptions())
-    return _finish(_core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options), throw)
+    solved = _core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options)
+    return _finish(solved, surface, throw)
 
 
 def press(
@@ -108,7 +96,7 @@ def press(
     direction: ArrayLike,
     *,
     depth: float,
-    start: Literal["infinity", "current"] = "infinity",
+    start: Start | Literal["infinity", "current"] = "infinity",
     options: ContactOptions | None = None,
     throw: bool = True,
 ) -> Contact:
@@ -156,8 +144,8 @@ def press(
     -----
     A vertex that came in through another side of the obstacle than its closest one (beside an edge, through a
     thin wall) has its gap measured back along the press, to where the obstacle met it; `left_out` counts
-    them. A contact solved in place knows no way and pushes such vertices out at the side, as weighted gaps
-    do.
+    them. A contact solved in place knows no way and pushes such vertices out at the side, and so does the
+    Galerkin form.
 
     Examples
     --------
@@ -169,8 +157,72 @@ def press(
     >>> contact.status.value, bool(contact.force[2] > 0)
     ('solved', True)
     """
+    begin = as_choice("start", start, Start, ContactError)
     core_options = options_to_core(options or ContactOptions())
-    result = _core.press(
-        surface, obstacle, core_skin(skin, surface), direction, depth=depth, start=start, options=core_options
+    pressed = _core.press(
+        surface, obstacle, core_skin(skin, surface), direction, depth=depth, start=begin, options=core_options
     )
-    return _finish(result, throw)
+    return _finish(pressed, surface, throw)
+
+
+def _finish(core: _core.Contact, surface: Surface, throw: bool) -> Contact:
+    """Return the facade's contact; warn, and raise a bad ending where asked."""
+    for message in core.warnings:
+        warnings.warn(message, QuasirigidWarning, stacklevel=3)
+    contact = _from_core(core, surface)
+    if throw and contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
+        error = ContactError(f"the contact ended with status {contact.status.value!r}: {contact.advice}")
+        error.contact = contact
+        raise error
+    return contact
+
+
+def _from_core(core: _core.Contact, surface: Surface) -> Contact:
+    total, accuracy = core.resultant, core.accuracy
+    return Contact(
+        status=ContactStatus(core.status),
+        surface=surface,
+        obstacle=core.obstacle,
+        travel=core.travel,
+        force=total.force,
+        moment=total.moment,
+        center_of_pressure=total.center_of_pressure,
+        contact_area=total.contact_area,
+        max_pressure=total.max_pressure,
+        max_penetration_before=core.max_penetration_before,
+        max_penetration_after=core.max_penetration_after,
+        pressure=core.pressure,
+        node_force=core.node_force,
+        force_vectors=core.force_vectors,
+        gap=core.gap,
+        candidates=core.candidates,
+        active=core.active,
+        patches=tuple(_patch(vertices, part) for vertices, part in core.patches),
+        lcp_solutions=tuple(solution_from_core(solution) for solution in core.lcp_solutions),
+        natural_residual=accuracy.natural_residual,
+        accuracy=Accuracy(
+            natural_residual=accuracy.natural_residual,
+            complementarity=accuracy.complementarity,
+            integration_tolerance=accuracy.integration_tolerance,
+            condition=accuracy.condition,
+            definite=accuracy.definite,
+            cells_per_radius=accuracy.cells_per_radius,
+            area_resolution=accuracy.area_resolution,
+        ),
+        timings=MappingProxyType(dict(core.timings)),
+        left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
+        warnings=tuple(core.warnings),
+        advice=core.advice,
+        _drawing=Drawing(core.drawing),
+    )
+
+
+def _patch(vertices: NDArray[np.int64], part: _core.Resultant) -> Patch:
+    return Patch(
+        vertices=vertices,
+        force=part.force,
+        moment=part.moment,
+        center_of_pressure=part.center_of_pressure,
+        contact_area=part.contact_area,
+        max_pressure=part.max_pressure,
+    )

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .._frozen import Frozen
+from ..errors import QuasirigidError
+from .drawn import Drawing
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from os import PathLike
+    from pathlib import Path
+
     import numpy as np
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from ..lcp import LcpSolution
     from ..obstacle import Obstacle
     from ..surface import Surface
 
-__all__ = ["Accuracy", "Contact", "ContactStatus", "Patch"]
+__all__ = ["Accuracy", "Contact", "ContactError", "ContactStatus", "LeftOut", "Patch"]
 
 
 class ContactStatus(StrEnum):
@@ -28,8 +37,15 @@ class ContactStatus(StrEnum):
     INTERRUPTED = "interrupted"
 
 
+class LeftOut(NamedTuple):
+    """One thing that the scene did not need, and why."""
+
+    what: str
+    why: str
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Patch:
+class Patch(Frozen):
     """A connected part of the contact.
 
     Attributes
@@ -55,10 +71,14 @@ class Patch:
     contact_area: float
     max_pressure: float
 
-    @property
-    def area(self) -> float:
-        """The contact area (m^2)."""
-        return self.contact_area
+    def __repr__(self) -> str:
+        """Return vertices, force, area and peak on one line."""
+        return f"Patch({len(self.vertices)} vertices, {_figures(self)})"
+
+
+def _figures(part: Patch | Contact) -> str:
+    force = float((part.force @ part.force) ** 0.5)
+    return f"force {force:.4g} N, area {part.contact_area:.4g} m^2, peak {part.max_pressure:.4g} Pa"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,11 +97,10 @@ class Accuracy:
         True: the symmetric part of every response matrix was shown to be positive definite, so the answer
         is the only one. False: shown not to be. None: not examined.
     cells_per_radius : float
-        Mesh cells per equivalent contact radius; under about 4 force and area are coarse, at 8 the force of a
-        sphere is good to 0.2 %.
+        Mesh cells per equivalent contact radius; under about 4 force and area are coarse.
     area_resolution : float
         Uncertainty of the contact area from the mesh alone (m^2): half the area of the vertices on its rim.
-        With weighted gaps the rim is found between vertices, and the area is several times as good.
+        In Galerkin form the rim is found between vertices, and the area is several times as good.
     """
 
     natural_residual: float
@@ -94,14 +113,23 @@ class Accuracy:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Contact:
+class Contact(Frozen):
     """The skin pressed against the obstacle. Arrays have one entry per vertex of the surface (n of them).
+
+    `displacement`, `fade_distance`, `volume_change` and `deformed` are computed when one of them is first
+    asked for, or the contact is pickled.
 
     Attributes
     ----------
     status : ContactStatus
         "solved", "no_contact" (no error: all zero) or the ending of the complementarity problem. For any
         other ending than these two the figures are nan, and `advice` says what happened and what to try.
+    surface : Surface
+        The undeformed skin, as it was given.
+    obstacle : Obstacle
+        The obstacle where it stands now.
+    travel : float
+        Way of the obstacle along the direction of a press (m).
     force : (3,) float64
         Force on the skin (N).
     moment : (3,) float64
@@ -109,81 +137,185 @@ class Contact:
     center_of_pressure : (3,) float64
         Mean of the deformed positions weighted by node force (m); nan without contact.
     contact_area : float
-        Sum of the vertex areas with f > 0 (m^2). With weighted gaps, the area within the rim that the gaps
-        beside it tell, between the vertices; under a sharp edge, where the gap opens with a step, that rim is
-        up to a cell too far in (a flat punch of 8 cells' half width: 14 % low, vertex areas 8 %).
+        Sum of the vertex areas with f > 0 (m^2). In Galerkin form, the area within the rim that the gaps
+        beside it imply, between the vertices; under a sharp edge, where the gap opens with a step, that rim
+        is up to a cell too far in.
     max_pressure : float
-        Largest pressure at a vertex (Pa), ``pressure.max()``. With weighted gaps it may be above that: it is
-        the largest between vertices too, and never below the mean over a patch's contact area.
-    volume_change : float
-        Change of the volume enclosed by the skin (m^3), ``sum S_i N_i . u_i`` over the skin, N outward.
+        Largest pressure at a vertex (Pa), ``pressure.max()``. In Galerkin form the largest between vertices
+        too, and never below the mean over a patch's contact area.
     max_penetration_before, max_penetration_after : float
         Deepest penetration of a skin vertex (m), before and, measured anew at the deformed skin, after.
     pressure : (n,) float64
-        Pressure (Pa): `node_force` over vertex area. With weighted gaps that ratio is right in the mean only,
-        and this is the smooth pressure recovered from it; it sums to the force up to the mesh error (some 2 %
-        less at 4 cells per contact radius, 1 % at 8), `node_force` exactly.
+        Pressure (Pa): `node_force` over vertex area. In Galerkin form that ratio is right in the mean only,
+        and this is the smooth pressure recovered from it, which sums to the force up to the mesh error.
     node_force : (n,) float64
         Force along the obstacle's outward normal (N).
     force_vectors : (n, 3) float64
         Force on the skin at each vertex (N): `node_force` along that normal.
     gap : (n,) float64
         Gap (m): ``g0 + R f`` on the candidates, g0 within the search distance, inf beyond.
-    displacement : (n, 3) float64
-        Displacement (m), faded to zero at `fade_distance` from the candidates; the fade enters no other
-        number.
-    fade_distance : float
-        Distance along the skin at which the drawn displacement has faded to zero (m).
     candidates : (k,) int64
         Vertices in the complementarity problem, ascending.
     active : (a,) int64
         Vertices with f > 0, ascending.
     patches : tuple of Patch
         Connected parts of the active set.
-    deformed : Surface
-        The deformed skin.
-    obstacle : Obstacle
-        The obstacle where it stands now.
-    travel : float
-        Way of the obstacle along the direction of a press (m).
     lcp_solutions : tuple of LcpSolution
         One per complementarity problem.
     natural_residual : float
         Worst natural residual of these (dimensionless).
     accuracy : Accuracy
         How far the figures can be trusted.
-    timings : dict of str to float
-        Seconds per stage.
-    left_out : list of (str, str)
+    timings : mapping of str to float
+        Seconds per stage of the solve; the drawn skin is none of them.
+    left_out : tuple of LeftOut
         What the scene did not need, and why.
+    warnings : tuple of str
+        What was warned of.
     advice : str
         What happened and what to try, where the contact did not solve; else empty.
     """
 
     status: ContactStatus
+    surface: Surface
+    obstacle: Obstacle
+    travel: float
     force: NDArray[np.float64]
     moment: NDArray[np.float64]
     center_of_pressure: NDArray[np.float64]
     contact_area: float
     max_pressure: float
-    volume_change: float
     max_penetration_before: float
     max_penetration_after: float
-    pressure: NDArray[np.float64] = field(repr=False)
-    node_force: NDArray[np.float64] = field(repr=False)
-    force_vectors: NDArray[np.float64] = field(repr=False)
-    gap: NDArray[np.float64] = field(repr=False)
-    displacement: NDArray[np.float64] = field(repr=False)
-    fade_distance: float
-    candidates: NDArray[np.int64] = field(repr=False)
-    active: NDArray[np.int64] = field(repr=False)
-    patches: tuple[Patch, ...] = field(repr=False)
-    deformed: Surface = field(repr=False)
-    obstacle: Obstacle = field(repr=False)
-    travel: float
-    lcp_solutions: tuple[LcpSolution, ...] = field(repr=False)
+    pressure: NDArray[np.float64]
+    node_force: NDArray[np.float64]
+    force_vectors: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    candidates: NDArray[np.int64]
+    active: NDArray[np.int64]
+    patches: tuple[Patch, ...]
+    lcp_solutions: tuple[LcpSolution, ...]
     natural_residual: float
-    accuracy: Accuracy = field(repr=False)
-    timings: dict[str, float] = field(repr=False)
-    left_out: list[tuple[str, str]] = field(repr=False)
-    advice: str = field(repr=False)
+    accuracy: Accuracy
+    timings: Mapping[str, float]
+    left_out: tuple[LeftOut, ...]
+    warnings: tuple[str, ...]
+    advice: str
+    _drawing: Drawing
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """(n, 3) float64: displacement (m), faded to 0 at `fade_distance`; no other figure fades."""
+        return self._drawing.skin().displacement
+
+    @property
+    def fade_distance(self) -> float:
+        """Distance from the candidates, along the skin, at which the displacement has faded to zero (m)."""
+        return self._drawing.skin().fade_distance
+
+    @property
+    def volume_change(self) -> float:
+        """Change of the volume in the skin to first order (m^3), ``sum S_i N_i . u_i`` without fade."""
+        return self._drawing.skin().volume_change
+
+    @property
+    def deformed(self) -> Surface:
+        """The surface moved by `displacement`."""
+        return self._drawing.skin().deformed
+
+    def summary(self) -> str:
+        """Return the figures as a text table in mm, N and kPa."""
+        from ..io.summary import contact_summary
+
+        return contact_summary(self)
+
+    def save(
+        self,
+        folder: str | PathLike[str],
+        *,
+        inputs: Mapping[str, Any] | None = None,
+        pictures: bool = False,
+        bone: Surface | None = None,
+    ) -> tuple[Path, ...]:
+        """Write everything into a folder: meshes, arrays, figures, pictures.
+
+        Parameters
+        ----------
+        folder : path
+            The folder; made where it is missing.
+        inputs : mapping, optional
+            What the contact was computed from, to be written too.
+        pictures : bool
+            Draw pictures too (extra `plot`).
+        bone : Surface, optional
+            Bones to draw in the cut.
+
+        Returns
+        -------
+        tuple of Path
+            The files.
+        """
+        from ..io.write import save_contact
+
+        return save_contact(self, folder, inputs=inputs, pictures=pictures, bone=bone)
+
+    def plot(self, *, bone: Surface | None = None) -> Figure:
+        """Return a matplotlib figure: the skin with its pressure, and a cut (extra `plot`).
+
+        Parameters
+        ----------
+        bone : Surface, optional
+            Bones to draw in the cut.
+        """
+        from ..plot.figures import contact_figure
+
+        return contact_figure(self, bone=bone)
+
+    def to_dataframe(self) -> Any:
+        """Return a pandas DataFrame with one row a vertex."""
+        from ..io.frame import contact_dataframe
+
+        return contact_dataframe(self)
+
+    def to_pyvista(self) -> Any:
+        """Return the deformed skin as PolyData of pyvista, with the arrays at its points."""
+        from ..io.frame import contact_pyvista
+
+        return contact_pyvista(self)
+
+    def to_trimesh(self) -> Any:
+        """Return the deformed skin as a Trimesh of trimesh, with the arrays as vertex attributes."""
+        from ..io.frame import contact_trimesh
+
+        return contact_trimesh(self)
+
+    def _repr_html_(self) -> str:
+        from ..io.summary import contact_html
+
+        return contact_html(self)
+
+    def __repr__(self) -> str:
+        """Return status, force, area, peak and counts on one line."""
+        vertices = f"{len(self.active)} of {len(self.gap)} vertices"
+        match self.status:
+            case ContactStatus.SOLVED:
+                patches = f"{len(self.patches)} patch{'es' * (len(self.patches) != 1)}"
+                return f"Contact(solved: {_figures(self)}, {patches}, {vertices})"
+            case ContactStatus.NO_CONTACT:
+                return f"Contact(no_contact: {vertices})"
+            case _:
+                return (
+                    f"Contact({self.status}: {len(self.candidates)} candidates of {len(self.gap)} vertices)"
+                )
+
+
+class ContactError(QuasirigidError, ValueError, RuntimeError):
+    """A contact was malformed, or did not end solved.
+
+    Attributes
+    ----------
+    contact : Contact or None
+        What was found, where the question was well posed and the ending was not "solved".
+    """
+
+    contact: Contact | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import direction_of, mask_of, number_of, vector_of
+from .._check import as_direction, as_mask, as_number, as_vector
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
 from ..surface import Surface, flat_cap_mask
@@ -95,14 +95,14 @@ def bone_of(
         raise SurfaceError("the finger is open: a bone needs a closed skin around it, cut face included")
     if not isinstance(digit, str) or digit not in LENGTHS:
         raise SurfaceError(f"digit is {digit!r}, expected one of {', '.join(LENGTHS)}")
-    scale = number_of("scale", scale, SurfaceError, *_SCALES)
-    min_thickness = number_of("min_thickness", min_thickness, SurfaceError)
+    scale = as_number("scale", scale, SurfaceError, *_SCALES)
+    min_thickness = as_number("min_thickness", min_thickness, SurfaceError)
     frame = _find_frame(
         finger,
         None if cut is None else _as_cut(cut, len(finger.vertices)),
-        None if tip is None else vector_of("tip", tip, SurfaceError),
-        None if axis is None else direction_of("axis", axis, SurfaceError),
-        direction_of("palmar", palmar, SurfaceError),
+        None if tip is None else as_vector("tip", tip, SurfaceError),
+        None if axis is None else as_direction("axis", axis, SurfaceError),
+        as_direction("palmar", palmar, SurfaceError),
     )
     phalanges = phalanges_in(frame, LENGTHS[digit], scale, max(1.5e-3, finger.mean_edge_length))
     if not phalanges:
@@ -112,7 +112,7 @@ def bone_of(
     if element_size is None:
         element_size = float(np.sqrt(area / (0.866 * _DEFAULT_NODES)))
     else:
-        element_size = number_of("element_size", element_size, SurfaceError)
+        element_size = as_number("element_size", element_size, SurfaceError)
         finest, coarsest = float(np.sqrt(area / (0.866 * _MOST_NODES))), 0.25 * phalanges[0].whole
         if not finest <= element_size <= coarsest:
             raise SurfaceError(
@@ -183,7 +183,7 @@ def _principal_axis(finger: Surface, caps: NDArray[np.bool_], tip: Floats | None
 
 def _as_cut(cut: ArrayLike, count: int) -> NDArray[np.bool_]:
     try:
-        mask = mask_of("cut", cut, count, SurfaceError)
+        mask = as_mask("cut", cut, count, SurfaceError)
     except TypeError as error:
         raise SurfaceError(str(error)) from None
     if mask.all() or not mask.any():

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..errors import ResponseError
-from .material import Skin
-from .prepared import PreparedSkin, from_parts
+from .skins import PreparedSkin, Skin, restore_skin
 from .storage import read_prepared, restored_response
 
 if TYPE_CHECKING:
@@ -40,6 +39,6 @@ def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
             poisson_ratio=header["poisson_ratio"],
             response=restored_response(header, stored),
         )
-        return from_parts(skin, stored)
+        return restore_skin(skin, stored)
     except (KeyError, TypeError) as error:
         raise ResponseError(f"{path} lacks or misnames a part of a prepared skin: {error}") from error

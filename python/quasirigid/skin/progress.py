@@ -1,4 +1,4 @@
-"""Telling how far the preparation of a body is."""
+"""Progress of the preparation of a body."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections.abc import Callable
 
 from .. import _core
 
-__all__ = ["Progress", "announced", "stage_reporter"]
+__all__ = ["Progress", "as_progress", "stage_reporter"]
 
 Progress = Callable[[str, float], object]
 
-_STEP = 0.05  # A stage is told anew when it is further by this share.
+_STEP = 0.05  # A stage is reported again when it is further by this share.
 
 
-def announced(progress: Progress | bool | None) -> Progress | None:
-    """The function to call: the caller's, one that prints to stderr for True, none for False and None."""
+def as_progress(progress: Progress | bool | None) -> Progress | None:
+    """Return the function to call: the caller's, one that prints to stderr for True, or None."""
     if progress is None or progress is False:
         return None
     if progress is not True and not callable(progress):
@@ -26,12 +26,12 @@ def announced(progress: Progress | bool | None) -> Progress | None:
 def stage_reporter(
     progress: Progress | None, skin_vertices: int, bone_vertices: int, nodes: int
 ) -> Callable[[str, float], None] | None:
-    """Return what the core calls as it goes on; it announces memory and operations first."""
+    """Return what the core calls as it goes on; it reports memory and operations first."""
     if progress is None:
         return None
-    told = progress
+    call = progress
     needed, operations = _core.Skin.body_cost(skin_vertices, bone_vertices, nodes)
-    announcement = (
+    cost = (
         f"body of {skin_vertices} skin and {bone_vertices} bone vertices, {nodes} of them loaded: "
         f"{needed / 1e9:.2g} GB, {operations:.1e} operations"
     )
@@ -40,11 +40,11 @@ def stage_reporter(
     def report(stage: str, done: float) -> None:
         nonlocal last
         if not last[0]:
-            # Told with the first sign of work, so that a body that is refused says only why.
-            told(announcement, 0.0)
+            # With the first sign of work, so that a body that is refused says only why.
+            call(cost, 0.0)
         if stage != last[0] or done >= 1.0 or done - last[1] >= _STEP:
             last = (stage, done)
-            told(stage, done)
+            call(stage, done)
 
     return report
 

@@ -2,22 +2,83 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from .._check import as_choice
+from ..errors import ResponseError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ..surface import Surface
 
-__all__ = ["Body", "Gap", "GaussianCorrected", "GivenMatrix", "HalfSpace", "Layer", "Pressure", "Response"]
+__all__ = [
+    "Body",
+    "Discretization",
+    "GaussianCorrected",
+    "GivenMatrix",
+    "HalfSpace",
+    "Layer",
+    "PressureBasis",
+    "Response",
+]
 
-Pressure = Literal["linear", "one_ring"]
-Gap = Literal["node", "weighted"]
+
+class PressureBasis(StrEnum):
+    """How the force of a node is spread: as a hat function, or evenly over its one-ring."""
+
+    LINEAR = "linear"
+    ONE_RING = "one_ring"
 
 
-@dataclass(frozen=True)
-class HalfSpace:
+class Discretization(StrEnum):
+    """How the gap of a node is taken: at the vertex, or averaged against the node's pressure."""
+
+    COLLOCATION = "collocation"
+    GALERKIN = "galerkin"
+
+
+_Pressure = PressureBasis | Literal["linear", "one_ring"]
+_Discretization = Discretization | Literal["collocation", "galerkin"] | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class _Response:
+    """Base of the responses: words are checked, and the repr has one line, of what is no default."""
+
+    def __post_init__(self) -> None:
+        given = vars(self)
+        if "pressure" in given:
+            given["pressure"] = as_choice("pressure", given["pressure"], PressureBasis, ResponseError)
+        if given.get("discretization") is not None:
+            chosen = as_choice("discretization", given["discretization"], Discretization, ResponseError)
+            given["discretization"] = chosen
+
+    def __repr__(self) -> str:
+        """Return the arguments on one line, arrays by their size and range."""
+        values = ((field, getattr(self, field.name)) for field in dataclasses.fields(self))
+        given = (f"{field.name}={_shown(value)}" for field, value in values if value is not field.default)
+        return f"{type(self).__name__}({', '.join(given)})"
+
+
+def _shown(value: object) -> str:
+    if np.ndim(value) == 0:  # type: ignore[arg-type]
+        return repr(str(value) if isinstance(value, StrEnum) else value)
+    array = np.asarray(value)
+    if array.dtype == np.bool_:
+        return f"<{np.count_nonzero(array)} of {array.size}>"
+    if array.ndim == 1 and array.size > 0:
+        return f"<{array.size} from {array.min():.4g} to {array.max():.4g}>"
+    return f"<{' x '.join(map(str, array.shape))}>"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class HalfSpace(_Response):
     """Elastic half-space: ``u(r) = K / r`` per newton, ``K = (1 - nu) / (2 pi G)``.
 
     Parameters
@@ -26,45 +87,29 @@ class HalfSpace:
         Pressure basis. "linear" (hat functions) is accurate and well posed. "one_ring" spreads the force of
         a node evenly over its one-ring, as Xie, Kanai, Date 2011 do; it is numerically singular on regular
         meshes and its pressures oscillate, and is here to reproduce that paper.
-    gap : {"node", "weighted"}
-        How the gap of a node is measured. "node": at the vertex (collocation); no penetration is left at
-        vertices. "weighted": averaged against hats (Galerkin); the matrix is symmetric positive definite on
-        any surface, slivers and jittered grids too, and force, peak pressure and contact area are right on
-        coarser meshes, the last two by recovery between the vertices. Take "weighted" where "node" is found
-        not to be positive definite, or where these figures count and the mesh is coarse.
+    discretization : {"collocation", "galerkin"}, optional
+        How the gap of a node is taken; None for "collocation". "collocation": at the vertex; no penetration
+        is left at vertices. "galerkin": averaged against the node's pressure; the matrix is symmetric
+        positive definite on any surface, slivers and jittered grids too, and force, peak pressure and contact
+        area are right on coarser meshes, the last two by recovery between the vertices.
 
     Notes
     -----
-    A sphere pressed into flat skin, Hertz's parabola, with 4, 8 and 16 square cells per contact radius; the
-    errors are root mean squares over places of the sphere on the mesh (docs/validation.md):
-
-    ========================================  ======================  ======================
-    error, or what                            "node"                  "weighted"
-    ========================================  ======================  ======================
-    force                                     0.70, 0.19, 0.05 %      0.16, 0.03, 0.00 %
-    peak pressure                             0.48, 0.13, 0.03 %      0.50, 0.02, 0.00 %
-    contact area                              4.6, 1.8, 0.7 %         1.1, 0.4, 0.1 %
-    penetration left at vertices, of depth    0                       1.1, 0.5, 0.3 %
-    condition of R                            23, 48, 96              81, 168, 341
-    smallest over largest eigenvalue          0.044, 0.021, 0.010     0.012, 0.006, 0.003
-    time of a contact                         1                       21, 13, 3
-    ========================================  ======================  ======================
-
-    With vertices moved by up to a quarter of a cell the errors are much the same. Assembly takes
-    25 to 40 times as long; in large contacts the complementarity problem, which takes the same time in both,
-    outweighs it.
+    Take "galerkin" where collocation is found not to be positive definite, or where the figures count and the
+    mesh is coarse. Its assembly takes 25 to 40 times as long; in large contacts the complementarity problem,
+    which takes the same time in both, outweighs it. docs/validation.md has the errors of both against Hertz.
 
     References
     ----------
     Johnson 1985, "Contact Mechanics", section 3.2; Xie, Kanai, Date 2011, eq. 1 and 8.
     """
 
-    pressure: Pressure = "linear"
-    gap: Gap = "node"
+    pressure: _Pressure = PressureBasis.LINEAR
+    discretization: _Discretization = None
 
 
-@dataclass(frozen=True)
-class GaussianCorrected:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class GaussianCorrected(_Response):
     """Half-space less a Gaussian, to keep volume.
 
     ``u(r) = K / r - height exp(-r^2 / 2 width^2)`` for r < cutoff, 0 beyond.
@@ -94,11 +139,13 @@ class GaussianCorrected:
     height: float | None
     width: float
     cutoff: float
-    pressure: Pressure = "linear"
+    pressure: _Pressure = PressureBasis.LINEAR
 
     @classmethod
-    def balanced(cls, width: float, cutoff: float, pressure: Pressure = "linear") -> GaussianCorrected:
-        """Take the height that keeps volume, eq. 5 of the paper: no net volume within the cutoff.
+    def balanced(
+        cls, *, width: float, cutoff: float, pressure: _Pressure = PressureBasis.LINEAR
+    ) -> GaussianCorrected:
+        """Return the one that keeps volume, eq. 5 of the paper: no net volume within the cutoff.
 
         Parameters
         ----------
@@ -112,13 +159,13 @@ class GaussianCorrected:
         Returns
         -------
         GaussianCorrected
-            Its height, ``K L / (c^2 (1 - exp(-L^2 / 2 c^2)))``, follows from the skin that it is given to.
+            Its height, ``K L / (c^2 (1 - exp(-L^2 / 2 c^2)))``, follows from the skin that it goes into.
         """
-        return cls(None, width, cutoff, pressure)
+        return cls(height=None, width=width, cutoff=cutoff, pressure=pressure)
 
 
-@dataclass(frozen=True, eq=False)
-class Layer:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Layer(_Response):
     """Elastic layer bonded to rigid bone: ``u(r) = K (1 / r - phi(r / h) / h)``.
 
     Parameters
@@ -128,10 +175,10 @@ class Layer:
         on a layer of the smaller of its two, which keeps the matrix well posed.
     pressure : {"linear", "one_ring"}
         Pressure basis, see `HalfSpace`.
-    gap : {"node", "weighted"}
-        How the gap of a node is measured, see `HalfSpace`. On flat meshes "weighted" is always positive
-        definite; "node" is too, but for large irregular meshes far coarser than an incompressible layer is
-        thick.
+    discretization : {"collocation", "galerkin"}, optional
+        How the gap of a node is taken, see `HalfSpace`. On flat meshes "galerkin" is always positive
+        definite; "collocation" is too, but for large irregular meshes far coarser than an incompressible
+        layer is thick.
 
     Notes
     -----
@@ -145,12 +192,12 @@ class Layer:
     """
 
     thickness: float | ArrayLike
-    pressure: Pressure = "linear"
-    gap: Gap = "node"
+    pressure: _Pressure = PressureBasis.LINEAR
+    discretization: _Discretization = None
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Body:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Body(_Response):
     """The body under this skin with its bone, by boundary elements: the true linear answer.
 
     Its compliance is computed once for a surface (`Skin.prepared`), in seconds; presses then take
@@ -166,13 +213,7 @@ class Body:
     memory_limit : int, optional
         Largest memory of the preparation (bytes); what the system has free when left out, where it says so.
     bone_pressure : bool
-        Keep what tells the pressure on the bone too (`PreparedSkin.bone_pressure`).
-
-    Notes
-    -----
-    Forces and gaps are those of linear elasticity. The drawn skin keeps its volume beyond that: the second
-    order that the displacement misses is taken up by the free skin, some micrometres, and `Contact.left_out`
-    says how much.
+        Keep what `PreparedSkin.bone_pressure` needs too.
 
     References
     ----------
@@ -185,9 +226,9 @@ class Body:
     bone_pressure: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class GivenMatrix:
-    """A response that was computed or measured elsewhere.
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class GivenMatrix(_Response):
+    """A response that was computed or measured before.
 
     Parameters
     ----------

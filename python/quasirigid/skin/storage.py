@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import ResponseError
+from ..io.atomic import atomic_write
 from ..surface import Surface
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
@@ -29,9 +30,7 @@ _VERSION = 1
 def write_prepared(
     path: str | PathLike[str],
     parts: Mapping[str, NDArray[Any]],
-    *,
-    shear_modulus: float,
-    poisson_ratio: float,
+    material: tuple[float, float],
     response: Response,
 ) -> None:
     """Write the numbers of a prepared response and the material, whole or not at all.
@@ -41,9 +40,9 @@ def write_prepared(
     path : path
         The file.
     parts : mapping of str to array
-        As `_core.Skin.parts` tells them.
-    shear_modulus, poisson_ratio, response
-        As of the `Skin` that was prepared.
+        As `_core.Skin.parts` returns them.
+    material, response
+        Shear modulus (Pa) and Poisson's ratio of the `Skin` that was prepared, and its response.
 
     Raises
     ------
@@ -57,22 +56,17 @@ def write_prepared(
     header = {
         "format": _FORMAT,
         "version": _VERSION,
-        "shear_modulus": float(shear_modulus),
-        "poisson_ratio": float(poisson_ratio),
+        "shear_modulus": float(material[0]),
+        "poisson_ratio": float(material[1]),
         "response": type(response).__name__,
         "numbers": _numbers(response),
     }
-    partial = target.with_name(target.name + ".partial")
-    try:
-        with partial.open("wb") as file:
-            np.savez(file, header=np.array(json.dumps(header)), **arrays)
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
+    with atomic_write(target) as file:
+        np.savez(file, header=np.array(json.dumps(header)), **arrays)
 
 
 def _numbers(response: Response) -> dict[str, Any]:
-    """The response's numbers and choices."""
+    """Return the response's numbers and choices."""
     numbers: dict[str, Any] = {}
     if not isinstance(response, (Body, GivenMatrix)):
         for name, value in vars(response).items():
@@ -85,7 +79,7 @@ def _numbers(response: Response) -> dict[str, Any]:
 
 
 def _fields(response: Response) -> dict[str, NDArray[Any]]:
-    """The response's fields over the surface, and a body's bone."""
+    """Return the response's fields over the surface, and a body's bone."""
     fields: dict[str, NDArray[Any]] = {}
     if isinstance(response, Body):
         if response.bone is not None:
@@ -123,7 +117,7 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
 
 
 def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[Any]]) -> Response:
-    """Return the response that `write_prepared` described; KeyError or TypeError where it lacks a part."""
+    """Return the response that `write_prepared` wrote; KeyError or TypeError where it lacks a part."""
     kind = header["response"]
     if kind == "Body":
         return _restored_body(stored)
@@ -133,7 +127,7 @@ def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[An
         compliance = (
             stored["displacement"].reshape(-1, 3, len(nodes), 3)[nodes] if blocks else stored["matrix"]
         )
-        return GivenMatrix(nodes, compliance)
+        return GivenMatrix(nodes=nodes, compliance=compliance)
     kernels: dict[str, Any] = {kernel.__name__: kernel for kernel in (HalfSpace, GaussianCorrected, Layer)}
     fields = {name: stored[name] for name in ("thickness",) if name in stored}
     response: Response = kernels[kind](**header["numbers"], **fields)
@@ -141,7 +135,7 @@ def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[An
 
 
 def _restored_body(stored: Mapping[str, NDArray[Any]]) -> Body:
-    """The body as it was described; files of before have nothing of it."""
+    """Return the body that `write_prepared` wrote."""
     bone = None
     if "bone_vertices" in stored:
         bone = Surface(stored["bone_vertices"], stored["bone_faces"])

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::response::kernel::basis::PressureBasis;
+use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::surface::checked::Surface;
 
 /// Where a field is needed for its averages against the pressures of some nodes: the vertices around them, and the
@@ -54,6 +54,33 @@ impl AveragePoints {
 
 fn edge(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
+}
+
+/// Initial gap (m) of each of `nodes` as a response matrix takes it: at the node in collocation, averaged against the
+/// node's pressure in Galerkin form.
+///
+/// * `distance`: the gap (m) at each of some points (m), negative inside the obstacle; asked once
+///
+/// # Errors
+/// Those of `distance`.
+pub fn initial_gaps<E>(
+    surface: &Surface,
+    basis: PressureBasis,
+    discretization: Discretization,
+    nodes: &[usize],
+    distance: impl FnOnce(&[Vector3<f64>]) -> Result<Vec<f64>, E>,
+) -> Result<Vec<f64>, E> {
+    let at = |vertices: &[usize]| vertices.iter().map(|&vertex| surface.vertices()[vertex]).collect();
+    if discretization == Discretization::Collocation {
+        let positions: Vec<Vector3<f64>> = at(nodes);
+        return distance(&positions);
+    }
+    let around = AveragePoints::around(surface, nodes);
+    let mut points: Vec<Vector3<f64>> = at(&around.vertices);
+    points.extend(around.middles(surface));
+    let found = distance(&points)?;
+    let (at_vertices, at_middles) = found.split_at(around.vertices.len());
+    Ok(around.averages(surface, basis, nodes, at_vertices, at_middles))
 }
 
 /// Average of a field against the pressure that a force at a vertex stands for, `∫ p g dA / ∫ p dA`.

@@ -143,7 +143,7 @@ impl KernelSkin {
 
     /// A warning about constants for which the kernel is not well posed, with what to change; `None` for all
     /// others. [`KernelSkin::ill_posed_wavelengths`] has the numbers.
-    pub fn caution(&self) -> Option<String> {
+    pub fn ill_posedness(&self) -> Option<String> {
         let Kernel::GaussianCorrected { height, width, cutoff } = *self.kernel() else { return None };
         let (from, to) = self.ill_posed_wavelengths()?;
         let range = if to.is_finite() {
@@ -199,16 +199,16 @@ mod tests {
         let skin = gaussian(0.8e-3, 5e-3, 15e-3);
         let (from, _) = skin.ill_posed_wavelengths().expect("ill posed");
         assert!((from - 15.2e-3).abs() < 0.2e-3, "{from}");
-        let caution = skin.caution().expect("a warning");
-        assert!(caution.contains("4.37") && caution.contains("from 15.3 to"), "{caution}");
+        let why = skin.ill_posedness().expect("a warning");
+        assert!(why.contains("4.37") && why.contains("from 15.3 to"), "{why}");
     }
 
     #[test]
     fn constants_within_the_bound_are_well_posed() {
         let constant = gaussian(0.0, 5e-3, 15e-3).kernel_constant();
         let bound = constant * 0.5f64.exp() / 5e-3;
-        assert_eq!(gaussian(0.999 * bound, 5e-3, f64::INFINITY).caution(), None);
-        assert!(gaussian(1.01 * bound, 5e-3, f64::INFINITY).caution().is_some());
+        assert_eq!(gaussian(0.999 * bound, 5e-3, f64::INFINITY).ill_posedness(), None);
+        assert!(gaussian(1.01 * bound, 5e-3, f64::INFINITY).ill_posedness().is_some());
         let height = balanced_height(constant, 8e-3, 15e-3).expect("valid");
         assert_eq!(gaussian(height, 8e-3, 15e-3).ill_posed_wavelengths(), None);
     }

@@ -52,6 +52,11 @@ impl PreparedKernel {
         Ok(Self { skin, matrix: Arc::new(matrix), nodes })
     }
 
+    /// The kernel that it was computed from.
+    pub fn kernel(&self) -> &KernelSkin {
+        &self.skin
+    }
+
     /// R (k × k, m/N).
     pub fn response_matrix(&self) -> &Mat<f64> {
         &self.matrix

@@ -1,0 +1,134 @@
+"""Material and response as the core's skins."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import _core
+from .._check import as_integer_or_none, as_mask
+from ..errors import ResponseError
+from .progress import Progress, stage_reporter
+from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..surface import Surface
+
+__all__ = ["Material", "build_kernel", "build_prepared", "restore_prepared"]
+
+Material = tuple[float, float]  # Shear modulus (Pa) and Poisson's ratio.
+
+
+def build_kernel(material: Material, response: Response) -> _core.Skin | None:
+    """Return the kernel; None where the response depends on the surface."""
+    match response:
+        case HalfSpace():
+            return _core.Skin.half_space(*material, response.pressure, response.discretization)
+        case GaussianCorrected(height=height, width=width, cutoff=cutoff):
+            if height is None:
+                height = _core.Skin.balanced_height(*material, width, cutoff)
+            return _core.Skin.gaussian_corrected(*material, height, width, cutoff, response.pressure)
+        case Layer():
+            words = (response.pressure, response.discretization)
+            return _core.Skin.layer(*material, response.thickness, *words)
+        case Body() | GivenMatrix():
+            _core.Skin.half_space(*material, "linear", None)  # checks the material
+            return None
+    raise TypeError(f"response is {response!r}, expected one of {Response}")
+
+
+def build_prepared(
+    material: Material,
+    response: Response,
+    surface: Surface,
+    *,
+    nodes: ArrayLike | None = None,
+    progress: Progress | None = None,
+) -> _core.Skin:
+    """Return the response computed once at nodes; None: the skin mask, less the fixed vertices of a body."""
+    chosen = None if nodes is None else np.asarray(nodes)
+    if isinstance(response, GivenMatrix):
+        return _build_given(material, response, surface)
+    if isinstance(response, Body):
+        return _build_body(material, response, surface, chosen, progress)
+    kernel = build_kernel(material, response)
+    assert kernel is not None
+    return kernel.prepare(surface, np.flatnonzero(surface.skin_mask) if chosen is None else chosen)
+
+
+def _build_body(
+    material: Material,
+    body: Body,
+    surface: Surface,
+    nodes: NDArray[np.int64] | None,
+    progress: Progress | None,
+) -> _core.Skin:
+    fixed = body.fixed
+    if fixed is not None:
+        fixed = as_mask("fixed", fixed, len(surface.vertices), ResponseError)
+    if nodes is None:
+        nodes = np.flatnonzero(surface.skin_mask if fixed is None else surface.skin_mask & ~fixed)
+    bone_vertices = 0 if body.bone is None else len(body.bone.vertices)
+    return _core.Skin.body(
+        surface,
+        *material,
+        body.bone,
+        fixed,
+        nodes,
+        bone_pressure=body.bone_pressure,
+        num_threads=None,
+        memory_limit=as_integer_or_none("memory_limit", body.memory_limit, ResponseError),
+        progress=stage_reporter(progress, len(surface.vertices), bone_vertices, len(nodes)),
+    )
+
+
+def _build_given(material: Material, given: GivenMatrix, surface: Surface) -> _core.Skin:
+    nodes, compliance = np.asarray(given.nodes), np.asarray(given.compliance, dtype=np.float64)
+    if compliance.ndim == 2:
+        return _core.Skin.given(surface, nodes, compliance)
+    count = len(nodes)
+    if compliance.shape != (count, 3, count, 3):
+        raise ResponseError(
+            f"compliance has shape {compliance.shape}, expected ({count}, {count}) or "
+            f"({count}, 3, {count}, 3) for {count} nodes"
+        )
+    displacement = np.zeros((len(surface.vertices), 3, 3 * count))
+    displacement[nodes] = compliance.reshape(count, 3, 3 * count)
+    return _core.Skin.restore_body(
+        surface,
+        *material,
+        nodes,
+        displacement.reshape(-1, 3 * count),
+        surface.vertex_areas[:, None] * surface.vertex_normals,
+        np.eye(3),
+        bone_pressure=None,
+        solved=False,
+    )
+
+
+def restore_prepared(
+    material: Material, response: Response, stored: Mapping[str, NDArray[Any]]
+) -> _core.Skin:
+    """Return the prepared skin whose numbers `_core.Skin.parts` returned."""
+    surface = _core.Surface(stored["vertices"], stored["faces"])
+    nodes = stored["nodes"]
+    kernel = build_kernel(material, response)
+    if kernel is not None:
+        return kernel.restore(surface, nodes, stored["matrix"])
+    if "matrix" in stored:
+        return _core.Skin.given(surface, nodes, stored["matrix"])
+    return _core.Skin.restore_body(
+        surface,
+        *material,
+        nodes,
+        stored["displacement"],
+        stored["area_vectors"],
+        stored["rotation"],
+        bone_pressure=stored.get("bone_pressure"),
+        solved=isinstance(response, Body),
+    )

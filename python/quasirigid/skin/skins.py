@@ -1,0 +1,350 @@
+"""What the skin is made of: material and response, prepared for a surface, joined from parts."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from .. import _core
+from ..errors import QuasirigidWarning, ResponseError
+from .core import Material, build_kernel, build_prepared, restore_prepared
+from .cut_out import CutOut
+from .progress import Progress, as_progress
+from .response import Response
+from .storage import write_prepared
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..contact.result import Contact
+    from ..surface import Surface
+
+__all__ = ["CombinedSkin", "PreparedSkin", "Skin", "restore_skin"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Skin:
+    """Material and response of the skin.
+
+    Parameters
+    ----------
+    shear_modulus : float
+        G (Pa), > 0. About 60 kPa for a fingertip (Xie, Kanai, Date 2011).
+    poisson_ratio : float
+        nu, in [0, 0.5]; 0.5 is incompressible.
+    response : HalfSpace, GaussianCorrected, Layer, Body or GivenMatrix
+        Displacement of the surface per unit force.
+
+    Raises
+    ------
+    ResponseError
+        If a constant is out of range.
+
+    Warns
+    -----
+    QuasirigidWarning
+        If the response is not well posed, with the bound on its constants.
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    """
+
+    shear_modulus: float
+    poisson_ratio: float
+    response: Response
+    # None where the response depends on the surface.
+    _kernel: _core.Skin | None = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Build the kernel, and warn where it is not well posed."""
+        self.__setstate__(vars(self))
+        why = None if self._kernel is None else self._kernel.ill_posedness()
+        if why is not None:
+            warnings.warn(why, QuasirigidWarning, stacklevel=3)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return all but the kernel, which is built again."""
+        return {name: value for name, value in vars(self).items() if name != "_kernel"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Build the kernel, without a warning: whoever made the skin has seen it."""
+        vars(self).update(state)
+        vars(self)["_kernel"] = build_kernel(self._material, self.response)
+
+    def prepared(
+        self,
+        surface: Surface,
+        nodes: ArrayLike | None = None,
+        *,
+        progress: Progress | bool | None = None,
+    ) -> PreparedSkin:
+        """Compute the response for a surface once, to use it for every product.
+
+        Parameters
+        ----------
+        surface : Surface
+            The skin's mesh.
+        nodes : (k,) array_like of int, optional
+            Vertices that may touch; None for all of the skin mask (less the fixed ones of a body). A body
+            takes time and memory for each of these.
+        progress : callable or bool, optional
+            How far a body is: True prints to stderr; a function is called with words and the part that is
+            done, first with memory and operations and 0, then with "assembly", "factorization" and
+            "solution". Ctrl-C ends the work at any time, and so does what the function raises, which is
+            raised here.
+
+        Returns
+        -------
+        PreparedSkin
+            Goes wherever a `Skin` goes; can be saved, loaded, and moved with the surface.
+
+        Raises
+        ------
+        ResponseError
+            If a part does not fit, or the preparation needs too much memory.
+        TypeError
+            If `progress` cannot be called or the fixed vertices of a body are no booleans.
+        """
+        response = build_prepared(
+            self._material, self.response, surface, nodes=nodes, progress=as_progress(progress)
+        )
+        return PreparedSkin(skin=self, _response=response)
+
+    def combined(self, surface: Surface, parts: Mapping[str, tuple[CutOut, PreparedSkin]]) -> CombinedSkin:
+        """Join bodies of parts of a skin with this kernel for the rest.
+
+        Parameters
+        ----------
+        surface : Surface
+            The whole skin, such as a hand.
+        parts : mapping of str to (CutOut, PreparedSkin)
+            For each part, by any name, how it was cut out of `surface` and its prepared body.
+
+        Returns
+        -------
+        CombinedSkin
+            Goes wherever a `Skin` goes.
+
+        Raises
+        ------
+        ResponseError
+            If a part does not fit, two overlap, or this skin is no kernel of linear pressure. A contact
+            raises it where a patch of candidates straddles a cut, naming the part; `CombinedSkin.without`
+            leaves that part to the kernel.
+        TypeError
+            If `parts` is no mapping of names to a cut and its prepared skin.
+
+        Notes
+        -----
+        A force on a part moves that part alone, a force off the parts the rest alone: patches on different
+        sides of a cut do not couple, since each body is held there. Patches off the parts couple with one
+        another.
+        """
+        return _combine(self, surface, parts)
+
+    @property
+    def _material(self) -> Material:
+        return self.shear_modulus, self.poisson_ratio
+
+    def _core_on(self, surface: Surface) -> _core.Skin:
+        return self._kernel or build_prepared(self._material, self.response, surface)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PreparedSkin:
+    """A skin whose response is computed for one surface; made by `Skin.prepared` or `load_prepared`.
+
+    Attributes
+    ----------
+    skin : Skin
+        Material and response that it came from; a body's bone and fixed vertices as they were when prepared.
+    """
+
+    skin: Skin
+    _response: _core.Skin
+
+    @property
+    def nodes(self) -> NDArray[np.int64]:
+        """(k,) int64: vertices whose response is known."""
+        return self._response.nodes()
+
+    def bone_pressure(self, load: Contact | ArrayLike) -> NDArray[np.float64]:
+        """Return the pressure on a body's bone.
+
+        Parameters
+        ----------
+        load : Contact or (n, 3) array_like
+            A contact solved with this skin, or forces (N) at the vertices of its surface, zero where it is
+            not prepared.
+
+        Returns
+        -------
+        (m,) float64
+            Pressure (Pa) at each vertex of the bone, positive where tissue pushes on it. At nu = 0.5 a
+            uniform pressure on the skin arrives unchanged.
+
+        Raises
+        ------
+        ResponseError
+            If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone.
+        """
+        forces: Any = getattr(load, "force_vectors", load)
+        pressures = self._response.bone_pressures(forces)
+        if pressures is None:
+            raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
+        return pressures
+
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> PreparedSkin:
+        """Return the response of the surface after a rigid motion, ``rotation @ x + translation``.
+
+        Parameters
+        ----------
+        rotation : (3, 3) array_like
+            Proper rotation.
+        translation : (3,) array_like
+            Shift (m).
+
+        Returns
+        -------
+        PreparedSkin
+            For ``surface.moved(rotation, translation)``.
+        """
+        return replace(self, _response=self._response.moved(rotation, translation))
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write it to a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : path
+            A file, by custom named ``.npz``: numbers of the response, and the mesh and material that it is
+            for.
+
+        Raises
+        ------
+        OSError
+            If the folder does not exist or cannot be written to.
+        """
+        write_prepared(path, self._response.parts(), self.skin._material, self.skin.response)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the numbers, as `save` does, beside the skin as it is."""
+        return restore_skin, (self.skin, self._response.parts())
+
+    def __repr__(self) -> str:
+        """Return the number of nodes and the skin on one line."""
+        return f"PreparedSkin({len(self.nodes)} nodes, {self.skin!r})"
+
+    def _core_on(self, surface: Surface) -> _core.Skin:
+        return self._response
+
+
+def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:
+    """Return the prepared skin of a skin and the numbers that `_core.Skin.parts` returned."""
+    return PreparedSkin(skin=skin, _response=restore_prepared(skin._material, skin.response, stored))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CombinedSkin:
+    """Bodies where they exist, a kernel off them; made by `Skin.combined`, goes wherever a `Skin` goes.
+
+    Attributes
+    ----------
+    background : Skin
+        The kernel off the parts.
+    parts : mapping of str to (CutOut, PreparedSkin)
+        The parts by name.
+    """
+
+    background: Skin
+    parts: Mapping[str, tuple[CutOut, PreparedSkin]]
+    _surface: Surface
+    _response: _core.Skin
+
+    def without(self, *names: str) -> CombinedSkin:
+        """Return the same with parts left to the kernel, as where a contact straddles their cut.
+
+        Parameters
+        ----------
+        *names : str
+            Parts to leave out.
+
+        Raises
+        ------
+        ResponseError
+            If there is no such part; a TypeError if a name is no str.
+        """
+        if wrong := [name for name in names if not isinstance(name, str)]:
+            raise TypeError(f"without() takes names of parts one by one, not {wrong[0]!r}")
+        if unknown := [name for name in names if name not in self.parts]:
+            raise ResponseError(f"there is no part {unknown[0]!r}, only {', '.join(self.parts)}")
+        kept = {name: part for name, part in self.parts.items() if name not in names}
+        return _combine(self.background, self._surface, kept)
+
+    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> CombinedSkin:
+        """Return the response of the surface after a rigid motion, as `PreparedSkin.moved`."""
+        motion = (rotation, translation)
+        response = self._response.moved(*motion)
+        parts = {
+            name: (replace(cut, surface=cut.surface.moved(*motion)), prepared.moved(*motion))
+            for name, (cut, prepared) in self.parts.items()
+        }
+        surface = self._surface.moved(*motion)
+        return replace(self, parts=MappingProxyType(parts), _surface=surface, _response=response)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what it is made of."""
+        return _combine, (self.background, self._surface, dict(self.parts))
+
+    def __repr__(self) -> str:
+        """Return the names of the parts and the kernel on one line."""
+        return f"CombinedSkin({', '.join(self.parts) or 'no parts'}, background {self.background!r})"
+
+    def _core_on(self, surface: Surface) -> _core.Skin:
+        return self._response
+
+
+def _combine(
+    background: Skin, surface: Surface, parts: Mapping[str, tuple[CutOut, PreparedSkin]]
+) -> CombinedSkin:
+    if background._kernel is None:
+        raise ResponseError("a combined skin needs a kernel off its parts, such as HalfSpace()")
+    if not isinstance(parts, Mapping):
+        raise TypeError(
+            f"parts is a {type(parts).__name__}, expected a dict of names to (CutOut, PreparedSkin)"
+        )
+    for name, part in parts.items():
+        _check_part(name, part)
+    given = [
+        (name, prepared._response, cut.part_vertices.tolist(), cut.fixed)
+        for name, (cut, prepared) in parts.items()
+    ]
+    response = _core.Skin.combined(surface, background._kernel, given)
+    kept = MappingProxyType(dict(parts))
+    return CombinedSkin(background=background, parts=kept, _surface=surface, _response=response)
+
+
+def _check_part(name: object, part: Any) -> None:
+    if not isinstance(name, str):
+        raise TypeError(f"the part {name!r} is named by a {type(name).__name__}, expected a str")
+    match part:
+        case [CutOut(), PreparedSkin()]:
+            return
+        case [CutOut(), Skin()]:
+            why = "prepare the skin for the part's surface"
+        case [PreparedSkin(), CutOut()]:
+            why = "swap the two"
+        case _:
+            why = "cut_out and Skin.prepared make them"
+    is_pair = isinstance(part, (tuple, list))
+    kinds = ", ".join(type(member).__name__ for member in part) if is_pair else type(part).__name__
+    found = f"({kinds})" if is_pair else f"a {kinds}"
+    raise TypeError(f"part {name!r} is {found}, expected (CutOut, PreparedSkin): {why}")

@@ -1,0 +1,40 @@
+//! Parts of a skin, cut out for a body of their own.
+
+use super::convert::{read_only, vector};
+use super::errors::{IntoPyErr, SurfaceError};
+use super::surface::PySurface;
+use crate::surface::{self, CutOutError};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+/// A part of a skin: its surface, fixed vertices, and the vertex numbers both ways (-1 for none).
+type CutOutParts = (PySurface, Py<PyArray1<bool>>, Py<PyArray1<i64>>, Py<PyArray1<i64>>);
+
+fn numbers_out(py: Python<'_>, numbers: &[Option<usize>]) -> Py<PyArray1<i64>> {
+    let numbers = numbers.iter().map(|number| number.map_or(-1, |n| n as i64));
+    read_only(PyArray1::from_iter(py, numbers))
+}
+
+/// The part of a surface around a vertex in front of a plane, closed.
+#[pyfunction]
+#[pyo3(signature = (surface, tip, point, normal))]
+pub(super) fn cut_out(
+    py: Python<'_>,
+    surface: &PySurface,
+    tip: usize,
+    point: &Bound<'_, PyAny>,
+    normal: &Bound<'_, PyAny>,
+) -> PyResult<CutOutParts> {
+    let (point, normal) = (vector(point, "point")?, vector(normal, "normal")?);
+    let part = py.detach(|| surface::cut_out(&surface.inner, tip, &point, &normal));
+    let part = part.map_err(|error| match error {
+        CutOutError::Surface(error) => error.into_py_err(),
+        other => SurfaceError::new_err(other.to_string()),
+    })?;
+    Ok((
+        part.surface.into(),
+        read_only(PyArray1::from_slice(py, &part.fixed)),
+        numbers_out(py, &part.source_vertices),
+        numbers_out(py, &part.part_vertices),
+    ))
+}
