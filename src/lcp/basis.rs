@@ -8,8 +8,9 @@
 use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{Factor, NoFactor};
+use crate::linalg::factor::NoFactor;
 use crate::linalg::kernels::{CHUNK, SHARED, axpy, dot, row_block};
+use crate::linalg::lu::Lu;
 
 /// A new row's entry must exceed the pivot by this factor before the two rows change places; above 1 so that
 /// `T` stays triangular, and half as dear, where no interchange is needed.
@@ -65,7 +66,7 @@ impl Basis {
             }
             fill(j, k.column_mut(j));
         }
-        let (lu, t) = Factor::lu(k, interrupted)?.split(interrupted)?;
+        let (lu, t) = Lu::new(k, interrupted)?.split(interrupted)?;
         (self.rows, self.columns) = (0, 0);
         self.reserve(size);
         let stride = self.stride;

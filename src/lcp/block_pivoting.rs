@@ -11,8 +11,10 @@ use crate::lcp::outcome::Outcome;
 use crate::lcp::reduced::Reduced;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
+use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{Factor, NoFactor};
+use crate::linalg::factor::NoFactor;
+use crate::linalg::lu::Lu;
 
 /// Block exchanges without progress that are borne (Júdice and Pires advise at most ten).
 const PATIENCE: usize = 10;
@@ -71,7 +73,7 @@ pub(super) fn solve(
         if options.is_interrupted() {
             return Outcome { status: LcpStatus::Interrupted, ..clipped(outcome) };
         }
-        if factor.is_cholesky() && error > ZERO * size {
+        if matches!(factor, BlockFactor::Cholesky(_)) && error > ZERO * size {
             // The lower triangle does not stand for the block: it is not symmetric after all.
             blocks.kind = Kind::Nonsymmetric;
             continue;
@@ -115,6 +117,30 @@ fn clipped(mut outcome: Outcome) -> Outcome {
     outcome
 }
 
+/// Factor of a principal block.
+enum BlockFactor {
+    /// Stands for the lower triangle alone.
+    Cholesky(Cholesky),
+    Lu(Lu),
+}
+
+impl BlockFactor {
+    fn solve(&self, b: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
+        match self {
+            Self::Cholesky(factor) => factor.solve(b, interrupted),
+            Self::Lu(factor) => factor.solve(b, interrupted),
+        }
+    }
+
+    /// As is so for every principal block of a P-matrix.
+    fn has_positive_determinant(&self) -> bool {
+        match self {
+            Self::Cholesky(_) => true,
+            Self::Lu(factor) => factor.has_positive_determinant(),
+        }
+    }
+}
+
 /// Factors of principal blocks, and what they give.
 struct Blocks<'a> {
     reduced: &'a Reduced<'a>,
@@ -138,7 +164,7 @@ impl Blocks<'_> {
     /// The block of `set`: by Cholesky where it looks symmetric and may be definite, else by LU.
     ///
     /// Only its outer rows and columns are compared; that the rest is symmetric shows in the residual.
-    fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<Factor, NoFactor> {
+    fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<BlockFactor, NoFactor> {
         let interrupted = || self.options.is_interrupted();
         let k = set.len() as f64;
         self.columns.touch(set, &interrupted);
@@ -146,16 +172,17 @@ impl Blocks<'_> {
             let block = self.columns.principal(set, true, &interrupted);
             if looks_symmetric(&block) {
                 *work += k * k * k / 3.0;
-                match Factor::cholesky(block, &interrupted) {
+                match Cholesky::new(block, &interrupted) {
+                    Ok(factor) => return Ok(BlockFactor::Cholesky(factor)),
+                    Err(NoFactor::Interrupted) => return Err(NoFactor::Interrupted),
                     Err(NoFactor::Singular) => self.kind = Kind::Indefinite,
-                    other => return other,
                 }
             } else {
                 self.kind = Kind::Nonsymmetric;
             }
         }
         *work += 2.0 / 3.0 * k * k * k;
-        Factor::lu(self.columns.principal(set, false, &interrupted), &interrupted)
+        Lu::new(self.columns.principal(set, false, &interrupted), &interrupted).map(BlockFactor::Lu)
     }
 
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
@@ -163,7 +190,7 @@ impl Blocks<'_> {
     fn values(
         &self,
         set: &[usize],
-        factor: &Factor,
+        factor: &BlockFactor,
         scale: &[f64],
         deficit: f64,
         outcome: &mut Outcome,

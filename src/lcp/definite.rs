@@ -3,8 +3,9 @@
 use faer::MatRef;
 
 use crate::lcp::certificate::Definiteness;
+use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{Factor, NoFactor};
+use crate::linalg::factor::NoFactor;
 
 /// Share of its diagonal by which a symmetric matrix of order `n` is lowered, so that a Cholesky factor of what is
 /// left proves it positive definite; raised by as much, it has one unless it has a negative eigenvalue.
@@ -35,7 +36,7 @@ pub(super) fn definiteness(
                 *entry = factor * (0.5 * m[(i, kept[j])] + 0.5 * m[(kept[j], i)]);
             }
         });
-        Factor::cholesky(symmetric, interrupted)
+        Cholesky::new(symmetric, interrupted)
     };
     match factor(1.0 - share) {
         Ok(_) => return Definiteness::PositiveDefinite,

@@ -20,6 +20,18 @@ impl Dense {
         Self { entries: vec![0.0; rows * columns], rows, columns }
     }
 
+    /// Entries by columns as they lie.
+    pub(crate) fn from_columns(entries: Vec<f64>, rows: usize, columns: usize) -> Self {
+        assert_eq!(entries.len(), rows * columns, "one entry for every row and column");
+        Self { entries, rows, columns }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of(m: &faer::Mat<f64>) -> Self {
+        let entries = (0..m.ncols()).flat_map(|j| m.col_as_slice(j)).copied().collect();
+        Self::from_columns(entries, m.nrows(), m.ncols())
+    }
+
     pub(crate) fn rows(&self) -> usize {
         self.rows
     }

@@ -1,5 +1,7 @@
 //! Dense linear algebra that faer has not: vector loops chosen at run time, factors in panels that can be interrupted.
 
+pub(crate) mod cholesky;
 pub(crate) mod dense;
 pub(crate) mod factor;
 pub(crate) mod kernels;
+pub(crate) mod lu;

@@ -30,7 +30,6 @@ pub(crate) mod compliance;
 pub(crate) mod cost;
 pub(crate) mod equations;
 pub(crate) mod error;
-pub(crate) mod factor;
 pub(crate) mod solve;
 
 pub use check::tissue::{TissueReport, TissueWarning};

@@ -3,9 +3,12 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
-use faer::{Mat, MatMut, MatRef, Par};
+use faer::{Mat, MatRef, Par};
 use nalgebra::Vector3;
 
+use crate::linalg::dense::Dense;
+use crate::linalg::factor::NoFactor;
+use crate::linalg::lu::{Cuts, Lu};
 use crate::response::body::check::tissue::{
     TissueReport, area_vectors, check_fixed, check_nodes, check_tissue,
 };
@@ -14,9 +17,11 @@ use crate::response::body::cost::{BodyCost, SOLVE_BLOCK};
 use crate::response::body::equations::assemble::assemble_equations;
 use crate::response::body::equations::incompressible::impose_flux_identities;
 use crate::response::body::error::BodyError;
-use crate::response::body::factor::factor_in_place;
 use crate::surface::checked::Surface;
 use crate::surface::cut_out::CutOut;
+
+/// Columns of a panel of the factor; wide enough for full-speed products.
+const FACTOR_PANEL: usize = 512;
 
 /// The body under a skin: what holds it.
 #[derive(Debug, Clone, Default)]
@@ -219,10 +224,14 @@ impl Body {
             1 => Par::Seq,
             threads => Par::rayon(threads),
         };
-        let matrix = MatMut::from_column_major_slice_mut(&mut equations.matrix, unknowns, unknowns);
-        let factors = factor_in_place(matrix, par, &mut |done| watch.advance("factorization", done))
-            .ok_or_else(|| watch.interrupted("factorization"))?;
-        let pivot_ratio = factors.pivot_ratio();
+        let matrix = Dense::from_columns(equations.matrix, unknowns, unknowns);
+        let cuts = Cuts { panel: FACTOR_PANEL, strip: usize::MAX, par };
+        let stop = &mut |done| done > 0.0 && !watch.advance("factorization", done);
+        let factor = Lu::with_cuts(matrix, cuts, stop).map_err(|reason| match reason {
+            NoFactor::Interrupted => watch.interrupted("factorization"),
+            NoFactor::Singular => BodyError::Singular { pivot_ratio: 0.0 },
+        })?;
+        let pivot_ratio = factor.pivot_ratio();
         if pivot_ratio < f64::EPSILON {
             return Err(BodyError::Singular { pivot_ratio });
         }
@@ -238,7 +247,7 @@ impl Body {
         while start < columns {
             let width = SOLVE_BLOCK.min(columns - start);
             let mut block = Mat::from_fn(unknowns, width, |row, column| loads[(start + column, row)]);
-            factors.solve_transposed(block.as_mut());
+            factor.solve_transposed(block.as_mut(), par);
             for column in 0..width {
                 let solved = block.col_as_slice(column);
                 let target = &mut displacement.col_as_slice_mut(start + column)[..];

@@ -1,0 +1,240 @@
+//! LU factors with partial pivoting in block columns.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::linalg::matmul;
+use faer::linalg::triangular_solve as substitution;
+use faer::perm::Perm;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, MatMut, Par};
+use rayon::prelude::*;
+
+use crate::linalg::dense::Dense;
+use crate::linalg::factor::{NoFactor, STRIP, WORK, for_groups, in_strips, panel_width};
+use crate::linalg::kernels::{CHUNK, axpy};
+
+/// Multiplications in whose time a row of a column changes its place.
+const MOVE: usize = 64;
+
+/// `P A = L U`, stored over A.
+pub(crate) struct Lu {
+    a: Dense,
+    /// Row i of P A is this row of A.
+    order: Vec<usize>,
+}
+
+/// How the work is cut up; threads change no bit of the factor.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cuts {
+    /// Columns factored before the rest is updated.
+    pub(crate) panel: usize,
+    /// Columns of the rest that one task updates.
+    pub(crate) strip: usize,
+    /// Threads within a panel and a strip.
+    pub(crate) par: Par,
+}
+
+impl Lu {
+    /// In narrow panels and strips, for small matrices and soon interrupted.
+    pub(crate) fn new(a: Dense, interrupted: &dyn Fn() -> bool) -> Result<Self, NoFactor> {
+        let cuts = Cuts { panel: panel_width(a.rows()), strip: STRIP, par: Par::Seq };
+        Self::with_cuts(a, cuts, &mut |_| interrupted())
+    }
+
+    /// As cut up; `stop` is told the share of the work that is done, 0 to 1, and ends it by returning true.
+    pub(crate) fn with_cuts(
+        mut a: Dense,
+        Cuts { panel: width, strip, par }: Cuts,
+        stop: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Self, NoFactor> {
+        let n = a.rows();
+        let mut order: Vec<usize> = (0..n).collect();
+        for start in (0..n).step_by(width) {
+            let done = 1.0 - ((n - start) as f64 / n as f64).powi(3);
+            if stop(done) {
+                return Err(NoFactor::Interrupted);
+            }
+            let mut stop = || stop(done);
+            let (end, height) = ((start + width).min(n), n - start);
+            let from = factor_panel(a.as_mut().submatrix_mut(start, start, height, end - start), par);
+            if !(start..end).all(|i| a.at(i, i) != 0.0 && a.at(i, i).is_finite()) {
+                return Err(NoFactor::Singular);
+            }
+            let before = order[start..].to_vec();
+            order[start..].iter_mut().zip(&from).for_each(|(row, &from)| *row = before[from]);
+            // At most two rows for each column of the panel have moved.
+            let moves: Vec<(usize, usize)> =
+                from.into_iter().enumerate().filter(|(to, from)| to != from).collect();
+            let (left, mut right) = a.as_mut().subrows_mut(start, height).split_at_col_mut(end);
+            let (before, panel) = left.split_at_col_mut(start);
+            for columns in [before, right.rb_mut()] {
+                in_strips(columns, STRIP, MOVE * moves.len(), &mut stop, |_, strip| move_rows(strip, &moves));
+            }
+            let (triangle, below) = panel.rb().split_at_row(end - start);
+            in_strips(right, strip, (end - start) * height, &mut stop, |_, strip| {
+                let (mut top, rest) = strip.split_at_row_mut(end - start);
+                substitution::solve_unit_lower_triangular_in_place(triangle, top.rb_mut(), par);
+                matmul::matmul(rest, Accum::Add, below, top.rb(), -1.0, par);
+            });
+        }
+        if stop(1.0) {
+            return Err(NoFactor::Interrupted);
+        }
+        Ok(Self { a, order })
+    }
+
+    /// Smallest over largest pivot in size.
+    pub(crate) fn pivot_ratio(&self) -> f64 {
+        let pivots = || (0..self.a.rows()).map(|i| self.a.at(i, i).abs());
+        pivots().fold(f64::INFINITY, f64::min) / pivots().fold(0.0, f64::max)
+    }
+
+    /// The sign of the determinant.
+    pub(crate) fn has_positive_determinant(&self) -> bool {
+        let mut positive = (0..self.order.len()).filter(|&i| self.a.at(i, i) < 0.0).count().is_multiple_of(2);
+        // Each cycle of even length is an odd permutation.
+        let mut seen = vec![false; self.order.len()];
+        for start in 0..self.order.len() {
+            let (mut at, mut length) = (start, 0_usize);
+            while !std::mem::replace(&mut seen[at], true) {
+                at = self.order[at];
+                length += 1;
+            }
+            positive ^= length > 0 && length.is_multiple_of(2);
+        }
+        positive
+    }
+
+    /// L and U in one matrix, and `L⁻¹ P`.
+    pub(crate) fn split(self, interrupted: &dyn Fn() -> bool) -> Result<(Dense, Dense), NoFactor> {
+        let n = self.a.rows();
+        let mut inverse = Dense::zeros(n, n);
+        self.order.iter().enumerate().for_each(|(i, &from)| inverse.column_mut(from)[i] = 1.0);
+        let strip = (WORK / (4 * n * n).max(1)).clamp(8, STRIP);
+        for_groups(inverse.as_mut(), 4 * strip, &mut || interrupted(), |_, part| {
+            let solve = |strip| {
+                substitution::solve_unit_lower_triangular_in_place(self.a.as_ref(), strip, Par::Seq);
+            };
+            if part.ncols() <= strip { solve(part) } else { part.par_col_chunks_mut(strip).for_each(solve) }
+        });
+        if interrupted() {
+            return Err(NoFactor::Interrupted);
+        }
+        Ok((self.a, inverse))
+    }
+
+    /// `A x = b`; unfinished when interrupted.
+    pub(crate) fn solve(&self, b: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
+        let n = b.len();
+        let mut x: Vec<f64> = self.order.iter().map(|&i| b[i]).collect();
+        let columns_at_once = (CHUNK / n.max(1)).max(1);
+        for first in (0..n).step_by(columns_at_once) {
+            if first > 0 && interrupted() {
+                return x;
+            }
+            let columns = first..(first + columns_at_once).min(n);
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for j in columns {
+                        let value = -x[j];
+                        axpy(&mut x[j + 1..], value, &self.a.column(j)[j + 1..]);
+                    }
+                },
+            );
+        }
+        for end in (1..=n).rev().step_by(columns_at_once) {
+            if end < n && interrupted() {
+                return x;
+            }
+            let columns = end.saturating_sub(columns_at_once)..end;
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
+                    for j in columns.rev() {
+                        let column = self.a.column(j);
+                        x[j] /= column[j];
+                        let value = -x[j];
+                        axpy(&mut x[..j], value, &column[..j]);
+                    }
+                },
+            );
+        }
+        x
+    }
+
+    /// `A' X = B` in place.
+    pub(crate) fn solve_transposed(&self, right: MatMut<'_, f64>, par: Par) {
+        let n = self.order.len();
+        let mut place = vec![0; n];
+        self.order.iter().enumerate().for_each(|(i, &from)| place[from] = i);
+        let rows = Perm::new_checked(self.order.clone().into(), place.into(), n);
+        let scratch = solve::solve_transpose_in_place_scratch::<usize, f64>(n, right.ncols(), par);
+        let mut memory = MemBuffer::new(scratch);
+        let (lu, memory) = (self.a.as_ref(), MemStack::new(&mut memory));
+        solve::solve_transpose_in_place(lu, lu, rows.as_ref(), right, par, memory);
+    }
+}
+
+/// LU of a block column; returns which row has come to each place.
+fn factor_panel(panel: MatMut<'_, f64>, par: Par) -> Vec<usize> {
+    let (height, width) = (panel.nrows(), panel.ncols());
+    let [mut from, mut to] = [vec![0; height], vec![0; height]];
+    let scratch = factor::lu_in_place_scratch::<usize, f64>(height, width, par, Default::default());
+    let mut memory = MemBuffer::new(scratch);
+    factor::lu_in_place(panel, &mut from, &mut to, par, MemStack::new(&mut memory), Default::default());
+    from
+}
+
+/// Puts row `from` at `to` for each of `moves`.
+fn move_rows(columns: MatMut<'_, f64>, moves: &[(usize, usize)]) {
+    let mut held = vec![0.0; moves.len()];
+    for column in columns.col_iter_mut() {
+        let column = column.try_as_col_major_mut().expect("an owned matrix has contiguous columns");
+        let column = column.as_slice_mut();
+        held.iter_mut().zip(moves).for_each(|(held, &(_, from))| *held = column[from]);
+        held.iter().zip(moves).for_each(|(&held, &(to, _))| column[to] = held);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+
+    fn some_matrix(n: usize) -> Mat<f64> {
+        Mat::from_fn(n, n, |i, j| {
+            ((i * 7919 + j * 104729) % 1009) as f64 / 1009.0 - 0.5 + f64::from(i + 1 == j)
+        })
+    }
+
+    const WIDE: Cuts = Cuts { panel: 512, strip: usize::MAX, par: Par::Seq };
+
+    #[test]
+    fn block_edges_do_not_matter() {
+        for n in [1, 2, 3, 511, 512, 513, 1100] {
+            let matrix = some_matrix(n);
+            let right = Mat::from_fn(n, 2, |i, j| (i + 3 * j) as f64 / n as f64 - 0.4);
+            let lu = Lu::with_cuts(Dense::of(&matrix), WIDE, &mut |_| false).expect("no stop");
+            let mut x = right.clone();
+            lu.solve_transposed(x.as_mut(), Par::Seq);
+            let residual = matrix.transpose() * &x - &right;
+            assert!(residual.norm_max() < 1e-9 * x.norm_max().max(1.0), "n = {n}: {:e}", residual.norm_max());
+            assert!(lu.pivot_ratio() > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_stop_ends_it_and_the_work_done_rises_to_one() {
+        let mut seen = Vec::new();
+        let lu = Lu::with_cuts(Dense::of(&some_matrix(1100)), WIDE, &mut |done| {
+            seen.push(done);
+            false
+        });
+        assert!(lu.is_ok() && seen.is_sorted() && seen.first() == Some(&0.0) && seen.last() == Some(&1.0));
+        assert!(seen.len() > 3);
+        let stopped = Lu::with_cuts(Dense::of(&some_matrix(600)), WIDE, &mut |done| done > 0.0);
+        assert_eq!(stopped.err(), Some(NoFactor::Interrupted));
+    }
+}
