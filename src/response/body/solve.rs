@@ -20,6 +20,8 @@ use crate::response::body::error::BodyError;
 use crate::surface::checked::Surface;
 use crate::surface::cut_out::CutOut;
 
+/// Rows between two reports of the assembly.
+const ROWS_PER_REPORT: usize = 64;
 /// Columns of a panel of the factor; wide enough for full-speed products.
 const FACTOR_PANEL: usize = 512;
 
@@ -71,7 +73,7 @@ pub struct BodyProgress {
     pub done: f64,
 }
 
-/// Looks at the clock and the caller's wishes.
+/// Reports progress and polls the interrupt.
 struct Watch<'a> {
     options: &'a BodyOptions<'a>,
     start: Instant,
@@ -88,6 +90,18 @@ impl Watch<'_> {
             self.stopped.store(true, Ordering::Relaxed);
         }
         !self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// Counts the rows of a stage that are done, from any thread; returns whether to go on.
+    fn by_rows(&self, stage: &'static str, row_count: usize) -> impl Fn() -> bool + Sync {
+        let rows_done = AtomicUsize::new(0);
+        move || {
+            let done = 1 + rows_done.fetch_add(1, Ordering::Relaxed);
+            if !done.is_multiple_of(ROWS_PER_REPORT) && done != row_count {
+                return !self.stopped.load(Ordering::Relaxed);
+            }
+            self.advance(stage, done as f64 / row_count as f64)
+        }
     }
 
     fn interrupted(&self, stage: &'static str) -> BodyError {
@@ -205,70 +219,37 @@ impl Body {
         let length = skin.mean_edge_length();
         let (body, surfaces) = self.discretize(skin, length, poisson_ratio, fixed, nodes);
         let watch = Watch { options, start: Instant::now(), stopped: AtomicBool::new(false) };
-        let point_count = body.points.len();
 
-        let rows_done = AtomicUsize::new(0);
-        let advance = || {
-            let done = 1 + rows_done.fetch_add(1, Ordering::Relaxed);
-            if !done.is_multiple_of(64) && done != point_count {
-                return !watch.stopped.load(Ordering::Relaxed);
-            }
-            watch.advance("assembly", done as f64 / point_count as f64)
-        };
+        let advance = watch.by_rows("assembly", body.points.len());
         let mut equations = assemble_equations(&body, options.tolerance, &advance)
             .ok_or_else(|| watch.interrupted("assembly"))?;
         impose_flux_identities(&mut equations, &body, &surfaces);
 
-        let unknowns = 3 * point_count;
-        let par = match rayon::current_num_threads() {
-            1 => Par::Seq,
-            threads => Par::rayon(threads),
-        };
-        let matrix = Dense::from_columns(equations.matrix, unknowns, unknowns);
-        let cuts = Cuts { panel: FACTOR_PANEL, strip: usize::MAX, par };
-        let stop = &mut |done| done > 0.0 && !watch.advance("factorization", done);
-        let factor = Lu::with_cuts(matrix, cuts, stop).map_err(|reason| match reason {
-            NoFactor::Interrupted => watch.interrupted("factorization"),
-            NoFactor::Singular => BodyError::Singular { pivot_ratio: 0.0 },
-        })?;
-        let pivot_ratio = factor.pivot_ratio();
-        if pivot_ratio < f64::EPSILON {
-            return Err(BodyError::Singular { pivot_ratio });
-        }
+        let unknowns = 3 * body.points.len();
+        let factor = factorize(equations.matrix, unknowns, &watch)?;
 
-        let skin_count = skin.vertices().len();
         let columns = 3 * nodes.len();
         let loads = MatRef::from_column_major_slice(&equations.loads, columns, unknowns);
-        let mut displacement = Mat::zeros(3 * skin_count, columns);
+        let mut displacement = Mat::zeros(3 * skin.vertices().len(), columns);
         let bone_normals = self.bone.as_ref().filter(|_| options.bone_pressure).map(Surface::vertex_normals);
         let mut pressure = bone_normals.map(|normals| Mat::zeros(normals.len(), columns));
         let per_newton = 1.0 / (shear_modulus * length);
-        let mut start = 0;
-        while start < columns {
-            let width = SOLVE_BLOCK.min(columns - start);
-            let mut block = Mat::from_fn(unknowns, width, |row, column| loads[(start + column, row)]);
-            factor.solve_transposed(block.as_mut(), par);
-            for column in 0..width {
-                let solved = block.col_as_slice(column);
-                let target = &mut displacement.col_as_slice_mut(start + column)[..];
-                for (vertex, target) in
-                    target.chunks_exact_mut(3).enumerate().filter(|(vertex, _)| !fixed[*vertex])
+        solve_columns(&factor, loads, &watch, |column, solved| {
+            let (skin_part, bone_part) = solved.split_at(displacement.nrows());
+            let moved = displacement.col_as_slice_mut(column).chunks_exact_mut(3);
+            for ((moved, solved), _) in
+                moved.zip(skin_part.chunks_exact(3)).zip(fixed).filter(|(_, fixed)| !**fixed)
+            {
+                (0..3).for_each(|axis| moved[axis] = solved[axis] * per_newton);
+            }
+            if let (Some(pressure), Some(normals)) = (&mut pressure, bone_normals) {
+                for ((vertex, normal), traction) in normals.iter().enumerate().zip(bone_part.chunks_exact(3))
                 {
-                    (0..3).for_each(|axis| target[axis] = solved[3 * vertex + axis] * per_newton);
-                }
-                if let (Some(pressure), Some(normals)) = (&mut pressure, bone_normals) {
-                    for (vertex, normal) in normals.iter().enumerate() {
-                        let at = 3 * (skin_count + vertex);
-                        let traction = Vector3::new(solved[at], solved[at + 1], solved[at + 2]);
-                        pressure[(vertex, start + column)] = traction.dot(normal) / (length * length);
-                    }
+                    let along = Vector3::new(traction[0], traction[1], traction[2]).dot(normal);
+                    pressure[(vertex, column)] = along / (length * length);
                 }
             }
-            start += width;
-            if !watch.advance("solution", start as f64 / columns as f64) {
-                return Err(watch.interrupted("solution"));
-            }
-        }
+        })?;
         Ok(BodyParts {
             nodes: nodes.to_vec(),
             displacement,
@@ -279,6 +260,47 @@ impl Body {
             poisson_ratio,
         })
     }
+}
+
+/// As many threads as the pool at hand has.
+fn parallelism() -> Par {
+    match rayon::current_num_threads() {
+        1 => Par::Seq,
+        threads => Par::rayon(threads),
+    }
+}
+
+/// Factor of the equations, refused where it is singular to rounding.
+fn factorize(matrix: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, BodyError> {
+    let matrix = Dense::from_columns(matrix, unknowns, unknowns);
+    let cuts = Cuts { panel: FACTOR_PANEL, strip: usize::MAX, par: parallelism() };
+    let stop = &mut |done| done > 0.0 && !watch.advance("factorization", done);
+    let factor = Lu::with_cuts(matrix, cuts, stop).map_err(|reason| match reason {
+        NoFactor::Interrupted => watch.interrupted("factorization"),
+        NoFactor::Singular => BodyError::Singular { pivot_ratio: 0.0 },
+    })?;
+    let pivot_ratio = factor.pivot_ratio();
+    if pivot_ratio < f64::EPSILON { Err(BodyError::Singular { pivot_ratio }) } else { Ok(factor) }
+}
+
+/// Solves for every row of `loads` in blocks and hands each solution to `take` with its number.
+fn solve_columns(
+    factor: &Lu,
+    loads: MatRef<'_, f64>,
+    watch: &Watch,
+    mut take: impl FnMut(usize, &[f64]),
+) -> Result<(), BodyError> {
+    let (columns, unknowns) = (loads.nrows(), loads.ncols());
+    for start in (0..columns).step_by(SOLVE_BLOCK) {
+        let width = SOLVE_BLOCK.min(columns - start);
+        let mut block = Mat::from_fn(unknowns, width, |row, column| loads[(start + column, row)]);
+        factor.solve_transposed(block.as_mut(), parallelism());
+        (0..width).for_each(|column| take(start + column, block.col_as_slice(column)));
+        if !watch.advance("solution", (start + width) as f64 / columns as f64) {
+            return Err(watch.interrupted("solution"));
+        }
+    }
+    Ok(())
 }
 
 /// Memory that the system can give without swapping (bytes), if it says so.
