@@ -3,6 +3,7 @@
 mod contact;
 mod convert;
 mod cut_out;
+mod elastic;
 mod errors;
 mod gaps;
 mod interrupt;

@@ -1,17 +1,18 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
 use super::convert::{
-    MatrixArgument, faces_out, mask, matrix_out, matrix3, named, nodes, nodes_out, scalars, vector, vectors,
+    MatrixArgument, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors,
     vectors_out,
 };
+use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
 use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
 use crate::geometry::rigid_motion;
 use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
 use crate::response::{
-    self, AssemblyOptions, CombinedSkin, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Part,
-    PreparedBody, PreparedKernel, PreparedNodes, PressureBasis, Thickness,
+    self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Part, PreparedBody,
+    PreparedKernel, Thickness,
 };
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -27,63 +28,15 @@ pub(super) struct PySkin {
 /// Name, prepared body, vertex of the part for each of the whole (-1 for none), and the part's fixed vertices.
 type PartArgument<'py> = (String, Bound<'py, PySkin>, Vec<i64>, Bound<'py, PyAny>);
 
-enum Elastic {
-    Kernel(KernelSkin),
-    PreparedKernel(PreparedKernel),
-    Body(PreparedBody),
-    /// 3 × 3 blocks that somebody else computed or measured.
-    GivenBlocks(PreparedBody),
-    Given(GivenMatrix),
-    Combined(CombinedSkin),
-}
-
-fn made(
-    shear_modulus: f64,
-    poisson_ratio: f64,
-    kernel: Kernel,
-    pressure: &str,
-    discretization: Option<&str>,
-) -> PyResult<PySkin> {
-    let bases = [(PressureBasis::Linear, "linear"), (PressureBasis::OneRing, "one_ring")];
-    let basis = named("pressure", pressure, &bases)?;
-    let discretization = match discretization {
-        None => Discretization::default(),
-        Some(name) => {
-            let all = [(Discretization::Collocation, "collocation"), (Discretization::Galerkin, "galerkin")];
-            named("discretization", name, &all)?
-        }
-    };
-    let skin = KernelSkin::new(shear_modulus, poisson_ratio, kernel)
-        .and_then(|skin| skin.with_basis(basis).with_discretization(discretization));
-    Ok(Elastic::Kernel(skin.map_err(IntoPyErr::into_py_err)?).into())
-}
-
 impl From<Elastic> for PySkin {
     fn from(inner: Elastic) -> Self {
         Self { inner }
     }
 }
 
-fn not_prepared() -> PyErr {
-    ResponseError::new_err("this skin is not prepared for one surface")
-}
-
 impl PySkin {
     pub(super) fn elastic(&self) -> &dyn ElasticSkin {
-        match &self.inner {
-            Elastic::Kernel(skin) => skin,
-            Elastic::PreparedKernel(skin) => skin,
-            Elastic::Body(skin) | Elastic::GivenBlocks(skin) => skin,
-            Elastic::Given(skin) => skin,
-            Elastic::Combined(skin) => skin,
-        }
-    }
-
-    fn kernel(&self) -> PyResult<&KernelSkin> {
-        match &self.inner {
-            Elastic::Kernel(skin) => Ok(skin),
-            _ => Err(ResponseError::new_err("this skin is prepared already")),
-        }
+        self.inner.as_skin()
     }
 
     /// The skin that draws what `skin` solved: of a prepared kernel the kernel, without its matrix.
@@ -93,25 +46,6 @@ impl PySkin {
                 Py::new(skin.py(), Self::from(Elastic::Kernel(prepared.kernel().clone())))
             }
             _ => Ok(skin.clone().unbind()),
-        }
-    }
-
-    /// The solved body of a part.
-    fn body_part(&self, part: &str) -> PyResult<&PreparedBody> {
-        match &self.inner {
-            Elastic::Body(body) => Ok(body),
-            _ => Err(ResponseError::new_err(format!(
-                "part {part:?} does not fit the whole skin: its response is not that of a body"
-            ))),
-        }
-    }
-
-    fn prepared_nodes(&self) -> PyResult<&PreparedNodes> {
-        match &self.inner {
-            Elastic::PreparedKernel(skin) => Ok(skin.nodes()),
-            Elastic::Body(skin) | Elastic::GivenBlocks(skin) => Ok(skin.nodes()),
-            Elastic::Given(skin) => Ok(skin.nodes()),
-            Elastic::Kernel(_) | Elastic::Combined(_) => Err(not_prepared()),
         }
     }
 }
@@ -125,7 +59,8 @@ impl PySkin {
         pressure: &str,
         discretization: Option<&str>,
     ) -> PyResult<Self> {
-        made(shear_modulus, poisson_ratio, Kernel::HalfSpace, pressure, discretization)
+        Ok(Elastic::of_kernel(shear_modulus, poisson_ratio, Kernel::HalfSpace, pressure, discretization)?
+            .into())
     }
 
     #[staticmethod]
@@ -138,7 +73,7 @@ impl PySkin {
         pressure: &str,
     ) -> PyResult<Self> {
         let kernel = Kernel::GaussianCorrected { height, width, cutoff };
-        made(shear_modulus, poisson_ratio, kernel, pressure, None)
+        Ok(Elastic::of_kernel(shear_modulus, poisson_ratio, kernel, pressure, None)?.into())
     }
 
     #[staticmethod]
@@ -153,7 +88,14 @@ impl PySkin {
             Ok(uniform) => Thickness::Uniform(uniform),
             Err(_) => Thickness::PerVertex(scalars(thickness, "thickness")?.into()),
         };
-        made(shear_modulus, poisson_ratio, Kernel::Layer { thickness }, pressure, discretization)
+        Ok(Elastic::of_kernel(
+            shear_modulus,
+            poisson_ratio,
+            Kernel::Layer { thickness },
+            pressure,
+            discretization,
+        )?
+        .into())
     }
 
     /// Why the kernel is not well posed, or None.
@@ -177,13 +119,13 @@ impl PySkin {
     fn net_volume(&self, surface: &PySurface, node: usize) -> PyResult<(f64, f64)> {
         // a sum of both signs over the whole mesh asks for more digits than a matrix does, and takes one column
         let options = AssemblyOptions { tolerance: 1e-9, ..AssemblyOptions::default() };
-        let volume = response::net_volume(&surface.inner, self.kernel()?, node, &options);
+        let volume = response::net_volume(&surface.inner, self.inner.kernel()?, node, &options);
         volume.map(|volume| (volume.net, volume.gross)).map_err(IntoPyErr::into_py_err)
     }
 
     /// The kernel's matrix over `nodes`, computed once.
     fn prepare(&self, py: Python<'_>, surface: &PySurface, nodes: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let skin = self.kernel()?;
+        let skin = self.inner.kernel()?;
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let prepared = detached(py, |interrupt| {
             let options = AssemblyOptions { interrupt: Some(interrupt), ..AssemblyOptions::default() };
@@ -201,7 +143,8 @@ impl PySkin {
     ) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let matrix = MatrixArgument::new(matrix, "matrix")?.view().to_owned();
-        let prepared = PreparedKernel::from_matrix(&surface.inner, self.kernel()?.clone(), &nodes, matrix);
+        let prepared =
+            PreparedKernel::from_matrix(&surface.inner, self.inner.kernel()?.clone(), &nodes, matrix);
         Ok(Elastic::PreparedKernel(prepared.map_err(IntoPyErr::into_py_err)?).into())
     }
 
@@ -303,14 +246,14 @@ impl PySkin {
     fn combined(surface: &PySurface, background: &PySkin, parts: Vec<PartArgument<'_>>) -> PyResult<Self> {
         let part = |(name, prepared, part_vertices, fixed): PartArgument<'_>| {
             Ok(Part {
-                prepared: prepared.get().body_part(&name)?.clone(),
+                prepared: prepared.get().inner.body_part(&name)?.clone(),
                 name,
                 part_vertices: part_vertices.into_iter().map(|own| usize::try_from(own).ok()).collect(),
                 fixed: mask(&fixed, "fixed")?,
             })
         };
         let parts = parts.into_iter().map(part).collect::<PyResult<_>>()?;
-        let skin = CombinedSkin::new(&surface.inner, background.kernel()?.clone(), parts);
+        let skin = CombinedSkin::new(&surface.inner, background.inner.kernel()?.clone(), parts);
         Ok(Elastic::Combined(skin.map_err(IntoPyErr::into_py_err)?).into())
     }
 
@@ -322,7 +265,7 @@ impl PySkin {
     ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let forces = vectors(forces, "forces")?;
         let (Elastic::Body(body) | Elastic::GivenBlocks(body)) = &self.inner else {
-            return self.prepared_nodes().map(|_| None);
+            return self.inner.nodes().map(|_| None);
         };
         let pressures = body.bone_pressures(&forces).map_err(IntoPyErr::into_py_err)?;
         Ok(pressures.map(|pressures| PyArray1::from_vec(py, pressures)))
@@ -337,22 +280,14 @@ impl PySkin {
 
     /// Vertices whose response is known.
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
-        Ok(nodes_out(py, self.prepared_nodes()?.list()))
+        Ok(nodes_out(py, self.inner.nodes()?.list()))
     }
 
     /// The prepared or combined skin after a rigid motion of its surface.
     fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
         let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)
             .map_err(|error| ResponseError::new_err(error.to_string()))?;
-        let moved = match &self.inner {
-            Elastic::Kernel(_) => return Err(not_prepared()),
-            Elastic::PreparedKernel(skin) => Ok(Elastic::PreparedKernel(skin.moved(&motion))),
-            Elastic::Given(skin) => Ok(Elastic::Given(skin.moved(&motion))),
-            Elastic::Body(skin) => skin.moved(&motion).map(Elastic::Body),
-            Elastic::GivenBlocks(skin) => skin.moved(&motion).map(Elastic::GivenBlocks),
-            Elastic::Combined(skin) => skin.moved(&motion).map(Elastic::Combined),
-        };
-        Ok(moved.map_err(IntoPyErr::into_py_err)?.into())
+        Ok(self.inner.moved(&motion)?.into())
     }
 
     /// Whether the surface is the one that this skin fits.
@@ -362,7 +297,7 @@ impl PySkin {
 
     /// Arrays of a prepared skin: nodes, vertices, faces, and matrix or displacement and rotation.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let nodes = self.prepared_nodes()?;
+        let nodes = self.inner.nodes()?;
         let parts = PyDict::new(py);
         parts.set_item("nodes", nodes_out(py, nodes.list()))?;
         parts.set_item("vertices", vectors_out(py, nodes.vertices()))?;

@@ -1,0 +1,99 @@
+//! The kinds of skin behind `quasirigid._core.Skin`.
+
+use super::convert::named;
+use super::errors::{IntoPyErr, ResponseError};
+use crate::response::{
+    CombinedSkin, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin, PreparedBody, PreparedKernel,
+    PreparedNodes, PressureBasis,
+};
+use nalgebra::Isometry3;
+use pyo3::prelude::*;
+
+/// A skin that answers contact forces, by who answers.
+pub(super) enum Elastic {
+    Kernel(KernelSkin),
+    PreparedKernel(PreparedKernel),
+    Body(PreparedBody),
+    /// 3 × 3 blocks that somebody else computed or measured.
+    GivenBlocks(PreparedBody),
+    Given(GivenMatrix),
+    Combined(CombinedSkin),
+}
+
+impl Elastic {
+    /// A kernel with its pressure basis and discretization by name.
+    pub(super) fn of_kernel(
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        kernel: Kernel,
+        pressure: &str,
+        discretization: Option<&str>,
+    ) -> PyResult<Self> {
+        let bases = [(PressureBasis::Linear, "linear"), (PressureBasis::OneRing, "one_ring")];
+        let basis = named("pressure", pressure, &bases)?;
+        let discretization = match discretization {
+            None => Discretization::default(),
+            Some(name) => {
+                let all =
+                    [(Discretization::Collocation, "collocation"), (Discretization::Galerkin, "galerkin")];
+                named("discretization", name, &all)?
+            }
+        };
+        let skin = KernelSkin::new(shear_modulus, poisson_ratio, kernel)
+            .and_then(|skin| skin.with_basis(basis).with_discretization(discretization));
+        Ok(Self::Kernel(skin.map_err(IntoPyErr::into_py_err)?))
+    }
+
+    pub(super) fn as_skin(&self) -> &dyn ElasticSkin {
+        match self {
+            Self::Kernel(skin) => skin,
+            Self::PreparedKernel(skin) => skin,
+            Self::Body(skin) | Self::GivenBlocks(skin) => skin,
+            Self::Given(skin) => skin,
+            Self::Combined(skin) => skin,
+        }
+    }
+
+    pub(super) fn kernel(&self) -> PyResult<&KernelSkin> {
+        match self {
+            Self::Kernel(skin) => Ok(skin),
+            _ => Err(ResponseError::new_err("this skin is prepared already")),
+        }
+    }
+
+    /// The solved body of a part.
+    pub(super) fn body_part(&self, part: &str) -> PyResult<&PreparedBody> {
+        match self {
+            Self::Body(body) => Ok(body),
+            _ => Err(ResponseError::new_err(format!(
+                "part {part:?} does not fit the whole skin: its response is not that of a body"
+            ))),
+        }
+    }
+
+    pub(super) fn nodes(&self) -> PyResult<&PreparedNodes> {
+        match self {
+            Self::PreparedKernel(skin) => Ok(skin.nodes()),
+            Self::Body(skin) | Self::GivenBlocks(skin) => Ok(skin.nodes()),
+            Self::Given(skin) => Ok(skin.nodes()),
+            Self::Kernel(_) | Self::Combined(_) => Err(not_prepared()),
+        }
+    }
+
+    /// The same after a rigid motion of its surface.
+    pub(super) fn moved(&self, motion: &Isometry3<f64>) -> PyResult<Self> {
+        let moved = match self {
+            Self::Kernel(_) => return Err(not_prepared()),
+            Self::PreparedKernel(skin) => Ok(Self::PreparedKernel(skin.moved(motion))),
+            Self::Given(skin) => Ok(Self::Given(skin.moved(motion))),
+            Self::Body(skin) => skin.moved(motion).map(Self::Body),
+            Self::GivenBlocks(skin) => skin.moved(motion).map(Self::GivenBlocks),
+            Self::Combined(skin) => skin.moved(motion).map(Self::Combined),
+        };
+        moved.map_err(IntoPyErr::into_py_err)
+    }
+}
+
+fn not_prepared() -> PyErr {
+    ResponseError::new_err("this skin is not prepared for one surface")
+}
