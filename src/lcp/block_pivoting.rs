@@ -125,10 +125,10 @@ enum BlockFactor {
 }
 
 impl BlockFactor {
-    fn solve(&self, b: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
+    fn solve(&self, b: &[f64]) -> Vec<f64> {
         match self {
-            Self::Cholesky(factor) => factor.solve(b, interrupted),
-            Self::Lu(factor) => factor.solve(b, interrupted),
+            Self::Cholesky(factor) => factor.solve(b),
+            Self::Lu(factor) => factor.solve(b),
         }
     }
 
@@ -202,7 +202,7 @@ impl Blocks<'_> {
         let (mut size, mut error) = (deficit, f64::INFINITY);
         for _ in 0..2 {
             let right: Vec<f64> = set.iter().map(|&i| w[i]).collect();
-            for (&i, error) in set.iter().zip(factor.solve(&right, &interrupted)) {
+            for (&i, error) in set.iter().zip(factor.solve(&right)) {
                 z[i] -= error;
             }
             w.copy_from_slice(&self.reduced.q);

@@ -7,7 +7,7 @@ use faer::{Accum, MatMut, Par};
 
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{NoFactor, STRIP, in_strips, panel_width};
-use crate::linalg::kernels::{CHUNK, add_terms_inline, axpy, dot};
+use crate::linalg::kernels::{add_terms_inline, axpy, dot};
 
 /// `A = L L'` of a symmetric positive definite matrix.
 pub(crate) struct Cholesky {
@@ -59,44 +59,25 @@ impl Cholesky {
         Ok(Self { l: a })
     }
 
-    /// `A x = b`; unfinished when interrupted.
-    pub(crate) fn solve(&self, b: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
-        let n = b.len();
+    /// `A x = b`.
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x = b.to_vec();
-        let columns_at_once = (CHUNK / n.max(1)).max(1);
-        for first in (0..n).step_by(columns_at_once) {
-            if first > 0 && interrupted() {
-                return x;
-            }
-            let columns = first..(first + columns_at_once).min(n);
-            pulp::Arch::new().dispatch(
-                #[inline(always)]
-                || {
-                    for j in columns {
-                        let column = self.l.column(j);
-                        x[j] /= column[j];
-                        let value = -x[j];
-                        axpy(&mut x[j + 1..], value, &column[j + 1..]);
-                    }
-                },
-            );
-        }
-        for end in (1..=n).rev().step_by(columns_at_once) {
-            if end < n && interrupted() {
-                return x;
-            }
-            let columns = end.saturating_sub(columns_at_once)..end;
-            pulp::Arch::new().dispatch(
-                #[inline(always)]
-                || {
-                    for j in columns.rev() {
-                        let column = self.l.column(j);
-                        let sum = dot(&column[j + 1..], &x[j + 1..]);
-                        x[j] = (x[j] - sum) / column[j];
-                    }
-                },
-            );
-        }
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for j in 0..x.len() {
+                    let column = self.l.column(j);
+                    x[j] /= column[j];
+                    let value = -x[j];
+                    axpy(&mut x[j + 1..], value, &column[j + 1..]);
+                }
+                for j in (0..x.len()).rev() {
+                    let column = self.l.column(j);
+                    let sum = dot(&column[j + 1..], &x[j + 1..]);
+                    x[j] = (x[j] - sum) / column[j];
+                }
+            },
+        );
         x
     }
 }

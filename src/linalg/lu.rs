@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{NoFactor, STRIP, WORK, for_groups, in_strips, panel_width};
-use crate::linalg::kernels::{CHUNK, axpy};
+use crate::linalg::kernels::axpy;
 
 /// Multiplications in whose time a row of a column changes its place.
 const MOVE: usize = 64;
@@ -123,43 +123,24 @@ impl Lu {
         Ok((self.a, inverse))
     }
 
-    /// `A x = b`; unfinished when interrupted.
-    pub(crate) fn solve(&self, b: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
-        let n = b.len();
+    /// `A x = b`.
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = self.order.iter().map(|&i| b[i]).collect();
-        let columns_at_once = (CHUNK / n.max(1)).max(1);
-        for first in (0..n).step_by(columns_at_once) {
-            if first > 0 && interrupted() {
-                return x;
-            }
-            let columns = first..(first + columns_at_once).min(n);
-            pulp::Arch::new().dispatch(
-                #[inline(always)]
-                || {
-                    for j in columns {
-                        let value = -x[j];
-                        axpy(&mut x[j + 1..], value, &self.a.column(j)[j + 1..]);
-                    }
-                },
-            );
-        }
-        for end in (1..=n).rev().step_by(columns_at_once) {
-            if end < n && interrupted() {
-                return x;
-            }
-            let columns = end.saturating_sub(columns_at_once)..end;
-            pulp::Arch::new().dispatch(
-                #[inline(always)]
-                || {
-                    for j in columns.rev() {
-                        let column = self.a.column(j);
-                        x[j] /= column[j];
-                        let value = -x[j];
-                        axpy(&mut x[..j], value, &column[..j]);
-                    }
-                },
-            );
-        }
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for j in 0..x.len() {
+                    let value = -x[j];
+                    axpy(&mut x[j + 1..], value, &self.a.column(j)[j + 1..]);
+                }
+                for j in (0..x.len()).rev() {
+                    let column = self.a.column(j);
+                    x[j] /= column[j];
+                    let value = -x[j];
+                    axpy(&mut x[..j], value, &column[..j]);
+                }
+            },
+        );
         x
     }
 
