@@ -45,6 +45,11 @@ impl Bounds {
         *point >= self.low && *point <= self.high
     }
 
+    /// Whether the boxes have a point in common.
+    pub fn meets(&self, other: &Bounds) -> bool {
+        self.low <= other.high && other.low <= self.high
+    }
+
     /// Length of the diagonal (m).
     pub fn diagonal(&self) -> f64 {
         (self.high - self.low).norm()

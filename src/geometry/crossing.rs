@@ -5,6 +5,8 @@ use std::cmp::Ordering;
 use nalgebra::Vector3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
+use crate::geometry::bounds::Bounds;
+
 type Corners<'a> = [&'a Vector3<f64>; 3];
 
 /// Whether two faces of one mesh have points in common beyond their shared edge or vertex.
@@ -73,13 +75,9 @@ fn segment_meets_in_plane(axis: usize, [p, q]: [&Vector3<f64>; 2], triangle: Cor
                 let (side_c, side_d) = (sign_2d(axis, a, b, c), sign_2d(axis, a, b, d));
                 side_c != side_d || side_c == Ordering::Equal
             };
-            across(p, q, s, e) && across(s, e, p, q) && boxes_meet([p, q], [s, e])
+            let boxes_meet = || Bounds::around([p, q]).meets(&Bounds::around([s, e]));
+            across(p, q, s, e) && across(s, e, p, q) && boxes_meet()
         })
-}
-
-fn boxes_meet([p, q]: [&Vector3<f64>; 2], [s, e]: [&Vector3<f64>; 2]) -> bool {
-    let (low, high) = (p.inf(q).sup(&s.inf(e)), p.sup(q).inf(&s.sup(e)));
-    low.iter().zip(high.iter()).all(|(low, high)| low <= high)
 }
 
 /// 1 if the ray from `p` along a coordinate axis meets a triangle from behind, -1 if from the front,

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 /// Largest entry of `|RᵀR − I|` of a matrix that is taken for a rotation.
-pub(crate) const ROTATION_TOLERANCE: f64 = 1e-9;
+const ROTATION_TOLERANCE: f64 = 1e-9;
 
 /// Why a matrix and a vector are no rigid motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -47,6 +47,16 @@ pub fn rigid_motion(
     rotation: &Matrix3<f64>,
     translation: &Vector3<f64>,
 ) -> Result<Isometry3<f64>, RigidMotionError> {
+    check_rotation(rotation)?;
+    if !translation.iter().all(|x| x.is_finite()) {
+        return Err(RigidMotionError::Translation { translation: (*translation).into() });
+    }
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
+    Ok(Isometry3::from_parts(Translation3::from(*translation), turn))
+}
+
+/// Checks that a matrix is a proper rotation, orthonormal to 1e-9.
+pub(crate) fn check_rotation(rotation: &Matrix3<f64>) -> Result<(), RigidMotionError> {
     let excess = rotation.transpose() * rotation - Matrix3::identity();
     let is_finite = excess.iter().all(|x| x.is_finite());
     let deviation = if is_finite { excess.amax() } else { f64::INFINITY };
@@ -54,14 +64,7 @@ pub fn rigid_motion(
         return Err(RigidMotionError::NotOrthonormal { deviation, tolerance: ROTATION_TOLERANCE });
     }
     let determinant = rotation.determinant();
-    if determinant < 0.0 {
-        return Err(RigidMotionError::Reflection { determinant });
-    }
-    if !translation.iter().all(|x| x.is_finite()) {
-        return Err(RigidMotionError::Translation { translation: (*translation).into() });
-    }
-    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));
-    Ok(Isometry3::from_parts(Translation3::from(*translation), turn))
+    if determinant < 0.0 { Err(RigidMotionError::Reflection { determinant }) } else { Ok(()) }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
+use quasirigid::geometry::RigidMotionError;
 use quasirigid::response::body::{
     Body, BodyCompliance, BodyCost, BodyError, BodyOptions, BodyProgress, TissueWarning,
 };
@@ -251,7 +252,8 @@ fn directions_forces_and_rotations_are_checked() {
     let error = compliance.displacements(&[z]).expect_err("too few");
     assert_eq!(error, BodyError::Length { what: "forces", found: 1, expected: 2 });
     let error = compliance.moved(&-Matrix3::identity()).expect_err("a reflection");
-    assert_eq!(error, BodyError::Rotation { deviation: 2.0 });
-    assert!(compliance.moved(&(Matrix3::identity() * 1.001)).is_err());
+    assert_eq!(error, BodyError::Rotation(RigidMotionError::Reflection { determinant: -1.0 }));
+    let error = compliance.moved(&(Matrix3::identity() * 1.001)).expect_err("a stretch");
+    assert!(matches!(error, BodyError::Rotation(RigidMotionError::NotOrthonormal { .. })));
     assert_eq!(compliance.bone_pressures(&[z, z]).expect("two forces"), None);
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
+use crate::geometry::rigid_motion::check_rotation;
 use crate::response::body::check::tissue::TissueReport;
 use crate::response::body::error::BodyError;
 
@@ -36,7 +37,7 @@ pub struct BodyCompliance {
     report: Arc<TissueReport>,
 }
 
-/// Deviation of a direction's length, or of Q'Q from 1, that still counts as rounding.
+/// Deviation of a direction's length from 1 that still counts as rounding.
 const UNIT: f64 = 1e-9;
 
 impl BodyCompliance {
@@ -240,10 +241,4 @@ impl BodyCompliance {
         };
         Ok(directions.iter().enumerate().map(change).collect())
     }
-}
-
-fn check_rotation(rotation: &Matrix3<f64>) -> Result<(), BodyError> {
-    let skewness = (rotation.transpose() * rotation - Matrix3::identity()).amax();
-    let deviation = if rotation.determinant() < 0.0 { 2.0 } else { skewness };
-    if deviation.is_nan() || deviation > UNIT { Err(BodyError::Rotation { deviation }) } else { Ok(()) }
 }

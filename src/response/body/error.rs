@@ -1,5 +1,7 @@
 //! Why a body response was refused.
 
+use crate::geometry::rigid_motion::RigidMotionError;
+
 /// Why a body response was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -237,11 +239,8 @@ pub enum BodyError {
         length: f64,
     },
     /// A matrix is no rotation.
-    #[error("the matrix is no rotation: it differs from one by {deviation:.1e}")]
-    Rotation {
-        /// Largest entry of Q'Q - 1, or 2 for a reflection.
-        deviation: f64,
-    },
+    #[error(transparent)]
+    Rotation(#[from] RigidMotionError),
     /// Stored parts do not belong together.
     #[error("stored {what} has {found} entries, expected {expected}")]
     Parts {

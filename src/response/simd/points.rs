@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use pulp::Simd;
 
+use crate::geometry::bounds::Bounds;
 use crate::response::simd::lanes::Lanes;
 
 /// Coordinates in separate lists, in an order that keeps neighbours together (a Z-order curve) so that points
@@ -21,8 +22,7 @@ pub(crate) const BLOCK: usize = 16;
 
 impl Targets {
     pub(crate) fn new(points: &[Vector3<f64>]) -> Self {
-        let low = points.iter().fold(Vector3::repeat(f64::INFINITY), |a, p| a.inf(p));
-        let high = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |a, p| a.sup(p));
+        let Bounds { low, high } = Bounds::around(points);
         let scale = 1023.0 / (high - low).max().max(f64::MIN_POSITIVE);
         let key = |p: &Vector3<f64>| {
             let cell = (p - low) * scale;
