@@ -59,7 +59,7 @@ WIDTH, CUTOFF = 8e-3, 15e-3
 def main(with_times: bool) -> None:
     """Measure, print, write."""
     finger = qr.models.fingertip(edge_length=EDGE_LENGTH)
-    finger = finger.with_skin_mask(qr.flat_cap_mask(finger))
+    finger = finger.with_skin_mask(qr.skin_without_caps(finger))
     bone = qr.models.bone_of(finger)
     lowest = finger.vertices[np.argmin(finger.vertices[:, 2])]
     tissue = round(float(qr.Obstacle.mesh(bone.vertices, bone.faces).signed_distance([lowest])[0][0]), 4)

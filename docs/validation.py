@@ -268,7 +268,7 @@ def identities() -> list[str]:
 def volume() -> list[str]:
     """Measure the fingertip's change of volume against what the press displaces."""
     finger = qr.models.fingertip(edge_length=1.6e-3)
-    finger = finger.with_skin_mask(qr.flat_cap_mask(finger))
+    finger = finger.with_skin_mask(qr.skin_without_caps(finger))
     pad = np.flatnonzero(finger.skin_mask & (finger.vertices[:, 2] < -2e-3))
     prepared = body(finger, 0.5, pad, bone=qr.models.bone_of(finger), fixed=~finger.skin_mask)
     lines = ["| depth | volume change, first order / displaced | of the drawn mesh / displaced |"]

@@ -64,7 +64,7 @@ from .skin import (
     cut_out,
     load_prepared,
 )
-from .surface import Repair, Surface, flat_cap_mask, repair
+from .surface import Repair, Surface, repair, skin_without_caps
 
 if _TYPE_CHECKING:
     from types import ModuleType as _ModuleType
@@ -118,7 +118,6 @@ __all__ = [
     "__version__",
     "cut_out",
     "definiteness",
-    "flat_cap_mask",
     "initial_gaps",
     "io",
     "load_prepared",
@@ -131,6 +130,7 @@ __all__ = [
     "read_surface",
     "repair",
     "response_matrix",
+    "skin_without_caps",
     "solve_contact",
     "solve_lcp",
 ]

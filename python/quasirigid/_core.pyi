@@ -24,12 +24,12 @@ __all__ = [
     "Surface",
     "cut_out",
     "definiteness",
-    "flat_cap_mask",
     "initial_gaps",
     "press",
     "repair",
     "response_matrix",
     "restore_obstacle",
+    "skin_without_caps",
     "solve_contact",
     "solve_lcp",
 ]
@@ -300,7 +300,6 @@ def cut_out(
     surface: Surface, tip: int, point: ArrayLike, normal: ArrayLike
 ) -> tuple[Surface, NDArray[np.bool_], NDArray[np.int64], NDArray[np.int64]]: ...
 def definiteness(matrix: ArrayLike) -> Definiteness: ...
-def flat_cap_mask(surface: Surface) -> NDArray[np.bool_]: ...
 def repair(
     vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], dict[str, int]]: ...
@@ -320,6 +319,7 @@ def response_matrix(
     num_threads: int | None,
 ) -> NDArray[np.float64]: ...
 def restore_obstacle(kind: str, shape: Any, pose: Sequence[float], /) -> Obstacle: ...
+def skin_without_caps(surface: Surface) -> NDArray[np.bool_]: ...
 def solve_contact(surface: Surface, obstacle: Obstacle, skin: Skin, options: ContactOptions) -> Contact: ...
 def press(
     surface: Surface,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from . import _core
 from ._core import Surface as Surface
-from ._core import flat_cap_mask as flat_cap_mask
+from ._core import skin_without_caps as skin_without_caps
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Repair", "Surface", "flat_cap_mask", "repair"]
+__all__ = ["Repair", "Surface", "repair", "skin_without_caps"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

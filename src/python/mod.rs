@@ -36,7 +36,7 @@ mod _core {
     #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
-    use super::surface::{PySurface, flat_cap_mask, repair};
+    use super::surface::{PySurface, repair, skin_without_caps};
 
     use pyo3::prelude::*;
 
@@ -61,12 +61,12 @@ mod _core {
                 "Surface",
                 "cut_out",
                 "definiteness",
-                "flat_cap_mask",
                 "initial_gaps",
                 "press",
                 "repair",
                 "response_matrix",
                 "restore_obstacle",
+                "skin_without_caps",
                 "solve_contact",
                 "solve_lcp",
             ],

@@ -283,7 +283,7 @@ impl PySurface {
     }
 }
 
-/// Marks the vertices that are skin: all but those of flat cut faces, rims included.
+/// Return the vertices that are skin: all but those of flat cut faces, rims included.
 ///
 /// Parameters
 /// ----------
@@ -293,11 +293,11 @@ impl PySurface {
 /// Returns
 /// -------
 /// (n,) bool
-///     A `skin_mask`: False on large flat faces behind a sharp rim.
+///     A `skin_mask`. True: skin; False: large flat faces behind a sharp rim.
 #[pyfunction]
 #[pyo3(text_signature = "(surface)")]
-pub(super) fn flat_cap_mask<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {
-    PyArray1::from_vec(py, py.detach(|| surface.inner.flat_cap_mask()))
+pub(super) fn skin_without_caps<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {
+    PyArray1::from_vec(py, py.detach(|| surface.inner.skin_without_caps()))
 }
 
 /// Repairs raw vertices and faces; returns vertices, faces, vertex map (-1: dropped) and a report.

@@ -42,7 +42,7 @@ impl Surface {
     /// 90 % of the length. So a fingertip, a nail, a rounded box or an open flat patch has none: they are curved,
     /// meet the rest smoothly, or end in a border. If more than half of a component were cut faces it is taken
     /// for a polyhedron, such as a box, and stays skin.
-    pub fn flat_cap_mask(&self) -> Vec<bool> {
+    pub fn skin_without_caps(&self) -> Vec<bool> {
         let labels = self.topology().face_components();
         let mut component_areas = vec![0.0; self.topology().component_count()];
         for (label, area) in labels.iter().zip(self.face_areas()) {

@@ -5,7 +5,7 @@
 //! the area of the faces around `i`, so that `Σ S_i` is the area of the skin. Open surfaces are welcome.
 //!
 //! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`],
-//! [`Surface::nearest_along_skin`] and [`Surface::flat_cap_mask`]. [`shares_tissue`]: whether two
+//! [`Surface::nearest_along_skin`] and [`Surface::skin_without_caps`]. [`shares_tissue`]: whether two
 //! points are coupled through the tissue or belong to different fingers. [`cut_out`] takes one finger out of a whole hand.
 
 pub(crate) mod cap;

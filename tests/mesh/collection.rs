@@ -241,7 +241,7 @@ fn an_open_finger_is_a_skin_once_its_unused_vertices_are_gone() {
     let finger = surface_of(repaired);
     assert!(!finger.is_closed() && finger.volume().is_nan());
     assert_eq!(finger.topology().boundary_loops().iter().map(Vec::len).collect::<Vec<_>>(), [42]);
-    assert!(finger.flat_cap_mask().iter().all(|skin| *skin));
+    assert!(finger.skin_without_caps().iter().all(|skin| *skin));
 }
 
 #[test]

@@ -81,7 +81,7 @@ fn skin_distances_equal_those_of_repeated_relaxation_over_all_edges() {
 fn both_ends_of_a_capped_tube_are_cut_faces_and_the_rims_belong_to_them() {
     let tube = surface(tube(8e-3, 0.04, 40, true));
     for surface in [tube.clone(), tube.moved(&a_pose())] {
-        let mask = surface.flat_cap_mask();
+        let mask = surface.skin_without_caps();
         for (point, skin) in tube.vertices().iter().zip(&mask) {
             assert_eq!(*skin, point.z > 1e-9 && point.z < 0.04 - 1e-9, "{point}");
         }
@@ -93,7 +93,7 @@ fn spheres_open_patches_open_tubes_and_boxes_stay_skin() {
     for mesh in
         [icosphere(0.01, 3), icosphere(0.01, 0), grid(20, 20, 1e-3), tube(8e-3, 0.04, 40, false), unit_cube()]
     {
-        assert!(surface(mesh).flat_cap_mask().iter().all(|skin| *skin));
+        assert!(surface(mesh).skin_without_caps().iter().all(|skin| *skin));
     }
 }
 
@@ -107,7 +107,7 @@ fn a_flat_patch_that_meets_the_rest_smoothly_stays_skin() {
     }
     let flat = vertices.iter().filter(|point| point.z == -0.008).count();
     assert!(flat > 50);
-    assert!(surface((vertices, faces)).flat_cap_mask().iter().all(|skin| *skin));
+    assert!(surface((vertices, faces)).skin_without_caps().iter().all(|skin| *skin));
 }
 
 fn meshes(folder: &str) -> Vec<(String, Mesh)> {
@@ -146,7 +146,7 @@ fn the_cut_faces_of_hands_and_fingers_are_their_lowest_vertices() {
             .collect();
         let millimetres = vertices.iter().map(|point| point * 1e3).collect();
         for surface in [stored.clone(), stored.with_vertices(rounded), stored.with_vertices(millimetres)] {
-            for (vertex, skin) in surface.flat_cap_mask().iter().enumerate() {
+            for (vertex, skin) in surface.skin_without_caps().iter().enumerate() {
                 // the low-poly source hand ends round
                 let expected = name == "webxr_right_source" || vertices[vertex].y > cut + 1e-6;
                 assert_eq!(*skin, expected, "{name}, vertex {vertex} at {}", vertices[vertex]);
@@ -176,7 +176,7 @@ proptest::proptest! {
         for (a, b) in before.vertex_normals().iter().zip(after.vertex_normals()) {
             assert_relative_eq!(rotation * a, *b, epsilon = 1e-11);
         }
-        proptest::prop_assert_eq!(before.flat_cap_mask(), after.flat_cap_mask());
+        proptest::prop_assert_eq!(before.skin_without_caps(), after.skin_without_caps());
         let far = before.skin_distances(&[30], 0.0201);
         let again = after.skin_distances(&[30], 20.1);
         proptest::prop_assert_eq!(far.len(), again.len());
@@ -192,7 +192,7 @@ proptest::proptest! {
         let renumbered = |face: usize| mesh.1[face].map(|vertex| to[vertex as usize] as u32);
         let faces = random.permutation(mesh.1.len()).into_iter().map(renumbered).collect();
         let (before, after) = (surface(mesh.clone()), surface((vertices, faces)));
-        let (mask_before, mask_after) = (before.flat_cap_mask(), after.flat_cap_mask());
+        let (mask_before, mask_after) = (before.skin_without_caps(), after.skin_without_caps());
         for (vertex, new) in to.iter().enumerate() {
             assert_relative_eq!(before.vertex_areas()[vertex], after.vertex_areas()[*new], max_relative = 1e-14);
             assert_relative_eq!(before.vertex_normals()[vertex], after.vertex_normals()[*new], epsilon = 1e-14);

@@ -12,7 +12,7 @@ SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 @pytest.fixture(scope="session")
 def fingertip() -> qr.Surface:
     tip = qr.models.fingertip(edge_length=1.6e-3)
-    return tip.with_skin_mask(qr.flat_cap_mask(tip))
+    return tip.with_skin_mask(qr.skin_without_caps(tip))
 
 
 @pytest.fixture(scope="session")

@@ -148,7 +148,7 @@ def swept(surface: qr.Surface, contact: qr.Contact) -> float:
 @pytest.mark.parametrize("depth", [0.3e-3, 1.12e-3, 2e-3])
 def test_the_deformed_finger_keeps_its_volume_to_first_order_and_its_contact(depth: float) -> None:
     finger = qr.models.fingertip(edge_length=2.2e-3)
-    finger = finger.with_skin_mask(qr.flat_cap_mask(finger))
+    finger = finger.with_skin_mask(qr.skin_without_caps(finger))
     body = {"bone": qr.models.bone_of(finger), "fixed": ~finger.skin_mask}
     pad = np.flatnonzero(finger.skin_mask & (finger.vertices[:, 2] < 0))
     prepared = skin_of(**body).prepared(finger, pad)

@@ -169,7 +169,7 @@ def test_the_length_of_a_direction_does_not_matter() -> None:
 def test_a_body_takes_it_and_coarser_elements_cost_little() -> None:
     """The default against elements a little over half the size: the force of a press changes by under 2 %."""
     tip = qr.models.fingertip(edge_length=2.2e-3)
-    tip = tip.with_skin_mask(qr.flat_cap_mask(tip))
+    tip = tip.with_skin_mask(qr.skin_without_caps(tip))
     pad = np.flatnonzero(tip.skin_mask & (tip.vertices[:, 2] < tip.vertices[:, 2].min() + 4e-3))
     plate = qr.Obstacle.half_space([0, 0, -0.05], [0, 0, 1])
     forces = []

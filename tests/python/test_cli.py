@@ -107,7 +107,7 @@ def test_a_press_prints_and_writes_the_same_figures_as_the_library(
     document = json.loads((in_demo_folder / "press-out" / "contact.json").read_text())
 
     surface = qr.read_surface("demo-output/fingertip.ply", unit="m")
-    surface = surface.with_skin_mask(qr.flat_cap_mask(surface))
+    surface = surface.with_skin_mask(qr.skin_without_caps(surface))
     turn = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     handle = qr.read_obstacle("demo-output/handle.stl", unit="mm").moved(turn, [0.0, 19.2e-3, -40e-3])
     skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())

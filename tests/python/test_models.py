@@ -155,7 +155,7 @@ def test_a_rounded_box_has_its_exact_volume_in_the_limit() -> None:
 def test_the_public_models_are_accepted_as_skin_and_product() -> None:
     for skin in (fingertip(), finger()):
         assert skin.is_closed
-        cut = ~qr.flat_cap_mask(skin)
+        cut = ~qr.skin_without_caps(skin)
         assert np.array_equal(cut, skin.vertices[:, 1] == 0.0)
     for product in (cylinder_handle(), rounded_box(), bottle()):
         distance, _, _ = product.signed_distance([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])

@@ -20,7 +20,7 @@ HALF_SPACE = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr
 @pytest.fixture(scope="module")
 def finger() -> qr.Surface:
     surface = qr.models.finger(edge_length=2.2e-3)
-    return surface.with_skin_mask(qr.flat_cap_mask(surface))
+    return surface.with_skin_mask(qr.skin_without_caps(surface))
 
 
 @pytest.fixture(scope="module")

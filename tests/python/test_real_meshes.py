@@ -29,7 +29,7 @@ Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
 def finger(name: str) -> qr.Surface:
     """The finger as stored, its cut face masked."""
     surface = qr.read_surface(DATA / "hands" / f"{name}.ply", unit="m")
-    return surface.with_skin_mask(qr.flat_cap_mask(surface))
+    return surface.with_skin_mask(qr.skin_without_caps(surface))
 
 
 def product_under(surface: qr.Surface, name: str) -> Mesh:

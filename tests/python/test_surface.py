@@ -106,7 +106,7 @@ def test_repair_welds_and_says_so() -> None:
 
 def test_a_flat_cut_is_no_skin() -> None:
     tip = qr.models.fingertip()
-    mask = qr.flat_cap_mask(tip)
+    mask = qr.skin_without_caps(tip)
     at_cut = np.isclose(tip.vertices[:, 1], tip.vertices[:, 1].min(), atol=1e-9)
     assert not mask[at_cut].any()
     assert mask[~at_cut].all()

@@ -12,7 +12,7 @@ from .._units import UNITS, LengthUnit
 from ..io import read_surface
 from ..models import bone_of
 from ..skin.response import Body, GaussianCorrected, HalfSpace, Layer
-from ..surface import Surface, flat_cap_mask
+from ..surface import Surface, skin_without_caps
 from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
 
 __all__ = ["choice", "file_unit", "parse_body", "parse_response", "rotation", "with_skin_mask"]
@@ -85,7 +85,7 @@ def with_skin_mask(surface: Surface, text: str) -> Surface:
     """Return the surface with the mask that `caps`, `none` or the name of a NumPy file stands for."""
     if text == "none":
         return surface
-    mask = flat_cap_mask(surface) if text == "caps" else _mask_file(surface, text, "--skin-mask")
+    mask = skin_without_caps(surface) if text == "caps" else _mask_file(surface, text, "--skin-mask")
     return surface.with_skin_mask(mask)
 
 
@@ -98,7 +98,7 @@ def parse_body(surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Bod
         bones = read_surface(bone, unit=unit)
     held: NDArray[np.bool_] | None = None
     if fixed == "caps":
-        held = ~flat_cap_mask(surface)
+        held = ~skin_without_caps(surface)
         if not held.any():
             # A skin without a cut is held by its bone alone; without either the body itself says so.
             held = None

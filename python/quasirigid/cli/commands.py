@@ -252,7 +252,7 @@ def info(
         ("size (mm)", " x ".join(f"{length:.4g}" for length in size)),
     ]
     if surface is not None:
-        caps = int(np.count_nonzero(~qr.flat_cap_mask(surface)))
+        caps = int(np.count_nonzero(~qr.skin_without_caps(surface)))
         rows += [
             ("closed", "yes" if surface.is_closed else "no"),
             ("area (mm²)", f"{surface.area * MM**2:.5g}"),

@@ -13,7 +13,7 @@ from ..io import compare_contacts, save_contact, write_mesh
 from ..io.atomic import atomic_write
 from ..plot import comparison_figure
 from ..skin import Body, HalfSpace, Skin
-from ..surface import flat_cap_mask
+from ..surface import skin_without_caps
 from .console import progress
 from .nodes import may_touch
 
@@ -44,7 +44,7 @@ def press_demo(out: Path, edge_length: float) -> None:
     """
     with progress("building finger, bone and products"):
         finger = models.fingertip(edge_length=edge_length)
-        finger = finger.with_skin_mask(flat_cap_mask(finger))
+        finger = finger.with_skin_mask(skin_without_caps(finger))
         bone = models.bone_of(finger)
         handle = models.cylinder_handle(edge_length=edge_length)
         below = finger.vertices[np.argmin(finger.vertices[:, 2])] - (0.0, 0.0, 0.04)

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from .._check import as_direction, as_mask, as_number, as_vector
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
-from ..surface import Surface, flat_cap_mask
+from ..surface import Surface, skin_without_caps
 from .loft import Floats
 from .phalanges import LENGTHS, Frame, as_text, phalanges_in
 
@@ -138,7 +138,7 @@ def _find_frame(
 ) -> Frame:
     """Return the frame of a finger; axis and tip are found where they are not given."""
     vertices = finger.vertices
-    caps = ~flat_cap_mask(finger) if cut is None else cut
+    caps = ~skin_without_caps(finger) if cut is None else cut
     if axis is None:
         axis = _principal_axis(finger, caps, tip)
     if tip is None:
