@@ -28,7 +28,7 @@ pub(crate) mod solve;
 pub use error::ContactError;
 pub use figures::accuracy::Accuracy;
 pub use figures::drawn::DrawnSkin;
-pub use options::{ContactOptions, Interrupt};
+pub use options::ContactOptions;
 pub use outcome::{Contact, ContactStatus, LeftOut, Patch, Resultant, Timing};
 pub use press::{Press, Start, press};
 pub use solve::solve_contact;

@@ -3,12 +3,9 @@
 use crate::contact::error::ContactError;
 use crate::lcp::options::LcpMethod;
 
-/// Asked between and inside the stages; `true` stops the solve with [`ContactError::Interrupted`].
-pub type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
-
 /// Options of [`solve_contact`](crate::contact::solve_contact) and [`press`](crate::contact::press::press).
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactOptions {
+#[derive(Clone)]
+pub struct ContactOptions<'a> {
     /// Relative quadrature tolerance of every entry of the response matrix (dimensionless, 0 ≤ tolerance < 1;
     /// 0 asks for all that double precision gives).
     pub tolerance: f64,
@@ -30,9 +27,11 @@ pub struct ContactOptions {
     pub couple_fingers: bool,
     /// How often candidates may be added before the solve gives up (growth ends by itself in a few steps).
     pub max_growths: usize,
+    /// Asked now and then, from any thread; `true` ends the work with [`ContactError::Interrupted`].
+    pub interrupt: Option<&'a (dyn Fn() -> bool + Sync)>,
 }
 
-impl Default for ContactOptions {
+impl Default for ContactOptions<'_> {
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
@@ -44,11 +43,33 @@ impl Default for ContactOptions {
             condition: false,
             couple_fingers: false,
             max_growths: 50,
+            interrupt: None,
         }
     }
 }
 
-impl ContactOptions {
+impl std::fmt::Debug for ContactOptions<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ContactOptions")
+            .field("tolerance", &self.tolerance)
+            .field("rings", &self.rings)
+            .field("method", &self.method)
+            .field("num_threads", &self.num_threads)
+            .field("memory_limit", &self.memory_limit)
+            .field("search_distance", &self.search_distance)
+            .field("condition", &self.condition)
+            .field("couple_fingers", &self.couple_fingers)
+            .field("max_growths", &self.max_growths)
+            .field("interrupt", &self.interrupt.is_some())
+            .finish()
+    }
+}
+
+impl ContactOptions<'_> {
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.interrupt.is_some_and(|interrupt| interrupt())
+    }
+
     /// # Errors
     /// [`ContactError::Option`] naming the option and its value.
     pub(super) fn validate(&self) -> Result<(), ContactError> {

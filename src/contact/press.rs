@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
-use crate::contact::options::{ContactOptions, Interrupt, with_threads};
+use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
 use crate::contact::scene::{Scene, Travel};
@@ -57,7 +57,6 @@ pub fn press(
     skin: &dyn ElasticSkin,
     press: &Press,
     options: &ContactOptions,
-    interrupt: Interrupt,
 ) -> Result<Contact, ContactError> {
     options.validate()?;
     let direction = unit(&press.direction)?;
@@ -79,7 +78,7 @@ pub fn press(
         };
         let mut report = Report::default();
         report.clock("first_touch", started);
-        solve_in_place(surface, &scene, skin, options, interrupt, report)
+        solve_in_place(surface, &scene, skin, options, report)
     })
 }
 

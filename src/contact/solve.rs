@@ -6,7 +6,7 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::solve as equilibrium;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
-use crate::contact::options::{ContactOptions, Interrupt, with_threads};
+use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Scene;
@@ -17,7 +17,7 @@ use crate::surface::checked::Surface;
 /// Solves the contact of `surface` with `obstacle` where it stands.
 ///
 /// `g = g0 + R f, g ≥ 0, f ≥ 0, g·f = 0` on the candidates (Xie, Kanai, Date 2011, eq. 9); see the crate's root for
-/// units and signs. `interrupt` is asked now and then; `true` ends the solve.
+/// units and signs.
 ///
 /// Returns the outcome whatever its [`ContactStatus`](crate::contact::ContactStatus): an ending is no error.
 ///
@@ -28,12 +28,11 @@ pub fn solve_contact(
     obstacle: &Obstacle,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
-    interrupt: Interrupt,
 ) -> Result<Contact, ContactError> {
     options.validate()?;
     with_threads(options, || {
         let scene = Scene { obstacle: obstacle.clone(), travel: 0.0, press: None, depth_bound: None };
-        solve_in_place(surface, &scene, skin, options, interrupt, Report::default())
+        solve_in_place(surface, &scene, skin, options, Report::default())
     })
 }
 
@@ -43,7 +42,6 @@ pub(crate) fn solve_in_place(
     scene: &Scene,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
-    interrupt: Interrupt,
     mut report: Report,
 ) -> Result<Contact, ContactError> {
     if !surface.skin_mask().contains(&true) {
@@ -62,8 +60,8 @@ pub(crate) fn solve_in_place(
     }
 
     // 2-4. Candidates, response, complementarity.
-    let response = Compliance::new(surface, skin, traits, options, interrupt);
-    let forces = equilibrium::solve(&gaps, &response, options, interrupt, &mut report)?;
+    let response = Compliance::new(surface, skin, traits, options);
+    let forces = equilibrium::solve(&gaps, &response, options, &mut report)?;
     report.note_forces(&gaps, &response, &forces, options);
     if let Some(ending) = forces.failure {
         return Ok(Contact::failed(ending, &gaps, forces, &traits, options, report));

@@ -7,9 +7,7 @@ use super::lcp::{PyLcpSolution, method_named};
 use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
-use crate::contact::{
-    self, Accuracy, Contact, ContactError, ContactOptions, Interrupt, Press, Resultant, Start,
-};
+use crate::contact::{self, Accuracy, Contact, ContactError, ContactOptions, Press, Resultant, Start};
 use crate::lcp::LcpSolution;
 use crate::response::ElasticSkin;
 use numpy::{PyArray1, PyArray2};
@@ -78,7 +76,7 @@ impl PyContactOptions {
 }
 
 impl PyContactOptions {
-    fn to_core(&self) -> PyResult<ContactOptions> {
+    fn to_core(&self) -> PyResult<ContactOptions<'static>> {
         Ok(ContactOptions {
             tolerance: self.tolerance,
             rings: self.rings,
@@ -89,6 +87,7 @@ impl PyContactOptions {
             condition: self.condition,
             couple_fingers: self.couple_fingers,
             max_growths: self.max_growths,
+            interrupt: None,
         })
     }
 }
@@ -171,7 +170,7 @@ pub(super) struct PyContact {
 }
 
 impl PyContact {
-    fn new(contact: Contact, skin: &Bound<'_, PySkin>, options: ContactOptions) -> PyResult<Self> {
+    fn new(contact: Contact, skin: &Bound<'_, PySkin>, options: ContactOptions<'static>) -> PyResult<Self> {
         let py = skin.py();
         let patch = |patch: &contact::Patch| {
             let vertices = read_only(nodes_out(py, &patch.vertices));
@@ -211,7 +210,7 @@ impl PyContact {
 pub(super) struct PyDrawing {
     contact: Contact,
     skin: Py<PySkin>,
-    options: ContactOptions,
+    options: ContactOptions<'static>,
 }
 
 #[pymethods]
@@ -219,7 +218,10 @@ impl PyDrawing {
     /// Displacement (n, 3) in m, fade distance (m), volume change (m³) and deformed surface, computed now.
     fn draw(&self, py: Python<'_>) -> PyResult<(Py<PyArray2<f64>>, f64, f64, PySurface)> {
         let skin = self.skin.get().elastic();
-        let draw = |interrupt: Interrupt| self.contact.drawn_skin(skin, &self.options, interrupt);
+        let draw = |interrupt: &(dyn Fn() -> bool + Sync)| {
+            let options = ContactOptions { interrupt: Some(interrupt), ..self.options.clone() };
+            self.contact.drawn_skin(skin, &options)
+        };
         let drawn = detached_with(py, self.options.num_threads, draw)?.map_err(IntoPyErr::into_py_err)?;
         let displacement = read_only(vectors_out(py, &drawn.displacement));
         Ok((displacement, drawn.fade_distance, drawn.volume_change, drawn.deformed.into()))
@@ -230,11 +232,12 @@ impl PyDrawing {
 fn run(
     skin: &Bound<'_, PySkin>,
     options: &PyContactOptions,
-    solve: impl FnOnce(&dyn ElasticSkin, &ContactOptions, Interrupt) -> Result<Contact, ContactError> + Send,
+    solve: impl FnOnce(&dyn ElasticSkin, &ContactOptions) -> Result<Contact, ContactError> + Send,
 ) -> PyResult<PyContact> {
     let (elastic, options) = (skin.get().elastic(), options.to_core()?);
-    let contact =
-        detached_with(skin.py(), options.num_threads, |interrupt| solve(elastic, &options, interrupt))?;
+    let contact = detached_with(skin.py(), options.num_threads, |interrupt| {
+        solve(elastic, &ContactOptions { interrupt: Some(interrupt), ..options.clone() })
+    })?;
     PyContact::new(contact.map_err(IntoPyErr::into_py_err)?, skin, options)
 }
 
@@ -245,9 +248,7 @@ pub(super) fn solve_contact(
     skin: &Bound<'_, PySkin>,
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
-    run(skin, options, |skin, options, interrupt| {
-        contact::solve_contact(&surface.inner, &obstacle.inner, skin, options, interrupt)
-    })
+    run(skin, options, |skin, options| contact::solve_contact(&surface.inner, &obstacle.inner, skin, options))
 }
 
 #[pyfunction]
@@ -263,7 +264,5 @@ pub(super) fn press(
 ) -> PyResult<PyContact> {
     let start = named("start", start, &[(Start::Infinity, "infinity"), (Start::Current, "current")])?;
     let press = Press { direction: vector(direction, "direction")?, depth, start };
-    run(skin, options, |skin, options, interrupt| {
-        contact::press(&surface.inner, &obstacle.inner, skin, &press, options, interrupt)
-    })
+    run(skin, options, |skin, options| contact::press(&surface.inner, &obstacle.inner, skin, &press, options))
 }

@@ -10,7 +10,7 @@ use quasirigid::response::{AssemblyOptions, ElasticSkin, GivenMatrix, Kernel, Pr
 use quasirigid::surface::{LONGEST_DETOUR, Surface};
 
 use crate::common::{data_dir, flipped, grid, icosphere, joined, read_ply};
-use crate::{UP, galerkin, go_on, half_space, skin};
+use crate::{UP, galerkin, half_space, skin};
 
 /// Distance between the two fingertips (m).
 const PITCH: f64 = 20e-3;
@@ -37,7 +37,7 @@ fn plate_at(surface: &Surface, depth: f64) -> Obstacle {
 
 fn solve(surface: &Surface, obstacle: &Obstacle, skin: &dyn ElasticSkin, couple_fingers: bool) -> Contact {
     let options = ContactOptions { couple_fingers, ..ContactOptions::default() };
-    solve_contact(surface, obstacle, skin, &options, &go_on).unwrap()
+    solve_contact(surface, obstacle, skin, &options).unwrap()
 }
 
 fn note<'a>(contact: &'a Contact, what: &str) -> Option<&'a str> {
@@ -60,9 +60,8 @@ fn two_fingers_under_one_plate_are_two_problems_that_add_up() {
     };
     let (first, second) = (only(true), only(false));
     assert!(first.resultant.force.z > 0.0 && second.resultant.force.z > 0.0);
-    let drawn = [&both, &first, &second].map(|contact| {
-        contact.drawn_skin(&half_space(), &ContactOptions::default(), &go_on).unwrap().displacement
-    });
+    let drawn = [&both, &first, &second]
+        .map(|contact| contact.drawn_skin(&half_space(), &ContactOptions::default()).unwrap().displacement);
     for vertex in 0..surface.vertices().len() {
         assert_eq!(both.node_force[vertex], first.node_force[vertex] + second.node_force[vertex]);
         // One finger's forces do not move another one.
@@ -193,7 +192,7 @@ fn fingertips_of_a_real_hand_are_told_apart() {
     let direction = Vector3::new(-0.208, -0.927, -0.313).normalize();
     let plate = Obstacle::half_space(Vector3::zeros(), direction).unwrap();
     let pressed = Press { direction, depth: 2.5e-3, start: Start::Infinity };
-    let contact = press(&hand, &plate, &half_space(), &pressed, &ContactOptions::default(), &go_on).unwrap();
+    let contact = press(&hand, &plate, &half_space(), &pressed, &ContactOptions::default()).unwrap();
     assert_eq!(contact.lcp_solutions.len(), 2);
     assert!(note(&contact, APART).unwrap().contains(&format!("more than {LONGEST_DETOUR} times")));
 

@@ -48,7 +48,7 @@ fn a_sphere_on_flat_skin_gives_hertz_force_and_peak_pressure() {
     // The sphere presses from above: the skin is pushed down.
     assert!(contact.resultant.force.z < 0.0);
     let skin = half_space();
-    let drawn = contact.drawn_skin(&skin, &ContactOptions::default(), &|| false).expect("not interrupted");
+    let drawn = contact.drawn_skin(&skin, &ContactOptions::default()).expect("not interrupted");
     assert!(drawn.volume_change < 0.0);
 }
 
@@ -169,8 +169,7 @@ fn the_arrays_of_a_galerkin_contact_agree_with_its_figures() {
     assert_relative_eq!(of_patches, contact.resultant.contact_area, max_relative = 1e-12);
     // Four cells from the rim the vertices' pressures are Hertz's; uncorrected, h² |Δp| / 12 would be 0.26 %, and the
     // jitter adds as much.
-    let deformed =
-        contact.drawn_skin(&galerkin(), &ContactOptions::default(), &|| false).expect("drawn").deformed;
+    let deformed = contact.drawn_skin(&galerkin(), &ContactOptions::default()).expect("drawn").deformed;
     let center = deformed.vertices().iter().sum::<Vector3<f64>>() / contact.pressure.len() as f64;
     let radius = hertz.contact_radius(approach);
     for (vertex, position) in deformed.vertices().iter().enumerate() {

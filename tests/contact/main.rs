@@ -34,17 +34,13 @@ fn galerkin() -> KernelSkin {
     half_space().with_discretization(Discretization::Galerkin).expect("a half-space has it")
 }
 
-fn go_on() -> bool {
-    false
-}
-
 fn solve(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin) -> Contact {
-    solve_contact(surface, obstacle, skin, &ContactOptions::default(), &go_on).expect("a valid request")
+    solve_contact(surface, obstacle, skin, &ContactOptions::default()).expect("a valid request")
 }
 
 fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
     let upwards = Press { direction: UP, depth, start: Start::Infinity };
-    press(surface, obstacle, skin, &upwards, &ContactOptions::default(), &go_on).expect("a valid request")
+    press(surface, obstacle, skin, &upwards, &ContactOptions::default()).expect("a valid request")
 }
 
 /// A ball of skin, its lowest point near the origin.

@@ -11,7 +11,7 @@ use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 use crate::common::icosphere;
-use crate::{POISSON_RATIO, UP, ball, go_on, half_space, plate, press_up, skin, solve};
+use crate::{POISSON_RATIO, UP, ball, half_space, plate, press_up, skin, solve};
 
 #[test]
 fn apart_means_no_contact_and_zeros() {
@@ -80,8 +80,8 @@ fn force_does_not_depend_on_where_the_scene_lies_or_how_its_vertices_are_numbere
     let moved = surface.moved(&Isometry3::from_parts(Translation3::from(shift), turn.into()));
     let obstacle = rod.moved(turn.matrix(), &shift).expect("a rigid motion");
     let press_along = Press { direction: turn * UP, depth, start: Start::Infinity };
-    let turned = press(&moved, &obstacle, &skin, &press_along, &ContactOptions::default(), &go_on)
-        .expect("a valid request");
+    let turned =
+        press(&moved, &obstacle, &skin, &press_along, &ContactOptions::default()).expect("a valid request");
     assert_relative_eq!(turned.resultant.force.norm(), force, max_relative = 1e-6);
 
     let count = surface.vertices().len();
@@ -142,8 +142,7 @@ fn the_paper_s_constants_solve_shallow_presses_and_end_on_a_ray_in_deep_ones() {
     assert_eq!(deep.status, ContactStatus::Failed(LcpStatus::Ray));
     assert!(!deep.advice().is_empty());
     assert!(deep.resultant.force.z.is_nan(), "no figure may pass for an answer");
-    let drawn =
-        deep.drawn_skin(&paper_skin(), &ContactOptions::default(), &|| false).expect("nothing to draw");
+    let drawn = deep.drawn_skin(&paper_skin(), &ContactOptions::default()).expect("nothing to draw");
     assert!(drawn.displacement.iter().all(|u| *u == Vector3::zeros()));
 }
 
@@ -151,7 +150,7 @@ fn the_paper_s_constants_solve_shallow_presses_and_end_on_a_ray_in_deep_ones() {
 fn bad_questions_are_named() {
     let (surface, skin, options) = (ball(8e-3, 2), half_space(), ContactOptions::default());
     let ask = |direction, depth, start| {
-        press(&surface, &plate(), &skin, &Press { direction, depth, start }, &options, &go_on)
+        press(&surface, &plate(), &skin, &Press { direction, depth, start }, &options)
     };
     let zero = ask(Vector3::zeros(), 1e-3, Start::Infinity).unwrap_err();
     assert_eq!(zero, ContactError::Direction { direction: [0.0; 3] });
@@ -161,7 +160,7 @@ fn bad_questions_are_named() {
 
     let overlapping = plate().translated(&(1e-3 * UP));
     let from_here = Press { direction: UP, depth: 1e-3, start: Start::Current };
-    match press(&surface, &overlapping, &skin, &from_here, &options, &go_on).unwrap_err() {
+    match press(&surface, &overlapping, &skin, &from_here, &options).unwrap_err() {
         ContactError::StartsPenetrating { penetration, count, .. } => {
             assert_relative_eq!(penetration, 1e-3, max_relative = 0.2);
             assert!(count > 0);
@@ -175,15 +174,15 @@ fn bad_questions_are_named() {
         let mask = (0..surface.vertices().len()).map(|vertex| vertex < skin_vertices).collect();
         surface.clone().with_skin_mask(mask).expect("a mask of the surface")
     };
-    let missed = press(&masked(5), &beside, &skin, &up, &options, &go_on).unwrap_err();
+    let missed = press(&masked(5), &beside, &skin, &up, &options).unwrap_err();
     assert!(matches!(missed, ContactError::NeverTouches { skin_vertices: 5, .. }));
     assert!(missed.to_string().contains("none of the 5 vertices that may touch"), "{missed}");
 
-    let none = press(&masked(0), &plate(), &skin, &up, &options, &go_on).unwrap_err();
+    let none = press(&masked(0), &plate(), &skin, &up, &options).unwrap_err();
     assert_eq!(none, ContactError::NoSkin { vertex_count: surface.vertices().len() });
 
     let options = ContactOptions { tolerance: -1.0, ..ContactOptions::default() };
-    let refused = press(&surface, &plate(), &skin, &up, &options, &go_on).unwrap_err();
+    let refused = press(&surface, &plate(), &skin, &up, &options).unwrap_err();
     assert!(matches!(refused, ContactError::Option { option: "tolerance", .. }));
 }
 
@@ -200,14 +199,15 @@ fn threads_change_nothing_and_drawing_uses_those_asked_for() {
     let with = |num_threads| {
         let options = ContactOptions { num_threads: Some(num_threads), ..ContactOptions::default() };
         let up = Press { direction: UP, depth: 0.5e-3, start: Start::Infinity };
-        let contact =
-            press(&ball(8e-3, 3), &plate(), &half_space(), &up, &options, &go_on).expect("a valid request");
+        let contact = press(&ball(8e-3, 3), &plate(), &half_space(), &up, &options).expect("a valid request");
         let seen = AtomicUsize::new(0);
         let look = || {
             seen.fetch_max(rayon::current_num_threads(), Ordering::Relaxed);
             false
         };
-        let drawn = contact.drawn_skin(&half_space(), &options, &look).expect("not interrupted");
+        let drawn = contact
+            .drawn_skin(&half_space(), &ContactOptions { interrupt: Some(&look), ..options })
+            .expect("not interrupted");
         assert_eq!(seen.into_inner(), num_threads);
         (contact.node_force, drawn.displacement)
     };

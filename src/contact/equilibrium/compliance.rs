@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
-use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::options::ContactOptions;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
 use crate::surface::checked::Surface;
@@ -26,13 +26,12 @@ impl<'a> Compliance<'a> {
         surface: &'a Surface,
         skin: &'a dyn ElasticSkin,
         traits: Traits,
-        options: &ContactOptions,
-        interrupt: Interrupt<'a>,
+        options: &ContactOptions<'a>,
     ) -> Self {
         let options = AssemblyOptions {
             tolerance: options.tolerance,
             memory_limit: options.memory_limit,
-            interrupt: Some(interrupt),
+            interrupt: options.interrupt,
             ..AssemblyOptions::default()
         };
         Self { surface, skin, traits, options }

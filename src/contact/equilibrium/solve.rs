@@ -10,7 +10,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::growth::wanting;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
-use crate::contact::options::{ContactOptions, Interrupt};
+use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
 use crate::lcp::options::LcpOptions;
 use crate::lcp::problem::LcpProblem;
@@ -30,14 +30,13 @@ pub(crate) fn solve(
     gaps: &Gaps,
     response: &Compliance,
     options: &ContactOptions,
-    interrupt: Interrupt,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
     let rings = options.rings.unwrap_or(if traits.negative_entries { DEFAULT_RINGS } else { 0 });
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
     for growth in 0.. {
-        let forces = solve_on(candidates, gaps, response, options, interrupt, report)?;
+        let forces = solve_on(candidates, gaps, response, options, report)?;
         if forces.failure.is_some() || rings == 0 && !traits.negative_entries {
             return Ok(forces);
         }
@@ -56,7 +55,7 @@ pub(crate) fn solve(
         candidates.extend(wanting.iter().chain(&forces.candidates));
         candidates.sort_unstable();
         candidates.dedup();
-        if interrupt() {
+        if options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "candidates" });
         }
     }
@@ -69,7 +68,6 @@ fn solve_on(
     gaps: &Gaps,
     response: &Compliance,
     options: &ContactOptions,
-    interrupt: Interrupt,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
@@ -89,7 +87,7 @@ fn solve_on(
         let row = |vertex: &usize| forces.candidates.binary_search(vertex).expect("groups are of candidates");
         let q: Vec<f64> = group.iter().map(|vertex| initial_gap[row(vertex)]).collect();
         let problem = LcpProblem::new(matrix.as_ref(), &q)?;
-        let lcp_options = LcpOptions { interrupt: Some(interrupt), ..LcpOptions::default() };
+        let lcp_options = LcpOptions { interrupt: options.interrupt, ..LcpOptions::default() };
         let solution = lcp::solve(&problem, options.method, &lcp_options)?;
         report.clock("lcp", started);
         if solution.status == LcpStatus::Interrupted {

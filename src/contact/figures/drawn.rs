@@ -7,7 +7,7 @@ use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::Drawing;
 use crate::contact::figures::fade::{Fade, drawn_vector};
-use crate::contact::options::{ContactOptions, Interrupt, with_threads};
+use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
@@ -41,24 +41,18 @@ impl Contact {
         &self,
         skin: &dyn ElasticSkin,
         options: &ContactOptions,
-        interrupt: Interrupt,
     ) -> Result<DrawnSkin, ContactError> {
         if self.status != ContactStatus::Solved {
             let displacement = vec![Vector3::zeros(); self.surface.vertices().len()];
             let deformed = self.surface.clone();
             return Ok(DrawnSkin { displacement, fade_distance: 0.0, volume_change: 0.0, deformed });
         }
-        with_threads(options, || self.draw(skin, options, interrupt))
+        with_threads(options, || self.draw(skin, options))
     }
 
-    fn draw(
-        &self,
-        skin: &dyn ElasticSkin,
-        options: &ContactOptions,
-        interrupt: Interrupt,
-    ) -> Result<DrawnSkin, ContactError> {
+    fn draw(&self, skin: &dyn ElasticSkin, options: &ContactOptions) -> Result<DrawnSkin, ContactError> {
         let surface = &self.surface;
-        let response = Compliance::new(surface, skin, skin.traits(surface)?, options, interrupt);
+        let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
         let Drawing { fingers, motion } = &self.drawing;
         let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
         let everywhere: Vec<usize> = (0..surface.vertices().len()).collect();
