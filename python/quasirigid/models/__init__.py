@@ -1,8 +1,8 @@
 """Built-in fingers and products, so that a press needs no file at all.
 
 Fingers have their pad to -z, their nail to +z and their axis along +y, the origin in the middle of the flat
-cut; `quasirigid.skin_without_caps` leaves the cut out. Products have their bounding box centered at the origin;
-round ones stand along z. Every length is in metres, and `edge_length` sets the mesh density.
+cut; `quasirigid.skin_without_caps` leaves the cut out. Products have their bounding box centered at the
+origin; round ones stand along z. Every length is in metres, and `edge_length` sets the mesh density.
 """
 
 from .bones import bone_of as bone_of
