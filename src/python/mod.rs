@@ -11,6 +11,7 @@ mod lcp;
 mod matrix;
 mod obstacle;
 mod pickle;
+mod reference;
 mod skin;
 mod surface;
 
@@ -34,6 +35,11 @@ mod _core {
     #[pymodule_export]
     use super::obstacle::{PyObstacle, restore_obstacle};
     #[pymodule_export]
+    use super::reference::{
+        PyCone, PyFlatPunch, PyHertz, contact_modulus, plate_on_cored_sphere, point_load_on_layer,
+        sphere_on_layer,
+    };
+    #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
     use super::surface::{PySurface, repair, skin_without_caps};
@@ -48,10 +54,13 @@ mod _core {
             [
                 "Accuracy",
                 "Certificate",
+                "Cone",
                 "Contact",
                 "ContactOptions",
                 "Definiteness",
                 "Drawing",
+                "FlatPunch",
+                "Hertz",
                 "LcpOptions",
                 "LcpRay",
                 "LcpSolution",
@@ -59,9 +68,12 @@ mod _core {
                 "Resultant",
                 "Skin",
                 "Surface",
+                "contact_modulus",
                 "cut_out",
                 "definiteness",
                 "initial_gaps",
+                "plate_on_cored_sphere",
+                "point_load_on_layer",
                 "press",
                 "repair",
                 "response_matrix",
@@ -69,6 +81,7 @@ mod _core {
                 "skin_without_caps",
                 "solve_contact",
                 "solve_lcp",
+                "sphere_on_layer",
             ],
         )
     }

@@ -1,0 +1,176 @@
+//! `quasirigid.reference`: closed forms as classes, tables as lists of tuples.
+
+use pyo3::prelude::*;
+
+use crate::reference::{self, Cone, CoredSphere, FlatPunch, Hertz};
+
+/// A rigid sphere pressed into an elastic half-space, in Hertz's parabolic approximation (Johnson 1985, section 4.2).
+///
+/// Parameters
+/// ----------
+/// radius : float
+///     Radius of the sphere R (m), > 0.
+/// contact_modulus : float
+///     Contact modulus of the half-space E* (Pa), > 0.
+///
+/// Examples
+/// --------
+/// >>> import quasirigid as qr
+/// >>> modulus = qr.reference.contact_modulus(shear_modulus=60e3, poisson_ratio=0.5)
+/// >>> round(qr.reference.Hertz(radius=8e-3, contact_modulus=modulus).force(0.5e-3), 3)
+/// 0.32
+#[pyclass(name = "Hertz", module = "quasirigid.reference", frozen)]
+pub(super) struct PyHertz(Hertz);
+
+#[pymethods]
+impl PyHertz {
+    #[new]
+    #[pyo3(signature = (*, radius, contact_modulus))]
+    fn new(radius: f64, contact_modulus: f64) -> Self {
+        Self(Hertz { radius, contact_modulus })
+    }
+
+    /// Return the force (N) at an approach (m).
+    fn force(&self, approach: f64) -> f64 {
+        self.0.force(approach)
+    }
+
+    /// Return the contact radius (m) at an approach (m).
+    fn contact_radius(&self, approach: f64) -> f64 {
+        self.0.contact_radius(approach)
+    }
+
+    /// Return the peak pressure (Pa) at an approach (m).
+    fn max_pressure(&self, approach: f64) -> f64 {
+        self.0.max_pressure(approach)
+    }
+
+    /// Return the pressure (Pa) at an approach (m) and a distance from the axis (m).
+    fn pressure(&self, approach: f64, distance: f64) -> f64 {
+        self.0.pressure(approach, distance)
+    }
+
+    /// Return the stored elastic energy (J) at an approach (m).
+    fn energy(&self, approach: f64) -> f64 {
+        self.0.energy(approach)
+    }
+
+    /// Return the approach (m) under a force (N).
+    fn approach(&self, force: f64) -> f64 {
+        self.0.approach(force)
+    }
+}
+
+/// A rigid flat-ended cylinder pressed into an elastic half-space (Johnson 1985, section 3.8).
+///
+/// Parameters
+/// ----------
+/// radius : float
+///     Radius of the flat end a (m), > 0.
+/// contact_modulus : float
+///     Contact modulus of the half-space E* (Pa), > 0.
+#[pyclass(name = "FlatPunch", module = "quasirigid.reference", frozen)]
+pub(super) struct PyFlatPunch(FlatPunch);
+
+#[pymethods]
+impl PyFlatPunch {
+    #[new]
+    #[pyo3(signature = (*, radius, contact_modulus))]
+    fn new(radius: f64, contact_modulus: f64) -> Self {
+        Self(FlatPunch { radius, contact_modulus })
+    }
+
+    /// Return the force (N) at an approach (m).
+    fn force(&self, approach: f64) -> f64 {
+        self.0.force(approach)
+    }
+
+    /// Return the pressure (Pa) at an approach (m) and a distance from the axis (m); infinite at the rim.
+    fn pressure(&self, approach: f64, distance: f64) -> f64 {
+        self.0.pressure(approach, distance)
+    }
+
+    /// Return the surface displacement along the punch's motion (m) at an approach (m) and a distance from the axis (m).
+    fn displacement(&self, approach: f64, distance: f64) -> f64 {
+        self.0.displacement(approach, distance)
+    }
+}
+
+/// A rigid blunt cone pressed point first into an elastic half-space (Sneddon 1965; Johnson 1985, section 5.2).
+///
+/// Parameters
+/// ----------
+/// semi_angle : float
+///     Angle between the axis and the face (rad), in (0, pi/2).
+/// contact_modulus : float
+///     Contact modulus of the half-space E* (Pa), > 0.
+#[pyclass(name = "Cone", module = "quasirigid.reference", frozen)]
+pub(super) struct PyCone(Cone);
+
+#[pymethods]
+impl PyCone {
+    #[new]
+    #[pyo3(signature = (*, semi_angle, contact_modulus))]
+    fn new(semi_angle: f64, contact_modulus: f64) -> Self {
+        Self(Cone { semi_angle, contact_modulus })
+    }
+
+    /// Return the force (N) at an approach (m).
+    fn force(&self, approach: f64) -> f64 {
+        self.0.force(approach)
+    }
+
+    /// Return the contact radius (m) at an approach (m).
+    fn contact_radius(&self, approach: f64) -> f64 {
+        self.0.contact_radius(approach)
+    }
+
+    /// Return the pressure (Pa) at an approach (m) and a distance from the axis (m); infinite at the tip.
+    fn pressure(&self, approach: f64, distance: f64) -> f64 {
+        self.0.pressure(approach, distance)
+    }
+
+    /// Return the stored elastic energy (J) at an approach (m).
+    fn energy(&self, approach: f64) -> f64 {
+        self.0.energy(approach)
+    }
+}
+
+/// Return the contact modulus E* = 2 G / (1 - nu) (Pa) of an isotropic elastic body.
+///
+/// Parameters
+/// ----------
+/// shear_modulus : float
+///     Shear modulus G (Pa), > 0.
+/// poisson_ratio : float
+///     Poisson's ratio nu, in [0, 0.5].
+#[pyfunction]
+#[pyo3(signature = (*, shear_modulus, poisson_ratio))]
+pub(super) fn contact_modulus(shear_modulus: f64, poisson_ratio: f64) -> f64 {
+    reference::contact_modulus(shear_modulus, poisson_ratio)
+}
+
+/// Thinness, force ratio and accuracy of each case.
+#[pyfunction]
+pub(super) fn sphere_on_layer() -> Vec<(f64, f64, f64)> {
+    reference::sphere_on_layer().map(|case| (case.thinness, case.force_ratio, case.accuracy)).into()
+}
+
+/// Pairs of `r / h` and `h u / K`.
+#[pyfunction]
+pub(super) fn point_load_on_layer() -> Vec<(f64, f64)> {
+    reference::point_load_on_layer().into()
+}
+
+/// Radius (m), core radius (m), shear modulus (Pa), accuracy, Poisson's ratio and pairs of depth (m) and force (N) of
+/// each case.
+#[pyfunction]
+pub(super) fn plate_on_cored_sphere() -> Vec<(f64, f64, f64, f64, f64, Vec<(f64, f64)>)> {
+    let (radius, core_radius) = (CoredSphere::RADIUS, CoredSphere::CORE_RADIUS);
+    let (shear_modulus, accuracy) = (CoredSphere::SHEAR_MODULUS, CoredSphere::ACCURACY);
+    let row = |case: CoredSphere| {
+        let indentations = case.indentations.to_vec();
+        (radius, core_radius, shear_modulus, accuracy, case.poisson_ratio, indentations)
+    };
+    reference::plate_on_cored_sphere().map(row).into()
+}

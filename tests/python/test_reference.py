@@ -1,0 +1,51 @@
+"""Closed forms and tables as Python sees them."""
+
+from __future__ import annotations
+
+import pytest
+from quasirigid import reference
+
+MODULUS = reference.contact_modulus(shear_modulus=60e3, poisson_ratio=0.5)
+SPHERE = reference.Hertz(radius=8e-3, contact_modulus=MODULUS)
+PUNCH = reference.FlatPunch(radius=5e-3, contact_modulus=MODULUS)
+CONE = reference.Cone(semi_angle=1.4, contact_modulus=MODULUS)
+
+
+@pytest.mark.parametrize("indenter", [SPHERE, CONE])
+def test_load_is_the_slope_of_the_energy(indenter: reference.Hertz | reference.Cone) -> None:
+    approach, step = 0.5e-3, 1e-8
+    slope = (indenter.energy(approach + step) - indenter.energy(approach - step)) / (2 * step)
+    assert indenter.force(approach) == pytest.approx(slope, rel=1e-8)
+
+
+def test_pressures_end_where_the_contact_ends() -> None:
+    approach = 0.5e-3
+    assert SPHERE.pressure(approach, 0.0) == SPHERE.max_pressure(approach)
+    for indenter, radius in [
+        (SPHERE, SPHERE.contact_radius(approach)),
+        (CONE, CONE.contact_radius(approach)),
+        (PUNCH, 5e-3),
+    ]:
+        assert indenter.pressure(approach, 0.99 * radius) > 0 == indenter.pressure(approach, 1.01 * radius)
+    assert SPHERE.approach(SPHERE.force(approach)) == pytest.approx(approach, rel=1e-14)
+    assert PUNCH.force(approach) == pytest.approx(2 * 5e-3 * 240e3 * approach, rel=1e-14)
+    assert PUNCH.displacement(approach, 10e-3) == pytest.approx(approach / 3, rel=1e-14)
+
+
+def test_tables_hold_what_their_names_say() -> None:
+    profile = reference.point_load_on_layer()
+    assert list(profile) == [0.1, 0.5, 1.0, 2.0, 3.0]
+    assert profile[1.0] < 0 < profile[0.5], "an incompressible layer bulges"
+    thick, *_, thin = reference.sphere_on_layer()
+    assert (thick.thinness, thin.thinness) == (0.3, 0.7)
+    assert 1 < thick.force_ratio < thin.force_ratio
+    first = reference.plate_on_cored_sphere()[0]
+    assert (first.radius, first.core_radius, first.poisson_ratio) == (8e-3, 3e-3, 0.5)
+    assert first.indentations[1.12e-3] == 1.297
+    ratios = [force / SPHERE.force(depth) for depth, force in first.indentations.items()]
+    assert ratios == sorted(ratios), "the core stiffens"
+
+
+def test_physics_has_names() -> None:
+    with pytest.raises(TypeError, match="positional"):
+        reference.Hertz(8e-3, MODULUS)  # type: ignore[misc]
