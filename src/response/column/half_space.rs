@@ -8,8 +8,10 @@ use crate::response::integral::edge_quadrature::EdgeRule;
 use crate::response::integral::gauss::triangle_rule;
 use crate::response::integral::hat_simd::NearFace;
 use crate::response::integral::subdivide::subdivided_hat_integrals;
-use crate::response::series::multipole::{Expansion, PointLoads, TOGETHER, order_for};
-use crate::response::series::taylor::RadialSeries;
+use crate::response::series::multipole::{MultipoleSeries, order_for};
+use crate::response::series::point_loads::{LoadBall, PointLoads, VECTORS_AT_ONCE};
+use crate::response::series::taylor::{MAX_DEGREE, TaylorSeries};
+use crate::response::simd::lanes::{Lanes, dot};
 use crate::response::simd::points::{BLOCK, Selection, Targets};
 
 /// Memory that one thread uses again for every column.
@@ -20,11 +22,11 @@ pub(crate) struct Scratch {
     /// Values in the order of [`Targets`].
     pub(crate) values: Vec<f64>,
     loads: PointLoads,
-    expansion: Expansion,
+    multipoles: MultipoleSeries,
     /// Targets at which the series does not hold.
     pub(crate) near: Selection,
-    /// Series for other radial kernels.
-    pub(crate) series: RadialSeries,
+    /// Series of the layer's kernel.
+    pub(crate) series: TaylorSeries,
     /// Quadrature along edges.
     pub(crate) rule: EdgeRule,
     /// 1/thickness of the targets in `near` (1/m).
@@ -37,20 +39,34 @@ impl Scratch {
             faces: Vec::new(),
             values: vec![0.0; targets.x.len()],
             loads: PointLoads::default(),
-            expansion: Expansion::new(),
+            multipoles: MultipoleSeries::new(),
             near: Selection::default(),
-            series: RadialSeries::new(),
+            series: TaylorSeries::new(),
             rule: EdgeRule::default(),
             thicknesses: Vec::new(),
         }
     }
 
-    /// Moments for the series of other kernels, of the load on `faces`.
+    /// Moments for the layer's series, of the load on `faces`.
     #[inline(always)]
-    pub(crate) fn fill_series<S: Simd>(&mut self, simd: S, degree: usize) {
-        spread_load(self, degree / 2 + 1, BLOCK);
-        let ball = ball_around(&self.faces, &self.loads);
-        self.series.fill(simd, &self.loads, ball, degree);
+    pub(crate) fn fill_series<S: Simd>(&mut self, simd: S) {
+        let ball = self.spread_load(MAX_DEGREE / 2 + 1);
+        self.series.fill(simd, &self.loads, ball);
+    }
+
+    /// Sets `loads` to point forces by an n × n rule on each triangle; returns the ball around the load.
+    #[inline(always)]
+    fn spread_load(&mut self, n: usize) -> LoadBall {
+        self.loads.clear();
+        for face in &self.faces {
+            let [a, b, c] = face.frame.vertices;
+            for (l, weight) in triangle_rule(n) {
+                let place = a * l[0] + b * l[1] + c * l[2];
+                self.loads.push(&place, weight * face.frame.area * weighted(&face.density, l));
+            }
+        }
+        self.loads.pad(BLOCK);
+        self.loads.ball(self.faces.iter().flat_map(|face| &face.frame.vertices))
     }
 
     /// Half of the longest edge of the loaded triangles (m).
@@ -87,89 +103,54 @@ impl WithSimd for HalfSpaceColumn<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { targets, scratch, amplitude, tolerance, reach } = self;
-        spread_load(scratch, order_for(tolerance) / 2 + 2, BLOCK);
-        let ball = ball_around(&scratch.faces, &scratch.loads);
-        scratch.expansion.fill(simd, &scratch.loads, ball, amplitude, tolerance);
+        let ball = scratch.spread_load(order_for(tolerance) / 2 + 2);
+        scratch.multipoles.fill(simd, &scratch.loads, ball, amplitude, tolerance);
         far_values(simd, targets, scratch, reach);
         near_values(simd, targets, scratch, amplitude, tolerance);
     }
 }
 
-/// The load as point forces by an n × n rule on each triangle.
-#[inline(always)]
-pub(crate) fn spread_load(scratch: &mut Scratch, n: usize, lanes: usize) {
-    scratch.loads.clear();
-    for face in &scratch.faces {
-        let [a, b, c] = face.frame.vertices;
-        for (l, weight) in triangle_rule(n) {
-            let place = a * l[0] + b * l[1] + c * l[2];
-            scratch.loads.push(&place, weight * face.frame.area * weighted(&face.density, l));
-        }
-    }
-    scratch.loads.pad(lanes);
-}
-
-/// The load's centre, about which it has no dipole, and the farthest corner from it.
-#[inline(always)]
-fn ball_around(faces: &[LoadedFace], loads: &PointLoads) -> (Vector3<f64>, f64) {
-    let (mut sum, mut total) = (Vector3::zeros(), 0.0);
-    for k in 0..loads.share.len() {
-        sum += Vector3::new(loads.x[k], loads.y[k], loads.z[k]) * loads.share[k];
-        total += loads.share[k];
-    }
-    let center = sum / total;
-    let corners = faces.iter().flat_map(|f| &f.frame.vertices);
-    let radius_squared = corners.map(|v| (v - center).norm_squared()).fold(0.0, f64::max);
-    (center, radius_squared.sqrt())
-}
-
 /// The series at all targets; those too close for it are listed in `scratch.near`.
 #[inline(always)]
 fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach: f64) {
-    let expansion = &scratch.expansion;
-    let near_squared = expansion.near_squared();
-    let far = reach + expansion.radius;
-    let far_squared = far * far;
-    let [cx, cy, cz] = [expansion.center.x, expansion.center.y, expansion.center.z];
-    let center = [simd.splat_f64s(cx), simd.splat_f64s(cy), simd.splat_f64s(cz)];
-    let limit = simd.splat_f64s(near_squared);
-    let infinity = simd.splat_f64s(f64::INFINITY);
-    let coordinates = [&targets.x, &targets.y, &targets.z].map(|list| S::as_simd_f64s(list).0);
-    let values = S::as_mut_simd_f64s(&mut scratch.values).0;
+    let multipoles = &scratch.multipoles;
+    let LoadBall { center, radius } = multipoles.ball;
+    let near_squared = multipoles.near_squared();
+    let far_squared = (reach + radius).powi(2);
+    let infinity = Lanes::splat(simd, f64::INFINITY);
+    let values = &mut scratch.values;
     scratch.near.index.clear();
-    for start in (0..values.len()).step_by(TOGETHER) {
-        let (mut x, mut y, mut z, mut squared) =
-            ([infinity; TOGETHER], [infinity; TOGETHER], [infinity; TOGETHER], [infinity; TOGETHER]);
-        for k in 0..TOGETHER {
-            x[k] = simd.sub_f64s(coordinates[0][start + k], center[0]);
-            y[k] = simd.sub_f64s(coordinates[1][start + k], center[1]);
-            z[k] = simd.sub_f64s(coordinates[2][start + k], center[2]);
-            squared[k] =
-                simd.mul_add_f64s(x[k], x[k], simd.mul_add_f64s(y[k], y[k], simd.mul_f64s(z[k], z[k])));
+    let step = VECTORS_AT_ONCE * S::F64_LANES;
+    for start in (0..values.len()).step_by(step) {
+        let mut points = [[infinity; 3]; VECTORS_AT_ONCE];
+        let (mut nearest, mut nearest_far) = (infinity, infinity);
+        for (k, point) in points.iter_mut().enumerate() {
+            let from = start + k * S::F64_LANES;
+            *point = [
+                Lanes::load(simd, &targets.x, from) - infinity.all(center.x),
+                Lanes::load(simd, &targets.y, from) - infinity.all(center.y),
+                Lanes::load(simd, &targets.z, from) - infinity.all(center.z),
+            ];
+            let squared = dot(point, point);
+            let is_near = squared.less(infinity.all(near_squared));
+            nearest = nearest.min(squared);
+            nearest_far = nearest_far.min(is_near.pick(infinity, squared));
         }
-        let mut nearest = infinity;
-        let mut nearest_far = infinity;
-        for s in squared {
-            nearest = simd.min_f64s(nearest, s);
-            let is_near = simd.less_than_f64s(s, limit);
-            let bits = simd.transmute_u64s_f64s(s);
-            let kept = simd.select_u64s(is_near, simd.transmute_u64s_f64s(infinity), bits);
-            nearest_far = simd.min_f64s(nearest_far, simd.transmute_f64s_u64s(kept));
-        }
-        let nearest = simd.reduce_min_f64s(nearest);
+        let nearest = nearest.least();
         if nearest < near_squared {
-            for i in start * S::F64_LANES..(start + TOGETHER) * S::F64_LANES {
-                let place = Vector3::new(targets.x[i] - cx, targets.y[i] - cy, targets.z[i] - cz);
-                if i < targets.rows.len() && place.norm_squared() < near_squared * (1.0 + 1e-12) {
+            for i in start..targets.rows.len().min(start + step) {
+                if (targets.point(i) - center).norm_squared() < near_squared * (1.0 + 1e-12) {
                     scratch.near.index.push(i as u32);
                 }
             }
         } else if nearest >= far_squared {
-            values[start..start + TOGETHER].fill(simd.splat_f64s(0.0));
+            values[start..start + step].fill(0.0);
             continue;
         }
-        let order = expansion.order_at(simd.reduce_min_f64s(nearest_far));
-        values[start..start + TOGETHER].copy_from_slice(&expansion.evaluate(simd, order, x, y, z));
+        let found = multipoles.evaluate(multipoles.order_at(nearest_far.least()), &points);
+        for (k, value) in found.into_iter().enumerate() {
+            value.store(values, start + k * S::F64_LANES);
+        }
     }
 }
 
@@ -178,7 +159,7 @@ fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach:
 fn near_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, amplitude: f64, tolerance: f64) {
     let near = &mut scratch.near;
     near.gather(targets);
-    let reach = scratch.expansion.near_squared().sqrt() + scratch.expansion.radius;
+    let reach = scratch.multipoles.near_squared().sqrt() + scratch.multipoles.ball.radius;
     for face in &scratch.faces {
         if face.loses_digits(reach, tolerance) {
             for k in 0..near.index.len() {

@@ -14,7 +14,7 @@ use crate::response::kernel::layer::LayerKernel;
 use crate::response::kernel::layer_table::{LARGEST, LayerTable};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::series::taylor::{DEGREES, MAX_DEGREE};
+use crate::response::series::taylor::DEGREES;
 use crate::response::simd::lanes::Lanes;
 use crate::response::simd::points::{BLOCK, Targets, gather};
 
@@ -65,13 +65,13 @@ impl PreparedLayer {
         let own_inverse = 1.0 / own_thickness;
         let column = LayerColumn { layer: self, inverse_thickness, own_inverse };
         let ladder = pulp::Arch::new().dispatch(Prepare { column, scratch });
-        let farthest = self.reach * own_thickness + scratch.series.radius;
+        let farthest = self.reach * own_thickness + scratch.series.ball.radius;
         let near = ladder[DEGREES.len() - 1].min(farthest);
         half_space_values(targets, scratch, self.constant, self.tolerance, near);
         let thinnest = inverse_thickness.iter().copied().fold(own_inverse, f64::max);
         // the kernel ends where r reaches as many thicknesses of any pair
         let allowed =
-            self.tolerance / (near * thinnest).min(self.reach + 2.0 * scratch.series.radius * thinnest);
+            self.tolerance / (near * thinnest).min(self.reach + 2.0 * scratch.series.ball.radius * thinnest);
         let half_edge = scratch.half_edge();
         scratch.rule.set(half_edge * thinnest, ROOM, BOUND, allowed);
         pulp::Arch::new().dispatch(Sweep { column, targets, scratch, near, ladder });
@@ -99,7 +99,7 @@ impl WithSimd for Prepare<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Ladder {
-        self.scratch.fill_series(simd, MAX_DEGREE);
+        self.scratch.fill_series(simd);
         self.column.ladder(&self.scratch.series)
     }
 }
@@ -120,7 +120,7 @@ impl WithSimd for Sweep<'_> {
         let Self { column, targets, scratch, near, ladder } = self;
         let layer = column.layer;
         let Scratch { series, values, near: close, .. } = &mut *scratch;
-        let (center, radius) = (series.center, series.radius);
+        let (center, radius) = (series.ball.center, series.ball.radius);
         close.index.clear();
         for start in (0..values.len()).step_by(BLOCK) {
             let mut block = Block { start, distance: [0.0; BLOCK], inverse: [0.0; BLOCK] };

@@ -4,7 +4,8 @@ use pulp::Simd;
 
 use crate::response::column::layer::LayerColumn;
 use crate::response::kernel::layer_table::{INVERSE_SLOPES, LayerTable, SLOPES};
-use crate::response::series::taylor::{DEGREES, MAX_DEGREE, RadialSeries, TOGETHER};
+use crate::response::series::point_loads::VECTORS_AT_ONCE;
+use crate::response::series::taylor::{DEGREES, MAX_DEGREE, TaylorSeries};
 use crate::response::simd::lanes::Lanes;
 use crate::response::simd::points::{BLOCK, Targets};
 
@@ -24,21 +25,21 @@ pub(crate) struct Block {
 impl LayerColumn<'_> {
     /// The terms of a series from degree p + 1 on add up to at most `roughness μ_(p+1) q^(p+1) / (1 - q)` of K/r
     /// with q = radius / distance.
-    pub(crate) fn ladder(&self, series: &RadialSeries) -> Ladder {
+    pub(crate) fn ladder(&self, series: &TaylorSeries) -> Ladder {
         let mut ladder = [0.0; DEGREES.len()];
         for level in 0..DEGREES.len() {
             let degree = DEGREES[level];
-            let mean = series.mean(degree + 1);
+            let mean = series.means.at(degree + 1);
             let mut ratio = 1.25;
             let keeps = |ratio: f64| {
-                let rho = ratio * series.radius * self.own_inverse;
+                let rho = ratio * series.ball.radius * self.own_inverse;
                 let rough = self.layer.kernel.table().roughness(level, rho);
                 rough * mean <= self.layer.tolerance * ratio.powi(degree as i32 + 1) * (1.0 - 1.0 / ratio)
             };
             while !keeps(ratio) && ratio < 1e12 {
                 ratio *= 1.05;
             }
-            ladder[level] = ratio * series.radius;
+            ladder[level] = ratio * series.ball.radius;
         }
         for level in (1..DEGREES.len()).rev() {
             ladder[level - 1] = ladder[level - 1].max(ladder[level]);
@@ -51,7 +52,7 @@ impl LayerColumn<'_> {
     pub(crate) fn far<S: Simd>(
         &self,
         simd: S,
-        series: &RadialSeries,
+        series: &TaylorSeries,
         level: usize,
         targets: &Targets,
         block: &Block,
@@ -67,17 +68,18 @@ impl LayerColumn<'_> {
         }
         let zero = Lanes::splat(simd, 0.0);
         let mut result = [0.0; BLOCK];
-        let step = TOGETHER * S::F64_LANES;
+        let step = VECTORS_AT_ONCE * S::F64_LANES;
         for first in (0..BLOCK).step_by(step) {
             let place = series.place(simd, targets, block.start + first);
-            let (mut slopes, mut amplitude) = ([[zero; TOGETHER]; MAX_DEGREE + 1], [zero; TOGETHER]);
-            for k in 0..TOGETHER {
+            let (mut slopes, mut amplitude) =
+                ([[zero; VECTORS_AT_ONCE]; MAX_DEGREE + 1], [zero; VECTORS_AT_ONCE]);
+            for k in 0..VECTORS_AT_ONCE {
                 let from = first + k * S::F64_LANES;
                 let inverse = Lanes::load(simd, &block.inverse, from);
                 amplitude[k] = inverse * zero.all(self.layer.constant);
                 // by the squared distance in radii: powers of radius / distance and of radius / thickness
                 let inverse_rho = zero.all(1.0) / (Lanes::load(simd, &block.distance, from) * inverse);
-                let thin = inverse * zero.all(series.radius) * inverse * zero.all(series.radius);
+                let thin = inverse * zero.all(series.ball.radius) * inverse * zero.all(series.ball.radius);
                 let far = thin * inverse_rho * inverse_rho;
                 let (mut thin_power, mut far_power) = (zero.all(1.0), inverse_rho);
                 for n in 0..=degree {
@@ -88,7 +90,7 @@ impl LayerColumn<'_> {
                 }
             }
             let value = series.evaluate(degree, &place, &slopes);
-            for k in 0..TOGETHER {
+            for k in 0..VECTORS_AT_ONCE {
                 (value[k] * amplitude[k]).store(&mut result, first + k * S::F64_LANES);
             }
         }

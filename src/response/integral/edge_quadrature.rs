@@ -12,8 +12,8 @@
 use pulp::Simd;
 
 use crate::response::integral::gauss::gauss_interval;
-use crate::response::integral::hat_simd::{NearFace, along, dot, from_point};
-use crate::response::simd::lanes::Lanes;
+use crate::response::integral::hat_simd::{NearFace, along, from_point};
+use crate::response::simd::lanes::{Lanes, dot};
 
 /// The function Ψ of a kernel; a trait, as a closure would not be compiled for the machine's vectors.
 pub(crate) trait EdgePotential<S: Simd> {

@@ -5,7 +5,7 @@ use pulp::Simd;
 
 use crate::response::column::load::LoadedFace;
 use crate::response::simd::functions::{angle, ln_ratio};
-use crate::response::simd::lanes::Lanes;
+use crate::response::simd::lanes::{Lanes, dot};
 
 /// A loaded triangle with everything that does not depend on the point.
 #[derive(Debug, Clone, Copy)]
@@ -114,11 +114,6 @@ pub(crate) fn from_point<S: Simd>(c: &[f64; 3], x: &[Lanes<S>; 3]) -> [Lanes<S>;
 #[inline(always)]
 pub(crate) fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
     dot(a, &[a[0].all(v[0]), a[0].all(v[1]), a[0].all(v[2])])
-}
-
-#[inline(always)]
-pub(crate) fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 #[cfg(test)]

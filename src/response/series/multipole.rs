@@ -12,50 +12,16 @@
 
 use std::sync::OnceLock;
 
-use nalgebra::Vector3;
 use pulp::Simd;
+
+use crate::response::series::point_loads::{LoadBall, PointLoads, RadialMeans, VECTORS_AT_ONCE};
+use crate::response::simd::lanes::{Lanes, dot};
 
 /// Highest order of a series.
 pub(crate) const MAX_ORDER: usize = 30;
 const ROW: usize = MAX_ORDER + 1;
 /// Orders that a series can end at; between them little is gained.
 const LADDER: [usize; 10] = [1, 2, 3, 4, 6, 8, 10, 12, 20, 30];
-/// Vectors that one call of [`Expansion::evaluate`] takes at a time, to hide the latency of the recurrence.
-pub(crate) const TOGETHER: usize = 2;
-
-/// Point forces that stand for a load: places (m) and shares of the unit force, as many as fill whole vectors.
-#[derive(Debug, Default)]
-pub(crate) struct PointLoads {
-    pub(crate) x: Vec<f64>,
-    pub(crate) y: Vec<f64>,
-    pub(crate) z: Vec<f64>,
-    pub(crate) share: Vec<f64>,
-}
-
-impl PointLoads {
-    pub(crate) fn clear(&mut self) {
-        for list in [&mut self.x, &mut self.y, &mut self.z, &mut self.share] {
-            list.clear();
-        }
-    }
-
-    pub(crate) fn push(&mut self, place: &Vector3<f64>, share: f64) {
-        self.x.push(place.x);
-        self.y.push(place.y);
-        self.z.push(place.z);
-        self.share.push(share);
-    }
-
-    /// Fills up to a multiple of `lanes` with loads of no share.
-    pub(crate) fn pad(&mut self, lanes: usize) {
-        while let (Some(&x), Some(&y), Some(&z)) = (self.x.last(), self.y.last(), self.z.last()) {
-            if self.x.len().is_multiple_of(lanes) {
-                break;
-            }
-            self.push(&Vector3::new(x, y, z), 0.0);
-        }
-    }
-}
 
 /// β_lm and the product of both kinds' normalisations, at `m * ROW + l`.
 struct Tables {
@@ -103,11 +69,9 @@ pub(crate) fn order_for(tolerance: f64) -> usize {
 
 /// Multipole series of one node's load.
 #[derive(Debug)]
-pub(crate) struct Expansion {
-    /// Centre of the load (m).
-    pub(crate) center: Vector3<f64>,
-    /// Distance of the farthest point of the load from it (m).
-    pub(crate) radius: f64,
+pub(crate) struct MultipoleSeries {
+    /// Around the load.
+    pub(crate) ball: LoadBall,
     /// `(order, squared distance from the centre (m²) from which it keeps the tolerance)`, orders falling.
     reach: Vec<(usize, f64)>,
     cosine: Vec<f64>,
@@ -116,15 +80,14 @@ pub(crate) struct Expansion {
     sums: Vec<f64>,
 }
 
-impl Expansion {
+impl MultipoleSeries {
     pub(crate) fn new() -> Self {
         Self {
-            center: Vector3::zeros(),
-            radius: 0.0,
+            ball: LoadBall::default(),
             reach: Vec::with_capacity(LADDER.len()),
             cosine: vec![0.0; ROW * ROW],
             sine: vec![0.0; ROW * ROW],
-            sums: vec![0.0; 8 * (2 * ROW * ROW + ROW)],
+            sums: vec![0.0; 8 * 2 * ROW * ROW],
         }
     }
 
@@ -135,71 +98,50 @@ impl Expansion {
 
     /// Moments of the loads, which the caller has padded to whole vectors, up to the order for `tolerance`.
     ///
-    /// `amplitude` multiplies the series. `center` and `radius` describe a ball around the load.
+    /// `amplitude` multiplies the series.
     #[inline(always)]
     pub(crate) fn fill<S: Simd>(
         &mut self,
         simd: S,
         loads: &PointLoads,
-        (center, radius): (Vector3<f64>, f64),
+        ball: LoadBall,
         amplitude: f64,
         tolerance: f64,
     ) {
-        self.center = center;
-        self.radius = radius;
+        self.ball = ball;
         let order = order_for(tolerance);
-        let used = 2 * ((order + 1) * (order + 2) / 2) + order / 2 + 1;
-        let lanes = S::F64_LANES;
-        self.sums[..used * lanes].fill(0.0);
-        let sums = S::as_mut_simd_f64s(&mut self.sums[..used * lanes]).0;
+        let used = (order + 1) * (order + 2) * S::F64_LANES;
+        self.sums[..used].fill(0.0);
+        let sums = S::as_mut_simd_f64s(&mut self.sums[..used]).0;
         let beta = &tables().beta;
-        let inverse = simd.splat_f64s(1.0 / radius);
-        let (cx, cy, cz) = (simd.splat_f64s(center.x), simd.splat_f64s(center.y), simd.splat_f64s(center.z));
-        let vectors = [&loads.x, &loads.y, &loads.z, &loads.share].map(|list| S::as_simd_f64s(list).0);
-        for (((&x, &y), &z), &share) in vectors[0].iter().zip(vectors[1]).zip(vectors[2]).zip(vectors[3]) {
-            let x = simd.mul_f64s(simd.sub_f64s(x, cx), inverse);
-            let y = simd.mul_f64s(simd.sub_f64s(y, cy), inverse);
-            let z = simd.mul_f64s(simd.sub_f64s(z, cz), inverse);
-            let r2 = simd.mul_add_f64s(x, x, simd.mul_add_f64s(y, y, simd.mul_f64s(z, z)));
+        for first in (0..loads.x.len()).step_by(S::F64_LANES) {
+            let (place, share) = loads.vector(simd, &ball, first);
+            let ([x, y, z], r2) = (place, dot(&place, &place));
             // share (x + iy)^m
-            let (mut re, mut im) = (share, simd.splat_f64s(0.0));
+            let (mut re, mut im) = (share, share.all(0.0));
             let mut at = 0;
             for m in 0..=order {
-                let (mut before, mut q) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+                let (mut before, mut q) = (share.all(0.0), share.all(1.0));
                 for l in m..=order {
-                    sums[at] = simd.mul_add_f64s(re, q, sums[at]);
-                    sums[at + 1] = simd.mul_add_f64s(im, q, sums[at + 1]);
+                    sums[at] = re.mul_add(q, Lanes::new(simd, sums[at])).v;
+                    sums[at + 1] = im.mul_add(q, Lanes::new(simd, sums[at + 1])).v;
                     at += 2;
                     let next = if l < order { beta[m * ROW + l + 1] } else { 0.0 };
-                    let pull = simd.mul_f64s(simd.mul_f64s(simd.splat_f64s(next), r2), before);
-                    (before, q) = (q, simd.sub_f64s(simd.mul_f64s(z, q), pull));
+                    (before, q) = (q, z * q - share.all(next) * r2 * before);
                 }
-                (re, im) = (
-                    simd.sub_f64s(simd.mul_f64s(re, x), simd.mul_f64s(im, y)),
-                    simd.add_f64s(simd.mul_f64s(re, y), simd.mul_f64s(im, x)),
-                );
+                (re, im) = (re * x - im * y, re * y + im * x);
             }
-            // share r^2k, k = 1 ..
-            let mut power = share;
-            for sum in &mut sums[at..at + order / 2 + 1] {
-                power = simd.mul_f64s(power, r2);
-                *sum = simd.add_f64s(*sum, power);
-            }
-        }
-        let mut totals = [0.0; 2 * ROW * ROW + ROW];
-        for (total, sum) in totals.iter_mut().zip(sums.iter()) {
-            *total = simd.reduce_sum_f64s(*sum);
         }
         let mut at = 0;
         for m in 0..=order {
             for l in m..=order {
-                let scale = tables().scale[m * ROW + l] * amplitude / radius;
-                self.cosine[m * ROW + l] = scale * totals[at];
-                self.sine[m * ROW + l] = scale * totals[at + 1];
+                let scale = tables().scale[m * ROW + l] * amplitude / ball.radius;
+                self.cosine[m * ROW + l] = scale * Lanes::new(simd, sums[at]).total();
+                self.sine[m * ROW + l] = scale * Lanes::new(simd, sums[at + 1]).total();
                 at += 2;
             }
         }
-        self.find_reach(order, totals[0], &totals[at..used], tolerance);
+        self.find_reach(order, &loads.radial_means(simd, &ball, order / 2 + 1), tolerance);
     }
 
     /// From where on each order keeps the tolerance.
@@ -208,22 +150,15 @@ impl Expansion {
     /// μ_l / R^l of 1/|x|, R = |x| / radius, and μ_(l+1) <= μ_l; the true value is at least
     /// 1 / √(|x|² + mean |y|²) by convexity. So the relative error of order p is at most
     /// `√(1 + μ_2/R²) μ_(p+1) / R^(p+1) / (1 - 1/R)`.
-    fn find_reach(&mut self, order: usize, total: f64, even: &[f64], tolerance: f64) {
-        let mean = |n: usize| match n {
-            0 => 1.0,
-            n if n % 2 == 0 => even[n / 2 - 1] / total,
-            // log-convex in n
-            1 => (even[0] / total).sqrt(),
-            n => (even[n / 2 - 1] * even[n.div_ceil(2) - 1]).sqrt() / total,
-        };
+    fn find_reach(&mut self, order: usize, means: &RadialMeans, tolerance: f64) {
         let tolerance = tolerance.max(f64::EPSILON);
         self.reach.clear();
         for &p in LADDER.iter().rev().filter(|&&p| p <= order) {
             let n = p + 1;
             let power = 1.0 / n as f64;
-            let moment = (mean(n) / tolerance).powf(power);
+            let moment = (means.at(n) / tolerance).powf(power);
             let least = |ratio: f64| {
-                let factor = (1.0 + mean(2) / (ratio * ratio)).sqrt() / (1.0 - 1.0 / ratio);
+                let factor = (1.0 + means.at(2) / (ratio * ratio)).sqrt() / (1.0 - 1.0 / ratio);
                 moment * factor.powf(power)
             };
             // The bound holds where ratio >= least(ratio), which falls: from a ratio that is surely large
@@ -231,7 +166,7 @@ impl Expansion {
             let safe = (moment * 4f64.powf(power)).max(1.5);
             let below = least(safe).max(1.1);
             let ratio = least(below).max(below).min(safe);
-            let distance = ratio * self.radius;
+            let distance = ratio * self.ball.radius;
             self.reach.push((p, distance * distance));
         }
         // A lower order that reaches no farther than a higher one is the better choice there.
@@ -257,61 +192,57 @@ impl Expansion {
     #[inline(always)]
     pub(crate) fn evaluate<S: Simd>(
         &self,
-        simd: S,
         order: usize,
-        x: [S::f64s; TOGETHER],
-        y: [S::f64s; TOGETHER],
-        z: [S::f64s; TOGETHER],
-    ) -> [S::f64s; TOGETHER] {
-        let one = simd.splat_f64s(1.0);
-        let zero = simd.splat_f64s(0.0);
-        let inverse_radius = simd.splat_f64s(1.0 / self.radius);
+        points: &[[Lanes<S>; 3]; VECTORS_AT_ONCE],
+    ) -> [Lanes<S>; VECTORS_AT_ONCE] {
+        let any = points[0][0];
+        let (zero, one, inverse_radius) = (any.all(0.0), any.all(1.0), any.all(1.0 / self.ball.radius));
         // w = (x + iy) / r², u = z / r², v = 1 / r², all scaled by the radius
-        let (mut wx, mut wy, mut u, mut v) =
-            ([zero; TOGETHER], [zero; TOGETHER], [zero; TOGETHER], [zero; TOGETHER]);
-        for k in 0..TOGETHER {
-            let x = simd.mul_f64s(x[k], inverse_radius);
-            let y = simd.mul_f64s(y[k], inverse_radius);
-            let z = simd.mul_f64s(z[k], inverse_radius);
-            let r2 = simd.mul_add_f64s(x, x, simd.mul_add_f64s(y, y, simd.mul_f64s(z, z)));
-            v[k] = simd.div_f64s(one, r2);
-            wx[k] = simd.mul_f64s(x, v[k]);
-            wy[k] = simd.mul_f64s(y, v[k]);
-            u[k] = simd.mul_f64s(z, v[k]);
+        let (mut wx, mut wy, mut u, mut v) = (
+            [zero; VECTORS_AT_ONCE],
+            [zero; VECTORS_AT_ONCE],
+            [zero; VECTORS_AT_ONCE],
+            [zero; VECTORS_AT_ONCE],
+        );
+        for k in 0..VECTORS_AT_ONCE {
+            let [x, y, z] = points[k];
+            let place = [x * inverse_radius, y * inverse_radius, z * inverse_radius];
+            v[k] = one / dot(&place, &place);
+            wx[k] = place[0] * v[k];
+            wy[k] = place[1] * v[k];
+            u[k] = place[2] * v[k];
         }
         let beta = &tables().beta;
         // Horner in w over m of Σ_l (C_lm - i S_lm) q_lm
-        let (mut re, mut im) = ([zero; TOGETHER], [zero; TOGETHER]);
+        let (mut re, mut im) = ([zero; VECTORS_AT_ONCE], [zero; VECTORS_AT_ONCE]);
         for m in (0..=order).rev() {
             let row = m * ROW + m..m * ROW + order + 1;
             let (cosine, sine, beta) = (&self.cosine[row.clone()], &self.sine[row.clone()], &beta[row]);
-            let (mut a, mut b) =
-                ([simd.splat_f64s(cosine[0]); TOGETHER], [simd.splat_f64s(sine[0]); TOGETHER]);
-            let (mut before, mut q) = ([one; TOGETHER], u);
+            let (mut a, mut b) = ([any.all(cosine[0]); VECTORS_AT_ONCE], [any.all(sine[0]); VECTORS_AT_ONCE]);
+            let (mut before, mut q) = ([one; VECTORS_AT_ONCE], u);
             for l in 1..cosine.len() {
-                let (c, s) = (simd.splat_f64s(cosine[l]), simd.splat_f64s(sine[l]));
+                let (c, s) = (any.all(cosine[l]), any.all(sine[l]));
                 if l > 1 {
-                    let pull = simd.splat_f64s(beta[l]);
-                    for k in 0..TOGETHER {
-                        let t = simd.mul_f64s(simd.mul_f64s(pull, v[k]), before[k]);
-                        (before[k], q[k]) = (q[k], simd.sub_f64s(simd.mul_f64s(u[k], q[k]), t));
+                    let pull = any.all(beta[l]);
+                    for k in 0..VECTORS_AT_ONCE {
+                        (before[k], q[k]) = (q[k], u[k] * q[k] - pull * v[k] * before[k]);
                     }
                 }
-                for k in 0..TOGETHER {
-                    a[k] = simd.mul_add_f64s(c, q[k], a[k]);
-                    b[k] = simd.mul_add_f64s(s, q[k], b[k]);
+                for k in 0..VECTORS_AT_ONCE {
+                    a[k] = c.mul_add(q[k], a[k]);
+                    b[k] = s.mul_add(q[k], b[k]);
                 }
             }
-            for k in 0..TOGETHER {
-                let next = simd.sub_f64s(simd.mul_add_f64s(re[k], wx[k], a[k]), simd.mul_f64s(im[k], wy[k]));
-                im[k] = simd.mul_add_f64s(re[k], wy[k], simd.sub_f64s(simd.mul_f64s(im[k], wx[k]), b[k]));
+            for k in 0..VECTORS_AT_ONCE {
+                let next = re[k].mul_add(wx[k], a[k]) - im[k] * wy[k];
+                im[k] = re[k].mul_add(wy[k], im[k] * wx[k] - b[k]);
                 re[k] = next;
             }
         }
-        let mut value = [zero; TOGETHER];
-        for k in 0..TOGETHER {
-            value[k] = simd.mul_f64s(re[k], simd.sqrt_f64s(v[k]));
+        // no closure: it would not be compiled for the machine's vectors
+        for k in 0..VECTORS_AT_ONCE {
+            re[k] = re[k] * v[k].sqrt();
         }
-        value
+        re
     }
 }

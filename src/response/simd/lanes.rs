@@ -42,6 +42,23 @@ impl<S: Simd> Lanes<S> {
         S::as_mut_simd_f64s(&mut list[first..first + S::F64_LANES]).0[0] = self.v;
     }
 
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        Self::new(self.simd, self.simd.min_f64s(self.v, other.v))
+    }
+
+    /// The smallest of the lanes.
+    #[inline(always)]
+    pub(crate) fn least(self) -> f64 {
+        self.simd.reduce_min_f64s(self.v)
+    }
+
+    /// Sum of the lanes.
+    #[inline(always)]
+    pub(crate) fn total(self) -> f64 {
+        self.simd.reduce_sum_f64s(self.v)
+    }
+
     /// The same number in all lanes.
     #[inline(always)]
     pub(crate) fn all(self, value: f64) -> Self {
@@ -110,6 +127,12 @@ impl<S: Simd> Mask<S> {
         let (yes, no) = (self.simd.transmute_u64s_f64s(yes.v), self.simd.transmute_u64s_f64s(no.v));
         Lanes::new(self.simd, self.simd.transmute_f64s_u64s(self.simd.select_u64s(self.m, yes, no)))
     }
+}
+
+/// Scalar product of two vectors.
+#[inline(always)]
+pub(crate) fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 macro_rules! operator {
