@@ -29,10 +29,11 @@ def grid(cells: int, spacing: float) -> tuple[NDArray[np.float64], NDArray[np.in
 
 def main() -> None:
     """Measure, print, draw."""
-    modulus = 2 * SHEAR_MODULUS / (1 - POISSON_RATIO)
-    contact_radius = np.sqrt(RADIUS * APPROACH)
-    force = 4 / 3 * modulus * np.sqrt(RADIUS) * APPROACH**1.5
-    peak = 2 / np.pi * modulus * np.sqrt(APPROACH / RADIUS)
+    modulus = qr.reference.contact_modulus(shear_modulus=SHEAR_MODULUS, poisson_ratio=POISSON_RATIO)
+    hertz = qr.reference.Hertz(radius=RADIUS, contact_modulus=modulus)
+    contact_radius, force, peak = (
+        figure(APPROACH) for figure in (hertz.contact_radius, hertz.force, hertz.max_pressure)
+    )
     skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=POISSON_RATIO, response=qr.HalfSpace())
     sphere = qr.Obstacle.sphere([0, 0, RADIUS - APPROACH], RADIUS)
     rows = []

@@ -15,17 +15,10 @@ UP = np.array([0.0, 0.0, 1.0])
 PLATE = qr.Obstacle.half_space([0, 0, -0.2], UP)
 Floats = NDArray[np.float64]
 
-# Force (N) of a flat plate on a sphere of 8 mm with a rigid core of 3 mm at four depths (m): axisymmetric
-# finite elements and the exact series of the shell, which agree to 0.2 %.
-DEPTHS = (0.1e-3, 0.3e-3, 0.6e-3, 1.12e-3)
-SPHERE_FORCES = {
-    0.5: (0.0308, 0.1685, 0.495, 1.297),
-    0.495: (0.0306, 0.1670, 0.491, 1.288),
-    0.3: (0.0224, 0.125, 0.376, 1.020),
-}
+CONTACT_MODULUS = qr.reference.contact_modulus(shear_modulus=G, poisson_ratio=0.5)
 FORMS: tuple[Literal["collocation", "galerkin"], ...] = ("collocation", "galerkin")
-# h f / K of a flat incompressible layer at r / h (Hankel transform).
-LAYER = {1.0: -0.12570, 2.0: -0.05275, 3.0: -0.01672}
+# h u / K of a flat incompressible layer at r / h.
+LAYER = {r: u for r, u in qr.reference.point_load_on_layer().items() if r >= 1.0}
 
 
 def drawn_sphere(radius: float, subdivisions: int, draw: float) -> qr.Surface:
@@ -91,12 +84,9 @@ def lattice(cells: int, edges: Floats, shift: Floats, jitter: Floats) -> qr.Surf
 def against_hertz() -> list[str]:
     """Measure force, peak and area of a sphere on flat skin in both forms of the half-space."""
     radius, depth = 200.0, 0.5e-3
-    touching, modulus = np.sqrt(radius * depth), 2 * G / 0.5
-    hertz = [
-        4 / 3 * modulus * np.sqrt(radius) * depth**1.5,
-        2 / np.pi * modulus * np.sqrt(depth / radius),
-        np.pi * touching**2,
-    ]
+    known = qr.reference.Hertz(radius=radius, contact_modulus=CONTACT_MODULUS)
+    touching = known.contact_radius(depth)
+    hertz = [known.force(depth), known.max_pressure(depth), np.pi * touching**2]
     sphere = qr.Obstacle.sphere([0, 0, radius - depth], radius)
     skins = [
         qr.Skin(shear_modulus=G, poisson_ratio=0.5, response=qr.HalfSpace(discretization=discretization))
@@ -128,12 +118,15 @@ def against_hertz() -> list[str]:
 def sphere_with_core() -> list[str]:
     """Measure forces against finite elements, and how the error falls under refinement."""
     skin, bone = drawn_sphere(8e-3, 3, 4.0), drawn_sphere(3e-3, 2, 2.0)
-    lines = ["| nu | " + " | ".join(f"{depth * 1e3:g} mm" for depth in DEPTHS) + " |"]
-    lines.append("|---|" + "---|" * len(DEPTHS))
-    for nu, forces in SPHERE_FORCES.items():
+    known = qr.reference.plate_on_cored_sphere()
+    depths = known[0].indentations
+    lines = ["| nu | " + " | ".join(f"{depth * 1e3:g} mm" for depth in depths) + " |"]
+    lines.append("|---|" + "---|" * len(depths))
+    for sphere in known:
+        nu = sphere.poisson_ratio
         prepared = body(skin, nu, near_pole(skin, 1.5e-3), bone=bone)
         cells = []
-        for depth, true in zip(DEPTHS, forces, strict=True):
+        for depth, true in sphere.indentations.items():
             force = qr.press(skin, PLATE, prepared, UP, depth=depth).force[2]
             cells.append(f"{force:.4f} of {true:.4f} N ({force / true - 1:+.1%})")
         lines.append(f"| {nu} | " + " | ".join(cells) + " |")
@@ -144,7 +137,7 @@ def sphere_with_core() -> list[str]:
         skin, bone = drawn_sphere(8e-3, subdivisions, 3.0), drawn_sphere(3e-3, subdivisions, 1.0)
         prepared = body(skin, 0.5, near_pole(skin, 1.8e-3), bone=bone)
         force = qr.press(skin, PLATE, prepared, UP, depth=1.12e-3).force[2]
-        error = force / 1.297 - 1
+        error = force / known[0].indentations[1.12e-3] - 1
         rate = f"{np.log2(abs(last / error)):.1f}" if last else "-"
         lines.append(f"| {len(skin.vertices)} | {force:.4f} | {error:+.2%} | {rate} |")
         last = error
@@ -200,10 +193,10 @@ def near_field() -> list[str]:
     lines += ["| contact radius / R | force off Hertz |", "|---|---|"]
     skin = drawn_sphere(8e-3, 3, 16.0)
     prepared = body(skin, 0.5, near_pole(skin, 0.3e-3), fixed=skin.vertices[:, 2] > -3e-3)
+    hertz = qr.reference.Hertz(radius=8e-3, contact_modulus=CONTACT_MODULUS)
     for depth in (160e-6, 80e-6, 40e-6):
         force = qr.press(skin, PLATE, prepared, UP, depth=depth).force[2]
-        hertz = 4 / 3 * (2 * G / 0.5) * np.sqrt(8e-3) * depth**1.5
-        lines.append(f"| {np.sqrt(depth / 8e-3):.2f} | {force / hertz - 1:+.1%} |")
+        lines.append(f"| {hertz.contact_radius(depth) / 8e-3:.2f} | {force / hertz.force(depth) - 1:+.1%} |")
     return lines
 
 

@@ -69,7 +69,7 @@ from .surface import Repair, Surface, repair, skin_without_caps
 if _TYPE_CHECKING:
     from types import ModuleType as _ModuleType
 
-    from . import io, plot
+    from . import io, plot, reference
 
 __all__ = [
     "Accuracy",
@@ -128,6 +128,7 @@ __all__ = [
     "read_mesh",
     "read_obstacle",
     "read_surface",
+    "reference",
     "repair",
     "response_matrix",
     "skin_without_caps",
@@ -138,7 +139,7 @@ __all__ = [
 
 def __getattr__(name: str) -> "_ModuleType":
     """Import what is used by some alone when it is first asked for."""
-    if name in ("io", "plot"):
+    if name in ("io", "plot", "reference"):
         return _import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

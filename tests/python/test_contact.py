@@ -10,6 +10,9 @@ import quasirigid as qr
 from shapes import ball, grid
 
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+RADIUS, APPROACH = 0.2, 0.5e-3
+MODULUS = qr.reference.contact_modulus(shear_modulus=60e3, poisson_ratio=0.5)
+HERTZ = qr.reference.Hertz(radius=RADIUS, contact_modulus=MODULUS)
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 
 
@@ -27,16 +30,13 @@ def contact() -> qr.Contact:
 
 
 def test_a_sphere_on_flat_skin_gives_hertz(contact: qr.Contact) -> None:
-    radius, approach, cells = 0.2, 0.5e-3, 8
-    spacing = np.sqrt(radius * approach) / cells
-    surface = qr.Surface(*grid(24, spacing))
-    sphere = qr.Obstacle.sphere([0, 0, radius - approach], radius)
-    hertz = qr.solve_contact(surface, sphere, SKIN)
-    modulus = 2 * 60e3 / (1 - 0.5)
+    cells = 8
+    surface = qr.Surface(*grid(3 * cells, HERTZ.contact_radius(APPROACH) / cells))
+    sphere = qr.Obstacle.sphere([0, 0, RADIUS - APPROACH], RADIUS)
+    pressed = qr.solve_contact(surface, sphere, SKIN)
     # The true sphere differs by 0.1 % from Hertz's parabola, the mesh by 0.1 % at 8 cells.
-    assert -hertz.force[2] == pytest.approx(4 / 3 * modulus * radius**0.5 * approach**1.5, rel=2e-3)
-    peak = 2 / np.pi * modulus * np.sqrt(approach / radius)
-    assert hertz.max_pressure == pytest.approx(peak, rel=5e-3)
+    assert -pressed.force[2] == pytest.approx(HERTZ.force(APPROACH), rel=2e-3)
+    assert pressed.max_pressure == pytest.approx(HERTZ.max_pressure(APPROACH), rel=5e-3)
 
 
 def test_the_arrays_add_up_to_the_scalars(contact: qr.Contact) -> None:
@@ -189,21 +189,19 @@ def test_condition_and_definiteness_are_known_when_cheap_or_asked_for(contact: q
 
 
 def test_the_galerkin_form_nears_hertz_with_a_symmetric_matrix() -> None:
-    radius, approach = 0.2, 0.5e-3
-    hertz = 4 / 3 * (2 * 60e3 / 0.5) * radius**0.5 * approach**1.5
     response = qr.HalfSpace(discretization="galerkin")
     skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
     errors = []
     for cells in (5, 10):
-        surface = qr.Surface(*grid(3 * cells, np.sqrt(radius * approach) / cells))
-        sphere = qr.Obstacle.sphere([0, 0, radius - approach], radius)
+        surface = qr.Surface(*grid(3 * cells, HERTZ.contact_radius(APPROACH) / cells))
+        sphere = qr.Obstacle.sphere([0, 0, RADIUS - APPROACH], RADIUS)
         galerkin = qr.solve_contact(surface, sphere, skin)
-        errors.append(abs(-galerkin.force[2] / hertz - 1))
+        errors.append(abs(-galerkin.force[2] / HERTZ.force(APPROACH) - 1))
         matrix = qr.response_matrix(surface, skin, galerkin.candidates)
         np.testing.assert_array_equal(matrix, matrix.T)
         assert qr.definiteness(matrix).positive_definite
         # A vertex may keep a penetration, of the order of the mesh error h^2 / 2 R.
-        assert galerkin.max_penetration_after < 2 * approach / (2 * cells**2)
+        assert galerkin.max_penetration_after < 2 * APPROACH / (2 * cells**2)
     # A true sphere is 0.15 % softer than Hertz's parabola at this depth; the mesh adds less.
     assert max(errors) < 3e-3
 

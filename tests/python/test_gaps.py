@@ -28,7 +28,8 @@ def test_a_contact_of_ones_own_has_the_force_of_hertz(discretization: qr.Discret
     skin, nodes = half_space(discretization), np.arange(len(surface.vertices))
     q = qr.initial_gaps(surface, skin, nodes, parabola)
     force = qr.solve_lcp(qr.response_matrix(surface, skin, nodes), q).z.sum()
-    hertz = 4 / 3 * (2 * 60e3 / 0.5) * RADIUS**0.5 * DEPTH**1.5
+    modulus = qr.reference.contact_modulus(shear_modulus=60e3, poisson_ratio=0.5)
+    hertz = qr.reference.Hertz(radius=RADIUS, contact_modulus=modulus).force(DEPTH)
     # of the error of the gap at vertices, h^2/6R of the depth, 1.5 times as much would be left in the force
     assert force == pytest.approx(hertz, rel=0.5 * 1.5 * SPACING**2 / (6 * RADIUS) / DEPTH)
 
