@@ -11,7 +11,7 @@ use faer::Mat;
 use nalgebra::Vector3;
 use quasirigid::response::{
     AssemblyOptions, Discretization, Kernel, KernelSkin, PressureBasis, assemble, assemble_block,
-    balanced_height, definiteness,
+    balanced_height, spectrum,
 };
 use quasirigid::surface::Surface;
 use std::time::Instant;
@@ -180,8 +180,8 @@ fn table(quick: bool) {
     for (name, skin) in kernels() {
         let r =
             assemble(&surface, &skin, &nodes, None, &AssemblyOptions::default()).expect("a valid request");
-        let found = definiteness(r.as_ref());
-        println!("{name:<22} definite {:<5} condition {:.2e}", found.positive_definite, found.condition);
+        let found = spectrum(r.as_ref());
+        println!("{name:<22} definite {:<5} condition {:.2e}", found.is_positive_definite(), found.condition);
     }
 }
 

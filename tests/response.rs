@@ -7,8 +7,8 @@ use nalgebra::{Isometry3, Vector3};
 use quasirigid::lcp::{self, LcpMethod, LcpOptions, LcpProblem, LcpStatus};
 use quasirigid::response::{
     AssemblyOptions, Discretization, Kernel, KernelSkin, LayerKernel, PressureBasis, ResponseError,
-    Thickness, assemble, assemble_block, definiteness, gaussian_hat_integrals, hat_integrals, matrix_bytes,
-    pressure_average,
+    Thickness, assemble, assemble_block, gaussian_hat_integrals, hat_integrals, matrix_bytes,
+    pressure_average, spectrum,
 };
 use quasirigid::surface::Surface;
 use std::f64::consts::PI;
@@ -329,8 +329,8 @@ fn patches_of_real_fingers_are_positive_definite_in_both_forms() {
         let options = AssemblyOptions::default();
         for skin in [skin(HALF_SPACE), galerkin()] {
             let r = assemble(&surface, &skin, &nodes, None, &options).expect("valid");
-            let found = definiteness(r.as_ref());
-            assert!(found.positive_definite && found.condition < 1e3, "{name}: {found:?}");
+            let found = spectrum(r.as_ref());
+            assert!(found.is_positive_definite() && found.condition < 1e3, "{name}: {found:?}");
             println!("{name}: {found:?}");
         }
     }
@@ -352,8 +352,8 @@ fn weighted_matrices_are_symmetric_positive_definite_on_any_mesh() {
     ] {
         let r = matrix(&surface, &galerkin(), 1e-6);
         assert!((0..r.ncols()).all(|j| (0..j).all(|i| r[(i, j)] == r[(j, i)])));
-        let found = definiteness(r.as_ref());
-        assert!(found.positive_definite && found.smallest > 0.0, "{found:?}");
+        let found = spectrum(r.as_ref());
+        assert!(found.is_positive_definite() && found.smallest > 0.0, "{found:?}");
     }
 }
 

@@ -1,35 +1,7 @@
 //! How good an answer is, measured against M and q as given.
 
 use crate::lcp::problem::LcpProblem;
-
-/// What is known of M.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Definiteness {
-    /// The symmetric part is positive definite, beyond rounding, on the rows that can leave zero; the solution is
-    /// unique.
-    PositiveDefinite,
-    /// The caller states that every principal minor is positive; the solution is unique.
-    PMatrix,
-    /// The symmetric part has a negative eigenvalue, beyond rounding, or a diagonal entry that is not positive; there
-    /// may be several solutions or none.
-    NotPositiveDefinite,
-    /// Singular to rounding, so that neither can be told; or not looked at, as that would have cost more than the
-    /// solve or was not asked for.
-    Unknown,
-}
-
-impl Definiteness {
-    /// The name used in reports.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::PositiveDefinite => "positive_definite",
-            Self::PMatrix => "p_matrix",
-            Self::NotPositiveDefinite => "not_positive_definite",
-            Self::Unknown => "unknown",
-        }
-    }
-}
+use crate::linalg::definiteness::Definiteness;
 
 /// Measures of an answer, all dimensionless and unchanged when M or q is scaled.
 ///
@@ -42,17 +14,25 @@ pub struct Certificate {
     pub complementarity: f64,
     /// `max(-w_i, 0) / delta`.
     pub infeasibility: f64,
-    /// What is known of M.
+    /// What is known of M on the rows that can leave zero.
     pub definiteness: Definiteness,
+    /// Whether the caller stated that every principal minor of M is positive.
+    pub known_p_matrix: bool,
 }
 
 impl Certificate {
     /// Measures `z` with `w = M z + q` as recomputed from the problem.
     pub(super) fn measure(problem: &LcpProblem, z: &[f64], w: &[f64]) -> Self {
-        let definiteness = if problem.known_p_matrix { Definiteness::PMatrix } else { Definiteness::Unknown };
+        let exact = Self {
+            natural_residual: 0.0,
+            complementarity: 0.0,
+            infeasibility: 0.0,
+            definiteness: problem.known_definiteness,
+            known_p_matrix: problem.known_p_matrix,
+        };
         let delta = problem.deficit();
         if delta == 0.0 {
-            return Self { natural_residual: 0.0, complementarity: 0.0, infeasibility: 0.0, definiteness };
+            return exact;
         }
         let (mut natural, mut products, mut infeasibility, mut total) = (0.0, 0.0, 0.0, 0.0);
         for (i, (&z, &w)) in z.iter().zip(w).enumerate() {
@@ -69,12 +49,12 @@ impl Certificate {
         let mean = (0..n).map(|i| problem.diagonal_scale(i) / n as f64).sum::<f64>();
         let load = if mean > 0.0 { (delta / mean).max(total) } else { total };
         let complementarity = if products == 0.0 { 0.0 } else { products / load };
-        Self { natural_residual: natural, complementarity, infeasibility, definiteness }
+        Self { natural_residual: natural, complementarity, infeasibility, ..exact }
     }
 
     /// Whether the solution is known to be the only one.
     pub fn is_unique(&self) -> bool {
-        matches!(self.definiteness, Definiteness::PositiveDefinite | Definiteness::PMatrix)
+        self.known_p_matrix || self.definiteness == Definiteness::PositiveDefinite
     }
 }
 

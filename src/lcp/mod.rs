@@ -44,7 +44,6 @@
 pub(crate) mod basis;
 pub(crate) mod block_pivoting;
 pub(crate) mod certificate;
-pub(crate) mod definite;
 pub(crate) mod lemke;
 pub(crate) mod methods;
 pub(crate) mod options;
@@ -60,7 +59,8 @@ pub(crate) mod solve;
 pub(crate) mod symmetry;
 pub(crate) mod touched_columns;
 
-pub use certificate::{Certificate, Definiteness};
+pub use crate::linalg::definiteness::Definiteness;
+pub use certificate::Certificate;
 pub use options::{DefinitenessCheck, LcpMethod, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
 pub use ray::{LcpRay, RayConclusion};

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use faer::MatRef;
 
 use crate::lcp::row_extremes::{first_non_finite, row_extremes};
+use crate::linalg::definiteness::Definiteness;
 use crate::linalg::kernels::Extremes;
 
 /// Why a problem or its options were rejected.
@@ -104,6 +105,7 @@ pub struct LcpProblem<'a> {
     pub(super) m: MatRef<'a, f64>,
     pub(super) q: &'a [f64],
     pub(super) known_p_matrix: bool,
+    pub(super) known_definiteness: Definiteness,
     diagonal: OnceLock<Vec<f64>>,
     /// What is known of the rows of M, once all of it has been looked at.
     extremes: OnceLock<Extremes>,
@@ -120,7 +122,14 @@ impl<'a> LcpProblem<'a> {
             return Err(LcpError::NotSquare { rows: n, columns: m.ncols() });
         }
         check_vector("q", q, n)?;
-        Ok(Self { m, q, known_p_matrix: false, diagonal: OnceLock::new(), extremes: OnceLock::new() })
+        Ok(Self {
+            m,
+            q,
+            known_p_matrix: false,
+            known_definiteness: Definiteness::Unknown,
+            diagonal: OnceLock::new(),
+            extremes: OnceLock::new(),
+        })
     }
 
     /// States that every principal minor of M is positive, so that the solution exists and is unique.
@@ -131,6 +140,18 @@ impl<'a> LcpProblem<'a> {
     pub fn with_known_p_matrix(mut self) -> Self {
         self.known_p_matrix = true;
         self
+    }
+
+    /// States what is known of M, so that no solve examines it.
+    #[must_use]
+    pub(crate) fn with_known_definiteness(mut self, definiteness: Definiteness) -> Self {
+        self.known_definiteness = definiteness;
+        self
+    }
+
+    /// Whether the caller stated what would be examined.
+    pub(super) fn is_known(&self) -> bool {
+        self.known_p_matrix || self.known_definiteness != Definiteness::Unknown
     }
 
     /// Number of unknowns.

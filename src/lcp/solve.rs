@@ -1,12 +1,12 @@
 //! One entry for every method: look at what must be looked at, run, check against the problem as given.
 
-use crate::lcp::certificate::{Certificate, Definiteness};
-use crate::lcp::definite;
+use crate::lcp::certificate::Certificate;
 use crate::lcp::options::{DefinitenessCheck, LcpMethod, LcpOptions};
 use crate::lcp::outcome::Outcome;
 use crate::lcp::problem::{LcpError, LcpProblem};
 use crate::lcp::reduced::{Reduced, rows_that_matter};
 use crate::lcp::solution::{LcpAttempt, LcpSolution, LcpStatus};
+use crate::linalg::definiteness::{Definiteness, definiteness};
 
 /// Rows up to which all of M is read first: that costs next to nothing and leaves the fewest unknowns.
 const FEW_ROWS: usize = 64;
@@ -36,7 +36,7 @@ pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> R
     if problem.deficit() == 0.0 {
         let zero = Outcome::zero(LcpStatus::Solved, 0);
         let mut solution = run.conclude(method, &zero, vec![0.0; n]);
-        if options.definiteness == DefinitenessCheck::Always && !problem.known_p_matrix {
+        if options.definiteness == DefinitenessCheck::Always && !problem.is_known() {
             solution.certificate.definiteness = run.definiteness(0.0)?;
         }
         return Ok(solution);
@@ -58,7 +58,7 @@ pub fn solve(problem: &LcpProblem, method: LcpMethod, options: &LcpOptions) -> R
     if solution.status != LcpStatus::Solved && problem.rows(&|| options.is_interrupted())?.is_none() {
         return Ok(run.stopped(method));
     }
-    if !problem.known_p_matrix {
+    if !problem.is_known() {
         solution.certificate.definiteness = run.definiteness(work)?;
     }
     Ok(solution)
@@ -193,7 +193,7 @@ impl<'a> Run<'a> {
         if (0..q.len()).any(|i| !is_kept[i] && q[i] == 0.0 && m[(i, i)] == 0.0) {
             return Ok(Definiteness::Unknown);
         }
-        Ok(definite::definiteness(m, &kept, &interrupted))
+        Ok(definiteness(m, &kept, &interrupted))
     }
 }
 

@@ -1,7 +1,10 @@
-//! Dense linear algebra that faer has not: vector loops chosen at run time, factors in panels that can be interrupted.
+//! Dense linear algebra that faer has not: vector loops chosen at run time, factors in panels that can be interrupted,
+//! definiteness beyond rounding.
 
 pub(crate) mod cholesky;
+pub(crate) mod definiteness;
 pub(crate) mod dense;
 pub(crate) mod factor;
 pub(crate) mod kernels;
+pub(crate) mod lanczos;
 pub(crate) mod lu;

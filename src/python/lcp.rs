@@ -129,7 +129,10 @@ impl PyLcpSolution {
             natural_residual: solution.certificate.natural_residual,
             complementarity: solution.certificate.complementarity,
             infeasibility: solution.certificate.infeasibility,
-            definiteness: solution.certificate.definiteness.as_str(),
+            definiteness: match solution.certificate.definiteness {
+                _ if solution.certificate.known_p_matrix => "p_matrix",
+                found => found.as_str(),
+            },
             is_unique: solution.certificate.is_unique(),
         };
         let values = Self {

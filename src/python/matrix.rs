@@ -63,9 +63,9 @@ pub(super) fn definiteness(py: Python<'_>, matrix: &Bound<'_, PyAny>) -> PyResul
     if !view.is_all_finite() {
         return Err(PyValueError::new_err("`matrix` has entries that are not finite"));
     }
-    let found = py.detach(|| response::definiteness(view));
+    let found = py.detach(|| response::spectrum(view));
     Ok(PyDefiniteness {
-        positive_definite: found.positive_definite,
+        positive_definite: found.is_positive_definite(),
         smallest: found.smallest,
         largest: found.largest,
         condition: found.condition,

@@ -12,7 +12,7 @@
 //! series takes over, whose order follows from a bound on the relative error of each entry.
 //!
 //! Which form to take: the node form ([`Discretization::Collocation`]) leaves no penetration at vertices and is cheapest; on finger
-//! pads its symmetric part has a condition number of some 30 and is positive definite. Where [`definiteness`]
+//! pads its symmetric part has a condition number of some 30 and is positive definite. Where [`spectrum`]
 //! says that it is not (badly shaped triangles), the weighted form ([`Discretization::Galerkin`]) is, on any surface (a layer:
 //! on any flat one), with a condition number of some 90 and at 30 times the time.
 //!
@@ -28,6 +28,7 @@ pub(crate) mod series;
 pub(crate) mod simd;
 pub(crate) mod skin;
 
+pub use crate::linalg::definiteness::{Definiteness, Spectrum, spectrum};
 pub use error::ResponseError;
 pub use integral::gaussian::gaussian_hat_integrals;
 pub use integral::hat::hat_integrals;
@@ -37,7 +38,6 @@ pub use kernel::skin::{Kernel, KernelSkin};
 pub use kernel::thickness::Thickness;
 pub use matrix::average::{initial_gaps, pressure_average};
 pub use matrix::collocation::{assemble, assemble_block};
-pub use matrix::definiteness::{Definiteness, definiteness};
 pub use matrix::net_volume::{NetVolume, balanced_height, net_volume};
 pub use matrix::options::{AssemblyOptions, matrix_bytes};
 pub use skin::combined::{CombinedSkin, Part};

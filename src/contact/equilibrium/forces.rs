@@ -6,7 +6,7 @@ use crate::contact::candidate::fingers::Fingers;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
-use crate::response::matrix::definiteness::Definiteness;
+use crate::linalg::definiteness::Spectrum;
 
 /// Forces, and which vertices feel them.
 #[derive(Debug, Clone, Copy)]
@@ -38,8 +38,8 @@ pub(crate) struct NodeForces {
     pub normal: Vec<Vector3<f64>>,
     /// One solution per uncoupled group of candidates.
     pub solutions: Vec<LcpSolution>,
-    /// What is known of each group's response matrix, where it was examined.
-    pub definiteness: Vec<Option<Definiteness>>,
+    /// Extreme eigenvalues of each group's response matrix, where it was examined.
+    pub spectra: Vec<Option<Spectrum>>,
     /// First ending other than `Solved`.
     pub failure: Option<LcpStatus>,
 }
@@ -56,7 +56,7 @@ impl NodeForces {
             vectors: vec![Vector3::zeros(); vertex_count],
             normal: at_candidates.normal,
             solutions: Vec::new(),
-            definiteness: Vec::new(),
+            spectra: Vec::new(),
             failure: None,
             candidates,
         }

@@ -16,7 +16,7 @@ use crate::lcp::options::LcpOptions;
 use crate::lcp::problem::LcpProblem;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::solve as lcp;
-use crate::response::matrix::definiteness::definiteness;
+use crate::linalg::definiteness::{Definiteness, spectrum};
 
 /// Rings added to the penetrating vertices where a response has negative entries (Xie, Kanai, Date 2011, §2.5).
 const DEFAULT_RINGS: usize = 3;
@@ -83,18 +83,20 @@ fn solve_on(
         let started = Instant::now();
         let matrix = response.matrix(&group, &gaps.at(&group)?.normal)?;
         report.clock("response", started);
+        let examined = options.condition || group.len() <= EXAMINED_SIZE;
+        let spectrum = examined.then(|| spectrum(matrix.as_ref()));
+        let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
+        forces.spectra.push(spectrum);
         let started = Instant::now();
         let row = |vertex: &usize| forces.candidates.binary_search(vertex).expect("groups are of candidates");
         let q: Vec<f64> = group.iter().map(|vertex| initial_gap[row(vertex)]).collect();
-        let problem = LcpProblem::new(matrix.as_ref(), &q)?;
+        let problem = LcpProblem::new(matrix.as_ref(), &q)?.with_known_definiteness(definiteness);
         let lcp_options = LcpOptions { interrupt: options.interrupt, ..LcpOptions::default() };
         let solution = lcp::solve(&problem, options.method, &lcp_options)?;
         report.clock("lcp", started);
         if solution.status == LcpStatus::Interrupted {
             return Err(ContactError::Interrupted { stage: "lcp" });
         }
-        let examined = options.condition || group.len() <= EXAMINED_SIZE;
-        forces.definiteness.push(examined.then(|| definiteness(matrix.as_ref())));
         forces.adopt(&group, solution);
     }
     forces.settle();

@@ -1,9 +1,8 @@
 //! How far the figures of a contact can be trusted.
 
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::lcp::certificate::Definiteness;
 use crate::lcp::solution::LcpSolution;
-use crate::response;
+use crate::linalg::definiteness::{Definiteness, Spectrum};
 use crate::surface::checked::Surface;
 
 /// How far the figures of a contact can be trusted, by source of error.
@@ -51,8 +50,8 @@ impl Accuracy {
             natural_residual: worst(|solution| solution.natural_residual),
             complementarity: worst(|solution| solution.complementarity),
             integration_tolerance: tolerance,
-            condition: worst_condition(&forces.definiteness),
-            definite: definiteness(solutions, &forces.definiteness),
+            condition: worst_condition(&forces.spectra),
+            definite: definite(solutions, &forces.spectra),
             cells_per_radius: if edges == 0 { 0.0 } else { radius * edges as f64 / length },
             area_resolution: 0.5 * rim_area,
         }
@@ -60,22 +59,21 @@ impl Accuracy {
 }
 
 /// The largest condition number, where all matrices were examined.
-fn worst_condition(examined: &[Option<response::Definiteness>]) -> Option<f64> {
-    let conditions: Option<Vec<f64>> = examined.iter().map(|one| one.map(|one| one.condition)).collect();
+fn worst_condition(spectra: &[Option<Spectrum>]) -> Option<f64> {
+    let conditions: Option<Vec<f64>> = spectra.iter().map(|one| one.map(|one| one.condition)).collect();
     conditions.filter(|all| !all.is_empty()).map(|all| all.into_iter().fold(0.0, f64::max))
 }
 
-/// Definite if all matrices were shown to be; indefinite if one was shown not to be; else unknown.
-fn definiteness(solutions: &[LcpSolution], examined: &[Option<response::Definiteness>]) -> Option<bool> {
-    let verdict = |(solution, examined): (&LcpSolution, &Option<response::Definiteness>)| match examined {
-        Some(examined) => Some(examined.positive_definite),
-        None => match solution.certificate.definiteness {
+/// Definite if all matrices were shown to be; indefinite if one was shown not to be, or examined in vain; else
+/// unknown.
+fn definite(solutions: &[LcpSolution], spectra: &[Option<Spectrum>]) -> Option<bool> {
+    let verdict =
+        |(solution, spectrum): (&LcpSolution, &Option<Spectrum>)| match solution.certificate.definiteness {
             Definiteness::PositiveDefinite => Some(true),
             Definiteness::NotPositiveDefinite => Some(false),
-            _ => None,
-        },
-    };
-    let verdicts: Vec<Option<bool>> = solutions.iter().zip(examined).map(verdict).collect();
+            Definiteness::Unknown => spectrum.map(|_| false),
+        };
+    let verdicts: Vec<Option<bool>> = solutions.iter().zip(spectra).map(verdict).collect();
     if verdicts.contains(&Some(false)) {
         return Some(false);
     }

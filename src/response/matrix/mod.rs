@@ -1,8 +1,8 @@
 //! Response matrices from their columns, in collocation and Galerkin form, and what is known of them.
 
+pub(crate) mod advice;
 pub(crate) mod average;
 pub(crate) mod collocation;
-pub(crate) mod definiteness;
 pub(crate) mod fill;
 pub(crate) mod galerkin;
 pub(crate) mod net_volume;
