@@ -78,6 +78,8 @@ _DEFAULTS: dict[str, Any] = _core.LcpOptions.defaults()
 class LcpOptions:
     """How a complementarity problem is solved.
 
+    An option that the chosen method does not know, set to other than its default, is an error.
+
     Attributes
     ----------
     max_pivots : int or None
@@ -129,6 +131,26 @@ class LcpOptions:
 
 
 _DEFAULT_OPTIONS = LcpOptions()._to_core()
+
+# Options that only some methods know: Lemke's, with which "auto" and block pivoting may end.
+_KNOWN_BY = {
+    "crash": ("lemke", "auto"),
+    "covering": ("lemke", "auto"),
+    "pivot_tol": ("lemke", "auto", "block_pivoting"),
+}
+
+
+def _core_options(options: LcpOptions | None, method: LcpMethod) -> _core.LcpOptions:
+    """Return the core's options; refuse one that the method does not know, set to other than its default."""
+    if options is None:
+        return _DEFAULT_OPTIONS
+    for name, methods in _KNOWN_BY.items():
+        value = getattr(options, name)
+        is_default = value is None if name == "covering" else value == _DEFAULTS[name]
+        if method not in methods and not is_default:
+            known = ", ".join(methods)
+            raise LcpError(f"option `{name}` is not known by method {method.value!r}, only by {known}")
+    return options._to_core()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -347,9 +369,8 @@ def solve_lcp(
     >>> solution.status.value, solution.z.round(6).tolist()
     ('solved', [1.333333, 2.333333])
     """
-    core_options = _DEFAULT_OPTIONS if options is None else options._to_core()
     solver = as_choice("method", method, LcpMethod, LcpError)
-    solution = solution_from_core(_core.solve_lcp(M, q, solver, core_options))
+    solution = solution_from_core(_core.solve_lcp(M, q, solver, _core_options(options, solver)))
     if throw and solution.status is not LcpStatus.SOLVED:
         error = LcpError(f"the complementarity problem ended with status {solution.advice}")
         error.solution = solution

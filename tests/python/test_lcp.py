@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import FrozenInstanceError
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -187,3 +187,23 @@ def test_results_are_frozen_and_can_be_stored() -> None:
     assert (again.status, again.attempts) == (solution.status, solution.attempts)
     assert again.certificate == solution.certificate
     assert repr(solution).startswith("LcpSolution(solved by lemke: 2 of 2 unknowns above 0, ")
+
+
+@pytest.mark.parametrize(
+    ("method", "option"),
+    [
+        ("projected_cg", {"crash": False}),
+        ("projected_cg", {"covering": [1.0, 2.0]}),
+        ("projected_cg", {"pivot_tol": 1e-9}),
+        ("block_pivoting", {"crash": False}),
+        ("block_pivoting", {"covering": [1.0, 2.0]}),
+    ],
+)
+def test_an_option_that_the_method_does_not_know_is_named_with_the_method(
+    method: str, option: dict[str, Any]
+) -> None:
+    M, q = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, -6.0])
+    (name,) = option
+    with pytest.raises(qr.LcpError, match=f"option `{name}` is not known by method '{method}'"):
+        qr.solve_lcp(M, q, method=method, options=qr.LcpOptions(**option))
+    assert qr.solve_lcp(M, q, method="auto", options=qr.LcpOptions(**option)).status == "solved"

@@ -28,8 +28,8 @@ def contact_summary(contact: Contact) -> str:
     Returns
     -------
     str
-        One line a figure, in mm, N and kPa, each with its unit; then `left_out`, and `advice` where the
-        contact did not end solved.
+        One line a figure, in mm, N and kPa, each with its unit; then `warnings`, `left_out`, and `advice`
+        where the contact did not end solved.
     """
     return compare_contacts({"": contact})
 
@@ -94,7 +94,6 @@ def _rows(contact: Contact) -> dict[str, str]:
         "peak pressure (kPa)": f"{contact.max_pressure * KPA:.4g}",
         "overlap before (mm)": f"{contact.max_penetration_before * MM:.4g}",
         "overlap after (mm)": f"{contact.max_penetration_after * MM:.2g}",
-        "volume change (mm³)": f"{contact.volume_change * MM**3:.4g}",
         "patches": str(len(contact.patches)),
         "vertices, candidates, active": ", ".join(map(str, counts)),
         "cells per contact radius": f"{contact.accuracy.cells_per_radius:.3g}",
@@ -111,4 +110,5 @@ def _vector(values: ArrayLike, scale: float) -> str:
 
 def _notes(contact: Contact) -> list[str]:
     advice = [f"advice: {contact.advice}"] if contact.advice else []
-    return [*(f"left out: {what} ({why})" for what, why in contact.left_out), *advice]
+    warned = [f"warning: {warning}" for warning in contact.warnings]
+    return [*warned, *(f"left out: {what} ({why})" for what, why in contact.left_out), *advice]
