@@ -7,5 +7,4 @@ pub(crate) mod border;
 pub(crate) mod gaussian;
 pub(crate) mod half_space;
 pub(crate) mod layer;
-pub(crate) mod layer_series;
 pub(crate) mod load;

@@ -85,21 +85,7 @@ pub(crate) fn log_ratio(s0: f64, s1: f64, r0: f64, r1: f64, rho_squared: f64) ->
     (2.0 * (s1 - s0) / (near_end + far_end)).ln_1p()
 }
 
-/// Integrals over a triangle of its three hat functions against `1/r`.
-///
-/// `I_k = ∫ hat_k(y) / |x - y| dA`, exact, from the potential and the first moment of a uniform density
-/// (Wilton et al. 1984, doi 10.1109/TAP.1984.1143304; the in-plane case is Johnson 1985, pp. 53-55).
-///
-/// * `point`: x (m), anywhere: on a vertex, an edge, the face, off the plane
-/// * `triangle`: corners (m), not degenerate, in either order of rotation
-///
-/// Returns the integral for each corner's hat (m), all positive, with a relative error of some 1e-13: slivers
-/// and far triangles, on which the closed form cancels, are cut into pieces or integrated numerically.
-pub fn hat_integrals(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> [f64; 3] {
-    crate::response::integral::subdivide::subdivided_hat_integrals(triangle, point)
-}
-
-/// The closed form of [`hat_integrals`].
+/// The closed form of [`hat_integrals`](crate::response::hat_integrals).
 ///
 /// Relative error up to some 40 ε (length / height)² (distance / length)³, ε = 2e-16.
 pub(crate) fn frame_hat_integrals(frame: &Frame, point: &Vector3<f64>) -> [f64; 3] {
@@ -137,6 +123,7 @@ fn solid_angle(frame: &Frame, point: &Vector3<f64>, z: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::response::integral::reference_values::reference_integrals;
+    use crate::response::integral::subdivide::hat_integrals;
 
     #[test]
     fn hat_integrals_match_60_digit_quadrature() {

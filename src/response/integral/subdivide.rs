@@ -22,6 +22,20 @@ struct Piece {
     weights: [[f64; 3]; 3],
 }
 
+/// Integrals over a triangle of its three hat functions against `1/r`.
+///
+/// `I_k = ∫ hat_k(y) / |x - y| dA`, exact, from the potential and the first moment of a uniform density
+/// (Wilton et al. 1984, doi 10.1109/TAP.1984.1143304; the in-plane case is Johnson 1985, pp. 53-55).
+///
+/// * `point`: x (m), anywhere: on a vertex, an edge, the face, off the plane
+/// * `triangle`: corners (m), not degenerate, in either order of rotation
+///
+/// Returns the integral for each corner's hat (m), all positive, with a relative error of some 1e-13: slivers
+/// and far triangles, on which the closed form cancels, are cut into pieces or integrated numerically.
+pub fn hat_integrals(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> [f64; 3] {
+    subdivided_hat_integrals(triangle, point)
+}
+
 /// `∫ hat_k / r dA`, by halving the longest edge until a piece is either well shaped or far from the point.
 ///
 /// Relative error some 2e-13 for slivers of any shape.
