@@ -129,7 +129,6 @@ __all__ = [
     "read_obstacle",
     "read_surface",
     "reference",
-    "reference",
     "repair",
     "response_matrix",
     "skin_without_caps",

@@ -19,8 +19,9 @@ pub(super) fn asymmetry(
         for first_row in (first_column..n).step_by(TILE) {
             for j in first_column..(first_column + TILE).min(n) {
                 let column = columns.column(j);
-                for i in first_row.max(j)..(first_row + TILE).min(n) {
-                    let (a, b) = (column[i], columns.column(i)[j]);
+                let rows = first_row.max(j)..(first_row + TILE).min(n);
+                for (i, &a) in rows.clone().zip(&column[rows]) {
+                    let b = columns.column(i)[j];
                     largest = largest.max(a.abs()).max(b.abs());
                     if (a - b).abs() > worst.2 {
                         worst = (j, i, (a - b).abs());

@@ -162,10 +162,12 @@ pub(super) fn point_load_on_layer() -> Vec<(f64, f64)> {
     reference::point_load_on_layer().into()
 }
 
-/// Radius (m), core radius (m), shear modulus (Pa), accuracy, Poisson's ratio and pairs of depth (m) and force (N) of
-/// each case.
+/// Radius (m), core radius (m), shear modulus (Pa), accuracy, Poisson's ratio and pairs of depth (m) and force (N).
+type CoredSphereCase = (f64, f64, f64, f64, f64, Vec<(f64, f64)>);
+
+/// One case for each Poisson's ratio.
 #[pyfunction]
-pub(super) fn plate_on_cored_sphere() -> Vec<(f64, f64, f64, f64, f64, Vec<(f64, f64)>)> {
+pub(super) fn plate_on_cored_sphere() -> Vec<CoredSphereCase> {
     let (radius, core_radius) = (CoredSphere::RADIUS, CoredSphere::CORE_RADIUS);
     let (shear_modulus, accuracy) = (CoredSphere::SHEAR_MODULUS, CoredSphere::ACCURACY);
     let row = |case: CoredSphere| {

@@ -130,8 +130,8 @@ mod tests {
         let mut worst: f64 = 0.0;
         for (row, case) in reference_integrals().iter().enumerate() {
             let got = hat_integrals(&case.point, &case.triangle);
-            for k in 0..3 {
-                let error = (got[k] / case.inverse[k] - 1.0).abs();
+            for (k, (got, exact)) in got.iter().zip(case.inverse).enumerate() {
+                let error = (got / exact - 1.0).abs();
                 worst = worst.max(error);
                 assert!(error < 5e-13, "row {row}, corner {k}: {error:e}");
             }
@@ -148,8 +148,8 @@ mod tests {
             let length = 2.0 * frame.area / height;
             let reach = (x - frame.vertices[0]).norm().max(length) / length;
             let bound = 40.0 * f64::EPSILON * (length / height).powi(2) * reach.powi(3);
-            for k in 0..3 {
-                let error = (got[k] / case.inverse[k] - 1.0).abs();
+            for (k, (got, exact)) in got.iter().zip(case.inverse).enumerate() {
+                let error = (got / exact - 1.0).abs();
                 assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");
             }
         }

@@ -20,7 +20,7 @@ use crate::surface::checked::Surface;
 /// Response matrix over the candidate nodes.
 ///
 /// `R_ij = Σ_T ∫_T p_j(y) u(|x_i - y|) dA` with p_j the pressure of a unit force at node j, spread as
-/// [`Pressure`](crate::response::Pressure) says (eq. 7 and 8 of Xie, Kanai, Date 2011), and u the kernel of the skin.
+/// [`PressureBasis`](crate::response::PressureBasis) says (eq. 7 and 8 of Xie, Kanai, Date 2011), and u the kernel of the skin.
 ///
 /// * `surface`: the skin's mesh
 /// * `skin`: material and kernel
