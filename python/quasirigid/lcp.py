@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 from . import _core
-from ._check import as_choice, as_integer_or_none, as_integers
+from ._check import as_integer_or_none, as_integers
 from ._frozen import Frozen
 from .errors import QuasirigidError
 
@@ -31,6 +31,7 @@ __all__ = [
     "solve_lcp",
 ]
 
+_T = TypeVar("_T")
 LcpMethodName = Literal["lemke", "block_pivoting", "projected_cg", "auto"]
 
 
@@ -140,16 +141,16 @@ _KNOWN_BY = {
 }
 
 
-def _core_options(options: LcpOptions | None, method: LcpMethod) -> _core.LcpOptions:
+def _core_options(options: LcpOptions | None, method: str) -> _core.LcpOptions:
     """Return the core's options; refuse one that the method does not know, set to other than its default."""
     if options is None:
         return _DEFAULT_OPTIONS
     for name, methods in _KNOWN_BY.items():
         value = getattr(options, name)
         is_default = value is None if name == "covering" else value == _DEFAULTS[name]
-        if method not in methods and not is_default:
+        if method in _METHOD and method not in methods and not is_default:
             known = ", ".join(methods)
-            raise LcpError(f"option `{name}` is not known by method {method.value!r}, only by {known}")
+            raise LcpError(f"option `{name}` is not known by method {str(method)!r}, only by {known}")
     return options._to_core()
 
 
@@ -282,33 +283,49 @@ class LcpError(QuasirigidError, ValueError, RuntimeError):
     solution: LcpSolution | None = None
 
 
+_STATUS = {str(status): status for status in LcpStatus}
+_METHOD = {str(method): method for method in LcpMethod}
+_DEFINITENESS = {str(definiteness): definiteness for definiteness in LcpDefiniteness}
+
+
+def _built(cls: type[_T], **fields: Any) -> _T:
+    """Return a frozen dataclass of all its fields; its own `__init__` takes longer than a small solve."""
+    built = object.__new__(cls)
+    object.__setattr__(built, "__dict__", fields)
+    return built
+
+
 def solution_from_core(core: _core.LcpSolution) -> LcpSolution:
     """Return the facade's solution."""
-    certificate, ray = core.certificate, core.ray
-    return LcpSolution(
-        status=LcpStatus(core.status),
+    natural_residual, complementarity = core.natural_residual, core.complementarity
+    return _built(
+        LcpSolution,
+        status=_STATUS[core.status],
         z=core.z,
         w=core.w,
         active=core.active,
         pivots=core.pivots,
-        natural_residual=core.natural_residual,
-        complementarity=core.complementarity,
-        method=LcpMethod(core.method),
+        natural_residual=natural_residual,
+        complementarity=complementarity,
+        method=_METHOD[core.method],
         advice=core.advice,
-        certificate=Certificate(
-            natural_residual=certificate.natural_residual,
-            complementarity=certificate.complementarity,
-            infeasibility=certificate.infeasibility,
-            definiteness=LcpDefiniteness(certificate.definiteness),
-            is_unique=certificate.is_unique,
+        certificate=_built(
+            Certificate,
+            natural_residual=natural_residual,
+            complementarity=complementarity,
+            infeasibility=core.infeasibility,
+            definiteness=_DEFINITENESS[core.definiteness],
+            is_unique=core.is_unique,
         ),
-        ray=None if ray is None else _ray_from_core(ray),
-        attempts=tuple(
-            LcpAttempt(LcpMethod(method), LcpStatus(status), pivots, warm, crash)
-            for method, status, pivots, warm, crash in core.attempts
-        ),
+        ray=None if core.ray is None else _ray_from_core(core.ray),
+        attempts=tuple([_attempt_from_core(attempt) for attempt in core.attempts]),
         candidates=core.candidates,
     )
+
+
+def _attempt_from_core(core: tuple[str, str, int, bool, bool]) -> LcpAttempt:
+    method, status, pivots, warm, crash = core
+    return LcpAttempt(_METHOD[method], _STATUS[status], pivots, warm, crash)
 
 
 def _ray_from_core(core: _core.LcpRay) -> LcpRay:
@@ -369,8 +386,7 @@ def solve_lcp(
     >>> solution.status.value, solution.z.round(6).tolist()
     ('solved', [1.333333, 2.333333])
     """
-    solver = as_choice("method", method, LcpMethod, LcpError)
-    solution = solution_from_core(_core.solve_lcp(M, q, solver, _core_options(options, solver)))
+    solution = solution_from_core(_core.solve_lcp(M, q, method, _core_options(options, method)))
     if throw and solution.status is not LcpStatus.SOLVED:
         error = LcpError(f"the complementarity problem ended with status {solution.advice}")
         error.solution = solution

@@ -1,7 +1,7 @@
 //! `solve_contact` and `press`.
 
 use super::convert::{named, nodes_out, read_only, vector, vector_out, vectors_out};
-use super::errors::IntoPyErr;
+use super::errors::{ContactError as PyContactError, IntoPyErr};
 use super::interrupt::detached_with;
 use super::lcp::{PyLcpSolution, method_named};
 use super::obstacle::PyObstacle;
@@ -262,7 +262,8 @@ pub(super) fn press(
     start: &str,
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
-    let start = named("start", start, &[(Start::Infinity, "infinity"), (Start::Current, "current")])?;
+    let starts = [(Start::Infinity, "infinity"), (Start::Current, "current")];
+    let start = named("start", start, &starts, PyContactError::new_err)?;
     let press = Press { direction: vector(direction, "direction")?, depth, start };
     run(skin, options, |skin, options| contact::press(&surface.inner, &obstacle.inner, skin, &press, options))
 }

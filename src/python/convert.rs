@@ -39,11 +39,16 @@ fn float_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonl
     Ok(as_array(&array, name, Some("float64"))?.cast_into::<PyArrayDyn<f64>>()?.readonly())
 }
 
-/// The value of a name.
-pub(super) fn named<T: Copy>(option: &str, name: &str, all: &[(T, &str)]) -> PyResult<T> {
+/// The value of a name; the exception that `refuse` makes lists the names.
+pub(super) fn named<T: Copy>(
+    option: &str,
+    name: &str,
+    all: &[(T, &str)],
+    refuse: fn(String) -> PyErr,
+) -> PyResult<T> {
     all.iter().find(|(_, known)| *known == name).map(|(value, _)| *value).ok_or_else(|| {
         let known: Vec<String> = all.iter().map(|(_, known)| format!("{known:?}")).collect();
-        PyValueError::new_err(format!("{option} is {name:?}, expected one of {}", known.join(", ")))
+        refuse(format!("{option} is {name:?}, expected one of {}", known.join(", ")))
     })
 }
 

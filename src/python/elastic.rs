@@ -30,13 +30,13 @@ impl Elastic {
         discretization: Option<&str>,
     ) -> PyResult<Self> {
         let bases = [(PressureBasis::Linear, "linear"), (PressureBasis::OneRing, "one_ring")];
-        let basis = named("pressure", pressure, &bases)?;
+        let basis = named("pressure", pressure, &bases, ResponseError::new_err)?;
         let discretization = match discretization {
             None => Discretization::default(),
             Some(name) => {
                 let all =
                     [(Discretization::Collocation, "collocation"), (Discretization::Galerkin, "galerkin")];
-                named("discretization", name, &all)?
+                named("discretization", name, &all, ResponseError::new_err)?
             }
         };
         let skin = KernelSkin::new(shear_modulus, poisson_ratio, kernel)

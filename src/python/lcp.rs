@@ -1,7 +1,7 @@
 //! `solve_lcp`.
 
 use super::convert::{MatrixArgument, named, nodes_out, read_only, scalars};
-use super::errors::IntoPyErr;
+use super::errors::{IntoPyErr, LcpError};
 use super::interrupt::detached;
 use crate::lcp::{self, DefinitenessCheck, LcpMethod, LcpOptions, LcpProblem, LcpSolution, RayConclusion};
 use numpy::PyArray1;
@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 
 /// The method of a name.
 pub(super) fn method_named(name: &str) -> PyResult<LcpMethod> {
-    named("method", name, &LcpMethod::ALL.map(|method| (method, method.as_str())))
+    named("method", name, &LcpMethod::ALL.map(|method| (method, method.as_str())), LcpError::new_err)
 }
 
 /// Options of a complementarity problem; their defaults are the crate's.
@@ -48,6 +48,7 @@ impl PyLcpOptions {
                 "definiteness",
                 definiteness,
                 &DefinitenessCheck::ALL.map(|check| (check, check.as_str())),
+                LcpError::new_err,
             )?,
             crash,
         };
@@ -66,16 +67,6 @@ impl PyLcpOptions {
         defaults.set_item("crash", options.crash)?;
         Ok(defaults)
     }
-}
-
-/// Measures of an answer against the problem given.
-#[pyclass(name = "Certificate", module = "quasirigid._core", frozen, get_all)]
-pub(super) struct PyCertificate {
-    natural_residual: f64,
-    complementarity: f64,
-    infeasibility: f64,
-    definiteness: &'static str,
-    is_unique: bool,
 }
 
 /// Direction of the path on which Lemke's method ended.
@@ -102,9 +93,11 @@ pub(super) struct PyLcpSolution {
     pivots: usize,
     natural_residual: f64,
     complementarity: f64,
+    infeasibility: f64,
+    definiteness: &'static str,
+    is_unique: bool,
     method: &'static str,
     advice: String,
-    certificate: Py<PyCertificate>,
     ray: Option<Py<PyLcpRay>>,
     attempts: Vec<Attempt>,
     candidates: usize,
@@ -125,16 +118,6 @@ impl PyLcpSolution {
             let (method, status) = (attempt.method.as_str(), attempt.status.as_str());
             (method, status, attempt.pivots, attempt.warm, attempt.crash)
         };
-        let certificate = PyCertificate {
-            natural_residual: solution.certificate.natural_residual,
-            complementarity: solution.certificate.complementarity,
-            infeasibility: solution.certificate.infeasibility,
-            definiteness: match solution.certificate.definiteness {
-                _ if solution.certificate.known_p_matrix => "p_matrix",
-                found => found.as_str(),
-            },
-            is_unique: solution.certificate.is_unique(),
-        };
         let values = Self {
             status: solution.status.as_str(),
             z: numbers_out(py, &solution.z),
@@ -143,9 +126,14 @@ impl PyLcpSolution {
             pivots: solution.pivots,
             natural_residual: solution.natural_residual,
             complementarity: solution.complementarity,
+            infeasibility: solution.certificate.infeasibility,
+            definiteness: match solution.certificate.definiteness {
+                _ if solution.certificate.known_p_matrix => "p_matrix",
+                found => found.as_str(),
+            },
+            is_unique: solution.certificate.is_unique(),
             method: solution.method.as_str(),
             advice: solution.advice(),
-            certificate: Py::new(py, certificate)?,
             ray: solution.ray.as_ref().map(|ray| Py::new(py, PyLcpRay::new(py, ray))).transpose()?,
             attempts: solution.attempts.iter().map(attempt).collect(),
             candidates: solution.candidates,

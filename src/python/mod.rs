@@ -29,7 +29,7 @@ mod _core {
     #[pymodule_export]
     use super::gaps::initial_gaps;
     #[pymodule_export]
-    use super::lcp::{PyCertificate, PyLcpOptions, PyLcpRay, PyLcpSolution, solve_lcp};
+    use super::lcp::{PyLcpOptions, PyLcpRay, PyLcpSolution, solve_lcp};
     #[pymodule_export]
     use super::matrix::{PyDefiniteness, definiteness, response_matrix};
     #[pymodule_export]
@@ -53,7 +53,6 @@ mod _core {
             "__all__",
             [
                 "Accuracy",
-                "Certificate",
                 "Cone",
                 "Contact",
                 "ContactOptions",

@@ -34,7 +34,7 @@ def test_pictures_are_imported_when_somebody_asks() -> None:
     code = (
         "import sys, quasirigid as qr\n"
         "assert not {'quasirigid.plot', 'matplotlib', 'quasirigid.cli'} & set(sys.modules)\n"
-        "qr.plot, qr.io\n"
+        "qr.plot, qr.io, qr.reference\n"
         "assert 'quasirigid.plot' in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
@@ -89,9 +89,9 @@ def test_what_follows_the_leading_objects_is_given_by_keyword(call: object) -> N
         (
             lambda: qr.press(SURFACE, PLATE, SKIN, [0, 0, 1], depth=0, start="here"),
             qr.ContactError,
-            "start is 'here'",
+            "start is .here.",
         ),
-        (lambda: qr.solve_lcp([[1.0]], [1.0], method="pgs"), qr.LcpError, "method is 'pgs'"),
+        (lambda: qr.solve_lcp([[1.0]], [1.0], method="pgs"), qr.LcpError, "method is .pgs."),
     ],
 )
 def test_a_wrong_word_is_an_error_that_lists_the_right_ones(

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import _core
-from .._check import as_choice, as_integer, as_integer_or_none
+from .._check import as_integer, as_integer_or_none
 from ..lcp import LcpMethod, LcpMethodName
-from .result import ContactError
 
 __all__ = ["ContactOptions"]
 
@@ -56,11 +55,11 @@ class ContactOptions:
 
 
 def options_to_core(options: ContactOptions) -> _core.ContactOptions:
-    """Return the core's options; refuse unknown words and what is no integer where one is due."""
+    """Return the core's options; refuse what is no integer where one is due."""
     return _core.ContactOptions(
         tolerance=options.tolerance,
         rings=as_integer_or_none("rings", options.rings),
-        method=as_choice("method", options.method, LcpMethod, ContactError),
+        method=options.method,
         num_threads=as_integer_or_none("num_threads", options.num_threads),
         memory_limit=as_integer_or_none("memory_limit", options.memory_limit),
         search_distance=options.search_distance,

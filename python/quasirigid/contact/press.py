@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 from .. import _core
-from .._check import as_choice
 from ..errors import QuasirigidWarning
 from ..lcp import solution_from_core
 from ..skin.elastic import core_skin
@@ -157,10 +156,9 @@ def press(
     >>> contact.status.value, bool(contact.force[2] > 0)
     ('solved', True)
     """
-    begin = as_choice("start", start, Start, ContactError)
     core_options = options_to_core(options or ContactOptions())
     pressed = _core.press(
-        surface, obstacle, core_skin(skin, surface), direction, depth=depth, start=begin, options=core_options
+        surface, obstacle, core_skin(skin, surface), direction, depth=depth, start=start, options=core_options
     )
     return _finish(pressed, surface, throw)
 
