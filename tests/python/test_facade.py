@@ -171,7 +171,9 @@ def test_results_are_frozen_to_the_bottom(contact: qr.Contact) -> None:
         contact.timings["lcp"] = 0.0  # type: ignore[index]
     solution = contact.lcp_solutions[0]
     assert solution.method is qr.LcpMethod.LEMKE
-    assert solution.certificate.definiteness is qr.LcpDefiniteness.UNKNOWN
+    # The certificate and the contact read one answer.
+    assert solution.certificate.definiteness is qr.LcpDefiniteness.POSITIVE_DEFINITE
+    assert contact.accuracy.definite is True
     for array in (contact.gap, contact.active, contact.patches[0].force, solution.z):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
