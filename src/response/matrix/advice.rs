@@ -27,7 +27,7 @@ impl Spectrum {
             ),
             Kernel::Layer { thickness } => {
                 let form = match skin.discretization() {
-                    Discretization::Collocation => "on badly shaped flat triangles gap = weighted is; ",
+                    Discretization::Collocation => "on badly shaped flat triangles discretization = galerkin is; ",
                     Discretization::Galerkin => "",
                 };
                 format!(
@@ -37,7 +37,7 @@ impl Spectrum {
                     thickness.largest()
                 )
             }
-            _ => "triangles near the contact are badly shaped: improve the mesh there, or take the weighted form"
+            _ => "triangles near the contact are badly shaped: improve the mesh there, or take discretization = galerkin"
                 .to_string(),
         };
         Some(format!("{found}; {remedy}"))
@@ -57,7 +57,7 @@ mod tests {
         let definite = spectrum(faer::mat![[2.0, 0.5], [1.5, 2.0]].as_ref());
         assert_eq!(definite.advice(&skin(PressureBasis::Linear)), None);
         let indefinite = spectrum(faer::mat![[1.0, 2.0], [2.0, 1.0]].as_ref());
-        assert!(indefinite.advice(&skin(PressureBasis::Linear)).expect("advice").contains("weighted"));
+        assert!(indefinite.advice(&skin(PressureBasis::Linear)).expect("advice").contains("galerkin"));
         assert!(indefinite.advice(&skin(PressureBasis::OneRing)).expect("advice").contains("one_ring"));
     }
 }
