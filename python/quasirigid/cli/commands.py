@@ -231,14 +231,14 @@ _INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"
 
 
 @app.command(
-    short_help="Say what a mesh file can serve as.",
+    short_help="Show what a mesh file can serve as.",
     epilog=f"Example (on a mesh that `quasirigid demo` writes):\n\n\b\n  {_INFO_EXAMPLE}",
 )
 def info(
     file: Annotated[Path, typer.Argument(metavar="MESH", help="Mesh file: .ply, .stl or .obj.")],
     unit: Annotated[str, typer.Option(help=f"Unit of the file: {_UNITS}.")],
 ) -> int:
-    """Say what a mesh file holds, and whether it can serve as skin and as product.
+    """Show what a mesh file holds, and whether it can serve as skin and as product.
 
     Leaves with 2 when it can serve as neither.
     """

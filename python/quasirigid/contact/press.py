@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from .. import _core
 from ..errors import QuasirigidWarning
-from ..lcp import solution_from_core
+from ..lcp.solution import solution_from_core
 from ..skin.elastic import core_skin
 from .drawn import Drawing
 from .options import ContactOptions, options_to_core

@@ -1,0 +1,86 @@
+"""How a complementarity problem is solved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any, Literal
+
+from .. import _core
+from .._check import as_integer_or_none, as_integers
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+LcpMethodName = Literal["lemke", "block_pivoting", "projected_cg", "auto"]
+
+
+class LcpMethod(StrEnum):
+    """Solver of a complementarity problem."""
+
+    LEMKE = "lemke"
+    BLOCK_PIVOTING = "block_pivoting"
+    PROJECTED_CG = "projected_cg"
+    AUTO = "auto"
+
+
+DEFAULTS: dict[str, Any] = _core.LcpOptions.defaults()
+
+
+@dataclass(frozen=True, kw_only=True)
+class LcpOptions:
+    """How a complementarity problem is solved.
+
+    An option that the chosen method does not know, set to other than its default, is an error.
+
+    Attributes
+    ----------
+    max_pivots : int or None
+        Pivot budget of each run, a crash and the path after it being two; None for a multiple of the size.
+    pivot_tol : float
+        Rates of change below this share of the largest never pivot (dimensionless).
+    tolerance : float
+        Largest natural residual of an answer that is called solved (dimensionless).
+    initial_active : sequence of int or None
+        Guess of the unknowns with z > 0, by their indices (of a mask: ``numpy.flatnonzero(mask)``).
+    covering : (n,) array_like or None
+        Covering vector of Lemke's method, all > 0; None for ones.
+    definiteness : {"cheap", "always", "never"}
+        Whether the certificate looks for positive definiteness, which makes a solution the only one;
+        "cheap": where that costs no more than the solve did. A matrix that is singular to rounding stays
+        "unknown".
+    crash : bool
+        Let Lemke's method begin from a crash basis: block exchanges guess the active set as long as nothing
+        shows that M is no P-matrix; where they stall, the path begins from nothing. Every exchange counts as
+        a pivot. Only where neither `initial_active` nor `covering` is given, and for more than 16 unknowns
+        that may touch.
+    known_p_matrix : bool
+        Promise that every principal minor of M is positive, so that there is one solution; it is taken at
+        your word and stands in the certificate. "auto" then begins with block pivoting at any size; the one
+        solution is the same, to rounding.
+    """
+
+    max_pivots: int | None = DEFAULTS["max_pivots"]
+    pivot_tol: float = DEFAULTS["pivot_tol"]
+    tolerance: float = DEFAULTS["tolerance"]
+    initial_active: Sequence[int] | NDArray[np.int64] | None = None
+    covering: ArrayLike | None = None
+    definiteness: Literal["cheap", "always", "never"] = DEFAULTS["definiteness"]
+    crash: bool = DEFAULTS["crash"]
+    known_p_matrix: bool = False
+
+    def to_core(self) -> _core.LcpOptions:
+        guess = None if self.initial_active is None else as_integers("initial_active", self.initial_active)
+        return _core.LcpOptions(
+            max_pivots=as_integer_or_none("max_pivots", self.max_pivots),
+            pivot_tol=self.pivot_tol,
+            tolerance=self.tolerance,
+            initial_active=guess,
+            covering=self.covering,
+            definiteness=self.definiteness,
+            crash=self.crash,
+            known_p_matrix=self.known_p_matrix,
+        )
