@@ -40,6 +40,14 @@ The body is prepared for the {node_count} vertices that may touch. Written by `p
 - **layer**: `Layer(thickness={tissue:.1f}e-3)`, the tissue over the pad: for wide flat tissue; too stiff on a
   fingertip, where tissue gives way sideways.
 - **body**: `Body(bone=models.bone_of(finger), fixed=cut)`.
+
+Definiteness, by eigenvalues of the symmetric part. The half-space's Galerkin matrix is positive definite on
+any surface. A layer's collocation matrix on flat meshes was so from 0.1 to 100 mesh sizes of thickness,
+borders included, but for meshes of over 1,000 irregular nodes (vertices moved by 0.3 cells) under an
+incompressible layer of a tenth of a cell: -3e-5 of the largest eigenvalue, where Galerkin's is definite.
+Where the surface bends within the layer's reach neither has to be: 800 nodes around a fingertip under 1 mm,
+nu = 0.5, have -0.1 % (collocation) and -0.3 % (Galerkin). Galerkin assembly costs some 30 times
+collocation's, up to 100 times for a layer thinner than the mesh.
 """
 
 

@@ -326,7 +326,7 @@ def main() -> None:
     parts = [
         "# Validation",
         "The half-space against Hertz, then the body response against what is known of bodies. Measured by "
-        "`python docs/validation.py`, which writes this page. `tests/contact.rs`, `tests/body.rs`, "
+        "`python docs/validation.py`, which writes this page. `tests/contact`, `tests/body`, "
         "`tests/body_endings.rs` and `tests/python/test_body.py` hold most of it to bounds.",
     ]
     for title, (words, measure) in SECTIONS.items():
