@@ -31,6 +31,7 @@ impl Bounds {
     }
 
     /// The box with every side moved outward by `margin` (m).
+    #[inline]
     pub fn grown(&self, margin: f64) -> Bounds {
         Bounds { low: self.low.add_scalar(-margin), high: self.high.add_scalar(margin) }
     }
@@ -66,6 +67,7 @@ impl Bounds {
     }
 
     /// Square of the distance between two boxes (m²), 0 where they meet.
+    #[inline]
     pub fn distance_squared(&self, other: &Bounds) -> f64 {
         let gap = (self.low - other.high).sup(&(other.low - self.high));
         gap.sup(&Vector3::zeros()).norm_squared()

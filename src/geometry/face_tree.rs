@@ -36,6 +36,7 @@ pub(crate) fn face_tree(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Bvh {
 }
 
 /// The box of a node (m).
+#[inline]
 pub(crate) fn node_bounds(node: &BvhNode) -> Bounds {
     let vector = |v: Vector| Vector3::new(v.x, v.y, v.z);
     Bounds { low: vector(node.mins()), high: vector(node.maxs()) }
@@ -78,6 +79,7 @@ pub(crate) fn close_pairs(trees: [&Bvh; 2], reach: f64) -> Vec<[usize; 2]> {
 }
 
 impl<'a> Faces<'a> {
+    #[inline]
     pub fn triangle(&self, face: usize) -> [&'a Vector3<f64>; 3] {
         self.corners[face].map(|vertex| &self.vertices[vertex as usize])
     }

@@ -53,7 +53,7 @@ impl<'a> Shadow<'a> {
         let slack = BOX_SLACK * (self.mesh.size() + p.norm());
         let deepest = depth - start;
         let cost =
-            |node: &BvhNode, _: f64| match self.depths_in_box(p, depth, &node_bounds(node).grown(slack)) {
+            |node: &BvhNode, _: f64| match self.depths_in_box(p, depth, node_bounds(node).grown(slack)) {
                 Some([near, far]) if near - slack <= deepest => -(far + slack),
                 _ => f64::MAX,
             };
@@ -65,7 +65,8 @@ impl<'a> Shadow<'a> {
     }
 
     /// Depths at which the line through `p` enters and leaves the box.
-    fn depths_in_box(&self, p: &Vector3<f64>, depth: f64, bounds: &Bounds) -> Option<[f64; 2]> {
+    #[inline]
+    fn depths_in_box(&self, p: &Vector3<f64>, depth: f64, bounds: Bounds) -> Option<[f64; 2]> {
         let Bounds { low, high } = bounds;
         let [mut near, mut far] = [f64::NEG_INFINITY, f64::INFINITY];
         for axis in 0..3 {
