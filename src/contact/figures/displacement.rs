@@ -6,9 +6,10 @@ use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::fade::{Fade, drawn_vector};
+use crate::contact::figures::fade::Fade;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
+use crate::response::skin::elastic::Displacements;
 
 /// How the candidates move (k of them).
 #[derive(Debug, Clone, Default)]
@@ -47,6 +48,15 @@ pub(crate) struct Drawing {
     pub motion: CandidateMotion,
 }
 
+/// Displacement (m) of a row before it fades: under a scalar kernel the direction of `Σ_j R_ij f_j n_j` and the magnitude
+/// `(R f)_i`; of a body the vector itself.
+pub(crate) fn drawn_vector(found: &Displacements, row: usize) -> Vector3<f64> {
+    let vector = found.vectors[row];
+    let Some(along) = found.along_normal[row] else { return vector };
+    let norm = vector.norm();
+    if norm > 0.0 { vector * (along.abs() / norm) } else { Vector3::zeros() }
+}
+
 /// Deepest penetration of a skin vertex (m, ≥ 0), measured anew at the deformed skin.
 ///
 /// Beside the candidates a vertex can penetrate where its gap was less than the largest displacement of any.
@@ -72,7 +82,8 @@ pub(crate) fn penetration_after(
         let found = response.displace_coarsely(forces.applied(), &may_sink)?;
         let fade = Fade::new(surface, &forces.fingers, &forces.candidates, &motion.scalar);
         for (row, &vertex) in may_sink.iter().enumerate() {
-            points.push(surface.vertices()[vertex] + drawn_vector(&found, row, &fade, vertex));
+            let share = found.along_normal[row].map_or(1.0, |_| fade.share(vertex));
+            points.push(surface.vertices()[vertex] + share * drawn_vector(&found, row));
         }
     }
     let after = Measured::near(&points, &gaps.scene.obstacle, gaps.deepest(), None)?;

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::displacement::Drawing;
-use crate::contact::figures::fade::{Fade, drawn_vector};
+use crate::contact::figures::displacement::{Drawing, drawn_vector};
+use crate::contact::figures::fade::Fade;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::response::skin::elastic::ElasticSkin;
@@ -58,18 +58,19 @@ impl Contact {
         let everywhere: Vec<usize> = (0..surface.vertices().len()).collect();
         let found = response.displace_coarsely(forces, &everywhere)?;
 
-        let drawn = |fade: &Fade| -> Vec<Vector3<f64>> {
-            let mut drawn: Vec<Vector3<f64>> =
-                everywhere.iter().map(|&vertex| drawn_vector(&found, vertex, fade, vertex)).collect();
-            // At the candidates the forces answer for more than the drawing's tolerance.
-            for (&vertex, displacement) in self.candidates.iter().zip(&motion.displacement) {
-                drawn[vertex] = *displacement;
-            }
-            drawn
-        };
-        let volume_change = volume_change(surface, &drawn(&Fade::none()));
+        let mut displacement: Vec<Vector3<f64>> =
+            everywhere.iter().map(|&vertex| drawn_vector(&found, vertex)).collect();
+        // At the candidates the forces answer for more than the drawing's tolerance.
+        for (&vertex, u) in self.candidates.iter().zip(&motion.displacement) {
+            displacement[vertex] = *u;
+        }
+        let volume_change = volume_change(surface, &displacement);
         let fade = Fade::new(surface, fingers, &self.candidates, &motion.scalar);
-        let displacement = drawn(&fade);
+        for (vertex, u) in displacement.iter_mut().enumerate() {
+            if found.along_normal[vertex].is_some() {
+                *u *= fade.share(vertex);
+            }
+        }
         let moved = surface.vertices().iter().zip(&displacement).map(|(x, u)| x + u).collect();
         let deformed = surface.with_vertices(moved);
         Ok(DrawnSkin { displacement, fade_distance: fade.distance, volume_change, deformed })

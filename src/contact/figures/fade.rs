@@ -2,10 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Vector3;
-
 use crate::contact::candidate::fingers::Fingers;
-use crate::response::skin::elastic::Displacements;
 use crate::surface::checked::Surface;
 
 /// The drawn displacement fades to zero over this many equivalent radii of the candidate region, so that the
@@ -23,6 +20,11 @@ impl Fade {
     /// Nothing fades.
     pub fn none() -> Self {
         Self { share: Vec::new(), distance: f64::INFINITY }
+    }
+
+    /// Share of its displacement that a vertex under a scalar kernel is drawn with, 1 on a candidate.
+    pub fn share(&self, vertex: usize) -> f64 {
+        self.share.get(vertex).copied().unwrap_or(1.0)
     }
 
     /// * `candidates`: all of them
@@ -60,19 +62,6 @@ impl Fade {
         };
         let share = (0..surface.vertices().len()).map(share).collect();
         Self { share, distance: distances.into_iter().fold(0.0, f64::max) }
-    }
-}
-
-/// Displacement (m) with which a vertex is drawn: under a scalar kernel the direction of `Σ_j R_ij f_j n_j` and the
-/// magnitude `(R f)_i`, faded; of a body the vector itself.
-pub(crate) fn drawn_vector(found: &Displacements, row: usize, fade: &Fade, vertex: usize) -> Vector3<f64> {
-    let vector = found.vectors[row];
-    let Some(along) = found.along_normal[row] else { return vector };
-    let norm = vector.norm();
-    let resized = if norm > 0.0 { vector * (along.abs() / norm) } else { Vector3::zeros() };
-    match fade.share.get(vertex) {
-        Some(share) => resized * *share,
-        None => resized,
     }
 }
 
