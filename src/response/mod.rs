@@ -39,7 +39,7 @@ pub use kernel::thickness::Thickness;
 pub use matrix::average::{initial_gaps, pressure_average};
 pub use matrix::collocation::{assemble, assemble_block};
 pub use matrix::net_volume::{NetVolume, balanced_height, net_volume};
-pub use matrix::options::{AssemblyOptions, matrix_bytes};
+pub use matrix::options::AssemblyOptions;
 pub use skin::combined::{CombinedSkin, Part};
 pub use skin::elastic::{Displacements, ElasticSkin, Traits};
 pub use skin::given_matrix::GivenMatrix;

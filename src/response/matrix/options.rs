@@ -50,11 +50,6 @@ impl AssemblyOptions<'_> {
     }
 }
 
-/// Bytes of a dense block of the response matrix; scratch memory is small beside it.
-pub fn matrix_bytes(rows: usize, columns: usize) -> usize {
-    rows.saturating_mul(columns).saturating_mul(size_of::<f64>())
-}
-
 /// Checks nodes, directions and the memory of a matrix with `others` entries a node before anything is computed.
 pub(crate) fn check_request(
     surface: &Surface,
@@ -84,7 +79,8 @@ pub(crate) fn check_request(
             }
         }
     }
-    let bytes = matrix_bytes(nodes.len(), others);
+    // scratch memory is small beside the dense block
+    let bytes = nodes.len().saturating_mul(others).saturating_mul(size_of::<f64>());
     match options.memory_limit {
         Some(limit) if bytes > limit => Err(ResponseError::TooLarge { nodes: nodes.len(), bytes, limit }),
         _ => Ok(()),

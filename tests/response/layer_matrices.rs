@@ -1,9 +1,6 @@
 //! The elastic layer: definite matrices, sphere indentation, what the definiteness check says.
 
-mod common;
-
 use approx::assert_relative_eq;
-use common::{Random, grid};
 use nalgebra::Vector3;
 use quasirigid::contact::{ContactOptions, ContactStatus, solve_contact};
 use quasirigid::obstacle::Obstacle;
@@ -12,6 +9,8 @@ use quasirigid::response::{
     AssemblyOptions, Discretization, Kernel, KernelSkin, Thickness, assemble, net_volume, spectrum,
 };
 use quasirigid::surface::Surface;
+
+use crate::common::{self, Random, jittered_grid};
 
 const CELL: f64 = 1e-3;
 
@@ -23,14 +22,7 @@ fn skin(poisson_ratio: f64, thickness: impl Into<Thickness>, discretization: Dis
 
 /// A flat skin of `cells`² cells with its inner vertices moved by up to `jitter` cells.
 fn flat(cells: usize, spacing: f64, jitter: f64) -> Surface {
-    let (mut vertices, faces) = grid(cells, cells, spacing);
-    let (middle, mut random) = (0.5 * cells as f64 * spacing, Random(11));
-    for vertex in &mut vertices {
-        if (*vertex - Vector3::new(middle, middle, 0.0)).amax() < 0.999 * middle {
-            vertex.x += jitter * spacing * (2.0 * random.next() - 1.0);
-            vertex.y += jitter * spacing * (2.0 * random.next() - 1.0);
-        }
-    }
+    let (vertices, faces) = jittered_grid(cells, spacing, jitter, &mut Random(11));
     Surface::new(vertices, faces).expect("a grid")
 }
 
@@ -59,7 +51,7 @@ fn layers_of_any_thickness_and_ratio_are_positive_definite_up_to_open_borders() 
 }
 
 #[test]
-fn weighted_layers_are_symmetric_positive_definite_on_flat_meshes_of_any_shape() {
+fn galerkin_layers_are_symmetric_positive_definite_on_flat_meshes_of_any_shape() {
     let surface = flat(6, CELL, 0.45);
     for poisson_ratio in [0.0, 0.3, 0.5] {
         for cells in [0.1, 1.0, 10.0] {
@@ -79,7 +71,7 @@ fn weighted_layers_are_symmetric_positive_definite_on_flat_meshes_of_any_shape()
 }
 
 #[test]
-fn a_thick_weighted_layer_is_the_weighted_half_space() {
+fn a_thick_galerkin_layer_is_the_galerkin_half_space() {
     let surface = flat(5, CELL, 0.3);
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let options = AssemblyOptions::default();
@@ -117,16 +109,16 @@ fn an_incompressible_layer_displaces_no_net_volume_on_flat_meshes_of_any_shape()
 }
 
 #[test]
-fn both_forms_agree_where_the_layer_is_thick_for_its_mesh() {
+fn both_discretizations_agree_where_the_layer_is_thick_for_its_mesh() {
     let surface = flat(8, CELL, 0.0);
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let options = AssemblyOptions::default();
     let block = |gap| assemble(&surface, &skin(0.5, 3.0 * CELL, gap), &nodes, None, &options).expect("valid");
-    let (node, weighted) = (block(Discretization::Collocation), block(Discretization::Galerkin));
+    let (collocation, galerkin) = (block(Discretization::Collocation), block(Discretization::Galerkin));
     let constant = skin(0.5, 1.0, Discretization::Collocation).kernel_constant();
     // seen from four cells away a hat acts through its second moments: (cell / distance)² / 12 or so
     let (middle, far) = (4 * 9 + 4, 4 * 9 + 8);
-    let error = (node[(far, middle)] - weighted[(far, middle)]).abs();
+    let error = (collocation[(far, middle)] - galerkin[(far, middle)]).abs();
     assert!(error < 0.02 * constant / (4.0 * CELL), "{error:e}");
 }
 

@@ -1,0 +1,101 @@
+//! Refused constants and requests, interruptions.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use nalgebra::Vector3;
+use quasirigid::response::{AssemblyOptions, Kernel, KernelSkin, ResponseError, Thickness, assemble};
+
+use super::*;
+
+fn constant_error(result: Result<KernelSkin, ResponseError>) -> (&'static str, f64) {
+    match result {
+        Err(ResponseError::Constant { name, value, .. }) => (name, value),
+        other => panic!("expected a refused constant, found {other:?}"),
+    }
+}
+
+#[test]
+fn constants_out_of_range_are_named_with_their_value() {
+    assert_eq!(constant_error(KernelSkin::new(0.0, 0.5, HALF_SPACE)), ("shear_modulus", 0.0));
+    assert_eq!(constant_error(KernelSkin::new(-1.0, 0.5, HALF_SPACE)), ("shear_modulus", -1.0));
+    assert_eq!(constant_error(KernelSkin::new(f64::NAN, 0.5, HALF_SPACE)).0, "shear_modulus");
+    assert_eq!(constant_error(KernelSkin::new(60e3, 0.51, HALF_SPACE)), ("poisson_ratio", 0.51));
+    assert_eq!(constant_error(KernelSkin::new(60e3, -0.1, HALF_SPACE)), ("poisson_ratio", -0.1));
+    let gaussian = |height, width, cutoff| {
+        KernelSkin::new(60e3, 0.5, Kernel::GaussianCorrected { height, width, cutoff })
+    };
+    assert_eq!(constant_error(gaussian(-1e-3, 5e-3, 15e-3)), ("height", -1e-3));
+    assert_eq!(constant_error(gaussian(1e-3, 0.0, 15e-3)), ("width", 0.0));
+    assert_eq!(constant_error(gaussian(1e-3, 5e-3, -1.0)), ("cutoff", -1.0));
+    assert!(gaussian(1e-3, 5e-3, f64::INFINITY).is_ok());
+}
+
+#[test]
+fn malformed_requests_say_what_is_wrong_and_where() {
+    let surface = grid(3, 3e-3, 0.0, 0.0);
+    let ask = |nodes: &[usize], directions: Option<&[Vector3<f64>]>, options: AssemblyOptions| {
+        assemble(&surface, &skin(HALF_SPACE), nodes, directions, &options).expect_err("malformed")
+    };
+    let plain = AssemblyOptions::default();
+    assert_eq!(
+        ask(&[1, 16], None, plain),
+        ResponseError::NodeOutOfRange { index: 1, vertex: 16, vertex_count: 16 }
+    );
+    assert_eq!(ask(&[4, 2, 4], None, plain), ResponseError::RepeatedNode { vertex: 4, first: 0, second: 2 });
+    let up = Vector3::z();
+    assert_eq!(ask(&[4, 2], Some(&[up]), plain), ResponseError::DirectionCount { directions: 1, nodes: 2 });
+    assert_eq!(
+        ask(&[4, 2], Some(&[up, Vector3::zeros()]), plain),
+        ResponseError::Direction { index: 1, value: [0.0; 3] }
+    );
+    let small = AssemblyOptions { memory_limit: Some(100), ..plain };
+    assert_eq!(ask(&[0, 1, 2, 3], None, small), ResponseError::TooLarge { nodes: 4, bytes: 128, limit: 100 });
+    for (options, name) in [
+        (AssemblyOptions { tolerance: -1.0, ..plain }, "tolerance"),
+        (AssemblyOptions { tolerance: f64::NAN, ..plain }, "tolerance"),
+        (AssemblyOptions { num_threads: Some(0), ..plain }, "num_threads"),
+    ] {
+        match ask(&[0], None, options) {
+            ResponseError::Constant { name: found, .. } => assert_eq!(found, name),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_assembly_says_how_far_it_came() {
+    let surface = grid(14, 14e-3, 0.0, 0.0);
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) == 1;
+    let options = AssemblyOptions { num_threads: Some(1), interrupt: Some(&stop), ..Default::default() };
+    let result = assemble(&surface, &skin(HALF_SPACE), &all(&surface), None, &options);
+    assert_eq!(result.expect_err("stopped"), ResponseError::Interrupted { columns: 64, nodes: 225 });
+}
+
+#[test]
+fn thicknesses_are_checked() {
+    assert_eq!(constant_error(KernelSkin::new(60e3, 0.5, layer(0.0))), ("thickness", 0.0));
+    assert_eq!(constant_error(KernelSkin::new(60e3, 0.5, layer(-1e-3))), ("thickness", -1e-3));
+    let response = Kernel::Layer { thickness: Thickness::PerVertex(vec![1e-3; 5].into()) };
+    let surface = grid(3, 3e-3, 0.0, 0.0);
+    let refused = assemble(&surface, &skin(response), &[0], None, &AssemblyOptions::default());
+    assert_eq!(
+        refused.expect_err("too short"),
+        ResponseError::ThicknessCount { thicknesses: 5, vertex_count: 16 }
+    );
+    // metres taken for micrometres, everywhere and at one vertex
+    let mut list = vec![1e-3; 16];
+    list[7] = 1e-8;
+    for (thickness, vertex) in [(Thickness::from(1e-8), 0), (Thickness::PerVertex(list.into()), 7)] {
+        let skin = skin(Kernel::Layer { thickness });
+        let refused = assemble(&surface, &skin, &[0], None, &AssemblyOptions::default());
+        let edge_length = surface.mean_edge_length();
+        let expected = ResponseError::TooThin { vertex, thickness: 1e-8, edge_length };
+        assert_eq!(refused.expect_err("too thin"), expected);
+        assert!(expected.to_string().contains("in metres"));
+    }
+    let thinnest = skin(layer(1.01e-3 * surface.mean_edge_length()));
+    let found =
+        assemble(&surface, &thinnest, &[0, 5], None, &AssemblyOptions::default()).expect("thick enough");
+    assert!(found[(0, 0)] > 0.0 && found[(1, 1)] > 0.0);
+}
