@@ -31,7 +31,7 @@ pub(crate) mod skin;
 pub use crate::linalg::definiteness::{Definiteness, Spectrum, spectrum};
 pub use error::ResponseError;
 pub use integral::gaussian::gaussian_hat_integrals;
-pub use integral::subdivide::hat_integrals;
+pub use integral::hat::hat_integrals;
 pub use kernel::basis::{Discretization, PressureBasis};
 pub use kernel::layer::LayerKernel;
 pub use kernel::skin::{Kernel, KernelSkin};

@@ -7,7 +7,7 @@ use crate::response::column::load::{LoadedFace, weighted};
 use crate::response::integral::cutoff::{Inverse, hats_within};
 use crate::response::integral::gauss::{RulePoint, triangle_rule};
 use crate::response::integral::gaussian::Gaussian;
-use crate::response::integral::subdivide::subdivided_hat_integrals;
+use crate::response::integral::hat::hat_integrals;
 use crate::response::simd::points::Targets;
 
 /// Widths beyond which the Gaussian is below 1e-17.
@@ -115,7 +115,7 @@ impl Corrected {
         let inverse = if distance + face.radius > self.cutoff {
             hats_within(&face.frame, x, &Inverse, self.cutoff)
         } else {
-            subdivided_hat_integrals(&face.frame.vertices, x)
+            hat_integrals(x, &face.frame.vertices)
         };
         let smooth = hats_within(&face.frame, x, &Gaussian { width: self.width }, self.cutoff);
         self.constant * weighted(&face.density, &inverse) - self.height * weighted(&face.density, &smooth)

@@ -6,8 +6,8 @@ use pulp::{Simd, WithSimd};
 use crate::response::column::load::{LoadedFace, weighted};
 use crate::response::integral::edge_quadrature::EdgeRule;
 use crate::response::integral::gauss::triangle_rule;
+use crate::response::integral::hat::hat_integrals;
 use crate::response::integral::hat_simd::NearFace;
-use crate::response::integral::subdivide::subdivided_hat_integrals;
 use crate::response::series::multipole::{MultipoleSeries, order_for};
 use crate::response::series::point_loads::{LoadBall, PointLoads, VECTORS_AT_ONCE};
 use crate::response::series::taylor::{MAX_DEGREE, TaylorSeries};
@@ -164,7 +164,7 @@ fn near_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, ampli
         if face.loses_digits(reach, tolerance) {
             for k in 0..near.index.len() {
                 let point = Vector3::new(near.x[k], near.y[k], near.z[k]);
-                let hats = subdivided_hat_integrals(&face.frame.vertices, &point);
+                let hats = hat_integrals(&point, &face.frame.vertices);
                 near.values[k] += amplitude * weighted(&face.density, &hats);
             }
         } else {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::response::integral::hat::Frame;
+use crate::response::integral::frame::TriangleFrame;
 use crate::response::kernel::basis::PressureBasis;
 use crate::surface::checked::Surface;
 
@@ -10,7 +10,7 @@ use crate::surface::checked::Surface;
 #[derive(Debug, Clone)]
 pub(crate) struct LoadedFace {
     /// Geometry.
-    pub(crate) frame: Frame,
+    pub(crate) frame: TriangleFrame,
     /// Pressure at the corners per newton (1/m²).
     pub(crate) density: [f64; 3],
     /// Centre of a ball around the triangle (m).
@@ -43,7 +43,7 @@ pub(crate) fn loaded_faces(
         let center = (vertices[0] + vertices[1] + vertices[2]) / 3.0;
         let density = density(surface, corners, vertex, pressure);
         let radius = vertices.iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
-        faces.push(LoadedFace { frame: Frame::new(vertices), density, center, radius });
+        faces.push(LoadedFace { frame: TriangleFrame::new(vertices), density, center, radius });
     }
 }
 

@@ -1,8 +1,8 @@
-//! Exact integrals over the part of a triangle that a cutoff sphere leaves.
+//! Exact integrals over a triangle, or over the part of it that a cutoff sphere leaves.
 
 use nalgebra::Vector3;
 
-use crate::response::integral::hat::{Frame, log_ratio};
+use crate::response::integral::frame::TriangleFrame;
 
 /// A radial kernel f whose integrals over the plane, at height z, are known in closed form.
 ///
@@ -10,57 +10,52 @@ use crate::response::integral::hat::{Frame, log_ratio};
 /// the integral of f over a region is a sum over its boundary of `∫dθ ∫_0^{s(θ)} f s ds`, and its first
 /// moment is `∮ Φ m dl` with the outward normal m. Both therefore add up over pieces of the boundary.
 pub(crate) trait PlanarKernel {
-    /// `∫dθ ∫_0^{s(θ)} f s ds` along the straight piece from s0 to s1 of a line at distance d.
-    fn edge_zeroth(&self, d: f64, s0: f64, s1: f64, z: f64) -> f64;
-    /// `∫ Φ dl` along the same piece.
-    fn edge_boundary(&self, d: f64, s0: f64, s1: f64, z: f64) -> f64;
-    /// `∫_0^radius f s ds`.
-    fn disc_zeroth(&self, radius: f64, z: f64) -> f64;
-    /// Φ(radius).
-    fn disc_boundary(&self, radius: f64, z: f64) -> f64;
+    /// `∫dθ ∫_0^{s(θ)} f s ds` and `∫ Φ dl` along the straight piece from s0 to s1 of a line at distance d.
+    fn edge(&self, d: f64, s0: f64, s1: f64, z: f64) -> (f64, f64);
+    /// `∫_0^radius f s ds` and Φ(radius).
+    fn disc(&self, radius: f64, z: f64) -> (f64, f64);
 }
 
 /// `1/r`, with Φ = r.
+///
+/// Without a cutoff the three integrals have a relative error of at most 40 ε (length / height)² (distance / length)³,
+/// ε = 2e-16.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Inverse;
 
-impl Inverse {
-    fn log(d: f64, s0: f64, s1: f64, z: f64) -> (f64, f64, f64, f64) {
+impl PlanarKernel for Inverse {
+    fn edge(&self, d: f64, s0: f64, s1: f64, z: f64) -> (f64, f64) {
         let rho_squared = d * d + z * z;
         let (r0, r1) = ((rho_squared + s0 * s0).sqrt(), (rho_squared + s1 * s1).sqrt());
-        let log = if rho_squared > 0.0 { log_ratio(s0, s1, r0, r1, rho_squared) } else { 0.0 };
-        (rho_squared, r0, r1, log)
+        let ends = s1 * r1 - s0 * r0;
+        if rho_squared == 0.0 {
+            return (0.0, 0.5 * ends);
+        }
+        let (log, height) = (log_ratio(s0, s1, r0, r1, rho_squared), z.abs());
+        let angle =
+            f64::atan2(d * s1, rho_squared + height * r1) - f64::atan2(d * s0, rho_squared + height * r0);
+        (d * log - height * angle, 0.5 * (rho_squared * log + ends))
+    }
+
+    fn disc(&self, radius: f64, z: f64) -> (f64, f64) {
+        let r = radius.hypot(z);
+        // r - |z|
+        (if r > 0.0 { radius * radius / (r + z.abs()) } else { 0.0 }, r)
     }
 }
 
-impl PlanarKernel for Inverse {
-    fn edge_zeroth(&self, d: f64, s0: f64, s1: f64, z: f64) -> f64 {
-        let (rho_squared, r0, r1, log) = Self::log(d, s0, s1, z);
-        let height = z.abs();
-        let angle =
-            f64::atan2(d * s1, rho_squared + height * r1) - f64::atan2(d * s0, rho_squared + height * r0);
-        d * log - if rho_squared > 0.0 { height * angle } else { 0.0 }
-    }
-
-    fn edge_boundary(&self, d: f64, s0: f64, s1: f64, z: f64) -> f64 {
-        let (rho_squared, r0, r1, log) = Self::log(d, s0, s1, z);
-        0.5 * (rho_squared * log + s1 * r1 - s0 * r0)
-    }
-
-    fn disc_zeroth(&self, radius: f64, z: f64) -> f64 {
-        let r = radius.hypot(z);
-        // r - |z|
-        if r > 0.0 { radius * radius / (r + z.abs()) } else { 0.0 }
-    }
-
-    fn disc_boundary(&self, radius: f64, z: f64) -> f64 {
-        radius.hypot(z)
-    }
+/// `ln((R1 + s1) / (R0 + s0))`, which is `asinh(s1/ρ) - asinh(s0/ρ)` with ρ² = `rho_squared` > 0, free of
+/// cancellation; R = √(ρ² + s²).
+fn log_ratio(s0: f64, s1: f64, r0: f64, r1: f64, rho_squared: f64) -> f64 {
+    let near_end = if s1 >= 0.0 { rho_squared / (r1 + s1) } else { r1 - s1 };
+    let far_end = if s0 <= 0.0 { rho_squared / (r0 - s0) } else { r0 + s0 };
+    // (R0 + R1 + L) / (R0 + R1 - L) with L = s1 - s0, the denominator summed from positive parts.
+    (2.0 * (s1 - s0) / (near_end + far_end)).ln_1p()
 }
 
 /// The three hat integrals of `kernel` over the points of the triangle within `cutoff` (m) of `point`.
 pub(crate) fn hats_within(
-    frame: &Frame,
+    frame: &TriangleFrame,
     point: &Vector3<f64>,
     kernel: &impl PlanarKernel,
     cutoff: f64,
@@ -77,16 +72,18 @@ pub(crate) fn hats_within(
         let half_chord = if e.d.abs() < radius { ((radius - e.d) * (radius + e.d)).sqrt() } else { 0.0 };
         let (inner0, inner1) = (e.s0.clamp(-half_chord, half_chord), e.s1.clamp(-half_chord, half_chord));
         if inner0 < inner1 {
-            zeroth += kernel.edge_zeroth(e.d, inner0, inner1, z);
-            moment += frame.outward[k] * kernel.edge_boundary(e.d, inner0, inner1, z);
+            let (sector, boundary) = kernel.edge(e.d, inner0, inner1, z);
+            zeroth += sector;
+            moment += frame.outward[k] * boundary;
         }
         // What of the edge lies outside the circle is replaced by the arc under the same angle.
         for (s0, s1) in [(e.s0, e.s1.min(-half_chord)), (e.s0.max(half_chord), e.s1)] {
             if s0 < s1 {
                 let (angle, mean) = arc(e.d, s0, s1);
-                zeroth += angle * kernel.disc_zeroth(radius, z);
+                let (sector, boundary) = kernel.disc(radius, z);
+                zeroth += angle * sector;
                 let turn = frame.outward[k] * mean.0 + frame.tangents[k] * mean.1;
-                moment += turn * (radius * kernel.disc_boundary(radius, z));
+                moment += turn * (radius * boundary);
             }
         }
     }
@@ -115,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_disc_inside_a_triangle_has_its_closed_form() {
-        let big = Frame::new([
+        let big = TriangleFrame::new([
             Vector3::new(-1.0, -1.0, 0.0),
             Vector3::new(1.5, -1.0, 0.0),
             Vector3::new(0.0, 1.5, 0.0),
@@ -142,7 +139,7 @@ mod tests {
     #[test]
     fn without_a_cut_the_pieces_add_up_to_the_plain_integral() {
         for case in reference_integrals() {
-            let got = hats_within(&Frame::new(case.triangle), &case.point, &Inverse, f64::INFINITY);
+            let got = hats_within(&TriangleFrame::new(case.triangle), &case.point, &Inverse, f64::INFINITY);
             for k in 0..3 {
                 // slivers seen from three edge lengths away lose the most
                 assert!((got[k] / case.inverse[k] - 1.0).abs() < 1e-7, "{got:?} {:?}", case.inverse);
@@ -154,7 +151,7 @@ mod tests {
     fn cut_integrals_match_a_fine_midpoint_sum() {
         let corners =
             [Vector3::new(0.0, 0.0, 0.0), Vector3::new(1.0, 0.1, 0.2), Vector3::new(0.3, 0.9, -0.1)];
-        let frame = Frame::new(corners);
+        let frame = TriangleFrame::new(corners);
         for (x, cutoff) in [
             (Vector3::new(0.2, 0.1, 0.3), 0.6),
             (Vector3::new(-0.3, 0.4, 0.0), 0.7),

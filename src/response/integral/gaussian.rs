@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use nalgebra::Vector3;
 
-use crate::response::integral::cutoff::PlanarKernel;
-use crate::response::integral::hat::Frame;
+use crate::response::integral::cutoff::{PlanarKernel, hats_within};
+use crate::response::integral::frame::TriangleFrame;
 
 /// `exp(-r²/2c²)` as a function of the in-plane distance s and the height z, r² = s² + z².
 #[derive(Debug, Clone, Copy)]
@@ -20,31 +20,21 @@ fn right_triangle(h: f64, q: f64) -> f64 {
 }
 
 impl PlanarKernel for Gaussian {
-    fn edge_zeroth(&self, d: f64, s0: f64, s1: f64, z: f64) -> f64 {
+    fn edge(&self, d: f64, s0: f64, s1: f64, z: f64) -> (f64, f64) {
         let c = self.width;
+        let fade = (-0.5 * (z / c).powi(2)).exp();
         let h = d.abs() / c;
         // The measure of a right triangle is 0 where one leg is; q/h must stay finite.
-        if h < 1e-150 {
-            return 0.0;
-        }
-        let measure = right_triangle(h, s1 / c) - right_triangle(h, s0 / c);
-        d.signum() * TAU * c * c * (-0.5 * (z / c).powi(2)).exp() * measure
-    }
-
-    fn edge_boundary(&self, d: f64, s0: f64, s1: f64, z: f64) -> f64 {
-        let c = self.width;
+        let measure = if h < 1e-150 { 0.0 } else { right_triangle(h, s1 / c) - right_triangle(h, s0 / c) };
         let erfs = libm::erf(s1 / c * FRAC_1_SQRT_2) - libm::erf(s0 / c * FRAC_1_SQRT_2);
-        -c.powi(3) * (0.5 * PI).sqrt() * (-0.5 * (d * d + z * z) / (c * c)).exp() * erfs
+        let boundary = -c.powi(3) * (0.5 * PI).sqrt() * (-0.5 * (d * d + z * z) / (c * c)).exp() * erfs;
+        (d.signum() * TAU * c * c * fade * measure, boundary)
     }
 
-    fn disc_zeroth(&self, radius: f64, z: f64) -> f64 {
+    fn disc(&self, radius: f64, z: f64) -> (f64, f64) {
         let c = self.width;
-        -c * c * (-0.5 * (z / c).powi(2)).exp() * (-0.5 * (radius / c).powi(2)).exp_m1()
-    }
-
-    fn disc_boundary(&self, radius: f64, z: f64) -> f64 {
-        let c = self.width;
-        -c * c * (-0.5 * (radius * radius + z * z) / (c * c)).exp()
+        let zeroth = -c * c * (-0.5 * (z / c).powi(2)).exp() * (-0.5 * (radius / c).powi(2)).exp_m1();
+        (zeroth, -c * c * (-0.5 * (radius * radius + z * z) / (c * c)).exp())
     }
 }
 
@@ -58,12 +48,7 @@ impl PlanarKernel for Gaussian {
 ///
 /// Returns the integral for each corner's hat (m²); relative to the area the error is about 1e-14 (c / height)².
 pub fn gaussian_hat_integrals(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3], width: f64) -> [f64; 3] {
-    crate::response::integral::cutoff::hats_within(
-        &Frame::new(*triangle),
-        point,
-        &Gaussian { width },
-        f64::INFINITY,
-    )
+    hats_within(&TriangleFrame::new(*triangle), point, &Gaussian { width }, f64::INFINITY)
 }
 
 #[cfg(test)]
@@ -77,7 +62,7 @@ mod tests {
         for (row, case) in reference_integrals().iter().enumerate() {
             let (width, expected) = (case.width, case.gaussian);
             let got = gaussian_hat_integrals(&case.point, &case.triangle, width);
-            let frame = Frame::new(case.triangle);
+            let frame = TriangleFrame::new(case.triangle);
             let area = frame.area;
             let height = frame.heights.into_iter().fold(f64::INFINITY, f64::min);
             let longest = 2.0 * area / height;

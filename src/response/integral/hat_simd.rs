@@ -119,13 +119,13 @@ pub(crate) fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::response::integral::hat::Frame;
+    use crate::response::integral::frame::TriangleFrame;
     use crate::response::integral::reference_values::reference_integrals;
 
     #[test]
     fn vector_form_matches_60_digit_quadrature() {
         for (row, case) in reference_integrals().iter().enumerate() {
-            let (frame, point) = (Frame::new(case.triangle), case.point);
+            let (frame, point) = (TriangleFrame::new(case.triangle), case.point);
             let least = frame.heights.into_iter().fold(f64::INFINITY, f64::min);
             let length = 2.0 * frame.area / least;
             let reach = ((point - frame.vertices[0]).norm() / length).max(1.0);

@@ -5,10 +5,10 @@
 
 pub(crate) mod cutoff;
 pub(crate) mod edge_quadrature;
+pub(crate) mod frame;
 pub(crate) mod gauss;
 pub(crate) mod gaussian;
 pub(crate) mod hat;
 pub(crate) mod hat_simd;
 #[cfg(test)]
 pub(crate) mod reference_values;
-pub(crate) mod subdivide;
