@@ -38,34 +38,3 @@ pub fn point_load_on_layer() -> [(f64, f64); 5] {
 pub fn layer_correction_at_load() -> [(f64, f64); 4] {
     [(0.5, 1.7702), (0.45, 1.6255), (0.4, 1.5187), (0.3, 1.3769)]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::{layer_correction_at_load, point_load_on_layer, sphere_on_layer};
-
-    /// Series of Garcia & Garcia 2018 (Biophysical Journal 114) for a bonded incompressible layer.
-    fn garcia(chi: f64) -> f64 {
-        1.0 + 1.133 * chi + 1.497 * chi.powi(2) + 1.469 * chi.powi(3) + 0.755 * chi.powi(4)
-    }
-
-    #[test]
-    fn table_agrees_with_the_published_series_where_the_series_holds() {
-        let first = sphere_on_layer()[0];
-        // The next term of the series is of order χ⁵ = 2.4e-3.
-        assert!((first.force_ratio / garcia(first.thinness) - 1.0).abs() < 2.4e-3);
-    }
-
-    #[test]
-    fn thinner_layers_are_stiffer() {
-        let ratios = sphere_on_layer().map(|entry| entry.force_ratio);
-        assert!(1.0 < ratios[0] && ratios.is_sorted());
-    }
-
-    #[test]
-    fn near_the_load_the_layer_is_the_half_space_less_its_correction() {
-        let (distance, displacement) = point_load_on_layer()[0];
-        let (_, correction) = layer_correction_at_load()[0];
-        // The correction falls by some (r/h)².
-        assert!((displacement - (1.0 / distance - correction)).abs() < distance * distance);
-    }
-}
