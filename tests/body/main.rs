@@ -11,6 +11,7 @@ mod endings;
 mod fields;
 mod forces;
 mod invariance;
+mod kelvin;
 
 const SHEAR_MODULUS: f64 = CoredSphere::SHEAR_MODULUS;
 

@@ -1,5 +1,7 @@
 //! The response matrix through the public interface: known answers, properties, twins, endings.
 
+use std::f64::consts::PI;
+
 use nalgebra::Vector3;
 use quasirigid::response::{
     AssemblyOptions, Discretization, Kernel, KernelSkin, PressureBasis, assemble, hat_integrals,
@@ -13,11 +15,14 @@ mod common;
 mod endings;
 mod galerkin;
 mod gaussian;
+mod integrals;
+mod kernels;
 mod known_answers;
 mod layer_entries;
 mod layer_matrices;
 mod properties;
 mod twins;
+mod well_posed;
 
 const HALF_SPACE: Kernel = Kernel::HalfSpace;
 const PAPER: Kernel = Kernel::GaussianCorrected { height: 0.8e-3, width: 5e-3, cutoff: 15e-3 };
@@ -91,4 +96,22 @@ fn inner_vertices(n: usize) -> Vec<usize> {
 fn squeezed(surface: &Surface, factor: f64) -> Surface {
     let vertices = surface.vertices().iter().map(|v| Vector3::new(v.x, factor * v.y, v.z)).collect();
     Surface::new(vertices, surface.faces().to_vec()).expect("slivers are welcome")
+}
+
+/// Points and weights of Gauss's rule on [0, 1]: roots of Legendre's polynomial by Newton's method.
+fn gauss_rule(n: usize) -> Vec<(f64, f64)> {
+    let point = |k: usize| {
+        let (mut x, mut slope) = ((PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos(), 0.0);
+        for _ in 0..20 {
+            let (mut before, mut p) = (1.0, x);
+            for m in 1..n {
+                let m = m as f64;
+                (before, p) = (p, ((2.0 * m + 1.0) * x * p - m * before) / (m + 1.0));
+            }
+            slope = n as f64 * (before - x * p) / (1.0 - x * x);
+            x -= p / slope;
+        }
+        (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..n).map(point).collect()
 }

@@ -120,7 +120,7 @@ pub(crate) fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
 mod tests {
     use super::*;
     use crate::response::integral::frame::TriangleFrame;
-    use crate::response::integral::reference_values::reference_integrals;
+    use crate::sample::reference_integrals;
 
     #[test]
     fn vector_form_matches_60_digit_quadrature() {

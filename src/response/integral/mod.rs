@@ -10,5 +10,3 @@ pub(crate) mod gauss;
 pub(crate) mod gaussian;
 pub(crate) mod hat;
 pub(crate) mod hat_simd;
-#[cfg(test)]
-pub(crate) mod reference_values;

@@ -43,21 +43,3 @@ impl Spectrum {
         Some(format!("{found}; {remedy}"))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::linalg::definiteness::spectrum;
-
-    #[test]
-    fn the_advice_names_what_to_change_and_is_none_where_all_is_well() {
-        let skin = |basis: PressureBasis| {
-            KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).expect("valid constants").with_basis(basis)
-        };
-        let definite = spectrum(faer::mat![[2.0, 0.5], [1.5, 2.0]].as_ref());
-        assert_eq!(definite.advice(&skin(PressureBasis::Linear)), None);
-        let indefinite = spectrum(faer::mat![[1.0, 2.0], [2.0, 1.0]].as_ref());
-        assert!(indefinite.advice(&skin(PressureBasis::Linear)).expect("advice").contains("galerkin"));
-        assert!(indefinite.advice(&skin(PressureBasis::OneRing)).expect("advice").contains("one_ring"));
-    }
-}
