@@ -38,7 +38,7 @@ pub struct BodyCompliance {
 }
 
 /// Deviation of a direction's length from 1 that still counts as rounding.
-const UNIT: f64 = 1e-9;
+const UNIT_LENGTH_ERROR: f64 = 1e-9;
 
 impl BodyCompliance {
     pub(crate) fn new(parts: BodyParts, report: TissueReport) -> Self {
@@ -121,7 +121,7 @@ impl BodyCompliance {
         }
         for (index, direction) in directions.iter().enumerate() {
             let length = direction.norm();
-            if length.is_nan() || (length - 1.0).abs() > UNIT {
+            if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH_ERROR {
                 return Err(BodyError::DirectionLength { index, length });
             }
         }

@@ -1,4 +1,4 @@
-//! Where the node form looks at a layer's displacement on the open border of a mesh.
+//! Where collocation looks at a layer's displacement on the open border of a mesh.
 //!
 //! Only the displacement is taken there: the initial gap of a border node is still measured at the vertex.
 
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::surface::checked::Surface;
 
 /// Depth inside the border in thicknesses, for layers much thinner than the mesh size.
-const DEPTH: f64 = 0.3;
+const BORDER_DEPTH: f64 = 0.3;
 
 /// The point at which the displacement of a vertex is taken on a layer (m).
 ///
@@ -20,7 +20,7 @@ pub(crate) fn displacement_point(surface: &Surface, vertex: usize, thickness: f6
     let points = surface.vertices();
     let x = points[vertex];
     let lengths = surface.neighbours(vertex).iter().map(|&w| (points[w as usize] - x).norm());
-    let depth = DEPTH * thickness * (1.0 - thickness / lengths.fold(f64::INFINITY, f64::min));
+    let depth = BORDER_DEPTH * thickness * (1.0 - thickness / lengths.fold(f64::INFINITY, f64::min));
     if depth <= 0.0 {
         return x;
     }

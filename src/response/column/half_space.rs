@@ -12,11 +12,11 @@ use crate::response::series::multipole::{MultipoleSeries, order_for};
 use crate::response::series::point_loads::{LoadBall, PointLoads, VECTORS_AT_ONCE};
 use crate::response::series::taylor::{MAX_DEGREE, TaylorSeries};
 use crate::response::simd::lanes::{Lanes, dot};
-use crate::response::simd::points::{BLOCK, Selection, Targets};
+use crate::response::simd::points::{POINTS_PER_BLOCK, Selection, Targets};
 
 /// Memory that one thread uses again for every column.
 #[derive(Debug)]
-pub(crate) struct Scratch {
+pub(crate) struct ColumnScratch {
     /// The loaded triangles of the column's node.
     pub(crate) faces: Vec<LoadedFace>,
     /// Values in the order of [`Targets`].
@@ -33,7 +33,7 @@ pub(crate) struct Scratch {
     pub(crate) thicknesses: Vec<f64>,
 }
 
-impl Scratch {
+impl ColumnScratch {
     pub(crate) fn new(targets: &Targets) -> Self {
         Self {
             faces: Vec::new(),
@@ -65,7 +65,7 @@ impl Scratch {
                 self.loads.push(&place, weight * face.frame.area * weighted(&face.density, l));
             }
         }
-        self.loads.pad(BLOCK);
+        self.loads.pad(POINTS_PER_BLOCK);
         self.loads.ball(self.faces.iter().flat_map(|face| &face.frame.vertices))
     }
 
@@ -80,7 +80,7 @@ impl Scratch {
 /// closer than `reach` (m) to some point of it; 0 beyond.
 pub(crate) fn half_space_values(
     targets: &Targets,
-    scratch: &mut Scratch,
+    scratch: &mut ColumnScratch,
     amplitude: f64,
     tolerance: f64,
     reach: f64,
@@ -91,7 +91,7 @@ pub(crate) fn half_space_values(
 
 struct HalfSpaceColumn<'a> {
     targets: &'a Targets,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut ColumnScratch,
     amplitude: f64,
     tolerance: f64,
     reach: f64,
@@ -112,7 +112,7 @@ impl WithSimd for HalfSpaceColumn<'_> {
 
 /// The series at all targets; those too close for it are listed in `scratch.near`.
 #[inline(always)]
-fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach: f64) {
+fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut ColumnScratch, reach: f64) {
     let multipoles = &scratch.multipoles;
     let LoadBall { center, radius } = multipoles.ball;
     let near_squared = multipoles.near_squared();
@@ -156,7 +156,13 @@ fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, reach:
 
 /// The exact integral at the listed targets.
 #[inline(always)]
-fn near_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut Scratch, amplitude: f64, tolerance: f64) {
+fn near_values<S: Simd>(
+    simd: S,
+    targets: &Targets,
+    scratch: &mut ColumnScratch,
+    amplitude: f64,
+    tolerance: f64,
+) {
     let near = &mut scratch.near;
     near.gather(targets);
     let reach = scratch.multipoles.near_squared().sqrt() + scratch.multipoles.ball.radius;

@@ -5,26 +5,25 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 
-use crate::response::column::half_space::{Scratch, half_space_values};
-use crate::response::error::ResponseError;
+use crate::response::column::half_space::{ColumnScratch, half_space_values};
 use crate::response::integral::edge_quadrature::EdgePotential;
 use crate::response::integral::hat_simd::NearFace;
 use crate::response::kernel::layer::LayerKernel;
-use crate::response::kernel::layer_table::{INVERSE_SLOPES, LARGEST, LayerTable, SLOPES};
+use crate::response::kernel::layer_table::{INVERSE_SLOPES, LARGEST_RHO, LayerTable, SLOPE_COUNT};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::series::point_loads::VECTORS_AT_ONCE;
 use crate::response::series::taylor::{DEGREES, MAX_DEGREE, TaylorSeries};
 use crate::response::simd::lanes::Lanes;
-use crate::response::simd::points::{BLOCK, Targets, gather};
+use crate::response::simd::points::{POINTS_PER_BLOCK, Targets, gather};
 
 /// Kernel values below this times the tolerance, relative to K/h, are taken as 0.
-pub(crate) const SKIPPED: f64 = 1e-2;
+pub(crate) const SKIPPED_KERNEL: f64 = 1e-2;
 /// The tabulated kernel's own error.
 const LEAST_TOLERANCE: f64 = 1e-12;
 /// Within this many thicknesses of the real axis the smooth part, singular at ±2i, stays below the bound.
-const ROOM: f64 = 1.6;
-const BOUND: f64 = 40.0;
+const SMOOTH_ROOM: f64 = 1.6;
+const SMOOTH_BOUND: f64 = 40.0;
 
 /// What all columns of a layer's matrix share.
 #[derive(Debug)]
@@ -38,14 +37,14 @@ pub(crate) struct PreparedLayer {
 }
 
 impl PreparedLayer {
-    pub(crate) fn new(skin: &KernelSkin, options: &AssemblyOptions) -> Result<Self, ResponseError> {
-        let kernel = LayerKernel::new(skin.poisson_ratio())?;
-        Ok(Self {
-            reach: kernel.reach(SKIPPED * options.tolerance),
+    pub(crate) fn new(skin: &KernelSkin, options: &AssemblyOptions) -> Self {
+        let kernel = LayerKernel::new(skin.poisson_ratio()).expect("a skin's ratio is checked");
+        Self {
+            reach: kernel.reach(SKIPPED_KERNEL * options.tolerance),
             constant: skin.kernel_constant(),
             tolerance: options.tolerance.max(LEAST_TOLERANCE),
             kernel,
-        })
+        }
     }
 
     /// Sets `scratch.values` to the displacement of all targets by the load on `scratch.faces`.
@@ -59,7 +58,7 @@ impl PreparedLayer {
         &self,
         targets: &Targets,
         inverse_thickness: &[f64],
-        scratch: &mut Scratch,
+        scratch: &mut ColumnScratch,
         own_thickness: f64,
     ) {
         let own_inverse = 1.0 / own_thickness;
@@ -73,7 +72,7 @@ impl PreparedLayer {
         let allowed =
             self.tolerance / (near * thinnest).min(self.reach + 2.0 * scratch.series.ball.radius * thinnest);
         let half_edge = scratch.half_edge();
-        scratch.rule.set(half_edge * thinnest, ROOM, BOUND, allowed);
+        scratch.rule.set(half_edge * thinnest, SMOOTH_ROOM, SMOOTH_BOUND, allowed);
         pulp::Arch::new().dispatch(Sweep { column, targets, scratch, near, ladder });
     }
 }
@@ -91,14 +90,14 @@ pub(crate) struct LayerColumn<'a> {
 /// Fills the series of the load and says from where on it holds.
 struct Prepare<'a> {
     column: LayerColumn<'a>,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut ColumnScratch,
 }
 
 impl WithSimd for Prepare<'_> {
-    type Output = Ladder;
+    type Output = DegreeReach;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Ladder {
+    fn with_simd<S: Simd>(self, simd: S) -> DegreeReach {
         self.scratch.fill_series(simd);
         self.column.ladder(&self.scratch.series)
     }
@@ -107,9 +106,9 @@ impl WithSimd for Prepare<'_> {
 struct Sweep<'a> {
     column: LayerColumn<'a>,
     targets: &'a Targets,
-    scratch: &'a mut Scratch,
+    scratch: &'a mut ColumnScratch,
     near: f64,
-    ladder: Ladder,
+    ladder: DegreeReach,
 }
 
 impl WithSimd for Sweep<'_> {
@@ -119,12 +118,13 @@ impl WithSimd for Sweep<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { column, targets, scratch, near, ladder } = self;
         let layer = column.layer;
-        let Scratch { series, values, near: close, .. } = &mut *scratch;
+        let ColumnScratch { series, values, near: close, .. } = &mut *scratch;
         let (center, radius) = (series.ball.center, series.ball.radius);
         close.index.clear();
-        for start in (0..values.len()).step_by(BLOCK) {
-            let mut block = Block { start, distance: [0.0; BLOCK], inverse: [0.0; BLOCK] };
-            for i in 0..BLOCK {
+        for start in (0..values.len()).step_by(POINTS_PER_BLOCK) {
+            let mut block =
+                Block { start, distance: [0.0; POINTS_PER_BLOCK], inverse: [0.0; POINTS_PER_BLOCK] };
+            for i in 0..POINTS_PER_BLOCK {
                 let x = Vector3::new(targets.x[start + i], targets.y[start + i], targets.z[start + i]);
                 block.distance[i] = (x - center).norm();
                 // a pair answers as the thinner of its two
@@ -133,10 +133,10 @@ impl WithSimd for Sweep<'_> {
             let Block { distance, inverse, .. } = &block;
             let felt = |i: usize| {
                 let rho = distance[i] * inverse[i];
-                rho - radius * inverse[i] < layer.reach && (rho < LARGEST as f64 || distance[i] < near)
+                rho - radius * inverse[i] < layer.reach && (rho < LARGEST_RHO as f64 || distance[i] < near)
             };
             let mut nearest = f64::INFINITY;
-            for i in 0..BLOCK {
+            for i in 0..POINTS_PER_BLOCK {
                 if !felt(i) {
                     values[start + i] = 0.0;
                 } else if distance[i] < near {
@@ -150,7 +150,7 @@ impl WithSimd for Sweep<'_> {
             if nearest < f64::INFINITY {
                 let level = ladder.iter().position(|&from| nearest >= from).unwrap_or(DEGREES.len() - 1);
                 let far = column.far(simd, series, level, targets, &block);
-                for i in (0..BLOCK).filter(|&i| felt(i) && distance[i] >= near) {
+                for i in (0..POINTS_PER_BLOCK).filter(|&i| felt(i) && distance[i] >= near) {
                     values[start + i] = far[i];
                 }
             }
@@ -159,24 +159,24 @@ impl WithSimd for Sweep<'_> {
     }
 }
 
-/// Distance (m) from the load's centre at which a series of each of [`DEGREES`] keeps the tolerance, falling.
-type Ladder = [f64; DEGREES.len()];
+/// Distance (m) from the load's center at which a series of each of [`DEGREES`] keeps the tolerance, falling.
+type DegreeReach = [f64; DEGREES.len()];
 
 /// A block of targets.
 struct Block {
     /// The first of them.
     start: usize,
-    /// Distances from the load's centre (m).
-    distance: [f64; BLOCK],
+    /// Distances from the load's center (m).
+    distance: [f64; POINTS_PER_BLOCK],
     /// 1/thickness of the pairs with the loaded node (1/m).
-    inverse: [f64; BLOCK],
+    inverse: [f64; POINTS_PER_BLOCK],
 }
 
 impl LayerColumn<'_> {
     /// Takes the smooth part off the values of the targets in `scratch.near`.
     #[inline(always)]
-    fn take_off_smooth<S: Simd>(&self, simd: S, targets: &Targets, scratch: &mut Scratch) {
-        let Scratch { near, values, faces, rule, thicknesses, .. } = scratch;
+    fn take_off_smooth<S: Simd>(&self, simd: S, targets: &Targets, scratch: &mut ColumnScratch) {
+        let ColumnScratch { near, values, faces, rule, thicknesses, .. } = scratch;
         near.gather(targets);
         gather(&near.index, self.inverse_thickness, thicknesses);
         let table = self.layer.kernel.table();
@@ -213,7 +213,7 @@ impl<S: Simd> EdgePotential<S> for SmoothPart<'_, S> {
 impl LayerColumn<'_> {
     /// The terms of a series from degree p + 1 on add up to at most `roughness μ_(p+1) q^(p+1) / (1 - q)` of K/r
     /// with q = radius / distance.
-    fn ladder(&self, series: &TaylorSeries) -> Ladder {
+    fn ladder(&self, series: &TaylorSeries) -> DegreeReach {
         let mut ladder = [0.0; DEGREES.len()];
         for level in 0..DEGREES.len() {
             let degree = DEGREES[level];
@@ -244,20 +244,20 @@ impl LayerColumn<'_> {
         level: usize,
         targets: &Targets,
         block: &Block,
-    ) -> [f64; BLOCK] {
+    ) -> [f64; POINTS_PER_BLOCK] {
         let degree = DEGREES[level];
         let table = self.layer.kernel.table();
-        let mut smooth = [[0.0; BLOCK]; SLOPES];
+        let mut smooth = [[0.0; POINTS_PER_BLOCK]; SLOPE_COUNT];
         match degree + 1 {
             0..=2 => look_up::<2>(table, block, &mut smooth),
             3..=4 => look_up::<4>(table, block, &mut smooth),
             5..=8 => look_up::<8>(table, block, &mut smooth),
-            _ => look_up::<SLOPES>(table, block, &mut smooth),
+            _ => look_up::<SLOPE_COUNT>(table, block, &mut smooth),
         }
         let zero = Lanes::splat(simd, 0.0);
-        let mut result = [0.0; BLOCK];
+        let mut result = [0.0; POINTS_PER_BLOCK];
         let step = VECTORS_AT_ONCE * S::F64_LANES;
-        for first in (0..BLOCK).step_by(step) {
+        for first in (0..POINTS_PER_BLOCK).step_by(step) {
             let place = series.place(simd, targets, block.start + first);
             let (mut slopes, mut amplitude) =
                 ([[zero; VECTORS_AT_ONCE]; MAX_DEGREE + 1], [zero; VECTORS_AT_ONCE]);
@@ -288,7 +288,11 @@ impl LayerColumn<'_> {
 
 /// φ_k at every target of a block.
 #[inline(always)]
-fn look_up<const N: usize>(table: &LayerTable, block: &Block, smooth: &mut [[f64; BLOCK]; SLOPES]) {
+fn look_up<const N: usize>(
+    table: &LayerTable,
+    block: &Block,
+    smooth: &mut [[f64; POINTS_PER_BLOCK]; SLOPE_COUNT],
+) {
     for (i, (distance, inverse)) in block.distance.iter().zip(&block.inverse).enumerate() {
         let slopes = table.smooth_slopes::<N>(distance * inverse);
         for (list, slope) in smooth.iter_mut().zip(slopes) {

@@ -13,7 +13,7 @@ pub(crate) struct LoadedFace {
     pub(crate) frame: TriangleFrame,
     /// Pressure at the corners per newton (1/m²).
     pub(crate) density: [f64; 3],
-    /// Centre of a ball around the triangle (m).
+    /// Center of a ball around the triangle (m).
     pub(crate) center: Vector3<f64>,
     /// Radius of that ball (m).
     pub(crate) radius: f64,

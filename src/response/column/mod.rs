@@ -6,5 +6,6 @@
 pub(crate) mod border;
 pub(crate) mod gaussian;
 pub(crate) mod half_space;
+pub(crate) mod kernel;
 pub(crate) mod layer;
 pub(crate) mod load;

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 /// The largest number of points in each direction that [`triangle_rule`] offers.
-pub(crate) const MAX_POINTS: usize = 24;
+pub(crate) const MAX_TRIANGLE_POINTS: usize = 24;
 
 /// A point of a triangle rule: weights of the three corners, which sum to 1, and the share of the area.
 pub(crate) type RulePoint = ([f64; 3], f64);
@@ -12,8 +12,9 @@ pub(crate) type RulePoint = ([f64; 3], f64);
 ///
 /// Exact for polynomials of degree 2n - 1; the weights are positive and sum to 1.
 pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
-    static RULES: [OnceLock<Vec<RulePoint>>; MAX_POINTS + 1] = [const { OnceLock::new() }; MAX_POINTS + 1];
-    let n = n.clamp(1, MAX_POINTS);
+    static RULES: [OnceLock<Vec<RulePoint>>; MAX_TRIANGLE_POINTS + 1] =
+        [const { OnceLock::new() }; MAX_TRIANGLE_POINTS + 1];
+    let n = n.clamp(1, MAX_TRIANGLE_POINTS);
     RULES[n].get_or_init(|| product(&gauss(n, 1.0), &gauss(n, 0.0), |u, v| [1.0 - u, u * (1.0 - v), u * v]))
 }
 
@@ -105,7 +106,7 @@ mod tests {
 
     #[test]
     fn interval_rules_integrate_their_degree() {
-        for n in 1..=MAX_POINTS {
+        for n in 1..=MAX_TRIANGLE_POINTS {
             for power in [0.0, 1.0, 2.0] {
                 let rule = gauss(n, power);
                 for degree in 0..2 * n {

@@ -14,7 +14,7 @@ pub(crate) struct Gaussian {
     pub(crate) width: f64,
 }
 
-/// Gaussian measure of the right triangle with legs h (from the centre) and q: `V(h, q)`, odd in q.
+/// Gaussian measure of the right triangle with legs h (from the center) and q: `V(h, q)`, odd in q.
 fn right_triangle(h: f64, q: f64) -> f64 {
     f64::atan2(q, h) / TAU - owens_t::owens_t(h, q / h)
 }

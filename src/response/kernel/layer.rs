@@ -3,10 +3,10 @@
 use std::sync::{Arc, Mutex};
 
 use crate::response::error::ResponseError;
-use crate::response::kernel::layer_table::{LARGEST, LayerTable};
+use crate::response::kernel::layer_table::{LARGEST_RHO, LayerTable};
 
 /// Steps per unit of r/h at which it is known how large the kernel still gets.
-const STEPS: usize = 16;
+const ENVELOPE_STEPS: usize = 16;
 
 /// Kernel of a flat elastic layer, thickness h, bonded to rigid ground.
 ///
@@ -41,12 +41,12 @@ impl LayerKernel {
     /// # Errors
     /// [`ResponseError::Constant`] for a ratio out of range.
     pub fn new(poisson_ratio: f64) -> Result<Arc<Self>, ResponseError> {
-        static KEPT: Mutex<Vec<Arc<LayerKernel>>> = Mutex::new(Vec::new());
+        static KEPT_KERNELS: Mutex<Vec<Arc<LayerKernel>>> = Mutex::new(Vec::new());
         if !(0.0..=0.5).contains(&poisson_ratio) {
             let (name, value, expected) = ("poisson_ratio", poisson_ratio, "from 0 to 0.5");
             return Err(ResponseError::Constant { name, value, expected });
         }
-        let mut kept = KEPT.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut kept = KEPT_KERNELS.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if let Some(kernel) = kept.iter().find(|k| k.poisson_ratio == poisson_ratio) {
             return Ok(kernel.clone());
         }
@@ -57,10 +57,10 @@ impl LayerKernel {
 
     fn tabulate(nu: f64) -> Self {
         let table = LayerTable::new(|t| one_minus_w(t, nu));
-        let mut kernel = Self { poisson_ratio: nu, table, envelope: vec![0.0; LARGEST * STEPS] };
+        let mut kernel = Self { poisson_ratio: nu, table, envelope: vec![0.0; LARGEST_RHO * ENVELOPE_STEPS] };
         let mut largest: f64 = 0.0;
         for step in (1..kernel.envelope.len()).rev() {
-            largest = largest.max(kernel.value(step as f64 / STEPS as f64).abs());
+            largest = largest.max(kernel.value(step as f64 / ENVELOPE_STEPS as f64).abs());
             kernel.envelope[step] = largest;
         }
         kernel.envelope[0] = f64::INFINITY;
@@ -73,7 +73,7 @@ impl LayerKernel {
 
     /// φ(ρ), the smooth part, with an absolute error below 1e-11; 1/ρ beyond the table.
     pub fn smooth_part(&self, rho: f64) -> f64 {
-        if rho < LARGEST as f64 { self.table.smooth_slopes::<1>(rho)[0] } else { 1.0 / rho }
+        if rho < LARGEST_RHO as f64 { self.table.smooth_slopes::<1>(rho)[0] } else { 1.0 / rho }
     }
 
     /// W(t): the answer to a pressure wave as a share of the half-space's, t = 2π h / wave length.
@@ -88,7 +88,7 @@ impl LayerKernel {
 
     /// The r/h beyond which the kernel stays below `threshold` (relative to K/h).
     pub(crate) fn reach(&self, threshold: f64) -> f64 {
-        self.envelope.partition_point(|&largest| largest > threshold) as f64 / STEPS as f64
+        self.envelope.partition_point(|&largest| largest > threshold) as f64 / ENVELOPE_STEPS as f64
     }
 }
 

@@ -4,22 +4,22 @@ use crate::response::integral::gauss::gauss_interval;
 use crate::response::series::taylor::{DEGREES, MAX_DEGREE};
 
 /// Derivatives kept: two beyond the highest degree of a series, for its error.
-pub(crate) const SLOPES: usize = MAX_DEGREE + 3;
+pub(crate) const SLOPE_COUNT: usize = MAX_DEGREE + 3;
 /// Largest ρ = r/h of the table.
-pub(crate) const LARGEST: usize = 32;
+pub(crate) const LARGEST_RHO: usize = 32;
 /// Pieces per unit of ρ.
-const PER_UNIT: usize = 4;
+const PIECES_PER_UNIT: usize = 4;
 /// Coefficients of a piece.
-const TERMS: usize = 10;
+const PIECE_TERMS: usize = 10;
 /// Points in which the integrals are taken on every two units of ρ.
-const SAMPLES: usize = 24;
+const SAMPLE_POINTS: usize = 24;
 /// Steps of ρ per unit at which the error of a series is known.
 const ERROR_STEPS: usize = 4;
 
 /// One number for each derivative, then the mean.
-type Sample = [f64; SLOPES + 1];
+type Sample = [f64; SLOPE_COUNT + 1];
 
-/// `φ_k(ρ) = (d/dσ)^k φ / k!` with σ = ρ², for k = 0 .. [`SLOPES`], in pieces:
+/// `φ_k(ρ) = (d/dσ)^k φ / k!` with σ = ρ², for k = 0 .. [`SLOPE_COUNT`], in pieces:
 ///
 /// ```text
 /// φ_k(ρ) = (-1)^k / (4^k k!) ∫_0^∞ (1 - W(t)) t^2k j_k(ρt) dt,   j_k(x) = J_k(x) / (x/2)^k
@@ -29,9 +29,9 @@ type Sample = [f64; SLOPES + 1];
 #[derive(Debug)]
 pub(crate) struct LayerTable {
     /// Coefficients of powers of the piece's coordinate -1 .. 1, lowest first.
-    pieces: Vec<[[f64; SLOPES]; TERMS]>,
+    pieces: Vec<[[f64; SLOPE_COUNT]; PIECE_TERMS]>,
     /// The same of the mean.
-    means: Vec<[f64; TERMS]>,
+    means: Vec<[f64; PIECE_TERMS]>,
     /// For each of [`DEGREES`] and step of ρ: `max ρ^(m+1) |c_m|` over the two degrees m that follow and all larger
     /// ρ, where c_m is the term of degree m of the whole kernel's Taylor series, in its worst direction.
     roughness: Vec<[f64; DEGREES.len()]>,
@@ -41,30 +41,30 @@ impl LayerTable {
     /// * `transform`: 1 - W
     pub(crate) fn new(transform: impl Fn(f64) -> f64) -> Self {
         let mut table = Self { pieces: Vec::new(), means: Vec::new(), roughness: Vec::new() };
-        for start in (0..LARGEST).step_by(2) {
+        for start in (0..LARGEST_RHO).step_by(2) {
             let points = transform_points(&transform, start as f64 + 2.0);
-            let series = chebyshev::<SAMPLES>(|x| integrals(&points, start as f64 + 1.0 + x));
-            for part in 0..2 * PER_UNIT {
-                let at = |x: f64| (part as f64 + 0.5 * (1.0 + x)) / PER_UNIT as f64 - 1.0;
-                let short = chebyshev::<TERMS>(|x| clenshaw(&series, at(x)));
+            let series = chebyshev::<SAMPLE_POINTS>(|x| integrals(&points, start as f64 + 1.0 + x));
+            for part in 0..2 * PIECES_PER_UNIT {
+                let at = |x: f64| (part as f64 + 0.5 * (1.0 + x)) / PIECES_PER_UNIT as f64 - 1.0;
+                let short = chebyshev::<PIECE_TERMS>(|x| clenshaw(&series, at(x)));
                 let powers = monomials(&short);
                 table.pieces.push(powers.map(|sample| std::array::from_fn(|k| sample[k])));
-                table.means.push(powers.map(|sample| sample[SLOPES]));
+                table.means.push(powers.map(|sample| sample[SLOPE_COUNT]));
             }
         }
         table.find_roughness();
         table
     }
 
-    /// φ_k(ρ) for k = 0 .. N <= [`SLOPES`]; ρ is cut to the table.
+    /// φ_k(ρ) for k = 0 .. N <= [`SLOPE_COUNT`]; ρ is cut to the table.
     #[inline(always)]
     pub(crate) fn smooth_slopes<const N: usize>(&self, rho: f64) -> [f64; N] {
-        let scaled = rho * PER_UNIT as f64;
-        let index = (scaled as usize).min(LARGEST * PER_UNIT - 1);
+        let scaled = rho * PIECES_PER_UNIT as f64;
+        let index = (scaled as usize).min(LARGEST_RHO * PIECES_PER_UNIT - 1);
         let x = 2.0 * (scaled - index as f64).min(1.0) - 1.0;
         let piece = &self.pieces[index];
         let mut value = [0.0; N];
-        for n in (0..TERMS).rev() {
+        for n in (0..PIECE_TERMS).rev() {
             for k in 0..N {
                 value[k] = value[k] * x + piece[n][k];
             }
@@ -75,20 +75,20 @@ impl LayerTable {
     /// `2/ρ² ∫_0^ρ φ(s) s ds`; ρ is cut to the table.
     #[inline(always)]
     pub(crate) fn mean(&self, rho: f64) -> f64 {
-        let scaled = rho * PER_UNIT as f64;
-        let index = (scaled as usize).min(LARGEST * PER_UNIT - 1);
+        let scaled = rho * PIECES_PER_UNIT as f64;
+        let index = (scaled as usize).min(LARGEST_RHO * PIECES_PER_UNIT - 1);
         let x = 2.0 * (scaled - index as f64).min(1.0) - 1.0;
         let piece = &self.means[index];
         // two short chains in place of a long one
-        let (mut even, mut odd, square) = (piece[TERMS - 2], piece[TERMS - 1], x * x);
-        for k in (0..TERMS / 2 - 1).rev() {
+        let (mut even, mut odd, square) = (piece[PIECE_TERMS - 2], piece[PIECE_TERMS - 1], x * x);
+        for k in (0..PIECE_TERMS / 2 - 1).rev() {
             even = even * square + piece[2 * k];
             odd = odd * square + piece[2 * k + 1];
         }
         let mean = even + x * odd;
         // beyond the table φ = 1/ρ
-        let far = rho - LARGEST as f64;
-        if far <= 0.0 { mean } else { (mean * (LARGEST * LARGEST) as f64 + 2.0 * far) / (rho * rho) }
+        let far = rho - LARGEST_RHO as f64;
+        if far <= 0.0 { mean } else { (mean * (LARGEST_RHO * LARGEST_RHO) as f64 + 2.0 * far) / (rho * rho) }
     }
 
     /// The error of a series that ends at `DEGREES[level]`, as a multiple of the half-space's, at any distance
@@ -100,10 +100,10 @@ impl LayerTable {
 
     fn find_roughness(&mut self) {
         let mut envelope = [0.0f64; DEGREES.len()];
-        for step in (1..=LARGEST * ERROR_STEPS).rev() {
+        for step in (1..=LARGEST_RHO * ERROR_STEPS).rev() {
             let rho = step as f64 / ERROR_STEPS as f64;
-            let smooth = self.smooth_slopes::<SLOPES>(rho);
-            let slopes: [f64; SLOPES] =
+            let smooth = self.smooth_slopes::<SLOPE_COUNT>(rho);
+            let slopes: [f64; SLOPE_COUNT] =
                 std::array::from_fn(|k| INVERSE_SLOPES[k] * rho.powi(-1 - 2 * k as i32) - smooth[k]);
             for (worst, degree) in envelope.iter_mut().zip(DEGREES) {
                 for m in [degree + 1, degree + 2] {
@@ -120,10 +120,10 @@ impl LayerTable {
 }
 
 /// `(d/dσ)^k σ^(-1/2) / k!` at σ = 1.
-pub(crate) const INVERSE_SLOPES: [f64; SLOPES] = {
-    let mut list = [1.0; SLOPES];
+pub(crate) const INVERSE_SLOPES: [f64; SLOPE_COUNT] = {
+    let mut list = [1.0; SLOPE_COUNT];
     let mut k = 1;
-    while k < SLOPES {
+    while k < SLOPE_COUNT {
         list[k] = list[k - 1] * (0.5 - k as f64) / k as f64;
         k += 1;
     }
@@ -132,7 +132,7 @@ pub(crate) const INVERSE_SLOPES: [f64; SLOPES] = {
 
 /// Coefficient of ε^m in G(|D + ε e|²) for |D| = ρ, e a unit vector under the given cosine: of
 /// `Σ_k G_k (2ρ cos ε + ε²)^k`.
-fn taylor_term(slopes: &[f64; SLOPES], rho: f64, m: usize, cosine: f64) -> f64 {
+fn taylor_term(slopes: &[f64; SLOPE_COUNT], rho: f64, m: usize, cosine: f64) -> f64 {
     let mut sum = 0.0;
     let mut k = m.div_ceil(2);
     while k <= m {
@@ -156,8 +156,8 @@ fn transform_points(transform: &impl Fn(f64) -> f64, largest: f64) -> Vec<(f64, 
     for panel in 0..panels as usize {
         for (u, w) in rule {
             let t = width * (panel as f64 + u);
-            let mut weights = [width * w * transform(t); SLOPES + 1];
-            for k in 1..SLOPES {
+            let mut weights = [width * w * transform(t); SLOPE_COUNT + 1];
+            for k in 1..SLOPE_COUNT {
                 weights[k] = weights[k - 1] * -0.25 * t * t / k as f64;
             }
             points.push((t, weights));
@@ -167,24 +167,24 @@ fn transform_points(transform: &impl Fn(f64) -> f64, largest: f64) -> Vec<(f64, 
 }
 
 fn integrals(points: &[(f64, Sample)], rho: f64) -> Sample {
-    let mut sums = [0.0; SLOPES + 1];
+    let mut sums = [0.0; SLOPE_COUNT + 1];
     for (t, weights) in points {
         let bessel = bessel_ratios(rho * t);
-        for k in 0..SLOPES {
+        for k in 0..SLOPE_COUNT {
             sums[k] += weights[k] * bessel[k];
         }
-        sums[SLOPES] += weights[SLOPES] * bessel[1];
+        sums[SLOPE_COUNT] += weights[SLOPE_COUNT] * bessel[1];
     }
     sums
 }
 
-/// `J_k(x) / (x/2)^k` for k = 0 .. [`SLOPES`], x >= 0.
-fn bessel_ratios(x: f64) -> [f64; SLOPES] {
+/// `J_k(x) / (x/2)^k` for k = 0 .. [`SLOPE_COUNT`], x >= 0.
+fn bessel_ratios(x: f64) -> [f64; SLOPE_COUNT] {
     let quarter = 0.25 * x * x;
-    let mut ratios = [0.0; SLOPES];
+    let mut ratios = [0.0; SLOPE_COUNT];
     if x <= 12.0 {
         // power series of the two highest, then J_(k-1) = 2k/x J_k - J_(k+1)
-        for k in [SLOPES - 2, SLOPES - 1] {
+        for k in [SLOPE_COUNT - 2, SLOPE_COUNT - 1] {
             let mut term = 1.0 / (1..=k).map(|v| v as f64).product::<f64>();
             let mut i = 0.0;
             while term != 0.0 && i < 40.0 {
@@ -193,14 +193,14 @@ fn bessel_ratios(x: f64) -> [f64; SLOPES] {
                 term *= -quarter / (i * (i + k as f64));
             }
         }
-        for k in (1..SLOPES - 1).rev() {
+        for k in (1..SLOPE_COUNT - 1).rev() {
             ratios[k - 1] = k as f64 * ratios[k] - quarter * ratios[k + 1];
         }
     } else {
         // upwards, stable as k stays below x
         ratios[0] = libm::j0(x);
         ratios[1] = libm::j1(x) * 2.0 / x;
-        for k in 1..SLOPES - 1 {
+        for k in 1..SLOPE_COUNT - 1 {
             ratios[k + 1] = (k as f64 * ratios[k] - ratios[k - 1]) / quarter;
         }
     }
@@ -229,22 +229,22 @@ fn clenshaw(c: &[Sample], x: f64) -> Sample {
 }
 
 /// Powers of x from a short Chebyshev series.
-fn monomials(c: &[Sample; TERMS]) -> [Sample; TERMS] {
-    let mut sum = [[0.0; SLOPES + 1]; TERMS];
-    let (mut before, mut now) = ([0.0; TERMS], [0.0; TERMS]);
+fn monomials(c: &[Sample; PIECE_TERMS]) -> [Sample; PIECE_TERMS] {
+    let mut sum = [[0.0; SLOPE_COUNT + 1]; PIECE_TERMS];
+    let (mut before, mut now) = ([0.0; PIECE_TERMS], [0.0; PIECE_TERMS]);
     now[0] = 1.0;
     for (k, ck) in c.iter().enumerate() {
-        for i in 0..TERMS {
-            for s in 0..=SLOPES {
+        for i in 0..PIECE_TERMS {
+            for s in 0..=SLOPE_COUNT {
                 sum[i][s] += ck[s] * now[i];
             }
         }
         // T_(k+1) = 2 x T_k - T_(k-1), T_1 = x
-        let mut next = [0.0; TERMS];
-        for i in 1..TERMS {
+        let mut next = [0.0; PIECE_TERMS];
+        for i in 1..PIECE_TERMS {
             next[i] = if k == 0 { 1.0 } else { 2.0 } * now[i - 1];
         }
-        for i in 0..TERMS {
+        for i in 0..PIECE_TERMS {
             next[i] -= if k == 0 { 0.0 } else { before[i] };
         }
         (before, now) = (now, next);
@@ -276,9 +276,9 @@ mod tests {
         for i in 1..60 {
             let rho = 0.31 * i as f64;
             let step = 1e-3;
-            let at = |rho: f64| kernel.table().smooth_slopes::<SLOPES>(rho);
+            let at = |rho: f64| kernel.table().smooth_slopes::<SLOPE_COUNT>(rho);
             let (low, high, here) = (at(rho - step), at(rho + step), at(rho));
-            for k in 0..SLOPES - 1 {
+            for k in 0..SLOPE_COUNT - 1 {
                 // dσ = 2 ρ dρ; the third derivative of the difference quotient leaves step²/6 of some k² / ρ²
                 let quotient = (high[k] - low[k]) / (4.0 * rho * step) / (k as f64 + 1.0);
                 let scale = (1.0 + 1.0 / (rho * rho)) * ((k + 2) * (k + 3)) as f64 * step * step;

@@ -81,7 +81,7 @@ pub struct KernelSkin {
 }
 
 /// A layer is refused where it is thinner than this share of the mesh's mean edge, as its entries would take ever longer.
-const THINNEST: f64 = 1e-3;
+const THINNEST_LAYER: f64 = 1e-3;
 /// A layer's kernel below this times K/h is not felt.
 const LAYER_SILENCE: f64 = 1e-8;
 
@@ -162,7 +162,7 @@ impl KernelSkin {
             Thickness::PerVertex(_) => 0..vertex_count,
         };
         let edge_length = surface.mean_edge_length();
-        match vertices.into_iter().find(|&vertex| thickness.at(vertex) < THINNEST * edge_length) {
+        match vertices.into_iter().find(|&vertex| thickness.at(vertex) < THINNEST_LAYER * edge_length) {
             Some(vertex) => {
                 let thickness = thickness.at(vertex);
                 Err(ResponseError::TooThin { vertex, thickness, edge_length })

@@ -4,17 +4,15 @@ use faer::Mat;
 use nalgebra::Vector3;
 
 use crate::response::column::border::displacement_point;
-use crate::response::column::gaussian::Corrected;
-use crate::response::column::half_space::{Scratch, half_space_values};
-use crate::response::column::layer::PreparedLayer;
-use crate::response::column::load::loaded_faces;
+use crate::response::column::half_space::ColumnScratch;
+use crate::response::column::kernel::KernelColumns;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
-use crate::response::kernel::skin::{Kernel, KernelSkin};
+use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::fill::fill_columns;
-use crate::response::matrix::galerkin::weighted_block;
+use crate::response::matrix::galerkin::galerkin_block;
 use crate::response::matrix::options::{AssemblyOptions, check_request};
-use crate::response::simd::points::Targets;
+use crate::response::simd::points::{Targets, gather};
 use crate::surface::checked::Surface;
 
 /// Response matrix over the candidate nodes.
@@ -71,72 +69,24 @@ fn fill_block(
 ) -> Result<Mat<f64>, ResponseError> {
     skin.check_against(surface)?;
     if skin.discretization() == Discretization::Galerkin {
-        return weighted_block(surface, skin, rows, columns, options);
+        return galerkin_block(surface, skin, rows, columns, options);
+    }
+    let kernel = KernelColumns::new(surface, skin, options);
+    let point = |&v: &usize| match &kernel.layer {
+        Some((_, thickness)) => displacement_point(surface, v, thickness.at(v)),
+        None => surface.vertices()[v],
+    };
+    let targets = Targets::new(&rows.iter().map(point).collect::<Vec<_>>());
+    let mut inverse_thickness = Vec::new();
+    if let Some((_, thickness)) = &kernel.layer {
+        let of_rows: Vec<f64> = rows.iter().map(|&v| 1.0 / thickness.at(v)).collect();
+        gather(&targets.rows, &of_rows, &mut inverse_thickness);
     }
     let mut matrix = Mat::zeros(rows.len(), columns.len());
-    let kernel = Columns::new(surface, skin, rows, options)?;
-    let scratch = || Scratch::new(&kernel.targets);
-    fill_columns(&mut matrix, options, scratch, |scratch: &mut Scratch, j, column| {
-        kernel.fill(scratch, columns[j]);
-        kernel.targets.scatter(&scratch.values, column);
+    let scratch = || ColumnScratch::new(&targets);
+    fill_columns(&mut matrix, options, scratch, |scratch: &mut ColumnScratch, j, column| {
+        kernel.fill(scratch, &targets, &inverse_thickness, columns[j]);
+        targets.scatter(&scratch.values, column);
     })?;
     Ok(matrix)
-}
-
-/// What all columns of the node form over the same rows share.
-pub(crate) struct Columns<'a> {
-    surface: &'a Surface,
-    skin: &'a KernelSkin,
-    tolerance: f64,
-    layer: Option<PreparedLayer>,
-    /// 1/thickness of the targets of a layer (1/m).
-    inverse_thickness: Vec<f64>,
-    pub(crate) targets: Targets,
-}
-
-impl<'a> Columns<'a> {
-    pub(crate) fn new(
-        surface: &'a Surface,
-        skin: &'a KernelSkin,
-        rows: &[usize],
-        options: &AssemblyOptions,
-    ) -> Result<Self, ResponseError> {
-        let point = |&v: &usize| match skin.kernel() {
-            Kernel::Layer { thickness } => displacement_point(surface, v, thickness.at(v)),
-            _ => surface.vertices()[v],
-        };
-        let points: Vec<_> = rows.iter().map(point).collect();
-        let targets = Targets::new(&points);
-        let mut inverse_thickness = Vec::new();
-        let mut layer = None;
-        if let Kernel::Layer { thickness } = skin.kernel() {
-            let places = targets.rows.iter().map(|&row| 1.0 / thickness.at(rows[row as usize]));
-            inverse_thickness.extend(places);
-            if let Some(&last) = inverse_thickness.last() {
-                inverse_thickness.resize(targets.x.len(), last);
-            }
-            layer = Some(PreparedLayer::new(skin, options)?);
-        }
-        Ok(Self { surface, skin, tolerance: options.tolerance, layer, inverse_thickness, targets })
-    }
-
-    /// Sets `scratch.values` to the displacement of the targets per newton at `vertex`.
-    pub(crate) fn fill(&self, scratch: &mut Scratch, vertex: usize) {
-        let (targets, tolerance) = (&self.targets, self.tolerance);
-        let constant = self.skin.kernel_constant();
-        scratch.faces.clear();
-        loaded_faces(self.surface, vertex, self.skin.basis(), &mut scratch.faces);
-        match self.skin.kernel() {
-            Kernel::Layer { thickness } => {
-                let layer = self.layer.as_ref().expect("prepared for a layer");
-                layer.values(targets, &self.inverse_thickness, scratch, thickness.at(vertex));
-            }
-            Kernel::HalfSpace => {
-                half_space_values(targets, scratch, constant, tolerance, f64::INFINITY);
-            }
-            &Kernel::GaussianCorrected { height, width, cutoff } => {
-                Corrected { constant, height, cutoff, width }.values(targets, scratch, tolerance);
-            }
-        }
-    }
 }

@@ -7,7 +7,7 @@ use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
 
 /// Columns between two looks at `interrupt`, per thread.
-const BATCH: usize = 64;
+const BATCH_COLUMNS: usize = 64;
 
 /// Fills each column of `matrix` by `fill(scratch, j, column)`.
 ///
@@ -25,7 +25,7 @@ pub(crate) fn fill_columns<S>(
     }
     let pool = pool(options)?;
     let threads = options.num_threads.unwrap_or_else(rayon::current_num_threads);
-    let batch = if options.interrupt.is_some() { BATCH * threads } else { nodes };
+    let batch = if options.interrupt.is_some() { BATCH_COLUMNS * threads } else { nodes };
     let mut columns: Vec<(usize, &mut [f64])> = matrix
         .col_iter_mut()
         .map(|c| c.try_as_col_major_mut().expect("columns of a Mat are contiguous").as_slice_mut())

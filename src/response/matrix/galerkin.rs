@@ -1,17 +1,16 @@
-//! The weighted (Galerkin) form: gap and pressure both against the nodes' pressures.
+//! The Galerkin discretization: gap and pressure both against the nodes' pressures.
 
 use std::ops::Range;
 
 use faer::Mat;
 use nalgebra::Vector3;
 
-use crate::response::column::half_space::{Scratch, half_space_values};
-use crate::response::column::layer::PreparedLayer;
-use crate::response::column::load::loaded_faces;
+use crate::response::column::half_space::ColumnScratch;
+use crate::response::column::kernel::KernelColumns;
 use crate::response::error::ResponseError;
 use crate::response::integral::gauss::{RulePoint, graded_triangle_rule, triangle_rule};
 use crate::response::kernel::basis::PressureBasis;
-use crate::response::kernel::skin::{Kernel, KernelSkin};
+use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::Thickness;
 use crate::response::matrix::fill::fill_columns;
 use crate::response::matrix::options::AssemblyOptions;
@@ -19,15 +18,15 @@ use crate::response::simd::points::Targets;
 use crate::surface::checked::Surface;
 
 /// Most points in each direction of the outer rule on triangles that do not touch the load.
-const MOST_POINTS: usize = 10;
+const MOST_OUTER_POINTS: usize = 10;
 
 /// The outer rule of a triangle at some points in each direction; 0 stands for the rule of triangles that touch
 /// the load, where the inner potential is exact but behaves like d log d at the distance d from edges.
 fn outer_rule(points: usize) -> &'static [RulePoint] {
-    if points == TOUCHING { graded_triangle_rule() } else { triangle_rule(points) }
+    if points == TOUCHING_RULE { graded_triangle_rule() } else { triangle_rule(points) }
 }
 
-const TOUCHING: usize = 0;
+const TOUCHING_RULE: usize = 0;
 
 /// A triangle around some row nodes.
 struct RowFace {
@@ -45,7 +44,7 @@ const NO_ROW: usize = usize::MAX;
 
 /// What one thread needs for the outer rule.
 struct Outer {
-    scratch: Scratch,
+    scratch: ColumnScratch,
     targets: Targets,
     /// 1/thickness of the targets of a layer (1/m).
     inverse_thickness: Vec<f64>,
@@ -53,12 +52,23 @@ struct Outer {
     used: Vec<(u32, usize, Range<usize>)>,
 }
 
+/// What all columns of a Galerkin block share.
+struct GalerkinColumns<'a> {
+    surface: &'a Surface,
+    kernel: KernelColumns<'a>,
+    pressure: PressureBasis,
+    tolerance: f64,
+    faces: Vec<RowFace>,
+    /// One over the vertex area of each row (1/m²).
+    density: Vec<f64>,
+}
+
 /// `R_ij = ∫∫ p_i(x) k(|x - y|) p_j(y) dA dA` over row nodes i and column nodes j, for the half-space and the layer.
 ///
-/// The inner integral is that of the node form; the outer one a Gauss rule whose order falls with distance. On
+/// The inner integral is that of collocation; the outer one a Gauss rule whose order falls with distance. On
 /// triangles that touch the load it is good to some 5e-7 of the 1/r part, also for smaller tolerances.
 /// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
-pub(crate) fn weighted_block(
+pub(crate) fn galerkin_block(
     surface: &Surface,
     skin: &KernelSkin,
     rows: &[usize],
@@ -66,56 +76,69 @@ pub(crate) fn weighted_block(
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
     let symmetric = rows == columns;
-    let faces = row_faces(surface, rows);
-    let (constant, pressure, tolerance) = (skin.kernel_constant(), skin.basis(), options.tolerance);
-    let area = surface.vertex_areas();
-    let density: Vec<f64> = rows.iter().map(|&v| 1.0 / area[v]).collect();
-    let layer = match skin.kernel() {
-        Kernel::Layer { thickness } => Some((PreparedLayer::new(skin, options)?, thickness)),
-        _ => None,
+    let shared = GalerkinColumns {
+        surface,
+        kernel: KernelColumns::new(surface, skin, options),
+        pressure: skin.basis(),
+        tolerance: options.tolerance,
+        faces: row_faces(surface, rows),
+        density: rows.iter().map(|&v| 1.0 / surface.vertex_areas()[v]).collect(),
     };
     let mut matrix = Mat::zeros(rows.len(), columns.len());
     let outer = || Outer {
-        scratch: Scratch::new(&Targets::default()),
+        scratch: ColumnScratch::new(&Targets::default()),
         targets: Targets::default(),
         inverse_thickness: Vec::new(),
-        used: Vec::with_capacity(faces.len()),
+        used: Vec::with_capacity(shared.faces.len()),
     };
     fill_columns(&mut matrix, options, outer, |outer: &mut Outer, j, column| {
-        let Outer { scratch, targets, inverse_thickness, used } = outer;
-        scratch.faces.clear();
-        loaded_faces(surface, columns[j], pressure, &mut scratch.faces);
         let first = if symmetric { j } else { 0 };
-        let ring = surface.neighbours(columns[j]);
-        let touches = |v: u32| v as usize == columns[j] || ring.contains(&v);
-        let center = surface.vertices()[columns[j]];
-        let radius =
-            ring.iter().map(|&v| (surface.vertices()[v as usize] - center).norm()).fold(0.0, f64::max);
-        let own_thickness = layer.as_ref().map_or(f64::INFINITY, |(_, thickness)| thickness.at(columns[j]));
-        let silent = layer.as_ref().map_or(f64::INFINITY, |(layer, _)| layer.reach * own_thickness);
+        shared.place_points(outer, columns[j], first);
+        let Outer { scratch, targets, inverse_thickness, .. } = outer;
+        shared.kernel.fill(scratch, targets, inverse_thickness, columns[j]);
+        shared.add_up(outer, first, column);
+    })?;
+    if symmetric {
+        for j in 0..columns.len() {
+            for i in 0..j {
+                matrix[(i, j)] = matrix[(j, i)];
+            }
+        }
+    }
+    Ok(matrix)
+}
+
+impl GalerkinColumns<'_> {
+    /// Sets the targets to the points of the outer rule on the faces of the rows from `first` on that feel `vertex`.
+    fn place_points(&self, outer: &mut Outer, vertex: usize, first: usize) {
+        let Outer { targets, inverse_thickness, used, .. } = outer;
+        let (points, ring) = (self.surface.vertices(), self.surface.neighbours(vertex));
+        let touches = |v: &u32| *v as usize == vertex || ring.contains(v);
+        let center = points[vertex];
+        let radius = ring.iter().map(|&v| (points[v as usize] - center).norm()).fold(0.0, f64::max);
+        let layer = self.kernel.layer.as_ref();
+        let own_thickness = layer.map_or(f64::INFINITY, |(_, thickness)| thickness.at(vertex));
+        let silent = layer.map_or(f64::INFINITY, |(layer, _)| layer.reach * own_thickness);
+        // Where the thickness varies, each pair of nodes has its own.
+        let together = if matches!(layer, Some((_, Thickness::PerVertex(_)))) { 1 } else { 3 };
         targets.clear();
         inverse_thickness.clear();
         used.clear();
-        for (index, face) in faces.iter().enumerate() {
+        for (index, face) in self.faces.iter().enumerate() {
             let distance = (face.center - center).norm() - radius;
             if !face.rows.iter().any(|&r| r != NO_ROW && r >= first) || distance > silent + face.radius {
                 continue;
             }
-            let n = if face.vertices.iter().any(|&v| touches(v)) {
-                TOUCHING
+            let n = if face.vertices.iter().any(touches) {
+                TOUCHING_RULE
             } else {
                 // a layer's smooth part is as good as singular at two thicknesses
-                outer_points(face, distance.min(2.0 * own_thickness), tolerance)
-            };
-            // Where the thickness varies, each pair of nodes has its own.
-            let together = match &layer {
-                Some((_, Thickness::PerVertex(_))) => 1,
-                _ => 3,
+                outer_points(face, distance.min(2.0 * own_thickness), self.tolerance)
             };
             for range in (0..3).step_by(together).map(|k| k..k + together) {
                 for (l, _) in outer_rule(n) {
                     targets.push(&(face.corners[0] * l[0] + face.corners[1] * l[1] + face.corners[2] * l[2]));
-                    if let Some((_, thickness)) = &layer {
+                    if let Some((_, thickness)) = layer {
                         inverse_thickness.push(1.0 / thickness.at(face.vertices[range.start] as usize));
                     }
                 }
@@ -123,17 +146,17 @@ pub(crate) fn weighted_block(
             }
         }
         targets.pad();
-        match &layer {
-            Some((layer, _)) => {
-                inverse_thickness.resize(targets.x.len(), 1.0 / own_thickness);
-                layer.values(targets, inverse_thickness, scratch, own_thickness);
-            }
-            None => half_space_values(targets, scratch, constant, tolerance, f64::INFINITY),
+        if layer.is_some() {
+            inverse_thickness.resize(targets.x.len(), 1.0 / own_thickness);
         }
+    }
+
+    /// Sets the rows from `first` on of a column to the averages of the displacements at the points.
+    fn add_up(&self, outer: &Outer, first: usize, column: &mut [f64]) {
         column.fill(0.0);
-        let mut values = scratch.values.iter();
-        for (index, n, corners) in used.iter() {
-            let face = &faces[*index as usize];
+        let mut values = outer.scratch.values.iter();
+        for (index, n, corners) in &outer.used {
+            let face = &self.faces[*index as usize];
             let mut hats = [0.0; 3];
             let mut even = 0.0;
             for ((l, weight), value) in outer_rule(*n).iter().zip(&mut values) {
@@ -146,20 +169,12 @@ pub(crate) fn weighted_block(
             for k in corners.clone() {
                 let row = face.rows[k];
                 if row != NO_ROW && row >= first {
-                    column[row] +=
-                        density[row] * if pressure == PressureBasis::Linear { hats[k] } else { even / 3.0 };
+                    let share = if self.pressure == PressureBasis::Linear { hats[k] } else { even / 3.0 };
+                    column[row] += self.density[row] * share;
                 }
             }
         }
-    })?;
-    if symmetric {
-        for j in 0..columns.len() {
-            for i in 0..j {
-                matrix[(i, j)] = matrix[(j, i)];
-            }
-        }
     }
-    Ok(matrix)
 }
 
 /// Points in each direction that keep the outer error within the tolerance on a triangle at `distance` (m) from
@@ -167,7 +182,7 @@ pub(crate) fn weighted_block(
 fn outer_points(face: &RowFace, distance: f64, tolerance: f64) -> usize {
     let ratio = 0.5 * face.radius / distance.max(face.radius);
     let n = (0.25 * tolerance.max(1e-12)).ln() / (2.0 * ratio.ln());
-    (n.ceil() as usize).clamp(2, MOST_POINTS)
+    (n.ceil() as usize).clamp(2, MOST_OUTER_POINTS)
 }
 
 fn row_faces(surface: &Surface, rows: &[usize]) -> Vec<RowFace> {

@@ -1,6 +1,6 @@
 //! The far field of a node's load as a multipole series.
 //!
-//! With solid harmonics about the load's centre, `∫ p(y) / |x - y| dA = Σ_l Σ_m M_lm I_lm(x)` for x outside the
+//! With solid harmonics about the load's center, `∫ p(y) / |x - y| dA = Σ_l Σ_m M_lm I_lm(x)` for x outside the
 //! load (Greengard, Rokhlin 1987). One real recurrence serves both kinds: with `q_mm = 1`, `q_(m+1)m = z` and
 //!
 //! ```text
@@ -19,11 +19,11 @@ use crate::response::simd::lanes::{Lanes, dot};
 
 /// Highest order of a series.
 pub(crate) const MAX_ORDER: usize = 30;
-const ROW: usize = MAX_ORDER + 1;
+const ROW_LENGTH: usize = MAX_ORDER + 1;
 /// Orders that a series can end at; between them little is gained.
-const LADDER: [usize; 10] = [1, 2, 3, 4, 6, 8, 10, 12, 20, 30];
+const ORDER_LADDER: [usize; 10] = [1, 2, 3, 4, 6, 8, 10, 12, 20, 30];
 
-/// β_lm and the product of both kinds' normalisations, at `m * ROW + l`.
+/// β_lm and the product of both kinds' normalisations, at `m * ROW_LENGTH + l`.
 struct Tables {
     beta: Vec<f64>,
     scale: Vec<f64>,
@@ -32,24 +32,25 @@ struct Tables {
 fn tables() -> &'static Tables {
     static TABLES: OnceLock<Tables> = OnceLock::new();
     TABLES.get_or_init(|| {
-        let mut tables = Tables { beta: vec![0.0; ROW * ROW], scale: vec![0.0; ROW * ROW] };
+        let mut tables =
+            Tables { beta: vec![0.0; ROW_LENGTH * ROW_LENGTH], scale: vec![0.0; ROW_LENGTH * ROW_LENGTH] };
         // 1 / (2^m m!), from step to step
         let mut start = 1.0;
-        for m in 0..ROW {
+        for m in 0..ROW_LENGTH {
             if m > 0 {
                 start /= 2.0 * m as f64;
             }
             let mut regular = if m == 0 { 1.0 } else { 2.0 * start };
-            for l in m..ROW {
+            for l in m..ROW_LENGTH {
                 let (lf, mf) = (l as f64, m as f64);
                 if l > m {
                     regular *= (2.0 * lf - 1.0) / (lf * lf - mf * mf);
                 }
                 let odd_factorial: f64 = (1..=l).map(|k| 2.0 * k as f64 - 1.0).product();
-                tables.scale[m * ROW + l] = regular * odd_factorial;
+                tables.scale[m * ROW_LENGTH + l] = regular * odd_factorial;
                 if l >= m + 2 {
                     let square = (lf - 1.0).powi(2) - mf * mf;
-                    tables.beta[m * ROW + l] = square / ((2.0 * lf - 1.0) * (2.0 * lf - 3.0));
+                    tables.beta[m * ROW_LENGTH + l] = square / ((2.0 * lf - 1.0) * (2.0 * lf - 3.0));
                 }
             }
         }
@@ -72,7 +73,7 @@ pub(crate) fn order_for(tolerance: f64) -> usize {
 pub(crate) struct MultipoleSeries {
     /// Around the load.
     pub(crate) ball: LoadBall,
-    /// `(order, squared distance from the centre (m²) from which it keeps the tolerance)`, orders falling.
+    /// `(order, squared distance from the center (m²) from which it keeps the tolerance)`, orders falling.
     reach: Vec<(usize, f64)>,
     cosine: Vec<f64>,
     sine: Vec<f64>,
@@ -84,14 +85,14 @@ impl MultipoleSeries {
     pub(crate) fn new() -> Self {
         Self {
             ball: LoadBall::default(),
-            reach: Vec::with_capacity(LADDER.len()),
-            cosine: vec![0.0; ROW * ROW],
-            sine: vec![0.0; ROW * ROW],
-            sums: vec![0.0; 8 * 2 * ROW * ROW],
+            reach: Vec::with_capacity(ORDER_LADDER.len()),
+            cosine: vec![0.0; ROW_LENGTH * ROW_LENGTH],
+            sine: vec![0.0; ROW_LENGTH * ROW_LENGTH],
+            sums: vec![0.0; 8 * 2 * ROW_LENGTH * ROW_LENGTH],
         }
     }
 
-    /// Squared distance (m²) from the centre below which the series is not accurate enough.
+    /// Squared distance (m²) from the center below which the series is not accurate enough.
     pub(crate) fn near_squared(&self) -> f64 {
         self.reach[0].1
     }
@@ -126,7 +127,7 @@ impl MultipoleSeries {
                     sums[at] = re.mul_add(q, Lanes::new(simd, sums[at])).v;
                     sums[at + 1] = im.mul_add(q, Lanes::new(simd, sums[at + 1])).v;
                     at += 2;
-                    let next = if l < order { beta[m * ROW + l + 1] } else { 0.0 };
+                    let next = if l < order { beta[m * ROW_LENGTH + l + 1] } else { 0.0 };
                     (before, q) = (q, z * q - share.all(next) * r2 * before);
                 }
                 (re, im) = (re * x - im * y, re * y + im * x);
@@ -135,9 +136,9 @@ impl MultipoleSeries {
         let mut at = 0;
         for m in 0..=order {
             for l in m..=order {
-                let scale = tables().scale[m * ROW + l] * amplitude / ball.radius;
-                self.cosine[m * ROW + l] = scale * Lanes::new(simd, sums[at]).total();
-                self.sine[m * ROW + l] = scale * Lanes::new(simd, sums[at + 1]).total();
+                let scale = tables().scale[m * ROW_LENGTH + l] * amplitude / ball.radius;
+                self.cosine[m * ROW_LENGTH + l] = scale * Lanes::new(simd, sums[at]).total();
+                self.sine[m * ROW_LENGTH + l] = scale * Lanes::new(simd, sums[at + 1]).total();
                 at += 2;
             }
         }
@@ -153,7 +154,7 @@ impl MultipoleSeries {
     fn find_reach(&mut self, order: usize, means: &RadialMeans, tolerance: f64) {
         let tolerance = tolerance.max(f64::EPSILON);
         self.reach.clear();
-        for &p in LADDER.iter().rev().filter(|&&p| p <= order) {
+        for &p in ORDER_LADDER.iter().rev().filter(|&&p| p <= order) {
             let n = p + 1;
             let power = 1.0 / n as f64;
             let moment = (means.at(n) / tolerance).powf(power);
@@ -175,7 +176,7 @@ impl MultipoleSeries {
         }
     }
 
-    /// The lowest order that keeps the tolerance at this squared distance (m²) from the centre.
+    /// The lowest order that keeps the tolerance at this squared distance (m²) from the center.
     #[inline(always)]
     pub(crate) fn order_at(&self, distance_squared: f64) -> usize {
         let mut order = self.reach[0].0;
@@ -188,7 +189,7 @@ impl MultipoleSeries {
         order
     }
 
-    /// The series up to `order` at points relative to the centre (m).
+    /// The series up to `order` at points relative to the center (m).
     #[inline(always)]
     pub(crate) fn evaluate<S: Simd>(
         &self,
@@ -216,7 +217,7 @@ impl MultipoleSeries {
         // Horner in w over m of Σ_l (C_lm - i S_lm) q_lm
         let (mut re, mut im) = ([zero; VECTORS_AT_ONCE], [zero; VECTORS_AT_ONCE]);
         for m in (0..=order).rev() {
-            let row = m * ROW + m..m * ROW + order + 1;
+            let row = m * ROW_LENGTH + m..m * ROW_LENGTH + order + 1;
             let (cosine, sine, beta) = (&self.cosine[row.clone()], &self.sine[row.clone()], &beta[row]);
             let (mut a, mut b) = ([any.all(cosine[0]); VECTORS_AT_ONCE], [any.all(sine[0]); VECTORS_AT_ONCE]);
             let (mut before, mut q) = ([one; VECTORS_AT_ONCE], u);

@@ -13,7 +13,7 @@ const MOST_EVEN_POWERS: usize = 18;
 /// A ball around a load.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LoadBall {
-    /// Centre of the load, about which it has no dipole (m).
+    /// Center of the load, about which it has no dipole (m).
     pub(crate) center: Vector3<f64>,
     /// Distance of the farthest point of the load from it (m).
     pub(crate) radius: f64,
@@ -52,7 +52,7 @@ impl PointLoads {
         }
     }
 
-    /// The ball about the centre of the loads that holds all `corners` (m).
+    /// The ball about the center of the loads that holds all `corners` (m).
     #[inline(always)]
     pub(crate) fn ball<'a>(&self, corners: impl Iterator<Item = &'a Vector3<f64>>) -> LoadBall {
         let (mut sum, mut total) = (Vector3::zeros(), 0.0);
@@ -83,7 +83,7 @@ impl PointLoads {
         (place, share)
     }
 
-    /// Means of `(|y| / radius)^2k`, y from the centre of the ball, for k = 0 ..= `highest`.
+    /// Means of `(|y| / radius)^2k`, y from the center of the ball, for k = 0 ..= `highest`.
     #[inline(always)]
     pub(crate) fn radial_means<S: Simd>(&self, simd: S, ball: &LoadBall, highest: usize) -> RadialMeans {
         let mut sums = [Lanes::splat(simd, 0.0); MOST_EVEN_POWERS];

@@ -1,4 +1,4 @@
-//! The field of a load under a radial kernel, as a Taylor series about the load's centre.
+//! The field of a load under a radial kernel, as a Taylor series about the load's center.
 //!
 //! With D = x - c, δ = y - c and the kernel as a function G of the squared distance,
 //! `|x - y|² = |D|² + (|δ|² - 2 D·δ)`, so that the terms of degree n + 2j in δ add up to
@@ -138,7 +138,7 @@ impl TaylorSeries {
         }
     }
 
-    /// Targets from `first` on, relative to the centre, in radii.
+    /// Targets from `first` on, relative to the center, in radii.
     #[inline(always)]
     pub(crate) fn place<S: Simd>(
         &self,
@@ -158,7 +158,7 @@ impl TaylorSeries {
         place
     }
 
-    /// The series up to `degree` at points relative to the centre, in radii.
+    /// The series up to `degree` at points relative to the center, in radii.
     ///
     /// * `slopes`: G^(k) / k! for k = 0 ..= `degree`, as derivatives by the squared distance in squared radii
     #[inline(always)]
@@ -200,19 +200,19 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::response::simd::points::BLOCK;
+    use crate::response::simd::points::POINTS_PER_BLOCK;
 
     #[test]
     fn the_series_of_a_gaussian_converges_to_the_sum_over_the_loads() {
         let mut loads = PointLoads::default();
-        for k in 0..BLOCK {
+        for k in 0..POINTS_PER_BLOCK {
             let angle = 2.4 * k as f64;
             let place = Vector3::new(0.3 * angle.cos(), 0.2 * angle.sin(), 0.02 * k as f64 - 0.1);
             loads.push(&place, (1.0 + (k % 3) as f64) / 31.0);
         }
         let point = Vector3::new(0.7, -0.4, 0.3);
         let gaussian = |squared: f64| (-0.5 * squared).exp();
-        let exact: f64 = (0..BLOCK)
+        let exact: f64 = (0..POINTS_PER_BLOCK)
             .map(|k| {
                 let y = Vector3::new(loads.x[k], loads.y[k], loads.z[k]);
                 loads.share[k] * gaussian((point - y).norm_squared())
@@ -241,13 +241,16 @@ mod tests {
     #[test]
     fn means_bound_those_between_even_powers() {
         let mut loads = PointLoads::default();
-        for k in 0..BLOCK {
-            loads.push(&Vector3::new(k as f64 / BLOCK as f64, 0.0, 0.0), 1.0 / BLOCK as f64);
+        for k in 0..POINTS_PER_BLOCK {
+            loads.push(
+                &Vector3::new(k as f64 / POINTS_PER_BLOCK as f64, 0.0, 0.0),
+                1.0 / POINTS_PER_BLOCK as f64,
+            );
         }
         let mut series = TaylorSeries::new();
         series.fill(pulp::Scalar, &loads, LoadBall { center: Vector3::zeros(), radius: 1.0 });
         for n in 0..=MAX_DEGREE + 2 {
-            let mean: f64 = loads.x.iter().map(|x| x.powi(n as i32) / BLOCK as f64).sum();
+            let mean: f64 = loads.x.iter().map(|x| x.powi(n as i32) / POINTS_PER_BLOCK as f64).sum();
             assert!(series.means.at(n) >= mean * (1.0 - 1e-14) && series.means.at(n) < 1.25 * mean, "{n}");
         }
     }

@@ -8,10 +8,10 @@ use pulp::Simd;
 
 use crate::response::simd::lanes::Lanes;
 
-const MANTISSA: u64 = (1 << 52) - 1;
-const ONE: u64 = 1023 << 52;
+const MANTISSA_BITS: u64 = (1 << 52) - 1;
+const ONE_BITS: u64 = 1023 << 52;
 /// 2⁵² as bits: a small integer put into its mantissa reads as 2⁵² plus that integer.
-const MAGIC: u64 = 1075 << 52;
+const SHIFT_BITS: u64 = 1075 << 52;
 /// ln 2 in two parts: the first times any exponent is exact.
 const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
 
@@ -60,13 +60,13 @@ pub(crate) fn ln_ratio<S: Simd>(
 /// The exponent, biased, plus 2⁵².
 #[inline(always)]
 fn exponent<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    x.map_bits(|b| (b >> 52) | MAGIC)
+    x.map_bits(|b| (b >> 52) | SHIFT_BITS)
 }
 
 /// The mantissa in 1 .. 2.
 #[inline(always)]
 fn mantissa<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    x.map_bits(|b| (b & MANTISSA) | ONE)
+    x.map_bits(|b| (b & MANTISSA_BITS) | ONE_BITS)
 }
 
 /// `atan2(y, x)` for y >= 0, finite at the origin.

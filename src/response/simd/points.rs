@@ -18,7 +18,7 @@ pub(crate) struct Targets {
 }
 
 /// Points in a vector block, a multiple of every vector length.
-pub(crate) const BLOCK: usize = 16;
+pub(crate) const POINTS_PER_BLOCK: usize = 16;
 
 impl Targets {
     pub(crate) fn new(points: &[Vector3<f64>]) -> Self {
@@ -31,7 +31,7 @@ impl Targets {
         let mut keyed: Vec<(u32, u32)> = points.iter().zip(0..).map(|(p, row)| (key(p), row)).collect();
         keyed.sort_unstable();
         let rows: Vec<u32> = keyed.iter().map(|&(_, row)| row).collect();
-        let padded = rows.len().next_multiple_of(BLOCK);
+        let padded = rows.len().next_multiple_of(POINTS_PER_BLOCK);
         let coordinate = |axis: usize| {
             let mut list: Vec<f64> = rows.iter().map(|&row| points[row as usize][axis]).collect();
             if let Some(&last) = list.last() {
@@ -59,7 +59,7 @@ impl Targets {
 
     /// Fills up to whole blocks.
     pub(crate) fn pad(&mut self) {
-        let padded = self.rows.len().next_multiple_of(BLOCK);
+        let padded = self.rows.len().next_multiple_of(POINTS_PER_BLOCK);
         for list in [&mut self.x, &mut self.y, &mut self.z] {
             if let Some(&last) = list.last() {
                 list.resize(padded, last);
@@ -119,7 +119,7 @@ pub(crate) fn gather(index: &[u32], from: &[f64], list: &mut Vec<f64>) {
     list.clear();
     list.extend(index.iter().map(|&i| from[i as usize]));
     if let Some(&last) = list.last() {
-        list.resize(index.len().next_multiple_of(BLOCK), last);
+        list.resize(index.len().next_multiple_of(POINTS_PER_BLOCK), last);
     }
 }
 

@@ -19,7 +19,7 @@ use crate::response::skin::prepared_body::PreparedBody;
 use crate::surface::checked::Surface;
 
 /// Largest distance, in mean edge lengths, between a part's vertices and those of the whole skin.
-const SAME_PLACE: f64 = 1e-6;
+const SAME_PLACE_DISTANCE: f64 = 1e-6;
 
 /// A part of the skin with the compliance of its body.
 #[derive(Debug, Clone)]
@@ -54,7 +54,7 @@ impl Part {
                 self.fixed.len()
             )));
         }
-        let allowed = SAME_PLACE * surface.mean_edge_length();
+        let allowed = SAME_PLACE_DISTANCE * surface.mean_edge_length();
         for (vertex, own) in self.part_vertices.iter().enumerate() {
             let Some(own) = *own else { continue };
             let place = self.prepared.nodes().vertices().get(own);

@@ -10,16 +10,16 @@ use crate::surface::checked::Surface;
 
 /// Largest distance, in mean edge lengths, between the vertices of a surface and those that a response was
 /// prepared for: rounding of a rigid motion, and no more.
-const SAME_SHAPE: f64 = 1e-6;
+const SAME_SHAPE_DISTANCE: f64 = 1e-6;
 
 /// No row: the vertex is no node.
-const UNKNOWN: usize = usize::MAX;
+const NO_ROW: usize = usize::MAX;
 
 /// Nodes of a prepared response, in the order of its rows, with the shape that it was prepared for.
 #[derive(Debug, Clone)]
 pub struct PreparedNodes {
     nodes: Arc<[usize]>,
-    /// Row of each vertex, [`UNKNOWN`] for none.
+    /// Row of each vertex, [`NO_ROW`] for none.
     row_of: Arc<[usize]>,
     vertices: Arc<[Vector3<f64>]>,
     faces: Arc<[[u32; 3]]>,
@@ -30,11 +30,11 @@ impl PreparedNodes {
     /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
     pub(crate) fn new(surface: &Surface, nodes: &[usize]) -> Result<Self, ResponseError> {
         let vertex_count = surface.vertices().len();
-        let mut row_of = vec![UNKNOWN; vertex_count];
+        let mut row_of = vec![NO_ROW; vertex_count];
         for (index, &vertex) in nodes.iter().enumerate() {
             let row = row_of.get_mut(vertex);
             let row = row.ok_or(ResponseError::NodeOutOfRange { index, vertex, vertex_count })?;
-            if *row != UNKNOWN {
+            if *row != NO_ROW {
                 return Err(ResponseError::RepeatedNode { vertex, first: *row, second: index });
             }
             *row = index;
@@ -60,7 +60,7 @@ impl PreparedNodes {
 
     /// Row of a vertex, if it is a node.
     pub(crate) fn row(&self, vertex: usize) -> Option<usize> {
-        Some(self.row_of[vertex]).filter(|&row| row != UNKNOWN)
+        Some(self.row_of[vertex]).filter(|&row| row != NO_ROW)
     }
 
     /// Rows of `nodes`.
@@ -68,7 +68,7 @@ impl PreparedNodes {
     /// # Errors
     /// [`ResponseError::NotPrepared`] for a vertex that is no node.
     pub(crate) fn rows(&self, nodes: &[usize]) -> Result<Vec<usize>, ResponseError> {
-        let unknown = |vertex: usize| self.row_of[vertex] == UNKNOWN;
+        let unknown = |vertex: usize| self.row_of[vertex] == NO_ROW;
         if let Some(&vertex) = nodes.iter().find(|&&vertex| unknown(vertex)) {
             let missing = nodes.iter().filter(|&&vertex| unknown(vertex)).count();
             return Err(ResponseError::NotPrepared { vertex, missing, prepared: self.nodes.len() });
@@ -94,7 +94,7 @@ impl PreparedNodes {
             let found = surface.faces().iter().zip(self.faces.iter()).filter(|(a, b)| a != b).count();
             return Err(ResponseError::OtherSurface { what: "faces that differ", found, expected: 0 });
         }
-        let allowed = SAME_SHAPE * surface.mean_edge_length();
+        let allowed = SAME_SHAPE_DISTANCE * surface.mean_edge_length();
         let distance = |vertex: usize| (surface.vertices()[vertex] - self.vertices[vertex]).norm();
         match (0..found).find(|&vertex| distance(vertex) > allowed) {
             Some(vertex) => Err(ResponseError::OtherShape { vertex, distance: distance(vertex), allowed }),

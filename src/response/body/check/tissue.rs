@@ -12,7 +12,7 @@ use crate::response::body::error::BodyError;
 use crate::surface::checked::Surface;
 
 /// Bone and skin touch below this part of the skin's mean edge length (dimensionless).
-const TOUCHING: f64 = 1e-6;
+const TOUCHING_DISTANCE: f64 = 1e-6;
 
 /// What was found between skin and bone.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<Tis
 
     let closest = closest_faces(bone, skin);
     let nearest = closest.iter().min_by(|a, b| a.distance.total_cmp(&b.distance)).expect("a bone has faces");
-    let limit = TOUCHING * skin.mean_edge_length();
+    let limit = TOUCHING_DISTANCE * skin.mean_edge_length();
     if nearest.distance <= limit {
         let FacePair { first, second, distance } = *nearest;
         return Err(BodyError::BoneTouchesSkin { bone_face: first, skin_face: second, distance, limit });
@@ -133,7 +133,7 @@ fn check_bones_apart(bone: &Surface) -> Result<(), BodyError> {
     if topology.component_count() < 2 {
         return Ok(());
     }
-    let limit = TOUCHING * bone.mean_edge_length();
+    let limit = TOUCHING_DISTANCE * bone.mean_edge_length();
     let component = |face: usize| topology.face_components()[face] as usize;
     match closest_between_components(bone, component, limit) {
         Some(FacePair { first, second, .. }) => Err(BodyError::BonesMeet {

@@ -21,11 +21,11 @@ use rayon::prelude::*;
 use crate::response::body::equations::kelvin::Kelvin;
 use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
-    LANES, Lanes, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
+    LANES, LaneValues, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
 
 /// A node without an entry.
-pub(crate) const NONE: u32 = u32::MAX;
+pub(crate) const NO_COLUMN: u32 = u32::MAX;
 
 /// A face of skin or bone and where its hats go.
 #[derive(Debug, Clone)]
@@ -33,9 +33,9 @@ pub(crate) struct Element {
     pub triangle: Triangle,
     /// Nodes at the corners: skin vertices, then bone vertices.
     pub nodes: [u32; 3],
-    /// Columns (in blocks of 3) of unknown displacements, [`NONE`] where the displacement is zero.
+    /// Columns (in blocks of 3) of unknown displacements, [`NO_COLUMN`] where the displacement is zero.
     pub moving: [u32; 3],
-    /// Columns (in blocks of 3) of unknown tractions, [`NONE`] where the traction is known.
+    /// Columns (in blocks of 3) of unknown tractions, [`NO_COLUMN`] where the traction is known.
     pub supported: [u32; 3],
     /// Right-hand sides (in blocks of 3) of loaded nodes and one over their vertex areas.
     pub loaded: [u32; 3],
@@ -45,13 +45,13 @@ pub(crate) struct Element {
 
 impl Element {
     fn needs_displacement_kernel(&self) -> bool {
-        self.supported.iter().chain(&self.loaded).any(|&column| column != NONE)
+        self.supported.iter().chain(&self.loaded).any(|&column| column != NO_COLUMN)
     }
 }
 
 /// The discretised body in units of its own length, with a shear modulus of 1.
 #[derive(Debug, Clone)]
-pub(crate) struct Discretization {
+pub(crate) struct DiscreteBody {
     pub kelvin: Kelvin,
     /// Collocation points: skin vertices, then bone vertices.
     pub points: Vec<Vector3<f64>>,
@@ -73,7 +73,7 @@ pub(crate) struct Equations {
 /// Writes the hats of elements seen from one point into that point's columns.
 struct Row<'a> {
     point: usize,
-    body: &'a Discretization,
+    body: &'a DiscreteBody,
     /// Columns of the transposed matrix and of the transposed loads, one per direction of the force.
     matrix: [&'a mut [f64]; 3],
     loads: [&'a mut [f64]; 3],
@@ -84,7 +84,7 @@ struct Row<'a> {
 }
 
 /// Position of entry 3 a + b in a packed symmetric matrix.
-const PACKED: [usize; 9] = [0, 1, 2, 1, 3, 4, 2, 4, 5];
+const PACKED_ENTRY: [usize; 9] = [0, 1, 2, 1, 3, 4, 2, 4, 5];
 
 #[inline(always)]
 fn add_block(columns: &mut [&mut [f64]; 3], block: u32, factor: f64, value: impl Fn(usize) -> f64) {
@@ -108,12 +108,12 @@ impl<'a> Row<'a> {
                 let trace = isotropic * (m.d[0] + m.d[3] + m.d[5]);
                 let block: [f64; 9] = std::array::from_fn(|c| {
                     let (a, b) = (c / 3, c % 3);
-                    outer * m.d[PACKED[c]]
+                    outer * m.d[PACKED_ENTRY[c]]
                         + skew * (m.e[a] * n[b] - n[a] * m.e[b])
                         + if a == b { trace } else { 0.0 }
                 });
                 self.off_diagonal.iter_mut().zip(&block).for_each(|(sum, value)| *sum += value);
-                if element.moving[corner] != NONE {
+                if element.moving[corner] != NO_COLUMN {
                     add_block(&mut self.matrix, element.moving[corner], 1.0, |c| block[c]);
                 }
             }
@@ -128,19 +128,19 @@ impl<'a> Row<'a> {
     /// `block`: packed `U` of a corner.
     #[inline(always)]
     fn add_displacement(&mut self, element: &Element, corner: usize, block: impl Fn(usize) -> f64) {
-        if element.supported[corner] != NONE {
-            add_block(&mut self.matrix, element.supported[corner], -1.0, |c| block(PACKED[c]));
+        if element.supported[corner] != NO_COLUMN {
+            add_block(&mut self.matrix, element.supported[corner], -1.0, |c| block(PACKED_ENTRY[c]));
         }
-        if element.loaded[corner] != NONE {
+        if element.loaded[corner] != NO_COLUMN {
             add_block(&mut self.loads, element.loaded[corner], element.load_scales[corner], |c| {
-                block(PACKED[c])
+                block(PACKED_ENTRY[c])
             });
         }
     }
 
     /// Elements of one kind that share a rule; at most [`LANES`] of them, none of them around the point.
     #[inline(always)]
-    fn add_together(&mut self, elements: &[u32], rule: usize, scratch: &mut Scratch) {
+    fn add_together(&mut self, elements: &[u32], rule: usize, scratch: &mut RowScratch) {
         let point = &self.body.points[self.point];
         for lane in 0..LANES {
             // spare lanes repeat the last element, without area
@@ -165,7 +165,7 @@ impl<'a> Row<'a> {
                 }
                 for (lane, &element) in elements.iter().enumerate() {
                     let moving = self.body.elements[element as usize].moving[corner];
-                    if moving != NONE {
+                    if moving != NO_COLUMN {
                         add_block(&mut self.matrix, moving, 1.0, |c| scratch.traction[c][lane]);
                     }
                 }
@@ -191,15 +191,15 @@ impl<'a> Row<'a> {
 #[inline(always)]
 fn traction_blocks(
     (isotropic, outer, skew): (f64, f64, f64),
-    moments: &[Lanes; 15],
-    normal: &[Lanes; 3],
-    blocks: &mut [Lanes; 9],
+    moments: &[LaneValues; 15],
+    normal: &[LaneValues; 3],
+    blocks: &mut [LaneValues; 9],
 ) {
     let (d, e) = (&moments[6..12], &moments[12..15]);
     for a in 0..3 {
         for b in 0..3 {
             for l in 0..LANES {
-                blocks[3 * a + b][l] = outer * d[PACKED[3 * a + b]][l]
+                blocks[3 * a + b][l] = outer * d[PACKED_ENTRY[3 * a + b]][l]
                     + skew * (e[a][l] * normal[b][l] - normal[a][l] * e[b][l]);
             }
         }
@@ -214,7 +214,11 @@ fn traction_blocks(
 
 /// Packed `U` of one corner's hats from their moments, lane by lane.
 #[inline(always)]
-fn displacement_blocks((isotropic, outer): (f64, f64), moments: &[Lanes; 15], blocks: &mut [Lanes; 6]) {
+fn displacement_blocks(
+    (isotropic, outer): (f64, f64),
+    moments: &[LaneValues; 15],
+    blocks: &mut [LaneValues; 6],
+) {
     for c in 0..6 {
         for l in 0..LANES {
             blocks[c][l] = outer * moments[c][l];
@@ -230,15 +234,15 @@ fn displacement_blocks((isotropic, outer): (f64, f64), moments: &[Lanes; 15], bl
 
 /// Working space of one thread.
 #[derive(Default)]
-struct Scratch {
+struct RowScratch {
     lanes: TriangleLanes,
     moments: MomentLanes,
-    traction: [Lanes; 9],
-    displacement: [Lanes; 6],
+    traction: [LaneValues; 9],
+    displacement: [LaneValues; 6],
 }
 
 #[inline(always)]
-fn fill_row(row: &mut Row, reach: &RuleReach, scratch: &mut Scratch) {
+fn fill_row(row: &mut Row, reach: &RuleReach, scratch: &mut RowScratch) {
     let body = row.body;
     let point = body.points[row.point];
     // waiting elements, by kind (skin, bone) and rule
@@ -285,7 +289,7 @@ fn in_three(columns: &mut [f64]) -> [&mut [f64]; 3] {
 /// Assembles the equations with integrals to `tolerance`; `advance` is called after each point and stops the
 /// assembly (`None`) by returning false.
 pub(crate) fn assemble_equations(
-    body: &Discretization,
+    body: &DiscreteBody,
     tolerance: f64,
     advance: &(dyn Fn() -> bool + Sync),
 ) -> Option<Equations> {
@@ -300,7 +304,7 @@ pub(crate) fn assemble_equations(
         .par_chunks_mut(3 * height)
         .zip(equations.loads.par_chunks_mut(3 * load_height))
         .enumerate()
-        .map_init(Scratch::default, |scratch, (point, (matrix, loads))| {
+        .map_init(RowScratch::default, |scratch, (point, (matrix, loads))| {
             let mut row = Row {
                 point,
                 body,
@@ -327,7 +331,7 @@ mod tests {
     use super::*;
 
     /// A lopsided octahedron, each face cut in four, whose every face corner carries a load of its own.
-    fn body(poisson_ratio: f64) -> Discretization {
+    fn body(poisson_ratio: f64) -> DiscreteBody {
         let corner = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
         let mut points = vec![
             corner(1.3, 0.1, 0.0),
@@ -356,12 +360,12 @@ mod tests {
             triangle: Triangle::new(face.map(|v| points[v as usize])),
             nodes: *face,
             moving: *face,
-            supported: [NONE; 3],
+            supported: [NO_COLUMN; 3],
             loaded: [0, 1, 2].map(|c| 3 * index as u32 + c),
             load_scales: [1.0; 3],
             is_skin: true,
         });
-        Discretization {
+        DiscreteBody {
             kelvin: Kelvin::new(poisson_ratio),
             elements: elements.collect(),
             is_moving: vec![true; points.len()],

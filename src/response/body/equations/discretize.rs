@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::response::body::check::tissue::area_vectors;
-use crate::response::body::equations::assemble::{Discretization, Element, NONE};
+use crate::response::body::equations::assemble::{DiscreteBody, Element, NO_COLUMN};
 use crate::response::body::equations::incompressible::ClosedSurface;
 use crate::response::body::equations::kelvin::Kelvin;
 use crate::response::body::equations::moments::Triangle;
@@ -19,7 +19,7 @@ impl Body {
         poisson_ratio: f64,
         fixed: &[bool],
         nodes: &[usize],
-    ) -> (Discretization, Vec<ClosedSurface>) {
+    ) -> (DiscreteBody, Vec<ClosedSurface>) {
         let skin_count = skin.vertices().len();
         let origin = skin.vertices().iter().sum::<Vector3<f64>>() / skin_count as f64;
         let bones = self.bone.iter();
@@ -29,7 +29,7 @@ impl Body {
             .chain(bones.clone().flat_map(|bone| bone.vertices()))
             .map(|vertex| (vertex - origin) / length)
             .collect();
-        let mut slots = vec![NONE; skin_count];
+        let mut slots = vec![NO_COLUMN; skin_count];
         nodes.iter().enumerate().for_each(|(slot, &node)| slots[node] = slot as u32);
 
         let skin_elements = skin.faces().iter().map(|face| {
@@ -37,8 +37,8 @@ impl Body {
             Element {
                 triangle: Triangle::new(face.map(|v| points[v as usize])),
                 nodes: *face,
-                moving: face.map(|v| if fixed[v as usize] { NONE } else { v }),
-                supported: if is_held { *face } else { [NONE; 3] },
+                moving: face.map(|v| if fixed[v as usize] { NO_COLUMN } else { v }),
+                supported: if is_held { *face } else { [NO_COLUMN; 3] },
                 loaded: face.map(|v| slots[v as usize]),
                 load_scales: face.map(|v| length * length / skin.vertex_areas()[v as usize]),
                 is_skin: true,
@@ -49,9 +49,9 @@ impl Body {
             Element {
                 triangle: Triangle::new(face.map(|v| points[v as usize])),
                 nodes: face,
-                moving: [NONE; 3],
+                moving: [NO_COLUMN; 3],
                 supported: face,
-                loaded: [NONE; 3],
+                loaded: [NO_COLUMN; 3],
                 load_scales: [0.0; 3],
                 is_skin: false,
             }
@@ -81,6 +81,6 @@ impl Body {
         }
         let is_moving = (0..points.len()).map(|node| node < skin_count && !fixed[node]).collect();
         let kelvin = Kelvin::new(poisson_ratio);
-        (Discretization { kelvin, points, is_moving, elements, load_count: nodes.len() }, surfaces)
+        (DiscreteBody { kelvin, points, is_moving, elements, load_count: nodes.len() }, surfaces)
     }
 }

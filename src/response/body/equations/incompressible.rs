@@ -18,7 +18,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::response::body::equations::assemble::{Discretization, Equations};
+use crate::response::body::equations::assemble::{DiscreteBody, Equations};
 
 /// A closed surface among the nodes.
 #[derive(Debug, Clone)]
@@ -31,12 +31,12 @@ pub(crate) struct ClosedSurface {
 }
 
 /// Block columns that a thread takes at once.
-const BLOCKS: usize = 64;
+const BLOCKS_PER_CHUNK: usize = 64;
 
 /// Puts the identities of every closed surface into the equations.
 pub(crate) fn impose_flux_identities(
     equations: &mut Equations,
-    body: &Discretization,
+    body: &DiscreteBody,
     surfaces: &[ClosedSurface],
 ) {
     let height = 3 * body.points.len();
@@ -85,9 +85,9 @@ pub(crate) fn impose_flux_identities(
 /// `sum_i w_i tr(block_ij)` over the surface's nodes `i`, for every block row `j` of a transposed matrix.
 fn trace_sums(transposed: &[f64], height: usize, surface: &ClosedSurface) -> Vec<f64> {
     let mut sums = vec![0.0; height];
-    sums.par_chunks_mut(3 * BLOCKS).enumerate().for_each(|(chunk, sums)| {
+    sums.par_chunks_mut(3 * BLOCKS_PER_CHUNK).enumerate().for_each(|(chunk, sums)| {
         for (&node, area) in surface.nodes.iter().zip(&surface.area_vectors) {
-            let start = 3 * node as usize * height + 3 * BLOCKS * chunk;
+            let start = 3 * node as usize * height + 3 * BLOCKS_PER_CHUNK * chunk;
             for (block, sum) in sums.chunks_exact_mut(3).enumerate() {
                 let at = start + 3 * block;
                 let trace = transposed[at] + transposed[at + height + 1] + transposed[at + 2 * height + 2];
@@ -101,7 +101,7 @@ fn trace_sums(transposed: &[f64], height: usize, surface: &ClosedSurface) -> Vec
 }
 
 /// Under a uniform pressure `n` the bone's own balance is `-V / (1 + e)`, with `V` its volume, exactly.
-fn set_pressure_product(row: &mut [f64], bone: &ClosedSurface, body: &Discretization, e: f64) {
+fn set_pressure_product(row: &mut [f64], bone: &ClosedSurface, body: &DiscreteBody, e: f64) {
     let volume: f64 =
         bone.area_vectors.iter().zip(&bone.nodes).map(|(s, &i)| s.dot(&body.points[i as usize]) / 3.0).sum();
     let pressure: Vec<Vector3<f64>> = bone.area_vectors.iter().map(|area| area.normalize()).collect();
@@ -148,8 +148,8 @@ fn replace_normal_sum(transposed: &mut [f64], height: usize, surface: &ClosedSur
     let norm_squared: f64 = surface.area_vectors.iter().map(Vector3::norm_squared).sum();
     let mut change = vec![0.0; height];
     let read = &*transposed;
-    change.par_chunks_mut(3 * BLOCKS).enumerate().for_each(|(chunk, change)| {
-        let from = 3 * BLOCKS * chunk;
+    change.par_chunks_mut(3 * BLOCKS_PER_CHUNK).enumerate().for_each(|(chunk, change)| {
+        let from = 3 * BLOCKS_PER_CHUNK * chunk;
         change.copy_from_slice(&identity[from..from + change.len()]);
         for (&node, area) in surface.nodes.iter().zip(&surface.area_vectors) {
             for axis in 0..3 {

@@ -118,14 +118,14 @@ impl RuleReach {
 /// Number of triangles that [`far_moments`] takes at once.
 pub(crate) const LANES: usize = 8;
 /// One number for each of them.
-pub(crate) type Lanes = [f64; LANES];
+pub(crate) type LaneValues = [f64; LANES];
 
 /// Corners relative to the point, normal and area of up to [`LANES`] triangles, lane by lane.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct TriangleLanes {
-    pub corners: [[Lanes; 3]; 3],
-    pub normal: [Lanes; 3],
-    pub area: Lanes,
+    pub corners: [[LaneValues; 3]; 3],
+    pub normal: [LaneValues; 3],
+    pub area: LaneValues,
 }
 
 impl TriangleLanes {
@@ -145,7 +145,7 @@ impl TriangleLanes {
 }
 
 /// Moments of the hats of several triangles: `[corner][component][lane]`, components `b` (6), `d` (6), `e` (3).
-pub(crate) type MomentLanes = [[Lanes; 15]; 3];
+pub(crate) type MomentLanes = [[LaneValues; 15]; 3];
 
 /// Moments by a quadrature rule, for triangles well away from the point.
 ///

@@ -1,0 +1,53 @@
+//! One column of any kernel: the load of a node, and what it moves.
+
+use crate::response::column::gaussian::Corrected;
+use crate::response::column::half_space::{ColumnScratch, half_space_values};
+use crate::response::column::layer::PreparedLayer;
+use crate::response::column::load::loaded_faces;
+use crate::response::kernel::skin::{Kernel, KernelSkin};
+use crate::response::kernel::thickness::Thickness;
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::simd::points::Targets;
+use crate::surface::checked::Surface;
+
+/// What all columns of a matrix share.
+pub(crate) struct KernelColumns<'a> {
+    surface: &'a Surface,
+    skin: &'a KernelSkin,
+    tolerance: f64,
+    pub(crate) layer: Option<(PreparedLayer, &'a Thickness)>,
+}
+
+impl<'a> KernelColumns<'a> {
+    pub(crate) fn new(surface: &'a Surface, skin: &'a KernelSkin, options: &AssemblyOptions) -> Self {
+        let layer = match skin.kernel() {
+            Kernel::Layer { thickness } => Some((PreparedLayer::new(skin, options), thickness)),
+            _ => None,
+        };
+        Self { surface, skin, tolerance: options.tolerance, layer }
+    }
+
+    /// Sets `scratch.values` to the displacement (m) of the targets per newton at `vertex`.
+    ///
+    /// * `inverse_thickness`: 1/thickness of the targets of a layer (1/m), padded as they are
+    pub(crate) fn fill(
+        &self,
+        scratch: &mut ColumnScratch,
+        targets: &Targets,
+        inverse_thickness: &[f64],
+        vertex: usize,
+    ) {
+        let (constant, tolerance) = (self.skin.kernel_constant(), self.tolerance);
+        scratch.faces.clear();
+        loaded_faces(self.surface, vertex, self.skin.basis(), &mut scratch.faces);
+        match (&self.layer, self.skin.kernel()) {
+            (Some((layer, thickness)), _) => {
+                layer.values(targets, inverse_thickness, scratch, thickness.at(vertex));
+            }
+            (None, &Kernel::GaussianCorrected { height, width, cutoff }) => {
+                Corrected { constant, height, cutoff, width }.values(targets, scratch, tolerance);
+            }
+            _ => half_space_values(targets, scratch, constant, tolerance, f64::INFINITY),
+        }
+    }
+}
