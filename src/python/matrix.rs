@@ -5,7 +5,7 @@ use super::errors::IntoPyErr;
 use super::interrupt::detached_with;
 use super::skin::PySkin;
 use super::surface::PySurface;
-use crate::response::{self, AssemblyOptions};
+use crate::response::{self, AssemblyOptions, Request};
 use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -34,7 +34,8 @@ pub(super) fn response_matrix<'py>(
             ..AssemblyOptions::default()
         };
         skin.elastic().traits(&surface.inner)?;
-        skin.elastic().matrix(&surface.inner, &nodes, &directions, &options)
+        let asked = Request { surface: &surface.inner, nodes: &nodes, options: &options };
+        skin.elastic().matrix(&asked, &directions)
     };
     let matrix = detached_with(py, num_threads, assemble)?;
     Ok(matrix_out(py, &matrix.map_err(IntoPyErr::into_py_err)?))

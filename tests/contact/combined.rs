@@ -2,7 +2,9 @@
 
 use nalgebra::{Isometry3, Vector3};
 use quasirigid::response::body::{Body, BodyOptions};
-use quasirigid::response::{AssemblyOptions, CombinedSkin, ElasticSkin, Part, PreparedBody, ResponseError};
+use quasirigid::response::{
+    AssemblyOptions, CombinedSkin, ElasticSkin, Part, PreparedBody, Request, ResponseError,
+};
 use quasirigid::surface::{Surface, cut_out};
 
 use crate::common::icosphere;
@@ -41,6 +43,12 @@ fn is_moving(part: &Part, vertex: usize) -> bool {
     part.part_vertices[vertex].is_some_and(|own| !part.fixed[own])
 }
 
+fn ask<'a>(surface: &'a Surface, nodes: &'a [usize]) -> Request<'a> {
+    const PLAIN: AssemblyOptions =
+        AssemblyOptions { tolerance: 1e-6, num_threads: None, memory_limit: None, interrupt: None };
+    Request { surface, nodes, options: &PLAIN }
+}
+
 #[test]
 fn each_side_of_a_cut_answers_for_itself() {
     let skin = sphere();
@@ -52,12 +60,11 @@ fn each_side_of_a_cut_answers_for_itself() {
     assert!(low.iter().chain(&high).all(|&v| combined.is_prepared(v)));
     let nodes: Vec<usize> = low.iter().chain(&high).copied().collect();
     let up = vec![Vector3::z(); nodes.len()];
-    let options = AssemblyOptions::default();
-    let matrix = combined.matrix(&skin, &nodes, &up, &options).expect("two patches");
+    let matrix = combined.matrix(&ask(&skin, &nodes), &up).expect("two patches");
 
     let own: Vec<usize> = low.iter().map(|&v| part.part_vertices[v].expect("of the part")).collect();
-    let body = part.prepared.matrix(&skin, &own, &up[..own.len()], &options).expect("prepared");
-    let kernel = half_space().matrix(&skin, &high, &up[..high.len()], &options).expect("nodes");
+    let body = part.prepared.matrix(&ask(&skin, &own), &up[..own.len()]).expect("prepared");
+    let kernel = half_space().matrix(&ask(&skin, &high), &up[..high.len()]).expect("nodes");
     for i in 0..nodes.len() {
         for j in 0..nodes.len() {
             let expected = match (i.checked_sub(low.len()), j.checked_sub(low.len())) {
@@ -71,7 +78,7 @@ fn each_side_of_a_cut_answers_for_itself() {
 
     let everywhere: Vec<usize> = (0..skin.vertices().len()).collect();
     let push = vec![Vector3::z() * 0.01; low.len()];
-    let moved = combined.displace(&skin, &everywhere, &low, &push, &options).expect("prepared");
+    let moved = combined.displace(&ask(&skin, &low), &push, &everywhere).expect("prepared");
     let moves = |v: usize| moved.vectors[v] != Vector3::zeros();
     assert!(everywhere.iter().all(|&v| moves(v) == is_moving(&part, v)));
     assert!(everywhere.iter().all(|&v| moved.along_normal[v].is_none() == is_moving(&part, v)));
@@ -84,7 +91,7 @@ fn a_patch_across_the_cut_and_parts_that_do_not_fit_are_named() {
     let combined = CombinedSkin::new(&skin, half_space(), vec![part.clone()]).expect("a part that fits");
     let across = near(&skin, |z| z < 0.0);
     let up = vec![Vector3::z(); across.len()];
-    let error = combined.matrix(&skin, &across, &up, &AssemblyOptions::default()).expect_err("straddles");
+    let error = combined.matrix(&ask(&skin, &across), &up).expect_err("straddles");
     let ResponseError::StraddlingPatch { part: name, inside, outside, count } = error else {
         panic!("{error}")
     };

@@ -7,7 +7,7 @@ use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
 use crate::contact::options::ContactOptions;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
 
 /// Relative quadrature tolerance of displacements that are drawn and summed to a volume but enter no complementarity.
@@ -39,7 +39,8 @@ impl<'a> Compliance<'a> {
 
     /// R over `nodes` along the obstacle's normals there (k × k, m/N).
     pub fn matrix(&self, nodes: &[usize], normals: &[Vector3<f64>]) -> Result<Mat<f64>, ContactError> {
-        Ok(self.skin.matrix(self.surface, nodes, normals, &self.options)?)
+        let asked = Request { surface: self.surface, nodes, options: &self.options };
+        Ok(self.skin.matrix(&asked, normals)?)
     }
 
     /// Displacement of `vertices`, each under the forces of its own finger, to the tolerance of R itself.
@@ -65,7 +66,8 @@ impl<'a> Compliance<'a> {
     ) -> Result<Displacements, ContactError> {
         let under = |active: &[usize], vertices: &[usize]| {
             let pushed: Vec<Vector3<f64>> = active.iter().map(|&vertex| forces.vectors[vertex]).collect();
-            self.skin.displace(self.surface, vertices, active, &pushed, options)
+            let asked = Request { surface: self.surface, nodes: active, options };
+            self.skin.displace(&asked, &pushed, vertices)
         };
         let fingers = forces.fingers;
         if fingers.candidates.len() == 1 {

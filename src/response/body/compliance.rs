@@ -113,30 +113,30 @@ impl BodyCompliance {
         Ok(BodyCompliance { rotation: rotation * self.rotation, ..self.clone() })
     }
 
-    /// Directions as the stored matrices see them.
-    fn stored_directions(&self, directions: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
-        let expected = self.parts.nodes.len();
-        if directions.len() != expected {
-            return Err(BodyError::Length { what: "directions", found: directions.len(), expected });
+    /// Directions or forces, one for each of `expected` nodes, as the stored matrices see them.
+    fn stored(
+        &self,
+        what: &'static str,
+        vectors: &[Vector3<f64>],
+        expected: usize,
+    ) -> Result<Vec<Vector3<f64>>, BodyError> {
+        if vectors.len() != expected {
+            return Err(BodyError::Length { what, found: vectors.len(), expected });
         }
+        let back = self.rotation.transpose();
+        Ok(vectors.iter().map(|vector| back * vector).collect())
+    }
+
+    /// Unit directions at all nodes as the stored matrices see them.
+    fn stored_directions(&self, directions: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
+        let stored = self.stored("directions", directions, self.parts.nodes.len())?;
         for (index, direction) in directions.iter().enumerate() {
             let length = direction.norm();
             if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH_ERROR {
                 return Err(BodyError::DirectionLength { index, length });
             }
         }
-        let back = self.rotation.transpose();
-        Ok(directions.iter().map(|direction| back * direction).collect())
-    }
-
-    /// Forces (N) at the nodes as the stored matrices see them.
-    fn stored_forces(&self, forces: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
-        let expected = self.parts.nodes.len();
-        if forces.len() != expected {
-            return Err(BodyError::Length { what: "forces", found: forces.len(), expected });
-        }
-        let back = self.rotation.transpose();
-        Ok(forces.iter().map(|force| back * force).collect())
+        Ok(stored)
     }
 
     /// Response matrix `R_ij = n_i · C_ij n_j` along the nodes' directions.
@@ -163,13 +163,7 @@ impl BodyCompliance {
         nodes: &[usize],
         directions: &[Vector3<f64>],
     ) -> Result<Mat<f64>, BodyError> {
-        if directions.len() != nodes.len() {
-            let (found, expected) = (directions.len(), nodes.len());
-            return Err(BodyError::Length { what: "directions", found, expected });
-        }
-        let back = self.rotation.transpose();
-        let stored: Vec<Vector3<f64>> = directions.iter().map(|direction| back * direction).collect();
-        Ok(self.stored_response(nodes, &stored))
+        Ok(self.stored_response(nodes, &self.stored("directions", directions, nodes.len())?))
     }
 
     fn stored_response(&self, nodes: &[usize], directions: &[Vector3<f64>]) -> Mat<f64> {
@@ -194,8 +188,11 @@ impl BodyCompliance {
     /// [`BodyError::Length`].
     pub fn displacements(&self, forces: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
         let mut flat = vec![0.0; 3 * self.vertex_count()];
-        for (j, force) in
-            self.stored_forces(forces)?.iter().enumerate().filter(|(_, force)| force.norm_squared() > 0.0)
+        for (j, force) in self
+            .stored("forces", forces, self.parts.nodes.len())?
+            .iter()
+            .enumerate()
+            .filter(|(_, force)| force.norm_squared() > 0.0)
         {
             let [x, y, z] = [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * j + axis));
             for (((sum, x), y), z) in flat.iter_mut().zip(x).zip(y).zip(z) {
@@ -210,7 +207,7 @@ impl BodyCompliance {
     /// # Errors
     /// [`BodyError::Length`].
     pub fn bone_pressures(&self, forces: &[Vector3<f64>]) -> Result<Option<Vec<f64>>, BodyError> {
-        let forces = self.stored_forces(forces)?;
+        let forces = self.stored("forces", forces, self.parts.nodes.len())?;
         Ok(self.parts.bone_pressure.as_ref().map(|stored| {
             let mut sums = vec![0.0; stored.nrows()];
             for (j, force) in forces.iter().enumerate() {

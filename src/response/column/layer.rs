@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 
 use crate::response::column::half_space::{ColumnScratch, half_space_values};
@@ -125,8 +124,7 @@ impl WithSimd for Sweep<'_> {
             let mut block =
                 Block { start, distance: [0.0; POINTS_PER_BLOCK], inverse: [0.0; POINTS_PER_BLOCK] };
             for i in 0..POINTS_PER_BLOCK {
-                let x = Vector3::new(targets.x[start + i], targets.y[start + i], targets.z[start + i]);
-                block.distance[i] = (x - center).norm();
+                block.distance[i] = (targets.point(start + i) - center).norm();
                 // a pair answers as the thinner of its two
                 block.inverse[i] = column.inverse_thickness[start + i].max(column.own_inverse);
             }

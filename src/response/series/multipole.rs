@@ -197,14 +197,10 @@ impl MultipoleSeries {
         points: &[[Lanes<S>; 3]; VECTORS_AT_ONCE],
     ) -> [Lanes<S>; VECTORS_AT_ONCE] {
         let any = points[0][0];
-        let (zero, one, inverse_radius) = (any.all(0.0), any.all(1.0), any.all(1.0 / self.ball.radius));
+        let (one, inverse_radius) = (any.all(1.0), any.all(1.0 / self.ball.radius));
         // w = (x + iy) / r², u = z / r², v = 1 / r², all scaled by the radius
-        let (mut wx, mut wy, mut u, mut v) = (
-            [zero; VECTORS_AT_ONCE],
-            [zero; VECTORS_AT_ONCE],
-            [zero; VECTORS_AT_ONCE],
-            [zero; VECTORS_AT_ONCE],
-        );
+        let zeros = [any.all(0.0); VECTORS_AT_ONCE];
+        let (mut wx, mut wy, mut u, mut v) = (zeros, zeros, zeros, zeros);
         for k in 0..VECTORS_AT_ONCE {
             let [x, y, z] = points[k];
             let place = [x * inverse_radius, y * inverse_radius, z * inverse_radius];
@@ -215,7 +211,7 @@ impl MultipoleSeries {
         }
         let beta = &tables().beta;
         // Horner in w over m of Σ_l (C_lm - i S_lm) q_lm
-        let (mut re, mut im) = ([zero; VECTORS_AT_ONCE], [zero; VECTORS_AT_ONCE]);
+        let (mut re, mut im) = (zeros, zeros);
         for m in (0..=order).rev() {
             let row = m * ROW_LENGTH + m..m * ROW_LENGTH + order + 1;
             let (cosine, sine, beta) = (&self.cosine[row.clone()], &self.sine[row.clone()], &beta[row]);

@@ -105,58 +105,42 @@ pub(crate) fn angle<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
 
 #[cfg(test)]
 mod tests {
-    use std::marker::PhantomData;
-
     use pulp::WithSimd;
 
     use super::*;
 
-    /// A function of four numbers on the machine's vectors.
-    struct Apply<F>(PhantomData<F>, [f64; 4]);
-
-    trait Fn4 {
-        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S>;
+    /// [`super::ln_ratio`] of four numbers, or [`super::angle`] of the first two, on the machine's vectors.
+    #[derive(Clone, Copy)]
+    struct Apply {
+        is_angle: bool,
+        x: [f64; 4],
     }
 
-    impl<F: Fn4> WithSimd for Apply<F> {
+    impl WithSimd for Apply {
         type Output = f64;
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> f64 {
-            simd.reduce_max_f64s(F::of(self.1.map(|x| Lanes::splat(simd, x))).v)
-        }
-    }
-
-    struct LnRatio;
-    impl Fn4 for LnRatio {
-        #[inline(always)]
-        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S> {
-            super::ln_ratio(x[0], x[1], x[2], x[3])
-        }
-    }
-
-    struct Angle;
-    impl Fn4 for Angle {
-        #[inline(always)]
-        fn of<S: Simd>(x: [Lanes<S>; 4]) -> Lanes<S> {
-            super::angle(x[0], x[1])
+            let [a, b, c, d] = self.x.map(|x| Lanes::splat(simd, x));
+            let value = if self.is_angle { super::angle(a, b) } else { super::ln_ratio(a, b, c, d) };
+            simd.reduce_max_f64s(value.v)
         }
     }
 
     /// On the machine's vectors, which must agree with plain numbers to rounding.
-    fn both<F: Fn4>(_: F, x: [f64; 4]) -> f64 {
-        let vector = pulp::Arch::new().dispatch(Apply::<F>(PhantomData, x));
-        let plain = Apply::<F>(PhantomData, x).with_simd(pulp::Scalar);
+    fn both(apply: Apply) -> f64 {
+        let vector = pulp::Arch::new().dispatch(apply);
+        let plain = apply.with_simd(pulp::Scalar);
         assert!((vector - plain).abs() <= 16.0 * f64::EPSILON * plain.abs().max(1.0), "{vector} {plain}");
         vector
     }
 
     fn ln_ratio(a: f64, b: f64, length: f64, sum: f64) -> f64 {
-        both(LnRatio, [a, b, length, sum])
+        both(Apply { is_angle: false, x: [a, b, length, sum] })
     }
 
     fn angle(y: f64, x: f64) -> f64 {
-        both(Angle, [y, x, 0.0, 0.0])
+        both(Apply { is_angle: true, x: [y, x, 0.0, 0.0] })
     }
 
     #[test]

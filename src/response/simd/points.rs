@@ -30,16 +30,11 @@ impl Targets {
         };
         let mut keyed: Vec<(u32, u32)> = points.iter().zip(0..).map(|(p, row)| (key(p), row)).collect();
         keyed.sort_unstable();
-        let rows: Vec<u32> = keyed.iter().map(|&(_, row)| row).collect();
-        let padded = rows.len().next_multiple_of(POINTS_PER_BLOCK);
-        let coordinate = |axis: usize| {
-            let mut list: Vec<f64> = rows.iter().map(|&row| points[row as usize][axis]).collect();
-            if let Some(&last) = list.last() {
-                list.resize(padded, last);
-            }
-            list
-        };
-        Self { x: coordinate(0), y: coordinate(1), z: coordinate(2), rows }
+        let mut targets = Self::default();
+        keyed.iter().for_each(|&(_, row)| targets.push(&points[row as usize]));
+        targets.pad();
+        targets.rows = keyed.into_iter().map(|(_, row)| row).collect();
+        targets
     }
 
     /// Empties the lists, to be filled by [`Targets::push`] in place of [`Targets::new`].

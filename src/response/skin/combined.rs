@@ -13,8 +13,7 @@ use nalgebra::{Isometry3, Vector3};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::prepared_body::PreparedBody;
 use crate::surface::checked::Surface;
 
@@ -39,6 +38,11 @@ impl Part {
     /// Vertex of the part that moves with the body.
     fn moving(&self, vertex: usize) -> Option<usize> {
         self.part_vertices[vertex].filter(|&own| !self.fixed[own])
+    }
+
+    /// Those of the part, for vertices of the whole skin that move with the body.
+    fn all_moving(&self, vertices: &[usize]) -> Vec<usize> {
+        vertices.iter().filter_map(|&vertex| self.moving(vertex)).collect()
     }
 
     fn check(&self, surface: &Surface) -> Result<(), ResponseError> {
@@ -162,14 +166,9 @@ impl ElasticSkin for CombinedSkin {
         })
     }
 
-    fn matrix(
-        &self,
-        surface: &Surface,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-        options: &AssemblyOptions,
-    ) -> Result<Mat<f64>, ResponseError> {
-        self.check_patches(surface, nodes)?;
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        let nodes = asked.nodes;
+        self.check_patches(asked.surface, nodes)?;
         let mut matrix = Mat::zeros(nodes.len(), nodes.len());
         for (number, positions) in self.by_owner(nodes).iter().enumerate() {
             if positions.is_empty() {
@@ -178,10 +177,9 @@ impl ElasticSkin for CombinedSkin {
             let (own, along) = (picked(nodes, positions), picked(directions, positions));
             let block = match self.parts.get(number) {
                 Some(part) => {
-                    let own: Vec<usize> = own.iter().filter_map(|&vertex| part.moving(vertex)).collect();
-                    part.prepared.matrix(surface, &own, &along, options)?
+                    part.prepared.matrix(&Request { nodes: &part.all_moving(&own), ..*asked }, &along)?
                 }
-                None => self.background.matrix(surface, &own, &along, options)?,
+                None => self.background.matrix(&Request { nodes: &own, ..*asked }, &along)?,
             };
             for (j, &column) in positions.iter().enumerate() {
                 for (i, &row) in positions.iter().enumerate() {
@@ -194,30 +192,23 @@ impl ElasticSkin for CombinedSkin {
 
     fn displace(
         &self,
-        surface: &Surface,
-        vertices: &[usize],
-        nodes: &[usize],
+        asked: &Request,
         forces: &[Vector3<f64>],
-        options: &AssemblyOptions,
+        vertices: &[usize],
     ) -> Result<Displacements, ResponseError> {
         let mut vectors = vec![Vector3::zeros(); vertices.len()];
         let mut along_normal = vec![None; vertices.len()];
         let targets = self.by_owner(vertices);
-        for (number, positions) in self.by_owner(nodes).iter().enumerate() {
-            let (own, pushed) = (picked(nodes, positions), picked(forces, positions));
+        for (number, positions) in self.by_owner(asked.nodes).iter().enumerate() {
+            let (own, pushed) = (picked(asked.nodes, positions), picked(forces, positions));
             let wanted = &targets[number];
+            let rows = picked(vertices, wanted);
             let moved = match self.parts.get(number) {
                 Some(part) => {
-                    let moving = |vertices: &[usize]| -> Vec<usize> {
-                        vertices.iter().filter_map(|&vertex| part.moving(vertex)).collect()
-                    };
-                    let (own, rows) = (moving(&own), moving(&picked(vertices, wanted)));
-                    part.prepared.displace(surface, &rows, &own, &pushed, options)?
+                    let nodes = &part.all_moving(&own);
+                    part.prepared.displace(&Request { nodes, ..*asked }, &pushed, &part.all_moving(&rows))?
                 }
-                None => {
-                    let rows = picked(vertices, wanted);
-                    self.background.displace(surface, &rows, &own, &pushed, options)?
-                }
+                None => self.background.displace(&Request { nodes: &own, ..*asked }, &pushed, &rows)?,
             };
             for ((&position, vector), rise) in wanted.iter().zip(moved.vectors).zip(moved.along_normal) {
                 vectors[position] = vector;

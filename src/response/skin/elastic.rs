@@ -37,6 +37,17 @@ impl Traits {
     }
 }
 
+/// What a skin is asked about.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// The skin's mesh.
+    pub surface: &'a Surface,
+    /// Vertices (k) that forces act on, no two equal.
+    pub nodes: &'a [usize],
+    /// Tolerance, threads, memory, interrupt.
+    pub options: &'a AssemblyOptions<'a>,
+}
+
 /// Displacement of some vertices under forces at others.
 #[derive(Debug, Clone)]
 pub struct Displacements {
@@ -66,29 +77,21 @@ pub trait ElasticSkin: Sync {
     /// Whether the response to a force at `vertex` is known.
     fn is_prepared(&self, vertex: usize) -> bool;
 
-    /// R over `nodes` along `directions` (k × k, m/N).
+    /// R over the nodes along `directions` (k × k, m/N).
     ///
     /// # Errors
     /// [`ResponseError`] by variant.
-    fn matrix(
-        &self,
-        surface: &Surface,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-        options: &AssemblyOptions,
-    ) -> Result<Mat<f64>, ResponseError>;
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError>;
 
-    /// Displacement of `vertices` under `forces` (N) at `nodes`.
+    /// Displacement of `vertices` under `forces` (N) at the nodes.
     ///
     /// # Errors
     /// [`ResponseError`] by variant.
     fn displace(
         &self,
-        surface: &Surface,
-        vertices: &[usize],
-        nodes: &[usize],
+        asked: &Request,
         forces: &[Vector3<f64>],
-        options: &AssemblyOptions,
+        vertices: &[usize],
     ) -> Result<Displacements, ResponseError>;
 }
 

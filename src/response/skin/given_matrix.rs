@@ -6,8 +6,7 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
-use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits, add_products};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits, add_products};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 
@@ -58,25 +57,17 @@ impl ElasticSkin for GivenMatrix {
         self.nodes.row(vertex).is_some()
     }
 
-    fn matrix(
-        &self,
-        _: &Surface,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-        _: &AssemblyOptions,
-    ) -> Result<Mat<f64>, ResponseError> {
-        self.nodes.pick(&self.matrix, nodes, directions)
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        self.nodes.pick(&self.matrix, asked.nodes, directions)
     }
 
     fn displace(
         &self,
-        _: &Surface,
-        vertices: &[usize],
-        nodes: &[usize],
+        asked: &Request,
         forces: &[Vector3<f64>],
-        _: &AssemblyOptions,
+        vertices: &[usize],
     ) -> Result<Displacements, ResponseError> {
-        let columns = self.nodes.rows(nodes)?;
+        let columns = self.nodes.rows(asked.nodes)?;
         let entry = |vertex: usize, column: usize| {
             self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
         };

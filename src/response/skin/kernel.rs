@@ -7,8 +7,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::{assemble, assemble_block};
-use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits, add_products};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits, add_products};
 use crate::surface::checked::Surface;
 
 /// Rows handled at a time where displacements are wanted over the whole surface, so that memory stays small.
@@ -30,30 +29,22 @@ impl ElasticSkin for KernelSkin {
         true
     }
 
-    fn matrix(
-        &self,
-        surface: &Surface,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-        options: &AssemblyOptions,
-    ) -> Result<Mat<f64>, ResponseError> {
-        assemble(surface, self, nodes, Some(directions), options)
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        assemble(asked.surface, self, asked.nodes, Some(directions), asked.options)
     }
 
     fn displace(
         &self,
-        surface: &Surface,
-        vertices: &[usize],
-        nodes: &[usize],
+        asked: &Request,
         forces: &[Vector3<f64>],
-        options: &AssemblyOptions,
+        vertices: &[usize],
     ) -> Result<Displacements, ResponseError> {
         // Displacements are those of the vertices, in either discretization.
         let at_vertices = self.clone().with_discretization(Discretization::Collocation)?;
         let mut vectors = Vec::with_capacity(vertices.len());
         let mut along_normal = Vec::with_capacity(vertices.len());
         for rows in vertices.chunks(ROWS_AT_ONCE) {
-            let block = assemble_block(surface, &at_vertices, rows, nodes, options)?;
+            let block = assemble_block(asked.surface, &at_vertices, rows, asked.nodes, asked.options)?;
             add_products(&block, forces, &mut vectors, &mut along_normal);
         }
         Ok(Displacements::scalar(vectors, along_normal))

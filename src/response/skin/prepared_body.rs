@@ -6,8 +6,7 @@ use nalgebra::{Isometry3, Vector3};
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
-use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 
@@ -93,26 +92,18 @@ impl ElasticSkin for PreparedBody {
         self.nodes.row(vertex).is_some()
     }
 
-    fn matrix(
-        &self,
-        _: &Surface,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-        _: &AssemblyOptions,
-    ) -> Result<Mat<f64>, ResponseError> {
-        let rows = self.nodes.checked_rows(nodes, directions)?;
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        let rows = self.nodes.checked_rows(asked.nodes, directions)?;
         Ok(self.compliance.response_among(&rows, directions)?)
     }
 
     fn displace(
         &self,
-        _: &Surface,
-        vertices: &[usize],
-        nodes: &[usize],
+        asked: &Request,
         forces: &[Vector3<f64>],
-        _: &AssemblyOptions,
+        vertices: &[usize],
     ) -> Result<Displacements, ResponseError> {
-        let rows = self.nodes.rows(nodes)?;
+        let rows = self.nodes.rows(asked.nodes)?;
         let mut at_nodes = vec![Vector3::zeros(); self.nodes.list().len()];
         rows.iter().zip(forces).for_each(|(&row, force)| at_nodes[row] = *force);
         let moved = self.compliance.displacements(&at_nodes)?;

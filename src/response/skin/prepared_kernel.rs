@@ -9,7 +9,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::assemble;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Traits};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 
@@ -83,25 +83,17 @@ impl ElasticSkin for PreparedKernel {
         self.nodes.row(vertex).is_some()
     }
 
-    fn matrix(
-        &self,
-        _: &Surface,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-        _: &AssemblyOptions,
-    ) -> Result<Mat<f64>, ResponseError> {
-        self.nodes.pick(&self.matrix, nodes, directions)
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        self.nodes.pick(&self.matrix, asked.nodes, directions)
     }
 
     fn displace(
         &self,
-        surface: &Surface,
-        vertices: &[usize],
-        nodes: &[usize],
+        asked: &Request,
         forces: &[Vector3<f64>],
-        options: &AssemblyOptions,
+        vertices: &[usize],
     ) -> Result<Displacements, ResponseError> {
-        self.nodes.rows(nodes)?;
-        self.skin.displace(surface, vertices, nodes, forces, options)
+        self.nodes.rows(asked.nodes)?;
+        self.skin.displace(asked, forces, vertices)
     }
 }

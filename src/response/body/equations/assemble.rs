@@ -330,32 +330,12 @@ mod tests {
 
     use super::*;
 
-    /// A lopsided octahedron, each face cut in four, whose every face corner carries a load of its own.
+    /// A lopsided ball of 80 faces, each of whose corners carries a load of its own.
     fn body(poisson_ratio: f64) -> DiscreteBody {
-        let corner = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
-        let mut points = vec![
-            corner(1.3, 0.1, 0.0),
-            corner(-0.9, 0.2, 0.1),
-            corner(0.0, 1.1, -0.1),
-            corner(0.1, -1.0, 0.2),
-            corner(0.2, 0.1, 0.8),
-            corner(0.0, 0.0, -1.2),
-        ];
-        let octants =
-            [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
-        let mut middles = std::collections::HashMap::new();
-        let mut faces: Vec<[u32; 3]> = Vec::new();
-        for [a, b, c] in octants {
-            let mut middle = |a: u32, b: u32| {
-                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                    let between = (points[a as usize] + points[b as usize]) * 0.55;
-                    points.push(between);
-                    points.len() as u32 - 1
-                })
-            };
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-            faces.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
+        let (points, faces) = crate::sample::icosphere(1.0, 1);
+        let stretch = Matrix3::new(1.1, 0.1, 0.0, 0.2, 1.05, 0.1, 0.0, -0.1, 0.9);
+        let points: Vec<Vector3<f64>> =
+            points.iter().map(|x| stretch * x * (1.0 - 0.2 * x.z) + Vector3::new(0.1, 0.05, -0.2)).collect();
         let elements = faces.iter().enumerate().map(|(index, face)| Element {
             triangle: Triangle::new(face.map(|v| points[v as usize])),
             nodes: *face,
