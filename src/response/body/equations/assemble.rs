@@ -152,9 +152,9 @@ impl<'a> Row<'a> {
         }
         let is_skin = self.body.elements[elements[0] as usize].is_skin;
         if is_skin {
-            far_moments::<true>(&scratch.lanes, &RULES[rule], &mut scratch.moments);
+            far_moments::<true>(&scratch.lanes, RULES[rule], &mut scratch.moments);
         } else {
-            far_moments::<false>(&scratch.lanes, &RULES[rule], &mut scratch.moments);
+            far_moments::<false>(&scratch.lanes, RULES[rule], &mut scratch.moments);
         }
         for corner in 0..3 {
             let moments = &scratch.moments[corner];

@@ -75,6 +75,24 @@ struct EdgeIntegrals {
     angle: f64,
 }
 
+/// `∫ds/R` along an edge without cancellation on either side of the foot.
+///
+/// A point on the edge itself never meets a non-zero factor, so 0 stands for its infinite value.
+fn integral_over_r(from: f64, to: f64, rho_squared: f64, length: f64) -> f64 {
+    let (r_from, r_to) = ((rho_squared + from * from).sqrt(), (rho_squared + to * to).sqrt());
+    let on_line = rho_squared <= (1e-14 * length) * (1e-14 * length);
+    let touches = |beyond: f64, r: f64| r == 0.0 || (on_line && beyond <= 1e-14 * length);
+    if from >= 0.0 {
+        if touches(from, r_from) { 0.0 } else { ((to + r_to) / (from + r_from)).ln() }
+    } else if to <= 0.0 {
+        if touches(-to, r_to) { 0.0 } else { ((r_from - from) / (r_to - to)).ln() }
+    } else if on_line {
+        0.0
+    } else {
+        ((to + r_to) * (r_from - from) / rho_squared).ln()
+    }
+}
+
 impl EdgeIntegrals {
     fn new(
         start: &Vector3<f64>,
@@ -91,28 +109,8 @@ impl EdgeIntegrals {
         let from = (start - foot).dot(&tangent);
         let to = (end - foot).dot(&tangent);
         let rho_squared = distance * distance + z * z;
-        let on_line = rho_squared <= (1e-14 * length) * (1e-14 * length);
-        let r_from = (rho_squared + from * from).sqrt();
-        let r_to = (rho_squared + to * to).sqrt();
-        // ∫ds/R without cancellation on either side of the foot; a point on the edge itself never meets a
-        // non-zero factor, so 0 stands for its infinite value.
-        let logarithm = if from >= 0.0 {
-            if r_from > 0.0 && !(on_line && from <= 1e-14 * length) {
-                ((to + r_to) / (from + r_from)).ln()
-            } else {
-                0.0
-            }
-        } else if to <= 0.0 {
-            if r_to > 0.0 && !(on_line && -to <= 1e-14 * length) {
-                ((r_from - from) / (r_to - to)).ln()
-            } else {
-                0.0
-            }
-        } else if on_line {
-            0.0
-        } else {
-            ((to + r_to) * (r_from - from) / rho_squared).ln()
-        };
+        let (r_from, r_to) = ((rho_squared + from * from).sqrt(), (rho_squared + to * to).sqrt());
+        let logarithm = integral_over_r(from, to, rho_squared, length);
         let s_r = to * r_to - from * r_from;
         let over_r = [logarithm, r_to - r_from, 0.5 * (s_r - rho_squared * logarithm)];
         let r = 0.5 * (s_r + rho_squared * logarithm);
@@ -139,54 +137,66 @@ impl EdgeIntegrals {
     }
 }
 
-/// Moments of the three hats seen from `point`, in closed form.
-///
-/// `point` may be a corner: then `E` of that corner's own hat, which has no finite value, is meaningless (its
-/// Cauchy value enters through the rigid translation) and all else is right.
-pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> [HatMoments; 3] {
-    let normal = triangle.normal;
-    let nn = normal * normal.transpose();
-    let in_plane = Matrix3::identity() - nn;
-    let mut z = (point - triangle.corners[0]).dot(&normal);
-    if z.abs() <= 1e-13 * triangle.radius {
-        z = 0.0;
-    }
-    let foot = point - normal * z;
-    let [a, b, c] = &triangle.corners;
-    let edges = [
-        EdgeIntegrals::new(a, b, &normal, &foot, z),
-        EdgeIntegrals::new(b, c, &normal, &foot, z),
-        EdgeIntegrals::new(c, a, &normal, &foot, z),
-    ];
-    // W = z ∫1/r³, I0 = ∫1/r, I1 = ∫rho/r, V = ∫rho/r³ with rho the in-plane part of r
-    let solid_angle = z.signum() * edges.iter().map(|e| e.angle).sum::<f64>();
-    let i0 = edges.iter().map(|e| e.distance * e.over_r[0]).sum::<f64>() - z * solid_angle;
-    let mut i1 = Vector3::zeros();
-    let mut v = Vector3::zeros();
-    let mut third = solid_angle; // 3 z³ ∫1/r⁵
-    let mut z3_rho_over_r5 = Vector3::zeros(); // z³ ∫rho/r⁵
-    for edge in &edges {
-        i1 += edge.outward * edge.r;
-        v -= edge.outward * edge.over_r[0];
-        third += edge.zd_over_r3;
-        z3_rho_over_r5 -= edge.outward * (z * edge.z2_over_r3 / 3.0);
+/// A triangle seen from a point at height `z` (m) over `foot` (m) in its plane, with `rho` the in-plane part of `r`.
+struct TriangleIntegrals<'a> {
+    triangle: &'a Triangle,
+    foot: Vector3<f64>,
+    z: f64,
+    edges: [EdgeIntegrals; 3],
+    /// `z ∫1/r³`.
+    solid_angle: f64,
+    /// `∫1/r`, `∫rho/r`.
+    i0: f64,
+    i1: Vector3<f64>,
+    /// `∫rho/r³`.
+    v: Vector3<f64>,
+    /// `3 z³ ∫1/r⁵`, `z³ ∫rho/r⁵`.
+    third: f64,
+    z3_rho_over_r5: Vector3<f64>,
+}
+
+impl<'a> TriangleIntegrals<'a> {
+    fn new(triangle: &'a Triangle, point: &Vector3<f64>) -> Self {
+        let normal = &triangle.normal;
+        let mut z = (point - triangle.corners[0]).dot(normal);
+        if z.abs() <= 1e-13 * triangle.radius {
+            z = 0.0;
+        }
+        let foot = point - normal * z;
+        let [a, b, c] = &triangle.corners;
+        let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| EdgeIntegrals::new(from, to, normal, &foot, z));
+        let solid_angle = z.signum() * edges.iter().map(|e| e.angle).sum::<f64>();
+        let i0 = edges.iter().map(|e| e.distance * e.over_r[0]).sum::<f64>() - z * solid_angle;
+        let (mut i1, mut v, mut third) = (Vector3::zeros(), Vector3::zeros(), solid_angle);
+        let mut z3_rho_over_r5 = Vector3::zeros();
+        for edge in &edges {
+            i1 += edge.outward * edge.r;
+            v -= edge.outward * edge.over_r[0];
+            third += edge.zd_over_r3;
+            z3_rho_over_r5 -= edge.outward * (z * edge.z2_over_r3 / 3.0);
+        }
+        Self { triangle, foot, z, edges, solid_angle, i0, i1, v, third, z3_rho_over_r5 }
     }
 
-    let mut moments = [HatMoments::default(); 3];
-    for (corner, moment) in moments.iter_mut().enumerate() {
+    /// Moments of the hat of one corner.
+    fn moments(&self, corner: usize) -> HatMoments {
+        let Self { foot, z, edges, solid_angle, i0, i1, v, third, .. } = self;
+        let (normal, corners, z) = (self.triangle.normal, &self.triangle.corners, *z);
+        let nn = normal * normal.transpose();
+        let in_plane = Matrix3::identity() - nn;
         // phi = value + gradient · rho, with rho from the foot
         let opposite = &edges[(corner + 1) % 3];
-        let height = (triangle.corners[corner] - triangle.corners[(corner + 1) % 3]).dot(&opposite.outward);
+        let height = (corners[corner] - corners[(corner + 1) % 3]).dot(&opposite.outward);
         let gradient = opposite.outward / height;
-        let value = 1.0 + gradient.dot(&(foot - triangle.corners[corner]));
+        let value = 1.0 + gradient.dot(&(foot - corners[corner]));
 
-        let phi_over_r = value * i0 + gradient.dot(&i1);
-        let z_phi_over_r3 = value * solid_angle + z * gradient.dot(&v);
-        let mut k = gradient * i0; // ∫ phi rho / r³
+        let phi_over_r = value * i0 + gradient.dot(i1);
+        let z_phi_over_r3 = value * solid_angle + z * gradient.dot(v);
+        let mut k = gradient * *i0; // ∫ phi rho / r³
         let mut p = gradient * i1.transpose() + in_plane * phi_over_r; // ∫ phi rho rho' / r³
         let mut q = (gradient * v.transpose() * z + in_plane * z_phi_over_r3) / 3.0; // z ∫ phi rho rho' / r⁵
         let mut h = gradient * (z * solid_angle / 3.0); // z² ∫ phi rho / r⁵
-        for edge in &edges {
+        for edge in edges {
             let at_foot = value + edge.distance * gradient.dot(&edge.outward);
             let slope = gradient.dot(&edge.tangent);
             let first = at_foot * edge.over_r[0] + slope * edge.over_r[1];
@@ -200,13 +210,23 @@ pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> [HatMo
                 h -= edge.outward * ((at_foot * edge.z2_over_r3 + slope * z * edge.z_over_r3[0]) / 3.0);
             }
         }
-        let zzz_phi_over_r5 = value * third / 3.0 + gradient.dot(&z3_rho_over_r5);
-        moment.b =
-            pack(&(p - (k * normal.transpose() + normal * k.transpose()) * z + nn * (z * z_phi_over_r3)));
-        moment.d = pack(&-(q - (h * normal.transpose() + normal * h.transpose()) + nn * zzz_phi_over_r5));
-        moment.e = (k - normal * z_phi_over_r3).into();
+        let zzz_phi_over_r5 = value * third / 3.0 + gradient.dot(&self.z3_rho_over_r5);
+        let both = |m: &Vector3<f64>| m * normal.transpose() + normal * m.transpose();
+        HatMoments {
+            b: pack(&(p - both(&k) * z + nn * (z * z_phi_over_r3))),
+            d: pack(&-(q - both(&h) + nn * zzz_phi_over_r5)),
+            e: (k - normal * z_phi_over_r3).into(),
+        }
     }
-    moments
+}
+
+/// Moments of the three hats seen from `point`, in closed form.
+///
+/// `point` may be a corner: then `E` of that corner's own hat, which has no finite value, is meaningless (its
+/// Cauchy value enters through the rigid translation) and all else is right.
+pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> [HatMoments; 3] {
+    let integrals = TriangleIntegrals::new(triangle, point);
+    std::array::from_fn(|corner| integrals.moments(corner))
 }
 
 #[cfg(test)]
@@ -236,8 +256,7 @@ pub(crate) mod tests {
             };
             let here = Triangle::new([at(&piece[0]), at(&piece[1]), at(&piece[2])]);
             if levels == 0 || (here.centroid - point).norm() > 12.0 * here.radius {
-                let rule = &RULES[2];
-                for (bary, weight) in rule.points.iter().zip(rule.weights) {
+                for (bary, weight) in RULES[2] {
                     let lambda: [f64; 3] = std::array::from_fn(|c| {
                         bary[0] * piece[0][c] + bary[1] * piece[1][c] + bary[2] * piece[2][c]
                     });

@@ -6,87 +6,61 @@
 use nalgebra::Vector3;
 
 use crate::response::body::equations::moments::Triangle;
+use crate::response::integral::gauss::RulePoint;
 
-/// A symmetric quadrature rule on a triangle: barycentric coordinates and weights that add up to 1.
-pub(crate) struct Rule {
-    pub points: &'static [[f64; 3]],
-    pub weights: &'static [f64],
+/// The points of a symmetric rule and their weights, which add up to 1.
+///
+/// * `central`: weight of the centroid, 0 for none
+/// * `medians`: `(a, weight)` for each three points (1 - 2a, a, a)
+/// * `general`: `(a, b, weight)` for each six points (a, b, 1 - a - b)
+const fn symmetric_rule<const N: usize>(
+    central: f64,
+    medians: &[(f64, f64)],
+    general: &[(f64, f64, f64)],
+) -> [RulePoint; N] {
+    let mut points = [([1.0 / 3.0; 3], central); N];
+    let (mut at, mut orbit) = (if central > 0.0 { 1 } else { 0 }, 0);
+    while orbit < medians.len() {
+        let (a, weight) = medians[orbit];
+        let b = 1.0 - 2.0 * a;
+        points[at] = ([b, a, a], weight);
+        points[at + 1] = ([a, b, a], weight);
+        points[at + 2] = ([a, a, b], weight);
+        (at, orbit) = (at + 3, orbit + 1);
+    }
+    orbit = 0;
+    while orbit < general.len() {
+        let (a, b, weight) = general[orbit];
+        let c = 1.0 - a - b;
+        let orders = [[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]];
+        let mut order = 0;
+        while order < 6 {
+            points[at] = (orders[order], weight);
+            (at, order) = (at + 1, order + 1);
+        }
+        orbit += 1;
+    }
+    points
 }
-
-macro_rules! around {
-    ($a:expr) => {
-        [1.0 - 2.0 * $a, $a, $a]
-    };
-    ($a:expr, 1) => {
-        [$a, 1.0 - 2.0 * $a, $a]
-    };
-    ($a:expr, 2) => {
-        [$a, $a, 1.0 - 2.0 * $a]
-    };
-}
-
-const DEGREE_2: Rule = Rule {
-    points: &[around!(1.0 / 6.0), around!(1.0 / 6.0, 1), around!(1.0 / 6.0, 2)],
-    weights: &[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-};
-
-const A5: f64 = 0.470142064105115;
-const B5: f64 = 0.101286507323456;
-const DEGREE_5: Rule = Rule {
-    points: &[
-        [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-        around!(A5),
-        around!(A5, 1),
-        around!(A5, 2),
-        around!(B5),
-        around!(B5, 1),
-        around!(B5, 2),
-    ],
-    weights: &[
-        0.225,
-        0.132394152788506,
-        0.132394152788506,
-        0.132394152788506,
-        0.125939180544827,
-        0.125939180544827,
-        0.125939180544827,
-    ],
-};
-
-const A8: f64 = 0.459292588292723;
-const B8: f64 = 0.170569307751760;
-const C8: f64 = 0.050547228317031;
-const P8: f64 = 0.263112829634638;
-const Q8: f64 = 0.728492392955404;
-const S8: f64 = 1.0 - P8 - Q8;
-const WA8: f64 = 0.095091634267285;
-const WB8: f64 = 0.103217370534718;
-const WC8: f64 = 0.032458497623198;
-const WP8: f64 = 0.027230314174435;
-const DEGREE_8: Rule = Rule {
-    points: &[
-        [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
-        around!(A8),
-        around!(A8, 1),
-        around!(A8, 2),
-        around!(B8),
-        around!(B8, 1),
-        around!(B8, 2),
-        around!(C8),
-        around!(C8, 1),
-        around!(C8, 2),
-        [P8, Q8, S8],
-        [P8, S8, Q8],
-        [Q8, P8, S8],
-        [Q8, S8, P8],
-        [S8, P8, Q8],
-        [S8, Q8, P8],
-    ],
-    weights: &[0.144315607677787, WA8, WA8, WA8, WB8, WB8, WB8, WC8, WC8, WC8, WP8, WP8, WP8, WP8, WP8, WP8],
-};
 
 /// The rules in rising order, as [`RuleReach`] counts them.
-pub(crate) const RULES: [Rule; 3] = [DEGREE_2, DEGREE_5, DEGREE_8];
+pub(crate) const RULES: [&[RulePoint]; 3] = [
+    &symmetric_rule::<3>(0.0, &[(1.0 / 6.0, 1.0 / 3.0)], &[]),
+    &symmetric_rule::<7>(
+        0.225,
+        &[(0.470142064105115, 0.132394152788506), (0.101286507323456, 0.125939180544827)],
+        &[],
+    ),
+    &symmetric_rule::<16>(
+        0.144315607677787,
+        &[
+            (0.459292588292723, 0.095091634267285),
+            (0.170569307751760, 0.103217370534718),
+            (0.050547228317031, 0.032458497623198),
+        ],
+        &[(0.263112829634638, 0.728492392955404, 0.027230314174435)],
+    ),
+];
 
 /// From which distance, in radii of the triangle, each of [`RULES`] keeps the stated relative tolerance.
 #[derive(Debug, Clone, Copy)]
@@ -153,7 +127,7 @@ pub(crate) type MomentLanes = [[LaneValues; 15]; 3];
 #[inline(always)]
 pub(crate) fn far_moments<const TRACTION: bool>(
     lanes: &TriangleLanes,
-    rule: &Rule,
+    rule: &[RulePoint],
     moments: &mut MomentLanes,
 ) {
     let components = if TRACTION { 15 } else { 6 };
@@ -163,7 +137,7 @@ pub(crate) fn far_moments<const TRACTION: bool>(
         }
     }
     let corners = &lanes.corners;
-    for (bary, weight) in rule.points.iter().zip(rule.weights) {
+    for (bary, weight) in rule {
         let mut values = [[0.0; LANES]; 15];
         for l in 0..LANES {
             let x = bary[0] * corners[0][0][l] + bary[1] * corners[1][0][l] + bary[2] * corners[2][0][l];
@@ -209,12 +183,8 @@ mod tests {
         for (rule, degree) in RULES.iter().zip([2u32, 5, 8]) {
             for i in 0..=degree {
                 for j in 0..=degree - i {
-                    let found: f64 = rule
-                        .points
-                        .iter()
-                        .zip(rule.weights)
-                        .map(|(p, w)| w * p[0].powi(i as i32) * p[1].powi(j as i32))
-                        .sum();
+                    let found: f64 =
+                        rule.iter().map(|(p, w)| w * p[0].powi(i as i32) * p[1].powi(j as i32)).sum();
                     let expected = 2.0 * factorial(i) * factorial(j) / factorial(i + j + 2);
                     assert!((found - expected).abs() < 2e-15, "degree {degree}, {i} {j}: {found} {expected}");
                 }
