@@ -174,7 +174,7 @@ fn near_values<S: Simd>(
                 near.values[k] += amplitude * weighted(&face.density, &hats);
             }
         } else {
-            NearFace::new(face).add(simd, amplitude, &near.x, &near.y, &near.z, &mut near.values);
+            NearFace::new(face).add(simd, amplitude, near);
         }
     }
     for (&i, &value) in near.index.iter().zip(&near.values) {

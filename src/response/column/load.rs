@@ -37,28 +37,20 @@ pub(crate) fn loaded_faces(
     faces: &mut Vec<LoadedFace>,
 ) {
     let (points, triangles) = (surface.vertices(), surface.faces());
+    let vertex_area = surface.vertex_areas()[vertex];
     for &face in surface.faces_around(vertex) {
         let corners = triangles[face as usize];
         let vertices = corners.map(|v| points[v as usize]);
         let center = (vertices[0] + vertices[1] + vertices[2]) / 3.0;
-        let density = density(surface, corners, vertex, pressure);
+        let density = match pressure {
+            PressureBasis::Linear => {
+                corners.map(|v| if v as usize == vertex { 1.0 / vertex_area } else { 0.0 })
+            }
+            // the area of the one-ring is three vertex areas
+            PressureBasis::OneRing => [1.0 / (3.0 * vertex_area); 3],
+        };
         let radius = vertices.iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
         faces.push(LoadedFace { frame: TriangleFrame::new(vertices), density, center, radius });
-    }
-}
-
-/// Pressure at the corners of a face around `vertex`, per newton there (1/m²).
-pub(crate) fn density(
-    surface: &Surface,
-    corners: [u32; 3],
-    vertex: usize,
-    pressure: PressureBasis,
-) -> [f64; 3] {
-    let vertex_area = surface.vertex_areas()[vertex];
-    match pressure {
-        PressureBasis::Linear => corners.map(|v| if v as usize == vertex { 1.0 / vertex_area } else { 0.0 }),
-        // the area of the one-ring is three vertex areas
-        PressureBasis::OneRing => [1.0 / (3.0 * vertex_area); 3],
     }
 }
 

@@ -6,6 +6,7 @@ use pulp::Simd;
 use crate::response::column::load::LoadedFace;
 use crate::response::simd::functions::{angle, ln_ratio};
 use crate::response::simd::lanes::{Lanes, dot};
+use crate::response::simd::points::Selection;
 
 /// A loaded triangle with everything that does not depend on the point.
 #[derive(Debug, Clone, Copy)]
@@ -50,23 +51,14 @@ impl NearFace {
         }
     }
 
-    /// Adds `amplitude ∫ p(y) / |x - y| dA` at each point; the lists are whole vectors.
+    /// Adds `amplitude ∫ p(y) / |x - y| dA` to the value of each point.
     #[inline(always)]
-    pub(crate) fn add<S: Simd>(
-        &self,
-        simd: S,
-        amplitude: f64,
-        x: &[f64],
-        y: &[f64],
-        z: &[f64],
-        out: &mut [f64],
-    ) {
-        let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
-        let out = S::as_mut_simd_f64s(out).0;
-        let amplitude = simd.splat_f64s(amplitude);
-        for (((&x, &y), &z), out) in x.iter().zip(y).zip(z).zip(out) {
-            let value = self.at([Lanes::new(simd, x), Lanes::new(simd, y), Lanes::new(simd, z)]);
-            *out = simd.mul_add_f64s(amplitude, value.v, *out);
+    pub(crate) fn add<S: Simd>(&self, simd: S, amplitude: f64, points: &mut Selection) {
+        let amplitude = Lanes::splat(simd, amplitude);
+        for first in (0..points.values.len()).step_by(S::F64_LANES) {
+            let value = self.at(points.place(simd, first));
+            let sum = amplitude.mul_add(value, Lanes::load(simd, &points.values, first));
+            sum.store(&mut points.values, first);
         }
     }
 
@@ -134,9 +126,10 @@ mod tests {
                 let mut density = [0.0; 3];
                 density[k] = 1.0;
                 let face = LoadedFace { frame, density, center: Vector3::zeros(), radius: length };
-                let mut out = [0.0; 1];
-                NearFace::new(&face).add(pulp::Scalar, 1.0, &[point.x], &[point.y], &[point.z], &mut out);
-                let error = (out[0] / case.inverse[k] - 1.0).abs();
+                let [x, y, z] = [point.x, point.y, point.z].map(|c| vec![c]);
+                let mut here = Selection { index: vec![0], x, y, z, values: vec![0.0] };
+                NearFace::new(&face).add(pulp::Scalar, 1.0, &mut here);
+                let error = (here.values[0] / case.inverse[k] - 1.0).abs();
                 assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");
             }
         }

@@ -11,7 +11,7 @@ use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::fill::fill_columns;
 use crate::response::matrix::galerkin::galerkin_block;
-use crate::response::matrix::options::{AssemblyOptions, check_request};
+use crate::response::matrix::options::{AssemblyOptions, check_directions, check_memory, rows_of_vertices};
 use crate::response::simd::points::{Targets, gather};
 use crate::surface::checked::Surface;
 
@@ -38,8 +38,10 @@ pub fn assemble(
     directions: Option<&[Vector3<f64>]>,
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
-    check_request(surface, nodes, nodes.len(), directions, options)?;
-    fill_block(surface, skin, nodes, nodes, options)
+    if let Some(directions) = directions {
+        check_directions(directions, nodes.len())?;
+    }
+    assemble_block(surface, skin, nodes, nodes, options)
 }
 
 /// Displacement of `rows` per newton at each of `columns`: [`assemble`] for two sets of vertices.
@@ -55,18 +57,10 @@ pub fn assemble_block(
     columns: &[usize],
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
-    check_request(surface, rows, columns.len(), None, options)?;
-    check_request(surface, columns, rows.len(), None, options)?;
-    fill_block(surface, skin, rows, columns, options)
-}
-
-fn fill_block(
-    surface: &Surface,
-    skin: &KernelSkin,
-    rows: &[usize],
-    columns: &[usize],
-    options: &AssemblyOptions,
-) -> Result<Mat<f64>, ResponseError> {
+    options.validate()?;
+    rows_of_vertices(surface, rows)?;
+    rows_of_vertices(surface, columns)?;
+    check_memory(rows.len(), columns.len(), options)?;
     skin.check_against(surface)?;
     if skin.discretization() == Discretization::Galerkin {
         return galerkin_block(surface, skin, rows, columns, options);

@@ -13,7 +13,7 @@ use crate::response::kernel::basis::PressureBasis;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::Thickness;
 use crate::response::matrix::fill::fill_columns;
-use crate::response::matrix::options::AssemblyOptions;
+use crate::response::matrix::options::{AssemblyOptions, NO_ROW, rows_of_vertices};
 use crate::response::simd::points::Targets;
 use crate::surface::checked::Surface;
 
@@ -39,8 +39,6 @@ struct RowFace {
     radius: f64,
     area: f64,
 }
-
-const NO_ROW: usize = usize::MAX;
 
 /// What one thread needs for the outer rule.
 struct Outer {
@@ -81,7 +79,7 @@ pub(crate) fn galerkin_block(
         kernel: KernelColumns::new(surface, skin, options),
         pressure: skin.basis(),
         tolerance: options.tolerance,
-        faces: row_faces(surface, rows),
+        faces: row_faces(surface, &rows_of_vertices(surface, rows)?),
         density: rows.iter().map(|&v| 1.0 / surface.vertex_areas()[v]).collect(),
     };
     let mut matrix = Mat::zeros(rows.len(), columns.len());
@@ -185,11 +183,7 @@ fn outer_points(face: &RowFace, distance: f64, tolerance: f64) -> usize {
     (n.ceil() as usize).clamp(2, MOST_OUTER_POINTS)
 }
 
-fn row_faces(surface: &Surface, rows: &[usize]) -> Vec<RowFace> {
-    let mut row_of = vec![NO_ROW; surface.vertices().len()];
-    for (row, &vertex) in rows.iter().enumerate() {
-        row_of[vertex] = row;
-    }
+fn row_faces(surface: &Surface, row_of: &[usize]) -> Vec<RowFace> {
     let face = |(&vertices, &area): (&[u32; 3], &f64)| {
         let rows = vertices.map(|v| row_of[v as usize]);
         if rows == [NO_ROW; 3] {

@@ -26,17 +26,6 @@ impl Default for AssemblyOptions<'_> {
     }
 }
 
-impl std::fmt::Debug for AssemblyOptions<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("AssemblyOptions")
-            .field("tolerance", &self.tolerance)
-            .field("num_threads", &self.num_threads)
-            .field("memory_limit", &self.memory_limit)
-            .field("interrupt", &self.interrupt.is_some())
-            .finish()
-    }
-}
-
 impl AssemblyOptions<'_> {
     pub(crate) fn validate(&self) -> Result<(), ResponseError> {
         if !(0.0..=0.1).contains(&self.tolerance) {
@@ -50,39 +39,48 @@ impl AssemblyOptions<'_> {
     }
 }
 
-/// Checks nodes, directions and the memory of a matrix with `others` entries a node before anything is computed.
-pub(crate) fn check_request(
-    surface: &Surface,
-    nodes: &[usize],
-    others: usize,
-    directions: Option<&[Vector3<f64>]>,
+/// No row: the vertex is no node.
+pub(crate) const NO_ROW: usize = usize::MAX;
+
+/// Row of each vertex, [`NO_ROW`] for none.
+///
+/// # Errors
+/// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
+pub(crate) fn rows_of_vertices(surface: &Surface, nodes: &[usize]) -> Result<Vec<usize>, ResponseError> {
+    let vertex_count = surface.vertices().len();
+    let mut row_of = vec![NO_ROW; vertex_count];
+    for (index, &vertex) in nodes.iter().enumerate() {
+        let row = row_of.get_mut(vertex);
+        let row = row.ok_or(ResponseError::NodeOutOfRange { index, vertex, vertex_count })?;
+        if *row != NO_ROW {
+            return Err(ResponseError::RepeatedNode { vertex, first: *row, second: index });
+        }
+        *row = index;
+    }
+    Ok(row_of)
+}
+
+/// Checks that there is a direction for each of `nodes` nodes.
+pub(crate) fn check_directions(directions: &[Vector3<f64>], nodes: usize) -> Result<(), ResponseError> {
+    if directions.len() != nodes {
+        return Err(ResponseError::DirectionCount { directions: directions.len(), nodes });
+    }
+    let bad = |d: &Vector3<f64>| !(d.norm().is_finite() && d.norm() > 0.0);
+    match directions.iter().position(bad) {
+        Some(index) => Err(ResponseError::Direction { index, value: directions[index].into() }),
+        None => Ok(()),
+    }
+}
+
+/// Checks the size (bytes) of a matrix; scratch memory is small beside it.
+pub(crate) fn check_memory(
+    rows: usize,
+    columns: usize,
     options: &AssemblyOptions,
 ) -> Result<(), ResponseError> {
-    options.validate()?;
-    let vertex_count = surface.vertices().len();
-    let mut seen = vec![usize::MAX; vertex_count];
-    for (index, &vertex) in nodes.iter().enumerate() {
-        let first = *seen.get(vertex).ok_or(ResponseError::NodeOutOfRange { index, vertex, vertex_count })?;
-        if first != usize::MAX {
-            return Err(ResponseError::RepeatedNode { vertex, first, second: index });
-        }
-        seen[vertex] = index;
-    }
-    if let Some(directions) = directions {
-        if directions.len() != nodes.len() {
-            return Err(ResponseError::DirectionCount { directions: directions.len(), nodes: nodes.len() });
-        }
-        for (index, d) in directions.iter().enumerate() {
-            let length = d.norm();
-            if !(length.is_finite() && length > 0.0) {
-                return Err(ResponseError::Direction { index, value: [d.x, d.y, d.z] });
-            }
-        }
-    }
-    // scratch memory is small beside the dense block
-    let bytes = nodes.len().saturating_mul(others).saturating_mul(size_of::<f64>());
+    let bytes = rows.saturating_mul(columns).saturating_mul(size_of::<f64>());
     match options.memory_limit {
-        Some(limit) if bytes > limit => Err(ResponseError::TooLarge { nodes: nodes.len(), bytes, limit }),
+        Some(limit) if bytes > limit => Err(ResponseError::TooLarge { nodes: rows, bytes, limit }),
         _ => Ok(()),
     }
 }

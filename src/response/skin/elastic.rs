@@ -38,7 +38,7 @@ impl Traits {
 }
 
 /// What a skin is asked about.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// The skin's mesh.
     pub surface: &'a Surface,
@@ -59,9 +59,24 @@ pub struct Displacements {
 }
 
 impl Displacements {
-    /// Of vertices under forces that a scalar kernel answers: `along_normal` (m) is known everywhere.
-    pub(crate) fn scalar(vectors: Vec<Vector3<f64>>, along_normal: Vec<f64>) -> Self {
-        Self { vectors, along_normal: along_normal.into_iter().map(Some).collect() }
+    /// Of no vertex, with room for so many.
+    pub(crate) fn with_capacity(vertices: usize) -> Self {
+        Self { vectors: Vec::with_capacity(vertices), along_normal: Vec::with_capacity(vertices) }
+    }
+
+    /// Appends `Σ_j R_ij f_j` (m) and, along the normal, `Σ_j R_ij |f_j|` (m) of every row of a scalar kernel's block.
+    pub(crate) fn append_products(&mut self, block: &Mat<f64>, forces: &[Vector3<f64>]) {
+        let first = self.vectors.len();
+        self.vectors.resize(first + block.nrows(), Vector3::zeros());
+        let mut along_normal = vec![0.0; block.nrows()];
+        for (column, force) in block.col_iter().zip(forces) {
+            let size = force.norm();
+            for (row, entry) in column.iter().enumerate() {
+                self.vectors[first + row] += *entry * force;
+                along_normal[row] += *entry * size;
+            }
+        }
+        self.along_normal.extend(along_normal.into_iter().map(Some));
     }
 }
 
@@ -93,23 +108,4 @@ pub trait ElasticSkin: Sync {
         forces: &[Vector3<f64>],
         vertices: &[usize],
     ) -> Result<Displacements, ResponseError>;
-}
-
-/// Appends `Σ_j R_ij f_j` and `Σ_j R_ij |f_j|` of every row of a block.
-pub(crate) fn add_products(
-    block: &Mat<f64>,
-    forces: &[Vector3<f64>],
-    vectors: &mut Vec<Vector3<f64>>,
-    along_normal: &mut Vec<f64>,
-) {
-    let first = vectors.len();
-    vectors.resize(first + block.nrows(), Vector3::zeros());
-    along_normal.resize(first + block.nrows(), 0.0);
-    for (column, force) in block.col_iter().zip(forces) {
-        let size = force.norm();
-        for (row, entry) in column.iter().enumerate() {
-            vectors[first + row] += *entry * force;
-            along_normal[first + row] += *entry * size;
-        }
-    }
 }

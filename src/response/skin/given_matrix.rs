@@ -6,7 +6,7 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits, add_products};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 
@@ -26,7 +26,15 @@ impl GivenMatrix {
     /// [`ResponseError::MatrixEntry`].
     pub fn new(surface: &Surface, nodes: &[usize], matrix: Mat<f64>) -> Result<Self, ResponseError> {
         let nodes = PreparedNodes::new(surface, nodes)?;
-        nodes.check_matrix(&matrix)?;
+        let (rows, columns, count) = (matrix.nrows(), matrix.ncols(), nodes.list().len());
+        if (rows, columns) != (count, count) {
+            return Err(ResponseError::MatrixShape { rows, columns, nodes: count });
+        }
+        for (column, entries) in matrix.col_iter().enumerate() {
+            if let Some((row, &value)) = entries.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+                return Err(ResponseError::MatrixEntry { row, column, value });
+            }
+        }
         Ok(Self { matrix: Arc::new(matrix), nodes })
     }
 
@@ -58,7 +66,8 @@ impl ElasticSkin for GivenMatrix {
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
-        self.nodes.pick(&self.matrix, asked.nodes, directions)
+        let rows = self.nodes.checked_rows(asked.nodes, directions)?;
+        Ok(Mat::from_fn(rows.len(), rows.len(), |i, j| self.matrix[(rows[i], rows[j])]))
     }
 
     fn displace(
@@ -72,8 +81,8 @@ impl ElasticSkin for GivenMatrix {
             self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
         };
         let block = Mat::from_fn(vertices.len(), columns.len(), |i, j| entry(vertices[i], columns[j]));
-        let (mut vectors, mut along_normal) = (Vec::new(), Vec::new());
-        add_products(&block, forces, &mut vectors, &mut along_normal);
-        Ok(Displacements::scalar(vectors, along_normal))
+        let mut moved = Displacements::with_capacity(vertices.len());
+        moved.append_products(&block, forces);
+        Ok(moved)
     }
 }

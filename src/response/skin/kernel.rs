@@ -7,7 +7,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::{assemble, assemble_block};
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits, add_products};
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
 
 /// Rows handled at a time where displacements are wanted over the whole surface, so that memory stays small.
@@ -41,12 +41,11 @@ impl ElasticSkin for KernelSkin {
     ) -> Result<Displacements, ResponseError> {
         // Displacements are those of the vertices, in either discretization.
         let at_vertices = self.clone().with_discretization(Discretization::Collocation)?;
-        let mut vectors = Vec::with_capacity(vertices.len());
-        let mut along_normal = Vec::with_capacity(vertices.len());
+        let mut moved = Displacements::with_capacity(vertices.len());
         for rows in vertices.chunks(ROWS_AT_ONCE) {
             let block = assemble_block(asked.surface, &at_vertices, rows, asked.nodes, asked.options)?;
-            add_products(&block, forces, &mut vectors, &mut along_normal);
+            moved.append_products(&block, forces);
         }
-        Ok(Displacements::scalar(vectors, along_normal))
+        Ok(moved)
     }
 }

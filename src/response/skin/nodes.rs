@@ -2,18 +2,15 @@
 
 use std::sync::Arc;
 
-use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
+use crate::response::matrix::options::{NO_ROW, rows_of_vertices};
 use crate::surface::checked::Surface;
 
 /// Largest distance, in mean edge lengths, between the vertices of a surface and those that a response was
 /// prepared for: rounding of a rigid motion, and no more.
 const SAME_SHAPE_DISTANCE: f64 = 1e-6;
-
-/// No row: the vertex is no node.
-const NO_ROW: usize = usize::MAX;
 
 /// Nodes of a prepared response, in the order of its rows, with the shape that it was prepared for.
 #[derive(Debug, Clone)]
@@ -29,16 +26,7 @@ impl PreparedNodes {
     /// # Errors
     /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
     pub(crate) fn new(surface: &Surface, nodes: &[usize]) -> Result<Self, ResponseError> {
-        let vertex_count = surface.vertices().len();
-        let mut row_of = vec![NO_ROW; vertex_count];
-        for (index, &vertex) in nodes.iter().enumerate() {
-            let row = row_of.get_mut(vertex);
-            let row = row.ok_or(ResponseError::NodeOutOfRange { index, vertex, vertex_count })?;
-            if *row != NO_ROW {
-                return Err(ResponseError::RepeatedNode { vertex, first: *row, second: index });
-            }
-            *row = index;
-        }
+        let row_of = rows_of_vertices(surface, nodes)?;
         let (vertices, faces) = (surface.vertices().into(), surface.faces().into());
         Ok(Self { nodes: nodes.into(), row_of: row_of.into(), vertices, faces })
     }
@@ -100,35 +88,6 @@ impl PreparedNodes {
             Some(vertex) => Err(ResponseError::OtherShape { vertex, distance: distance(vertex), allowed }),
             None => Ok(()),
         }
-    }
-
-    /// # Errors
-    /// [`ResponseError::MatrixShape`], [`ResponseError::MatrixEntry`]: R (k × k, m/N) does not belong to the nodes.
-    pub(crate) fn check_matrix(&self, matrix: &Mat<f64>) -> Result<(), ResponseError> {
-        let (rows, columns, nodes) = (matrix.nrows(), matrix.ncols(), self.nodes.len());
-        if (rows, columns) != (nodes, nodes) {
-            return Err(ResponseError::MatrixShape { rows, columns, nodes });
-        }
-        for (column, entries) in matrix.col_iter().enumerate() {
-            if let Some((row, &value)) = entries.iter().enumerate().find(|(_, value)| !value.is_finite()) {
-                return Err(ResponseError::MatrixEntry { row, column, value });
-            }
-        }
-        Ok(())
-    }
-
-    /// R of `nodes` out of that of all.
-    ///
-    /// # Errors
-    /// [`ResponseError::NotPrepared`], [`ResponseError::DirectionCount`].
-    pub(crate) fn pick(
-        &self,
-        matrix: &Mat<f64>,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-    ) -> Result<Mat<f64>, ResponseError> {
-        let rows = self.checked_rows(nodes, directions)?;
-        Ok(Mat::from_fn(rows.len(), rows.len(), |i, j| matrix[(rows[i], rows[j])]))
     }
 
     /// Rows of `nodes`, with one direction each.

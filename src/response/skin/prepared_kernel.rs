@@ -1,7 +1,5 @@
 //! A kernel's matrix, computed once.
 
-use std::sync::Arc;
-
 use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
@@ -10,6 +8,7 @@ use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::assemble;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::given_matrix::GivenMatrix;
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 
@@ -17,8 +16,7 @@ use crate::surface::checked::Surface;
 #[derive(Debug, Clone)]
 pub struct PreparedKernel {
     skin: KernelSkin,
-    matrix: Arc<Mat<f64>>,
-    nodes: PreparedNodes,
+    given: GivenMatrix,
 }
 
 impl PreparedKernel {
@@ -39,17 +37,14 @@ impl PreparedKernel {
     /// Takes a response matrix (k × k, m/N) that was computed before.
     ///
     /// # Errors
-    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`], [`ResponseError::MatrixShape`],
-    /// [`ResponseError::MatrixEntry`].
+    /// As [`GivenMatrix::new`].
     pub fn from_matrix(
         surface: &Surface,
         skin: KernelSkin,
         nodes: &[usize],
         matrix: Mat<f64>,
     ) -> Result<Self, ResponseError> {
-        let nodes = PreparedNodes::new(surface, nodes)?;
-        nodes.check_matrix(&matrix)?;
-        Ok(Self { skin, matrix: Arc::new(matrix), nodes })
+        Ok(Self { skin, given: GivenMatrix::new(surface, nodes, matrix)? })
     }
 
     /// The kernel that it was computed from.
@@ -59,32 +54,32 @@ impl PreparedKernel {
 
     /// R (k × k, m/N).
     pub fn response_matrix(&self) -> &Mat<f64> {
-        &self.matrix
+        self.given.response_matrix()
     }
 
     /// Vertices whose response is known.
     pub fn nodes(&self) -> &PreparedNodes {
-        &self.nodes
+        self.given.nodes()
     }
 
     /// The same after a rigid motion of the surface.
     pub fn moved(&self, motion: &Isometry3<f64>) -> Self {
-        Self { nodes: self.nodes.moved(motion), ..self.clone() }
+        Self { given: self.given.moved(motion), ..self.clone() }
     }
 }
 
 impl ElasticSkin for PreparedKernel {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
-        self.nodes.check_surface(surface)?;
+        self.nodes().check_surface(surface)?;
         self.skin.traits(surface)
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {
-        self.nodes.row(vertex).is_some()
+        self.given.is_prepared(vertex)
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
-        self.nodes.pick(&self.matrix, asked.nodes, directions)
+        self.given.matrix(asked, directions)
     }
 
     fn displace(
@@ -93,7 +88,7 @@ impl ElasticSkin for PreparedKernel {
         forces: &[Vector3<f64>],
         vertices: &[usize],
     ) -> Result<Displacements, ResponseError> {
-        self.nodes.rows(asked.nodes)?;
+        self.nodes().rows(asked.nodes)?;
         self.skin.displace(asked, forces, vertices)
     }
 }

@@ -22,13 +22,28 @@ impl Body {
     ) -> (DiscreteBody, Vec<ClosedSurface>) {
         let skin_count = skin.vertices().len();
         let origin = skin.vertices().iter().sum::<Vector3<f64>>() / skin_count as f64;
-        let bones = self.bone.iter();
         let points: Vec<Vector3<f64>> = skin
             .vertices()
             .iter()
-            .chain(bones.clone().flat_map(|bone| bone.vertices()))
+            .chain(self.bone.iter().flat_map(|bone| bone.vertices()))
             .map(|vertex| (vertex - origin) / length)
             .collect();
+        let is_moving = (0..points.len()).map(|node| node < skin_count && !fixed[node]).collect();
+        let kelvin = Kelvin::new(poisson_ratio);
+        let elements = self.elements(skin, &points, length, fixed, nodes);
+        let surfaces = self.closed_surfaces(skin, length);
+        (DiscreteBody { kelvin, points, is_moving, elements, load_count: nodes.len() }, surfaces)
+    }
+    /// Faces of skin and bone between `points`, with the columns that their hats go to.
+    fn elements(
+        &self,
+        skin: &Surface,
+        points: &[Vector3<f64>],
+        length: f64,
+        fixed: &[bool],
+        nodes: &[usize],
+    ) -> Vec<Element> {
+        let skin_count = skin.vertices().len();
         let mut slots = vec![NO_COLUMN; skin_count];
         nodes.iter().enumerate().for_each(|(slot, &node)| slots[node] = slot as u32);
 
@@ -44,7 +59,7 @@ impl Body {
                 is_skin: true,
             }
         });
-        let bone_elements = bones.clone().flat_map(|bone| bone.faces()).map(|face| {
+        let bone_elements = self.bone.iter().flat_map(|bone| bone.faces()).map(|face| {
             let face = face.map(|v| v + skin_count as u32);
             Element {
                 triangle: Triangle::new(face.map(|v| points[v as usize])),
@@ -56,8 +71,12 @@ impl Body {
                 is_skin: false,
             }
         });
-        let elements = skin_elements.chain(bone_elements).collect();
+        skin_elements.chain(bone_elements).collect()
+    }
 
+    /// The skin and each bone, areas in units of `length`².
+    fn closed_surfaces(&self, skin: &Surface, length: f64) -> Vec<ClosedSurface> {
+        let skin_count = skin.vertices().len();
         let scaled = |surface: &Surface| -> Vec<Vector3<f64>> {
             area_vectors(surface).iter().map(|area| area / (length * length)).collect()
         };
@@ -66,7 +85,7 @@ impl Body {
             area_vectors: scaled(skin),
             is_bone: false,
         }];
-        for bone in bones {
+        if let Some(bone) = &self.bone {
             let areas = scaled(bone);
             let topology = bone.topology();
             for component in 0..topology.component_count() {
@@ -79,8 +98,6 @@ impl Body {
                 });
             }
         }
-        let is_moving = (0..points.len()).map(|node| node < skin_count && !fixed[node]).collect();
-        let kelvin = Kelvin::new(poisson_ratio);
-        (DiscreteBody { kelvin, points, is_moving, elements, load_count: nodes.len() }, surfaces)
+        surfaces
     }
 }

@@ -244,49 +244,40 @@ pub(crate) mod tests {
 
     /// The same moments by splitting the triangle evenly into `4^levels` and a rule of degree 8 on each.
     pub fn by_subdivision(triangle: &Triangle, point: &Vector3<f64>, levels: usize) -> [[f64; 15]; 3] {
-        fn add(
-            triangle: &Triangle,
-            piece: [[f64; 3]; 3],
-            point: &Vector3<f64>,
-            levels: usize,
-            sum: &mut [[f64; 15]; 3],
-        ) {
-            let at = |l: &[f64; 3]| {
-                triangle.corners[0] * l[0] + triangle.corners[1] * l[1] + triangle.corners[2] * l[2]
-            };
-            let here = Triangle::new([at(&piece[0]), at(&piece[1]), at(&piece[2])]);
-            if levels == 0 || (here.centroid - point).norm() > 12.0 * here.radius {
-                for (bary, weight) in RULES[2] {
-                    let lambda: [f64; 3] = std::array::from_fn(|c| {
-                        bary[0] * piece[0][c] + bary[1] * piece[1][c] + bary[2] * piece[2][c]
-                    });
-                    let r = at(&lambda) - point;
-                    let d = r.norm();
-                    let slope = r.dot(&triangle.normal) / (d * d);
-                    let w = weight * here.area / (d * d * d);
-                    let b = [r.x * r.x, r.x * r.y, r.x * r.z, r.y * r.y, r.y * r.z, r.z * r.z];
-                    for k in 0..3 {
-                        for c in 0..6 {
-                            sum[k][c] += lambda[k] * b[c] * w;
-                            sum[k][6 + c] += lambda[k] * b[c] * w * slope;
-                        }
-                        for c in 0..3 {
-                            sum[k][12 + c] += lambda[k] * r[c] * w;
-                        }
-                    }
-                }
-                return;
+        let mix = |piece: &[[f64; 3]; 3], l: &[f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|c| l[0] * piece[0][c] + l[1] * piece[1][c] + l[2] * piece[2][c])
+        };
+        let at = |l: [f64; 3]| {
+            triangle.corners[0] * l[0] + triangle.corners[1] * l[1] + triangle.corners[2] * l[2]
+        };
+        let mut sum = [[0.0; 15]; 3];
+        let mut pieces = vec![([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], levels)];
+        while let Some((piece, levels)) = pieces.pop() {
+            let here = Triangle::new(piece.map(at));
+            if levels > 0 && (here.centroid - point).norm() <= 12.0 * here.radius {
+                let [a, b, c] = piece;
+                let middles = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
+                let [ab, bc, ca] = middles.map(|l| mix(&piece, &l));
+                let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+                pieces.extend(quarters.map(|quarter| (quarter, levels - 1)));
+                continue;
             }
-            let mid =
-                |a: &[f64; 3], b: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|c| 0.5 * (a[c] + b[c])) };
-            let [a, b, c] = piece;
-            let (ab, bc, ca) = (mid(&a, &b), mid(&b, &c), mid(&c, &a));
-            for piece in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
-                add(triangle, piece, point, levels - 1, sum);
+            for (l, weight) in RULES[2] {
+                let lambda = mix(&piece, l);
+                let r = at(lambda) - point;
+                let d = r.norm();
+                let slope = r.dot(&triangle.normal) / (d * d);
+                let w = weight * here.area / (d * d * d);
+                let b = [r.x * r.x, r.x * r.y, r.x * r.z, r.y * r.y, r.y * r.z, r.z * r.z];
+                for k in 0..3 {
+                    for c in 0..6 {
+                        sum[k][c] += lambda[k] * b[c] * w;
+                        sum[k][6 + c] += lambda[k] * b[c] * w * slope;
+                    }
+                    (0..3).for_each(|c| sum[k][12 + c] += lambda[k] * r[c] * w);
+                }
             }
         }
-        let mut sum = [[0.0; 15]; 3];
-        add(triangle, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], point, levels, &mut sum);
         sum
     }
 
