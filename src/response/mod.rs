@@ -11,10 +11,10 @@
 //! integrals are exact near the point, so the singularity of 1/r costs no accuracy; far from the load a multipole
 //! series takes over, whose order follows from a bound on the relative error of each entry.
 //!
-//! Which discretization to take: collocation ([`Discretization::Collocation`]) leaves no penetration at vertices and is cheapest; on finger
-//! pads its symmetric part has a condition number of some 30 and is positive definite. Where [`spectrum`]
-//! says that it is not (badly shaped triangles), Galerkin ([`Discretization::Galerkin`]) is, on any surface (a layer:
-//! on any flat one), with a condition number of some 90 and at 30 times the time.
+//! Which discretization to take: [`Discretization::Collocation`] leaves no penetration at vertices and is cheapest;
+//! on finger pads the symmetric part of R is positive definite, with a condition number of some 30. Where [`spectrum`]
+//! says that it is not (badly shaped triangles), [`Discretization::Galerkin`] makes it so, on any surface (a layer: on
+//! any flat one), with a condition number of some 90 and at 30 times the time.
 //!
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
 

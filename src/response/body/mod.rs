@@ -2,8 +2,8 @@
 //!
 //! The skin's response depends on the body alone: its shape, its bone, what holds it. So it is solved once,
 //! by boundary elements on the closed skin and the bone, and pressing costs no more than with any other
-//! response. With Kelvin's solution `U`, `T` ([`kelvin`]), normals out of the tissue and the bone at rest, Somigliana's identity at
-//! every vertex `x` of skin and bone reads
+//! response. With Kelvin's solution `U`, `T` ([`kelvin`]), normals out of the tissue and the bone at rest,
+//! Somigliana's identity at every vertex `x` of skin and bone reads
 //!
 //! ```text
 //! c u(x) + ∫_skin T u dS = ∫_skin U t dS + ∫_bone U t dS

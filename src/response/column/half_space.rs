@@ -101,83 +101,82 @@ impl WithSimd for HalfSpaceColumn<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { targets, scratch, amplitude, tolerance, reach } = self;
-        let ball = scratch.spread_load(order_for(tolerance) / 2 + 2);
-        scratch.multipoles.fill(simd, &scratch.loads, ball, amplitude, tolerance);
-        far_values(simd, targets, scratch, reach);
-        near_values(simd, targets, scratch, amplitude, tolerance);
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let ball = self.scratch.spread_load(order_for(self.tolerance) / 2 + 2);
+        let ColumnScratch { loads, multipoles, .. } = self.scratch;
+        multipoles.fill(simd, loads, ball, self.amplitude, self.tolerance);
+        self.far_values(simd);
+        self.near_values(simd);
     }
 }
 
-/// The series at all targets; those too close for it are listed in `scratch.near`.
-#[inline(always)]
-fn far_values<S: Simd>(simd: S, targets: &Targets, scratch: &mut ColumnScratch, reach: f64) {
-    let multipoles = &scratch.multipoles;
-    let LoadBall { center, radius } = multipoles.ball;
-    let near_squared = multipoles.near_squared();
-    let far_squared = (reach + radius).powi(2);
-    let infinity = Lanes::splat(simd, f64::INFINITY);
-    let values = &mut scratch.values;
-    scratch.near.index.clear();
-    let step = VECTORS_AT_ONCE * S::F64_LANES;
-    for start in (0..values.len()).step_by(step) {
-        let mut points = [[infinity; 3]; VECTORS_AT_ONCE];
-        let (mut nearest, mut nearest_far) = (infinity, infinity);
-        for (k, point) in points.iter_mut().enumerate() {
-            let from = start + k * S::F64_LANES;
-            *point = [
-                Lanes::load(simd, &targets.x, from) - infinity.all(center.x),
-                Lanes::load(simd, &targets.y, from) - infinity.all(center.y),
-                Lanes::load(simd, &targets.z, from) - infinity.all(center.z),
-            ];
-            let squared = dot(point, point);
-            let is_near = squared.less(infinity.all(near_squared));
-            nearest = nearest.min(squared);
-            nearest_far = nearest_far.min(is_near.pick(infinity, squared));
-        }
-        let nearest = nearest.least();
-        if nearest < near_squared {
-            for i in start..targets.rows.len().min(start + step) {
-                if (targets.point(i) - center).norm_squared() < near_squared * (1.0 + 1e-12) {
-                    scratch.near.index.push(i as u32);
+impl HalfSpaceColumn<'_> {
+    /// The series at all targets; those too close for it are listed in `scratch.near`.
+    #[inline(always)]
+    fn far_values<S: Simd>(&mut self, simd: S) {
+        let Self { targets, scratch, reach, .. } = self;
+        let multipoles = &scratch.multipoles;
+        let LoadBall { center, radius } = multipoles.ball;
+        let near_squared = multipoles.near_squared();
+        let far_squared = (*reach + radius).powi(2);
+        let infinity = Lanes::splat(simd, f64::INFINITY);
+        let values = &mut scratch.values;
+        scratch.near.index.clear();
+        let step = VECTORS_AT_ONCE * S::F64_LANES;
+        for start in (0..values.len()).step_by(step) {
+            let mut points = [[infinity; 3]; VECTORS_AT_ONCE];
+            let (mut nearest, mut nearest_far) = (infinity, infinity);
+            for (k, point) in points.iter_mut().enumerate() {
+                let from = start + k * S::F64_LANES;
+                *point = [
+                    Lanes::load(simd, &targets.x, from) - infinity.all(center.x),
+                    Lanes::load(simd, &targets.y, from) - infinity.all(center.y),
+                    Lanes::load(simd, &targets.z, from) - infinity.all(center.z),
+                ];
+                let squared = dot(point, point);
+                let is_near = squared.less(infinity.all(near_squared));
+                nearest = nearest.min(squared);
+                nearest_far = nearest_far.min(is_near.pick(infinity, squared));
+            }
+            let nearest = nearest.least();
+            if nearest < near_squared {
+                for i in start..targets.rows.len().min(start + step) {
+                    if (targets.point(i) - center).norm_squared() < near_squared * (1.0 + 1e-12) {
+                        scratch.near.index.push(i as u32);
+                    }
                 }
+            } else if nearest >= far_squared {
+                values[start..start + step].fill(0.0);
+                continue;
             }
-        } else if nearest >= far_squared {
-            values[start..start + step].fill(0.0);
-            continue;
-        }
-        let found = multipoles.evaluate(multipoles.order_at(nearest_far.least()), &points);
-        for (k, value) in found.into_iter().enumerate() {
-            value.store(values, start + k * S::F64_LANES);
+            let found = multipoles.evaluate(multipoles.order_at(nearest_far.least()), &points);
+            for (k, value) in found.into_iter().enumerate() {
+                value.store(values, start + k * S::F64_LANES);
+            }
         }
     }
-}
 
-/// The exact integral at the listed targets.
-#[inline(always)]
-fn near_values<S: Simd>(
-    simd: S,
-    targets: &Targets,
-    scratch: &mut ColumnScratch,
-    amplitude: f64,
-    tolerance: f64,
-) {
-    let near = &mut scratch.near;
-    near.gather(targets);
-    let reach = scratch.multipoles.near_squared().sqrt() + scratch.multipoles.ball.radius;
-    for face in &scratch.faces {
-        if face.loses_digits(reach, tolerance) {
-            for k in 0..near.index.len() {
-                let point = Vector3::new(near.x[k], near.y[k], near.z[k]);
-                let hats = hat_integrals(&point, &face.frame.vertices);
-                near.values[k] += amplitude * weighted(&face.density, &hats);
+    /// The exact integral at the listed targets.
+    #[inline(always)]
+    fn near_values<S: Simd>(&mut self, simd: S) {
+        let Self { targets, scratch, amplitude, tolerance, .. } = self;
+        let (amplitude, tolerance) = (*amplitude, *tolerance);
+        let near = &mut scratch.near;
+        near.gather(targets);
+        let reach = scratch.multipoles.near_squared().sqrt() + scratch.multipoles.ball.radius;
+        for face in &scratch.faces {
+            if face.loses_digits(reach, tolerance) {
+                for k in 0..near.index.len() {
+                    let point = Vector3::new(near.x[k], near.y[k], near.z[k]);
+                    let hats = hat_integrals(&point, &face.frame.vertices);
+                    near.values[k] += amplitude * weighted(&face.density, &hats);
+                }
+            } else {
+                NearFace::new(face).add(simd, amplitude, near);
             }
-        } else {
-            NearFace::new(face).add(simd, amplitude, near);
         }
-    }
-    for (&i, &value) in near.index.iter().zip(&near.values) {
-        scratch.values[i as usize] = value;
+        for (&i, &value) in near.index.iter().zip(&near.values) {
+            scratch.values[i as usize] = value;
+        }
     }
 }

@@ -177,7 +177,7 @@ impl LayerColumn<'_> {
         let ColumnScratch { near, values, faces, rule, thicknesses, .. } = scratch;
         near.gather(targets);
         gather(&near.index, self.inverse_thickness, thicknesses);
-        let table = self.layer.kernel.table();
+        let table = &self.layer.kernel.table;
         for face in faces.iter().map(NearFace::new) {
             for i in (0..near.values.len()).step_by(S::F64_LANES) {
                 let own = Lanes::load(simd, thicknesses, i);
@@ -191,24 +191,7 @@ impl LayerColumn<'_> {
             values[i as usize] -= self.layer.constant * sum;
         }
     }
-}
 
-/// φ(r/h).
-struct SmoothPart<'a, S: Simd> {
-    table: &'a LayerTable,
-    /// 1/h (1/m).
-    inverse: Lanes<S>,
-}
-
-impl<S: Simd> EdgePotential<S> for SmoothPart<'_, S> {
-    #[inline(always)]
-    fn at(&self, squared: Lanes<S>) -> Lanes<S> {
-        let rho = squared.sqrt() * self.inverse;
-        squared.all(0.5) * squared * rho.map(|rho| self.table.mean(rho))
-    }
-}
-
-impl LayerColumn<'_> {
     /// The terms of a series from degree p + 1 on add up to at most `roughness μ_(p+1) q^(p+1) / (1 - q)` of K/r
     /// with q = radius / distance.
     fn ladder(&self, series: &TaylorSeries) -> DegreeReach {
@@ -219,7 +202,7 @@ impl LayerColumn<'_> {
             let mut ratio = 1.25;
             let keeps = |ratio: f64| {
                 let rho = ratio * series.ball.radius * self.own_inverse;
-                let rough = self.layer.kernel.table().roughness(level, rho);
+                let rough = self.layer.kernel.table.roughness(level, rho);
                 rough * mean <= self.layer.tolerance * ratio.powi(degree as i32 + 1) * (1.0 - 1.0 / ratio)
             };
             while !keeps(ratio) && ratio < 1e12 {
@@ -244,7 +227,7 @@ impl LayerColumn<'_> {
         block: &Block,
     ) -> [f64; POINTS_PER_BLOCK] {
         let degree = DEGREES[level];
-        let table = self.layer.kernel.table();
+        let table = &self.layer.kernel.table;
         let mut smooth = [[0.0; POINTS_PER_BLOCK]; SLOPE_COUNT];
         match degree + 1 {
             0..=2 => look_up::<2>(table, block, &mut smooth),
@@ -281,6 +264,21 @@ impl LayerColumn<'_> {
             }
         }
         result
+    }
+}
+
+/// φ(r/h).
+struct SmoothPart<'a, S: Simd> {
+    table: &'a LayerTable,
+    /// 1/h (1/m).
+    inverse: Lanes<S>,
+}
+
+impl<S: Simd> EdgePotential<S> for SmoothPart<'_, S> {
+    #[inline(always)]
+    fn at(&self, squared: Lanes<S>) -> Lanes<S> {
+        let rho = squared.sqrt() * self.inverse;
+        squared.all(0.5) * squared * rho.map(|rho| self.table.mean(rho))
     }
 }
 

@@ -125,12 +125,8 @@ mod tests {
             assert!((inverse / (2.0 * PI * (cutoff - z.abs())) - 1.0).abs() < 1e-14);
             let c: f64 = 0.3;
             let gaussian = sum(hats_within(&big, &x, &Gaussian { width: c }, cutoff));
-            let exact = 2.0
-                * PI
-                * c
-                * c
-                * (-0.5 * z * z / (c * c)).exp()
-                * (1.0 - (-0.5 * radius * radius / (c * c)).exp());
+            let fade = |r: f64| (-0.5 * r * r / (c * c)).exp();
+            let exact = 2.0 * PI * c * c * fade(z) * (1.0 - fade(radius));
             assert!((gaussian / exact - 1.0).abs() < 1e-14);
             assert_eq!(sum(hats_within(&big, &Vector3::new(0.0, 0.0, 0.5), &Inverse, cutoff)), 0.0);
         }

@@ -23,7 +23,7 @@ const ENVELOPE_STEPS: usize = 16;
 #[derive(Debug)]
 pub struct LayerKernel {
     poisson_ratio: f64,
-    table: LayerTable,
+    pub(crate) table: LayerTable,
     /// The largest |h u / K| from each step of r/h on.
     envelope: Vec<f64>,
 }
@@ -65,10 +65,6 @@ impl LayerKernel {
         }
         kernel.envelope[0] = f64::INFINITY;
         kernel
-    }
-
-    pub(crate) fn table(&self) -> &LayerTable {
-        &self.table
     }
 
     /// φ(ρ), the smooth part, with an absolute error below 1e-11; 1/ρ beyond the table.

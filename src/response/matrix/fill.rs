@@ -54,12 +54,7 @@ pub(crate) fn fill_columns<S>(
 
 /// The local pool that the options ask for; `None` for the global one, or for a single thread.
 fn pool(options: &AssemblyOptions) -> Result<Option<rayon::ThreadPool>, ResponseError> {
-    match options.num_threads {
-        None | Some(1) => Ok(None),
-        Some(threads) => {
-            let reason = |e: rayon::ThreadPoolBuildError| e.to_string();
-            let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            built.map(Some).map_err(|e| ResponseError::Threads { threads, reason: reason(e) })
-        }
-    }
+    let Some(threads) = options.num_threads.filter(|&threads| threads > 1) else { return Ok(None) };
+    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    built.map(Some).map_err(|error| ResponseError::Threads { threads, reason: error.to_string() })
 }

@@ -22,8 +22,8 @@ pub struct NetVolume {
 
 /// Volume that the mesh moves per newton at `node`: `Σ S_i R_ij` over all its vertices, S the vertex areas.
 ///
-/// R is that of the Galerkin discretization where the kernel has it (half-space, layer), so that the sum is the integral of the
-/// displacement over the mesh, whatever its triangles; the Gaussian is summed as it is at the vertices.
+/// R is that of the Galerkin discretization where the kernel has it (half-space, layer): the sum is then the integral
+/// of the displacement over the mesh, whatever its triangles. The Gaussian is summed as it is at the vertices.
 ///
 /// The paper's condition (its eq. 4) asks for a net volume of 0. A half-space moves a volume that grows with
 /// the mesh.
@@ -37,7 +37,6 @@ pub fn net_volume(
     options: &AssemblyOptions,
 ) -> Result<NetVolume, ResponseError> {
     let rows: Vec<usize> = (0..surface.vertices().len()).collect();
-    // In Galerkin form where the kernel has one: the sum is then the integral over the mesh.
     let galerkin = skin.clone().with_discretization(Discretization::Galerkin);
     let skin = galerkin.as_ref().unwrap_or(skin);
     let column = assemble_block(surface, skin, &rows, &[node], options)?;

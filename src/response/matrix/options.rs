@@ -8,8 +8,9 @@ use crate::surface::checked::Surface;
 /// Parameters of [`assemble`](crate::response::matrix::collocation::assemble).
 #[derive(Clone, Copy)]
 pub struct AssemblyOptions<'a> {
-    /// Largest error of an entry from numerical integration (dimensionless, 0 ..= 0.1), relative to the half-space's
-    /// entry, some K/r: of a layer's or a Gaussian's entry, a difference that can be far smaller, it is a larger share. 0 means as exact as double precision allows.
+    /// Largest error of an entry from numerical integration (dimensionless, 0 ..= 0.1), relative to K/r, the
+    /// half-space's entry. Entries of fading kernels are smaller, so their relative error is larger. 0 means as exact as
+    /// double precision allows.
     pub tolerance: f64,
     /// Threads (>= 1); `None` means rayon's global pool. The result is equal to the bit for any number.
     pub num_threads: Option<usize>,

@@ -49,7 +49,7 @@ pub struct Request<'a> {
 }
 
 /// Displacement of some vertices under forces at others.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Displacements {
     /// u (m), one vector a vertex.
     pub vectors: Vec<Vector3<f64>>,
@@ -59,11 +59,6 @@ pub struct Displacements {
 }
 
 impl Displacements {
-    /// Of no vertex, with room for so many.
-    pub(crate) fn with_capacity(vertices: usize) -> Self {
-        Self { vectors: Vec::with_capacity(vertices), along_normal: Vec::with_capacity(vertices) }
-    }
-
     /// Appends `Σ_j R_ij f_j` (m) and, along the normal, `Σ_j R_ij |f_j|` (m) of every row of a scalar kernel's block.
     pub(crate) fn append_products(&mut self, block: &Mat<f64>, forces: &[Vector3<f64>]) {
         let first = self.vectors.len();

@@ -81,7 +81,7 @@ impl ElasticSkin for GivenMatrix {
             self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
         };
         let block = Mat::from_fn(vertices.len(), columns.len(), |i, j| entry(vertices[i], columns[j]));
-        let mut moved = Displacements::with_capacity(vertices.len());
+        let mut moved = Displacements::default();
         moved.append_products(&block, forces);
         Ok(moved)
     }

@@ -41,7 +41,7 @@ impl ElasticSkin for KernelSkin {
     ) -> Result<Displacements, ResponseError> {
         // Displacements are those of the vertices, in either discretization.
         let at_vertices = self.clone().with_discretization(Discretization::Collocation)?;
-        let mut moved = Displacements::with_capacity(vertices.len());
+        let mut moved = Displacements::default();
         for rows in vertices.chunks(ROWS_AT_ONCE) {
             let block = assemble_block(asked.surface, &at_vertices, rows, asked.nodes, asked.options)?;
             moved.append_products(&block, forces);

@@ -34,6 +34,7 @@ impl Body {
         let surfaces = self.closed_surfaces(skin, length);
         (DiscreteBody { kelvin, points, is_moving, elements, load_count: nodes.len() }, surfaces)
     }
+
     /// Faces of skin and bone between `points`, with the columns that their hats go to.
     fn elements(
         &self,

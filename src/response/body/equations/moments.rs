@@ -47,18 +47,11 @@ pub(crate) struct HatMoments {
 }
 
 fn pack(m: &Matrix3<f64>) -> [f64; 6] {
-    let half = |a: f64, b: f64| 0.5 * (a + b);
-    [
-        m[(0, 0)],
-        half(m[(0, 1)], m[(1, 0)]),
-        half(m[(0, 2)], m[(2, 0)]),
-        m[(1, 1)],
-        half(m[(1, 2)], m[(2, 1)]),
-        m[(2, 2)],
-    ]
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(a, b)| 0.5 * (m[(a, b)] + m[(b, a)]))
 }
 
 /// Integrals over one edge, from its start to its end, with `s` the distance from the foot of the point.
+#[derive(Default)]
 struct EdgeIntegrals {
     tangent: Vector3<f64>,
     outward: Vector3<f64>,
@@ -114,17 +107,7 @@ impl EdgeIntegrals {
         let s_r = to * r_to - from * r_from;
         let over_r = [logarithm, r_to - r_from, 0.5 * (s_r - rho_squared * logarithm)];
         let r = 0.5 * (s_r + rho_squared * logarithm);
-        let mut edge = EdgeIntegrals {
-            tangent,
-            outward,
-            distance,
-            over_r,
-            r,
-            z2_over_r3: 0.0,
-            zd_over_r3: 0.0,
-            z_over_r3: [0.0; 2],
-            angle: 0.0,
-        };
+        let mut edge = EdgeIntegrals { tangent, outward, distance, over_r, r, ..Default::default() };
         if z != 0.0 {
             let ratio = to / r_to - from / r_from;
             edge.z2_over_r3 = z * z / rho_squared * ratio;
