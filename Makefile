@@ -26,9 +26,8 @@ demo: $(VENV)/installed
 test: lint test-rust test-python
 
 test-rust: $(VENV)/made
-	cargo test --quiet
-	# The feature adds a private module and no public name, so the tests in tests/ see nothing new.
-	$(CARGO_PY) test --quiet --features python --lib
+	# The feature adds a private module and no test; with it, tests and extension share what is compiled.
+	$(CARGO_PY) test --quiet --features python
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --quiet
 
 test-python: $(VENV)/installed $(VENV)/tools
@@ -38,8 +37,9 @@ test-python: $(VENV)/installed $(VENV)/tools
 ## Formatting, lints and types, warnings as errors.
 lint: $(VENV)/installed $(VENV)/tools
 	cargo fmt --check
+	# All targets without the feature `python`, then the module that it adds.
 	cargo clippy --quiet --all-targets -- -D warnings
-	$(CARGO_PY) clippy --quiet --all-targets --features python -- -D warnings
+	$(CARGO_PY) clippy --quiet --features python -- -D warnings
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
