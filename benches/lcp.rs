@@ -5,22 +5,21 @@ mod problems;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use problems::{GridContact, grid_contact};
-use quasirigid::lcp::{LcpMethod, LcpOptions, LcpProblem, LcpStatus, solve};
+use quasirigid::lcp::{LcpMethodName, LcpOptions, LcpProblem, LcpStatus, solve};
 
 /// Nodes along a side; N = 225, 900, 2500, 5041.
 const SIDES: [usize; 4] = [15, 30, 50, 71];
-const METHODS: [LcpMethod; 4] =
-    [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto];
 
 fn bench(criterion: &mut Criterion, name: &str, contact: &GridContact) {
     let mut group = criterion.benchmark_group(name);
     group.sample_size(10);
     let n = contact.q.len();
-    for method in METHODS {
+    for method in LcpMethodName::ALL {
         group.bench_with_input(BenchmarkId::new(method.as_str(), n), contact, |bencher, contact| {
             bencher.iter(|| {
                 let problem = LcpProblem::new(contact.m.as_ref(), &contact.q).expect("a valid problem");
-                let solution = solve(&problem, method, &LcpOptions::default()).expect("valid options");
+                let solution =
+                    solve(&problem, &method.into(), &LcpOptions::default()).expect("valid options");
                 assert_eq!(solution.status, LcpStatus::Solved);
                 solution.natural_residual
             });

@@ -9,17 +9,23 @@ use problems::{
     small_problem,
 };
 use quasirigid::lcp::{
-    Definiteness, DefinitenessCheck, LcpError, LcpMethod, LcpOptions, LcpProblem, LcpSolution, LcpStatus,
-    RayConclusion, solve,
+    AutoOptions, BlockPivotingOptions, Definiteness, DefinitenessCheck, LcpError, LcpMethod, LcpMethodName,
+    LcpOptions, LcpProblem, LcpSolution, LcpStatus, LemkeOptions, RayConclusion, solve,
 };
 
 fn run(m: &Mat<f64>, q: &[f64]) -> LcpSolution {
-    run_with(m, q, LcpMethod::Lemke, &LcpOptions::default())
+    run_with(m, q, LcpMethodName::Lemke, &LcpOptions::default())
 }
 
-fn run_with(m: &Mat<f64>, q: &[f64], method: LcpMethod, options: &LcpOptions) -> LcpSolution {
+fn run_with(m: &Mat<f64>, q: &[f64], method: impl Into<LcpMethod>, options: &LcpOptions) -> LcpSolution {
     let problem = LcpProblem::new(m.as_ref(), q).unwrap();
-    solve(&problem, method, options).unwrap()
+    solve(&problem, &method.into(), options).unwrap()
+}
+
+/// Lemke's path without a look for a crash basis.
+fn run_path(m: &Mat<f64>, q: &[f64]) -> LcpSolution {
+    let method = LemkeOptions { crash: false, ..LemkeOptions::default() };
+    run_with(m, q, LcpMethod::Lemke(method), &LcpOptions::default())
 }
 
 /// Checks an answer by its definition, apart from the certificate.
@@ -88,7 +94,7 @@ fn a_huge_solution_is_not_called_impossible() {
     // (1 + 2/u, 2/u) solves it exactly; along (1, 1) the columns of M add to 0 and u.
     let u = 4.0 * f64::EPSILON;
     let m = mat![[1.0, -1.0], [-1.0, 1.0 + u]];
-    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::Auto] {
         let solution = run_with(&m, &[-1.0, -1.0], method, &LcpOptions::default());
         match solution.status {
             LcpStatus::Solved => assert_eq!(solution.z, [1.0 + 2.0 / u, 2.0 / u]),
@@ -99,7 +105,7 @@ fn a_huge_solution_is_not_called_impossible() {
             }
         }
         println!("{method}: {} {:?}", solution.advice(), solution.attempts);
-        if method == LcpMethod::Auto {
+        if method == LcpMethodName::Auto {
             assert!(solution.attempts.len() > 1, "a ray to rounding is no end for auto");
         }
         // Without u the columns add to zero exactly, and there is none.
@@ -112,7 +118,7 @@ fn a_huge_solution_is_not_called_impossible() {
 fn the_unit_of_m_changes_no_ending_where_a_diagonal_is_zero() {
     let m = mat![[2.0, 1.0, 2.0], [1.0, 2.0, -3.0], [-2.0, 3.0, 0.0]];
     let q = [-3.0, -4.0, -3.0];
-    for method in [LcpMethod::BlockPivoting, LcpMethod::Lemke, LcpMethod::Auto] {
+    for method in [LcpMethodName::BlockPivoting, LcpMethodName::Lemke, LcpMethodName::Auto] {
         let plain = run_with(&m, &q, method, &LcpOptions::default());
         for scale in [1e-12, 1e9, 1e12] {
             let scaled = run_with(&(&m * scale), &q, method, &LcpOptions::default());
@@ -183,7 +189,7 @@ fn enumerate(m: &Mat<f64>, q: &[f64]) -> Vec<Vec<f64>> {
     found
 }
 
-fn agree_with_enumeration(method: LcpMethod, cases: usize, seed: u64, largest: usize) {
+fn agree_with_enumeration(method: LcpMethodName, cases: usize, seed: u64, largest: usize) {
     let mut noise = Noise(seed);
     let mut endings = std::collections::BTreeMap::<String, usize>::new();
     for case in 0..cases {
@@ -209,7 +215,7 @@ fn agree_with_enumeration(method: LcpMethod, cases: usize, seed: u64, largest: u
 
 #[test]
 fn small_problems_of_every_kind_agree_with_enumeration() {
-    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::Auto] {
         agree_with_enumeration(method, 4000, 1, 8);
     }
 }
@@ -217,7 +223,7 @@ fn small_problems_of_every_kind_agree_with_enumeration() {
 #[test]
 #[ignore = "takes minutes; the short version always runs"]
 fn a_hundred_thousand_small_problems_agree_with_enumeration() {
-    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::Auto] {
         agree_with_enumeration(method, 100_000, 2, 10);
     }
 }
@@ -228,7 +234,7 @@ fn block_pivoting_and_lemke_find_the_one_solution_of_a_p_matrix() {
     for _ in 0..3000 {
         let (m, q, kind) = small_problem(&mut noise, 9);
         if P_MATRICES.contains(&kind) {
-            let pivoting = run_with(&m, &q, LcpMethod::BlockPivoting, &LcpOptions::default());
+            let pivoting = run_with(&m, &q, LcpMethodName::BlockPivoting, &LcpOptions::default());
             assert_solves(&m, &q, &pivoting, 1e-10);
             let lemke = run(&m, &q);
             for (a, b) in lemke.z.iter().zip(&pivoting.z) {
@@ -272,7 +278,7 @@ fn copositive_plus_problems_built_from_an_answer_are_solved() {
                     .collect();
                 let q: Vec<f64> =
                     (0..n).map(|i| w[i] - (0..n).map(|j| m[(i, j)] * z[j]).sum::<f64>()).collect();
-                for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+                for method in [LcpMethodName::Lemke, LcpMethodName::Auto] {
                     let solution = run_with(&m, &q, method, &LcpOptions::default());
                     assert_eq!(
                         solution.status,
@@ -295,12 +301,12 @@ fn block_pivoting_that_goes_in_circles_hands_over() {
     let (a, b) = (noise.matrix(n, n), noise.matrix(n, n));
     let m = &a * a.transpose() * (1.0 / n as f64) + &b - b.transpose() + Mat::<f64>::identity(n, n) * 0.1;
     let q: Vec<f64> = (0..n).map(|_| noise.value()).collect();
-    let solution = run_with(&m, &q, LcpMethod::BlockPivoting, &LcpOptions::default());
+    let solution = run_with(&m, &q, LcpMethodName::BlockPivoting, &LcpOptions::default());
     assert_solves(&m, &q, &solution, 1e-11);
-    assert_eq!(solution.attempts[0].method, LcpMethod::BlockPivoting);
+    assert_eq!(solution.attempts[0].method, LcpMethodName::BlockPivoting);
     assert_eq!(solution.method, solution.attempts.last().unwrap().method);
     let options = LcpOptions { max_pivots: Some(500), ..LcpOptions::default() };
-    let bounded = run_with(&m, &q, LcpMethod::BlockPivoting, &options);
+    let bounded = run_with(&m, &q, LcpMethodName::BlockPivoting, &options);
     assert_eq!((bounded.status, bounded.attempts.len()), (LcpStatus::PivotLimit, 1));
 }
 
@@ -310,7 +316,7 @@ fn block_pivoting_that_goes_in_circles_hands_over() {
 fn exponential_examples_end_solved_by_every_method() {
     for n in [1, 2, 5, 10, 15, 20] {
         for (name, m, q) in exponential_examples(n) {
-            for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+            for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
                 let solution = run_with(&m, &q, method, &LcpOptions::default());
                 println!("{name} {n} {method}: {} pivots, {} runs", solution.pivots, solution.attempts.len());
                 assert_solves(&m, &q, &solution, 1e-12);
@@ -323,7 +329,7 @@ fn exponential_examples_end_solved_by_every_method() {
 fn a_pivot_limit_that_the_caller_set_is_kept() {
     let (_, m, q) = exponential_examples(12).swap_remove(3);
     let options = LcpOptions { max_pivots: Some(100), ..LcpOptions::default() };
-    let solution = run_with(&m, &q, LcpMethod::Lemke, &options);
+    let solution = run_with(&m, &q, LcpMethodName::Lemke, &options);
     assert_eq!((solution.status, solution.pivots), (LcpStatus::PivotLimit, 100));
     assert!(solution.advice().contains("max_pivots"));
 }
@@ -332,7 +338,7 @@ fn a_pivot_limit_that_the_caller_set_is_kept() {
 fn circulants_on_which_exchanges_can_cycle_end_solved() {
     for n in [3, 5, 7, 9, 31] {
         let (m, q) = circulant(n);
-        for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+        for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
             // From every corner: block exchanges jump between sets here without end.
             for first in [vec![], vec![0], (0..n - 1).collect::<Vec<_>>()] {
                 let options = LcpOptions { initial_active: Some(first), ..LcpOptions::default() };
@@ -350,7 +356,7 @@ fn graded_p_matrices_are_solved_up_to_condition_1e14() {
         for n in [5, 20, 60] {
             let m = graded_p_matrix(&mut noise, n, 10_f64.powi(exponent));
             let q: Vec<f64> = (0..n).map(|_| noise.value()).collect();
-            for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+            for method in [LcpMethodName::Lemke, LcpMethodName::Auto] {
                 let solution = run_with(&m, &q, method, &LcpOptions::default());
                 println!("1e{exponent}, {n}, {method}: {:e}", solution.natural_residual);
                 assert_eq!(solution.status, LcpStatus::Solved, "{}", solution.advice());
@@ -394,7 +400,7 @@ fn a_crash_basis_changes_no_ending() {
     for case in 0..900 {
         let (m, q, kind) = larger_problem(&mut noise, case);
         let crashed = run(&m, &q);
-        let plain = run_with(&m, &q, LcpMethod::Lemke, &LcpOptions { crash: false, ..LcpOptions::default() });
+        let plain = run_path(&m, &q);
         let context = format!("case {case}, {kind}: {} / {}", crashed.advice(), plain.advice());
         assert!(plain.attempts.iter().all(|attempt| !attempt.crash));
         assert!(crashed.attempts.iter().skip(1).all(|attempt| !attempt.crash));
@@ -431,13 +437,12 @@ fn a_crash_that_finds_nothing_takes_nothing_from_the_path() {
     let mut seen = 0;
     for case in 0..300 {
         let (m, q, kind) = larger_problem(&mut noise, case);
-        let plain = LcpOptions { crash: false, ..LcpOptions::default() };
-        let plain = run_with(&m, &q, LcpMethod::Lemke, &plain);
+        let plain = run_path(&m, &q);
         if plain.status != LcpStatus::Solved || plain.attempts.len() > 1 || plain.pivots == 0 {
             continue;
         }
         let options = LcpOptions { max_pivots: Some(plain.pivots), ..LcpOptions::default() };
-        let crashed = run_with(&m, &q, LcpMethod::Lemke, &options);
+        let crashed = run_with(&m, &q, LcpMethodName::Lemke, &options);
         assert_eq!(crashed.status, LcpStatus::Solved, "case {case}, {kind}: {}", crashed.advice());
         if let [crash, path] = crashed.attempts[..] {
             assert!(crash.crash && path.pivots == plain.pivots);
@@ -452,21 +457,20 @@ fn a_crash_that_finds_nothing_takes_nothing_from_the_path() {
 fn a_contact_costs_as_many_pivots_as_nodes_and_says_how() {
     let contact = grid_contact(30, 0.8e-3, 10e-3, 2e-3);
     let crashed = run(&contact.m, &contact.q);
-    let plain = LcpOptions { crash: false, ..LcpOptions::default() };
-    let plain = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &plain);
+    let plain = run_path(&contact.m, &contact.q);
     assert_eq!(crashed.active(), plain.active());
     let contacts = crashed.active().len();
     assert!(crashed.pivots >= contacts && 10 * crashed.pivots <= 12 * contacts, "{}", crashed.pivots);
     assert!(plain.pivots > contacts);
-    assert_eq!(crashed.method, LcpMethod::Lemke);
+    assert_eq!(crashed.method, LcpMethodName::Lemke);
     assert!(crashed.attempts[0].crash && !crashed.attempts[0].warm);
     // A budget below what the guess alone needs leaves all of it to the path.
     let tight = LcpOptions { max_pivots: Some(30), ..LcpOptions::default() };
-    let tight = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &tight);
+    let tight = run_with(&contact.m, &contact.q, LcpMethodName::Lemke, &tight);
     assert_eq!((tight.status, tight.pivots), (LcpStatus::PivotLimit, 30));
     // The caller's own covering vector is what the path follows.
-    let covering = LcpOptions { covering: Some(vec![2.0; contact.q.len()]), ..LcpOptions::default() };
-    let covered = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &covering);
+    let covering = LemkeOptions { covering: Some(vec![2.0; contact.q.len()]), ..LemkeOptions::default() };
+    let covered = run_with(&contact.m, &contact.q, LcpMethod::Lemke(covering), &LcpOptions::default());
     assert!(covered.attempts.iter().all(|attempt| !attempt.crash));
     assert_eq!(covered.active(), crashed.active());
 }
@@ -481,9 +485,9 @@ fn rows_that_bulge_are_taken_in() {
         _ => 0.0,
     });
     let q: Vec<f64> = (0..n).map(|i| if i.abs_diff(60) < 12 { -1.0 } else { 0.05 }).collect();
-    let plain = run_with(&m, &q, LcpMethod::Lemke, &LcpOptions { crash: false, ..LcpOptions::default() });
+    let plain = run_path(&m, &q);
     assert!(plain.active().len() > 23, "{:?}", plain.active());
-    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
         let solution = run_with(&m, &q, method, &LcpOptions::default());
         assert_solves(&m, &q, &solution, 1e-12);
         assert_eq!(solution.active(), plain.active(), "{method}");
@@ -516,7 +520,7 @@ fn every_method_finds_the_same_forces() {
         let contact = grid_contact(side, 0.8e-3, radius, 0.5e-3);
         let lemke = run(&contact.m, &contact.q);
         let largest = lemke.z.iter().copied().fold(0.0, f64::max);
-        for method in [LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+        for method in [LcpMethodName::BlockPivoting, LcpMethodName::ProjectedCg, LcpMethodName::Auto] {
             let other = run_with(&contact.m, &contact.q, method, &LcpOptions::default());
             assert_solves(&contact.m, &contact.q, &other, 1e-10);
             for (a, b) in lemke.z.iter().zip(&other.z) {
@@ -530,7 +534,9 @@ fn every_method_finds_the_same_forces() {
 #[test]
 fn scaling_m_or_q_changes_no_active_set() {
     let contact = grid_contact(20, 0.8e-3, 10e-3, 1.12e-3);
-    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+    for method in
+        [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::ProjectedCg, LcpMethodName::Auto]
+    {
         let plain = run_with(&contact.m, &contact.q, method, &LcpOptions::default());
         let scales =
             [(1e-9, 1.0), (1e6, 1.0), (1.0, 1e-6), (1e-9, 1e-6), (1e200, 1e-100), (3.0, 0.7), (0.3, 1.9)];
@@ -561,7 +567,7 @@ fn coincident_nodes_share_their_force() {
     let m = Mat::from_fn(2 * n, 2 * n, |i, j| contact.m[(i % n, j % n)]);
     let q = [contact.q.clone(), contact.q.clone()].concat();
     let single = run(&contact.m, &contact.q);
-    for method in [LcpMethod::Lemke, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::ProjectedCg, LcpMethodName::Auto] {
         let double = run_with(&m, &q, method, &LcpOptions::default());
         assert_solves(&m, &q, &double, 1e-10);
         assert!(!double.certificate.is_unique());
@@ -580,7 +586,7 @@ fn a_step_deeper_starts_from_the_last_contact() {
         let back = 2e-3 * (1.0 - step as f64 / 50.0);
         let q: Vec<f64> = contact.q.iter().map(|q| q + back).collect();
         let options = LcpOptions { initial_active: Some(active), ..LcpOptions::default() };
-        let solution = run_with(&contact.m, &q, LcpMethod::Lemke, &options);
+        let solution = run_with(&contact.m, &q, LcpMethodName::Lemke, &options);
         assert_solves(&contact.m, &q, &solution, 1e-12);
         pivots += solution.pivots;
         active = solution.active();
@@ -597,12 +603,14 @@ fn a_useless_guess_costs_nothing_but_time() {
     let far: Vec<usize> = (0..20).collect();
     let singular = mat![[0.0, 1.0], [-1.0, 0.0]];
     let options = |guess: Vec<usize>| LcpOptions { initial_active: Some(guess), ..LcpOptions::default() };
-    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+    for method in
+        [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::ProjectedCg, LcpMethodName::Auto]
+    {
         let solution = run_with(&contact.m, &contact.q, method, &options(far.clone()));
         assert_solves(&contact.m, &contact.q, &solution, 1e-10);
         assert_eq!(solution.active(), cold.active());
     }
-    for method in [LcpMethod::Lemke, LcpMethod::Auto] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::Auto] {
         let solution = run_with(&singular, &[-1.0, 2.0], method, &options(vec![0]));
         assert_eq!(solution.z, [2.0, 1.0]);
     }
@@ -635,23 +643,23 @@ fn a_kernel_that_pulls_its_neighbours_in_ends_on_a_ray_or_is_flagged() {
 fn an_indefinite_response_is_named_so() {
     let contact = grid_contact(8, 0.8e-3, 10e-3, 0.5e-3);
     let always = LcpOptions { definiteness: DefinitenessCheck::Always, ..LcpOptions::default() };
-    let sound = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &always);
+    let sound = run_with(&contact.m, &contact.q, LcpMethodName::Lemke, &always);
     assert_eq!(sound.certificate.definiteness, Definiteness::PositiveDefinite);
     assert!(sound.certificate.is_unique() && sound.advice().contains("only solution"));
     let never = LcpOptions { definiteness: DefinitenessCheck::Never, ..LcpOptions::default() };
-    let silent = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &never);
+    let silent = run_with(&contact.m, &contact.q, LcpMethodName::Lemke, &never);
     assert_eq!(silent.certificate.definiteness, Definiteness::Unknown);
     // A checkerboard that yields: -0.1 times its own energy.
     let n = contact.q.len();
     let diagonal = contact.m[(0, 0)];
     let sign = |i: usize| if (i / 8 + i % 8).is_multiple_of(2) { 1.0 } else { -1.0 };
     let m = Mat::from_fn(n, n, |i, j| contact.m[(i, j)] - 0.01 * diagonal * sign(i) * sign(j));
-    let solution = run_with(&m, &contact.q, LcpMethod::Lemke, &always);
+    let solution = run_with(&m, &contact.q, LcpMethodName::Lemke, &always);
     assert_eq!(solution.certificate.definiteness, Definiteness::NotPositiveDefinite);
     let known = LcpProblem::new(contact.m.as_ref(), &contact.q).unwrap().with_known_p_matrix();
-    let solution = solve(&known, LcpMethod::Auto, &LcpOptions::default()).unwrap();
+    let solution = solve(&known, &LcpMethodName::Auto.into(), &LcpOptions::default()).unwrap();
     assert!(solution.certificate.known_p_matrix && solution.certificate.is_unique());
-    assert_eq!(solution.method, LcpMethod::BlockPivoting);
+    assert_eq!(solution.method, LcpMethodName::BlockPivoting);
 }
 
 #[test]
@@ -663,7 +671,7 @@ fn an_exactly_singular_matrix_has_no_only_solution() {
         let m = &m * scale;
         for check in [DefinitenessCheck::Always, DefinitenessCheck::Cheap] {
             let options = LcpOptions { definiteness: check, ..LcpOptions::default() };
-            let solution = run_with(&m, &q, LcpMethod::Lemke, &options);
+            let solution = run_with(&m, &q, LcpMethodName::Lemke, &options);
             assert_eq!(solution.certificate.definiteness, Definiteness::Unknown, "{scale:e}");
             assert!(!solution.advice().contains("only solution"));
         }
@@ -674,7 +682,7 @@ fn an_exactly_singular_matrix_has_no_only_solution() {
 fn definiteness_is_looked_at_where_asked_though_zero_solves() {
     let always = LcpOptions { definiteness: DefinitenessCheck::Always, ..LcpOptions::default() };
     let verdict = |m: &Mat<f64>, options: &LcpOptions| {
-        run_with(m, &[1.0, 0.0], LcpMethod::Lemke, options).certificate.definiteness
+        run_with(m, &[1.0, 0.0], LcpMethodName::Lemke, options).certificate.definiteness
     };
     // -1 beside 2 pulls w below zero, so both rows count.
     let definite = mat![[2.0, -1.0], [-1.0, 2.0]];
@@ -692,11 +700,11 @@ fn storage_order_changes_nothing() {
     // Not symmetric, so that a mixed-up order would show.
     let m = Mat::from_fn(n, n, |i, j| contact.m[(i, j)] * (1.0 + 0.01 * (i as f64 / n as f64)));
     let rows = m.transpose().to_owned();
-    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
         let by_columns = run_with(&m, &contact.q, method, &LcpOptions::default());
         assert_solves(&m, &contact.q, &by_columns, 1e-12);
         let problem = LcpProblem::new(rows.transpose(), &contact.q).unwrap();
-        let by_rows = solve(&problem, method, &LcpOptions::default()).unwrap();
+        let by_rows = solve(&problem, &method.into(), &LcpOptions::default()).unwrap();
         assert_eq!(by_rows.active(), by_columns.active());
         for (a, b) in by_rows.z.iter().zip(&by_columns.z) {
             assert!((a - b).abs() < 1e-11);
@@ -709,7 +717,7 @@ fn storage_order_changes_nothing() {
 #[test]
 fn results_are_equal_to_the_bit_for_any_number_of_threads() {
     let contact = grid_contact(30, 0.8e-3, 200e-3, 0.5e-3);
-    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg] {
+    for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::ProjectedCg] {
         let [one, three] = [1, 3].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| run_with(&contact.m, &contact.q, method, &LcpOptions::default()))
@@ -725,7 +733,9 @@ fn an_interrupt_ends_every_method_soon() {
     use std::sync::atomic::{AtomicUsize, Ordering};
     let contact = grid_contact(25, 0.8e-3, 10e-3, 1e-3);
     let q = vec![-1e-3; contact.q.len()];
-    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+    for method in
+        [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::ProjectedCg, LcpMethodName::Auto]
+    {
         let asked = AtomicUsize::new(0);
         let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
         let options = LcpOptions { interrupt: Some(&stop), ..LcpOptions::default() };
@@ -743,7 +753,12 @@ fn an_interrupt_at_any_ask_never_looks_like_another_ending() {
     let infeasible = Mat::from_fn(90, 90, |i, j| if i == j { 1.0 } else { -0.5 });
     let pressed = vec![-1.0; 90];
     for (m, q) in [(&contact.m, &contact.q), (&infeasible, &pressed)] {
-        for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+        for method in [
+            LcpMethodName::Lemke,
+            LcpMethodName::BlockPivoting,
+            LcpMethodName::ProjectedCg,
+            LcpMethodName::Auto,
+        ] {
             let whole = run_with(m, q, method, &LcpOptions::default());
             for after in 0..60 {
                 let asked = AtomicUsize::new(0);
@@ -767,7 +782,7 @@ fn an_interrupt_at_any_ask_never_looks_like_another_ending() {
 fn nothing_is_called_solved_that_tolerance_does_not_pass() {
     let contact = grid_contact(15, 0.8e-3, 10e-3, 0.5e-3);
     let options = LcpOptions { tolerance: 1e-30, ..LcpOptions::default() };
-    let solution = run_with(&contact.m, &contact.q, LcpMethod::Lemke, &options);
+    let solution = run_with(&contact.m, &contact.q, LcpMethodName::Lemke, &options);
     assert_eq!(solution.status, LcpStatus::Breakdown);
     assert!(solution.natural_residual > 1e-30 && solution.advice().contains("tolerance"));
 }
@@ -775,16 +790,16 @@ fn nothing_is_called_solved_that_tolerance_does_not_pass() {
 #[test]
 fn gradients_and_blocks_say_when_m_is_not_for_them() {
     let m = mat![[1.0, 2.0], [2.0, 1.0]];
-    let solution = run_with(&m, &[-1.0, -1.1], LcpMethod::ProjectedCg, &LcpOptions::default());
+    let solution = run_with(&m, &[-1.0, -1.1], LcpMethodName::ProjectedCg, &LcpOptions::default());
     if solution.status != LcpStatus::Solved {
         assert_eq!(solution.status, LcpStatus::Breakdown);
         assert!(solution.advice().contains("positive definite"), "{}", solution.advice());
     }
     let m = mat![[0.0, 1.0], [1.0, 0.0]];
-    let solution = run_with(&m, &[-1.0, -1.1], LcpMethod::ProjectedCg, &LcpOptions::default());
+    let solution = run_with(&m, &[-1.0, -1.1], LcpMethodName::ProjectedCg, &LcpOptions::default());
     assert_eq!(solution.status, LcpStatus::Breakdown);
     let singular = mat![[1.0, 1.0], [1.0, 1.0]];
-    let solution = run_with(&singular, &[-1.0, -1.0], LcpMethod::BlockPivoting, &LcpOptions::default());
+    let solution = run_with(&singular, &[-1.0, -1.0], LcpMethodName::BlockPivoting, &LcpOptions::default());
     assert_eq!(solution.status, LcpStatus::Breakdown);
     assert!(solution.advice().contains("lemke"), "{}", solution.advice());
     assert_solves(&singular, &[-1.0, -1.0], &run(&singular, &[-1.0, -1.0]), 1e-15);
@@ -801,10 +816,10 @@ fn extreme_numbers_end_without_panic() {
         };
         let m = Mat::from_fn(n, n, |_, _| entry());
         let q: Vec<f64> = (0..n).map(|_| entry()).collect();
-        for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::Auto] {
+        for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
             let solution = run_with(&m, &q, method, &LcpOptions::default());
+            assert!(solution.z.iter().all(|&z| z >= 0.0 && z.is_finite()), "{}", solution.advice());
             if solution.status == LcpStatus::Solved {
-                assert!(solution.z.iter().all(|&z| z >= 0.0 && z.is_finite()));
                 assert!(solution.natural_residual <= 1e-10);
             }
         }
@@ -832,7 +847,8 @@ fn malformed_problems_are_named() {
                 // With q < 0 every unknown is above zero, and every column is read.
                 let pressed = vec![-1.0; n];
                 let problem = LcpProblem::new(view, &pressed).unwrap();
-                let error = solve(&problem, LcpMethod::Lemke, &LcpOptions::default()).unwrap_err();
+                let error =
+                    solve(&problem, &LcpMethodName::Lemke.into(), &LcpOptions::default()).unwrap_err();
                 let LcpError::NonFiniteMatrix { row, column, count: 1, .. } = error else {
                     panic!("{error}")
                 };
@@ -840,7 +856,7 @@ fn malformed_problems_are_named() {
                 // With q >= 0 nothing of M is needed, and a large one is not read.
                 let apart = vec![1.0; n];
                 let problem = LcpProblem::new(view, &apart).unwrap();
-                let unread = solve(&problem, LcpMethod::Lemke, &LcpOptions::default());
+                let unread = solve(&problem, &LcpMethodName::Lemke.into(), &LcpOptions::default());
                 assert_eq!(unread.is_ok(), n > 64, "{n}");
             }
         }
@@ -854,7 +870,9 @@ fn entries_that_an_answer_needs_are_finite_or_named() {
     let sound = run(&contact.m, &contact.q);
     let touching = sound.active()[3];
     let far = (0..n).find(|&i| contact.q[i] > 0.0).unwrap();
-    for method in [LcpMethod::Lemke, LcpMethod::BlockPivoting, LcpMethod::ProjectedCg, LcpMethod::Auto] {
+    for method in
+        [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::ProjectedCg, LcpMethodName::Auto]
+    {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for (row, column) in
                 [(far, touching), (touching, touching), (touching, sound.active()[0]), (far, far)]
@@ -863,7 +881,7 @@ fn entries_that_an_answer_needs_are_finite_or_named() {
                 m[(row, column)] = bad;
                 for view in [m.as_ref(), m.transpose()] {
                     let problem = LcpProblem::new(view, &contact.q).unwrap();
-                    match solve(&problem, method, &LcpOptions::default()) {
+                    match solve(&problem, &method.into(), &LcpOptions::default()) {
                         Err(LcpError::NonFiniteMatrix { row: r, column: c, count: 1, .. }) => {
                             assert!((r, c) == (row, column) || (c, r) == (row, column));
                         }
@@ -881,9 +899,9 @@ fn entries_that_an_answer_needs_are_finite_or_named() {
         let mut m = contact.m.clone();
         m[(touching, far)] = f64::NAN;
         let problem = LcpProblem::new(m.as_ref(), &contact.q).unwrap();
-        match solve(&problem, method, &LcpOptions::default()) {
+        match solve(&problem, &method.into(), &LcpOptions::default()) {
             Ok(solution) => assert_eq!(solution.active(), sound.active(), "{method}"),
-            Err(error) => assert!(method == LcpMethod::ProjectedCg, "{method}: {error}"),
+            Err(error) => assert!(method == LcpMethodName::ProjectedCg, "{method}: {error}"),
         }
     }
 }
@@ -899,7 +917,7 @@ fn a_look_at_definiteness_that_nobody_asked_for_refuses_no_answer() {
     let with = |definiteness| {
         let problem = LcpProblem::new(m.as_ref(), &contact.q).unwrap();
         let options = LcpOptions { definiteness, ..LcpOptions::default() };
-        solve(&problem, LcpMethod::Auto, &options)
+        solve(&problem, &LcpMethodName::Auto.into(), &options)
     };
     assert_eq!(with(DefinitenessCheck::Cheap).unwrap().status, LcpStatus::Solved);
     assert_eq!(with(DefinitenessCheck::Never).unwrap().status, LcpStatus::Solved);
@@ -918,9 +936,9 @@ fn matrices_full_of_what_is_not_finite_end_without_panic() {
             _ => noise.value() + if i == j { n as f64 } else { 0.0 },
         });
         let q: Vec<f64> = (0..n).map(|_| noise.value()).collect();
-        let method = LcpMethod::ALL[case % 4];
+        let method = LcpMethodName::ALL[case % 4];
         let problem = LcpProblem::new(m.as_ref(), &q).unwrap();
-        if let Ok(solution) = solve(&problem, method, &LcpOptions::default()) {
+        if let Ok(solution) = solve(&problem, &method.into(), &LcpOptions::default()) {
             // Only what the answer does not depend on may be amiss.
             assert_eq!(solution.status, LcpStatus::Solved);
             for j in solution.active() {
@@ -934,24 +952,32 @@ fn matrices_full_of_what_is_not_finite_end_without_panic() {
 fn malformed_options_are_named() {
     let m = mat![[2.0, 1.0], [0.0, 2.0]];
     let problem = LcpProblem::new(m.as_ref(), &[-1.0, -1.0]).unwrap();
-    let fail = |method: LcpMethod, options: LcpOptions| solve(&problem, method, &options).unwrap_err();
+    let solve = |method: LcpMethod, options: LcpOptions| solve(&problem, &method, &options).unwrap_err();
     let default = LcpOptions::default;
-    let error = fail(LcpMethod::Lemke, LcpOptions { covering: Some(vec![1.0, 0.0]), ..default() });
+    let fail = |options: LemkeOptions| {
+        let block_pivoting = BlockPivotingOptions { lemke: options.clone(), ..Default::default() };
+        let auto = AutoOptions { block_pivoting: block_pivoting.clone(), ..Default::default() };
+        let error = solve(LcpMethod::Lemke(options), default());
+        for method in [LcpMethod::BlockPivoting(block_pivoting), LcpMethod::Auto(auto)] {
+            assert_eq!(solve(method, default()).to_string(), error.to_string());
+        }
+        error
+    };
+    let error = fail(LemkeOptions { covering: Some(vec![1.0, 0.0]), ..Default::default() });
     assert_eq!(error, LcpError::CoveringNotPositive { index: 1, value: 0.0 });
-    let error = fail(LcpMethod::Lemke, LcpOptions { covering: Some(vec![1.0]), ..default() });
+    let error = fail(LemkeOptions { covering: Some(vec![1.0]), ..Default::default() });
     assert_eq!(error, LcpError::LengthMismatch { name: "covering", found: 1, expected: 2 });
+    for pivot_tol in [0.0, f64::NAN] {
+        let error = fail(LemkeOptions { pivot_tol, ..Default::default() });
+        assert!(matches!(error, LcpError::OptionOutOfRange { name: "pivot_tol", .. }), "{error}");
+    }
     for (guess, position, index) in [(vec![0, 2], 1, 2), (vec![1, 1], 1, 1)] {
-        let error = fail(LcpMethod::Auto, LcpOptions { initial_active: Some(guess), ..default() });
+        let options = LcpOptions { initial_active: Some(guess), ..default() };
+        let error = solve(LcpMethod::default(), options);
         assert_eq!(error, LcpError::InitialActive { position, index, size: 2 });
     }
-    for (options, name) in [
-        (LcpOptions { pivot_tol: 0.0, ..default() }, "pivot_tol"),
-        (LcpOptions { pivot_tol: f64::NAN, ..default() }, "pivot_tol"),
-        (LcpOptions { tolerance: f64::INFINITY, ..default() }, "tolerance"),
-    ] {
-        let error = fail(LcpMethod::Lemke, options);
-        assert!(matches!(error, LcpError::OptionOutOfRange { name: found, .. } if found == name), "{error}");
-    }
-    let error = fail(LcpMethod::ProjectedCg, default());
+    let error = solve(LcpMethod::default(), LcpOptions { tolerance: f64::INFINITY, ..default() });
+    assert!(matches!(error, LcpError::OptionOutOfRange { name: "tolerance", .. }), "{error}");
+    let error = solve(LcpMethodName::ProjectedCg.into(), default());
     assert_eq!(error, LcpError::NotSymmetric { row: 0, column: 1, difference: 0.5 });
 }

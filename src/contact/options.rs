@@ -1,7 +1,8 @@
 //! How a contact is solved: options, their defaults, their checks.
 
 use crate::contact::error::ContactError;
-use crate::lcp::options::LcpMethod;
+use crate::lcp::solution::LcpMethodName;
+use crate::lcp::solve::LcpMethod;
 
 /// Options of [`solve_contact`](crate::contact::solve_contact) and [`press`](crate::contact::press::press).
 #[derive(Clone)]
@@ -36,7 +37,7 @@ impl Default for ContactOptions<'_> {
         Self {
             tolerance: 1e-6,
             rings: None,
-            method: LcpMethod::Lemke,
+            method: LcpMethodName::Lemke.into(),
             num_threads: None,
             memory_limit: None,
             search_distance: None,

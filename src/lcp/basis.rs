@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::NoFactor;
+use crate::linalg::factor::{Interrupt, NoFactor};
 use crate::linalg::kernels::{CHUNK, SHARED, axpy, dot, row_block};
 use crate::linalg::lu::Lu;
 
@@ -56,7 +56,7 @@ impl Basis {
         &mut self,
         size: usize,
         mut fill: impl FnMut(usize, &mut [f64]),
-        interrupted: &dyn Fn() -> bool,
+        interrupted: Interrupt,
     ) -> Result<(), NoFactor> {
         let columns_at_once = (CHUNK / size.max(1)).max(1);
         let mut k = Dense::zeros(size, size);

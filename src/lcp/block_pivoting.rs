@@ -6,26 +6,39 @@
 //! not always soon.
 
 use crate::lcp::certificate::nan_max;
+use crate::lcp::lemke::run::LemkeOptions;
 use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
-use crate::lcp::reduced::Reduced;
+use crate::lcp::problem::LcpProblem;
+use crate::lcp::reduced::ReducedProblem;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::NoFactor;
+use crate::linalg::factor::{Interrupt, NoFactor};
 use crate::linalg::lu::Lu;
 
-/// Block exchanges without progress that are borne (Júdice and Pires advise at most ten).
-const PATIENCE: usize = 10;
-/// The same where a crash basis is looked for, which must cost little when it is not found.
-const CRASH_PATIENCE: usize = 2;
 /// Values closer to zero than this count as zero, relative to the largest; larger errors are refined.
 pub(super) const ZERO: f64 = 64.0 * f64::EPSILON;
 /// Errors of a block's equations, relative to its largest value, above which the factor is no use.
 const ACCURACY: f64 = 1e-6;
 /// Share of the largest entry by which the outer rows and columns of a symmetric block may differ.
 const SYMMETRIC: f64 = 1e-13;
+
+/// Parameters of block principal pivoting.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlockPivotingOptions {
+    /// Block exchanges without progress that are borne (Júdice and Pires advise at most ten).
+    pub patience: usize,
+    /// Lemke's method, which follows where exchanges find no answer; its `crash` is not read.
+    pub lemke: LemkeOptions,
+}
+
+impl Default for BlockPivotingOptions {
+    fn default() -> Self {
+        Self { patience: 10, lemke: LemkeOptions::default() }
+    }
+}
 
 /// What to do where block exchanges do not get on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,87 +47,59 @@ pub(super) enum Fallback {
     Finite,
     /// Give up; something else is waiting.
     None,
-    /// Give up soon, and as soon as a block shows that M is no P-matrix.
+    /// Give up, also as soon as a block shows that M is no P-matrix.
     Crash,
 }
 
-/// Solves from the guess `active` (ascending), to which `spent` pivots have led; `scale_i z_i` counts in units of w.
+/// Solves from the guess `active` (ascending), to which `spent` pivots have led.
+///
+/// After `patience` block exchanges without progress the fallback holds.
 pub(super) fn solve(
-    reduced: &Reduced,
-    scale: &[f64],
+    problem: &LcpProblem,
+    reduced: &ReducedProblem,
     active: &[usize],
     spent: usize,
-    fallback: Fallback,
+    (fallback, patience): (Fallback, usize),
     options: &LcpOptions,
 ) -> Outcome {
     let n = reduced.size();
-    let budget = options.pivot_budget(n);
-    let deficit = reduced.q.iter().fold(0.0, |deficit: f64, q| deficit.max(-q));
+    let mut outcome = Outcome { pivots: spent, ..Outcome::zero(LcpStatus::Solved, n) };
     let mut is_active = vec![false; n];
     active.iter().for_each(|&i| is_active[i] = true);
-    let mut outcome = Outcome { pivots: spent, ..Outcome::zero(LcpStatus::Breakdown, n) };
-    let full_patience = if fallback == Fallback::Crash { CRASH_PATIENCE } else { PATIENCE };
-    let (mut fewest, mut patience) = (usize::MAX, full_patience);
+    let (mut fewest, mut patience_left) = (usize::MAX, patience);
     let mut singles = if options.max_pivots.is_some() { usize::MAX } else { single_budget(n) };
-    let mut blocks = Blocks { reduced, columns: TouchedColumns::new(reduced), options, kind: Kind::Open };
-    loop {
+    let mut blocks = Blocks::new(problem, reduced, options);
+    outcome.status = loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();
-        let factor = match blocks.factor(&set, &mut outcome.work) {
-            Ok(factor) => factor,
-            Err(NoFactor::Interrupted) => return Outcome { status: LcpStatus::Interrupted, ..outcome },
-            Err(NoFactor::Singular) => return outcome,
+        let wrong = match blocks.wrong_signs(&set, fallback == Fallback::Crash, &mut outcome) {
+            Err(status) => break status,
+            Ok(wrong) if wrong.is_empty() => break LcpStatus::Solved,
+            Ok(wrong) => wrong,
         };
-        if fallback == Fallback::Crash
-            && !(factor.has_positive_determinant() && blocks.kind != Kind::Indefinite)
-        {
-            return outcome;
-        }
-        let (w, size, error) = blocks.values(&set, &factor, scale, deficit, &mut outcome);
-        if options.is_interrupted() {
-            return Outcome { status: LcpStatus::Interrupted, ..clipped(outcome) };
-        }
-        if matches!(factor, BlockFactor::Cholesky(_)) && error > ZERO * size {
-            // The lower triangle does not stand for the block: it is not symmetric after all.
-            blocks.kind = Kind::Nonsymmetric;
-            continue;
-        }
-        if !size.is_finite() || error > ACCURACY * size {
-            return clipped(outcome);
-        }
-        let zero = ZERO * size;
-        let z = &outcome.z;
-        let wrong: Vec<usize> =
-            (0..n).filter(|&i| if is_active[i] { scale[i] * z[i] < -zero } else { w[i] < -zero }).collect();
-        if wrong.is_empty() {
-            return Outcome { status: LcpStatus::Solved, ..clipped(outcome) };
-        }
         let mut exchanged = &wrong[..];
         if wrong.len() < fewest {
-            (fewest, patience) = (wrong.len(), full_patience);
-        } else if patience > 0 {
-            patience -= 1;
+            (fewest, patience_left) = (wrong.len(), patience);
+        } else if patience_left > 0 {
+            patience_left -= 1;
         } else if fallback == Fallback::Finite {
             exchanged = &wrong[..1];
         } else {
-            return clipped(outcome);
+            break LcpStatus::Breakdown;
         }
         singles -= usize::from(exchanged.len() < wrong.len());
-        if outcome.pivots + exchanged.len() > budget || singles == 0 {
-            return Outcome { status: LcpStatus::PivotLimit, ..clipped(outcome) };
+        if outcome.pivots + exchanged.len() > options.pivot_budget(n) || singles == 0 {
+            break LcpStatus::PivotLimit;
         }
         exchanged.iter().for_each(|&i| is_active[i] = !is_active[i]);
         outcome.pivots += exchanged.len();
-    }
+    };
+    outcome.z.iter_mut().for_each(|z| *z = if z.is_finite() { z.max(0.0) } else { 0.0 });
+    outcome
 }
 
 /// Single exchanges, each with a factor of its own, that are bearable.
 fn single_budget(n: usize) -> usize {
     n + 20_000 / n.max(1)
-}
-
-fn clipped(mut outcome: Outcome) -> Outcome {
-    outcome.z.iter_mut().for_each(|z| *z = if z.is_finite() { z.max(0.0) } else { 0.0 });
-    outcome
 }
 
 /// Factor of a principal block.
@@ -143,9 +128,11 @@ impl BlockFactor {
 
 /// Factors of principal blocks, and what they give.
 struct Blocks<'a> {
-    reduced: &'a Reduced<'a>,
+    reduced: &'a ReducedProblem<'a>,
     columns: TouchedColumns<'a>,
-    options: &'a LcpOptions<'a>,
+    /// `scale_i z_i` counts in units of w.
+    scale: Vec<f64>,
+    interrupted: Interrupt<'a>,
     kind: Kind,
 }
 
@@ -160,19 +147,53 @@ enum Kind {
     Nonsymmetric,
 }
 
-impl Blocks<'_> {
+impl<'a> Blocks<'a> {
+    fn new(problem: &LcpProblem, reduced: &'a ReducedProblem<'a>, options: &LcpOptions<'a>) -> Self {
+        let scale = (0..reduced.size()).map(|place| problem.diagonal_scale(reduced.index(place))).collect();
+        let (columns, interrupted) = (TouchedColumns::new(reduced), options.interrupt());
+        Self { reduced, columns, scale, interrupted, kind: Kind::Open }
+    }
+
+    /// Unknowns whose z or w has the wrong sign in the complementary basis of `set`, whose z goes to `outcome`; or
+    /// why there is no such basis, which may be that a crash looks for a P-matrix and M is none.
+    fn wrong_signs(
+        &mut self,
+        set: &[usize],
+        is_crash: bool,
+        outcome: &mut Outcome,
+    ) -> Result<Vec<usize>, LcpStatus> {
+        let factor = self.factor(set, &mut outcome.work)?;
+        if is_crash && !(factor.has_positive_determinant() && self.kind != Kind::Indefinite) {
+            return Err(LcpStatus::Breakdown);
+        }
+        let (w, size, error) = self.values(set, &factor, outcome);
+        if (self.interrupted)() {
+            return Err(LcpStatus::Interrupted);
+        }
+        if matches!(factor, BlockFactor::Cholesky(_)) && error > ZERO * size {
+            // The lower triangle does not stand for the block: it is not symmetric after all.
+            self.kind = Kind::Nonsymmetric;
+            return self.wrong_signs(set, is_crash, outcome);
+        }
+        if !size.is_finite() || error > ACCURACY * size {
+            return Err(LcpStatus::Breakdown);
+        }
+        let mut basic = w;
+        set.iter().for_each(|&i| basic[i] = self.scale[i] * outcome.z[i]);
+        Ok((0..basic.len()).filter(|&i| basic[i] < -ZERO * size).collect())
+    }
+
     /// The block of `set`: by Cholesky where it looks symmetric and may be definite, else by LU.
     ///
     /// Only its outer rows and columns are compared; that the rest is symmetric shows in the residual.
     fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<BlockFactor, NoFactor> {
-        let interrupted = || self.options.is_interrupted();
         let k = set.len() as f64;
-        self.columns.touch(set, &interrupted);
+        self.columns.touch(set, self.interrupted);
         if self.kind == Kind::Open {
-            let block = self.columns.principal(set, true, &interrupted);
+            let block = self.columns.principal(set, true, self.interrupted);
             if looks_symmetric(&block) {
                 *work += k * k * k / 3.0;
-                match Cholesky::new(block, &interrupted) {
+                match Cholesky::new(block, self.interrupted) {
                     Ok(factor) => return Ok(BlockFactor::Cholesky(factor)),
                     Err(NoFactor::Interrupted) => return Err(NoFactor::Interrupted),
                     Err(NoFactor::Singular) => self.kind = Kind::Indefinite,
@@ -182,20 +203,14 @@ impl Blocks<'_> {
             }
         }
         *work += 2.0 / 3.0 * k * k * k;
-        Lu::new(self.columns.principal(set, false, &interrupted), &interrupted).map(BlockFactor::Lu)
+        let block = self.columns.principal(set, false, self.interrupted);
+        Lu::new(block, self.interrupted).map(BlockFactor::Lu)
     }
 
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
     /// how far w is from zero on the set.
-    fn values(
-        &self,
-        set: &[usize],
-        factor: &BlockFactor,
-        scale: &[f64],
-        deficit: f64,
-        outcome: &mut Outcome,
-    ) -> (Vec<f64>, f64, f64) {
-        let interrupted = || self.options.is_interrupted();
+    fn values(&self, set: &[usize], factor: &BlockFactor, outcome: &mut Outcome) -> (Vec<f64>, f64, f64) {
+        let deficit = self.reduced.q.iter().fold(0.0, |deficit: f64, q| deficit.max(-q));
         let z = &mut outcome.z;
         z.fill(0.0);
         let mut w = self.reduced.q.clone();
@@ -206,11 +221,11 @@ impl Blocks<'_> {
                 z[i] -= error;
             }
             w.copy_from_slice(&self.reduced.q);
-            self.columns.add_product(set, z, &mut w, &interrupted);
+            self.columns.add_product(set, z, &mut w, self.interrupted);
             outcome.work += 2.0 * set.len() as f64 * (w.len() + set.len()) as f64;
-            size = set.iter().fold(deficit, |size, &i| nan_max(size, scale[i] * z[i].abs()));
+            size = set.iter().fold(deficit, |size, &i| nan_max(size, self.scale[i] * z[i].abs()));
             error = set.iter().fold(0.0, |worst: f64, &i| nan_max(worst, w[i].abs()));
-            if error <= ZERO * size || interrupted() {
+            if error <= ZERO * size || (self.interrupted)() {
                 break;
             }
         }

@@ -8,12 +8,13 @@
 //! gaps (m), but nothing here knows of it: any real `M` is welcome, nonsymmetric, indefinite or singular.
 //!
 //! ```
-//! use quasirigid::lcp::{LcpMethod, LcpOptions, LcpProblem, LcpStatus, solve};
+//! use quasirigid::lcp::{LcpMethod, LcpOptions, LcpProblem, LcpStatus, LemkeOptions, solve};
 //!
 //! let m = faer::mat![[2.0, 1.0], [1.0, 2.0_f64]];
 //! let q = [-5.0, -6.0];
 //! let problem = LcpProblem::new(m.as_ref(), &q)?;
-//! let solution = solve(&problem, LcpMethod::Lemke, &LcpOptions::default())?;
+//! let lemke = LcpMethod::Lemke(LemkeOptions::default());
+//! let solution = solve(&problem, &lemke, &LcpOptions::default())?;
 //! assert_eq!(solution.status, LcpStatus::Solved);
 //! assert!((solution.z[0] - 4.0 / 3.0).abs() < 1e-15 && (solution.z[1] - 7.0 / 3.0).abs() < 1e-15);
 //! # Ok::<(), quasirigid::lcp::LcpError>(())
@@ -21,7 +22,7 @@
 //!
 //! | method | for | needs |
 //! |---|---|---|
-//! | [`Lemke`](LcpMethod::Lemke) | any M; about one pivot for each unknown above zero, by blocks where [`crash`](LcpOptions::crash) serves | columns of M as they enter |
+//! | [`Lemke`](LcpMethod::Lemke) | any M; about one pivot for each unknown above zero, by blocks where [`crash`](LemkeOptions::crash) serves | columns of M as they enter |
 //! | [`BlockPivoting`](LcpMethod::BlockPivoting) | M with positive principal minors; a few factors of the active block | that block |
 //! | [`ProjectedCg`](LcpMethod::ProjectedCg) | M symmetric positive definite | products with M |
 //! | [`Auto`](LcpMethod::Auto) | block pivoting, then Lemke; notes what it did | |
@@ -54,15 +55,20 @@ pub(crate) mod projected_cg;
 pub(crate) mod ray;
 pub(crate) mod reduced;
 pub(crate) mod row_extremes;
+pub(crate) mod session;
 pub(crate) mod solution;
 pub(crate) mod solve;
 pub(crate) mod symmetry;
 pub(crate) mod touched_columns;
 
 pub use crate::linalg::definiteness::Definiteness;
+pub use block_pivoting::BlockPivotingOptions;
 pub use certificate::Certificate;
-pub use options::{DefinitenessCheck, LcpMethod, LcpOptions};
+pub use lemke::run::LemkeOptions;
+pub use methods::AutoOptions;
+pub use options::{DefinitenessCheck, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
+pub use projected_cg::ProjectedCgOptions;
 pub use ray::{LcpRay, RayConclusion};
-pub use solution::{LcpAttempt, LcpSolution, LcpStatus};
-pub use solve::solve;
+pub use solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus};
+pub use solve::{LcpMethod, solve};

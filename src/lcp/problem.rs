@@ -4,8 +4,9 @@ use std::sync::OnceLock;
 
 use faer::MatRef;
 
-use crate::lcp::row_extremes::{first_non_finite, row_extremes};
+use crate::lcp::row_extremes::row_extremes;
 use crate::linalg::definiteness::Definiteness;
+use crate::linalg::factor::Interrupt;
 use crate::linalg::kernels::Extremes;
 
 /// Why a problem or its options were rejected.
@@ -97,6 +98,18 @@ pub enum LcpError {
     },
 }
 
+/// What ends a solve before there is an outcome.
+pub(super) enum Halt {
+    Interrupted,
+    Rejected(LcpError),
+}
+
+impl From<LcpError> for Halt {
+    fn from(error: LcpError) -> Self {
+        Self::Rejected(error)
+    }
+}
+
 /// `w = M z + q` with `w >= 0`, `z >= 0`, `w·z = 0`, shape and q checked.
 ///
 /// M may be stored by columns, by rows or with any strides; it is neither copied nor read here.
@@ -176,23 +189,22 @@ impl<'a> LcpProblem<'a> {
 
     /// Smallest entry and largest magnitude of each row; the first call looks at every entry of M.
     ///
-    /// `None` when interrupted meanwhile.
-    ///
     /// # Errors
-    /// [`LcpError::NonFiniteMatrix`].
-    pub(super) fn rows(&self, interrupted: &dyn Fn() -> bool) -> Result<Option<&Extremes>, LcpError> {
+    /// [`LcpError::NonFiniteMatrix`], with the first such entry by rows.
+    pub(super) fn rows(&self, interrupted: Interrupt) -> Result<&Extremes, Halt> {
         if let Some(extremes) = self.extremes.get() {
-            return Ok(Some(extremes));
+            return Ok(extremes);
         }
-        let Some(found) = row_extremes(self.m, interrupted) else {
-            return Ok(None);
-        };
-        if found.flaw.iter().any(|&flaw| flaw != 0.0) {
-            let (row, column, count) = first_non_finite(self.m, &found.flaw, interrupted)
-                .expect("an entry that is not finite was seen");
-            return Err(LcpError::NonFiniteMatrix { row, column, value: self.m[(row, column)], count });
+        let found = row_extremes(self.m, interrupted).ok_or(Halt::Interrupted)?;
+        let n = self.size();
+        let rows = (0..n).filter(|&i| found.non_finite[i] != 0.0);
+        let mut entries =
+            rows.flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&entry| !self.m[entry].is_finite());
+        if let Some((row, column)) = entries.next() {
+            let (value, count) = (self.m[(row, column)], 1 + entries.count());
+            return Err(LcpError::NonFiniteMatrix { row, column, value, count }.into());
         }
-        Ok(Some(self.extremes.get_or_init(|| found)))
+        Ok(self.extremes.get_or_init(|| found))
     }
 
     /// The same, if all of M has been looked at already.
@@ -203,6 +215,10 @@ impl<'a> LcpProblem<'a> {
     /// Diagonal of M (n), read at the first call.
     pub(super) fn diagonal(&self) -> &[f64] {
         self.diagonal.get_or_init(|| (0..self.size()).map(|i| self.m[(i, i)]).collect())
+    }
+
+    pub(super) fn has_positive_diagonal(&self) -> bool {
+        self.diagonal().iter().all(|&entry| entry > 0.0 && entry.is_finite())
     }
 
     /// Unit in which `z_i` counts in row i: the diagonal where positive, else the row's largest magnitude.

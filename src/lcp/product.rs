@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::lcp::certificate::nan_max;
 use crate::lcp::problem::LcpProblem;
+use crate::linalg::factor::Interrupt;
 use crate::linalg::kernels::{self, CHUNK, SHARED, row_block};
 
 /// Rows that a pass takes at a time, so that what it adds to stays in the nearest cache.
@@ -22,7 +23,7 @@ pub(super) fn add_terms<'a>(
     y: &mut [f64],
     count: usize,
     term: impl Fn(usize) -> (&'a [f64], f64) + Sync,
-    interrupted: &dyn Fn() -> bool,
+    interrupted: Interrupt,
 ) {
     in_row_blocks(y, count, interrupted, |first, part| {
         let height = part.len();
@@ -39,7 +40,7 @@ pub(super) fn add_row_products<'a>(
     y: &mut [f64],
     row: impl Fn(usize) -> &'a [f64] + Sync,
     x: &[f64],
-    interrupted: &dyn Fn() -> bool,
+    interrupted: Interrupt,
 ) {
     in_row_blocks(y, x.len(), interrupted, |first, part| {
         pulp::Arch::new().dispatch(
@@ -54,7 +55,7 @@ impl LcpProblem<'_> {
     /// `M z + q`, with errors far below `tolerance · max(-q)`: where rounding could come near, with twice the digits.
     ///
     /// A huge z on singular columns would otherwise look like an answer once its terms cancel to zero.
-    pub(super) fn residual(&self, z: &[f64], tolerance: f64, interrupted: &dyn Fn() -> bool) -> Vec<f64> {
+    pub(super) fn residual(&self, z: &[f64], tolerance: f64, interrupted: Interrupt) -> Vec<f64> {
         let mut w = self.q.to_vec();
         let largest =
             add_product(self.m, z, &mut w, interrupted, kernels::add_column_measured, |_, magnitudes| {
@@ -69,7 +70,7 @@ impl LcpProblem<'_> {
 }
 
 /// `M z` with twice the digits.
-pub(super) fn product_compensated(m: MatRef<'_, f64>, z: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
+pub(super) fn product_compensated(m: MatRef<f64>, z: &[f64], interrupted: Interrupt) -> Vec<f64> {
     let mut product = vec![0.0; m.nrows()];
     add_product_compensated(m, z, &mut product, interrupted);
     product
@@ -77,9 +78,9 @@ pub(super) fn product_compensated(m: MatRef<'_, f64>, z: &[f64], interrupted: &d
 
 /// `M z` and `|M| |z|`.
 pub(super) fn product_and_magnitudes(
-    m: MatRef<'_, f64>,
+    m: MatRef<f64>,
     z: &[f64],
-    interrupted: &dyn Fn() -> bool,
+    interrupted: Interrupt,
 ) -> (Vec<f64>, Vec<f64>) {
     let [mut product, mut magnitudes] = [vec![0.0; m.nrows()], vec![0.0; m.nrows()]];
     add_product(m, z, &mut product, interrupted, kernels::add_column_measured, |_, _| 0.0);
@@ -90,7 +91,7 @@ pub(super) fn product_and_magnitudes(
     (product, magnitudes)
 }
 
-fn add_product_compensated(m: MatRef<'_, f64>, z: &[f64], w: &mut [f64], interrupted: &dyn Fn() -> bool) {
+fn add_product_compensated(m: MatRef<f64>, z: &[f64], w: &mut [f64], interrupted: Interrupt) {
     add_product(m, z, w, interrupted, kernels::add_column_compensated, |part, tail| {
         part.iter_mut().zip(tail).for_each(|(w, tail)| *w += *tail);
         0.0
@@ -100,10 +101,10 @@ fn add_product_compensated(m: MatRef<'_, f64>, z: &[f64], w: &mut [f64], interru
 /// `w += M z` by a kernel that adds a column times a factor to a part of w and keeps a second sum beside it;
 /// `finish` is given both for each part. Returns the largest of what it returns.
 fn add_product(
-    m: MatRef<'_, f64>,
+    m: MatRef<f64>,
     z: &[f64],
     w: &mut [f64],
-    interrupted: &dyn Fn() -> bool,
+    interrupted: Interrupt,
     kernel: fn(&mut [f64], &mut [f64], &[f64], f64),
     finish: impl Fn(&mut [f64], &[f64]) -> f64 + Sync,
 ) -> f64 {
@@ -137,7 +138,7 @@ fn add_product(
 fn in_row_blocks(
     w: &mut [f64],
     row_cost: usize,
-    interrupted: &dyn Fn() -> bool,
+    interrupted: Interrupt,
     block: impl Fn(usize, &mut [f64]) -> f64 + Sync,
 ) -> f64 {
     let mut largest = 0.0;

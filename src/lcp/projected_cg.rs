@@ -8,9 +8,23 @@ use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
+use crate::linalg::factor::Interrupt;
 
-/// Iterations without a smaller residual before the run is given up.
-const STALLED: usize = 500;
+/// Steps after which w is formed anew from z.
+const REFRESH: usize = 50;
+
+/// Parameters of projected conjugate gradients.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProjectedCgOptions {
+    /// Iterations without a smaller residual before the run is given up.
+    pub patience: usize,
+}
+
+impl Default for ProjectedCgOptions {
+    fn default() -> Self {
+        Self { patience: 500 }
+    }
+}
 
 /// Solves on `m`, all its columns touched, from the guess `active`.
 pub(super) fn solve(
@@ -18,7 +32,8 @@ pub(super) fn solve(
     q: &[f64],
     active: &[usize],
     tolerance: f64,
-    options: &LcpOptions,
+    options: &ProjectedCgOptions,
+    shared: &LcpOptions,
 ) -> Outcome {
     let n = q.len();
     let diagonal: Vec<f64> = (0..n).map(|i| m.column(i)[i]).collect();
@@ -26,110 +41,142 @@ pub(super) fn solve(
     if diagonal.iter().any(|&m| m <= 0.0) {
         return outcome;
     }
-    let budget = options.pivot_budget(n);
-    let interrupted = || options.is_interrupted();
-    let mut z = start(m, q, &diagonal, active, &interrupted);
-    let mut direction = vec![0.0; n];
-    let mut curved = vec![0.0; n];
-    let (mut conjugate, mut last) = (false, 1.0);
+    let interrupted = shared.interrupt();
+    let deficit = q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q));
+    let mut iterate = Iterate::new(m, q, diagonal, active, interrupted);
     let (mut best, mut best_at) = (f64::INFINITY, 0);
-    let mut w = gap(m, q, &z, &interrupted);
-    let mut is_fresh = true;
     loop {
-        // Natural residual, by which the best iterate so far is kept.
-        let unit = q.iter().fold(0.0, |unit: f64, &q| unit.max(-q));
-        let residual = (0..n).fold(0.0, |worst: f64, i| nan_max(worst, (diagonal[i] * z[i]).min(w[i]).abs()));
-        if residual < best * unit {
-            (best, best_at) = (residual / unit, outcome.pivots);
-            outcome.z.copy_from_slice(&z);
+        let residual = iterate.residual();
+        if residual < best * deficit {
+            (best, best_at) = (residual / deficit, outcome.pivots);
+            outcome.z.copy_from_slice(&iterate.z);
         }
-        if residual <= tolerance * unit && !is_fresh {
+        let is_small = residual <= tolerance * deficit;
+        if is_small && !iterate.is_fresh {
             // Updates of w gather rounding; the last word has M itself.
-            w = gap(m, q, &z, &interrupted);
-            is_fresh = true;
+            iterate.refresh();
             continue;
         }
-        outcome.status = if residual <= tolerance * unit {
-            LcpStatus::Solved
-        } else if options.is_interrupted() {
-            LcpStatus::Interrupted
-        } else if outcome.pivots >= budget {
-            LcpStatus::PivotLimit
-        } else if !residual.is_finite() || outcome.pivots > best_at + STALLED {
-            LcpStatus::Breakdown
+        let ending = if is_small {
+            Some(LcpStatus::Solved)
+        } else if interrupted() {
+            Some(LcpStatus::Interrupted)
+        } else if outcome.pivots >= shared.pivot_budget(n) {
+            Some(LcpStatus::PivotLimit)
+        } else if !residual.is_finite() || outcome.pivots > best_at + options.patience {
+            Some(LcpStatus::Breakdown)
         } else {
-            LcpStatus::Solved
+            outcome.pivots += 1;
+            iterate.step(&mut outcome.work).err()
         };
-        if outcome.status != LcpStatus::Solved || residual <= tolerance * unit {
-            return outcome;
+        if let Some(status) = ending {
+            return Outcome { status, ..outcome };
         }
-        outcome.pivots += 1;
-        let square: f64 = (0..n).filter(|&i| z[i] > 0.0).map(|i| w[i].powi(2) / diagonal[i]).sum();
-        let keep = if conjugate && last > 0.0 { square / last } else { 0.0 };
-        last = square;
-        for i in 0..n {
-            direction[i] = if z[i] > 0.0 { w[i] / diagonal[i] + keep * direction[i] } else { 0.0 };
-        }
-        curved.fill(0.0);
-        add_product(m, &direction, &mut curved, &interrupted);
-        outcome.work += (n * direction.iter().filter(|&&d| d != 0.0).count()) as f64;
-        let slope: f64 = (0..n).map(|i| w[i] * direction[i]).sum();
-        let curvature: f64 = (0..n).map(|i| curved[i] * direction[i]).sum();
-        if curvature <= 0.0 && slope != 0.0 {
-            outcome.status = LcpStatus::Breakdown;
-            return outcome;
-        }
-        let step = if curvature > 0.0 { slope / curvature } else { 1.0 };
-        conjugate = true;
-        // What z is off the straight step, at the few unknowns that were cut off or let in.
-        let mut correction = vec![0.0; n];
-        for i in 0..n {
-            if z[i] > 0.0 {
-                let straight = z[i] - step * direction[i];
-                z[i] = straight.max(0.0);
-                correction[i] = z[i] - straight;
-            } else if w[i] < 0.0 {
-                z[i] = -step.abs().min(1.0) * w[i] / diagonal[i];
-                correction[i] = z[i];
-                conjugate = false;
-            }
-        }
-        w.iter_mut().zip(&curved).for_each(|(w, curved)| *w -= step * curved);
-        add_product(m, &correction, &mut w, &interrupted);
-        is_fresh = outcome.pivots.is_multiple_of(50);
-        if is_fresh {
-            w = gap(m, q, &z, &interrupted);
+        if outcome.pivots.is_multiple_of(REFRESH) {
+            iterate.refresh();
         }
     }
 }
 
-/// A load on the guess alone, of the size that suits it best.
-fn start(
-    m: &TouchedColumns,
-    q: &[f64],
-    diagonal: &[f64],
-    active: &[usize],
-    interrupted: &dyn Fn() -> bool,
-) -> Vec<f64> {
-    let mut z = vec![0.0; q.len()];
-    active.iter().for_each(|&i| z[i] = (-q[i]).max(0.0) / diagonal[i]);
-    let mut curved = vec![0.0; q.len()];
-    add_product(m, &z, &mut curved, interrupted);
-    let slope: f64 = q.iter().zip(&z).map(|(q, z)| -q * z).sum();
-    let curvature: f64 = curved.iter().zip(&z).map(|(c, z)| c * z).sum();
-    let factor = if curvature > 0.0 && slope > 0.0 { slope / curvature } else { 1.0 };
-    z.iter_mut().for_each(|z| *z *= factor);
-    z
+/// Where the iteration stands.
+struct Iterate<'a> {
+    m: &'a TouchedColumns<'a>,
+    q: &'a [f64],
+    diagonal: Vec<f64>,
+    z: Vec<f64>,
+    w: Vec<f64>,
+    /// Whether w was formed from z, not updated.
+    is_fresh: bool,
+    direction: Vec<f64>,
+    /// Square of the last gradient, to which the next direction is conjugate; zero where it starts anew.
+    last_square: f64,
+    interrupted: Interrupt<'a>,
 }
 
-fn gap(m: &TouchedColumns, q: &[f64], z: &[f64], interrupted: &dyn Fn() -> bool) -> Vec<f64> {
-    let mut w = q.to_vec();
-    add_product(m, z, &mut w, interrupted);
-    w
-}
+impl<'a> Iterate<'a> {
+    /// A load on the guess alone, of the size that suits it best.
+    fn new(
+        m: &'a TouchedColumns<'a>,
+        q: &'a [f64],
+        diagonal: Vec<f64>,
+        active: &[usize],
+        interrupted: Interrupt<'a>,
+    ) -> Self {
+        let [mut z, w, direction] = [vec![0.0; q.len()], vec![0.0; q.len()], vec![0.0; q.len()]];
+        active.iter().for_each(|&i| z[i] = (-q[i]).max(0.0) / diagonal[i]);
+        let mut start =
+            Self { m, q, diagonal, z, w, is_fresh: true, direction, last_square: 0.0, interrupted };
+        let curved = start.product(&start.z);
+        let slope: f64 = q.iter().zip(&start.z).map(|(q, z)| -q * z).sum();
+        let curvature: f64 = curved.iter().zip(&start.z).map(|(c, z)| c * z).sum();
+        let factor = if curvature > 0.0 && slope > 0.0 { slope / curvature } else { 1.0 };
+        start.z.iter_mut().for_each(|z| *z *= factor);
+        start.refresh();
+        start
+    }
 
-/// `w += M z`.
-fn add_product(m: &TouchedColumns, z: &[f64], w: &mut [f64], interrupted: &dyn Fn() -> bool) {
-    let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
-    m.add_product(&active, z, w, interrupted);
+    /// `max |min(M_ii z_i, w_i)|`.
+    fn residual(&self) -> f64 {
+        let rows = self.diagonal.iter().zip(&self.z).zip(&self.w);
+        rows.fold(0.0, |worst: f64, ((diagonal, z), w)| nan_max(worst, (diagonal * z).min(*w).abs()))
+    }
+
+    fn refresh(&mut self) {
+        let mut w = self.q.to_vec();
+        self.add_product(&self.z, &mut w);
+        (self.w, self.is_fresh) = (w, true);
+    }
+
+    /// Goes to the minimum along the next direction, cuts off what became negative and lets in unknowns with w < 0.
+    fn step(&mut self, work: &mut f64) -> Result<(), LcpStatus> {
+        let n = self.z.len();
+        let square: f64 =
+            (0..n).filter(|&i| self.z[i] > 0.0).map(|i| self.w[i].powi(2) / self.diagonal[i]).sum();
+        let keep = if self.last_square > 0.0 { square / self.last_square } else { 0.0 };
+        for i in 0..n {
+            let along =
+                if self.z[i] > 0.0 { self.w[i] / self.diagonal[i] + keep * self.direction[i] } else { 0.0 };
+            self.direction[i] = along;
+        }
+        self.last_square = square;
+        let curved = self.product(&self.direction);
+        *work += (n * self.direction.iter().filter(|&&d| d != 0.0).count()) as f64;
+        let slope: f64 = (0..n).map(|i| self.w[i] * self.direction[i]).sum();
+        let curvature: f64 = (0..n).map(|i| curved[i] * self.direction[i]).sum();
+        if curvature <= 0.0 && slope != 0.0 {
+            return Err(LcpStatus::Breakdown);
+        }
+        let step = if curvature > 0.0 { slope / curvature } else { 1.0 };
+        // What z is off the straight step, at the few unknowns that were cut off or let in.
+        let mut correction = vec![0.0; n];
+        for (i, correction) in correction.iter_mut().enumerate() {
+            let z = &mut self.z[i];
+            if *z > 0.0 {
+                let straight = *z - step * self.direction[i];
+                *z = straight.max(0.0);
+                *correction = *z - straight;
+            } else if self.w[i] < 0.0 {
+                *z = -step.abs().min(1.0) * self.w[i] / self.diagonal[i];
+                *correction = *z;
+                self.last_square = 0.0;
+            }
+        }
+        let mut w = std::mem::take(&mut self.w);
+        w.iter_mut().zip(&curved).for_each(|(w, curved)| *w -= step * curved);
+        self.add_product(&correction, &mut w);
+        (self.w, self.is_fresh) = (w, false);
+        Ok(())
+    }
+
+    fn product(&self, z: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; z.len()];
+        self.add_product(z, &mut product);
+        product
+    }
+
+    /// `w += M z`.
+    fn add_product(&self, z: &[f64], w: &mut [f64]) {
+        let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
+        self.m.add_product(&active, z, w, self.interrupted);
+    }
 }

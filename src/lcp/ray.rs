@@ -3,6 +3,7 @@
 use crate::lcp::certificate::nan_max;
 use crate::lcp::problem::LcpProblem;
 use crate::lcp::product::{product_and_magnitudes, product_compensated};
+use crate::linalg::factor::Interrupt;
 
 /// What a ray proves about the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -48,7 +49,7 @@ impl LcpRay {
         z: Vec<f64>,
         z0: f64,
         covering: &[f64],
-        interrupted: &dyn Fn() -> bool,
+        interrupted: Interrupt,
     ) -> Self {
         let n = z.len();
         let (product, magnitudes) = product_and_magnitudes(problem.m, &z, interrupted);
@@ -72,7 +73,7 @@ impl LcpRay {
 }
 
 /// Farkas: `z >= 0`, `M' z <= 0`, `q·z < 0`; with twice the digits, or else to rounding.
-fn infeasibility(problem: &LcpProblem, z: &[f64], interrupted: &dyn Fn() -> bool) -> Option<RayConclusion> {
+fn infeasibility(problem: &LcpProblem, z: &[f64], interrupted: Interrupt) -> Option<RayConclusion> {
     let (product, magnitude) =
         problem.q.iter().zip(z).fold((0.0, 0.0), |(p, m), (q, z)| (p + q * z, m + (q * z).abs()));
     if product >= -ROUNDING * magnitude || product.is_nan() {

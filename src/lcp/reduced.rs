@@ -4,9 +4,10 @@ use faer::MatRef;
 
 use crate::lcp::problem::LcpProblem;
 use crate::linalg::dense::Dense;
+use crate::linalg::factor::Interrupt;
 
 /// The problem on some of its rows, q divided by a power of two near `max(-q)`.
-pub(super) struct Reduced<'a> {
+pub(super) struct ReducedProblem<'a> {
     m: MatRef<'a, f64>,
     /// Rows kept, ascending.
     kept: Vec<usize>,
@@ -15,7 +16,7 @@ pub(super) struct Reduced<'a> {
     pub(super) unit: f64,
 }
 
-impl<'a> Reduced<'a> {
+impl<'a> ReducedProblem<'a> {
     /// The problem on `rows` (ascending); on all where copying most of M to spare the rest would not pay.
     pub(super) fn on(problem: &LcpProblem<'a>, rows: Vec<usize>) -> Self {
         let unit = power_of_two(problem.deficit());
@@ -40,7 +41,7 @@ impl<'a> Reduced<'a> {
     }
 
     /// A copy of columns of the whole problem's M, on the rows kept; left unfinished when `interrupted`.
-    pub(super) fn gather(&self, columns: &[usize], interrupted: &dyn Fn() -> bool) -> Dense {
+    pub(super) fn gather(&self, columns: &[usize], interrupted: Interrupt) -> Dense {
         Dense::gather(self.m, &self.kept, columns, interrupted)
     }
 
@@ -56,10 +57,10 @@ impl<'a> Reduced<'a> {
         set
     }
 
-    /// A reduced vector in the whole problem's places, the others zero.
-    pub(super) fn expand(&self, reduced: &[f64], size: usize) -> Vec<f64> {
-        let mut whole = vec![0.0; size];
-        self.kept.iter().zip(reduced).for_each(|(&i, &value)| whole[i] = value);
+    /// A reduced vector times `unit` in the whole problem's places, the others zero.
+    pub(super) fn expand(&self, reduced: &[f64], unit: f64) -> Vec<f64> {
+        let mut whole = vec![0.0; self.m.nrows()];
+        self.kept.iter().zip(reduced).for_each(|(&i, &value)| whole[i] = unit * value);
         whole
     }
 }
@@ -98,10 +99,10 @@ mod tests {
     fn rows_that_cannot_touch_are_left_out() {
         let m = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 1.0 });
         let problem = LcpProblem::new(m.as_ref(), &[1.0, -1.0, 0.0]).unwrap();
-        let row_min = &problem.rows(&|| false).unwrap().unwrap().low;
-        let reduced = Reduced::on(&problem, rows_that_matter(&[1.0, -1.0, 0.0], row_min));
+        let row_min = &problem.rows(&|| false).ok().unwrap().low;
+        let reduced = ReducedProblem::on(&problem, rows_that_matter(&[1.0, -1.0, 0.0], row_min));
         assert_eq!(reduced.q, [-1.0]);
-        assert_eq!(reduced.expand(&[0.5], 3), [0.0, 0.5, 0.0]);
+        assert_eq!(reduced.expand(&[0.5], 2.0), [0.0, 1.0, 0.0]);
         assert_eq!(reduced.restrict_set(&[2, 1]), [0]);
     }
 }

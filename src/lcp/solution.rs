@@ -1,7 +1,6 @@
 //! How a solve ended and what it found.
 
 use crate::lcp::certificate::Certificate;
-use crate::lcp::options::LcpMethod;
 use crate::lcp::ray::{LcpRay, RayConclusion};
 
 /// How a solve ended.
@@ -38,11 +37,46 @@ impl std::fmt::Display for LcpStatus {
     }
 }
 
+/// What ran; [`LcpMethod`](crate::lcp::LcpMethod) is what was asked for, with its options.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum LcpMethodName {
+    /// Lemke's complementary pivoting.
+    Lemke,
+    /// Block principal pivoting.
+    BlockPivoting,
+    /// Projected conjugate gradients.
+    ProjectedCg,
+    /// Whatever suits the problem.
+    Auto,
+}
+
+impl LcpMethodName {
+    /// Every method.
+    pub const ALL: [Self; 4] = [Self::Lemke, Self::BlockPivoting, Self::ProjectedCg, Self::Auto];
+
+    /// The name used in reports and in Python.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Lemke => "lemke",
+            Self::BlockPivoting => "block_pivoting",
+            Self::ProjectedCg => "projected_cg",
+            Self::Auto => "auto",
+        }
+    }
+}
+
+impl std::fmt::Display for LcpMethodName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
 /// One method's run within a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LcpAttempt {
     /// What ran.
-    pub method: LcpMethod,
+    pub method: LcpMethodName,
     /// How it ended.
     pub status: LcpStatus,
     /// Basis exchanges of this run (iterations for projected_cg).
@@ -69,7 +103,7 @@ pub struct LcpSolution {
     /// `certificate.complementarity`.
     pub complementarity: f64,
     /// The method that gave this ending.
-    pub method: LcpMethod,
+    pub method: LcpMethodName,
     /// Measures against the M and q given.
     pub certificate: Certificate,
     /// Where the path left for, when it did.
@@ -124,12 +158,12 @@ impl LcpSolution {
             ),
             LcpStatus::Breakdown => {
                 let (what, remedy) = match self.method {
-                    LcpMethod::ProjectedCg => (
+                    LcpMethodName::ProjectedCg => (
                         "conjugate gradients stalled or met a direction without curvature; usually M is not positive \
                          definite",
                         "use method lemke or auto",
                     ),
-                    LcpMethod::BlockPivoting => (
+                    LcpMethodName::BlockPivoting => (
                         "an active block had no usable factor; usually M is singular or no P-matrix",
                         "use method lemke or auto, or merge coincident nodes",
                     ),

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::lcp::touched_columns::TouchedColumns;
+use crate::linalg::factor::Interrupt;
 
 /// The worst pair of entries of a matrix of order `n`: row, column, difference over the largest entry.
 ///
@@ -11,7 +12,7 @@ pub(super) fn asymmetry(
     columns: &TouchedColumns,
     n: usize,
     limit: f64,
-    interrupted: &dyn Fn() -> bool,
+    interrupted: Interrupt,
 ) -> (usize, usize, f64) {
     const TILE: usize = 32;
     let strip = |first_column: usize| {

@@ -3,8 +3,9 @@
 use faer::{ContiguousFwd, MatRef};
 
 use crate::lcp::product::{add_row_products, add_terms};
-use crate::lcp::reduced::Reduced;
+use crate::lcp::reduced::ReducedProblem;
 use crate::linalg::dense::Dense;
+use crate::linalg::factor::Interrupt;
 
 /// A matrix whose columns lie in one piece each.
 type ByColumns<'a> = MatRef<'a, f64, usize, usize, ContiguousFwd>;
@@ -14,7 +15,7 @@ const NOWHERE: usize = usize::MAX;
 
 /// Columns of M on the rows kept, copied side by side, each once; or M itself where all rows are kept.
 pub(super) struct TouchedColumns<'a> {
-    reduced: &'a Reduced<'a>,
+    reduced: &'a ReducedProblem<'a>,
     in_place: Option<InPlace<'a>>,
     copies: Vec<Dense>,
     /// Copy that holds each column, and its number there.
@@ -31,7 +32,7 @@ enum InPlace<'a> {
 
 impl<'a> TouchedColumns<'a> {
     /// For blocks and products.
-    pub(super) fn new(reduced: &'a Reduced<'a>) -> Self {
+    pub(super) fn new(reduced: &'a ReducedProblem<'a>) -> Self {
         let m = reduced.whole();
         let by_rows = || m?.transpose().try_as_col_major().map(InPlace::Rows);
         let in_place = m.and_then(|m| m.try_as_col_major()).map(InPlace::Columns).or_else(by_rows);
@@ -39,7 +40,7 @@ impl<'a> TouchedColumns<'a> {
     }
 
     /// Of an M that is symmetric, so that its rows are its columns; all are touched.
-    pub(super) fn symmetric(reduced: &'a Reduced<'a>, interrupted: &dyn Fn() -> bool) -> Self {
+    pub(super) fn symmetric(reduced: &'a ReducedProblem<'a>, interrupted: Interrupt) -> Self {
         let mut all = Self::new(reduced);
         if let Some(InPlace::Rows(m)) = all.in_place {
             all.in_place = Some(InPlace::Columns(m));
@@ -49,12 +50,12 @@ impl<'a> TouchedColumns<'a> {
     }
 
     /// Copies in any case.
-    pub(super) fn copied(reduced: &'a Reduced<'a>) -> Self {
+    pub(super) fn copied(reduced: &'a ReducedProblem<'a>) -> Self {
         Self { reduced, in_place: None, copies: Vec::new(), place: vec![(NOWHERE, 0); reduced.size()] }
     }
 
     /// Copies those of `set` that are not there; returns whether there are such. Left unfinished when `interrupted`.
-    pub(super) fn touch(&mut self, set: &[usize], interrupted: &dyn Fn() -> bool) -> bool {
+    pub(super) fn touch(&mut self, set: &[usize], interrupted: Interrupt) -> bool {
         if self.in_place.is_some() {
             return false;
         }
@@ -89,7 +90,7 @@ impl<'a> TouchedColumns<'a> {
     }
 
     /// The block of M on `set`, all touched, or its transpose where `symmetric`; left unfinished when `interrupted`.
-    pub(super) fn principal(&self, set: &[usize], symmetric: bool, interrupted: &dyn Fn() -> bool) -> Dense {
+    pub(super) fn principal(&self, set: &[usize], symmetric: bool, interrupted: Interrupt) -> Dense {
         if let Some(InPlace::Rows(m)) = self.in_place {
             let m = if symmetric { m.as_dyn_stride() } else { m.as_dyn_stride().transpose() };
             return Dense::gather(m, set, set, interrupted);
@@ -101,13 +102,7 @@ impl<'a> TouchedColumns<'a> {
     }
 
     /// `w += M z` for a z that is zero outside `set`, all touched; left unfinished when `interrupted`.
-    pub(super) fn add_product(
-        &self,
-        set: &[usize],
-        z: &[f64],
-        w: &mut [f64],
-        interrupted: &dyn Fn() -> bool,
-    ) {
+    pub(super) fn add_product(&self, set: &[usize], z: &[f64], w: &mut [f64], interrupted: Interrupt) {
         match self.in_place {
             Some(InPlace::Rows(m)) => add_row_products(w, |i| m.col(i).as_slice(), z, interrupted),
             _ => add_terms(w, set.len(), |k| (self.column(set[k]), z[set[k]]), interrupted),

@@ -6,7 +6,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par};
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{NoFactor, STRIP, in_strips, panel_width};
+use crate::linalg::factor::{Interrupt, NoFactor, STRIP, in_strips, panel_width};
 use crate::linalg::kernels::{add_terms_inline, axpy, dot};
 
 /// `A = L L'` of a symmetric positive definite matrix.
@@ -16,7 +16,7 @@ pub(crate) struct Cholesky {
 
 impl Cholesky {
     /// Reads the lower triangle of `a`.
-    pub(crate) fn new(mut a: Dense, interrupted: &dyn Fn() -> bool) -> Result<Self, NoFactor> {
+    pub(crate) fn new(mut a: Dense, interrupted: Interrupt) -> Result<Self, NoFactor> {
         let n = a.rows();
         for start in (0..n).step_by(panel_width(n)) {
             if interrupted() {

@@ -4,7 +4,7 @@ use faer::{Mat, MatRef, Side};
 
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::NoFactor;
+use crate::linalg::factor::{Interrupt, NoFactor};
 use crate::linalg::lanczos::ritz_values;
 
 /// Up to this order all eigenvalues are computed; beyond it the extreme ones are estimated.
@@ -71,7 +71,7 @@ impl Spectrum {
 ///
 /// # Panics
 /// If the matrix is not square.
-pub fn spectrum(matrix: MatRef<'_, f64>) -> Spectrum {
+pub fn spectrum(matrix: MatRef<f64>) -> Spectrum {
     let n = matrix.nrows();
     assert_eq!(n, matrix.ncols(), "a matrix with a spectrum is square");
     let all: Vec<usize> = (0..n).collect();
@@ -102,20 +102,12 @@ pub fn spectrum(matrix: MatRef<'_, f64>) -> Spectrum {
 
 /// What a Cholesky factor proves of the symmetric part of `m` on the rows and columns `kept`; unknown where
 /// that is singular to rounding, and when interrupted.
-pub(crate) fn definiteness(
-    m: MatRef<'_, f64>,
-    kept: &[usize],
-    interrupted: &dyn Fn() -> bool,
-) -> Definiteness {
+pub(crate) fn definiteness(m: MatRef<f64>, kept: &[usize], interrupted: Interrupt) -> Definiteness {
     examine(m, kept, interrupted).0
 }
 
 /// The same, and the factor of the symmetric part with its diagonal lowered where that is positive definite.
-fn examine(
-    m: MatRef<'_, f64>,
-    kept: &[usize],
-    interrupted: &dyn Fn() -> bool,
-) -> (Definiteness, Option<Cholesky>) {
+fn examine(m: MatRef<f64>, kept: &[usize], interrupted: Interrupt) -> (Definiteness, Option<Cholesky>) {
     if kept.iter().any(|&i| m[(i, i)] <= 0.0) {
         return (Definiteness::NotPositiveDefinite, None);
     }
@@ -133,12 +125,7 @@ fn examine(
 }
 
 /// `(M + M')/2` on the rows and columns `kept`, its diagonal times a factor.
-fn symmetric_part(
-    m: MatRef<'_, f64>,
-    kept: &[usize],
-    diagonal: f64,
-    interrupted: &dyn Fn() -> bool,
-) -> Dense {
+fn symmetric_part(m: MatRef<f64>, kept: &[usize], diagonal: f64, interrupted: Interrupt) -> Dense {
     Dense::build(kept.len(), kept.len(), interrupted, |j, first, entries| {
         for (entry, &i) in entries.iter_mut().zip(&kept[first..]) {
             let factor = if i == kept[j] { diagonal } else { 1.0 };

@@ -4,6 +4,7 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 
+use crate::linalg::factor::Interrupt;
 use crate::linalg::kernels::SHARED;
 
 /// Entries by columns; a new one is zero, and its memory is touched only as it is filled, which for a large one
@@ -57,12 +58,7 @@ impl Dense {
     }
 
     /// The block of `m` on `rows` and `columns`; left unfinished when `interrupted`.
-    pub(crate) fn gather(
-        m: MatRef<'_, f64>,
-        rows: &[usize],
-        columns: &[usize],
-        interrupted: &dyn Fn() -> bool,
-    ) -> Self {
+    pub(crate) fn gather(m: MatRef<f64>, rows: &[usize], columns: &[usize], interrupted: Interrupt) -> Self {
         let source = m.try_as_col_major();
         Self::build(rows.len(), columns.len(), interrupted, |j, first, entries| {
             let rows = &rows[first..first + entries.len()];
@@ -81,7 +77,7 @@ impl Dense {
     pub(crate) fn build(
         rows: usize,
         columns: usize,
-        interrupted: &dyn Fn() -> bool,
+        interrupted: Interrupt,
         fill: impl Fn(usize, usize, &mut [f64]) + Sync,
     ) -> Self {
         const TILE: usize = 32;

@@ -9,6 +9,9 @@ pub(crate) const STRIP: usize = 256;
 /// Multiplications between two asks of the interrupt: some tens of milliseconds on one core.
 pub(crate) const WORK: usize = 1 << 28;
 
+/// Asked now and then by the calling thread; `true` says stop.
+pub(crate) type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// Why there is no factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NoFactor {

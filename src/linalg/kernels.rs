@@ -142,12 +142,12 @@ pub(crate) struct Extremes {
     /// Largest magnitude.
     pub(crate) high: Vec<f64>,
     /// Zero unless an entry is infinite or not a number.
-    pub(crate) flaw: Vec<f64>,
+    pub(crate) non_finite: Vec<f64>,
 }
 
 impl Extremes {
     pub(crate) fn new(rows: usize) -> Self {
-        Self { low: vec![f64::INFINITY; rows], high: vec![0.0; rows], flaw: vec![0.0; rows] }
+        Self { low: vec![f64::INFINITY; rows], high: vec![0.0; rows], non_finite: vec![0.0; rows] }
     }
 
     /// Takes in columns, each with one entry for every row; the pass is as fast as memory is.
@@ -161,14 +161,14 @@ impl Extremes {
                 for start in (0..n).step_by(ROWS) {
                     let rows = start..(start + ROWS).min(n);
                     let (low, high) = (&mut self.low[rows.clone()], &mut self.high[rows.clone()]);
-                    let flaw = &mut self.flaw[rows.clone()];
+                    let non_finite = &mut self.non_finite[rows.clone()];
                     let mut chunks = columns.chunks_exact(COLUMNS);
                     for chunk in &mut chunks {
                         let chunk: [&[f64]; COLUMNS] = std::array::from_fn(|k| &chunk[k][rows.clone()]);
-                        fold_block(chunk, low, high, flaw);
+                        fold_block(chunk, low, high, non_finite);
                     }
                     for column in chunks.remainder() {
-                        fold_block([&column[rows.clone()]], low, high, flaw);
+                        fold_block([&column[rows.clone()]], low, high, non_finite);
                     }
                 }
             },
@@ -180,30 +180,35 @@ impl Extremes {
         for i in 0..self.low.len() {
             self.low[i] = self.low[i].min(other.low[i]);
             self.high[i] = self.high[i].max(other.high[i]);
-            self.flaw[i] += other.flaw[i];
+            self.non_finite[i] += other.non_finite[i];
         }
         self
     }
 }
 
 #[inline(always)]
-fn fold_block<const K: usize>(columns: [&[f64]; K], low: &mut [f64], high: &mut [f64], flaw: &mut [f64]) {
+fn fold_block<const K: usize>(
+    columns: [&[f64]; K],
+    low: &mut [f64],
+    high: &mut [f64],
+    non_finite: &mut [f64],
+) {
     let n = low.len();
     let columns: [&[f64]; K] = std::array::from_fn(|k| &columns[k][..n]);
-    let (high, flaw) = (&mut high[..n], &mut flaw[..n]);
+    let (high, non_finite) = (&mut high[..n], &mut non_finite[..n]);
     for i in 0..n {
-        let (mut least, mut most, mut sum) = (low[i], high[i], flaw[i]);
+        let (mut least, mut most, mut sum) = (low[i], high[i], non_finite[i]);
         for column in columns {
             let value = column[i];
             least = if value < least { value } else { least };
             most = if value.abs() > most { value.abs() } else { most };
             sum += value * 0.0;
         }
-        (low[i], high[i], flaw[i]) = (least, most, sum);
+        (low[i], high[i], non_finite[i]) = (least, most, sum);
     }
 }
 
-/// Smallest entry, largest magnitude and flaw of one row, as [`Extremes`] has them.
+/// Smallest entry, largest magnitude and non_finite of one row, as [`Extremes`] has them.
 pub(crate) fn extremes(row: &[f64]) -> (f64, f64, f64) {
     const LANES: usize = 16;
     let mut lanes = ([f64::INFINITY; LANES], [0.0; LANES], [0.0; LANES]);

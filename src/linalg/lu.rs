@@ -10,7 +10,7 @@ use faer::{Accum, MatMut, Par};
 use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{NoFactor, STRIP, WORK, for_groups, in_strips, panel_width};
+use crate::linalg::factor::{Interrupt, NoFactor, STRIP, WORK, for_groups, in_strips, panel_width};
 use crate::linalg::kernels::axpy;
 
 /// Multiplications in whose time a row of a column changes its place.
@@ -36,7 +36,7 @@ pub(crate) struct Cuts {
 
 impl Lu {
     /// In narrow panels and strips, for small matrices and soon interrupted.
-    pub(crate) fn new(a: Dense, interrupted: &dyn Fn() -> bool) -> Result<Self, NoFactor> {
+    pub(crate) fn new(a: Dense, interrupted: Interrupt) -> Result<Self, NoFactor> {
         let cuts = Cuts { panel: panel_width(a.rows()), strip: STRIP, par: Par::Seq };
         Self::with_cuts(a, cuts, &mut |_| interrupted())
     }
@@ -106,7 +106,7 @@ impl Lu {
     }
 
     /// L and U in one matrix, and `L⁻¹ P`.
-    pub(crate) fn split(self, interrupted: &dyn Fn() -> bool) -> Result<(Dense, Dense), NoFactor> {
+    pub(crate) fn split(self, interrupted: Interrupt) -> Result<(Dense, Dense), NoFactor> {
         let n = self.a.rows();
         let mut inverse = Dense::zeros(n, n);
         self.order.iter().enumerate().for_each(|(i, &from)| inverse.column_mut(from)[i] = 1.0);

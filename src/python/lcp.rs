@@ -3,20 +3,25 @@
 use super::convert::{MatrixArgument, named, nodes_out, read_only, scalars};
 use super::errors::{IntoPyErr, LcpError};
 use super::interrupt::detached;
-use crate::lcp::{self, DefinitenessCheck, LcpMethod, LcpOptions, LcpProblem, LcpSolution, RayConclusion};
+use crate::lcp::{
+    self, AutoOptions, BlockPivotingOptions, DefinitenessCheck, LcpMethod, LcpMethodName, LcpOptions,
+    LcpProblem, LcpSolution, LemkeOptions, RayConclusion,
+};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The method of a name.
+/// The method of a name, with the crate's options.
 pub(super) fn method_named(name: &str) -> PyResult<LcpMethod> {
-    named("method", name, &LcpMethod::ALL.map(|method| (method, method.as_str())), LcpError::new_err)
+    let names = LcpMethodName::ALL.map(|method| (method, method.as_str()));
+    named("method", name, &names, LcpError::new_err).map(LcpMethod::from)
 }
 
 /// Options of a complementarity problem; their defaults are the crate's.
 #[pyclass(name = "LcpOptions", module = "quasirigid._core", frozen)]
 pub(super) struct PyLcpOptions {
-    inner: LcpOptions<'static>,
+    shared: LcpOptions<'static>,
+    lemke: LemkeOptions,
     known_p_matrix: bool,
 }
 
@@ -37,12 +42,11 @@ impl PyLcpOptions {
         crash: bool,
         known_p_matrix: bool,
     ) -> PyResult<Self> {
-        let inner = LcpOptions {
+        let covering = covering.map(|value| scalars(value, "covering")).transpose()?;
+        let shared = LcpOptions {
             max_pivots,
-            pivot_tol,
             tolerance,
             initial_active,
-            covering: covering.map(|value| scalars(value, "covering")).transpose()?,
             interrupt: None,
             definiteness: named(
                 "definiteness",
@@ -50,22 +54,39 @@ impl PyLcpOptions {
                 &DefinitenessCheck::ALL.map(|check| (check, check.as_str())),
                 LcpError::new_err,
             )?,
-            crash,
         };
-        Ok(Self { inner, known_p_matrix })
+        Ok(Self { shared, lemke: LemkeOptions { pivot_tol, covering, crash }, known_p_matrix })
     }
 
     /// The crate's defaults by name.
     #[staticmethod]
     fn defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-        let options = LcpOptions::default();
+        let (options, lemke) = (LcpOptions::default(), LemkeOptions::default());
         let defaults = PyDict::new(py);
         defaults.set_item("max_pivots", options.max_pivots)?;
-        defaults.set_item("pivot_tol", options.pivot_tol)?;
+        defaults.set_item("pivot_tol", lemke.pivot_tol)?;
         defaults.set_item("tolerance", options.tolerance)?;
         defaults.set_item("definiteness", options.definiteness.as_str())?;
-        defaults.set_item("crash", options.crash)?;
+        defaults.set_item("crash", lemke.crash)?;
         Ok(defaults)
+    }
+}
+
+impl PyLcpOptions {
+    /// The method with those of the options that it reads.
+    fn given_to(&self, method: LcpMethod) -> LcpMethod {
+        let lemke = self.lemke.clone();
+        match method {
+            LcpMethod::Lemke(_) => LcpMethod::Lemke(lemke),
+            LcpMethod::BlockPivoting(options) => {
+                LcpMethod::BlockPivoting(BlockPivotingOptions { lemke, ..options })
+            }
+            LcpMethod::Auto(AutoOptions { block_pivoting, projected_cg }) => {
+                let block_pivoting = BlockPivotingOptions { lemke, ..block_pivoting };
+                LcpMethod::Auto(AutoOptions { block_pivoting, projected_cg })
+            }
+            method => method,
+        }
     }
 }
 
@@ -170,16 +191,17 @@ pub(super) fn solve_lcp(
 ) -> PyResult<Py<PyLcpSolution>> {
     let matrix = MatrixArgument::new(matrix, "M")?;
     let q = scalars(q, "q")?;
-    let method = method_named(method)?;
+    let method = options.given_to(method_named(method)?);
     let view = matrix.view();
     let solution = detached(py, |interrupt| {
-        let known_p_matrix = options.known_p_matrix;
-        let options = LcpOptions { interrupt: Some(interrupt), ..options.inner.clone() };
+        let shared = LcpOptions { interrupt: Some(interrupt), ..options.shared.clone() };
         let mut problem = LcpProblem::new(view, &q)?;
-        if known_p_matrix {
+        if options.known_p_matrix {
             problem = problem.with_known_p_matrix();
         }
-        lcp::solve(&problem, method, &options)
+        // One that the method does not read is checked as well.
+        options.lemke.validate(q.len())?;
+        lcp::solve(&problem, &method, &shared)
     })?;
     PyLcpSolution::new(py, &solution.map_err(IntoPyErr::into_py_err)?)
 }

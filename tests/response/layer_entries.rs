@@ -205,7 +205,7 @@ fn a_sphere_on_an_incompressible_layer_needs_the_known_force() {
     let gap: Vec<f64> =
         surface.vertices().iter().map(|v| (v.x * v.x + v.y * v.y) / (2.0 * radius) - depth).collect();
     let problem = LcpProblem::new(r.as_ref(), &gap).expect("shaped");
-    let solution = lcp::solve(&problem, LcpMethod::Auto, &LcpOptions::default()).expect("valid");
+    let solution = lcp::solve(&problem, &LcpMethod::default(), &LcpOptions::default()).expect("valid");
     assert_eq!(solution.status, LcpStatus::Solved);
     let force: f64 = solution.z.iter().sum();
     let hertz = 4.0 / 3.0 * (2.0 * 60e3 / 0.5) * radius.sqrt() * depth.powf(1.5);

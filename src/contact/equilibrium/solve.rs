@@ -92,7 +92,7 @@ fn solve_on(
         let q: Vec<f64> = group.iter().map(|vertex| initial_gap[row(vertex)]).collect();
         let problem = LcpProblem::new(matrix.as_ref(), &q)?.with_known_definiteness(definiteness);
         let lcp_options = LcpOptions { interrupt: options.interrupt, ..LcpOptions::default() };
-        let solution = lcp::solve(&problem, options.method, &lcp_options)?;
+        let solution = lcp::solve(&problem, &options.method, &lcp_options)?;
         report.clock("lcp", started);
         if solution.status == LcpStatus::Interrupted {
             return Err(ContactError::Interrupted { stage: "lcp" });

@@ -1,21 +1,21 @@
 //! Columns of M that have entered the basis.
 
-use crate::lcp::reduced::{Reduced, power_of_two};
+use crate::lcp::reduced::{ReducedProblem, power_of_two};
 use crate::lcp::touched_columns::TouchedColumns;
 
 /// Columns scaled to magnitude one by powers of two, so that every tolerance of the path is dimensionless.
-pub(crate) struct BasicColumns<'a> {
+pub(super) struct BasicColumns<'a> {
     columns: TouchedColumns<'a>,
     scale: Vec<f64>,
 }
 
 impl<'a> BasicColumns<'a> {
-    pub(crate) fn new(reduced: &'a Reduced<'a>) -> Self {
+    pub(super) fn new(reduced: &'a ReducedProblem<'a>) -> Self {
         Self { columns: TouchedColumns::copied(reduced), scale: vec![1.0; reduced.size()] }
     }
 
     /// Copies column `j` unless that has been done.
-    pub(crate) fn fetch(&mut self, j: usize) {
+    pub(super) fn fetch(&mut self, j: usize) {
         if !self.columns.touch(&[j], &|| false) {
             return;
         }
@@ -28,12 +28,12 @@ impl<'a> BasicColumns<'a> {
     }
 
     /// A column that was fetched.
-    pub(crate) fn column(&self, j: usize) -> &[f64] {
+    pub(super) fn column(&self, j: usize) -> &[f64] {
         self.columns.column(j)
     }
 
     /// What column `j` was multiplied by.
-    pub(crate) fn scale(&self, j: usize) -> f64 {
+    pub(super) fn scale(&self, j: usize) -> f64 {
         self.scale[j]
     }
 }

@@ -9,10 +9,7 @@
 //! right-hand side. Every basis is remembered by a hash; should rounding bring one back, p is drawn anew.
 
 mod basic_columns;
-mod path;
+pub(super) mod path;
 mod pivot;
-mod run;
+pub(super) mod run;
 mod start;
-
-pub(super) use path::draw;
-pub(super) use run::{solve_cold, solve_warm};

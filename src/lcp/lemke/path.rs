@@ -4,13 +4,12 @@ use std::collections::HashSet;
 
 use crate::lcp::basis::Basis;
 use crate::lcp::lemke::basic_columns::BasicColumns;
-use crate::lcp::options::LcpOptions;
 use crate::lcp::product::add_terms;
-use crate::lcp::reduced::Reduced;
-use crate::linalg::factor::NoFactor;
+use crate::lcp::reduced::ReducedProblem;
+use crate::linalg::factor::{Interrupt, NoFactor};
 
 /// Values closer than this are equal, relative to the largest.
-const TIE: f64 = 64.0 * f64::EPSILON;
+const TIE_TOLERANCE: f64 = 64.0 * f64::EPSILON;
 pub(super) const NOWHERE: usize = usize::MAX;
 
 /// State of the path. M's columns are scaled to magnitude one, so every tolerance here is dimensionless.
@@ -27,30 +26,35 @@ pub(super) struct Path<'a> {
     pub(super) row_place: Vec<usize>,
     /// Values of the basic variables and of the second right-hand side.
     pub(super) x: Vec<f64>,
-    pub(super) x_tie: Vec<f64>,
+    pub(super) x_lex: Vec<f64>,
     pub(super) w: Vec<f64>,
-    pub(super) w_tie: Vec<f64>,
-    pub(super) tie: Vec<f64>,
+    pub(super) w_lex: Vec<f64>,
+    pub(super) perturbation: Vec<f64>,
     /// Rates of change along the entering variable, and the transform of its column.
     pub(super) dx: Vec<f64>,
     pub(super) dw: Vec<f64>,
     pub(super) y: Vec<f64>,
-    /// Room for a vector over the rows of B or over the columns.
-    pub(super) room: Vec<f64>,
+    /// A vector over the rows of B or over the columns.
+    pub(super) scratch: Vec<f64>,
     pub(super) pivots: usize,
     pub(super) visited: HashSet<u64>,
     pub(super) active_hash: u64,
-    pub(super) perturbations: u64,
+    pub(super) draws: u64,
     pub(super) stale: bool,
     /// Whether the last factor came about.
     pub(super) factored: Result<(), NoFactor>,
     pub(super) work: f64,
     pub(super) pivot_tol: f64,
-    pub(super) options: &'a LcpOptions<'a>,
+    pub(super) interrupted: Interrupt<'a>,
 }
 
 impl<'a> Path<'a> {
-    pub(super) fn new(source: &'a Reduced<'a>, d: Vec<f64>, options: &'a LcpOptions<'a>) -> Self {
+    pub(super) fn new(
+        source: &'a ReducedProblem<'a>,
+        d: Vec<f64>,
+        pivot_tol: f64,
+        interrupted: Interrupt<'a>,
+    ) -> Self {
         let n = source.size();
         Self {
             q: &source.q,
@@ -62,23 +66,23 @@ impl<'a> Path<'a> {
             columns: Vec::new(),
             row_place: vec![NOWHERE; n],
             x: Vec::new(),
-            x_tie: Vec::new(),
+            x_lex: Vec::new(),
             w: vec![0.0; n],
-            w_tie: vec![0.0; n],
-            tie: vec![0.0; n],
+            w_lex: vec![0.0; n],
+            perturbation: vec![0.0; n],
             dx: Vec::new(),
             dw: vec![0.0; n],
             y: Vec::new(),
-            room: Vec::new(),
+            scratch: Vec::new(),
             pivots: 0,
             visited: HashSet::new(),
             active_hash: 0,
-            perturbations: 0,
+            draws: 0,
             stale: false,
             factored: Ok(()),
             work: 0.0,
-            pivot_tol: options.pivot_tol,
-            options,
+            pivot_tol,
+            interrupted,
         }
     }
 
@@ -86,15 +90,15 @@ impl<'a> Path<'a> {
         self.row_place[row] = self.rows.len();
         self.rows.push(row);
         self.w[row] = 0.0;
-        self.w_tie[row] = 0.0;
+        self.w_lex[row] = 0.0;
     }
 
     pub(super) fn append_row(&mut self, row: usize) {
-        let mut entries = std::mem::take(&mut self.room);
+        let mut entries = std::mem::take(&mut self.scratch);
         entries.clear();
         entries.extend(self.columns.iter().map(|&c| self.column(c)[row]));
         self.basis.append_row(&mut entries);
-        self.room = entries;
+        self.scratch = entries;
         self.push_row(row);
     }
 
@@ -102,7 +106,7 @@ impl<'a> Path<'a> {
         self.basis.delete_column(c);
         let index = self.columns.remove(c);
         self.x.remove(c);
-        self.x_tie.remove(c);
+        self.x_lex.remove(c);
         if index != self.n {
             self.active_hash ^= hash(index as u64);
         }
@@ -120,12 +124,11 @@ impl<'a> Path<'a> {
 
     pub(super) fn refactor(&mut self) {
         let (entered, d, n, rows, columns) = (&self.entered, &self.d, self.n, &self.rows, &self.columns);
-        let interrupted = || self.options.is_interrupted();
         let fill = |j: usize, out: &mut [f64]| {
             let source = if columns[j] == n { &d[..] } else { entered.column(columns[j]) };
             out.iter_mut().zip(rows).for_each(|(entry, &i)| *entry = source[i]);
         };
-        self.factored = self.basis.factor(columns.len(), fill, &interrupted);
+        self.factored = self.basis.factor(columns.len(), fill, self.interrupted);
         self.stale = false;
     }
 
@@ -141,7 +144,7 @@ impl<'a> Path<'a> {
     /// Values of the basic variables from q (and from p), with one step of refinement.
     pub(super) fn refresh(&mut self) {
         (self.x, self.w) = self.values(self.q);
-        (self.x_tie, self.w_tie) = self.values(&self.tie);
+        (self.x_lex, self.w_lex) = self.values(&self.perturbation);
     }
 
     pub(super) fn values(&self, q: &[f64]) -> (Vec<f64>, Vec<f64>) {
@@ -153,7 +156,7 @@ impl<'a> Path<'a> {
             x.iter_mut().zip(error).for_each(|(x, e)| *x -= e);
             w.copy_from_slice(q);
             self.combine(&x, &mut w);
-            if self.options.is_interrupted() {
+            if (self.interrupted)() {
                 break;
             }
         }
@@ -163,20 +166,20 @@ impl<'a> Path<'a> {
 
     /// Draws positive values of the second right-hand side here and works out the p that belongs to them.
     pub(super) fn perturb(&mut self) {
-        self.perturbations += 1;
+        self.draws += 1;
         self.visited.clear();
-        let draw = |k: usize| draw(k, self.perturbations);
-        self.x_tie = self.columns.iter().map(|&c| draw(c)).collect();
-        let mut tie: Vec<f64> = (0..self.n).map(|i| draw(self.n + 1 + i)).collect();
-        self.rows.iter().for_each(|&i| tie[i] = 0.0);
-        self.w_tie = tie.clone();
-        let down: Vec<f64> = self.x_tie.iter().map(|x| -x).collect();
-        self.combine(&down, &mut tie);
-        self.tie = tie;
+        let draw = |k: usize| draw(k, self.draws);
+        self.x_lex = self.columns.iter().map(|&c| draw(c)).collect();
+        let mut perturbation: Vec<f64> = (0..self.n).map(|i| draw(self.n + 1 + i)).collect();
+        self.rows.iter().for_each(|&i| perturbation[i] = 0.0);
+        self.w_lex = perturbation.clone();
+        let down: Vec<f64> = self.x_lex.iter().map(|x| -x).collect();
+        self.combine(&down, &mut perturbation);
+        self.perturbation = perturbation;
     }
 
     pub(super) fn tie_tolerance(&self) -> f64 {
-        TIE * self.x.iter().fold(1.0, |size: f64, x| size.max(x.abs()))
+        TIE_TOLERANCE * self.x.iter().fold(1.0, |size: f64, x| size.max(x.abs()))
     }
 }
 

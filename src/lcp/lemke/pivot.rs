@@ -27,7 +27,7 @@ pub(super) enum Leaving {
 impl Path<'_> {
     /// Fills `dx`, `dw` and `y`; returns how far the rows of B are from what they should be.
     pub(super) fn direction(&mut self, entering: Entering) -> f64 {
-        let mut a = std::mem::take(&mut self.room);
+        let mut a = std::mem::take(&mut self.scratch);
         a.clear();
         match entering {
             Entering::Z(r) => {
@@ -41,7 +41,7 @@ impl Path<'_> {
             }
         }
         self.basis.transform(&a, &mut self.y);
-        self.room = a;
+        self.scratch = a;
         self.dx.clone_from(&self.y);
         self.basis.back_substitute(&mut self.dx);
         self.dx.iter_mut().for_each(|x| *x = -*x);
@@ -82,39 +82,39 @@ impl Path<'_> {
         }
         let slack = self.tie_tolerance();
         let mut best: Option<(f64, f64, Leaving)> = None;
-        let mut consider = |x: f64, rate: f64, x_tie: f64, leaving: Leaving| {
+        let mut consider = |x: f64, rate: f64, x_lex: f64, leaving: Leaving| {
             if rate < -smallest && x.max(0.0) + rate * step <= slack {
-                let ratio = x_tie / -rate;
+                let ratio = x_lex / -rate;
                 if best.is_none_or(|(lowest, _, _)| ratio < lowest) {
                     best = Some((ratio, rate, leaving));
                 }
             }
         };
         for (c, &column) in self.columns.iter().enumerate() {
-            let x_tie = if column == self.n { f64::NEG_INFINITY } else { self.x_tie[c] };
-            consider(self.x[c], self.dx[c], x_tie, Leaving::Column(c));
+            let x_lex = if column == self.n { f64::NEG_INFINITY } else { self.x_lex[c] };
+            consider(self.x[c], self.dx[c], x_lex, Leaving::Column(c));
         }
         for i in 0..self.n {
-            consider(self.w[i], self.dw[i], self.w_tie[i], Leaving::Row(i));
+            consider(self.w[i], self.dw[i], self.w_lex[i], Leaving::Row(i));
         }
         best.map(|(_, _, leaving)| leaving)
     }
 
     /// Moves to the next basis; `None` once z0 has left.
     pub(super) fn pivot(&mut self, entering: Entering, leaving: Leaving) -> Option<Entering> {
-        let (step, step_tie) = match leaving {
-            Leaving::Column(c) => (self.x[c].max(0.0) / -self.dx[c], self.x_tie[c] / -self.dx[c]),
-            Leaving::Row(i) => (self.w[i].max(0.0) / -self.dw[i], self.w_tie[i] / -self.dw[i]),
+        let (step, step_lex) = match leaving {
+            Leaving::Column(c) => (self.x[c].max(0.0) / -self.dx[c], self.x_lex[c] / -self.dx[c]),
+            Leaving::Row(i) => (self.w[i].max(0.0) / -self.dw[i], self.w_lex[i] / -self.dw[i]),
         };
         advance(&mut self.x, &self.dx, step);
-        advance(&mut self.x_tie, &self.dx, step_tie);
+        advance(&mut self.x_lex, &self.dx, step_lex);
         advance(&mut self.w, &self.dw, step);
-        advance(&mut self.w_tie, &self.dw, step_tie);
+        advance(&mut self.w_lex, &self.dw, step_lex);
         if let Entering::Z(r) = entering {
             self.basis.append_column(&self.y);
             self.columns.push(r);
             self.x.push(step);
-            self.x_tie.push(step_tie);
+            self.x_lex.push(step_lex);
             self.active_hash ^= hash(r as u64);
         }
         let next = match leaving {
@@ -139,7 +139,7 @@ impl Path<'_> {
                 self.row_place[moved] = place;
             }
             self.w[r] = step;
-            self.w_tie[r] = step_tie;
+            self.w_lex[r] = step_lex;
         }
         next
     }

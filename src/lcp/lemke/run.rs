@@ -5,7 +5,8 @@ use crate::lcp::lemke::path::Path;
 use crate::lcp::lemke::pivot::{Entering, Leaving};
 use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
-use crate::lcp::reduced::Reduced;
+use crate::lcp::problem::{LcpError, check_vector};
+use crate::lcp::reduced::ReducedProblem;
 use crate::lcp::solution::LcpStatus;
 
 /// Pivots after which values are recomputed from q.
@@ -14,39 +15,73 @@ const REFRESH: usize = 64;
 const REFINE: f64 = 1e-12;
 const REFACTOR: f64 = 1e-8;
 /// Perturbations drawn before the run is given up as a breakdown.
-const PERTURBATIONS: u64 = 8;
+const PERTURBATION_DRAWS: u64 = 8;
+
+/// Parameters of Lemke's method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LemkeOptions {
+    /// Rates of change below `pivot_tol` times the largest never pivot (dimensionless, in (0, 1e-3]).
+    pub pivot_tol: f64,
+    /// Covering vector (n, > 0); `None` means all ones.
+    pub covering: Option<Vec<f64>>,
+    /// Whether it may begin from a crash basis (Dirkse, Ferris): block exchanges guess the active set as long as
+    /// nothing shows that M is no P-matrix; where they stall, the path begins from nothing. Only without a guess
+    /// or covering vector of the caller's, and for more than 16 unknowns that may touch.
+    pub crash: bool,
+}
+
+impl Default for LemkeOptions {
+    fn default() -> Self {
+        Self { pivot_tol: 1e-11, covering: None, crash: true }
+    }
+}
+
+impl LemkeOptions {
+    /// Checks every option against a problem of `size` unknowns.
+    pub(crate) fn validate(&self, size: usize) -> Result<(), LcpError> {
+        if !(self.pivot_tol > 0.0 && self.pivot_tol <= 1e-3) {
+            let expected = "a value in (0, 1e-3]";
+            return Err(LcpError::OptionOutOfRange { name: "pivot_tol", value: self.pivot_tol, expected });
+        }
+        let Some(covering) = &self.covering else { return Ok(()) };
+        check_vector("covering", covering, size)?;
+        match covering.iter().position(|&value| value <= 0.0) {
+            None => Ok(()),
+            Some(index) => Err(LcpError::CoveringNotPositive { index, value: covering[index] }),
+        }
+    }
+}
 
 /// Solves `w = M z + q` from z = 0 with covering vector `d`.
 pub(in crate::lcp) fn solve_cold(
-    source: &Reduced,
+    source: &ReducedProblem,
     d: Vec<f64>,
     pivot_tol: f64,
     options: &LcpOptions,
 ) -> Outcome {
-    let mut path = Path::new(source, d, options);
-    path.pivot_tol = pivot_tol;
+    let mut path = Path::new(source, d, pivot_tol, options.interrupt());
     let entering = path.start_cold();
-    path.run(entering)
+    path.run(entering, options.pivot_budget(source.size()))
 }
 
 /// Solves from the basis of a guessed active set; `None` where that basis is singular.
 pub(in crate::lcp) fn solve_warm(
-    source: &Reduced,
+    source: &ReducedProblem,
     active: &[usize],
+    pivot_tol: f64,
     options: &LcpOptions,
 ) -> Option<Outcome> {
-    let mut path = Path::new(source, vec![0.0; source.size()], options);
+    let mut path = Path::new(source, vec![0.0; source.size()], pivot_tol, options.interrupt());
     match path.start_warm(active)? {
         None => Some(path.finish(LcpStatus::Solved)),
-        Some(entering) => Some(path.run(entering)),
+        Some(entering) => Some(path.run(entering, options.pivot_budget(source.size()))),
     }
 }
 
 impl Path<'_> {
-    fn run(&mut self, mut entering: Entering) -> Outcome {
-        let budget = self.options.pivot_budget(self.n);
+    fn run(&mut self, mut entering: Entering, budget: usize) -> Outcome {
         loop {
-            if self.options.is_interrupted() {
+            if (self.interrupted)() {
                 return self.finish(LcpStatus::Interrupted);
             }
             if self.pivots >= budget {
@@ -58,7 +93,7 @@ impl Path<'_> {
                 self.refresh();
             }
             if !self.visited.insert(self.active_hash ^ entering.hash()) {
-                if self.perturbations >= PERTURBATIONS {
+                if self.draws >= PERTURBATION_DRAWS {
                     return self.finish(LcpStatus::Breakdown);
                 }
                 if self.renew() {

@@ -15,7 +15,7 @@ impl Path<'_> {
         self.columns.push(self.n);
         self.push_row(row);
         self.x.push(z0);
-        self.x_tie.push(0.0);
+        self.x_lex.push(0.0);
         let pivot = self.d[row];
         self.factored = self.basis.factor(1, |_, column| column[0] = pivot, &|| false);
         self.pivots = 1;
@@ -32,7 +32,7 @@ impl Path<'_> {
             self.active_hash ^= hash(i as u64);
         }
         self.x = vec![0.0; active.len()];
-        self.x_tie = self.x.clone();
+        self.x_lex = self.x.clone();
         self.refactor();
         if self.factored.is_err() {
             return None;
@@ -66,7 +66,7 @@ impl Path<'_> {
         self.basis.append_column(&y);
         self.columns.push(self.n);
         self.x.push(-value);
-        self.x_tie.push(0.0);
+        self.x_lex.push(0.0);
         self.pivots = 1;
         let entering = match (column, row) {
             (Some(c), _) if self.x[c] == 0.0 => {

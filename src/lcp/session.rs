@@ -1,0 +1,131 @@
+//! A solve under way: the rows it looks at, and how what a method found is certified and recorded.
+
+use crate::lcp::certificate::Certificate;
+use crate::lcp::options::{DefinitenessCheck, LcpOptions};
+use crate::lcp::outcome::Outcome;
+use crate::lcp::problem::{Halt, LcpProblem};
+use crate::lcp::reduced::{ReducedProblem, rows_that_matter};
+use crate::lcp::solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus};
+use crate::linalg::definiteness::{Definiteness, definiteness};
+
+/// A problem, the options of its solve and the runs so far.
+pub(super) struct Session<'a> {
+    pub(super) problem: &'a LcpProblem<'a>,
+    pub(super) options: &'a LcpOptions<'a>,
+    pub(super) attempts: Vec<LcpAttempt>,
+    pub(super) candidates: usize,
+}
+
+/// A solution, or how a method failed, and the operations it took.
+pub(super) struct Answer {
+    pub(super) solution: LcpSolution,
+    pub(super) work: f64,
+}
+
+impl Answer {
+    /// Whether nothing else need be tried.
+    pub(super) fn is_conclusive(&self) -> bool {
+        matches!(self.solution.status, LcpStatus::Solved | LcpStatus::Interrupted)
+    }
+}
+
+/// Where a run began.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum StartingBasis {
+    /// Nothing, or a guess of the method's own.
+    Cold,
+    /// The caller's guess.
+    Guess,
+    /// A crash basis.
+    Crash,
+}
+
+impl<'a> Session<'a> {
+    /// Rows that may have to leave zero; as long as not all of M has been looked at, those with q < 0.
+    pub(super) fn rows_to_begin_with(&self) -> Vec<usize> {
+        let q = self.problem.q;
+        match self.problem.known_rows() {
+            Some(rows) => rows_that_matter(q, &rows.low),
+            None => (0..q.len()).filter(|&i| q[i] < 0.0).collect(),
+        }
+    }
+
+    /// The problem on the rows that may have to leave zero, all of M having been looked at.
+    pub(super) fn reduce(&mut self) -> Result<ReducedProblem<'a>, Halt> {
+        let rows = self.problem.rows(self.options.interrupt())?;
+        let reduced = ReducedProblem::on(self.problem, rows_that_matter(self.problem.q, &rows.low));
+        self.candidates = reduced.size();
+        Ok(reduced)
+    }
+
+    /// Measures `z` against the problem as given; what does not pass is no solution.
+    pub(super) fn certify(&self, method: LcpMethodName, outcome: &Outcome, z: Vec<f64>) -> LcpSolution {
+        let interrupt = self.options.interrupt();
+        let w = self.problem.residual(&z, self.options.tolerance, interrupt);
+        let certificate = Certificate::measure(self.problem, &z, &w);
+        let passed = certificate.natural_residual <= self.options.tolerance;
+        let status = match outcome.status {
+            // What was measured may be unfinished.
+            _ if interrupt() => LcpStatus::Interrupted,
+            LcpStatus::Solved if !passed => LcpStatus::Breakdown,
+            status => status,
+        };
+        LcpSolution {
+            status,
+            z,
+            w,
+            pivots: outcome.pivots,
+            natural_residual: certificate.natural_residual,
+            complementarity: certificate.complementarity,
+            method,
+            certificate,
+            ray: None,
+            attempts: Vec::new(),
+            candidates: self.candidates,
+        }
+    }
+
+    /// Notes a run that has ended.
+    pub(super) fn record(&mut self, solution: LcpSolution, start: StartingBasis) -> LcpSolution {
+        self.attempts.push(LcpAttempt {
+            method: solution.method,
+            status: solution.status,
+            pivots: solution.pivots,
+            warm: start == StartingBasis::Guess,
+            crash: start == StartingBasis::Crash,
+        });
+        self.with_attempts(solution)
+    }
+
+    /// The solution with every run so far, and the pivots of all.
+    pub(super) fn with_attempts(&self, solution: LcpSolution) -> LcpSolution {
+        let pivots = self.attempts.iter().map(|attempt| attempt.pivots).sum();
+        LcpSolution { attempts: self.attempts.clone(), pivots, ..solution }
+    }
+
+    /// Cholesky of the symmetric part on the rows kept, where that may be made after `work` operations.
+    pub(super) fn definiteness(&self, work: f64) -> Result<Definiteness, Halt> {
+        let LcpProblem { m, q, .. } = *self.problem;
+        let n = self.candidates as f64;
+        let look = if self.problem.known_rows().is_some() { 0.0 } else { (q.len() as f64).powi(2) };
+        let check = self.options.definiteness;
+        if check == DefinitenessCheck::Never
+            || (check == DefinitenessCheck::Cheap && look + n * n * n / 3.0 > work)
+        {
+            return Ok(Definiteness::Unknown);
+        }
+        let rows = match self.problem.rows(self.options.interrupt()) {
+            Ok(rows) => rows,
+            // What is not asked for is no reason to refuse an answer.
+            Err(Halt::Rejected(error)) if check == DefinitenessCheck::Always => return Err(error.into()),
+            Err(_) => return Ok(Definiteness::Unknown),
+        };
+        let kept = rows_that_matter(q, &rows.low);
+        // A row left out stays at zero in every solution only if something there is above zero.
+        let is_kept = |i: usize| kept.binary_search(&i).is_ok();
+        if (0..q.len()).any(|i| q[i] == 0.0 && m[(i, i)] == 0.0 && !is_kept(i)) {
+            return Ok(Definiteness::Unknown);
+        }
+        Ok(definiteness(m, &kept, self.options.interrupt()))
+    }
+}
