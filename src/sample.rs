@@ -133,6 +133,11 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
+    /// The next number in [-1, 1).
+    pub fn signed(&mut self) -> f64 {
+        2.0 * self.next() - 1.0
+    }
+
     /// A shuffled list of 0..n.
     pub fn permutation(&mut self, n: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..n).collect();

@@ -9,14 +9,14 @@ use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{Interrupt, NoFactor};
-use crate::linalg::kernels::{CHUNK, SHARED, axpy, dot, row_block};
+use crate::linalg::kernels::{CHUNK_ENTRIES, SHARED_WORK, axpy, dot, row_block};
 use crate::linalg::lu::Lu;
 
 /// A new row's entry must exceed the pivot by this factor before the two rows change places; above 1 so that
 /// `T` stays triangular, and half as dear, where no interchange is needed.
-const INTERCHANGE: f64 = 4.0;
+const INTERCHANGE_RATIO: f64 = 4.0;
 /// Rows turned from columns together, so that what is written stays in cache.
-const STRIPS: usize = 16;
+const STRIP_ROWS: usize = 16;
 
 /// The factor; between two halves of a change it has one row or column more.
 #[derive(Debug, Default)]
@@ -58,7 +58,7 @@ impl Basis {
         mut fill: impl FnMut(usize, &mut [f64]),
         interrupted: Interrupt,
     ) -> Result<(), NoFactor> {
-        let columns_at_once = (CHUNK / size.max(1)).max(1);
+        let columns_at_once = (CHUNK_ENTRIES / size.max(1)).max(1);
         let mut k = Dense::zeros(size, size);
         for j in 0..size {
             if j > 0 && j % columns_at_once == 0 && interrupted() {
@@ -70,7 +70,7 @@ impl Basis {
         (self.rows, self.columns) = (0, 0);
         self.reserve(size);
         let stride = self.stride;
-        let rows_at_once = (columns_at_once / STRIPS).max(1) * STRIPS;
+        let rows_at_once = (columns_at_once / STRIP_ROWS).max(1) * STRIP_ROWS;
         for (to, from) in [(&mut self.t, &t), (&mut self.u, &lu)] {
             for (k, part) in to[..size * stride].chunks_mut(rows_at_once * stride).enumerate() {
                 if k > 0 && interrupted() {
@@ -79,15 +79,12 @@ impl Basis {
                 let strip = |(strip, rows): (usize, &mut [f64])| {
                     rows.chunks_exact_mut(stride).for_each(|row| row[size..].fill(0.0));
                     for j in 0..size {
-                        let column = &from.column(j)[k * rows_at_once + strip * STRIPS..];
+                        let column = &from.column(j)[k * rows_at_once + strip * STRIP_ROWS..];
                         rows.chunks_exact_mut(stride).zip(column).for_each(|(row, &entry)| row[j] = entry);
                     }
                 };
-                if size * size < SHARED {
-                    part.chunks_mut(STRIPS * stride).enumerate().for_each(strip);
-                } else {
-                    part.par_chunks_mut(STRIPS * stride).enumerate().for_each(strip);
-                }
+                let strips = part.par_chunks_mut(STRIP_ROWS * stride).enumerate();
+                strips.with_min_len(if size * size < SHARED_WORK { size } else { 1 }).for_each(strip);
             }
         }
         self.extent = vec![size; size];
@@ -99,7 +96,8 @@ impl Basis {
     pub(super) fn transform(&self, a: &[f64], y: &mut Vec<f64>) {
         y.clear();
         y.resize(self.rows, 0.0);
-        let rows_each = if self.rows * self.rows < SHARED { self.rows.max(1) } else { row_block(self.rows) };
+        let rows_each =
+            if self.rows * self.rows < SHARED_WORK { self.rows.max(1) } else { row_block(self.rows) };
         let block = |(k, y): (usize, &mut [f64])| {
             pulp::Arch::new().dispatch(
                 #[inline(always)]
@@ -111,11 +109,7 @@ impl Basis {
                 },
             );
         };
-        if rows_each < self.rows {
-            y.par_chunks_mut(rows_each).enumerate().for_each(block);
-        } else {
-            block((0, y));
-        }
+        y.par_chunks_mut(rows_each).enumerate().for_each(block);
     }
 
     /// Solves `U x = y` in place.
@@ -173,7 +167,7 @@ impl Basis {
                         continue;
                     }
                     let t_row = &mut t_rows[j * stride..][..stride];
-                    if b[j].abs() > INTERCHANGE * u_row[j].abs() {
+                    if b[j].abs() > INTERCHANGE_RATIO * u_row[j].abs() {
                         u_row[j..].swap_with_slice(&mut b[j..]);
                         t_row[..=last].swap_with_slice(&mut t_last[..=last]);
                         let full = if unit == last { last + 1 } else { extent };
@@ -268,15 +262,10 @@ impl Basis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sample::Random;
 
-    /// A reproducible value in [-1, 1).
-    fn noise(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn assert_solves(basis: &Basis, k: &[Vec<f64>], seed: &mut u64) {
-        let x: Vec<f64> = k.iter().map(|_| noise(seed)).collect();
+    fn assert_solves(basis: &Basis, k: &[Vec<f64>], random: &mut Random) {
+        let x: Vec<f64> = k.iter().map(|_| random.signed()).collect();
         let mut a: Vec<f64> = k.iter().map(|row| row.iter().zip(&x).map(|(k, x)| k * x).sum()).collect();
         let right = a.clone();
         basis.solve(&mut a);
@@ -288,15 +277,15 @@ mod tests {
 
     #[test]
     fn a_long_walk_of_changes_keeps_solving() {
-        let mut seed = 7;
+        let mut random = Random(7);
         let mut k: Vec<Vec<f64>> = vec![vec![1.5]];
         let mut basis = Basis::default();
         basis.factor(1, |_, column| column[0] = 1.5, &|| false).unwrap();
         for step in 0..400 {
             let size = k.len();
-            let choice = (noise(&mut seed) * 2.0 + 2.0) as usize;
-            let at = ((noise(&mut seed) + 1.0) * 0.5 * size as f64) as usize % size;
-            let column: Vec<f64> = (0..size).map(|_| noise(&mut seed)).collect();
+            let choice = (random.next() * 4.0) as usize;
+            let at = (random.next() * size as f64) as usize;
+            let column: Vec<f64> = (0..size).map(|_| random.signed()).collect();
             let mut y = Vec::new();
             let grow = size < 4 || (choice == 0 && size < 24);
             if grow || choice == 1 {
@@ -309,7 +298,7 @@ mod tests {
                 k.iter_mut().for_each(|row| _ = row.remove(at));
             }
             if grow || choice == 2 {
-                let mut row: Vec<f64> = (0..k[0].len()).map(|_| noise(&mut seed)).collect();
+                let mut row: Vec<f64> = (0..k[0].len()).map(|_| random.signed()).collect();
                 k.push(row.clone());
                 basis.append_row(&mut row);
             }
@@ -317,14 +306,14 @@ mod tests {
                 basis.delete_row(at);
                 k.swap_remove(at);
             }
-            assert_solves(&basis, &k, &mut seed);
+            assert_solves(&basis, &k, &mut random);
             if step % 50 == 49 {
                 let copy = k.clone();
                 let fill = |j: usize, column: &mut [f64]| {
                     column.iter_mut().zip(&copy).for_each(|(entry, row)| *entry = row[j]);
                 };
                 basis.factor(k.len(), fill, &|| false).unwrap();
-                assert_solves(&basis, &k, &mut seed);
+                assert_solves(&basis, &k, &mut random);
             }
         }
     }

@@ -15,15 +15,15 @@ use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{Interrupt, NoFactor};
+use crate::linalg::factor::NoFactor;
 use crate::linalg::lu::Lu;
 
 /// Values closer to zero than this count as zero, relative to the largest; larger errors are refined.
-pub(super) const ZERO: f64 = 64.0 * f64::EPSILON;
+pub(super) const ZERO_TOLERANCE: f64 = 64.0 * f64::EPSILON;
 /// Errors of a block's equations, relative to its largest value, above which the factor is no use.
-const ACCURACY: f64 = 1e-6;
+const LARGEST_ERROR: f64 = 1e-6;
 /// Share of the largest entry by which the outer rows and columns of a symmetric block may differ.
-const SYMMETRIC: f64 = 1e-13;
+const LARGEST_ASYMMETRY: f64 = 1e-13;
 
 /// Parameters of block principal pivoting.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,8 +67,10 @@ pub(super) fn solve(
     let mut is_active = vec![false; n];
     active.iter().for_each(|&i| is_active[i] = true);
     let (mut fewest, mut patience_left) = (usize::MAX, patience);
-    let mut singles = if options.max_pivots.is_some() { usize::MAX } else { single_budget(n) };
-    let mut blocks = Blocks::new(problem, reduced, options);
+    // Each with a factor of its own.
+    let bearable = n + 20_000 / n.max(1);
+    let mut singles = if options.max_pivots.is_some() { usize::MAX } else { bearable };
+    let mut blocks = Blocks::new(problem, reduced);
     outcome.status = loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();
         let wrong = match blocks.wrong_signs(&set, fallback == Fallback::Crash, &mut outcome) {
@@ -97,11 +99,6 @@ pub(super) fn solve(
     outcome
 }
 
-/// Single exchanges, each with a factor of its own, that are bearable.
-fn single_budget(n: usize) -> usize {
-    n + 20_000 / n.max(1)
-}
-
 /// Factor of a principal block.
 enum BlockFactor {
     /// Stands for the lower triangle alone.
@@ -116,14 +113,6 @@ impl BlockFactor {
             Self::Lu(factor) => factor.solve(b),
         }
     }
-
-    /// As is so for every principal block of a P-matrix.
-    fn has_positive_determinant(&self) -> bool {
-        match self {
-            Self::Cholesky(_) => true,
-            Self::Lu(factor) => factor.has_positive_determinant(),
-        }
-    }
 }
 
 /// Factors of principal blocks, and what they give.
@@ -132,7 +121,6 @@ struct Blocks<'a> {
     columns: TouchedColumns<'a>,
     /// `scale_i z_i` counts in units of w.
     scale: Vec<f64>,
-    interrupted: Interrupt<'a>,
     kind: Kind,
 }
 
@@ -148,10 +136,9 @@ enum Kind {
 }
 
 impl<'a> Blocks<'a> {
-    fn new(problem: &LcpProblem, reduced: &'a ReducedProblem<'a>, options: &LcpOptions<'a>) -> Self {
+    fn new(problem: &LcpProblem, reduced: &'a ReducedProblem<'a>) -> Self {
         let scale = (0..reduced.size()).map(|place| problem.diagonal_scale(reduced.index(place))).collect();
-        let (columns, interrupted) = (TouchedColumns::new(reduced), options.interrupt());
-        Self { reduced, columns, scale, interrupted, kind: Kind::Open }
+        Self { reduced, columns: TouchedColumns::new(reduced), scale, kind: Kind::Open }
     }
 
     /// Unknowns whose z or w has the wrong sign in the complementary basis of `set`, whose z goes to `outcome`; or
@@ -163,24 +150,29 @@ impl<'a> Blocks<'a> {
         outcome: &mut Outcome,
     ) -> Result<Vec<usize>, LcpStatus> {
         let factor = self.factor(set, &mut outcome.work)?;
-        if is_crash && !(factor.has_positive_determinant() && self.kind != Kind::Indefinite) {
+        // Every principal block of a P-matrix has a positive determinant.
+        let may_be_p = match &factor {
+            BlockFactor::Cholesky(_) => true,
+            BlockFactor::Lu(factor) => self.kind != Kind::Indefinite && factor.has_positive_determinant(),
+        };
+        if is_crash && !may_be_p {
             return Err(LcpStatus::Breakdown);
         }
         let (w, size, error) = self.values(set, &factor, outcome);
-        if (self.interrupted)() {
+        if (self.reduced.interrupted)() {
             return Err(LcpStatus::Interrupted);
         }
-        if matches!(factor, BlockFactor::Cholesky(_)) && error > ZERO * size {
+        if matches!(factor, BlockFactor::Cholesky(_)) && error > ZERO_TOLERANCE * size {
             // The lower triangle does not stand for the block: it is not symmetric after all.
             self.kind = Kind::Nonsymmetric;
             return self.wrong_signs(set, is_crash, outcome);
         }
-        if !size.is_finite() || error > ACCURACY * size {
+        if !size.is_finite() || error > LARGEST_ERROR * size {
             return Err(LcpStatus::Breakdown);
         }
         let mut basic = w;
         set.iter().for_each(|&i| basic[i] = self.scale[i] * outcome.z[i]);
-        Ok((0..basic.len()).filter(|&i| basic[i] < -ZERO * size).collect())
+        Ok((0..basic.len()).filter(|&i| basic[i] < -ZERO_TOLERANCE * size).collect())
     }
 
     /// The block of `set`: by Cholesky where it looks symmetric and may be definite, else by LU.
@@ -188,12 +180,12 @@ impl<'a> Blocks<'a> {
     /// Only its outer rows and columns are compared; that the rest is symmetric shows in the residual.
     fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<BlockFactor, NoFactor> {
         let k = set.len() as f64;
-        self.columns.touch(set, self.interrupted);
+        self.columns.touch(set);
         if self.kind == Kind::Open {
-            let block = self.columns.principal(set, true, self.interrupted);
+            let block = self.columns.principal(set);
             if looks_symmetric(&block) {
                 *work += k * k * k / 3.0;
-                match Cholesky::new(block, self.interrupted) {
+                match Cholesky::new(block, self.reduced.interrupted) {
                     Ok(factor) => return Ok(BlockFactor::Cholesky(factor)),
                     Err(NoFactor::Interrupted) => return Err(NoFactor::Interrupted),
                     Err(NoFactor::Singular) => self.kind = Kind::Indefinite,
@@ -203,8 +195,7 @@ impl<'a> Blocks<'a> {
             }
         }
         *work += 2.0 / 3.0 * k * k * k;
-        let block = self.columns.principal(set, false, self.interrupted);
-        Lu::new(block, self.interrupted).map(BlockFactor::Lu)
+        Lu::new(self.columns.principal(set), self.reduced.interrupted).map(BlockFactor::Lu)
     }
 
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
@@ -221,11 +212,11 @@ impl<'a> Blocks<'a> {
                 z[i] -= error;
             }
             w.copy_from_slice(&self.reduced.q);
-            self.columns.add_product(set, z, &mut w, self.interrupted);
+            self.columns.add_product(set, z, &mut w);
             outcome.work += 2.0 * set.len() as f64 * (w.len() + set.len()) as f64;
             size = set.iter().fold(deficit, |size, &i| nan_max(size, self.scale[i] * z[i].abs()));
             error = set.iter().fold(0.0, |worst: f64, &i| nan_max(worst, w[i].abs()));
-            if error <= ZERO * size || (self.interrupted)() {
+            if error <= ZERO_TOLERANCE * size || (self.reduced.interrupted)() {
                 break;
             }
         }
@@ -241,7 +232,8 @@ fn looks_symmetric(block: &Dense) -> bool {
     };
     [0, last].iter().all(|&j| {
         let column = block.column(j);
-        let limit = SYMMETRIC * column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+        let limit =
+            LARGEST_ASYMMETRY * column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
         column.iter().enumerate().all(|(i, &entry)| (entry - block.at(j, i)).abs() <= limit)
     })
 }

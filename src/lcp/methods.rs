@@ -1,6 +1,6 @@
 //! What each method does with a problem, and what follows where it fails.
 
-use crate::lcp::block_pivoting::{self, BlockPivotingOptions, Fallback, ZERO, first_guess};
+use crate::lcp::block_pivoting::{self, BlockPivotingOptions, Fallback, ZERO_TOLERANCE, first_guess};
 use crate::lcp::lemke::path::draw;
 use crate::lcp::lemke::run::{self, LemkeOptions};
 use crate::lcp::problem::{Halt, LcpError};
@@ -19,7 +19,7 @@ const PIVOT_TOL_STEP: f64 = 100.0;
 /// So often Lemke's method starts again.
 const RESTARTS: u64 = 3;
 /// Largest asymmetry that conjugate gradients bear.
-const SYMMETRIC: f64 = 1e-10;
+const LARGEST_ASYMMETRY: f64 = 1e-10;
 /// Share of the tolerance at which conjugate gradients stop, since forces are less exact than gaps.
 const CG_MARGIN: f64 = 0.1;
 /// Block exchanges without progress where a crash basis is looked for, which must cost little when not found.
@@ -97,13 +97,13 @@ impl Session<'_> {
     /// caller chose budget or vector.
     fn lemke_on(&mut self, reduced: &ReducedProblem, options: &LemkeOptions) -> Answer {
         let (problem, shared) = (self.problem, self.options);
+        let budget = shared.pivot_budget(reduced.size());
         let mut work = 0.0;
         if let Some(guess) = &shared.initial_active {
             let guess = reduced.restrict_set(guess);
-            if let Some(outcome) = run::solve_warm(reduced, &guess, options.pivot_tol, shared) {
+            if let Some(outcome) = run::solve_warm(reduced, &guess, options.pivot_tol, budget) {
                 work += outcome.work;
-                let z = reduced.expand(&outcome.z, reduced.unit);
-                let solution = self.certify(LcpMethodName::Lemke, &outcome, z);
+                let solution = self.certify(LcpMethodName::Lemke, &outcome, reduced);
                 let answer = Answer { solution: self.record(solution, StartingBasis::Guess), work };
                 if answer.is_conclusive() {
                     return answer;
@@ -117,7 +117,7 @@ impl Session<'_> {
             restart += 1;
             let unit = power_of_two(covering.iter().copied().fold(0.0, f64::max));
             let d = reduced.restrict(&covering).iter().map(|d| d / unit).collect();
-            let mut outcome = run::solve_cold(reduced, d, pivot_tol, shared);
+            let mut outcome = run::solve_cold(reduced, d, pivot_tol, budget);
             work += outcome.work;
             let ray = outcome.ray.take().map(|(z, z0)| {
                 let z = reduced.expand(&z, 1.0);
@@ -126,8 +126,7 @@ impl Session<'_> {
             if ray.as_ref().is_some_and(|ray| ray.residual > RAY_TOLERANCE) {
                 outcome.status = LcpStatus::Breakdown;
             }
-            let z = reduced.expand(&outcome.z, reduced.unit);
-            let solution = self.certify(LcpMethodName::Lemke, &outcome, z);
+            let solution = self.certify(LcpMethodName::Lemke, &outcome, reduced);
             let mut solution = self.record(solution, StartingBasis::Cold);
             solution.ray = ray.filter(|_| solution.status == LcpStatus::Ray);
             let conclusion = solution.ray.as_ref().map(|ray| ray.conclusion);
@@ -190,14 +189,13 @@ impl Session<'_> {
         let (mut work, mut growth) = (0.0, 0);
         loop {
             let is_all = problem.known_rows().is_some();
-            let reduced = ReducedProblem::on(problem, (0..n).filter(|&i| is_kept[i]).collect());
-            self.candidates = reduced.size();
+            let reduced = self.reduce_to((0..n).filter(|&i| is_kept[i]).collect());
             let guess = reduced.restrict_set(&active);
             let outcome =
                 block_pivoting::solve(problem, &reduced, &guess, pivots, (fallback, patience), options);
             pivots = outcome.pivots;
             work += outcome.work;
-            let solution = self.certify(method, &outcome, reduced.expand(&outcome.z, reduced.unit));
+            let solution = self.certify(method, &outcome, &reduced);
             // What an interrupt left unfinished opens no rows.
             let is_answer = outcome.status == LcpStatus::Solved && solution.status != LcpStatus::Interrupted;
             let may_grow = is_answer && !is_all && reduced.size() < n;
@@ -219,18 +217,17 @@ impl Session<'_> {
     fn open_rows(&self, solution: &LcpSolution, is_kept: &[bool]) -> Vec<usize> {
         let scaled = |(i, &z): (usize, &f64)| if z > 0.0 { self.problem.diagonal_scale(i) * z } else { 0.0 };
         let size = solution.z.iter().enumerate().map(scaled).fold(self.problem.deficit(), f64::max);
-        (0..is_kept.len()).filter(|&i| !is_kept[i] && solution.w[i] < -ZERO * size).collect()
+        (0..is_kept.len()).filter(|&i| !is_kept[i] && solution.w[i] < -ZERO_TOLERANCE * size).collect()
     }
 
     pub(super) fn projected_cg(&mut self, options: &ProjectedCgOptions) -> Result<Answer, Halt> {
-        let interrupt = self.options.interrupt();
         let reduced = self.reduce()?;
-        let columns = TouchedColumns::symmetric(&reduced, interrupt);
-        let (row, column, difference) = asymmetry(&columns, reduced.size(), SYMMETRIC, interrupt);
-        if interrupt() {
+        let columns = TouchedColumns::symmetric(&reduced);
+        let (row, column, difference) = asymmetry(&columns, LARGEST_ASYMMETRY);
+        if (reduced.interrupted)() {
             return Err(Halt::Interrupted);
         }
-        if difference > SYMMETRIC {
+        if difference > LARGEST_ASYMMETRY {
             let (row, column) = (reduced.index(row), reduced.index(column));
             return Err(LcpError::NotSymmetric { row, column, difference }.into());
         }
@@ -238,9 +235,9 @@ impl Session<'_> {
         let start = if guess.is_some() { StartingBasis::Guess } else { StartingBasis::Cold };
         let active = guess.unwrap_or_else(|| first_guess(&reduced.q));
         let tolerance = CG_MARGIN * self.options.tolerance;
-        let outcome = projected_cg::solve(&columns, &reduced.q, &active, tolerance, options, self.options);
-        let z = reduced.expand(&outcome.z, reduced.unit);
-        let solution = self.certify(LcpMethodName::ProjectedCg, &outcome, z);
+        let budget = self.options.pivot_budget(reduced.size());
+        let outcome = projected_cg::solve(&columns, &active, tolerance, options, budget);
+        let solution = self.certify(LcpMethodName::ProjectedCg, &outcome, &reduced);
         Ok(Answer { solution: self.record(solution, start), work: outcome.work })
     }
 }

@@ -172,16 +172,6 @@ impl<'a> LcpProblem<'a> {
         self.q.len()
     }
 
-    /// M as given.
-    pub fn matrix(&self) -> MatRef<'a, f64> {
-        self.m
-    }
-
-    /// q as given.
-    pub fn vector(&self) -> &'a [f64] {
-        self.q
-    }
-
     /// `max(-q, 0)`, the length by which residuals are divided.
     pub fn deficit(&self) -> f64 {
         self.q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q))
@@ -197,7 +187,7 @@ impl<'a> LcpProblem<'a> {
         }
         let found = row_extremes(self.m, interrupted).ok_or(Halt::Interrupted)?;
         let n = self.size();
-        let rows = (0..n).filter(|&i| found.non_finite[i] != 0.0);
+        let rows = (0..n).filter(|&i| found.high[i].is_nan());
         let mut entries =
             rows.flat_map(|i| (0..n).map(move |j| (i, j))).filter(|&entry| !self.m[entry].is_finite());
         if let Some((row, column)) = entries.next() {

@@ -9,14 +9,14 @@ use rayon::prelude::*;
 use crate::lcp::certificate::nan_max;
 use crate::lcp::problem::LcpProblem;
 use crate::linalg::factor::Interrupt;
-use crate::linalg::kernels::{self, CHUNK, SHARED, row_block};
+use crate::linalg::kernels::{self, CHUNK_ENTRIES, SHARED_WORK, row_block};
 
 /// Rows that a pass takes at a time, so that what it adds to stays in the nearest cache.
 const ROWS_AT_ONCE: usize = 1024;
 /// The same where pieces of columns are copied, so that what is read across the storage order stays there too.
 const COPIED_ROWS: usize = 64;
 /// Share of the tolerance that rounding may come near before a product is formed with twice the digits.
-const MARGIN: f64 = 0.01;
+const ROUNDING_MARGIN: f64 = 0.01;
 
 /// `y += Σ c_k x_k` over the terms `(x_k, c_k)`, each x as long as `y`.
 pub(super) fn add_terms<'a>(
@@ -35,22 +35,6 @@ pub(super) fn add_terms<'a>(
     });
 }
 
-/// `y_i += row_i · x`.
-pub(super) fn add_row_products<'a>(
-    y: &mut [f64],
-    row: impl Fn(usize) -> &'a [f64] + Sync,
-    x: &[f64],
-    interrupted: Interrupt,
-) {
-    in_row_blocks(y, x.len(), interrupted, |first, part| {
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || part.iter_mut().enumerate().for_each(|(i, y)| *y += kernels::dot(row(first + i), x)),
-        );
-        0.0
-    });
-}
-
 impl LcpProblem<'_> {
     /// `M z + q`, with errors far below `tolerance · max(-q)`: where rounding could come near, with twice the digits.
     ///
@@ -61,7 +45,7 @@ impl LcpProblem<'_> {
             add_product(self.m, z, &mut w, interrupted, kernels::add_column_measured, |_, magnitudes| {
                 magnitudes.iter().copied().fold(0.0, nan_max)
             });
-        if largest * f64::EPSILON > MARGIN * tolerance * self.deficit() {
+        if largest * f64::EPSILON > ROUNDING_MARGIN * tolerance * self.deficit() {
             w.copy_from_slice(self.q);
             add_product_compensated(self.m, z, &mut w, interrupted);
         }
@@ -142,19 +126,15 @@ fn in_row_blocks(
     block: impl Fn(usize, &mut [f64]) -> f64 + Sync,
 ) -> f64 {
     let mut largest = 0.0;
-    let rows_at_once = (CHUNK / row_cost.max(1)).max(64);
+    let rows_at_once = (CHUNK_ENTRIES / row_cost.max(1)).max(64);
     for (k, group) in w.chunks_mut(rows_at_once).enumerate() {
         if k > 0 && interrupted() {
             break;
         }
         let first = k * rows_at_once;
-        let each = if group.len() * row_cost < SHARED { group.len() } else { row_block(group.len()) };
-        let found = if each == group.len() {
-            block(first, group)
-        } else {
-            let blocks = group.par_chunks_mut(each).enumerate();
-            blocks.map(|(k, part)| block(first + k * each, part)).reduce(|| 0.0, nan_max)
-        };
+        let each = if group.len() * row_cost < SHARED_WORK { group.len() } else { row_block(group.len()) };
+        let blocks = group.par_chunks_mut(each).enumerate();
+        let found = blocks.map(|(k, part)| block(first + k * each, part)).reduce(|| 0.0, nan_max);
         largest = nan_max(largest, found);
     }
     largest
@@ -168,7 +148,7 @@ mod tests {
 
     #[test]
     fn products_agree_with_plain_loops_in_every_order_and_density() {
-        for n in [1, 2, 17, 70, 600] {
+        for n in [0, 1, 2, 7, 8, 9, 16, 17, 33, 70, 600] {
             let m = Mat::from_fn(n, n, |i, j| ((i * 31 + j * 17) % 13) as f64 - 6.0);
             let turned = m.transpose().to_owned();
             let backwards = Mat::from_fn(n, n, |i, j| m[(n - 1 - i, n - 1 - j)]);

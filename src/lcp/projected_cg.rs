@@ -4,14 +4,12 @@
 //! each step what became negative is cut off, and unknowns at zero with w < 0 are let in.
 
 use crate::lcp::certificate::nan_max;
-use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
-use crate::linalg::factor::Interrupt;
 
 /// Steps after which w is formed anew from z.
-const REFRESH: usize = 50;
+const REFRESH_STEPS: usize = 50;
 
 /// Parameters of projected conjugate gradients.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,21 +27,19 @@ impl Default for ProjectedCgOptions {
 /// Solves on `m`, all its columns touched, from the guess `active`.
 pub(super) fn solve(
     m: &TouchedColumns,
-    q: &[f64],
     active: &[usize],
     tolerance: f64,
     options: &ProjectedCgOptions,
-    shared: &LcpOptions,
+    budget: usize,
 ) -> Outcome {
-    let n = q.len();
+    let (q, n) = (&m.reduced.q, m.reduced.size());
     let diagonal: Vec<f64> = (0..n).map(|i| m.column(i)[i]).collect();
     let mut outcome = Outcome::zero(LcpStatus::Breakdown, n);
     if diagonal.iter().any(|&m| m <= 0.0) {
         return outcome;
     }
-    let interrupted = shared.interrupt();
     let deficit = q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q));
-    let mut iterate = Iterate::new(m, q, diagonal, active, interrupted);
+    let mut iterate = Iterate::new(m, diagonal, active);
     let (mut best, mut best_at) = (f64::INFINITY, 0);
     loop {
         let residual = iterate.residual();
@@ -59,9 +55,9 @@ pub(super) fn solve(
         }
         let ending = if is_small {
             Some(LcpStatus::Solved)
-        } else if interrupted() {
+        } else if (m.reduced.interrupted)() {
             Some(LcpStatus::Interrupted)
-        } else if outcome.pivots >= shared.pivot_budget(n) {
+        } else if outcome.pivots >= budget {
             Some(LcpStatus::PivotLimit)
         } else if !residual.is_finite() || outcome.pivots > best_at + options.patience {
             Some(LcpStatus::Breakdown)
@@ -72,7 +68,7 @@ pub(super) fn solve(
         if let Some(status) = ending {
             return Outcome { status, ..outcome };
         }
-        if outcome.pivots.is_multiple_of(REFRESH) {
+        if outcome.pivots.is_multiple_of(REFRESH_STEPS) {
             iterate.refresh();
         }
     }
@@ -81,7 +77,6 @@ pub(super) fn solve(
 /// Where the iteration stands.
 struct Iterate<'a> {
     m: &'a TouchedColumns<'a>,
-    q: &'a [f64],
     diagonal: Vec<f64>,
     z: Vec<f64>,
     w: Vec<f64>,
@@ -90,23 +85,18 @@ struct Iterate<'a> {
     direction: Vec<f64>,
     /// Square of the last gradient, to which the next direction is conjugate; zero where it starts anew.
     last_square: f64,
-    interrupted: Interrupt<'a>,
 }
 
 impl<'a> Iterate<'a> {
     /// A load on the guess alone, of the size that suits it best.
-    fn new(
-        m: &'a TouchedColumns<'a>,
-        q: &'a [f64],
-        diagonal: Vec<f64>,
-        active: &[usize],
-        interrupted: Interrupt<'a>,
-    ) -> Self {
-        let [mut z, w, direction] = [vec![0.0; q.len()], vec![0.0; q.len()], vec![0.0; q.len()]];
+    fn new(m: &'a TouchedColumns<'a>, diagonal: Vec<f64>, active: &[usize]) -> Self {
+        let q = &m.reduced.q;
+        let mut z = vec![0.0; q.len()];
         active.iter().for_each(|&i| z[i] = (-q[i]).max(0.0) / diagonal[i]);
-        let mut start =
-            Self { m, q, diagonal, z, w, is_fresh: true, direction, last_square: 0.0, interrupted };
-        let curved = start.product(&start.z);
+        let (w, direction) = (q.clone(), vec![0.0; q.len()]);
+        let mut start = Self { m, diagonal, z, w, is_fresh: true, direction, last_square: 0.0 };
+        let mut curved = vec![0.0; q.len()];
+        start.add_product(&start.z, &mut curved);
         let slope: f64 = q.iter().zip(&start.z).map(|(q, z)| -q * z).sum();
         let curvature: f64 = curved.iter().zip(&start.z).map(|(c, z)| c * z).sum();
         let factor = if curvature > 0.0 && slope > 0.0 { slope / curvature } else { 1.0 };
@@ -122,7 +112,7 @@ impl<'a> Iterate<'a> {
     }
 
     fn refresh(&mut self) {
-        let mut w = self.q.to_vec();
+        let mut w = self.m.reduced.q.clone();
         self.add_product(&self.z, &mut w);
         (self.w, self.is_fresh) = (w, true);
     }
@@ -139,7 +129,8 @@ impl<'a> Iterate<'a> {
             self.direction[i] = along;
         }
         self.last_square = square;
-        let curved = self.product(&self.direction);
+        let mut curved = vec![0.0; n];
+        self.add_product(&self.direction, &mut curved);
         *work += (n * self.direction.iter().filter(|&&d| d != 0.0).count()) as f64;
         let slope: f64 = (0..n).map(|i| self.w[i] * self.direction[i]).sum();
         let curvature: f64 = (0..n).map(|i| curved[i] * self.direction[i]).sum();
@@ -168,15 +159,9 @@ impl<'a> Iterate<'a> {
         Ok(())
     }
 
-    fn product(&self, z: &[f64]) -> Vec<f64> {
-        let mut product = vec![0.0; z.len()];
-        self.add_product(z, &mut product);
-        product
-    }
-
     /// `w += M z`.
     fn add_product(&self, z: &[f64], w: &mut [f64]) {
         let active: Vec<usize> = (0..z.len()).filter(|&j| z[j] != 0.0).collect();
-        self.m.add_product(&active, z, w, self.interrupted);
+        self.m.add_product(&active, z, w);
     }
 }

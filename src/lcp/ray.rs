@@ -40,7 +40,7 @@ pub struct LcpRay {
 }
 
 /// Share of a sum's magnitudes that is taken for rounding.
-const ROUNDING: f64 = 1e-12;
+const ROUNDING_SHARE: f64 = 1e-12;
 
 impl LcpRay {
     /// Checks a ray of the whole problem against M and q as given.
@@ -66,7 +66,11 @@ impl LcpRay {
         let relative = |value: f64, scale: f64| if scale > 0.0 { value / scale } else { 0.0 };
         let (residual, curvature) = (relative(residual, size), relative(curvature, weight));
         let conclusion = infeasibility(problem, &z, interrupted).unwrap_or({
-            if curvature < -ROUNDING { RayConclusion::NotCopositive } else { RayConclusion::Inconclusive }
+            if curvature < -ROUNDING_SHARE {
+                RayConclusion::NotCopositive
+            } else {
+                RayConclusion::Inconclusive
+            }
         });
         Self { z, w, z0, residual, curvature, conclusion }
     }
@@ -76,7 +80,7 @@ impl LcpRay {
 fn infeasibility(problem: &LcpProblem, z: &[f64], interrupted: Interrupt) -> Option<RayConclusion> {
     let (product, magnitude) =
         problem.q.iter().zip(z).fold((0.0, 0.0), |(p, m), (q, z)| (p + q * z, m + (q * z).abs()));
-    if product >= -ROUNDING * magnitude || product.is_nan() {
+    if product >= -ROUNDING_SHARE * magnitude || product.is_nan() {
         return None;
     }
     let transposed = problem.m.transpose();

@@ -14,16 +14,17 @@ pub(super) struct ReducedProblem<'a> {
     pub(super) q: Vec<f64>,
     /// z and w of the reduced problem are those of the whole divided by this.
     pub(super) unit: f64,
+    pub(super) interrupted: Interrupt<'a>,
 }
 
 impl<'a> ReducedProblem<'a> {
     /// The problem on `rows` (ascending); on all where copying most of M to spare the rest would not pay.
-    pub(super) fn on(problem: &LcpProblem<'a>, rows: Vec<usize>) -> Self {
+    pub(super) fn on(problem: &LcpProblem<'a>, rows: Vec<usize>, interrupted: Interrupt<'a>) -> Self {
         let unit = power_of_two(problem.deficit());
         let n = problem.size();
         let kept = if 4 * rows.len() > 3 * n { (0..n).collect() } else { rows };
         let q = kept.iter().map(|&i| problem.q[i] / unit).collect();
-        Self { m: problem.m, kept, q, unit }
+        Self { m: problem.m, kept, q, unit, interrupted }
     }
 
     pub(super) fn size(&self) -> usize {
@@ -40,9 +41,9 @@ impl<'a> ReducedProblem<'a> {
         (self.m.nrows() == self.size()).then_some(self.m)
     }
 
-    /// A copy of columns of the whole problem's M, on the rows kept; left unfinished when `interrupted`.
-    pub(super) fn gather(&self, columns: &[usize], interrupted: Interrupt) -> Dense {
-        Dense::gather(self.m, &self.kept, columns, interrupted)
+    /// A copy of columns of the whole problem's M, on the rows kept; left unfinished when interrupted.
+    pub(super) fn gather(&self, columns: &[usize]) -> Dense {
+        Dense::gather(self.m, &self.kept, columns, self.interrupted)
     }
 
     /// Entries of a vector of the whole problem on the rows kept.
@@ -100,7 +101,7 @@ mod tests {
         let m = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 1.0 });
         let problem = LcpProblem::new(m.as_ref(), &[1.0, -1.0, 0.0]).unwrap();
         let row_min = &problem.rows(&|| false).ok().unwrap().low;
-        let reduced = ReducedProblem::on(&problem, rows_that_matter(&[1.0, -1.0, 0.0], row_min));
+        let reduced = ReducedProblem::on(&problem, rows_that_matter(&[1.0, -1.0, 0.0], row_min), &|| false);
         assert_eq!(reduced.q, [-1.0]);
         assert_eq!(reduced.expand(&[0.5], 2.0), [0.0, 1.0, 0.0]);
         assert_eq!(reduced.restrict_set(&[2, 1]), [0]);

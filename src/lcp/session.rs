@@ -6,7 +6,7 @@ use crate::lcp::outcome::Outcome;
 use crate::lcp::problem::{Halt, LcpProblem};
 use crate::lcp::reduced::{ReducedProblem, rows_that_matter};
 use crate::lcp::solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus};
-use crate::linalg::definiteness::{Definiteness, definiteness};
+use crate::linalg::definiteness::{Definiteness, examine};
 
 /// A problem, the options of its solve and the runs so far.
 pub(super) struct Session<'a> {
@@ -53,14 +53,31 @@ impl<'a> Session<'a> {
     /// The problem on the rows that may have to leave zero, all of M having been looked at.
     pub(super) fn reduce(&mut self) -> Result<ReducedProblem<'a>, Halt> {
         let rows = self.problem.rows(self.options.interrupt())?;
-        let reduced = ReducedProblem::on(self.problem, rows_that_matter(self.problem.q, &rows.low));
-        self.candidates = reduced.size();
-        Ok(reduced)
+        Ok(self.reduce_to(rows_that_matter(self.problem.q, &rows.low)))
     }
 
-    /// Measures `z` against the problem as given; what does not pass is no solution.
-    pub(super) fn certify(&self, method: LcpMethodName, outcome: &Outcome, z: Vec<f64>) -> LcpSolution {
+    /// The problem on `rows` (ascending).
+    pub(super) fn reduce_to(&mut self, rows: Vec<usize>) -> ReducedProblem<'a> {
+        let reduced = ReducedProblem::on(self.problem, rows, self.options.interrupt());
+        self.candidates = reduced.size();
+        reduced
+    }
+
+    /// An ending at z = 0.
+    pub(super) fn at_zero(&self, method: LcpMethodName, status: LcpStatus) -> LcpSolution {
+        let nothing = ReducedProblem::on(self.problem, Vec::new(), self.options.interrupt());
+        self.certify(method, &Outcome::zero(status, 0), &nothing)
+    }
+
+    /// Measures an outcome against the problem as given; what does not pass is no solution.
+    pub(super) fn certify(
+        &self,
+        method: LcpMethodName,
+        outcome: &Outcome,
+        reduced: &ReducedProblem,
+    ) -> LcpSolution {
         let interrupt = self.options.interrupt();
+        let z = reduced.expand(&outcome.z, reduced.unit);
         let w = self.problem.residual(&z, self.options.tolerance, interrupt);
         let certificate = Certificate::measure(self.problem, &z, &w);
         let passed = certificate.natural_residual <= self.options.tolerance;
@@ -126,6 +143,6 @@ impl<'a> Session<'a> {
         if (0..q.len()).any(|i| q[i] == 0.0 && m[(i, i)] == 0.0 && !is_kept(i)) {
             return Ok(Definiteness::Unknown);
         }
-        Ok(definiteness(m, &kept, self.options.interrupt()))
+        Ok(examine(m, &kept, self.options.interrupt()).0)
     }
 }

@@ -4,7 +4,6 @@ use crate::lcp::block_pivoting::BlockPivotingOptions;
 use crate::lcp::lemke::run::LemkeOptions;
 use crate::lcp::methods::AutoOptions;
 use crate::lcp::options::{DefinitenessCheck, LcpOptions};
-use crate::lcp::outcome::Outcome;
 use crate::lcp::problem::{Halt, LcpError, LcpProblem};
 use crate::lcp::projected_cg::ProjectedCgOptions;
 use crate::lcp::session::{Answer, Session};
@@ -98,9 +97,7 @@ pub fn solve(
         Ok(solution) => Ok(solution),
         Err(Halt::Rejected(error)) => Err(error),
         Err(Halt::Interrupted) => {
-            let stopped = Outcome::zero(LcpStatus::Interrupted, 0);
-            let solution = session.certify(method.name(), &stopped, vec![0.0; problem.size()]);
-            Ok(session.with_attempts(solution))
+            Ok(session.with_attempts(session.at_zero(method.name(), LcpStatus::Interrupted)))
         }
     }
 }
@@ -111,8 +108,7 @@ fn run(session: &mut Session, method: &LcpMethod) -> Result<LcpSolution, Halt> {
         problem.rows(interrupt)?;
     }
     if problem.deficit() == 0.0 {
-        let at_zero = Outcome::zero(LcpStatus::Solved, 0);
-        let mut solution = session.certify(method.name(), &at_zero, vec![0.0; problem.size()]);
+        let mut solution = session.at_zero(method.name(), LcpStatus::Solved);
         if session.options.definiteness == DefinitenessCheck::Always && !problem.is_known() {
             solution.certificate.definiteness = session.definiteness(0.0)?;
         }

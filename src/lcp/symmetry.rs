@@ -3,19 +3,16 @@
 use rayon::prelude::*;
 
 use crate::lcp::touched_columns::TouchedColumns;
-use crate::linalg::factor::Interrupt;
 
-/// The worst pair of entries of a matrix of order `n`: row, column, difference over the largest entry.
+/// Rows and columns of a tile, whose mirror image stays in cache.
+const TILE: usize = 32;
+
+/// The worst pair of entries of a matrix, all its columns touched: row, column, difference over the largest entry.
 ///
-/// Ends early once a pair is beyond `limit`, or when `interrupted`.
-pub(super) fn asymmetry(
-    columns: &TouchedColumns,
-    n: usize,
-    limit: f64,
-    interrupted: Interrupt,
-) -> (usize, usize, f64) {
-    const TILE: usize = 32;
-    let strip = |first_column: usize| {
+/// Ends early once a pair is beyond `limit`, or when interrupted.
+pub(super) fn asymmetry(columns: &TouchedColumns, limit: f64) -> (usize, usize, f64) {
+    let n = columns.reduced.size();
+    let strip = |&first_column: &usize| {
         let (mut worst, mut largest) = ((0, 0, 0.0), 0.0_f64);
         for first_row in (first_column..n).step_by(TILE) {
             for j in first_column..(first_column + TILE).min(n) {
@@ -39,13 +36,9 @@ pub(super) fn asymmetry(
     let strips: Vec<usize> = (0..n).step_by(TILE).collect();
     let mut found = nothing;
     for group in strips.chunks(16) {
-        let part = if n < 256 {
-            group.iter().map(|&first| strip(first)).fold(nothing, join)
-        } else {
-            group.par_iter().map(|&first| strip(first)).reduce(|| nothing, join)
-        };
-        found = join(found, part);
-        if found.0.2 > limit * found.1 || interrupted() {
+        let each = group.par_iter().with_min_len(if n < 256 { 16 } else { 1 });
+        found = join(found, each.map(strip).reduce(|| nothing, join));
+        if found.0.2 > limit * found.1 || (columns.reduced.interrupted)() {
             break;
         }
     }

@@ -2,50 +2,37 @@
 
 use faer::{ContiguousFwd, MatRef};
 
-use crate::lcp::product::{add_row_products, add_terms};
+use crate::lcp::product::add_terms;
 use crate::lcp::reduced::ReducedProblem;
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::Interrupt;
-
-/// A matrix whose columns lie in one piece each.
-type ByColumns<'a> = MatRef<'a, f64, usize, usize, ContiguousFwd>;
 
 /// What stands for a copy where a column has not been touched.
 const NOWHERE: usize = usize::MAX;
 
-/// Columns of M on the rows kept, copied side by side, each once; or M itself where all rows are kept.
+/// Columns of M on the rows kept, copied side by side, each once; or M itself where all rows are kept. Copies,
+/// blocks and products are left unfinished when interrupted.
 pub(super) struct TouchedColumns<'a> {
-    reduced: &'a ReducedProblem<'a>,
-    in_place: Option<InPlace<'a>>,
+    pub(super) reduced: &'a ReducedProblem<'a>,
+    /// M where it lies, its columns in one piece each.
+    in_place: Option<MatRef<'a, f64, usize, usize, ContiguousFwd>>,
     copies: Vec<Dense>,
     /// Copy that holds each column, and its number there.
     place: Vec<(usize, usize)>,
 }
 
-/// M where it lies.
-#[derive(Clone, Copy)]
-enum InPlace<'a> {
-    Columns(ByColumns<'a>),
-    /// M stored by rows, turned.
-    Rows(ByColumns<'a>),
-}
-
 impl<'a> TouchedColumns<'a> {
-    /// For blocks and products.
+    /// In place where that can be.
     pub(super) fn new(reduced: &'a ReducedProblem<'a>) -> Self {
-        let m = reduced.whole();
-        let by_rows = || m?.transpose().try_as_col_major().map(InPlace::Rows);
-        let in_place = m.and_then(|m| m.try_as_col_major()).map(InPlace::Columns).or_else(by_rows);
+        let in_place = reduced.whole().and_then(|m| m.try_as_col_major());
         Self { in_place, ..Self::copied(reduced) }
     }
 
     /// Of an M that is symmetric, so that its rows are its columns; all are touched.
-    pub(super) fn symmetric(reduced: &'a ReducedProblem<'a>, interrupted: Interrupt) -> Self {
+    pub(super) fn symmetric(reduced: &'a ReducedProblem<'a>) -> Self {
         let mut all = Self::new(reduced);
-        if let Some(InPlace::Rows(m)) = all.in_place {
-            all.in_place = Some(InPlace::Columns(m));
-        }
-        all.touch(&(0..reduced.size()).collect::<Vec<_>>(), interrupted);
+        let by_rows = || reduced.whole()?.transpose().try_as_col_major();
+        all.in_place = all.in_place.or_else(by_rows);
+        all.touch(&(0..reduced.size()).collect::<Vec<_>>());
         all
     }
 
@@ -54,31 +41,26 @@ impl<'a> TouchedColumns<'a> {
         Self { reduced, in_place: None, copies: Vec::new(), place: vec![(NOWHERE, 0); reduced.size()] }
     }
 
-    /// Copies those of `set` that are not there; returns whether there are such. Left unfinished when `interrupted`.
-    pub(super) fn touch(&mut self, set: &[usize], interrupted: Interrupt) -> bool {
-        if self.in_place.is_some() {
-            return false;
-        }
-        let mut new = Vec::with_capacity(set.len());
+    /// Copies those of `set` that are not there; returns whether there are such.
+    pub(super) fn touch(&mut self, set: &[usize]) -> bool {
+        let mut new = Vec::new();
         for &j in set {
-            if self.place[j].0 == NOWHERE {
+            if self.in_place.is_none() && self.place[j].0 == NOWHERE {
                 self.place[j] = (self.copies.len(), new.len());
                 new.push(self.reduced.index(j));
             }
         }
-        if new.is_empty() {
-            return false;
+        if !new.is_empty() {
+            self.copies.push(self.reduced.gather(&new));
         }
-        self.copies.push(self.reduced.gather(&new, interrupted));
-        true
+        !new.is_empty()
     }
 
-    /// A column that was touched, of a symmetric M or of copies.
+    /// A column that was touched.
     pub(super) fn column(&self, j: usize) -> &[f64] {
         let (copy, k) = self.place[j];
         match self.in_place {
-            Some(InPlace::Columns(m)) => m.col(j).as_slice(),
-            Some(InPlace::Rows(_)) => unreachable!("only blocks and products are made of rows"),
+            Some(m) => m.col(j).as_slice(),
             None => self.copies[copy].column(k),
         }
     }
@@ -89,23 +71,16 @@ impl<'a> TouchedColumns<'a> {
         self.copies[copy].column_mut(k)
     }
 
-    /// The block of M on `set`, all touched, or its transpose where `symmetric`; left unfinished when `interrupted`.
-    pub(super) fn principal(&self, set: &[usize], symmetric: bool, interrupted: Interrupt) -> Dense {
-        if let Some(InPlace::Rows(m)) = self.in_place {
-            let m = if symmetric { m.as_dyn_stride() } else { m.as_dyn_stride().transpose() };
-            return Dense::gather(m, set, set, interrupted);
-        }
-        Dense::build(set.len(), set.len(), interrupted, |j, first, entries| {
+    /// The block of M on `set`, all touched.
+    pub(super) fn principal(&self, set: &[usize]) -> Dense {
+        Dense::build(set.len(), set.len(), self.reduced.interrupted, |j, first, entries| {
             let column = self.column(set[j]);
             entries.iter_mut().zip(&set[first..]).for_each(|(entry, &i)| *entry = column[i]);
         })
     }
 
-    /// `w += M z` for a z that is zero outside `set`, all touched; left unfinished when `interrupted`.
-    pub(super) fn add_product(&self, set: &[usize], z: &[f64], w: &mut [f64], interrupted: Interrupt) {
-        match self.in_place {
-            Some(InPlace::Rows(m)) => add_row_products(w, |i| m.col(i).as_slice(), z, interrupted),
-            _ => add_terms(w, set.len(), |k| (self.column(set[k]), z[set[k]]), interrupted),
-        }
+    /// `w += M z` for a z that is zero outside `set`, all touched.
+    pub(super) fn add_product(&self, set: &[usize], z: &[f64], w: &mut [f64]) {
+        add_terms(w, set.len(), |k| (self.column(set[k]), z[set[k]]), self.reduced.interrupted);
     }
 }

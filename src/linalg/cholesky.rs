@@ -6,7 +6,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par};
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{Interrupt, NoFactor, STRIP, in_strips, panel_width};
+use crate::linalg::factor::{Interrupt, NoFactor, STRIP_COLUMNS, in_strips, panel_width};
 use crate::linalg::kernels::{add_terms_inline, axpy, dot};
 
 /// `A = L L'` of a symmetric positive definite matrix.
@@ -36,7 +36,7 @@ impl Cholesky {
             );
             let below = below.rb();
             let rest = right.submatrix_mut(end, 0, n - end, n - end);
-            in_strips(rest, STRIP, width * (n - end), &mut || interrupted(), |first, strip| {
+            in_strips(rest, STRIP_COLUMNS, width * (n - end), &mut || interrupted(), |first, strip| {
                 let columns = strip.ncols();
                 let (_, strip) = strip.split_at_row_mut(first);
                 let (top, mut rest) = strip.split_at_row_mut(columns);

@@ -5,7 +5,7 @@ use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 
 use crate::linalg::factor::Interrupt;
-use crate::linalg::kernels::SHARED;
+use crate::linalg::kernels::SHARED_WORK;
 
 /// Entries by columns; a new one is zero, and its memory is touched only as it is filled, which for a large one
 /// can then be interrupted.
@@ -82,33 +82,21 @@ impl Dense {
     ) -> Self {
         const TILE: usize = 32;
         let mut block = Self::zeros(rows, columns);
-        if rows * columns <= TILE * TILE * TILE {
-            for j in 0..columns {
-                fill(j, 0, block.column_mut(j));
-            }
-            return block;
-        }
-        let group = (SHARED / rows.max(1)).next_multiple_of(8 * TILE);
-        let tiles = |first: usize, mut strip: MatMut<'_, f64>| {
-            for row in (0..rows).step_by(TILE) {
-                for j in 0..strip.ncols() {
-                    let column = strip.rb_mut().col_mut(j).try_as_col_major_mut();
-                    let column = column.expect("an owned matrix has contiguous columns").as_slice_mut();
-                    fill(first + j, row, &mut column[row..(row + TILE).min(rows)]);
-                }
-            }
-        };
+        let group = (SHARED_WORK / rows.max(1)).next_multiple_of(8 * TILE);
         for start in (0..columns).step_by(group) {
             let width = group.min(columns - start);
-            let mut part = block.as_mut().subcols_mut(start, width);
-            if rows * width < SHARED / 2 {
-                for first in (0..width).step_by(TILE) {
-                    tiles(start + first, part.rb_mut().subcols_mut(first, TILE.min(width - first)));
+            let part = block.as_mut().subcols_mut(start, width);
+            let strips = part.par_col_chunks_mut(TILE).enumerate();
+            let strips = strips.with_min_len(if rows * width < SHARED_WORK / 2 { width } else { 1 });
+            strips.for_each(|(k, mut strip)| {
+                for row in (0..rows).step_by(TILE) {
+                    for j in 0..strip.ncols() {
+                        let column = strip.rb_mut().col_mut(j).try_as_col_major_mut();
+                        let column = column.expect("an owned matrix has contiguous columns").as_slice_mut();
+                        fill(start + k * TILE + j, row, &mut column[row..(row + TILE).min(rows)]);
+                    }
                 }
-            } else {
-                let strips = part.par_col_chunks_mut(TILE).enumerate();
-                strips.for_each(|(k, strip)| tiles(start + k * TILE, strip));
-            }
+            });
             if columns > group && interrupted() {
                 break;
             }

@@ -1,9 +1,11 @@
 //! Vector loops, compiled for what the processor offers and chosen at run time.
 
+use rayon::prelude::*;
+
 /// Multiplications from which a product is worth sharing among threads.
-pub(crate) const SHARED: usize = 1 << 18;
+pub(crate) const SHARED_WORK: usize = 1 << 18;
 /// Entries of a matrix between two asks of the interrupt: some milliseconds of memory traffic.
-pub(crate) const CHUNK: usize = 1 << 22;
+pub(crate) const CHUNK_ENTRIES: usize = 1 << 22;
 
 /// Rows that one task of a shared product takes.
 pub(crate) fn row_block(rows: usize) -> usize {
@@ -139,120 +141,79 @@ pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
 pub(crate) struct Extremes {
     /// Smallest entry.
     pub(crate) low: Vec<f64>,
-    /// Largest magnitude.
+    /// Largest magnitude; not a number where an entry is infinite or not a number.
     pub(crate) high: Vec<f64>,
-    /// Zero unless an entry is infinite or not a number.
-    pub(crate) non_finite: Vec<f64>,
 }
 
 impl Extremes {
     pub(crate) fn new(rows: usize) -> Self {
-        Self { low: vec![f64::INFINITY; rows], high: vec![0.0; rows], non_finite: vec![0.0; rows] }
+        Self { low: vec![f64::INFINITY; rows], high: vec![0.0; rows] }
     }
 
-    /// Takes in columns, each with one entry for every row; the pass is as fast as memory is.
-    pub(crate) fn fold(&mut self, columns: &[&[f64]]) {
+    /// Takes in columns, each with one entry for every row; a thread takes so many blocks of rows at least.
+    pub(crate) fn fold(&mut self, columns: &[&[f64]], blocks_each: usize) {
         const COLUMNS: usize = 8;
-        const ROWS: usize = 1024;
-        let n = self.low.len();
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for start in (0..n).step_by(ROWS) {
-                    let rows = start..(start + ROWS).min(n);
-                    let (low, high) = (&mut self.low[rows.clone()], &mut self.high[rows.clone()]);
-                    let non_finite = &mut self.non_finite[rows.clone()];
+        const ROWS: usize = 512;
+        let blocks = self.low.par_chunks_mut(ROWS).zip(self.high.par_chunks_mut(ROWS)).enumerate();
+        blocks.with_min_len(blocks_each).for_each(|(k, (low, high))| {
+            pulp::Arch::new().dispatch(
+                #[inline(always)]
+                || {
                     let mut chunks = columns.chunks_exact(COLUMNS);
                     for chunk in &mut chunks {
-                        let chunk: [&[f64]; COLUMNS] = std::array::from_fn(|k| &chunk[k][rows.clone()]);
-                        fold_block(chunk, low, high, non_finite);
+                        let chunk: [&[f64]; COLUMNS] = std::array::from_fn(|j| &chunk[j][k * ROWS..]);
+                        fold_block(chunk, low, high);
                     }
                     for column in chunks.remainder() {
-                        fold_block([&column[rows.clone()]], low, high, non_finite);
+                        fold_block([&column[k * ROWS..]], low, high);
                     }
-                }
-            },
-        );
-    }
-
-    /// Takes in what another pass learnt about the same rows.
-    pub(crate) fn merge(mut self, other: &Self) -> Self {
-        for i in 0..self.low.len() {
-            self.low[i] = self.low[i].min(other.low[i]);
-            self.high[i] = self.high[i].max(other.high[i]);
-            self.non_finite[i] += other.non_finite[i];
-        }
-        self
+                },
+            );
+        });
     }
 }
 
 #[inline(always)]
-fn fold_block<const K: usize>(
-    columns: [&[f64]; K],
-    low: &mut [f64],
-    high: &mut [f64],
-    non_finite: &mut [f64],
-) {
+fn fold_block<const K: usize>(columns: [&[f64]; K], low: &mut [f64], high: &mut [f64]) {
     let n = low.len();
     let columns: [&[f64]; K] = std::array::from_fn(|k| &columns[k][..n]);
-    let (high, non_finite) = (&mut high[..n], &mut non_finite[..n]);
+    let high = &mut high[..n];
     for i in 0..n {
-        let (mut least, mut most, mut sum) = (low[i], high[i], non_finite[i]);
+        let (mut least, mut most) = (low[i], high[i]);
         for column in columns {
             let value = column[i];
             least = if value < least { value } else { least };
-            most = if value.abs() > most { value.abs() } else { most };
-            sum += value * 0.0;
+            // What is not finite times zero is not a number, and nothing is larger than that.
+            most = value * 0.0 + if value.abs() > most { value.abs() } else { most };
         }
-        (low[i], high[i], non_finite[i]) = (least, most, sum);
+        (low[i], high[i]) = (least, most);
     }
 }
 
-/// Smallest entry, largest magnitude and non_finite of one row, as [`Extremes`] has them.
-pub(crate) fn extremes(row: &[f64]) -> (f64, f64, f64) {
+/// Smallest entry and largest magnitude of one row, as [`Extremes`] has them.
+pub(crate) fn extremes(row: &[f64]) -> (f64, f64) {
     const LANES: usize = 16;
-    let mut lanes = ([f64::INFINITY; LANES], [0.0; LANES], [0.0; LANES]);
-    let mut last = ([f64::INFINITY], [0.0], [0.0]);
+    let mut lanes = ([f64::INFINITY; LANES], [0.0; LANES]);
+    let mut last = ([f64::INFINITY], [0.0]);
     pulp::Arch::new().dispatch(
         #[inline(always)]
         || {
             let chunks = row.chunks_exact(LANES);
             for value in chunks.remainder().chunks_exact(1) {
-                fold_block([value], &mut last.0, &mut last.1, &mut last.2);
+                fold_block([value], &mut last.0, &mut last.1);
             }
             for chunk in chunks {
-                fold_block([chunk], &mut lanes.0, &mut lanes.1, &mut lanes.2);
+                fold_block([chunk], &mut lanes.0, &mut lanes.1);
             }
         },
     );
-    (
-        lanes.0.into_iter().fold(last.0[0], f64::min),
-        lanes.1.into_iter().fold(last.1[0], f64::max),
-        lanes.2.into_iter().sum::<f64>() + last.2[0],
-    )
+    let largest = lanes.1.into_iter().fold(last.1[0], |a, b| if b > a || b.is_nan() { b } else { a });
+    (lanes.0.into_iter().fold(last.0[0], f64::min), largest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sums_of_columns_agree_with_plain_loops_at_every_remainder() {
-        for n in [0, 1, 7, 16, 33] {
-            for k in [0, 1, 7, 8, 9, 17] {
-                let columns: Vec<Vec<f64>> =
-                    (0..k).map(|j| (0..n).map(|i| (i * 31 + j * 7) as f64 % 11.0 - 5.0).collect()).collect();
-                let terms: Vec<(&[f64], f64)> =
-                    columns.iter().enumerate().map(|(j, c)| (&c[..], j as f64 - 3.0)).collect();
-                let mut y = vec![1.0; n];
-                add_terms(&mut y, terms.len(), |k| terms[k]);
-                for i in 0..n {
-                    let expected = 1.0 + terms.iter().map(|(c, s)| c[i] * s).sum::<f64>();
-                    assert_eq!(y[i], expected, "small integers add without rounding");
-                }
-            }
-        }
-    }
 
     #[test]
     fn the_inner_product_of_integers_is_exact_at_every_length() {
@@ -278,12 +239,12 @@ mod tests {
 
     #[test]
     fn extremes_see_signs_and_values_that_are_not_finite() {
-        assert_eq!(extremes(&[1.0, -3.0, 2.0]), (-3.0, 3.0, 0.0));
+        assert_eq!(extremes(&[1.0, -3.0, 2.0]), (-3.0, 3.0));
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut row = vec![1.0; 40];
             for at in [0, 17, 39] {
                 row[at] = bad;
-                assert!(extremes(&row).2.is_nan());
+                assert!(extremes(&row).1.is_nan());
                 row[at] = 1.0;
             }
         }

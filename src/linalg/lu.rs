@@ -7,14 +7,13 @@ use faer::linalg::triangular_solve as substitution;
 use faer::perm::Perm;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par};
-use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{Interrupt, NoFactor, STRIP, WORK, for_groups, in_strips, panel_width};
+use crate::linalg::factor::{GROUP_WORK, Interrupt, NoFactor, STRIP_COLUMNS, in_strips, panel_width};
 use crate::linalg::kernels::axpy;
 
 /// Multiplications in whose time a row of a column changes its place.
-const MOVE: usize = 64;
+const MOVE_COST: usize = 64;
 
 /// `P A = L U`, stored over A.
 pub(crate) struct Lu {
@@ -37,7 +36,7 @@ pub(crate) struct Cuts {
 impl Lu {
     /// In narrow panels and strips, for small matrices and soon interrupted.
     pub(crate) fn new(a: Dense, interrupted: Interrupt) -> Result<Self, NoFactor> {
-        let cuts = Cuts { panel: panel_width(a.rows()), strip: STRIP, par: Par::Seq };
+        let cuts = Cuts { panel: panel_width(a.rows()), strip: STRIP_COLUMNS, par: Par::Seq };
         Self::with_cuts(a, cuts, &mut |_| interrupted())
     }
 
@@ -68,7 +67,9 @@ impl Lu {
             let (left, mut right) = a.as_mut().subrows_mut(start, height).split_at_col_mut(end);
             let (before, panel) = left.split_at_col_mut(start);
             for columns in [before, right.rb_mut()] {
-                in_strips(columns, STRIP, MOVE * moves.len(), &mut stop, |_, strip| move_rows(strip, &moves));
+                in_strips(columns, STRIP_COLUMNS, MOVE_COST * moves.len(), &mut stop, |_, strip| {
+                    move_rows(strip, &moves)
+                });
             }
             let (triangle, below) = panel.rb().split_at_row(end - start);
             in_strips(right, strip, (end - start) * height, &mut stop, |_, strip| {
@@ -110,12 +111,9 @@ impl Lu {
         let n = self.a.rows();
         let mut inverse = Dense::zeros(n, n);
         self.order.iter().enumerate().for_each(|(i, &from)| inverse.column_mut(from)[i] = 1.0);
-        let strip = (WORK / (4 * n * n).max(1)).clamp(8, STRIP);
-        for_groups(inverse.as_mut(), 4 * strip, &mut || interrupted(), |_, part| {
-            let solve = |strip| {
-                substitution::solve_unit_lower_triangular_in_place(self.a.as_ref(), strip, Par::Seq);
-            };
-            if part.ncols() <= strip { solve(part) } else { part.par_col_chunks_mut(strip).for_each(solve) }
+        let strip = (GROUP_WORK / (4 * n * n).max(1)).clamp(8, STRIP_COLUMNS);
+        in_strips(inverse.as_mut(), strip, n * n, &mut || interrupted(), |_, strip| {
+            substitution::solve_unit_lower_triangular_in_place(self.a.as_ref(), strip, Par::Seq);
         });
         if interrupted() {
             return Err(NoFactor::Interrupted);
@@ -175,47 +173,5 @@ fn move_rows(columns: MatMut<'_, f64>, moves: &[(usize, usize)]) {
         let column = column.as_slice_mut();
         held.iter_mut().zip(moves).for_each(|(held, &(_, from))| *held = column[from]);
         held.iter().zip(moves).for_each(|(&held, &(to, _))| column[to] = held);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use faer::Mat;
-
-    use super::*;
-
-    fn some_matrix(n: usize) -> Mat<f64> {
-        Mat::from_fn(n, n, |i, j| {
-            ((i * 7919 + j * 104729) % 1009) as f64 / 1009.0 - 0.5 + f64::from(i + 1 == j)
-        })
-    }
-
-    const WIDE: Cuts = Cuts { panel: 512, strip: usize::MAX, par: Par::Seq };
-
-    #[test]
-    fn block_edges_do_not_matter() {
-        for n in [1, 2, 3, 511, 512, 513, 1100] {
-            let matrix = some_matrix(n);
-            let right = Mat::from_fn(n, 2, |i, j| (i + 3 * j) as f64 / n as f64 - 0.4);
-            let lu = Lu::with_cuts(Dense::of(&matrix), WIDE, &mut |_| false).expect("no stop");
-            let mut x = right.clone();
-            lu.solve_transposed(x.as_mut(), Par::Seq);
-            let residual = matrix.transpose() * &x - &right;
-            assert!(residual.norm_max() < 1e-9 * x.norm_max().max(1.0), "n = {n}: {:e}", residual.norm_max());
-            assert!(lu.pivot_ratio() > 0.0);
-        }
-    }
-
-    #[test]
-    fn a_stop_ends_it_and_the_work_done_rises_to_one() {
-        let mut seen = Vec::new();
-        let lu = Lu::with_cuts(Dense::of(&some_matrix(1100)), WIDE, &mut |done| {
-            seen.push(done);
-            false
-        });
-        assert!(lu.is_ok() && seen.is_sorted() && seen.first() == Some(&0.0) && seen.last() == Some(&1.0));
-        assert!(seen.len() > 3);
-        let stopped = Lu::with_cuts(Dense::of(&some_matrix(600)), WIDE, &mut |done| done > 0.0);
-        assert_eq!(stopped.err(), Some(NoFactor::Interrupted));
     }
 }

@@ -16,7 +16,7 @@ impl<'a> BasicColumns<'a> {
 
     /// Copies column `j` unless that has been done.
     pub(super) fn fetch(&mut self, j: usize) {
-        if !self.columns.touch(&[j], &|| false) {
+        if !self.columns.touch(&[j]) {
             return;
         }
         let column = self.columns.copy_mut(j);

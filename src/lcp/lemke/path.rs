@@ -34,8 +34,6 @@ pub(super) struct Path<'a> {
     pub(super) dx: Vec<f64>,
     pub(super) dw: Vec<f64>,
     pub(super) y: Vec<f64>,
-    /// A vector over the rows of B or over the columns.
-    pub(super) scratch: Vec<f64>,
     pub(super) pivots: usize,
     pub(super) visited: HashSet<u64>,
     pub(super) active_hash: u64,
@@ -49,12 +47,7 @@ pub(super) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    pub(super) fn new(
-        source: &'a ReducedProblem<'a>,
-        d: Vec<f64>,
-        pivot_tol: f64,
-        interrupted: Interrupt<'a>,
-    ) -> Self {
+    pub(super) fn new(source: &'a ReducedProblem<'a>, d: Vec<f64>, pivot_tol: f64) -> Self {
         let n = source.size();
         Self {
             q: &source.q,
@@ -73,7 +66,6 @@ impl<'a> Path<'a> {
             dx: Vec::new(),
             dw: vec![0.0; n],
             y: Vec::new(),
-            scratch: Vec::new(),
             pivots: 0,
             visited: HashSet::new(),
             active_hash: 0,
@@ -82,7 +74,7 @@ impl<'a> Path<'a> {
             factored: Ok(()),
             work: 0.0,
             pivot_tol,
-            interrupted,
+            interrupted: source.interrupted,
         }
     }
 
@@ -94,11 +86,8 @@ impl<'a> Path<'a> {
     }
 
     pub(super) fn append_row(&mut self, row: usize) {
-        let mut entries = std::mem::take(&mut self.scratch);
-        entries.clear();
-        entries.extend(self.columns.iter().map(|&c| self.column(c)[row]));
+        let mut entries: Vec<f64> = self.columns.iter().map(|&c| self.column(c)[row]).collect();
         self.basis.append_row(&mut entries);
-        self.scratch = entries;
         self.push_row(row);
     }
 

@@ -6,7 +6,7 @@ use crate::linalg::kernels;
 
 /// Multiple of rows (see [`Basis::delete_row`](crate::lcp::basis::Basis::delete_row)) above which the basis is
 /// factored anew.
-const GROWTH: f64 = 1e6;
+const GROWTH_LIMIT: f64 = 1e6;
 
 /// The variable that grows from zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,21 +27,16 @@ pub(super) enum Leaving {
 impl Path<'_> {
     /// Fills `dx`, `dw` and `y`; returns how far the rows of B are from what they should be.
     pub(super) fn direction(&mut self, entering: Entering) -> f64 {
-        let mut a = std::mem::take(&mut self.scratch);
-        a.clear();
+        let mut a = vec![0.0; self.rows.len()];
         match entering {
             Entering::Z(r) => {
                 self.entered.fetch(r);
                 let column = self.entered.column(r);
-                a.extend(self.rows.iter().map(|&i| column[i]));
+                a.iter_mut().zip(&self.rows).for_each(|(a, &i)| *a = column[i]);
             }
-            Entering::W(r) => {
-                a.resize(self.rows.len(), 0.0);
-                a[self.row_place[r]] = -1.0;
-            }
+            Entering::W(r) => a[self.row_place[r]] = -1.0,
         }
         self.basis.transform(&a, &mut self.y);
-        self.scratch = a;
         self.dx.clone_from(&self.y);
         self.basis.back_substitute(&mut self.dx);
         self.dx.iter_mut().for_each(|x| *x = -*x);
@@ -49,11 +44,10 @@ impl Path<'_> {
     }
 
     fn measure_direction(&mut self, entering: Entering) -> f64 {
-        let mut dw = std::mem::take(&mut self.dw);
-        match entering {
-            Entering::Z(r) => dw.copy_from_slice(self.entered.column(r)),
-            Entering::W(_) => dw.fill(0.0),
-        }
+        let mut dw = match entering {
+            Entering::Z(r) => self.entered.column(r).to_vec(),
+            Entering::W(_) => vec![0.0; self.n],
+        };
         self.combine(&self.dx, &mut dw);
         if let Entering::W(r) = entering {
             dw[r] -= 1.0;
@@ -130,7 +124,7 @@ impl Path<'_> {
         };
         if let Entering::W(r) = entering {
             let place = self.row_place[r];
-            if self.basis.delete_row(place) > GROWTH {
+            if self.basis.delete_row(place) > GROWTH_LIMIT {
                 self.stale = true;
             }
             self.rows.swap_remove(place);

@@ -3,17 +3,16 @@
 use crate::lcp::certificate::nan_max;
 use crate::lcp::lemke::path::Path;
 use crate::lcp::lemke::pivot::{Entering, Leaving};
-use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
 use crate::lcp::problem::{LcpError, check_vector};
 use crate::lcp::reduced::ReducedProblem;
 use crate::lcp::solution::LcpStatus;
 
 /// Pivots after which values are recomputed from q.
-const REFRESH: usize = 64;
+const REFRESH_PIVOTS: usize = 64;
 /// Relative error of a direction above which it is refined, and above which the basis is factored anew.
-const REFINE: f64 = 1e-12;
-const REFACTOR: f64 = 1e-8;
+const REFINE_ERROR: f64 = 1e-12;
+const REFACTOR_ERROR: f64 = 1e-8;
 /// Perturbations drawn before the run is given up as a breakdown.
 const PERTURBATION_DRAWS: u64 = 8;
 
@@ -57,11 +56,11 @@ pub(in crate::lcp) fn solve_cold(
     source: &ReducedProblem,
     d: Vec<f64>,
     pivot_tol: f64,
-    options: &LcpOptions,
+    budget: usize,
 ) -> Outcome {
-    let mut path = Path::new(source, d, pivot_tol, options.interrupt());
+    let mut path = Path::new(source, d, pivot_tol);
     let entering = path.start_cold();
-    path.run(entering, options.pivot_budget(source.size()))
+    path.run(entering, budget)
 }
 
 /// Solves from the basis of a guessed active set; `None` where that basis is singular.
@@ -69,12 +68,12 @@ pub(in crate::lcp) fn solve_warm(
     source: &ReducedProblem,
     active: &[usize],
     pivot_tol: f64,
-    options: &LcpOptions,
+    budget: usize,
 ) -> Option<Outcome> {
-    let mut path = Path::new(source, vec![0.0; source.size()], pivot_tol, options.interrupt());
+    let mut path = Path::new(source, vec![0.0; source.size()], pivot_tol);
     match path.start_warm(active)? {
         None => Some(path.finish(LcpStatus::Solved)),
-        Some(entering) => Some(path.run(entering, options.pivot_budget(source.size()))),
+        Some(entering) => Some(path.run(entering, budget)),
     }
 }
 
@@ -89,7 +88,7 @@ impl Path<'_> {
             }
             if self.stale {
                 self.renew();
-            } else if self.pivots.is_multiple_of(REFRESH) {
+            } else if self.pivots.is_multiple_of(REFRESH_PIVOTS) {
                 self.refresh();
             }
             if !self.visited.insert(self.active_hash ^ entering.hash()) {
@@ -128,10 +127,10 @@ impl Path<'_> {
     fn try_direction(&mut self, entering: Entering) -> Option<Leaving> {
         self.factored.ok()?;
         let mut error = self.direction(entering);
-        if error > REFINE {
+        if error > REFINE_ERROR {
             error = self.refine_direction(entering);
         }
-        if error > REFACTOR {
+        if error > REFACTOR_ERROR {
             if !self.renew() {
                 return None;
             }
@@ -161,31 +160,15 @@ impl Path<'_> {
     /// z in the reduced problem's units: for an answer solved from the final basis and refined, else as it stands.
     fn finish(&mut self, status: LcpStatus) -> Outcome {
         if status == LcpStatus::Solved {
-            let mut best = f64::INFINITY;
-            let mut chosen = self.x.clone();
-            for attempt in 0..2 {
-                if attempt == 1 {
-                    self.refactor();
-                    if self.factored.is_err() {
-                        break;
-                    }
-                }
-                let (x, mut w) = self.values(self.q);
-                w.copy_from_slice(self.q);
-                let clipped: Vec<f64> = x.iter().map(|&x| x.max(0.0)).collect();
-                self.combine(&clipped, &mut w);
-                let mut worst = w.iter().fold(0.0, |worst: f64, &w| nan_max(worst, -w));
-                for (&c, &x) in self.columns.iter().zip(&clipped) {
-                    worst = nan_max(worst, w[c].min(x).abs());
-                }
-                if worst < best {
-                    (best, chosen) = (worst, clipped);
-                }
-                if best < 1e-13 {
-                    break;
-                }
+            let (mut x, mut error) = self.clipped();
+            if error >= 1e-13 {
+                self.refactor();
+                let again = self.factored.is_ok().then(|| self.clipped());
+                (x, error) = again.filter(|again| again.1 < error).unwrap_or((x, error));
             }
-            self.x = chosen;
+            if error.is_finite() {
+                self.x = x;
+            }
         }
         let mut z = vec![0.0; self.n];
         for (&c, &x) in self.columns.iter().zip(&self.x) {
@@ -194,5 +177,17 @@ impl Path<'_> {
             }
         }
         Outcome { status, z, pivots: self.pivots, ray: None, work: self.work }
+    }
+
+    /// Values solved from q without those below zero, and how far they are from an answer.
+    fn clipped(&self) -> (Vec<f64>, f64) {
+        let (mut x, mut w) = self.values(self.q);
+        x.iter_mut().for_each(|x| *x = x.max(0.0));
+        w.copy_from_slice(self.q);
+        self.combine(&x, &mut w);
+        let error = w.iter().fold(0.0, |error: f64, &w| nan_max(error, -w));
+        let basic = self.columns.iter().zip(&x);
+        let error = basic.fold(error, |error, (&c, &x)| nan_max(error, w[c].min(x).abs()));
+        (x, error)
     }
 }
