@@ -182,7 +182,7 @@ impl<'a> Blocks<'a> {
         let k = set.len() as f64;
         self.columns.touch(set);
         if self.kind == Kind::Open {
-            let block = self.columns.principal(set);
+            let block = self.columns.principal(set, true);
             if looks_symmetric(&block) {
                 *work += k * k * k / 3.0;
                 match Cholesky::new(block, self.reduced.interrupted) {
@@ -195,7 +195,7 @@ impl<'a> Blocks<'a> {
             }
         }
         *work += 2.0 / 3.0 * k * k * k;
-        Lu::new(self.columns.principal(set), self.reduced.interrupted).map(BlockFactor::Lu)
+        Lu::new(self.columns.principal(set, false), self.reduced.interrupted).map(BlockFactor::Lu)
     }
 
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and

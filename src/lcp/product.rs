@@ -35,6 +35,22 @@ pub(super) fn add_terms<'a>(
     });
 }
 
+/// `y_i += row_i · x`.
+pub(super) fn add_row_products<'a>(
+    y: &mut [f64],
+    row: impl Fn(usize) -> &'a [f64] + Sync,
+    x: &[f64],
+    interrupted: Interrupt,
+) {
+    in_row_blocks(y, x.len(), interrupted, |first, part| {
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || part.iter_mut().enumerate().for_each(|(i, y)| *y += kernels::dot(row(first + i), x)),
+        );
+        0.0
+    });
+}
+
 impl LcpProblem<'_> {
     /// `M z + q`, with errors far below `tolerance · max(-q)`: where rounding could come near, with twice the digits.
     ///

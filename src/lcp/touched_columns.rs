@@ -2,9 +2,12 @@
 
 use faer::{ContiguousFwd, MatRef};
 
-use crate::lcp::product::add_terms;
+use crate::lcp::product::{add_row_products, add_terms};
 use crate::lcp::reduced::ReducedProblem;
 use crate::linalg::dense::Dense;
+
+/// A matrix whose columns lie in one piece each.
+type ByColumns<'a> = MatRef<'a, f64, usize, usize, ContiguousFwd>;
 
 /// What stands for a copy where a column has not been touched.
 const NOWHERE: usize = usize::MAX;
@@ -13,25 +16,35 @@ const NOWHERE: usize = usize::MAX;
 /// blocks and products are left unfinished when interrupted.
 pub(super) struct TouchedColumns<'a> {
     pub(super) reduced: &'a ReducedProblem<'a>,
-    /// M where it lies, its columns in one piece each.
-    in_place: Option<MatRef<'a, f64, usize, usize, ContiguousFwd>>,
+    in_place: Option<InPlace<'a>>,
     copies: Vec<Dense>,
     /// Copy that holds each column, and its number there.
     place: Vec<(usize, usize)>,
 }
 
+/// M where it lies.
+#[derive(Clone, Copy)]
+enum InPlace<'a> {
+    Columns(ByColumns<'a>),
+    /// M stored by rows, turned.
+    Rows(ByColumns<'a>),
+}
+
 impl<'a> TouchedColumns<'a> {
     /// In place where that can be.
     pub(super) fn new(reduced: &'a ReducedProblem<'a>) -> Self {
-        let in_place = reduced.whole().and_then(|m| m.try_as_col_major());
+        let m = reduced.whole();
+        let by_rows = || m?.transpose().try_as_col_major().map(InPlace::Rows);
+        let in_place = m.and_then(|m| m.try_as_col_major()).map(InPlace::Columns).or_else(by_rows);
         Self { in_place, ..Self::copied(reduced) }
     }
 
     /// Of an M that is symmetric, so that its rows are its columns; all are touched.
     pub(super) fn symmetric(reduced: &'a ReducedProblem<'a>) -> Self {
         let mut all = Self::new(reduced);
-        let by_rows = || reduced.whole()?.transpose().try_as_col_major();
-        all.in_place = all.in_place.or_else(by_rows);
+        if let Some(InPlace::Rows(m)) = all.in_place {
+            all.in_place = Some(InPlace::Columns(m));
+        }
         all.touch(&(0..reduced.size()).collect::<Vec<_>>());
         all
     }
@@ -56,11 +69,12 @@ impl<'a> TouchedColumns<'a> {
         !new.is_empty()
     }
 
-    /// A column that was touched.
+    /// A column that was touched, of a symmetric M or of copies.
     pub(super) fn column(&self, j: usize) -> &[f64] {
         let (copy, k) = self.place[j];
         match self.in_place {
-            Some(m) => m.col(j).as_slice(),
+            Some(InPlace::Columns(m)) => m.col(j).as_slice(),
+            Some(InPlace::Rows(_)) => unreachable!("only blocks and products are made of rows"),
             None => self.copies[copy].column(k),
         }
     }
@@ -71,8 +85,12 @@ impl<'a> TouchedColumns<'a> {
         self.copies[copy].column_mut(k)
     }
 
-    /// The block of M on `set`, all touched.
-    pub(super) fn principal(&self, set: &[usize]) -> Dense {
+    /// The block of M on `set`, all touched, or its transpose where `symmetric`.
+    pub(super) fn principal(&self, set: &[usize], symmetric: bool) -> Dense {
+        if let Some(InPlace::Rows(m)) = self.in_place {
+            let m = if symmetric { m.as_dyn_stride() } else { m.as_dyn_stride().transpose() };
+            return Dense::gather(m, set, set, self.reduced.interrupted);
+        }
         Dense::build(set.len(), set.len(), self.reduced.interrupted, |j, first, entries| {
             let column = self.column(set[j]);
             entries.iter_mut().zip(&set[first..]).for_each(|(entry, &i)| *entry = column[i]);
@@ -81,6 +99,10 @@ impl<'a> TouchedColumns<'a> {
 
     /// `w += M z` for a z that is zero outside `set`, all touched.
     pub(super) fn add_product(&self, set: &[usize], z: &[f64], w: &mut [f64]) {
-        add_terms(w, set.len(), |k| (self.column(set[k]), z[set[k]]), self.reduced.interrupted);
+        let interrupted = self.reduced.interrupted;
+        match self.in_place {
+            Some(InPlace::Rows(m)) => add_row_products(w, |i| m.col(i).as_slice(), z, interrupted),
+            _ => add_terms(w, set.len(), |k| (self.column(set[k]), z[set[k]]), interrupted),
+        }
     }
 }
