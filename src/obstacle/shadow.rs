@@ -52,11 +52,11 @@ impl<'a> Shadow<'a> {
         let (place, depth) = (self.place(p), p.dot(&self.direction));
         let slack = BOX_SLACK * (self.mesh.size() + p.norm());
         let deepest = depth - start;
-        let cost =
-            |node: &BvhNode, _: f64| match self.depths_in_box(p, depth, node_bounds(node).grown(slack)) {
-                Some([near, far]) if near - slack <= deepest => -(far + slack),
-                _ => f64::MAX,
-            };
+        let cost = |node: &BvhNode, _: f64| match self.depths_in_box(p, depth, node_bounds(node).grown(slack))
+        {
+            Some([near, far]) if near - slack <= deepest => -(far + slack),
+            _ => f64::MAX,
+        };
         let leaf = |face: u32, _: f64| self.depth_on_face(face, place, deepest).map(|depth| -depth);
         // Costs are minus depths; a little worse than the best so far is let through, so that ties are seen.
         let bound = latest - depth + slack;
