@@ -53,7 +53,7 @@ pub struct Resultant {
 pub struct Patch {
     /// Its vertices, ascending.
     pub vertices: Vec<usize>,
-    /// Its force, moment, centre, area and peak pressure.
+    /// Its force, moment, center, area and peak pressure.
     pub resultant: Resultant,
 }
 
@@ -80,7 +80,7 @@ pub struct Timing {
 pub struct Contact {
     /// How it ended.
     pub status: ContactStatus,
-    /// Force, moment, centre of pressure, area, peak pressure of the whole contact.
+    /// Force, moment, center of pressure, area, peak pressure of the whole contact.
     pub resultant: Resultant,
     /// Deepest penetration of a skin vertex before (m, ≥ 0).
     pub max_penetration_before: f64,

@@ -92,7 +92,7 @@ impl PyContactOptions {
     }
 }
 
-/// Force (N), moment (N m), centre (m), area (m²) and peak (Pa) of a contact or of one of its patches.
+/// Force (N), moment (N m), center (m), area (m²) and peak (Pa) of a contact or of one of its patches.
 #[pyclass(name = "Resultant", module = "quasirigid._core", frozen, get_all)]
 pub(super) struct PyResultant {
     force: Py<PyArray1<f64>>,

@@ -59,7 +59,7 @@ fn check_by_distance(
 fn a_sphere_meets_the_point_in_its_way() {
     let sphere = Obstacle::sphere(v(0.0, 0.0, -5.0), 0.5).unwrap();
     let points = [v(9.0, 0.0, 0.0), v(0.3, 0.0, 1.0), v(0.0, 0.0, 1.2)];
-    // (0.3, ., 1) is met when the sphere's top there, at 0.4 over its centre, comes to z = 1: after 5.6.
+    // (0.3, ., 1) is met when the sphere's top there, at 0.4 over its center, comes to z = 1: after 5.6.
     let found = touch(&sphere, &points, v(0.0, 0.0, 3.0)).unwrap();
     assert_eq!(found.point, 1);
     assert!((found.travel - 5.6).abs() < 1e-14, "{found:?}");

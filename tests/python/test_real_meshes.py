@@ -33,7 +33,7 @@ def finger(name: str) -> qr.Surface:
 
 
 def product_under(surface: qr.Surface, name: str) -> Mesh:
-    """The product, its bounding box centred under the last 38 % of the finger."""
+    """The product, its bounding box centered under the last 38 % of the finger."""
     vertices, faces = qr.read_mesh(DATA / "products" / f"{name}.ply", unit="m")
     along = surface.vertices[:, 1]
     tip = surface.vertices[along > along.max() - 0.38 * np.ptp(along)].mean(axis=0)

@@ -33,7 +33,7 @@ pub(crate) struct Resultants<'a> {
 }
 
 impl Resultants<'_> {
-    /// Force, moment, centre, area and peak pressure of some active vertices.
+    /// Force, moment, center, area and peak pressure of some active vertices.
     pub fn of(&self, vertices: &[usize]) -> Resultant {
         let (mut force, mut moment, mut weighted) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         let (mut total, mut contact_area, mut max_pressure) = (0.0, 0.0, 0.0_f64);

@@ -29,13 +29,13 @@ pub(crate) struct EdgeRule {
 
 impl EdgeRule {
     /// A rule with an error of `allowed` for integrands that are analytic and at most `bound` within the distance
-    /// `room` of an edge of half-length `half`; also for their products with s².
+    /// `margin` of an edge of half-length `half`; also for their products with s².
     ///
     /// n points err by `64/15 bound b^-2n / (1 - b^-2)` where the ellipse of Bernstein's parameter b fits
-    /// (Trefethen 2013, theorem 19.3); edges longer than their room are divided.
-    pub(crate) fn set(&mut self, half: f64, room: f64, bound: f64, allowed: f64) {
-        let pieces = (0.25 * half / room).ceil().max(1.0);
-        let width = room * pieces / half;
+    /// (Trefethen 2013, theorem 19.3); edges longer than their margin are divided.
+    pub(crate) fn set(&mut self, half: f64, margin: f64, bound: f64, allowed: f64) {
+        let pieces = (0.25 * half / margin).ceil().max(1.0);
+        let width = margin * pieces / half;
         let ellipse = width + (1.0 + width * width).sqrt();
         let scale = 64.0 / 15.0 * bound / (1.0 - ellipse.powi(-2));
         let n = ((scale / allowed).ln() / (2.0 * ellipse.ln())).ceil().max(1.0) + 1.0;

@@ -210,9 +210,9 @@ impl ElasticSkin for CombinedSkin {
                 }
                 None => self.background.displace(&Request { nodes: &own, ..*asked }, &pushed, &rows)?,
             };
-            for ((&position, vector), rise) in wanted.iter().zip(moved.vectors).zip(moved.along_normal) {
+            for ((&position, vector), along) in wanted.iter().zip(moved.vectors).zip(moved.along_normal) {
                 vectors[position] = vector;
-                along_normal[position] = rise;
+                along_normal[position] = along;
             }
         }
         Ok(Displacements { vectors, along_normal })
