@@ -158,7 +158,7 @@ def thin_shell() -> list[str]:
         inward = -skin.vertices[order] / np.linalg.norm(skin.vertices[order], axis=1)[:, None]
         directions = inward.copy()
         directions[0] = UP
-        column = qr.response_matrix(skin, prepared, order, directions)[:, 0] * 4 * np.pi * G * h
+        column = qr.response_matrix(skin, prepared, order, directions=directions)[:, 0] * 4 * np.pi * G * h
         distance = np.linalg.norm(skin.vertices[order] - skin.vertices[pole], axis=1) / h
         ranked = np.argsort(distance[1:]) + 1
         cells = []
@@ -180,9 +180,8 @@ def near_field() -> list[str]:
     distance = np.linalg.norm(skin.vertices[order] - skin.vertices[pole], axis=1)
     lines = ["| nu | " + " | ".join(f"r = {r:g} mm" for r in (1.6, 0.8, 0.4)) + " |", "|---|---|---|---|"]
     for nu in (0.5, 0.3):
-        column = qr.response_matrix(
-            skin, body(skin, nu, order, fixed=fixed), order, np.broadcast_to(UP, (len(order), 3)).copy()
-        )[:, 0]
+        prepared, up = body(skin, nu, order, fixed=fixed), np.tile(UP, (len(order), 1))
+        column = qr.response_matrix(skin, prepared, order, directions=up)[:, 0]
         cells = []
         for r in (1.6e-3, 0.8e-3, 0.4e-3):
             row = int(np.argmin(np.abs(distance - r)))
@@ -209,7 +208,7 @@ def reciprocity() -> list[str]:
         everything = np.arange(len(skin.vertices))
         prepared = body(skin, 0.45, everything, bone=drawn_sphere(4e-3, subdivisions, 1.0))
         inward = -skin.vertices / np.linalg.norm(skin.vertices, axis=1)[:, None]
-        matrix = qr.response_matrix(skin, prepared, everything, inward)
+        matrix = qr.response_matrix(skin, prepared, everything, directions=inward)
         low, side = np.array([0, 0, -1.0]), np.array([0.8, 0, 0.6])
         one, other = (np.maximum(-inward @ towards, 0.0) ** 2 * skin.vertex_areas for towards in (low, side))
         difference = abs((one @ matrix @ other) / (other @ matrix @ one) - 1)
@@ -326,8 +325,8 @@ def main() -> None:
     parts = [
         "# Validation",
         "The half-space against Hertz, then the body response against what is known of bodies. Measured by "
-        "`python docs/validation.py`, which writes this page. `tests/contact`, `tests/body`, "
-        "`tests/body_endings.rs` and `tests/python/test_body.py` hold most of it to bounds.",
+        "`python docs/validation.py`, which writes this page. `tests/contact`, `tests/body` "
+        "and `tests/python/test_body.py` hold most of it to bounds.",
     ]
     for title, (words, measure) in SECTIONS.items():
         lines = measure()
