@@ -1,6 +1,7 @@
 //! Areas, normals and volume.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::solid_angle::signed_volume;
@@ -21,30 +22,21 @@ pub(super) struct Measures {
 
 impl Measures {
     pub(super) fn new(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology: &Topology) -> Measures {
-        let mut face_normals = Vec::with_capacity(faces.len());
-        let mut face_areas = Vec::with_capacity(faces.len());
+        let measured: Vec<FaceMeasures> = (0..faces.len())
+            .into_par_iter()
+            .map(|face| FaceMeasures::new(vertices, faces, topology, face))
+            .collect();
         let mut vertex_normals = vec![Vector3::zeros(); vertices.len()];
         let mut vertex_areas = vec![0.0; vertices.len()];
-        let mut edge_total = 0.0;
-        for (face, corners) in faces.iter().enumerate() {
-            let points = corners.map(|vertex| vertices[vertex as usize]);
-            let edges = [points[1] - points[0], points[2] - points[1], points[0] - points[2]];
-            let cross = edges[0].cross(&edges[1]);
-            let length = cross.norm();
-            let normal = if length > 0.0 { cross / length } else { Vector3::zeros() };
-            for k in 0..3 {
-                let vertex = corners[k] as usize;
-                // |u × v| is twice the area at each corner.
-                let angle = length.atan2(-edges[k].dot(&edges[(k + 2) % 3]));
-                vertex_normals[vertex] += normal * angle;
-                vertex_areas[vertex] += length / 6.0;
-                if topology.across(face, k).is_none_or(|other| other > face) {
-                    edge_total += edges[k].norm();
-                }
+        for (corners, face) in faces.iter().zip(&measured) {
+            for (&vertex, angle) in corners.iter().zip(face.angles) {
+                vertex_normals[vertex as usize] += face.normal * angle;
+                vertex_areas[vertex as usize] += face.twice_area / 6.0;
             }
-            face_normals.push(normal);
-            face_areas.push(length / 2.0);
         }
+        let edge_total: f64 = measured.iter().flat_map(|face| face.edge_lengths).sum();
+        let face_normals: Vec<Vector3<f64>> = measured.iter().map(|face| face.normal).collect();
+        let face_areas: Vec<f64> = measured.iter().map(|face| face.twice_area / 2.0).collect();
         for (vertex, normal) in vertex_normals.iter_mut().enumerate() {
             let length = normal.norm();
             if length > 1e-12 {
@@ -72,5 +64,30 @@ impl Measures {
             volume,
             bounding_box,
         }
+    }
+}
+
+/// Of one face.
+struct FaceMeasures {
+    normal: Vector3<f64>,
+    twice_area: f64,
+    /// At its corners (rad).
+    angles: [f64; 3],
+    /// Of its edges (m), 0 for one that the face across counts.
+    edge_lengths: [f64; 3],
+}
+
+impl FaceMeasures {
+    fn new(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology: &Topology, face: usize) -> Self {
+        let points = faces[face].map(|vertex| vertices[vertex as usize]);
+        let edges = [points[1] - points[0], points[2] - points[1], points[0] - points[2]];
+        let cross = edges[0].cross(&edges[1]);
+        let twice_area = cross.norm();
+        let normal = if twice_area > 0.0 { cross / twice_area } else { Vector3::zeros() };
+        // |u × v| is twice the area at each corner.
+        let angles = [0, 1, 2].map(|k| twice_area.atan2(-edges[k].dot(&edges[(k + 2) % 3])));
+        let is_own = |k| topology.across(face, k).is_none_or(|other| other > face);
+        let edge_lengths = [0, 1, 2].map(|k| if is_own(k) { edges[k].norm() } else { 0.0 });
+        Self { normal, twice_area, angles, edge_lengths }
     }
 }

@@ -2,11 +2,15 @@
 
 use faer::Mat;
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
+
+/// Rows of a block that one thread sums at a time.
+const ROWS_PER_TASK: usize = 512;
 
 /// What a contact may rely on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,13 +68,18 @@ impl Displacements {
         let first = self.vectors.len();
         self.vectors.resize(first + block.nrows(), Vector3::zeros());
         let mut along_normal = vec![0.0; block.nrows()];
-        for (column, force) in block.col_iter().zip(forces) {
-            let size = force.norm();
-            for (row, entry) in column.iter().enumerate() {
-                self.vectors[first + row] += *entry * force;
-                along_normal[row] += *entry * size;
+        let sizes: Vec<f64> = forces.iter().map(|force| force.norm()).collect();
+        let rows = self.vectors[first..].par_chunks_mut(ROWS_PER_TASK);
+        let rows = rows.zip(along_normal.par_chunks_mut(ROWS_PER_TASK)).enumerate();
+        rows.for_each(|(task, (vectors, along_normal))| {
+            for (column, (force, size)) in forces.iter().zip(&sizes).enumerate() {
+                let entries = &block.col_as_slice(column)[task * ROWS_PER_TASK..];
+                for ((vector, along), entry) in vectors.iter_mut().zip(along_normal.iter_mut()).zip(entries) {
+                    *vector += *entry * force;
+                    *along += *entry * size;
+                }
             }
-        }
+        });
         self.along_normal.extend(along_normal.into_iter().map(Some));
     }
 }
