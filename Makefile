@@ -32,7 +32,7 @@ test-rust: $(VENV)/made
 
 test-python: $(VENV)/installed $(VENV)/tools
 	$(BIN)/python -m mypy.stubtest quasirigid._core
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto --dist worksteal
 
 ## Formatting, lints and types, warnings as errors.
 lint: $(VENV)/installed $(VENV)/tools
