@@ -99,6 +99,7 @@ pub enum LcpError {
 }
 
 /// What ends a solve before there is an outcome.
+#[derive(Debug)]
 pub(super) enum Halt {
     Interrupted,
     Rejected(LcpError),

@@ -77,9 +77,9 @@ mod tests {
     fn every_factor_solves_at_every_size_around_a_panel() {
         for n in [0, 1, 2, 3, 127, 128, 129, 300, 511, 512, 513, 700, 1100] {
             let a = some_matrix(n);
-            let lu = Lu::new(Dense::of(&a), &|| false).ok().unwrap();
+            let lu = Lu::new(Dense::of(&a), &|| false).expect("regular");
             assert_solves(&a, |b| lu.solve(b));
-            let wide = Lu::with_cuts(Dense::of(&a), WIDE, &mut |_| false).ok().unwrap();
+            let wide = Lu::with_cuts(Dense::of(&a), WIDE, &mut |_| false).expect("regular");
             assert_solves(&a.transpose().to_owned(), |b| {
                 let mut x = Mat::from_fn(n, 1, |i, _| b[i]);
                 wide.solve_transposed(x.as_mut(), Par::Seq);
@@ -87,7 +87,7 @@ mod tests {
             });
             assert!(wide.pivot_ratio() > 0.0);
             let definite = &a * a.transpose() + Mat::<f64>::identity(n, n) * n as f64;
-            let cholesky = Cholesky::new(Dense::of(&definite), &|| false).ok().unwrap();
+            let cholesky = Cholesky::new(Dense::of(&definite), &|| false).expect("definite");
             assert_solves(&definite, |b| cholesky.solve(b));
         }
     }
