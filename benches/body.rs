@@ -18,7 +18,7 @@ fn sphere(radius: f64, subdivisions: usize) -> Surface {
 fn body(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("body");
     group.sample_size(10).warm_up_time(Duration::from_millis(100));
-    let body = Body { bone: Some(sphere(3e-3, 2)), fixed: None };
+    let body = Body { bone: Some(sphere(3e-3, 2)), fixed: None, coarse_edge_length: None };
     for subdivisions in [1, 2, 3] {
         let skin = sphere(8e-3, subdivisions);
         let nodes: Vec<usize> =

@@ -140,6 +140,7 @@ class Skin:
         fixed: ArrayLike | None,
         nodes: ArrayLike,
         *,
+        coarse_edge_length: float | None,
         bone_pressure: bool,
         num_threads: int | None,
         memory_limit: int | None,
@@ -156,14 +157,13 @@ class Skin:
         rotation: ArrayLike,
         *,
         bone_pressure: ArrayLike | None,
+        levels: tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike | None, ArrayLike] | None,
         solved: bool,
     ) -> Skin: ...
     @staticmethod
     def combined(
         surface: Surface, background: Skin, parts: Sequence[tuple[str, Skin, list[int], ArrayLike]]
     ) -> Skin: ...
-    @staticmethod
-    def body_cost(skin_vertices: int, bone_vertices: int, nodes: int) -> tuple[int, float]: ...
     @staticmethod
     def balanced_height(shear_modulus: float, poisson_ratio: float, width: float, cutoff: float) -> float: ...
     def ill_posedness(self) -> str | None: ...

@@ -11,6 +11,7 @@
 pub(crate) mod adjacency;
 pub(crate) mod borders;
 pub(crate) mod check;
+pub(crate) mod coarsen;
 pub(crate) mod component;
 pub(crate) mod csr;
 pub(crate) mod error;

@@ -1,7 +1,7 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
 use super::convert::{
-    MatrixArgument, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors,
+    MatrixArgument, faces, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors,
     vectors_out,
 };
 use super::elastic::Elastic;
@@ -9,15 +9,18 @@ use super::errors::{IntoPyErr, ResponseError};
 use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
 use crate::geometry::rigid_motion;
-use crate::response::body::{Body, BodyCompliance, BodyCost, BodyOptions, BodyParts, BodyProgress};
+use crate::response::body::{Body, BodyCompliance, BodyOptions, BodyParts, BodyProgress, TwoLevels};
 use crate::response::{
-    self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Part, PreparedBody,
-    PreparedKernel, Thickness,
+    self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Levels, Part,
+    PreparedBody, PreparedKernel, Thickness,
 };
+use crate::surface::CoarsePlace;
+use nalgebra::Vector3;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Material and response, checked; computed as it is needed, or once.
 #[pyclass(name = "Skin", module = "quasirigid._core", frozen)]
@@ -27,6 +30,10 @@ pub(super) struct PySkin {
 
 /// Name, prepared body, vertex of the part for each of the whole (-1 for none), and the part's fixed vertices.
 type PartArgument<'py> = (String, Bound<'py, PySkin>, Vec<i64>, Bound<'py, PyAny>);
+
+/// Of a body on two levels: loaded vertices of the coarse skin, places on it, thickness, vertices that are held.
+type LevelsArgument<'py> =
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>, Bound<'py, PyAny>);
 
 impl From<Elastic> for PySkin {
     fn from(inner: Elastic) -> Self {
@@ -157,9 +164,10 @@ impl PySkin {
         Ok(Elastic::Given(given.map_err(IntoPyErr::into_py_err)?).into())
     }
 
-    /// A body solved for unit forces at `nodes`; what `progress` raises ends the work and is raised here.
+    /// A body solved for unit forces at `nodes`; `progress` hears memory and operations first, and what it raises ends the
+    /// work and is raised here.
     #[staticmethod]
-    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, bone_pressure, num_threads, memory_limit, progress))]
+    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, coarse_edge_length, bone_pressure, num_threads, memory_limit, progress))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn body(
         py: Python<'_>,
@@ -169,6 +177,7 @@ impl PySkin {
         bone: Option<&PySurface>,
         fixed: Option<&Bound<'_, PyAny>>,
         nodes: &Bound<'_, PyAny>,
+        coarse_edge_length: Option<f64>,
         bone_pressure: bool,
         num_threads: Option<usize>,
         memory_limit: Option<usize>,
@@ -176,11 +185,21 @@ impl PySkin {
     ) -> PyResult<Self> {
         let fixed = fixed.map(|value| mask(value, "fixed")).transpose()?;
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let body = Body { bone: bone.map(|bone| bone.inner.clone()), fixed };
+        let body = Body { bone: bone.map(|bone| bone.inner.clone()), fixed, coarse_edge_length };
         let failure = OnceLock::new();
+        let announced = AtomicBool::new(false);
+        let tell = |progress: &Py<PyAny>, step: BodyProgress| {
+            Python::attach(|py| {
+                // With the first sign of work, so that a body that is refused says only why.
+                if !announced.swap(true, Ordering::Relaxed) {
+                    progress.call1(py, (step.cost.to_string(), 0.0))?;
+                }
+                progress.call1(py, (step.stage, step.done))
+            })
+        };
         let report = |step: BodyProgress| {
             if let (Some(progress), None) = (&progress, failure.get())
-                && let Err(error) = Python::attach(|py| progress.call1(py, (step.stage, step.done)))
+                && let Err(error) = tell(progress, step)
             {
                 // The first failure ends the work and is raised then; others have nothing to add.
                 let _ = failure.set(error);
@@ -207,7 +226,7 @@ impl PySkin {
     /// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k), `area_vectors` (n, 3)
     /// and `bone_pressure` (m, 3 k) as stored, turned by `rotation` since.
     #[staticmethod]
-    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, area_vectors, rotation, *, bone_pressure, solved))]
+    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, area_vectors, rotation, *, bone_pressure, levels, solved))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn restore_body(
         surface: &PySurface,
@@ -218,6 +237,7 @@ impl PySkin {
         area_vectors: &Bound<'_, PyAny>,
         rotation: &Bound<'_, PyAny>,
         bone_pressure: Option<&Bound<'_, PyAny>>,
+        levels: Option<LevelsArgument<'_>>,
         solved: bool,
     ) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
@@ -226,8 +246,12 @@ impl PySkin {
         let rotation = matrix3(rotation, "rotation")?;
         let displacement = MatrixArgument::new(displacement, "displacement")?.view().to_owned();
         let area_vectors = vectors(area_vectors, "area_vectors")?;
+        let loaded = match &levels {
+            None => nodes.clone(),
+            Some(levels) => self::nodes(&levels.0, "coarse_nodes", area_vectors.len())?,
+        };
         let compliance = BodyCompliance::from_parts(BodyParts {
-            nodes: nodes.clone(),
+            nodes: loaded,
             displacement,
             area_vectors,
             bone_pressure: bone_pressure.transpose()?,
@@ -236,7 +260,21 @@ impl PySkin {
             poisson_ratio,
         });
         let compliance = compliance.map_err(|error| ResponseError::new_err(error.to_string()))?;
-        let body = PreparedBody::from_compliance(&surface.inner, &nodes, compliance);
+        let levels = match levels {
+            None => Levels::One(compliance),
+            Some((_, corners, weights, thickness, fixed)) => {
+                let corners = faces(&corners, "coarse_corners", ResponseError::new_err)?;
+                let weights = vectors(&weights, "coarse_weights")?;
+                let place =
+                    |(corners, weights): (_, Vector3<f64>)| CoarsePlace { corners, weights: weights.into() };
+                let places = corners.into_iter().zip(weights).map(place).collect();
+                let thickness = thickness.map(|list| scalars(&list, "thickness")).transpose()?;
+                let fixed = mask(&fixed, "fixed")?.into();
+                let two = TwoLevels::from_parts(compliance, places, thickness.map(Into::into), fixed);
+                Levels::Two(two.map_err(IntoPyErr::into_py_err)?)
+            }
+        };
+        let body = PreparedBody::from_levels(&surface.inner, &nodes, levels);
         let body = body.map_err(IntoPyErr::into_py_err)?;
         Ok(if solved { Elastic::Body(body) } else { Elastic::GivenBlocks(body) }.into())
     }
@@ -271,13 +309,6 @@ impl PySkin {
         Ok(pressures.map(|pressures| PyArray1::from_vec(py, pressures)))
     }
 
-    /// Memory (bytes) and operations that `body` would take, before it is asked for.
-    #[staticmethod]
-    fn body_cost(skin_vertices: usize, bone_vertices: usize, nodes: usize) -> (usize, f64) {
-        let cost = BodyCost::estimate(skin_vertices, bone_vertices, nodes);
-        (cost.peak_bytes, cost.flops)
-    }
-
     /// Vertices whose response is known.
     fn nodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
         Ok(nodes_out(py, self.inner.nodes()?.list()))
@@ -308,7 +339,11 @@ impl PySkin {
             }
             Elastic::Given(skin) => parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?,
             Elastic::Body(skin) | Elastic::GivenBlocks(skin) => {
-                let (stored, rotation) = (skin.compliance().parts(), skin.compliance().rotation());
+                let compliance = match skin.levels() {
+                    Levels::One(compliance) => compliance,
+                    Levels::Two(two) => &two.remainder,
+                };
+                let (stored, rotation) = (compliance.parts(), compliance.rotation());
                 if let Some(bone_pressure) = &stored.bone_pressure {
                     parts.set_item("bone_pressure", matrix_out(py, bone_pressure))?;
                 }
@@ -316,6 +351,18 @@ impl PySkin {
                 parts.set_item("area_vectors", vectors_out(py, &stored.area_vectors))?;
                 let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
                 parts.set_item("rotation", vectors_out(py, &rows))?;
+                if let Levels::Two(two) = skin.levels() {
+                    let corners: Vec<[u32; 3]> = two.places.iter().map(|place| place.corners).collect();
+                    let weights: Vec<Vector3<f64>> =
+                        two.places.iter().map(|place| place.weights.into()).collect();
+                    parts.set_item("coarse_nodes", nodes_out(py, two.remainder.nodes()))?;
+                    parts.set_item("coarse_corners", faces_out(py, &corners))?;
+                    parts.set_item("coarse_weights", vectors_out(py, &weights))?;
+                    if let Some(thickness) = &two.thickness {
+                        parts.set_item("tissue_thickness", PyArray1::from_slice(py, thickness))?;
+                    }
+                    parts.set_item("held", PyArray1::from_slice(py, &two.fixed))?;
+                }
             }
             Elastic::Kernel(_) | Elastic::Combined(_) => {}
         }

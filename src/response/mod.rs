@@ -44,5 +44,5 @@ pub use skin::combined::{CombinedSkin, Part};
 pub use skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 pub use skin::given_matrix::GivenMatrix;
 pub use skin::nodes::PreparedNodes;
-pub use skin::prepared_body::PreparedBody;
+pub use skin::prepared_body::{Levels, PreparedBody};
 pub use skin::prepared_kernel::PreparedKernel;

@@ -29,7 +29,7 @@ fn with_core() -> Body {
 fn with_fixed(is_fixed: impl Fn(usize, &Vector3<f64>) -> bool) -> Body {
     let skin = skin();
     let fixed = skin.vertices().iter().enumerate().map(|(i, v)| is_fixed(i, v)).collect();
-    Body { bone: None, fixed: Some(fixed) }
+    Body { bone: None, fixed: Some(fixed), coarse_edge_length: None }
 }
 
 fn prepare(body: &Body, nodes: &[usize], options: &BodyOptions) -> Result<BodyCompliance, BodyError> {
@@ -132,7 +132,7 @@ fn bones_that_cross_each_other_are_named() {
 #[test]
 fn fixed_vertices_must_hold_something_and_leave_something() {
     assert_eq!(
-        refusal(&Body { bone: None, fixed: Some(vec![true; 3]) }),
+        refusal(&Body { bone: None, fixed: Some(vec![true; 3]), coarse_edge_length: None }),
         BodyError::FixedLength { found: 3, expected: 42 }
     );
     assert_eq!(refusal(&with_fixed(|_, _| false)), BodyError::FixedNothing { vertex_count: 42 });

@@ -129,7 +129,7 @@ fn a_wide_slab_on_fixed_ground_responds_as_a_flat_layer() {
         let place = Vector3::new(x * h, y * h, 0.0);
         skin.vertices().iter().position(|v| (v - place).norm() < 1e-9).expect("a lattice point")
     };
-    let body = Body { bone: None, fixed: Some(fixed) };
+    let body = Body { bone: None, fixed: Some(fixed), coarse_edge_length: None };
     let compliance = prepare(&body, &skin, 0.5, &[at(0.0, 0.0)]);
     let scale = 4.0 * PI * SHEAR_MODULUS * h; // h / K at nu = 0.5
     let [_, half, one, two, _] = point_load_on_layer();
@@ -183,8 +183,12 @@ fn near_the_force_a_solid_body_responds_as_a_half_space() {
         (0..skin.vertices().len()).min_by(|&a, &b| skin.vertices()[a].z.total_cmp(&skin.vertices()[b].z));
     let pole = pole.expect("vertices");
     for poisson_ratio in [0.5, 0.3] {
-        let compliance =
-            prepare(&Body { bone: None, fixed: Some(fixed.clone()) }, &skin, poisson_ratio, &[pole]);
+        let compliance = prepare(
+            &Body { bone: None, fixed: Some(fixed.clone()), coarse_edge_length: None },
+            &skin,
+            poisson_ratio,
+            &[pole],
+        );
         let constant = (1.0 - poisson_ratio) / (2.0 * PI * SHEAR_MODULUS);
         let error_near = |distance: f64| {
             let apart = |i: &usize| ((skin.vertices()[*i] - skin.vertices()[pole]).norm() - distance).abs();

@@ -13,7 +13,7 @@ use crate::{cap_nodes, drawn_sphere, prepare, sphere, with_bone};
 const RADIUS: f64 = CoredSphere::RADIUS;
 
 /// Forces of `g = g0 + R f >= 0`, `f >= 0`, `g f = 0` by exchanging nodes until none has the wrong sign.
-fn contact_forces(response: &Mat<f64>, gaps: &[f64]) -> Vec<f64> {
+pub fn contact_forces(response: &Mat<f64>, gaps: &[f64]) -> Vec<f64> {
     let all = 0..gaps.len();
     let depth = gaps.iter().fold(0.0_f64, |a, g| a.max(-g));
     let mut active: Vec<usize> = all.clone().filter(|&i| gaps[i] < 0.0).collect();

@@ -81,7 +81,7 @@ fn the_unit_system_does_not_matter() {
     let fixed: Vec<bool> = skin.vertices().iter().map(|v| v.z > 2e-3).collect();
     let response = |length: f64, modulus: f64| {
         let scaled = |s: &Surface| s.with_vertices(s.vertices().iter().map(|v| v * length).collect());
-        let body = Body { bone: Some(scaled(&bone)), fixed: Some(fixed.clone()) };
+        let body = Body { bone: Some(scaled(&bone)), fixed: Some(fixed.clone()), coarse_edge_length: None };
         let compliance = body
             .prepare(&scaled(&skin), SHEAR_MODULUS * modulus, 0.5, &nodes, &BodyOptions::default())
             .expect("a sound body");

@@ -12,6 +12,7 @@ mod fields;
 mod forces;
 mod invariance;
 mod kelvin;
+mod levels;
 
 const SHEAR_MODULUS: f64 = CoredSphere::SHEAR_MODULUS;
 
@@ -35,7 +36,7 @@ fn drawn_sphere(radius: f64, subdivisions: usize, draw: f64) -> Surface {
 }
 
 fn with_bone(bone: Surface) -> Body {
-    Body { bone: Some(bone), fixed: None }
+    Body { bone: Some(bone), fixed: None, coarse_edge_length: None }
 }
 
 fn prepare(body: &Body, skin: &Surface, poisson_ratio: f64, nodes: &[usize]) -> BodyCompliance {

@@ -164,7 +164,7 @@ def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
 def test_a_body_on_its_bone_is_right_against_finite_elements(surface: qr.Surface) -> None:
     sphere = qr.reference.plate_on_cored_sphere()[0]
     assert (sphere.radius, sphere.shear_modulus, sphere.poisson_ratio) == (8e-3, SHEAR_MODULUS, 0.5)
-    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr.Body(bone=core()))
+    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr.Body(bone=core(), coarse_edge_length=0))
     low = np.flatnonzero(surface.vertices[:, 2] < 4e-3)
     prepared = skin.prepared(surface, low)
     # Uniform edges of 1.1 mm against contact radii of 2 and 3 mm: two and three cells.

@@ -73,17 +73,17 @@ def _build_body(
         fixed = as_mask("fixed", fixed, len(surface.vertices), ResponseError)
     if nodes is None:
         nodes = np.flatnonzero(surface.skin_mask if fixed is None else surface.skin_mask & ~fixed)
-    bone_vertices = 0 if body.bone is None else len(body.bone.vertices)
     return _core.Skin.body(
         surface,
         *material,
         body.bone,
         fixed,
         nodes,
+        coarse_edge_length=body.coarse_edge_length,
         bone_pressure=body.bone_pressure,
         num_threads=None,
         memory_limit=as_integer_or_none("memory_limit", body.memory_limit, ResponseError),
-        progress=stage_reporter(progress, len(surface.vertices), bone_vertices, len(nodes)),
+        progress=stage_reporter(progress),
     )
 
 
@@ -107,6 +107,7 @@ def _build_given(material: Material, given: GivenMatrix, surface: Surface) -> _c
         surface.vertex_areas[:, None] * surface.vertex_normals,
         np.eye(3),
         bone_pressure=None,
+        levels=None,
         solved=False,
     )
 
@@ -122,6 +123,10 @@ def restore_prepared(
         return kernel.restore(surface, nodes, stored["matrix"])
     if "matrix" in stored:
         return _core.Skin.given(surface, nodes, stored["matrix"])
+    levels = None
+    if "coarse_nodes" in stored:
+        places = stored["coarse_nodes"], stored["coarse_corners"], stored["coarse_weights"]
+        levels = *places, stored.get("tissue_thickness"), stored["held"]
     return _core.Skin.restore_body(
         surface,
         *material,
@@ -130,5 +135,6 @@ def restore_prepared(
         stored["area_vectors"],
         stored["rotation"],
         bone_pressure=stored.get("bone_pressure"),
+        levels=levels,
         solved=isinstance(response, Body),
     )

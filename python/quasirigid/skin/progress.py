@@ -5,8 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from .. import _core
-
 __all__ = ["Progress", "as_progress", "stage_reporter"]
 
 Progress = Callable[[str, float], object]
@@ -23,25 +21,15 @@ def as_progress(progress: Progress | bool | None) -> Progress | None:
     return _print_line if progress is True else progress
 
 
-def stage_reporter(
-    progress: Progress | None, skin_vertices: int, bone_vertices: int, nodes: int
-) -> Callable[[str, float], None] | None:
-    """Return what the core calls as it goes on; it reports memory and operations first."""
+def stage_reporter(progress: Progress | None) -> Callable[[str, float], None] | None:
+    """Return what the core calls as it goes on: the progress, less often."""
     if progress is None:
         return None
     call = progress
-    needed, operations = _core.Skin.body_cost(skin_vertices, bone_vertices, nodes)
-    cost = (
-        f"body of {skin_vertices} skin and {bone_vertices} bone vertices, {nodes} of them loaded: "
-        f"{needed / 1e9:.2g} GB, {operations:.1e} operations"
-    )
     last: tuple[str, float] = ("", 0.0)
 
     def report(stage: str, done: float) -> None:
         nonlocal last
-        if not last[0]:
-            # With the first sign of work, so that a body that is refused says only why.
-            call(cost, 0.0)
         if stage != last[0] or done >= 1.0 or done - last[1] >= _STEP:
             last = (stage, done)
             call(stage, done)

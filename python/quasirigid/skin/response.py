@@ -201,7 +201,9 @@ class Body(_Response):
     """The body under this skin with its bone, by boundary elements: the true linear answer.
 
     Its compliance is computed once for a surface (`Skin.prepared`), in seconds; presses then take
-    milliseconds.
+    milliseconds. A coarse mesh of the skin takes a fraction of that: what is left of the body there without
+    a near kernel, known in closed form on any mesh, is smooth and joins the near kernel on the skin's own
+    mesh.
 
     Parameters
     ----------
@@ -214,6 +216,9 @@ class Body(_Response):
         Largest memory of the preparation (bytes); what the system has free when left out, where it says so.
     bone_pressure : bool
         Keep what `PreparedSkin.bone_pressure` needs too.
+    coarse_edge_length : float or None
+        Wanted length of the edges of the coarse mesh that the body is solved on (m), up to the size of the
+        body; None for 0.4 of the tissue's thickness at each place. 0 is the skin's own mesh.
 
     References
     ----------
@@ -224,6 +229,7 @@ class Body(_Response):
     fixed: ArrayLike | None = None
     memory_limit: int | None = None
     bone_pressure: bool = False
+    coarse_edge_length: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -68,7 +68,9 @@ def write_prepared(
 def _numbers(response: Response) -> dict[str, Any]:
     """Return the response's numbers and choices."""
     numbers: dict[str, Any] = {}
-    if not isinstance(response, (Body, GivenMatrix)):
+    if isinstance(response, Body):
+        return {"coarse_edge_length": response.coarse_edge_length}
+    if not isinstance(response, GivenMatrix):
         for name, value in vars(response).items():
             if value is None or isinstance(value, str):
                 numbers[name] = value
@@ -120,7 +122,7 @@ def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[An
     """Return the response that `write_prepared` wrote; KeyError or TypeError where it lacks a part."""
     kind = header["response"]
     if kind == "Body":
-        return _restored_body(stored)
+        return _restored_body(stored, header["numbers"])
     if kind == "GivenMatrix":
         nodes = stored["nodes"]
         blocks = "matrix" not in stored
@@ -134,9 +136,10 @@ def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[An
     return response
 
 
-def _restored_body(stored: Mapping[str, NDArray[Any]]) -> Body:
+def _restored_body(stored: Mapping[str, NDArray[Any]], numbers: Mapping[str, Any]) -> Body:
     """Return the body that `write_prepared` wrote."""
     bone = None
     if "bone_vertices" in stored:
         bone = Surface(stored["bone_vertices"], stored["bone_faces"])
-    return Body(bone=bone, fixed=stored.get("fixed"), bone_pressure="bone_pressure" in stored)
+    kept = "bone_pressure" in stored
+    return Body(bone=bone, fixed=stored.get("fixed"), bone_pressure=kept, **numbers)

@@ -5,6 +5,8 @@ use crate::response::body::equations::assemble::Element;
 /// What [`Body::prepare`](crate::response::body::Body::prepare) costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyCost {
+    /// Vertices of the skin that is solved, of its bones, and those that are loaded.
+    pub counts: [usize; 3],
     /// Unknowns: three per skin and bone vertex.
     pub unknowns: usize,
     /// Right-hand sides: three per loaded node.
@@ -31,6 +33,7 @@ impl BodyCost {
         let working = 8 * unknowns * (unknowns + right_hand_sides + 2 * SOLVE_BLOCK.min(right_hand_sides));
         let faces = 2 * (skin_count + bone_count) * size_of::<Element>();
         BodyCost {
+            counts: [skin_count, bone_count, node_count],
             unknowns,
             right_hand_sides,
             peak_bytes: working + kept + faces,
@@ -44,5 +47,14 @@ impl BodyCost {
         // 8 (3 n)² + 8 (3 n) (2 · 3 k) = limit
         let (k, words) = (3.0 * node_count as f64, limit as f64 / 8.0);
         (((k * k + words).sqrt() - k) / 3.0) as usize
+    }
+}
+
+impl std::fmt::Display for BodyCost {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [skin, bone, nodes] = self.counts;
+        let (gigabytes, operations) = (self.peak_bytes as f64 / 1e9, self.flops);
+        write!(f, "body of {skin} skin and {bone} bone vertices, {nodes} of them loaded: ")?;
+        write!(f, "{gigabytes:.2} GB, {operations:.1e} operations")
     }
 }

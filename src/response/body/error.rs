@@ -24,6 +24,24 @@ pub enum BodyError {
         /// What was given (relative).
         value: f64,
     },
+    /// The wanted length of the coarse edges is out of range.
+    #[error(
+        "coarse edge length {value} m: it must be 0 (the skin itself) or up to the size of the body, {size:.3e} m"
+    )]
+    CoarseEdgeLength {
+        /// What was given (m).
+        value: f64,
+        /// Diagonal of the box around the skin (m).
+        size: f64,
+    },
+    /// The skin cannot be coarsened as far as wanted.
+    #[error(
+        "the coarse skin of the body is no body: {reason}; take a smaller coarse edge length, or 0 for the skin itself"
+    )]
+    CoarseMesh {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The skin has a border, so it bounds no body.
     #[error(
         "the skin is open ({border_count} borders): the body response needs a closed surface, cut faces included"

@@ -30,6 +30,7 @@ pub(crate) mod compliance;
 pub(crate) mod cost;
 pub(crate) mod equations;
 pub(crate) mod error;
+pub(crate) mod levels;
 pub(crate) mod solve;
 
 pub use check::tissue::{TissueReport, TissueWarning};
@@ -37,4 +38,5 @@ pub use compliance::{BodyCompliance, BodyParts};
 pub use cost::BodyCost;
 pub use equations::kelvin;
 pub use error::BodyError;
+pub use levels::two_levels::TwoLevels;
 pub use solve::{Body, BodyOptions, BodyProgress};

@@ -32,6 +32,9 @@ pub struct Body {
     pub bone: Option<Surface>,
     /// Skin vertices that do not move, such as those of the cut face of a finger; one entry per vertex.
     pub fixed: Option<Vec<bool>>,
+    /// Wanted length of the edges of the coarse skin that [`PreparedBody`](crate::response::PreparedBody) solves on (m):
+    /// `None` lets the thickness of the tissue decide, 0 is the skin itself.
+    pub coarse_edge_length: Option<f64>,
 }
 
 /// Parameters of [`Body::prepare`].
@@ -71,11 +74,14 @@ pub struct BodyProgress {
     pub stage: &'static str,
     /// Part of that stage that is done, 0 to 1.
     pub done: f64,
+    /// What the whole work costs.
+    pub cost: BodyCost,
 }
 
 /// Reports progress and polls the interrupt.
 struct Watch<'a> {
     options: &'a BodyOptions<'a>,
+    cost: BodyCost,
     start: Instant,
     stopped: AtomicBool,
 }
@@ -84,7 +90,7 @@ impl Watch<'_> {
     /// Reports and returns whether to go on.
     fn advance(&self, stage: &'static str, done: f64) -> bool {
         if let Some(progress) = self.options.progress {
-            progress(BodyProgress { stage, done });
+            progress(BodyProgress { stage, done, cost: self.cost });
         }
         if self.options.interrupt.is_some_and(|interrupt| interrupt()) {
             self.stopped.store(true, Ordering::Relaxed);
@@ -112,7 +118,7 @@ impl Watch<'_> {
 impl Body {
     /// The body of a part that is held at its cut, with `bone` inside if there is one.
     pub fn of_part(part: &CutOut, bone: Option<Surface>) -> Body {
-        Body { bone, fixed: Some(part.fixed.clone()) }
+        Body { bone, fixed: Some(part.fixed.clone()), coarse_edge_length: Some(0.0) }
     }
 
     /// Checks the body without solving anything.
@@ -123,7 +129,7 @@ impl Body {
         self.check(skin).map(|(report, _)| report)
     }
 
-    fn check(&self, skin: &Surface) -> Result<(TissueReport, Vec<bool>), BodyError> {
+    pub(crate) fn check(&self, skin: &Surface) -> Result<(TissueReport, Vec<bool>), BodyError> {
         if self.bone.is_none() && self.fixed.is_none() {
             return Err(BodyError::Unsupported);
         }
@@ -135,7 +141,7 @@ impl Body {
         Ok((report, fixed))
     }
 
-    /// What preparing `node_count` nodes costs.
+    /// What preparing `node_count` nodes on the skin's own mesh costs.
     pub fn estimate(&self, skin: &Surface, node_count: usize) -> BodyCost {
         BodyCost::estimate(skin.vertices().len(), self.bone_count(), node_count)
     }
@@ -144,7 +150,7 @@ impl Body {
         self.bone.as_ref().map_or(0, |bone| bone.vertices().len())
     }
 
-    /// Displacement of the whole skin per unit force at each of `nodes`, by boundary elements.
+    /// Displacement of the whole skin per unit force at each of `nodes`, by boundary elements on the skin's own mesh.
     ///
     /// * `skin`: the closed skin of one body
     /// * `shear_modulus`: G (Pa), > 0
@@ -218,7 +224,8 @@ impl Body {
         // Lengths in mean edges and G = 1: the same numbers in every unit system.
         let length = skin.mean_edge_length();
         let (body, surfaces) = self.discretize(skin, length, poisson_ratio, fixed, nodes);
-        let watch = Watch { options, start: Instant::now(), stopped: AtomicBool::new(false) };
+        let cost = self.estimate(skin, nodes.len());
+        let watch = Watch { options, cost, start: Instant::now(), stopped: AtomicBool::new(false) };
 
         let advance = watch.by_rows("assembly", body.points.len());
         let mut equations = assemble_equations(&body, options.tolerance, &advance)

@@ -4,6 +4,7 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::body::compliance::BodyCompliance;
+use crate::response::body::levels::two_levels::TwoLevels;
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
@@ -13,12 +14,22 @@ use crate::surface::checked::Surface;
 /// The compliance of a body, solved here or given as 3 × 3 blocks; it turns with the surface and serves every product.
 #[derive(Debug, Clone)]
 pub struct PreparedBody {
-    compliance: BodyCompliance,
+    levels: Levels,
     nodes: PreparedNodes,
+    surface: Surface,
+}
+
+/// What the compliance is made of.
+#[derive(Debug, Clone)]
+pub enum Levels {
+    /// The displacement of the whole skin per unit force at the nodes.
+    One(BodyCompliance),
+    /// A near kernel, and the remainder on a coarse skin.
+    Two(TwoLevels),
 }
 
 impl PreparedBody {
-    /// Solves `body` for unit forces at `nodes`.
+    /// Solves `body` for unit forces at `nodes`, on the coarse skin that it asks for.
     ///
     /// # Errors
     /// [`ResponseError::Body`] as [`Body::prepare`].
@@ -30,25 +41,27 @@ impl PreparedBody {
         nodes: &[usize],
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
-        let compliance = body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?;
-        Self::from_compliance(surface, nodes, compliance)
+        let levels = match body.coarse_skin(surface, nodes)? {
+            None => Levels::One(body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?),
+            Some((coarse, fixed)) => {
+                let material = [shear_modulus, poisson_ratio];
+                Levels::Two(TwoLevels::solve(body, surface, coarse, &fixed, material, nodes, options)?)
+            }
+        };
+        Self::from_levels(surface, nodes, levels)
     }
 
     /// Takes a compliance that was computed or measured before; vertices that it keeps at rest stay.
     ///
     /// # Errors
     /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
-    pub fn from_compliance(
-        surface: &Surface,
-        nodes: &[usize],
-        compliance: BodyCompliance,
-    ) -> Result<Self, ResponseError> {
-        Ok(Self { compliance, nodes: PreparedNodes::new(surface, nodes)? })
+    pub fn from_levels(surface: &Surface, nodes: &[usize], levels: Levels) -> Result<Self, ResponseError> {
+        Ok(Self { levels, nodes: PreparedNodes::new(surface, nodes)?, surface: surface.clone() })
     }
 
-    /// Displacement of the whole skin per unit force at the nodes.
-    pub fn compliance(&self) -> &BodyCompliance {
-        &self.compliance
+    /// What the compliance is made of.
+    pub fn levels(&self) -> &Levels {
+        &self.levels
     }
 
     /// Vertices whose response is known.
@@ -61,8 +74,14 @@ impl PreparedBody {
     /// # Errors
     /// [`ResponseError::Body`] if the compliance refuses the rotation.
     pub fn moved(&self, motion: &Isometry3<f64>) -> Result<Self, ResponseError> {
-        let compliance = self.compliance.moved(motion.rotation.to_rotation_matrix().matrix())?;
-        Ok(Self { compliance, nodes: self.nodes.moved(motion) })
+        let rotation = motion.rotation.to_rotation_matrix();
+        let levels = match &self.levels {
+            Levels::One(compliance) => Levels::One(compliance.moved(rotation.matrix())?),
+            Levels::Two(two) => Levels::Two(two.moved(rotation.matrix())?),
+        };
+        let nodes = self.nodes.moved(motion);
+        let surface = self.surface.with_vertices(nodes.vertices().to_vec());
+        Ok(Self { levels, nodes, surface })
     }
 
     /// Pressure (Pa) on every vertex of the bone under a force (N) at every vertex of the surface; `None` if the
@@ -78,7 +97,10 @@ impl PreparedBody {
         let loaded: Vec<usize> = (0..found).filter(|&vertex| forces[vertex] != Vector3::zeros()).collect();
         self.nodes.rows(&loaded)?;
         let at_nodes: Vec<Vector3<f64>> = self.nodes.list().iter().map(|&vertex| forces[vertex]).collect();
-        Ok(self.compliance.bone_pressures(&at_nodes)?)
+        Ok(match &self.levels {
+            Levels::One(compliance) => compliance.bone_pressures(&at_nodes)?,
+            Levels::Two(two) => two.remainder.bone_pressures(&two.on_coarse(self.nodes.list(), &at_nodes))?,
+        })
     }
 }
 
@@ -94,7 +116,10 @@ impl ElasticSkin for PreparedBody {
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
         let rows = self.nodes.checked_rows(asked.nodes, directions)?;
-        Ok(self.compliance.response_among(&rows, directions)?)
+        match &self.levels {
+            Levels::One(compliance) => Ok(compliance.response_among(&rows, directions)?),
+            Levels::Two(two) => two.response(&Request { surface: &self.surface, ..*asked }, directions),
+        }
     }
 
     fn displace(
@@ -104,10 +129,17 @@ impl ElasticSkin for PreparedBody {
         vertices: &[usize],
     ) -> Result<Displacements, ResponseError> {
         let rows = self.nodes.rows(asked.nodes)?;
-        let mut at_nodes = vec![Vector3::zeros(); self.nodes.list().len()];
-        rows.iter().zip(forces).for_each(|(&row, force)| at_nodes[row] = *force);
-        let moved = self.compliance.displacements(&at_nodes)?;
-        let vectors = vertices.iter().map(|&vertex| moved[vertex]).collect();
+        let vectors = match &self.levels {
+            Levels::One(compliance) => {
+                let mut at_nodes = vec![Vector3::zeros(); self.nodes.list().len()];
+                rows.iter().zip(forces).for_each(|(&row, force)| at_nodes[row] = *force);
+                let moved = compliance.displacements(&at_nodes)?;
+                vertices.iter().map(|&vertex| moved[vertex]).collect()
+            }
+            Levels::Two(two) => {
+                two.displacements(&Request { surface: &self.surface, ..*asked }, forces, vertices)?
+            }
+        };
         Ok(Displacements { vectors, along_normal: vec![None; vertices.len()] })
     }
 }
