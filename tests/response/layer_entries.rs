@@ -143,6 +143,47 @@ fn layer_entries_keep_each_tolerance_near_and_far_for_thin_and_thick_layers() {
 }
 
 #[test]
+fn a_pair_of_nodes_answers_as_a_uniform_layer_of_the_smaller_of_their_thicknesses() {
+    let surface = grid(14, 14e-3, 4e-3, 0.25);
+    let mut random = Random(5);
+    let list: Vec<f64> = surface.vertices().iter().map(|_| 0.6e-3 * 30f64.powf(random.next())).collect();
+    let varying = skin(Kernel::Layer { thickness: Thickness::PerVertex(list.clone().into()) });
+    let rows = inner_vertices(14);
+    let half_space = skin(HALF_SPACE);
+    for tolerance in [1e-3, 1e-6] {
+        let options = AssemblyOptions { tolerance, ..Default::default() };
+        for j in [16, 7 * 15 + 6, 7 * 15 + 7, 9 * 15 + 11] {
+            let block = |skin: &KernelSkin, rows: &[usize]| {
+                assemble_block(&surface, skin, rows, &[j], &options).expect("valid")
+            };
+            let (found, scale) = (block(&varying, &rows), block(&half_space, &rows));
+            for (row, &i) in rows.iter().enumerate() {
+                let uniform = block(&skin(layer(list[i].min(list[j]))), &[i])[(0, 0)];
+                let error = (found[(row, 0)] - uniform).abs() / scale[(row, 0)];
+                assert!(error <= 2.0 * tolerance, "({i}, {j}) at {tolerance:e}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn layer_entries_do_not_change_with_the_unit_of_length() {
+    let surface = grid(12, 12e-3, 3e-3, 0.25);
+    let large = surface.with_vertices(surface.vertices().iter().map(|x| x * 1e3).collect());
+    for thickness in [0.5e-3, 3e-3] {
+        let (small, large) = (
+            matrix(&surface, &skin(layer(thickness)), 1e-6),
+            matrix(&large, &skin(layer(1e3 * thickness)), 1e-6),
+        );
+        let half_space = matrix(&surface, &skin(HALF_SPACE), 1e-6);
+        for (j, i) in (0..small.ncols()).flat_map(|j| (0..small.nrows()).map(move |i| (j, i))) {
+            let error = (1e3 * large[(i, j)] - small[(i, j)]).abs();
+            assert!(error < 1e-10 * half_space[(i, j)], "({i}, {j}) at {thickness}");
+        }
+    }
+}
+
+#[test]
 fn a_layer_of_varying_thickness_is_positive_definite() {
     let surface = grid(9, 9e-3, 0.0, 0.2);
     let mut random = Random(3);

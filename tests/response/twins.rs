@@ -37,7 +37,7 @@ fn check_against_double_loop(surface: &Surface) {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let surface = grid(14, 14e-3, 4e-3, 0.2);
-    for response in [HALF_SPACE, PAPER] {
+    for response in [HALF_SPACE, PAPER, layer(0.7e-3), layer(5e-3)] {
         let run = |num_threads| {
             let options = AssemblyOptions { num_threads, ..Default::default() };
             assemble(&surface, &skin(response.clone()), &all(&surface), None, &options).expect("valid")

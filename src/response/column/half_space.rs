@@ -10,7 +10,7 @@ use crate::response::integral::hat::hat_integrals;
 use crate::response::integral::hat_simd::NearFace;
 use crate::response::series::multipole::{MultipoleSeries, order_for};
 use crate::response::series::point_loads::{LoadBall, PointLoads, VECTORS_AT_ONCE};
-use crate::response::series::taylor::{MAX_DEGREE, TaylorSeries};
+use crate::response::series::taylor::TaylorSeries;
 use crate::response::simd::lanes::{Lanes, dot};
 use crate::response::simd::points::{POINTS_PER_BLOCK, Selection, Targets};
 
@@ -21,8 +21,9 @@ pub(crate) struct ColumnScratch {
     pub(crate) faces: Vec<LoadedFace>,
     /// Values in the order of [`Targets`].
     pub(crate) values: Vec<f64>,
-    loads: PointLoads,
-    multipoles: MultipoleSeries,
+    /// Point forces that stand for the load.
+    pub(crate) loads: PointLoads,
+    pub(crate) multipoles: MultipoleSeries,
     /// Targets at which the series does not hold.
     pub(crate) near: Selection,
     /// Series of the layer's kernel.
@@ -47,11 +48,11 @@ impl ColumnScratch {
         }
     }
 
-    /// Moments for the layer's series, of the load on `faces`.
+    /// Moments up to degree D for the layer's series, of the load on `faces`.
     #[inline(always)]
-    pub(crate) fn fill_series<S: Simd>(&mut self, simd: S) {
-        let ball = self.spread_load(MAX_DEGREE / 2 + 1);
-        self.series.fill(simd, &self.loads, ball);
+    pub(crate) fn fill_series<S: Simd, const D: usize, const M: usize>(&mut self, simd: S) {
+        let ball = self.spread_load(D / 2 + 2);
+        self.series.fill::<S, D, M>(simd, &self.loads, ball);
     }
 
     /// Sets `loads` to point forces by an n × n rule on each triangle; returns the ball around the load.

@@ -5,7 +5,7 @@ use crate::response::column::half_space::{ColumnScratch, half_space_values};
 use crate::response::column::layer::PreparedLayer;
 use crate::response::column::load::loaded_faces;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
-use crate::response::kernel::thickness::Thickness;
+use crate::response::kernel::thickness::{InverseThickness, Thickness};
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::simd::points::Targets;
 use crate::surface::checked::Surface;
@@ -29,12 +29,12 @@ impl<'a> KernelColumns<'a> {
 
     /// Sets `scratch.values` to the displacement (m) of the targets per newton at `vertex`.
     ///
-    /// * `inverse_thickness`: 1/thickness of the targets of a layer (1/m), padded as they are
+    /// * `inverse_thickness`: of the targets of a layer
     pub(crate) fn fill(
         &self,
         scratch: &mut ColumnScratch,
         targets: &Targets,
-        inverse_thickness: &[f64],
+        inverse_thickness: &InverseThickness,
         vertex: usize,
     ) {
         let (constant, tolerance) = (self.skin.kernel_constant(), self.tolerance);

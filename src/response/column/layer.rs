@@ -1,5 +1,9 @@
-//! One column of the layer's matrix.
+//! One column of the layer's matrix: the half-space's less that of the smooth part.
+//!
+//! The smooth part is a Taylor series about the load's center; near loads that are wide for the layer, where no
+//! series holds, a quadrature along the edges of their triangles.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use pulp::{Simd, WithSimd};
@@ -8,20 +12,23 @@ use crate::response::column::half_space::{ColumnScratch, half_space_values};
 use crate::response::integral::edge_quadrature::EdgePotential;
 use crate::response::integral::hat_simd::NearFace;
 use crate::response::kernel::layer::LayerKernel;
-use crate::response::kernel::layer_table::{INVERSE_SLOPES, LARGEST_RHO, LayerTable, SLOPE_COUNT};
+use crate::response::kernel::layer_table::{LayerTable, SINGULARITY};
 use crate::response::kernel::skin::KernelSkin;
+use crate::response::kernel::thickness::InverseThickness;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::series::point_loads::VECTORS_AT_ONCE;
-use crate::response::series::taylor::{DEGREES, MAX_DEGREE, TaylorSeries};
-use crate::response::simd::lanes::Lanes;
-use crate::response::simd::points::{POINTS_PER_BLOCK, Targets, gather};
+use crate::response::series::taylor::{DEGREES, TaylorSeries};
+use crate::response::simd::lanes::{Lanes, dot};
+use crate::response::simd::points::{POINTS_PER_BLOCK, Selection, Targets, gather};
 
 /// Kernel values below this times the tolerance, relative to K/h, are taken as 0.
 pub(crate) const SKIPPED_KERNEL: f64 = 1e-2;
 /// The tabulated kernel's own error.
 const LEAST_TOLERANCE: f64 = 1e-12;
-/// Within this many thicknesses of the real axis the smooth part, singular at ±2i, stays below the bound.
-const SMOOTH_ROOM: f64 = 1.6;
+/// What of the tolerance goes to the 1/r part; the rest goes to the smooth part.
+const SINGULAR_SHARE: f64 = 0.75;
+/// Within this share of the way to its singularities at ±2i the smooth part stays below the bound.
+const SMOOTH_ROOM: f64 = 0.8;
 const SMOOTH_BOUND: f64 = 40.0;
 
 /// What all columns of a layer's matrix share.
@@ -48,251 +55,233 @@ impl PreparedLayer {
 
     /// Sets `scratch.values` to the displacement of all targets by the load on `scratch.faces`.
     ///
-    /// Near the load: the exact 1/r part less the smooth part by quadrature. Beyond: the whole kernel as a
-    /// series, which keeps its accuracy where the two parts cancel.
-    ///
-    /// * `inverse_thickness`: 1/thickness of each target, in their order, padded as they are (1/m)
+    /// * `inverse_thickness`: of the targets, in their order
     /// * `own_thickness`: at the loaded node (m)
     pub(crate) fn values(
         &self,
         targets: &Targets,
-        inverse_thickness: &[f64],
+        inverse_thickness: &InverseThickness,
         scratch: &mut ColumnScratch,
         own_thickness: f64,
     ) {
         let own_inverse = 1.0 / own_thickness;
-        let column = LayerColumn { layer: self, inverse_thickness, own_inverse };
-        let ladder = pulp::Arch::new().dispatch(Prepare { column, scratch });
-        let farthest = self.reach * own_thickness + scratch.series.ball.radius;
-        let near = ladder[DEGREES.len() - 1].min(farthest);
-        half_space_values(targets, scratch, self.constant, self.tolerance, near);
-        let thinnest = inverse_thickness.iter().copied().fold(own_inverse, f64::max);
-        // the kernel ends where r reaches as many thicknesses of any pair
-        let allowed =
-            self.tolerance / (near * thinnest).min(self.reach + 2.0 * scratch.series.ball.radius * thinnest);
-        let half_edge = scratch.half_edge();
-        scratch.rule.set(half_edge * thinnest, SMOOTH_ROOM, SMOOTH_BOUND, allowed);
-        pulp::Arch::new().dispatch(Sweep { column, targets, scratch, near, ladder });
+        let tolerance = SINGULAR_SHARE * self.tolerance;
+        half_space_values(targets, scratch, self.constant, tolerance, self.reach * own_thickness);
+        pulp::Arch::new().dispatch(LayerColumn {
+            layer: self,
+            targets,
+            inverse_thickness,
+            own_inverse,
+            scratch,
+        });
     }
 }
 
-/// A layer at the node of one column.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LayerColumn<'a> {
-    pub(crate) layer: &'a PreparedLayer,
-    /// 1/thickness of each target (1/m).
-    inverse_thickness: &'a [f64],
-    /// 1/thickness at the loaded node (1/m).
-    pub(crate) own_inverse: f64,
-}
-
-/// Fills the series of the load and says from where on it holds.
-struct Prepare<'a> {
-    column: LayerColumn<'a>,
-    scratch: &'a mut ColumnScratch,
-}
-
-impl WithSimd for Prepare<'_> {
-    type Output = DegreeReach;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> DegreeReach {
-        self.scratch.fill_series(simd);
-        self.column.ladder(&self.scratch.series)
-    }
-}
-
-struct Sweep<'a> {
-    column: LayerColumn<'a>,
+/// The smooth part of one column.
+struct LayerColumn<'a> {
+    layer: &'a PreparedLayer,
     targets: &'a Targets,
+    inverse_thickness: &'a InverseThickness,
+    /// 1/thickness at the loaded node (1/m).
+    own_inverse: f64,
     scratch: &'a mut ColumnScratch,
-    near: f64,
-    ladder: DegreeReach,
 }
 
-impl WithSimd for Sweep<'_> {
+impl WithSimd for LayerColumn<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { column, targets, scratch, near, ladder } = self;
-        let layer = column.layer;
-        let ColumnScratch { series, values, near: close, .. } = &mut *scratch;
-        let (center, radius) = (series.ball.center, series.ball.radius);
-        close.index.clear();
-        for start in (0..values.len()).step_by(POINTS_PER_BLOCK) {
-            let mut block =
-                Block { start, distance: [0.0; POINTS_PER_BLOCK], inverse: [0.0; POINTS_PER_BLOCK] };
-            for i in 0..POINTS_PER_BLOCK {
-                block.distance[i] = (targets.point(start + i) - center).norm();
-                // a pair answers as the thinner of its two
-                block.inverse[i] = column.inverse_thickness[start + i].max(column.own_inverse);
-            }
-            let Block { distance, inverse, .. } = &block;
-            let felt = |i: usize| {
-                let rho = distance[i] * inverse[i];
-                rho - radius * inverse[i] < layer.reach && (rho < LARGEST_RHO as f64 || distance[i] < near)
-            };
-            let mut nearest = f64::INFINITY;
-            for i in 0..POINTS_PER_BLOCK {
-                if !felt(i) {
-                    values[start + i] = 0.0;
-                } else if distance[i] < near {
-                    if start + i < targets.rows.len() {
-                        close.index.push((start + i) as u32);
-                    }
-                } else {
-                    nearest = nearest.min(distance[i]);
-                }
-            }
-            if nearest < f64::INFINITY {
-                let level = ladder.iter().position(|&from| nearest >= from).unwrap_or(DEGREES.len() - 1);
-                let far = column.far(simd, series, level, targets, &block);
-                for i in (0..POINTS_PER_BLOCK).filter(|&i| felt(i) && distance[i] >= near) {
-                    values[start + i] = far[i];
-                }
-            }
+        let Self { layer, targets, inverse_thickness, own_inverse, scratch } = self;
+        let (ball, thinnest) = (scratch.multipoles.ball, inverse_thickness.largest.max(own_inverse));
+        let means = TaylorSeries::means(simd, &scratch.loads, &ball);
+        let allowed = (1.0 - SINGULAR_SHARE) * layer.tolerance;
+        let ladder = layer.kernel.table.ladder(&means, ball.radius * thinnest, allowed);
+        let highest = ladder.iter().position(|&from| from <= SINGULARITY).unwrap_or(DEGREES.len() - 1);
+        match highest {
+            0 => scratch.fill_series::<S, 3, 10>(simd),
+            1 => scratch.fill_series::<S, 5, 21>(simd),
+            2 => scratch.fill_series::<S, 7, 36>(simd),
+            _ => scratch.fill_series::<S, 9, 55>(simd),
         }
-        column.take_off_smooth(simd, targets, scratch);
+        let pairs = Pairs { layer, inverse: &inverse_thickness.of_targets, own_inverse };
+        pairs.take_off_series(simd, targets, scratch, &ladder[..=highest]);
+        if !scratch.near.index.is_empty() {
+            pairs.take_off_near(simd, targets, scratch, thinnest, allowed);
+        }
     }
 }
 
-/// Distance (m) from the load's center at which a series of each of [`DEGREES`] keeps the tolerance, falling.
-type DegreeReach = [f64; DEGREES.len()];
-
-/// A block of targets.
-struct Block {
-    /// The first of them.
-    start: usize,
-    /// Distances from the load's center (m).
-    distance: [f64; POINTS_PER_BLOCK],
-    /// 1/thickness of the pairs with the loaded node (1/m).
-    inverse: [f64; POINTS_PER_BLOCK],
+/// The targets of a layer, each with the loaded node.
+struct Pairs<'a> {
+    layer: &'a PreparedLayer,
+    /// 1/thickness of each target (1/m).
+    inverse: &'a [f64],
+    /// 1/thickness at the loaded node (1/m).
+    own_inverse: f64,
 }
 
-impl LayerColumn<'_> {
-    /// Takes the smooth part off the values of the targets in `scratch.near`.
+impl Pairs<'_> {
+    /// 1/thickness of targets from the given one on: a pair answers as the thinner of its two.
     #[inline(always)]
-    fn take_off_smooth<S: Simd>(&self, simd: S, targets: &Targets, scratch: &mut ColumnScratch) {
-        let ColumnScratch { near, values, faces, rule, thicknesses, .. } = scratch;
-        near.gather(targets);
-        gather(&near.index, self.inverse_thickness, thicknesses);
-        let table = &self.layer.kernel.table;
-        for face in faces.iter().map(NearFace::new) {
-            for i in (0..near.values.len()).step_by(S::F64_LANES) {
-                let own = Lanes::load(simd, thicknesses, i);
-                let pair = own.all(self.own_inverse);
-                let inverse = own.less(pair).pick(pair, own);
-                let integral = face.along_edges(near.place(simd, i), rule, &SmoothPart { table, inverse });
-                integral.mul_add(inverse, Lanes::load(simd, &near.values, i)).store(&mut near.values, i);
+    fn inverse<S: Simd>(&self, simd: S, list: &[f64], first: usize) -> Lanes<S> {
+        let target = Lanes::load(simd, list, first);
+        let own = target.all(self.own_inverse);
+        target.less(own).pick(own, target)
+    }
+
+    /// Takes the series off the values; the targets at which it does not hold are left in `scratch.near`.
+    ///
+    /// * `ladder`: the v from which on each of [`DEGREES`] holds
+    #[inline(always)]
+    fn take_off_series<S: Simd>(
+        &self,
+        simd: S,
+        targets: &Targets,
+        scratch: &mut ColumnScratch,
+        ladder: &[f64],
+    ) {
+        let ColumnScratch { series, values, near, .. } = scratch;
+        near.index.clear();
+        let (zero, far_from) = (Lanes::splat(simd, 0.0), ladder[ladder.len() - 1]);
+        let step = VECTORS_AT_ONCE * S::F64_LANES;
+        for start in (0..values.len()).step_by(step) {
+            let place = series.place(simd, targets, start);
+            let blank = [zero; VECTORS_AT_ONCE];
+            let (mut amplitude, mut thin, mut v, mut limit) = (blank, blank, blank, blank);
+            let (mut nearest, mut nearest_far, mut beyond) =
+                (zero.all(f64::INFINITY), zero.all(f64::INFINITY), zero.all(f64::INFINITY));
+            for k in 0..VECTORS_AT_ONCE {
+                let inverse = self.inverse(simd, self.inverse, start + k * S::F64_LANES);
+                let thinness = inverse * zero.all(series.ball.radius);
+                let reach = thinness + zero.all(self.layer.reach);
+                amplitude[k] = inverse * zero.all(self.layer.constant);
+                thin[k] = thinness * thinness;
+                let at = [place[0][k], place[1][k], place[2][k]];
+                v[k] = dot(&at, &at).mul_add(thin[k], zero.all(SINGULARITY));
+                limit[k] = reach.mul_add(reach, zero.all(SINGULARITY));
+                beyond = beyond.min(v[k] - limit[k]);
+                nearest = nearest.min(v[k]);
+                nearest_far = nearest_far.min(v[k].less(zero.all(far_from)).pick(nearest_far, v[k]));
             }
+            if beyond.least() >= 0.0 {
+                values[start..start + step].fill(0.0);
+                continue;
+            }
+            let nearest_far = nearest_far.least();
+            let mut smooth = blank;
+            if nearest_far < f64::INFINITY {
+                let level = ladder.iter().position(|&from| nearest_far >= from);
+                smooth = match level {
+                    Some(0) => self.smooth::<S, 4, 10, 6>(series, &place, &v, &thin),
+                    Some(1) => self.smooth::<S, 6, 21, 7>(series, &place, &v, &thin),
+                    Some(2) => self.smooth::<S, 8, 36, 9>(series, &place, &v, &thin),
+                    _ => self.smooth::<S, 10, 55, 11>(series, &place, &v, &thin),
+                };
+            }
+            for k in 0..VECTORS_AT_ONCE {
+                let at = start + k * S::F64_LANES;
+                let value = Lanes::load(simd, values, at);
+                let far = v[k].less(zero.all(far_from)).pick(value, value - amplitude[k] * smooth[k]);
+                v[k].less(limit[k]).pick(far, zero).store(values, at);
+            }
+            if nearest.least() < far_from {
+                let count = targets.rows.len().saturating_sub(start).min(step);
+                list_near(&v, &limit, far_from, start..start + count, near);
+            }
+        }
+    }
+
+    /// The series up to degree N - 1, out of T terms of the table.
+    #[inline(always)]
+    fn smooth<S: Simd, const N: usize, const M: usize, const T: usize>(
+        &self,
+        series: &TaylorSeries,
+        place: &[[Lanes<S>; VECTORS_AT_ONCE]; 3],
+        v: &[Lanes<S>; VECTORS_AT_ONCE],
+        thin: &[Lanes<S>; VECTORS_AT_ONCE],
+    ) -> [Lanes<S>; VECTORS_AT_ONCE] {
+        let table = &self.layer.kernel.table;
+        let slopes =
+            [table.smooth_slopes::<S, N, T>(v[0], thin[0]), table.smooth_slopes::<S, N, T>(v[1], thin[1])];
+        series.evaluate::<S, N, M>(place, &slopes)
+    }
+
+    /// Takes the smooth part off the values of the targets in `scratch.near`.
+    ///
+    /// * `thinnest`: the largest 1/thickness of all pairs (1/m)
+    /// * `allowed`: error of φ relative to 1/ρ
+    #[inline(always)]
+    fn take_off_near<S: Simd>(
+        &self,
+        simd: S,
+        targets: &Targets,
+        scratch: &mut ColumnScratch,
+        thinnest: f64,
+        allowed: f64,
+    ) {
+        let half_edge = scratch.half_edge();
+        let ColumnScratch { near, values, faces, rule, thicknesses, series, .. } = scratch;
+        let distance = |place: u32| (targets.point(place as usize) - series.ball.center).norm();
+        near.index.sort_unstable_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+        near.gather(targets);
+        gather(&near.index, self.inverse, thicknesses);
+        let faces: Vec<NearFace> = faces.iter().map(NearFace::new).collect();
+        for i in (0..near.index.len()).step_by(S::F64_LANES) {
+            let last = near.index[near.index.len().min(i + S::F64_LANES) - 1];
+            // from the triangles, in thicknesses
+            let clear = ((distance(near.index[i]) - series.ball.radius) * thinnest).max(0.0);
+            let farthest =
+                (distance(last) * thinnest).min(self.layer.reach + 2.0 * series.ball.radius * thinnest);
+            let room = SMOOTH_ROOM * (clear * clear + SINGULARITY).sqrt();
+            rule.set(half_edge * thinnest, room, SMOOTH_BOUND, allowed / farthest);
+            let inverse = self.inverse(simd, thicknesses, i);
+            let table = &self.layer.kernel.table;
+            let potential = SmoothPart { table, squared_inverse: inverse * inverse };
+            let mut sum = inverse.all(0.0);
+            for face in &faces {
+                sum = sum + face.along_edges(near.place(simd, i), rule, &potential);
+            }
+            // Ψ of r is h² times that of ρ
+            (sum / inverse).store(&mut near.values, i);
         }
         for (&i, sum) in near.index.iter().zip(&near.values) {
             values[i as usize] -= self.layer.constant * sum;
         }
     }
+}
 
-    /// The terms of a series from degree p + 1 on add up to at most `roughness μ_(p+1) q^(p+1) / (1 - q)` of K/r
-    /// with q = radius / distance.
-    fn ladder(&self, series: &TaylorSeries) -> DegreeReach {
-        let mut ladder = [0.0; DEGREES.len()];
-        for level in 0..DEGREES.len() {
-            let degree = DEGREES[level];
-            let mean = series.means.at(degree + 1);
-            let mut ratio = 1.25;
-            let keeps = |ratio: f64| {
-                let rho = ratio * series.ball.radius * self.own_inverse;
-                let rough = self.layer.kernel.table.roughness(level, rho);
-                rough * mean <= self.layer.tolerance * ratio.powi(degree as i32 + 1) * (1.0 - 1.0 / ratio)
-            };
-            while !keeps(ratio) && ratio < 1e12 {
-                ratio *= 1.05;
-            }
-            ladder[level] = ratio * series.ball.radius;
-        }
-        for level in (1..DEGREES.len()).rev() {
-            ladder[level - 1] = ladder[level - 1].max(ladder[level]);
-        }
-        ladder
+/// Adds those of `places` to the near ones that are below both `far_from` and their limit.
+#[inline(always)]
+fn list_near<S: Simd>(
+    v: &[Lanes<S>; VECTORS_AT_ONCE],
+    limit: &[Lanes<S>; VECTORS_AT_ONCE],
+    far_from: f64,
+    places: Range<usize>,
+    near: &mut Selection,
+) {
+    let (mut found, mut end) = ([0.0; POINTS_PER_BLOCK], [0.0; POINTS_PER_BLOCK]);
+    for k in 0..VECTORS_AT_ONCE {
+        v[k].store(&mut found, k * S::F64_LANES);
+        limit[k].min(v[k].all(far_from)).store(&mut end, k * S::F64_LANES);
     }
-
-    /// The whole kernel as a series at one block of targets.
-    #[inline(always)]
-    fn far<S: Simd>(
-        &self,
-        simd: S,
-        series: &TaylorSeries,
-        level: usize,
-        targets: &Targets,
-        block: &Block,
-    ) -> [f64; POINTS_PER_BLOCK] {
-        let degree = DEGREES[level];
-        let table = &self.layer.kernel.table;
-        let mut smooth = [[0.0; POINTS_PER_BLOCK]; SLOPE_COUNT];
-        match degree + 1 {
-            0..=2 => look_up::<2>(table, block, &mut smooth),
-            3..=4 => look_up::<4>(table, block, &mut smooth),
-            5..=8 => look_up::<8>(table, block, &mut smooth),
-            _ => look_up::<SLOPE_COUNT>(table, block, &mut smooth),
+    for (k, place) in places.enumerate() {
+        if found[k] < end[k] {
+            near.index.push(place as u32);
         }
-        let zero = Lanes::splat(simd, 0.0);
-        let mut result = [0.0; POINTS_PER_BLOCK];
-        let step = VECTORS_AT_ONCE * S::F64_LANES;
-        for first in (0..POINTS_PER_BLOCK).step_by(step) {
-            let place = series.place(simd, targets, block.start + first);
-            let (mut slopes, mut amplitude) =
-                ([[zero; VECTORS_AT_ONCE]; MAX_DEGREE + 1], [zero; VECTORS_AT_ONCE]);
-            for k in 0..VECTORS_AT_ONCE {
-                let from = first + k * S::F64_LANES;
-                let inverse = Lanes::load(simd, &block.inverse, from);
-                amplitude[k] = inverse * zero.all(self.layer.constant);
-                // by the squared distance in radii: powers of radius / distance and of radius / thickness
-                let inverse_rho = zero.all(1.0) / (Lanes::load(simd, &block.distance, from) * inverse);
-                let thin = inverse * zero.all(series.ball.radius) * inverse * zero.all(series.ball.radius);
-                let far = thin * inverse_rho * inverse_rho;
-                let (mut thin_power, mut far_power) = (zero.all(1.0), inverse_rho);
-                for n in 0..=degree {
-                    let singular = zero.all(INVERSE_SLOPES[n]) * far_power;
-                    slopes[n][k] = singular - Lanes::load(simd, &smooth[n], from) * thin_power;
-                    thin_power = thin_power * thin;
-                    far_power = far_power * far;
-                }
-            }
-            let value = series.evaluate(degree, &place, &slopes);
-            for k in 0..VECTORS_AT_ONCE {
-                (value[k] * amplitude[k]).store(&mut result, first + k * S::F64_LANES);
-            }
-        }
-        result
     }
 }
 
 /// φ(r/h).
 struct SmoothPart<'a, S: Simd> {
     table: &'a LayerTable,
-    /// 1/h (1/m).
-    inverse: Lanes<S>,
+    /// 1/h² (1/m²).
+    squared_inverse: Lanes<S>,
 }
 
 impl<S: Simd> EdgePotential<S> for SmoothPart<'_, S> {
     #[inline(always)]
     fn at(&self, squared: Lanes<S>) -> Lanes<S> {
-        let rho = squared.sqrt() * self.inverse;
-        squared.all(0.5) * squared * rho.map(|rho| self.table.mean(rho))
-    }
-}
-
-/// φ_k at every target of a block.
-#[inline(always)]
-fn look_up<const N: usize>(
-    table: &LayerTable,
-    block: &Block,
-    smooth: &mut [[f64; POINTS_PER_BLOCK]; SLOPE_COUNT],
-) {
-    for (i, (distance, inverse)) in block.distance.iter().zip(&block.inverse).enumerate() {
-        let slopes = table.smooth_slopes::<N>(distance * inverse);
-        for (list, slope) in smooth.iter_mut().zip(slopes) {
-            list[i] = slope;
-        }
+        self.table.primitive(squared.mul_add(self.squared_inverse, squared.all(SINGULARITY)))
     }
 }

@@ -3,8 +3,10 @@
 use std::sync::{Arc, Mutex};
 
 use crate::response::error::ResponseError;
-use crate::response::kernel::layer_table::{LARGEST_RHO, LayerTable};
+use crate::response::kernel::layer_table::LayerTable;
 
+/// Largest r/h at which the kernel is felt at all: it has fallen below 1e-9.
+const LARGEST_RHO: usize = 32;
 /// Steps per unit of r/h at which it is known how large the kernel still gets.
 const ENVELOPE_STEPS: usize = 16;
 
@@ -69,7 +71,7 @@ impl LayerKernel {
 
     /// φ(ρ), the smooth part, with an absolute error below 1e-11; 1/ρ beyond the table.
     pub fn smooth_part(&self, rho: f64) -> f64 {
-        if rho < LARGEST_RHO as f64 { self.table.smooth_slopes::<1>(rho)[0] } else { 1.0 / rho }
+        self.table.smooth_part(rho)
     }
 
     /// W(t): the answer to a pressure wave as a share of the half-space's, t = 2π h / wave length.

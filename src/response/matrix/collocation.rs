@@ -9,6 +9,7 @@ use crate::response::column::kernel::KernelColumns;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
+use crate::response::kernel::thickness::InverseThickness;
 use crate::response::matrix::fill::fill_columns;
 use crate::response::matrix::galerkin::galerkin_block;
 use crate::response::matrix::options::{AssemblyOptions, check_directions, check_memory, rows_of_vertices};
@@ -71,10 +72,11 @@ pub fn assemble_block(
         None => surface.vertices()[v],
     };
     let targets = Targets::new(&rows.iter().map(point).collect::<Vec<_>>());
-    let mut inverse_thickness = Vec::new();
+    let mut inverse_thickness = InverseThickness::default();
     if let Some((_, thickness)) = &kernel.layer {
         let of_rows: Vec<f64> = rows.iter().map(|&v| 1.0 / thickness.at(v)).collect();
-        gather(&targets.rows, &of_rows, &mut inverse_thickness);
+        gather(&targets.rows, &of_rows, &mut inverse_thickness.of_targets);
+        inverse_thickness.largest = of_rows.into_iter().fold(0.0, f64::max);
     }
     let mut matrix = Mat::zeros(rows.len(), columns.len());
     let scratch = || ColumnScratch::new(&targets);

@@ -11,7 +11,7 @@ use crate::response::error::ResponseError;
 use crate::response::integral::gauss::{RulePoint, graded_triangle_rule, triangle_rule};
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::kernel::thickness::Thickness;
+use crate::response::kernel::thickness::{InverseThickness, Thickness};
 use crate::response::matrix::fill::fill_columns;
 use crate::response::matrix::options::{AssemblyOptions, NO_ROW, rows_of_vertices};
 use crate::response::simd::points::Targets;
@@ -45,7 +45,7 @@ struct Outer {
     scratch: ColumnScratch,
     targets: Targets,
     /// 1/thickness of the targets of a layer (1/m).
-    inverse_thickness: Vec<f64>,
+    inverse_thickness: InverseThickness,
     /// Faces used in this column with their rule and the corners that they are used for.
     used: Vec<(u32, usize, Range<usize>)>,
 }
@@ -86,7 +86,7 @@ pub(crate) fn galerkin_block(
     let outer = || Outer {
         scratch: ColumnScratch::new(&Targets::default()),
         targets: Targets::default(),
-        inverse_thickness: Vec::new(),
+        inverse_thickness: InverseThickness::default(),
         used: Vec::with_capacity(shared.faces.len()),
     };
     fill_columns(&mut matrix, options, outer, |outer: &mut Outer, j, column| {
@@ -120,7 +120,7 @@ impl GalerkinColumns<'_> {
         // Where the thickness varies, each pair of nodes has its own.
         let together = if matches!(layer, Some((_, Thickness::PerVertex(_)))) { 1 } else { 3 };
         targets.clear();
-        inverse_thickness.clear();
+        inverse_thickness.of_targets.clear();
         used.clear();
         for (index, face) in self.faces.iter().enumerate() {
             let distance = (face.center - center).norm() - radius;
@@ -137,7 +137,9 @@ impl GalerkinColumns<'_> {
                 for (l, _) in outer_rule(n) {
                     targets.push(&(face.corners[0] * l[0] + face.corners[1] * l[1] + face.corners[2] * l[2]));
                     if let Some((_, thickness)) = layer {
-                        inverse_thickness.push(1.0 / thickness.at(face.vertices[range.start] as usize));
+                        inverse_thickness
+                            .of_targets
+                            .push(1.0 / thickness.at(face.vertices[range.start] as usize));
                     }
                 }
                 used.push((index as u32, n, range));
@@ -145,7 +147,9 @@ impl GalerkinColumns<'_> {
         }
         targets.pad();
         if layer.is_some() {
-            inverse_thickness.resize(targets.x.len(), 1.0 / own_thickness);
+            let list = &mut inverse_thickness.of_targets;
+            list.resize(targets.x.len(), 1.0 / own_thickness);
+            inverse_thickness.largest = list.iter().copied().fold(0.0, f64::max);
         }
     }
 

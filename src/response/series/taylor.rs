@@ -21,29 +21,27 @@ use crate::response::simd::points::Targets;
 /// Highest degree of a series.
 pub(crate) const MAX_DEGREE: usize = 9;
 /// Degrees that a series can end at; between them little is gained.
-pub(crate) const DEGREES: [usize; 6] = [1, 2, 3, 5, 7, MAX_DEGREE];
-/// Monomials of the highest degree in three variables.
-const MOST_MONOMIALS: usize = monomials(MAX_DEGREE);
-
-const fn monomials(degree: usize) -> usize {
+pub(crate) const DEGREES: [usize; 4] = [3, 5, 7, MAX_DEGREE];
+/// Monomials of a degree in three variables.
+pub(crate) const fn monomials(degree: usize) -> usize {
     (degree + 1) * (degree + 2) / 2
 }
 
-/// Pairs (n, j) with n + 2j <= [`MAX_DEGREE`], n outermost, and where the moments of each start.
-fn layout() -> &'static [(usize, usize, usize)] {
-    static LAYOUT: OnceLock<Vec<(usize, usize, usize)>> = OnceLock::new();
-    LAYOUT.get_or_init(|| {
-        let mut start = 0;
-        let mut list = Vec::new();
-        for n in 0..=MAX_DEGREE {
-            for j in 0..=(MAX_DEGREE - n) / 2 {
-                list.push((n, j, start));
-                start += monomials(n);
-            }
+/// Where the moments of each pair (n, j) with n + 2j <= [`MAX_DEGREE`] start, n outermost.
+const STARTS: [[usize; MAX_DEGREE / 2 + 1]; MAX_DEGREE + 1] = {
+    let mut starts = [[0; MAX_DEGREE / 2 + 1]; MAX_DEGREE + 1];
+    let (mut n, mut next) = (0, 0);
+    while n <= MAX_DEGREE {
+        let mut j = 0;
+        while n + 2 * j <= MAX_DEGREE {
+            starts[n][j] = next;
+            next += monomials(n);
+            j += 1;
         }
-        list
-    })
-}
+        n += 1;
+    }
+    starts
+};
 
 /// What multiplies each moment: (n+j choose j) (-2)^n n! / α!.
 fn factors() -> &'static [f64] {
@@ -51,7 +49,7 @@ fn factors() -> &'static [f64] {
     FACTORS.get_or_init(|| {
         let factorial = |k: usize| (1..=k).map(|v| v as f64).product::<f64>();
         let mut list = Vec::new();
-        for &(n, j, _) in layout() {
+        for (n, j) in (0..=MAX_DEGREE).flat_map(|n| (0..=(MAX_DEGREE - n) / 2).map(move |j| (n, j))) {
             let pair = factorial(n + j) / factorial(j) * (-2f64).powi(n as i32);
             for x in (0..=n).rev() {
                 for y in (0..=n - x).rev() {
@@ -67,11 +65,7 @@ fn factors() -> &'static [f64] {
 ///
 /// No closures here: they would not be compiled for the machine's vectors.
 #[inline(always)]
-fn raise<S: Simd, const K: usize>(
-    list: &mut [[Lanes<S>; K]; MOST_MONOMIALS],
-    n: usize,
-    place: &[[Lanes<S>; K]; 3],
-) {
+fn raise<S: Simd, const K: usize>(list: &mut [[Lanes<S>; K]], n: usize, place: &[[Lanes<S>; K]; 3]) {
     let (count, rest) = (monomials(n), n + 1);
     for i in 0..rest {
         for k in 0..K {
@@ -81,7 +75,7 @@ fn raise<S: Simd, const K: usize>(
     for k in 0..K {
         list[count + rest][k] = list[count - 1][k] * place[2][k];
     }
-    for entry in &mut list[..count] {
+    for entry in list.iter_mut().take(count) {
         for k in 0..K {
             entry[k] = entry[k] * place[0][k];
         }
@@ -93,8 +87,6 @@ fn raise<S: Simd, const K: usize>(
 pub(crate) struct TaylorSeries {
     /// Around the load.
     pub(crate) ball: LoadBall,
-    /// Of the load.
-    pub(crate) means: RadialMeans,
     moments: Vec<f64>,
     /// One vector for each sum over the load.
     sums: Vec<f64>,
@@ -103,14 +95,27 @@ pub(crate) struct TaylorSeries {
 impl TaylorSeries {
     pub(crate) fn new() -> Self {
         let count = factors().len();
-        let (ball, means) = (LoadBall::default(), RadialMeans::default());
-        Self { ball, means, moments: vec![0.0; count], sums: vec![0.0; 8 * count] }
+        Self { ball: LoadBall::default(), moments: vec![0.0; count], sums: vec![0.0; 8 * count] }
     }
 
-    /// Moments of positive loads of sum 1, which the caller has padded to whole vectors.
+    /// The means of a load that say how far its series reaches.
     #[inline(always)]
-    pub(crate) fn fill<S: Simd>(&mut self, simd: S, loads: &PointLoads, ball: LoadBall) {
-        (self.ball, self.means) = (ball, loads.radial_means(simd, &ball, MAX_DEGREE / 2 + 2));
+    pub(crate) fn means<S: Simd>(simd: S, loads: &PointLoads, ball: &LoadBall) -> RadialMeans {
+        loads.radial_means(simd, ball, MAX_DEGREE / 2 + 2)
+    }
+
+    /// Moments up to degree D of positive loads of sum 1, which the caller has padded to whole vectors.
+    ///
+    /// D and M = [`monomials`]`(D)` are constants, as the loops are short and run once for every pair of nodes.
+    #[inline(always)]
+    pub(crate) fn fill<S: Simd, const D: usize, const M: usize>(
+        &mut self,
+        simd: S,
+        loads: &PointLoads,
+        ball: LoadBall,
+    ) {
+        const { assert!(D <= MAX_DEGREE && M == monomials(D)) };
+        self.ball = ball;
         self.sums[..self.moments.len() * S::F64_LANES].fill(0.0);
         let sums = S::as_mut_simd_f64s(&mut self.sums[..self.moments.len() * S::F64_LANES]).0;
         for first in (0..loads.x.len()).step_by(S::F64_LANES) {
@@ -121,15 +126,16 @@ impl TaylorSeries {
             for k in 1..powers.len() {
                 powers[k] = powers[k - 1] * squared;
             }
-            let mut list = [[share.all(1.0)]; MOST_MONOMIALS];
-            let mut done = 0;
-            for &(n, j, start) in layout() {
-                while done < n {
-                    raise(&mut list, done, &place_alone);
-                    done += 1;
+            let mut list = [[share.all(1.0)]; M];
+            for n in 0..D + 1 {
+                if n > 0 {
+                    raise(&mut list, n - 1, &place_alone);
                 }
-                for (sum, [entry]) in sums[start..start + monomials(n)].iter_mut().zip(&list) {
-                    *sum = entry.mul_add(powers[j], Lanes::new(simd, *sum)).v;
+                for j in 0..(D - n) / 2 + 1 {
+                    let sums = &mut sums[STARTS[n][j]..][..monomials(n)];
+                    for (sum, [entry]) in sums.iter_mut().zip(&list) {
+                        *sum = entry.mul_add(powers[j], Lanes::new(simd, *sum)).v;
+                    }
                 }
             }
         }
@@ -158,37 +164,35 @@ impl TaylorSeries {
         place
     }
 
-    /// The series up to `degree` at points relative to the center, in radii.
+    /// The series up to degree N - 1 at points relative to the center, in radii; M = [`monomials`]`(N - 1)`.
     ///
-    /// * `slopes`: G^(k) / k! for k = 0 ..= `degree`, as derivatives by the squared distance in squared radii
+    /// * `slopes`: G^(k) / k! for k = 0 .. N, as derivatives by the squared distance in squared radii
     #[inline(always)]
-    pub(crate) fn evaluate<S: Simd>(
+    pub(crate) fn evaluate<S: Simd, const N: usize, const M: usize>(
         &self,
-        degree: usize,
         place: &[[Lanes<S>; VECTORS_AT_ONCE]; 3],
-        slopes: &[[Lanes<S>; VECTORS_AT_ONCE]],
+        slopes: &[[Lanes<S>; N]; VECTORS_AT_ONCE],
     ) -> [Lanes<S>; VECTORS_AT_ONCE] {
+        const { assert!(N <= MAX_DEGREE + 1 && M == monomials(N - 1)) };
         let any = place[0][0];
         let mut value = [any.all(0.0); VECTORS_AT_ONCE];
-        let mut list = [[any.all(1.0); VECTORS_AT_ONCE]; MOST_MONOMIALS];
-        let mut done = 0;
-        for &(n, j, start) in layout() {
-            if n + 2 * j > degree {
-                continue;
+        let mut list = [[any.all(1.0); VECTORS_AT_ONCE]; M];
+        for n in 0..N {
+            if n > 0 {
+                raise(&mut list, n - 1, place);
             }
-            while done < n {
-                raise(&mut list, done, place);
-                done += 1;
-            }
-            let mut sum = [any.all(0.0); VECTORS_AT_ONCE];
-            for (&moment, entry) in self.moments[start..start + monomials(n)].iter().zip(&list) {
-                let moment = any.all(moment);
-                for k in 0..VECTORS_AT_ONCE {
-                    sum[k] = moment.mul_add(entry[k], sum[k]);
+            for j in 0..(N - 1 - n) / 2 + 1 {
+                let mut sum = [any.all(0.0); VECTORS_AT_ONCE];
+                let moments = &self.moments[STARTS[n][j]..][..monomials(n)];
+                for (&moment, entry) in moments.iter().zip(&list) {
+                    let moment = any.all(moment);
+                    for k in 0..VECTORS_AT_ONCE {
+                        sum[k] = moment.mul_add(entry[k], sum[k]);
+                    }
                 }
-            }
-            for k in 0..VECTORS_AT_ONCE {
-                value[k] = slopes[n + j][k].mul_add(sum[k], value[k]);
+                for k in 0..VECTORS_AT_ONCE {
+                    value[k] = slopes[k][n + j].mul_add(sum[k], value[k]);
+                }
             }
         }
         value
@@ -220,22 +224,38 @@ mod tests {
             .sum();
         let mut series = TaylorSeries::new();
         let radius = 0.5;
-        series.fill(pulp::Scalar, &loads, LoadBall { center: Vector3::zeros(), radius });
+        let ball = LoadBall { center: Vector3::zeros(), radius };
+        series.fill::<_, MAX_DEGREE, { monomials(MAX_DEGREE) }>(pulp::Scalar, &loads, ball);
+        let means = TaylorSeries::means(pulp::Scalar, &loads, &ball);
         let lanes = |value: f64| [Lanes::splat(pulp::Scalar, value); VECTORS_AT_ONCE];
         let place = [point.x, point.y, point.z].map(|c| lanes(c / radius));
-        let mut slopes = [lanes(0.0); MAX_DEGREE + 1];
         let mut slope = gaussian(point.norm_squared());
+        let mut slopes = [0.0; MAX_DEGREE + 1];
         for (k, slot) in slopes.iter_mut().enumerate() {
-            *slot = lanes(slope);
+            *slot = slope;
             slope *= -0.5 * radius * radius / (k as f64 + 1.0);
         }
-        for degree in DEGREES {
-            let found = series.evaluate(degree, &place, &slopes)[0].v;
+        let found = [
+            at_degree::<4, 10>(&series, &place, &slopes),
+            at_degree::<6, 21>(&series, &place, &slopes),
+            at_degree::<8, 36>(&series, &place, &slopes),
+            at_degree::<10, 55>(&series, &place, &slopes),
+        ];
+        for (degree, found) in DEGREES.into_iter().zip(found) {
             // Cramér's bound of the first term left out, and the next ones
             let first: f64 = (1..=degree + 1).map(|m| radius / (m as f64).sqrt()).product();
-            let bound = 1.5 * 1.09 * first * series.means.at(degree + 1);
+            let bound = 1.5 * 1.09 * first * means.at(degree + 1);
             assert!((found - exact).abs() < bound, "degree {degree}: {:e}, {bound:e}", found - exact);
         }
+    }
+
+    fn at_degree<const N: usize, const M: usize>(
+        series: &TaylorSeries,
+        place: &[[Lanes<pulp::Scalar>; VECTORS_AT_ONCE]; 3],
+        slopes: &[f64],
+    ) -> f64 {
+        let slopes = std::array::from_fn(|k| Lanes::splat(pulp::Scalar, slopes[k]));
+        series.evaluate::<_, N, M>(place, &[slopes; VECTORS_AT_ONCE])[0].v
     }
 
     #[test]
@@ -247,11 +267,11 @@ mod tests {
                 1.0 / POINTS_PER_BLOCK as f64,
             );
         }
-        let mut series = TaylorSeries::new();
-        series.fill(pulp::Scalar, &loads, LoadBall { center: Vector3::zeros(), radius: 1.0 });
+        let ball = LoadBall { center: Vector3::zeros(), radius: 1.0 };
+        let means = TaylorSeries::means(pulp::Scalar, &loads, &ball);
         for n in 0..=MAX_DEGREE + 2 {
             let mean: f64 = loads.x.iter().map(|x| x.powi(n as i32) / POINTS_PER_BLOCK as f64).sum();
-            assert!(series.means.at(n) >= mean * (1.0 - 1e-14) && series.means.at(n) < 1.25 * mean, "{n}");
+            assert!(means.at(n) >= mean * (1.0 - 1e-14) && means.at(n) < 1.25 * mean, "{n}");
         }
     }
 }

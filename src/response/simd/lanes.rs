@@ -3,7 +3,7 @@
 use std::ops::{Add, Div, Mul, Sub};
 
 use pulp::Simd;
-use pulp::bytemuck::cast_slice_mut;
+use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
 /// As many numbers as a register of the machine at hand holds.
 #[derive(Clone, Copy)]
@@ -104,10 +104,21 @@ impl<S: Simd> Lanes<S> {
         Self::new(self.simd, self.simd.transmute_f64s_u64s(bits))
     }
 
-    /// `f` of every lane.
+    /// The first N numbers of the row that `row` finds by the bits of each lane.
     #[inline(always)]
-    pub(crate) fn map(self, f: impl Fn(f64) -> f64) -> Self {
-        self.map_bits(|bits| f(f64::from_bits(bits)).to_bits())
+    pub(crate) fn pick_rows<const N: usize, const W: usize>(
+        self,
+        rows: &[[f64; W]],
+        row: impl Fn(u64) -> usize,
+    ) -> [Self; N] {
+        let mut columns = [self; N];
+        for (lane, &bits) in cast_slice::<S::f64s, u64>(std::slice::from_ref(&self.v)).iter().enumerate() {
+            let row = &rows[row(bits).min(rows.len() - 1)];
+            for n in 0..N {
+                cast_slice_mut::<S::f64s, f64>(std::slice::from_mut(&mut columns[n].v))[lane] = row[n];
+            }
+        }
+        columns
     }
 
     /// A polynomial, coefficients highest first, at least one.
