@@ -28,10 +28,12 @@ fn product(across: &[(f64, f64)], along: &[(f64, f64)], place: fn(f64, f64) -> [
 ///
 /// Both directions of the collapsed triangle run through t²(3 - 2t), which turns a term d log d at the distance
 /// d from an edge into t³ log t: the error then falls with n⁻⁸. The weights are positive and sum to 1.
-pub(crate) fn graded_triangle_rule() -> &'static [RulePoint] {
-    static RULE: OnceLock<Vec<RulePoint>> = OnceLock::new();
-    RULE.get_or_init(|| {
-        let bent: Vec<(f64, f64)> = gauss(GRADED_POINTS, 0.0)
+pub(crate) fn graded_triangle_rule(n: usize) -> &'static [RulePoint] {
+    static RULES: [OnceLock<Vec<RulePoint>>; MAX_GRADED_POINTS + 1] =
+        [const { OnceLock::new() }; MAX_GRADED_POINTS + 1];
+    let n = n.clamp(1, MAX_GRADED_POINTS);
+    RULES[n].get_or_init(|| {
+        let bent: Vec<(f64, f64)> = gauss(n, 0.0)
             .into_iter()
             .map(|(t, w)| (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) * w))
             .collect();
@@ -40,8 +42,8 @@ pub(crate) fn graded_triangle_rule() -> &'static [RulePoint] {
     })
 }
 
-/// Points of [`graded_triangle_rule`] in each direction.
-const GRADED_POINTS: usize = 12;
+/// The largest number of points in each direction that [`graded_triangle_rule`] offers.
+pub(crate) const MAX_GRADED_POINTS: usize = 12;
 
 /// The largest number of points that [`gauss_interval`] offers.
 const MAX_INTERVAL_POINTS: usize = 40;
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn graded_rule_integrates_polynomials_and_logarithms_at_edges() {
-        let rule = graded_triangle_rule();
+        let rule = graded_triangle_rule(MAX_GRADED_POINTS);
         let sum = |f: &dyn Fn(&[f64; 3]) -> f64| rule.iter().map(|(l, w)| w * f(l)).sum::<f64>();
         assert_relative_eq!(sum(&|_| 1.0), 1.0, max_relative = 1e-13);
         assert_relative_eq!(sum(&|l| l[1] * l[2]), 1.0 / 12.0, max_relative = 1e-13);

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use crate::response::column::half_space::ColumnScratch;
 use crate::response::column::kernel::KernelColumns;
 use crate::response::error::ResponseError;
-use crate::response::integral::gauss::{RulePoint, graded_triangle_rule, triangle_rule};
+use crate::response::integral::gauss::{MAX_GRADED_POINTS, RulePoint, graded_triangle_rule, triangle_rule};
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::{InverseThickness, Thickness};
@@ -20,13 +20,29 @@ use crate::surface::checked::Surface;
 /// Most points in each direction of the outer rule on triangles that do not touch the load.
 const MOST_OUTER_POINTS: usize = 10;
 
-/// The outer rule of a triangle at some points in each direction; 0 stands for the rule of triangles that touch
-/// the load, where the inner potential is exact but behaves like d log d at the distance d from edges.
-fn outer_rule(points: usize) -> &'static [RulePoint] {
-    if points == TOUCHING_RULE { graded_triangle_rule() } else { triangle_rule(points) }
+/// The outer rule on a triangle, by its points in each direction.
+#[derive(Debug, Clone, Copy)]
+enum OuterRule {
+    /// On triangles that touch the load, where the inner potential behaves like d log d at the distance d from edges.
+    Touching(usize),
+    /// On all others.
+    Apart(usize),
 }
 
-const TOUCHING_RULE: usize = 0;
+impl OuterRule {
+    fn points(self) -> &'static [RulePoint] {
+        match self {
+            Self::Touching(n) => graded_triangle_rule(n),
+            Self::Apart(n) => triangle_rule(n),
+        }
+    }
+
+    /// The graded rule that keeps the tolerance: its error falls with n⁻⁸.
+    fn touching(tolerance: f64) -> Self {
+        let n = (6.0 * (1e-3 / tolerance).powf(0.125)).ceil();
+        Self::Touching(n.clamp(5.0, MAX_GRADED_POINTS as f64) as usize)
+    }
+}
 
 /// A triangle around some row nodes.
 struct RowFace {
@@ -47,7 +63,7 @@ struct Outer {
     /// 1/thickness of the targets of a layer (1/m).
     inverse_thickness: InverseThickness,
     /// Faces used in this column with their rule and the corners that they are used for.
-    used: Vec<(u32, usize, Range<usize>)>,
+    used: Vec<(u32, OuterRule, Range<usize>)>,
 }
 
 /// What all columns of a Galerkin block share.
@@ -64,7 +80,8 @@ struct GalerkinColumns<'a> {
 /// `R_ij = ∫∫ p_i(x) k(|x - y|) p_j(y) dA dA` over row nodes i and column nodes j, for the half-space and the layer.
 ///
 /// The inner integral is that of collocation; the outer one a Gauss rule whose order falls with distance. On
-/// triangles that touch the load it is good to some 5e-7 of the 1/r part, also for smaller tolerances.
+/// triangles that touch the load it is good to some 5e-7 of the 1/r part, 5e-6 on badly shaped ones, also for smaller
+/// tolerances.
 /// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
 pub(crate) fn galerkin_block(
     surface: &Surface,
@@ -127,14 +144,14 @@ impl GalerkinColumns<'_> {
             if !face.rows.iter().any(|&r| r != NO_ROW && r >= first) || distance > silent + face.radius {
                 continue;
             }
-            let n = if face.vertices.iter().any(touches) {
-                TOUCHING_RULE
+            let rule = if face.vertices.iter().any(touches) {
+                OuterRule::touching(self.tolerance)
             } else {
                 // a layer's smooth part is as good as singular at two thicknesses
-                outer_points(face, distance.min(2.0 * own_thickness), self.tolerance)
+                OuterRule::Apart(outer_points(face, distance.min(2.0 * own_thickness), self.tolerance))
             };
             for range in (0..3).step_by(together).map(|k| k..k + together) {
-                for (l, _) in outer_rule(n) {
+                for (l, _) in rule.points() {
                     targets.push(&(face.corners[0] * l[0] + face.corners[1] * l[1] + face.corners[2] * l[2]));
                     if let Some((_, thickness)) = layer {
                         inverse_thickness
@@ -142,7 +159,7 @@ impl GalerkinColumns<'_> {
                             .push(1.0 / thickness.at(face.vertices[range.start] as usize));
                     }
                 }
-                used.push((index as u32, n, range));
+                used.push((index as u32, rule, range));
             }
         }
         targets.pad();
@@ -157,11 +174,11 @@ impl GalerkinColumns<'_> {
     fn add_up(&self, outer: &Outer, first: usize, column: &mut [f64]) {
         column.fill(0.0);
         let mut values = outer.scratch.values.iter();
-        for (index, n, corners) in &outer.used {
+        for (index, rule, corners) in &outer.used {
             let face = &self.faces[*index as usize];
             let mut hats = [0.0; 3];
             let mut even = 0.0;
-            for ((l, weight), value) in outer_rule(*n).iter().zip(&mut values) {
+            for ((l, weight), value) in rule.points().iter().zip(&mut values) {
                 let share = weight * face.area * value;
                 even += share;
                 for k in 0..3 {
