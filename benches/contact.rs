@@ -44,7 +44,7 @@ fn ball() -> Obstacle {
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
     let upwards = Press { direction: Vector3::z(), depth, start: Start::Infinity };
-    press(surface, obstacle, &half_space(), &upwards, &ContactOptions::default())
+    press(surface, obstacle, &half_space(), &upwards, &ContactOptions::on_given_mesh())
         .expect("a press that meets the skin")
 }
 

@@ -5,9 +5,12 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::area::contact_areas;
-use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
+
+/// In collocation the hats of the outermost nodes carry force beyond the rim, and their contact is smaller by this share of
+/// an edge (docs/accuracy.md).
+const COLLOCATION_RIM_SHIFT: f64 = 0.08;
 
 impl Discretization {
     /// Candidates to begin with, among the prepared vertices: those inside and `rings` rings around them. A Galerkin gap
@@ -58,43 +61,39 @@ impl Discretization {
         }
         Ok(())
     }
-
-    /// Contact area at each vertex (n, m²). In Galerkin form the rim is found between the vertices, and the peak of a patch
-    /// is no less than its mean pressure F/A.
-    pub(crate) fn contact_area(
-        self,
-        gaps: &Gaps,
-        response: &Compliance,
-        forces: &NodeForces,
-        pressure: &mut VertexPressure,
-    ) -> Result<Vec<f64>, ContactError> {
-        let surface = gaps.surface;
-        if self == Self::Collocation {
-            return Ok(surface.vertex_areas().to_vec());
-        }
-        let mut gap = forces.gap.clone();
-        let mut beside = surface.k_ring(&forces.active, 2);
-        beside.retain(|vertex| forces.candidates.binary_search(vertex).is_err());
-        for (&vertex, beside) in beside.iter().zip(gap_at(gaps, response, forces, &beside)?) {
-            gap[vertex] = beside;
-        }
-        let areas = contact_areas(surface, &gap, &forces.touching(), &forces.force, &forces.active);
-        pressure.raise_to_means(surface, forces, &areas);
-        Ok(areas)
-    }
 }
 
-/// `g0 + R f` (m) at vertices, of a kernel.
+/// Contact area at each vertex (n, m²), within the rim that the gaps beside it place.
+pub(crate) fn areas_within_rim(
+    gaps: &Gaps,
+    response: &Compliance,
+    forces: &NodeForces,
+) -> Result<Vec<f64>, ContactError> {
+    let surface = gaps.surface;
+    let rim_shift = match response.traits.discretization {
+        Discretization::Collocation => COLLOCATION_RIM_SHIFT,
+        Discretization::Galerkin => 0.0,
+    };
+    let mut gap = forces.gap.clone();
+    let mut beside = surface.k_ring(&forces.active, 2);
+    beside.retain(|vertex| forces.candidates.binary_search(vertex).is_err());
+    for (&vertex, beside) in beside.iter().zip(gap_at(gaps, response, forces, &beside)?) {
+        gap[vertex] = beside;
+    }
+    Ok(contact_areas(surface, rim_shift, &gap, &forces.touching(), &forces.force, &forces.active))
+}
+
+/// `g0 + R f` (m) at vertices.
 fn gap_at(
     gaps: &Gaps,
     response: &Compliance,
     forces: &NodeForces,
     vertices: &[usize],
 ) -> Result<Vec<f64>, ContactError> {
-    let initial = gaps.at(vertices)?.distance;
-    let moved = response.displace(forces.applied(), vertices)?.along_normal;
-    let along = |moved: Option<f64>| moved.expect("only kernels have a Galerkin form");
-    Ok(initial.into_iter().zip(moved).map(|(gap, moved)| gap + along(moved)).collect())
+    let initial = gaps.at(vertices)?;
+    let moved = response.displace(forces.applied(), vertices)?;
+    let along = |row: usize| moved.along_normal[row].unwrap_or(moved.vectors[row].dot(&initial.normal[row]));
+    Ok((0..vertices.len()).map(|row| initial.distance[row] + along(row)).collect())
 }
 
 /// `vertices` whose response is known; a penetrating one must be.

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 
+use crate::contact::discretization::areas_within_rim;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
@@ -13,9 +14,10 @@ use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::resultant::Resultants;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Contact, ContactStatus, Patch, Resultant};
+use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus, Patch, Resultant};
 use crate::contact::report::record::Report;
 use crate::lcp::solution::LcpStatus;
+use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Traits;
 
 /// What is read off the forces.
@@ -25,6 +27,7 @@ struct Figures {
     pressure: VertexPressure,
     motion: CandidateMotion,
     max_penetration_after: f64,
+    discretization: Discretization,
 }
 
 impl Contact {
@@ -64,10 +67,21 @@ impl Contact {
         let max_penetration_after = penetration_after(gaps, response, &forces, &motion)?;
         report.warn_of_penetration(discretization, gaps.deepest(), max_penetration_after);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
-        let areas = discretization.contact_area(gaps, response, &forces, &mut pressure)?;
-        let figures = Figures::new(gaps, &forces, pressure, &areas, motion, max_penetration_after);
+        let within_rim = areas_within_rim(gaps, response, &forces)?;
+        let clues = Clues {
+            area_within_rim: within_rim.iter().sum(),
+            body: response.skin.doubt(&forces.active, &forces.active_vectors()),
+        };
+        // In collocation on a mesh that was given the area is that of its vertices.
+        let is_given = discretization == Discretization::Collocation && gaps.scene.finger_of.is_none();
+        let areas = if is_given { surface.vertex_areas() } else { &within_rim };
+        if discretization == Discretization::Galerkin {
+            pressure.raise_to_means(surface, &forces, areas);
+        }
+        let figures =
+            Figures::new(gaps, &forces, pressure, areas, motion, max_penetration_after, discretization);
         report.clock("outcome", started);
-        Ok(Self::new(ContactStatus::Solved, gaps, forces, figures, options, report))
+        Ok(Self { clues, ..Self::new(ContactStatus::Solved, gaps, forces, figures, options, report) })
     }
 
     fn new(
@@ -79,7 +93,8 @@ impl Contact {
         report: Report,
     ) -> Self {
         let surface = gaps.surface;
-        let accuracy = Accuracy::new(surface, &forces, figures.total.contact_area, options.tolerance);
+        let area = figures.total.contact_area;
+        let accuracy = Accuracy::new(surface, &forces, area, options.tolerance, figures.discretization);
         Self {
             status,
             resultant: figures.total,
@@ -92,7 +107,8 @@ impl Contact {
             candidates: forces.candidates,
             active: forces.active,
             patches: figures.patches,
-            surface: surface.clone(),
+            mesh: ContactMesh::given(surface),
+            refinements: Vec::new(),
             obstacle: gaps.scene.obstacle.clone(),
             travel: gaps.scene.travel,
             lcp_solutions: forces.solutions,
@@ -101,6 +117,7 @@ impl Contact {
             left_out: report.left_out,
             warnings: report.warnings,
             drawing: Drawing { fingers: forces.fingers, motion: figures.motion },
+            clues: Clues::default(),
         }
     }
 }
@@ -113,12 +130,13 @@ impl Figures {
         areas: &[f64],
         motion: CandidateMotion,
         max_penetration_after: f64,
+        discretization: Discretization,
     ) -> Self {
         let surface = gaps.surface;
         let displacement = &motion.displacement[..];
         let resultants = Resultants { surface, forces, pressure: &pressure, areas, displacement };
         let (total, patches) = (resultants.of(&forces.active), resultants.patches());
-        Self { total, patches, pressure, motion, max_penetration_after }
+        Self { total, patches, pressure, motion, max_penetration_after, discretization }
     }
 
     /// Of a skin that stays where it is.
@@ -126,6 +144,7 @@ impl Figures {
         let pressure = VertexPressure::new(gaps.surface, traits.basis, traits.discretization, forces);
         let displacement = vec![Vector3::zeros(); forces.candidates.len()];
         let motion = CandidateMotion { displacement, scalar: Vec::new() };
-        Self::new(gaps, forces, pressure, gaps.surface.vertex_areas(), motion, gaps.deepest())
+        let areas = gaps.surface.vertex_areas();
+        Self::new(gaps, forces, pressure, areas, motion, gaps.deepest(), traits.discretization)
     }
 }

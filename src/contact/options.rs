@@ -10,6 +10,11 @@ pub struct ContactOptions<'a> {
     /// Relative quadrature tolerance of every entry of the response matrix (dimensionless, 0 ≤ tolerance < 1;
     /// 0 asks for all that double precision gives).
     pub tolerance: f64,
+    /// Relative error of force and area that the mesh may leave, as far as it is estimated (0 < target < 1): the mesh is
+    /// refined around the contact until then. `None`: the mesh is taken as it is.
+    pub target_error: Option<f64>,
+    /// Most contact nodes of a refined mesh.
+    pub max_nodes: usize,
     /// Rings of neighbours added to the penetrating vertices. `None`: none where the response has no negative
     /// entry (further vertices can never touch), 3 otherwise, as in Xie, Kanai, Date 2011.
     pub rings: Option<usize>,
@@ -36,6 +41,8 @@ impl Default for ContactOptions<'_> {
     fn default() -> Self {
         Self {
             tolerance: 1e-6,
+            target_error: Some(0.02),
+            max_nodes: 4000,
             rings: None,
             method: LcpMethodName::Lemke.into(),
             num_threads: None,
@@ -53,6 +60,8 @@ impl std::fmt::Debug for ContactOptions<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("ContactOptions")
             .field("tolerance", &self.tolerance)
+            .field("target_error", &self.target_error)
+            .field("max_nodes", &self.max_nodes)
             .field("rings", &self.rings)
             .field("method", &self.method)
             .field("num_threads", &self.num_threads)
@@ -67,6 +76,11 @@ impl std::fmt::Debug for ContactOptions<'_> {
 }
 
 impl ContactOptions<'_> {
+    /// The defaults, but for the mesh, which is taken as it is.
+    pub fn on_given_mesh() -> Self {
+        Self { target_error: None, ..Self::default() }
+    }
+
     pub(super) fn is_interrupted(&self) -> bool {
         self.interrupt.is_some_and(|interrupt| interrupt())
     }
@@ -77,6 +91,14 @@ impl ContactOptions<'_> {
         let fail = |option, value: f64, expected| Err(ContactError::Option { option, value, expected });
         if !(0.0..1.0).contains(&self.tolerance) {
             return fail("tolerance", self.tolerance, "a number in [0, 1)");
+        }
+        if let Some(target) = self.target_error
+            && !(target > 0.0 && target < 1.0)
+        {
+            return fail("target_error", target, "a number in (0, 1), or none for the mesh as it is");
+        }
+        if self.max_nodes == 0 {
+            return fail("max_nodes", 0.0, "at least 1");
         }
         if let Some(distance) = self.search_distance
             && !(distance >= 0.0 && distance.is_finite())

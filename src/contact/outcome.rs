@@ -1,12 +1,16 @@
 //! What a contact returns.
 
+use std::sync::OnceLock;
+
 use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::Drawing;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
+use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::surface::checked::Surface;
+use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// How a contact ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,6 +79,48 @@ pub struct Timing {
     pub seconds: f64,
 }
 
+/// What one mesh gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refinement {
+    /// Contact nodes: unknowns of the complementarity problems.
+    pub nodes: usize,
+    /// Force on the skin (N).
+    pub force: Vector3<f64>,
+    /// Contact area (m²).
+    pub contact_area: f64,
+    /// Largest pressure (Pa).
+    pub max_pressure: f64,
+    /// Estimated relative error of the force; `None` without contact.
+    pub force_error: Option<f64>,
+    /// Estimated relative error of the contact area; `None` without contact.
+    pub area_error: Option<f64>,
+    /// Deepest penetration left (m).
+    pub max_penetration: f64,
+    /// Wall time (s).
+    pub seconds: f64,
+    /// Why no further round followed; empty of all but the last.
+    pub reason: &'static str,
+}
+
+/// The mesh that a contact was solved on.
+#[derive(Debug, Clone)]
+pub(crate) struct ContactMesh {
+    given: Surface,
+    refinement: Option<MeshRefinement>,
+    /// Built when somebody asks.
+    whole: OnceLock<RefinedSurface>,
+}
+
+impl ContactMesh {
+    pub fn given(surface: &Surface) -> Self {
+        Self { given: surface.clone(), refinement: None, whole: OnceLock::new() }
+    }
+
+    pub fn refined(mesh: MeshRefinement) -> Self {
+        Self { given: mesh.given().clone(), refinement: Some(mesh), whole: OnceLock::new() }
+    }
+}
+
 /// The skin pressed against the obstacle. Arrays are per vertex of the surface (n of them).
 #[derive(Debug, Clone)]
 pub struct Contact {
@@ -102,14 +148,15 @@ pub struct Contact {
     pub active: Vec<usize>,
     /// Connected parts of the active set.
     pub patches: Vec<Patch>,
-    /// The skin as it was given; [`Contact::drawn_skin`] deforms it.
-    pub surface: Surface,
+    pub(crate) mesh: ContactMesh,
     /// The obstacle where it stands now.
     pub obstacle: Obstacle,
     /// Way of the obstacle along the direction of a press (m); 0 for a contact solved in place.
     pub travel: f64,
     /// One solution for each complementarity problem, with its nodes.
     pub lcp_solutions: Vec<LcpSolution>,
+    /// One entry a mesh that was solved, in order.
+    pub refinements: Vec<Refinement>,
     /// How far the figures can be trusted.
     pub accuracy: Accuracy,
     /// Seconds per stage, in order.
@@ -119,9 +166,40 @@ pub struct Contact {
     /// What the user should know, in sentences.
     pub warnings: Vec<String>,
     pub(crate) drawing: Drawing,
+    pub(crate) clues: Clues,
+}
+
+/// What the estimates of error are made from, beside the figures.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Clues {
+    /// Area within the rim that the gaps beside it place (m²), on the given mesh too.
+    pub area_within_rim: f64,
+    /// What the coarse mesh of a body costs.
+    pub body: Option<BodyDoubt>,
 }
 
 impl Contact {
+    /// The skin's mesh that was solved, undeformed: the given one, or one refined around the contact.
+    pub fn surface(&self) -> &Surface {
+        self.refined_surface().map_or(&self.mesh.given, |whole| &whole.surface)
+    }
+
+    /// The refined mesh, with where its vertices come from; `None` where nothing was refined.
+    pub fn refined_surface(&self) -> Option<&RefinedSurface> {
+        let refinement = self.mesh.refinement.as_ref()?;
+        Some(self.mesh.whole.get_or_init(|| refinement.whole()))
+    }
+
+    /// The two vertices that each added one lies between, in the order of the added ones.
+    pub fn parents(&self) -> Vec<[usize; 2]> {
+        self.mesh.refinement.as_ref().map_or_else(Vec::new, MeshRefinement::parents)
+    }
+
+    /// Number of vertices that belong to the given mesh; they come first.
+    pub fn given_vertex_count(&self) -> usize {
+        self.mesh.given.vertices().len()
+    }
+
     /// What happened and what to try, for an ending other than `solved` and `no_contact`; empty for these.
     pub fn advice(&self) -> String {
         match self.status {

@@ -1,15 +1,14 @@
-//! The contact of a skin with an obstacle at a given place.
+//! The contact of a skin with an obstacle: on the skin's mesh, then on finer ones.
 
 use std::time::Instant;
 
-use crate::contact::equilibrium::compliance::Compliance;
-use crate::contact::equilibrium::solve as equilibrium;
 use crate::contact::error::ContactError;
-use crate::contact::gap::initial::Gaps;
+use crate::contact::in_place::solve_in_place;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::Contact;
+use crate::contact::refine::rounds::refine;
 use crate::contact::report::record::Report;
-use crate::contact::scene::Scene;
+use crate::contact::scene::Placement;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
@@ -30,43 +29,22 @@ pub fn solve_contact(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     options.validate()?;
-    with_threads(options, || {
-        let scene = Scene { obstacle: obstacle.clone(), travel: 0.0, press: None, depth_bound: None };
-        solve_in_place(surface, &scene, skin, options, Report::default())
-    })
+    with_threads(options, || solve(surface, &Placement { obstacle, press: None }, skin, options))
 }
 
-/// Solves the contact where the obstacle of `scene` stands.
-pub(crate) fn solve_in_place(
+/// Solves the contact on the skin's mesh, and on finer ones as far as the options ask for it.
+pub(crate) fn solve(
     surface: &Surface,
-    scene: &Scene,
+    placement: &Placement,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
-    mut report: Report,
 ) -> Result<Contact, ContactError> {
-    if !surface.skin_mask().contains(&true) {
-        return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
-    }
-    let traits = skin.traits(surface)?;
-
-    // 1. Gaps; back along the press where the skin came in through another side.
     let started = Instant::now();
-    let gaps = Gaps::measure(surface, scene, &traits, options.search_distance)?;
-    report.clock("signed_distance", started);
-    report.note_gaps(&gaps);
-    report.warn_of_scene(&gaps);
-    if gaps.penetrating.is_empty() {
-        return Ok(Contact::apart(&gaps, &traits, options, report));
+    let scene = placement.scene(surface, false)?;
+    let mut report = Report::default();
+    if placement.press.is_some() {
+        report.clock("first_touch", started);
     }
-
-    // 2-4. Candidates, response, complementarity.
-    let response = Compliance::new(surface, skin, traits, options);
-    let forces = equilibrium::solve(&gaps, &response, options, &mut report)?;
-    report.note_forces(&gaps, &response, &forces, options);
-    if let Some(ending) = forces.failure {
-        return Ok(Contact::failed(ending, &gaps, forces, &traits, options, report));
-    }
-
-    // 5-6. Figures; the drawn skin when somebody asks.
-    Contact::solved(&gaps, forces, &response, options, report)
+    let contact = solve_in_place(surface, &scene, skin, options, report)?;
+    refine(contact, started, placement, skin, options)
 }

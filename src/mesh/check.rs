@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::mesh::adjacency::{NO_FACE, pair_edges};
+use crate::mesh::adjacency::{EdgePairs, NO_FACE, pair_edges};
 use crate::mesh::borders::check_borders;
 use crate::mesh::csr::Csr;
 use crate::mesh::error::MeshError;
@@ -52,29 +52,50 @@ pub fn check(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<Topology, 
         });
     }
 
-    let mean_edge_length = mean_edge_length(vertices, faces, &pairs.across, pairs.edge_count);
     if pairs.border_edge_count > 0 {
+        let mean_edge_length = mean_edge_length(vertices, faces, &pairs.across, pairs.edge_count);
         check_borders(vertices, faces, &pairs.across, &incident, mean_edge_length)?;
     }
     check_loose(&pairs.across)?;
-    let neighbours = order_fans(faces, &pairs.across, &mut incident)
-        .map_err(|(vertex, fans, count)| MeshError::PinchedVertex { vertex, fans, count })?;
+    let (neighbours, pinched) = order_fans(faces, &pairs.across, &mut incident);
+    if let Some((vertex, fans, count)) = pinched {
+        return Err(MeshError::PinchedVertex { vertex, fans, count });
+    }
     let unused = |vertex: &usize| incident.row(*vertex).is_empty();
     first_and_count((0..vertices.len()).filter(unused))
         .map_or(Ok(()), |(vertex, count)| Err(MeshError::UnusedVertex { vertex, count }))?;
 
+    Ok(complete(vertices, faces, incident, neighbours, pairs))
+}
+
+/// Neighbourhoods of a mesh that needs no check, but that a vertex of its border may join several fans: it has all of
+/// its faces, and the neighbours in one of the fans.
+pub(crate) fn sound_topology(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Topology {
+    let mut incident = Csr::faces_of_vertices(vertices.len(), faces);
+    let pairs = pair_edges(faces, &incident);
+    let (neighbours, _) = order_fans(faces, &pairs.across, &mut incident);
+    complete(vertices, faces, incident, neighbours, pairs)
+}
+
+fn complete(
+    vertices: &[Vector3<f64>],
+    faces: &[[u32; 3]],
+    faces_around: Csr,
+    neighbours: Csr,
+    pairs: EdgePairs,
+) -> Topology {
+    let mean_edge_length = mean_edge_length(vertices, faces, &pairs.across, pairs.edge_count);
     let (face_components, components_closed) = label_components(&pairs.across);
-    let boundary_loops = boundary_loops(faces, &pairs.across, vertices.len());
-    Ok(Topology {
-        faces_around: incident,
+    Topology {
+        boundary_loops: boundary_loops(faces, &pairs.across, vertices.len()),
+        faces_around,
         neighbours,
         across: pairs.across,
-        boundary_loops,
         face_components,
         components_closed,
         edge_count: pairs.edge_count,
         mean_edge_length,
-    })
+    }
 }
 
 /// Counts, finite coordinates, indices in range.

@@ -41,12 +41,13 @@ fn walk_fan(
 
 /// Puts the faces around each vertex into counter-clockwise order and lists the neighbours likewise.
 ///
-/// Returns the neighbours, or the first pinched vertex with its number of fans, and how many are pinched.
+/// Returns the neighbours, and the first pinched vertex with its number of fans, and how many are pinched: such a vertex
+/// keeps the order of its faces, and has the neighbours of one fan.
 pub(super) fn order_fans(
     faces: &[[u32; 3]],
     across: &[[u32; 3]],
     incident: &mut Csr,
-) -> Result<Csr, (usize, usize, usize)> {
+) -> (Csr, Option<(usize, usize, usize)>) {
     let mut neighbours = Csr::with_capacity(incident.rows(), 3 * faces.len());
     let mut pinched: Option<(usize, usize, usize)> = None;
     let mut fan: Vec<u32> = Vec::new();
@@ -72,7 +73,7 @@ pub(super) fn order_fans(
         }
         neighbours.end_row();
     }
-    pinched.map_or(Ok(neighbours), Err)
+    (neighbours, pinched)
 }
 
 fn count_fans(vertex: u32, faces: &[[u32; 3]], across: &[[u32; 3]], around: &[u32]) -> usize {

@@ -19,7 +19,9 @@ pub(crate) mod fan;
 pub(crate) mod grid;
 pub(crate) mod nesting;
 pub(crate) mod orient;
+pub(crate) mod red_green;
 pub(crate) mod repair;
+pub(crate) mod smooth;
 pub(crate) mod topology;
 pub(crate) mod weld;
 

@@ -1,13 +1,15 @@
 //! `solve_contact` and `press`.
 
-use super::convert::{named, nodes_out, read_only, vector, vector_out, vectors_out};
+use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out, vectors_out};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use super::interrupt::detached_with;
 use super::lcp::{PyLcpSolution, method_named};
 use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
-use crate::contact::{self, Accuracy, Contact, ContactError, ContactOptions, Press, Resultant, Start};
+use crate::contact::{
+    self, Accuracy, Contact, ContactError, ContactOptions, Press, Refinement, Resultant, Start,
+};
 use crate::lcp::LcpSolution;
 use crate::response::ElasticSkin;
 use numpy::{PyArray1, PyArray2};
@@ -18,6 +20,8 @@ use std::mem::take;
 #[pyclass(name = "ContactOptions", module = "quasirigid._core", frozen, get_all)]
 pub(super) struct PyContactOptions {
     tolerance: f64,
+    target_error: Option<f64>,
+    max_nodes: usize,
     rings: Option<usize>,
     method: String,
     num_threads: Option<usize>,
@@ -31,10 +35,12 @@ pub(super) struct PyContactOptions {
 #[pymethods]
 impl PyContactOptions {
     #[new]
-    #[pyo3(signature = (*, tolerance, rings, method, num_threads, memory_limit, search_distance, condition, couple_fingers, max_growths))]
+    #[pyo3(signature = (*, tolerance, target_error, max_nodes, rings, method, num_threads, memory_limit, search_distance, condition, couple_fingers, max_growths))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn new(
         tolerance: f64,
+        target_error: Option<f64>,
+        max_nodes: usize,
         rings: Option<usize>,
         method: String,
         num_threads: Option<usize>,
@@ -46,6 +52,8 @@ impl PyContactOptions {
     ) -> Self {
         Self {
             tolerance,
+            target_error,
+            max_nodes,
             rings,
             method,
             num_threads,
@@ -63,6 +71,8 @@ impl PyContactOptions {
         let options = ContactOptions::default();
         Self {
             tolerance: options.tolerance,
+            target_error: options.target_error,
+            max_nodes: options.max_nodes,
             rings: options.rings,
             method: options.method.as_str().into(),
             num_threads: options.num_threads,
@@ -79,6 +89,8 @@ impl PyContactOptions {
     fn to_core(&self) -> PyResult<ContactOptions<'static>> {
         Ok(ContactOptions {
             tolerance: self.tolerance,
+            target_error: self.target_error,
+            max_nodes: self.max_nodes,
             rings: self.rings,
             method: method_named(&self.method)?,
             num_threads: self.num_threads,
@@ -121,10 +133,15 @@ pub(super) struct PyAccuracy {
     natural_residual: f64,
     complementarity: f64,
     integration_tolerance: f64,
+    discretization: &'static str,
     condition: Option<f64>,
     definite: Option<bool>,
     cells_per_radius: f64,
-    area_resolution: f64,
+    force_error: Option<f64>,
+    mesh_error: Option<f64>,
+    body_error: Option<f64>,
+    area_error: Option<f64>,
+    max_pressure_error: Option<f64>,
 }
 
 impl From<&Accuracy> for PyAccuracy {
@@ -133,11 +150,47 @@ impl From<&Accuracy> for PyAccuracy {
             natural_residual: accuracy.natural_residual,
             complementarity: accuracy.complementarity,
             integration_tolerance: accuracy.integration_tolerance,
+            discretization: accuracy.discretization.as_str(),
             condition: accuracy.condition,
             definite: accuracy.definite,
             cells_per_radius: accuracy.cells_per_radius,
-            area_resolution: accuracy.area_resolution,
+            force_error: accuracy.force_error,
+            mesh_error: accuracy.mesh_error,
+            body_error: accuracy.body_error,
+            area_error: accuracy.area_error,
+            max_pressure_error: accuracy.max_pressure_error,
         }
+    }
+}
+
+/// What one mesh gave.
+#[pyclass(name = "Refinement", module = "quasirigid._core", frozen, get_all)]
+pub(super) struct PyRefinement {
+    nodes: usize,
+    force: Py<PyArray1<f64>>,
+    contact_area: f64,
+    max_pressure: f64,
+    force_error: Option<f64>,
+    area_error: Option<f64>,
+    max_penetration: f64,
+    seconds: f64,
+    reason: &'static str,
+}
+
+impl PyRefinement {
+    fn new(py: Python<'_>, round: &Refinement) -> PyResult<Py<Self>> {
+        let values = Self {
+            nodes: round.nodes,
+            force: read_only(vector_out(py, &round.force)),
+            contact_area: round.contact_area,
+            max_pressure: round.max_pressure,
+            force_error: round.force_error,
+            area_error: round.area_error,
+            max_penetration: round.max_penetration,
+            seconds: round.seconds,
+            reason: round.reason,
+        };
+        Py::new(py, values)
     }
 }
 
@@ -160,6 +213,10 @@ pub(super) struct PyContact {
     obstacle: Py<PyObstacle>,
     travel: f64,
     lcp_solutions: Vec<Py<PyLcpSolution>>,
+    given_vertex_count: usize,
+    /// The two vertices that each added one lies between (k, 2).
+    parents: Py<PyArray2<i64>>,
+    refinements: Vec<Py<PyRefinement>>,
     accuracy: Py<PyAccuracy>,
     /// Stage and seconds, in order.
     timings: Vec<(&'static str, f64)>,
@@ -196,6 +253,13 @@ impl PyContact {
             obstacle: Py::new(py, PyObstacle::from(contact.obstacle.clone()))?,
             travel: contact.travel,
             lcp_solutions: contact.lcp_solutions.iter().map(lcp_solution).collect::<PyResult<_>>()?,
+            given_vertex_count: contact.given_vertex_count(),
+            parents: read_only(pairs_out(py, &contact.parents())),
+            refinements: contact
+                .refinements
+                .iter()
+                .map(|round| PyRefinement::new(py, round))
+                .collect::<PyResult<_>>()?,
             accuracy: Py::new(py, PyAccuracy::from(&contact.accuracy))?,
             timings: contact.timings.iter().map(|timing| (timing.stage, timing.seconds)).collect(),
             left_out: take(&mut contact.left_out).into_iter().map(|one| (one.what, one.why)).collect(),
@@ -215,6 +279,11 @@ pub(super) struct PyDrawing {
 
 #[pymethods]
 impl PyDrawing {
+    /// The mesh that was solved; `None` where nothing was refined.
+    fn surface(&self, py: Python<'_>) -> Option<PySurface> {
+        py.detach(|| self.contact.refined_surface().map(|mesh| mesh.surface.clone())).map(Into::into)
+    }
+
     /// Displacement (n, 3) in m, fade distance (m), volume change (m³) and deformed surface, computed now.
     fn draw(&self, py: Python<'_>) -> PyResult<(Py<PyArray2<f64>>, f64, f64, PySurface)> {
         let skin = self.skin.get().elastic();

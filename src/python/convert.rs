@@ -199,6 +199,12 @@ pub(super) fn faces_out<'py>(py: Python<'py>, faces: &[[u32; 3]]) -> Bound<'py, 
     PyArray1::from_vec(py, flat).reshape([faces.len(), 3]).expect("three corners a face")
 }
 
+/// (k, 2) int64 array of vertex numbers.
+pub(super) fn pairs_out<'py>(py: Python<'py>, pairs: &[[usize; 2]]) -> Bound<'py, PyArray2<i64>> {
+    let flat: Vec<i64> = pairs.iter().flatten().map(|&vertex| vertex as i64).collect();
+    PyArray1::from_vec(py, flat).reshape([pairs.len(), 2]).expect("two vertices each")
+}
+
 /// (k,) int64 array of vertex numbers.
 pub(super) fn nodes_out<'py>(py: Python<'py>, nodes: &[usize]) -> Bound<'py, PyArray1<i64>> {
     PyArray1::from_vec(py, nodes.iter().map(|&node| node as i64).collect())

@@ -31,13 +31,10 @@ impl Elastic {
     ) -> PyResult<Self> {
         let bases = [(PressureBasis::Linear, "linear"), (PressureBasis::OneRing, "one_ring")];
         let basis = named("pressure", pressure, &bases, ResponseError::new_err)?;
+        let all = [(Discretization::Collocation, "collocation"), (Discretization::Galerkin, "galerkin")];
         let discretization = match discretization {
             None => Discretization::default(),
-            Some(name) => {
-                let all =
-                    [(Discretization::Collocation, "collocation"), (Discretization::Galerkin, "galerkin")];
-                named("discretization", name, &all, ResponseError::new_err)?
-            }
+            Some(name) => named("discretization", name, &all, ResponseError::new_err)?,
         };
         let skin = KernelSkin::new(shear_modulus, poisson_ratio, kernel)
             .and_then(|skin| skin.with_basis(basis).with_discretization(discretization));

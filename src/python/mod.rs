@@ -22,7 +22,7 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use super::contact::{
-        PyAccuracy, PyContact, PyContactOptions, PyDrawing, PyResultant, press, solve_contact,
+        PyAccuracy, PyContact, PyContactOptions, PyDrawing, PyRefinement, PyResultant, press, solve_contact,
     };
     #[pymodule_export]
     use super::cut_out::cut_out;

@@ -9,7 +9,9 @@ use super::errors::{IntoPyErr, ResponseError};
 use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
 use crate::geometry::rigid_motion;
-use crate::response::body::{Body, BodyCompliance, BodyOptions, BodyParts, BodyProgress, TwoLevels};
+use crate::response::body::{
+    Body, BodyCompliance, BodyOptions, BodyParts, BodyProgress, OneLevel, TwoLevels,
+};
 use crate::response::{
     self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Levels, Part,
     PreparedBody, PreparedKernel, Thickness,
@@ -31,9 +33,9 @@ pub(super) struct PySkin {
 /// Name, prepared body, vertex of the part for each of the whole (-1 for none), and the part's fixed vertices.
 type PartArgument<'py> = (String, Bound<'py, PySkin>, Vec<i64>, Bound<'py, PyAny>);
 
-/// Of a body on two levels: loaded vertices of the coarse skin, places on it, thickness, vertices that are held.
+/// Of a body on two levels: loaded vertices of the coarse skin, places on it, its edges there, vertices that are held.
 type LevelsArgument<'py> =
-    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>, Bound<'py, PyAny>);
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 impl From<Elastic> for PySkin {
     fn from(inner: Elastic) -> Self {
@@ -226,7 +228,7 @@ impl PySkin {
     /// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k), `area_vectors` (n, 3)
     /// and `bone_pressure` (m, 3 k) as stored, turned by `rotation` since.
     #[staticmethod]
-    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, area_vectors, rotation, *, bone_pressure, levels, solved))]
+    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, area_vectors, rotation, *, bone_pressure, tissue_thickness, levels, solved))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn restore_body(
         surface: &PySurface,
@@ -237,6 +239,7 @@ impl PySkin {
         area_vectors: &Bound<'_, PyAny>,
         rotation: &Bound<'_, PyAny>,
         bone_pressure: Option<&Bound<'_, PyAny>>,
+        tissue_thickness: Option<&Bound<'_, PyAny>>,
         levels: Option<LevelsArgument<'_>>,
         solved: bool,
     ) -> PyResult<Self> {
@@ -260,17 +263,20 @@ impl PySkin {
             poisson_ratio,
         });
         let compliance = compliance.map_err(|error| ResponseError::new_err(error.to_string()))?;
+        let thickness = tissue_thickness.map(|list| scalars(list, "tissue_thickness")).transpose()?;
+        let thickness = thickness.map(Into::into);
         let levels = match levels {
-            None => Levels::One(compliance),
-            Some((_, corners, weights, thickness, fixed)) => {
+            None if !solved => Levels::Given(compliance),
+            None => Levels::One(OneLevel { compliance, thickness }),
+            Some((_, corners, weights, edges, fixed)) => {
                 let corners = faces(&corners, "coarse_corners", ResponseError::new_err)?;
                 let weights = vectors(&weights, "coarse_weights")?;
                 let place =
                     |(corners, weights): (_, Vector3<f64>)| CoarsePlace { corners, weights: weights.into() };
                 let places = corners.into_iter().zip(weights).map(place).collect();
-                let thickness = thickness.map(|list| scalars(&list, "thickness")).transpose()?;
+                let edges = scalars(&edges, "coarse_edges")?.into();
                 let fixed = mask(&fixed, "fixed")?.into();
-                let two = TwoLevels::from_parts(compliance, places, thickness.map(Into::into), fixed);
+                let two = TwoLevels::from_parts(compliance, places, thickness, edges, fixed);
                 Levels::Two(two.map_err(IntoPyErr::into_py_err)?)
             }
         };
@@ -339,10 +345,14 @@ impl PySkin {
             }
             Elastic::Given(skin) => parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?,
             Elastic::Body(skin) | Elastic::GivenBlocks(skin) => {
-                let compliance = match skin.levels() {
-                    Levels::One(compliance) => compliance,
-                    Levels::Two(two) => &two.remainder,
+                let (compliance, thickness) = match skin.levels() {
+                    Levels::Given(compliance) => (compliance, None),
+                    Levels::One(one) => (&one.compliance, one.thickness.as_deref()),
+                    Levels::Two(two) => (&two.remainder, two.thickness.as_deref()),
                 };
+                if let Some(thickness) = thickness {
+                    parts.set_item("tissue_thickness", PyArray1::from_slice(py, thickness))?;
+                }
                 let (stored, rotation) = (compliance.parts(), compliance.rotation());
                 if let Some(bone_pressure) = &stored.bone_pressure {
                     parts.set_item("bone_pressure", matrix_out(py, bone_pressure))?;
@@ -358,9 +368,7 @@ impl PySkin {
                     parts.set_item("coarse_nodes", nodes_out(py, two.remainder.nodes()))?;
                     parts.set_item("coarse_corners", faces_out(py, &corners))?;
                     parts.set_item("coarse_weights", vectors_out(py, &weights))?;
-                    if let Some(thickness) = &two.thickness {
-                        parts.set_item("tissue_thickness", PyArray1::from_slice(py, thickness))?;
-                    }
+                    parts.set_item("coarse_edges", PyArray1::from_slice(py, &two.coarse_edges))?;
                     parts.set_item("held", PyArray1::from_slice(py, &two.fixed))?;
                 }
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::geometry::bounds::Bounds;
-use crate::mesh::check::check;
+use crate::mesh::check::{check, sound_topology};
 use crate::mesh::error::MeshError;
 use crate::mesh::nesting::check_nesting;
 use crate::mesh::topology::Topology;
@@ -55,6 +55,18 @@ impl Surface {
         let skin_mask = Arc::new(vec![true; vertices.len()]);
         let (vertices, faces, topology) = (Arc::new(vertices), Arc::new(faces), Arc::new(topology));
         Ok(Surface { vertices, faces, topology, skin_mask, measures })
+    }
+
+    /// A surface of triangles known to be sound, but that a vertex of its border may join several fans.
+    pub(crate) fn from_sound_mesh(
+        vertices: Vec<Vector3<f64>>,
+        faces: Vec<[u32; 3]>,
+        skin_mask: Vec<bool>,
+    ) -> Surface {
+        let topology = sound_topology(&vertices, &faces);
+        let measures = Arc::new(Measures::new(&vertices, &faces, &topology));
+        let (vertices, faces, topology) = (Arc::new(vertices), Arc::new(faces), Arc::new(topology));
+        Surface { vertices, faces, topology, skin_mask: Arc::new(skin_mask), measures }
     }
 
     /// The same surface, of which only some vertices may touch.

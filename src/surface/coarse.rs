@@ -29,10 +29,9 @@ pub struct CoarsePlace {
 }
 
 impl CoarsePlace {
-    /// Corners that the values there depend on.
-    pub fn support(&self) -> impl Iterator<Item = usize> {
-        let corners = self.corners.into_iter().zip(self.weights);
-        corners.filter(|(_, weight)| *weight > 0.0).map(|(corner, _)| corner as usize)
+    /// Corners that the values there depend on, with their weights.
+    pub fn weights_of_corners(&self) -> impl Iterator<Item = (u32, f64)> + use<> {
+        self.corners.into_iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0)
     }
 }
 

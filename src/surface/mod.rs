@@ -13,10 +13,12 @@ pub(crate) mod checked;
 pub(crate) mod coarse;
 pub(crate) mod cut_out;
 pub(crate) mod measures;
+pub(crate) mod refined;
 pub(crate) mod rings;
 pub(crate) mod shortest_paths;
 
 pub use checked::{Surface, SurfaceError};
 pub use coarse::{CoarsePlace, CoarseSkin};
 pub use cut_out::{CutOut, CutOutError, cut_out};
+pub use refined::RefinedSurface;
 pub use shortest_paths::{LONGEST_DETOUR, NearestAlongSkin, shares_tissue};

@@ -36,7 +36,7 @@ fn plate_at(surface: &Surface, depth: f64) -> Obstacle {
 }
 
 fn solve(surface: &Surface, obstacle: &Obstacle, skin: &dyn ElasticSkin, couple_fingers: bool) -> Contact {
-    let options = ContactOptions { couple_fingers, ..ContactOptions::default() };
+    let options = ContactOptions { couple_fingers, ..ContactOptions::on_given_mesh() };
     solve_contact(surface, obstacle, skin, &options).unwrap()
 }
 
@@ -60,8 +60,9 @@ fn two_fingers_under_one_plate_are_two_problems_that_add_up() {
     };
     let (first, second) = (only(true), only(false));
     assert!(first.resultant.force.z > 0.0 && second.resultant.force.z > 0.0);
-    let drawn = [&both, &first, &second]
-        .map(|contact| contact.drawn_skin(&half_space(), &ContactOptions::default()).unwrap().displacement);
+    let drawn = [&both, &first, &second].map(|contact| {
+        contact.drawn_skin(&half_space(), &ContactOptions::on_given_mesh()).unwrap().displacement
+    });
     for vertex in 0..surface.vertices().len() {
         assert_eq!(both.node_force[vertex], first.node_force[vertex] + second.node_force[vertex]);
         // One finger's forces do not move another one.
@@ -192,7 +193,7 @@ fn fingertips_of_a_real_hand_are_told_apart() {
     let direction = Vector3::new(-0.208, -0.927, -0.313).normalize();
     let plate = Obstacle::half_space(Vector3::zeros(), direction).unwrap();
     let pressed = Press { direction, depth: 2.5e-3, start: Start::Infinity };
-    let contact = press(&hand, &plate, &half_space(), &pressed, &ContactOptions::default()).unwrap();
+    let contact = press(&hand, &plate, &half_space(), &pressed, &ContactOptions::on_given_mesh()).unwrap();
     assert_eq!(contact.lcp_solutions.len(), 2);
     assert!(note(&contact, APART).unwrap().contains(&format!("more than {LONGEST_DETOUR} times")));
 

@@ -48,7 +48,7 @@ fn a_sphere_on_flat_skin_gives_hertz_force_and_peak_pressure() {
     // The sphere presses from above: the skin is pushed down.
     assert!(contact.resultant.force.z < 0.0);
     let skin = half_space();
-    let drawn = contact.drawn_skin(&skin, &ContactOptions::default()).expect("not interrupted");
+    let drawn = contact.drawn_skin(&skin, &ContactOptions::on_given_mesh()).expect("not interrupted");
     assert!(drawn.volume_change < 0.0);
 }
 
@@ -63,7 +63,7 @@ fn one_ring_pressures_oscillate_where_linear_ones_do_not() {
     let (linear, hertz, approach) = hertz_contact(8, PressureBasis::Linear);
     let peak_error = |contact: &Contact| {
         // Node force over vertex area is what the LCP itself finds, before any averaging.
-        let surface = &contact.surface;
+        let surface = contact.surface();
         let peak = contact.active.iter().map(|&v| contact.node_force[v] / surface.vertex_areas()[v]);
         peak.fold(0.0, f64::max) / hertz.max_pressure(approach) - 1.0
     };
@@ -169,7 +169,7 @@ fn the_arrays_of_a_galerkin_contact_agree_with_its_figures() {
     assert_relative_eq!(of_patches, contact.resultant.contact_area, max_relative = 1e-12);
     // Four cells from the rim the vertices' pressures are Hertz's; uncorrected, h² |Δp| / 12 would be 0.26 %, and the
     // jitter adds as much.
-    let deformed = contact.drawn_skin(&galerkin(), &ContactOptions::default()).expect("drawn").deformed;
+    let deformed = contact.drawn_skin(&galerkin(), &ContactOptions::on_given_mesh()).expect("drawn").deformed;
     let center = deformed.vertices().iter().sum::<Vector3<f64>>() / contact.pressure.len() as f64;
     let radius = hertz.contact_radius(approach);
     for (vertex, position) in deformed.vertices().iter().enumerate() {

@@ -15,6 +15,7 @@ mod fingers;
 mod galerkin;
 mod hertz;
 mod press;
+mod refine;
 mod thin_walls;
 
 const SHEAR_MODULUS: f64 = 60e3;
@@ -35,12 +36,12 @@ fn galerkin() -> KernelSkin {
 }
 
 fn solve(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin) -> Contact {
-    solve_contact(surface, obstacle, skin, &ContactOptions::default()).expect("a valid request")
+    solve_contact(surface, obstacle, skin, &ContactOptions::on_given_mesh()).expect("a valid request")
 }
 
 fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
     let upwards = Press { direction: UP, depth, start: Start::Infinity };
-    press(surface, obstacle, skin, &upwards, &ContactOptions::default()).expect("a valid request")
+    press(surface, obstacle, skin, &upwards, &ContactOptions::on_given_mesh()).expect("a valid request")
 }
 
 /// A ball of skin, its lowest point near the origin.

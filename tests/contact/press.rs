@@ -80,8 +80,8 @@ fn force_does_not_depend_on_where_the_scene_lies_or_how_its_vertices_are_numbere
     let moved = surface.moved(&Isometry3::from_parts(Translation3::from(shift), turn.into()));
     let obstacle = rod.moved(turn.matrix(), &shift).expect("a rigid motion");
     let press_along = Press { direction: turn * UP, depth, start: Start::Infinity };
-    let turned =
-        press(&moved, &obstacle, &skin, &press_along, &ContactOptions::default()).expect("a valid request");
+    let turned = press(&moved, &obstacle, &skin, &press_along, &ContactOptions::on_given_mesh())
+        .expect("a valid request");
     assert_relative_eq!(turned.resultant.force.norm(), force, max_relative = 1e-6);
 
     let count = surface.vertices().len();
@@ -142,13 +142,13 @@ fn the_paper_s_constants_solve_shallow_presses_and_end_on_a_ray_in_deep_ones() {
     assert_eq!(deep.status, ContactStatus::Failed(LcpStatus::Ray));
     assert!(!deep.advice().is_empty());
     assert!(deep.resultant.force.z.is_nan(), "no figure may pass for an answer");
-    let drawn = deep.drawn_skin(&paper_skin(), &ContactOptions::default()).expect("nothing to draw");
+    let drawn = deep.drawn_skin(&paper_skin(), &ContactOptions::on_given_mesh()).expect("nothing to draw");
     assert!(drawn.displacement.iter().all(|u| *u == Vector3::zeros()));
 }
 
 #[test]
 fn bad_questions_are_named() {
-    let (surface, skin, options) = (ball(8e-3, 2), half_space(), ContactOptions::default());
+    let (surface, skin, options) = (ball(8e-3, 2), half_space(), ContactOptions::on_given_mesh());
     let ask = |direction, depth, start| {
         press(&surface, &plate(), &skin, &Press { direction, depth, start }, &options)
     };
@@ -181,7 +181,7 @@ fn bad_questions_are_named() {
     let none = press(&masked(0), &plate(), &skin, &up, &options).unwrap_err();
     assert_eq!(none, ContactError::NoSkin { vertex_count: surface.vertices().len() });
 
-    let options = ContactOptions { tolerance: -1.0, ..ContactOptions::default() };
+    let options = ContactOptions { tolerance: -1.0, ..ContactOptions::on_given_mesh() };
     let refused = press(&surface, &plate(), &skin, &up, &options).unwrap_err();
     assert!(matches!(refused, ContactError::Option { option: "tolerance", .. }));
 }
@@ -197,7 +197,7 @@ fn an_obstacle_in_another_unit_is_warned_about() {
 #[test]
 fn threads_change_nothing_and_drawing_uses_those_asked_for() {
     let with = |num_threads| {
-        let options = ContactOptions { num_threads: Some(num_threads), ..ContactOptions::default() };
+        let options = ContactOptions { num_threads: Some(num_threads), ..ContactOptions::on_given_mesh() };
         let up = Press { direction: UP, depth: 0.5e-3, start: Start::Infinity };
         let contact = press(&ball(8e-3, 3), &plate(), &half_space(), &up, &options).expect("a valid request");
         let seen = AtomicUsize::new(0);

@@ -20,7 +20,7 @@ fn pad(count: usize, spacing: f64) -> Surface {
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
     let down = Press { direction: DOWN, depth, start: Start::Infinity };
-    press(surface, obstacle, &half_space(), &down, &ContactOptions::default()).unwrap()
+    press(surface, obstacle, &half_space(), &down, &ContactOptions::on_given_mesh()).unwrap()
 }
 
 fn box_of(half_extents: [f64; 3]) -> Obstacle {
@@ -146,7 +146,7 @@ fn smooth_products_keep_their_gaps_to_the_bit() {
     for obstacle in obstacles {
         for depth in [0.3e-3, 1.5e-3] {
             let moved = pressed(&ball, &obstacle, depth);
-            let options = ContactOptions::default();
+            let options = ContactOptions::on_given_mesh();
             let there = solve_contact(&ball, &moved.obstacle, &half_space(), &options).unwrap();
             assert!(!moved.candidates.is_empty());
             assert_eq!(moved.node_force, there.node_force);

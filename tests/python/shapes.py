@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import quasirigid as qr
 from numpy.typing import NDArray
+
+# For what is said of one mesh, or of matrices on it.
+AS_GIVEN = qr.ContactOptions(target_error=None)
 
 Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
 

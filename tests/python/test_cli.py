@@ -114,9 +114,36 @@ def test_a_press_prints_and_writes_the_same_figures_as_the_library(
     contact = qr.press(surface, handle, skin, [0.0, 0.0, 1.0], depth=1.12e-3)
     # The command line's turn by 90 degrees has a cosine of 6e-17, not 0.
     assert document["force"]["value"] == pytest.approx(contact.force, rel=1e-9, abs=1e-9)
-    assert f"{np.linalg.norm(contact.force):.4g}" in printed.out
+    assert f"{np.linalg.norm(contact.force):.4g} N ± " in printed.out
+    assert f"{1e6 * contact.contact_area:.4g} mm² ± " in printed.out
+    assert document["accuracy"]["force_error"]["value"] == pytest.approx(
+        contact.accuracy.force_error, rel=1e-6
+    )
     assert document["inputs"]["depth"] == {"value": pytest.approx(1.12e-3), "unit": "m"}
     assert printed.err == "" or printed.err.endswith("...\n")
+
+
+def test_a_target_error_refines_as_far_as_asked(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rounds = {}
+    for target in ("none", "0.05", "0.005"):
+        assert run(press_arguments(target_error=target, out="target")) == 0
+        lines = capsys.readouterr().out.splitlines()
+        document = json.loads((in_demo_folder / "target" / "contact.json").read_text())
+        refinements = document["refinements"]
+        rounds[target] = len(refinements)
+        asked = None if target == "none" else float(target)
+        assert document["inputs"]["target_error"] == {"value": asked, "unit": "1"}
+        # The table has a line for each mesh, where there is more than one.
+        table = [line.split() for line in lines if line.startswith(("given ", "round "))]
+        assert len(table) == (0 if target == "none" else len(refinements))
+        if asked is not None:
+            assert document["accuracy"]["mesh_error"]["value"] <= asked
+            assert document["accuracy"]["area_error"]["value"] <= asked
+            numbers = [words[1] if words[0] == "given" else words[2] for words in table]
+            assert numbers == [str(one["nodes"]) for one in refinements]
+    assert rounds["none"] == 1 < rounds["0.05"] < rounds["0.005"]
 
 
 def test_a_body_is_pressed_with_a_bone_drawn_read_or_left_out(
@@ -225,6 +252,9 @@ BAD_INPUT = {
     "an unknown hold": ({"response": "body", "fixed": "nails"}, "--fixed: 'nails' is not known"),
     "an unknown mask": ({"skin_mask": "nails"}, "--skin-mask: 'nails' is not known"),
     "a missing mask file": ({"skin_mask": "nowhere.npy"}, "--skin-mask: nowhere.npy"),
+    "no target": ({"target_error": "fine"}, "--target-error: 'fine' is not a plain number"),
+    "a target of nothing": ({"target_error": "0"}, "--target-error: 0 is not between 0 and 1"),
+    "a target beyond all": ({"target_error": "2"}, "--target-error: 2 is not between 0 and 1"),
     "an unknown start": ({"start": "here"}, "--start: 'here' is not known"),
     "a missing option": ({"depth": None}, "Missing option '--depth'"),
     "a start in overlap": ({"start": "current", "translate": "0,19.2,-22mm"}, "penetrat"),

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import ball, grid
+from shapes import AS_GIVEN, ball, grid
 
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 RADIUS, APPROACH = 0.2, 0.5e-3
@@ -33,7 +33,7 @@ def test_a_sphere_on_flat_skin_gives_hertz(contact: qr.Contact) -> None:
     cells = 8
     surface = qr.Surface(*grid(3 * cells, HERTZ.contact_radius(APPROACH) / cells))
     sphere = qr.Obstacle.sphere([0, 0, RADIUS - APPROACH], RADIUS)
-    pressed = qr.solve_contact(surface, sphere, SKIN)
+    pressed = qr.solve_contact(surface, sphere, SKIN, options=AS_GIVEN)
     # The true sphere differs by 0.1 % from Hertz's parabola, the mesh by 0.1 % at 8 cells.
     assert -pressed.force[2] == pytest.approx(HERTZ.force(APPROACH), rel=2e-3)
     assert pressed.max_pressure == pytest.approx(HERTZ.max_pressure(APPROACH), rel=5e-3)
@@ -67,7 +67,9 @@ def test_a_contact_says_what_it_cost_left_out_and_is_worth(contact: qr.Contact) 
     assert any("product" in what for what, _ in contact.left_out)
     assert contact.natural_residual == contact.accuracy.natural_residual <= 1e-10
     assert contact.accuracy.cells_per_radius > 2
-    assert 0 < contact.accuracy.area_resolution < contact.contact_area
+    for error in (contact.accuracy.force_error, contact.accuracy.area_error):
+        assert error is not None
+        assert 0 < error <= qr.ContactOptions().target_error  # type: ignore[operator]
     assert contact.advice == ""
 
 
@@ -132,8 +134,9 @@ def test_a_product_in_another_unit_is_warned_about() -> None:
         qr.solve_contact(qr.Surface(vertices, faces), huge, SKIN)
 
 
-def test_the_response_matrix_is_what_the_contact_uses(contact: qr.Contact) -> None:
+def test_the_response_matrix_is_what_the_contact_uses() -> None:
     surface = qr.Surface(*ball(8e-3, 4))
+    contact = qr.press(surface, PLATE, SKIN, [0, 0, 2], depth=0.5e-3, options=AS_GIVEN)
     matrix = qr.response_matrix(surface, SKIN, contact.candidates)
     rise = matrix @ contact.node_force[contact.candidates]
     start = surface.vertices[contact.candidates, 2] - contact.travel
@@ -173,9 +176,9 @@ def test_a_galerkin_layer_is_symmetric_and_positive_definite_up_to_its_border() 
     assert np.linalg.eigvalsh(matrix)[0] > 0
 
 
-def test_condition_and_definiteness_are_known_when_cheap_or_asked_for(contact: qr.Contact) -> None:
+def test_condition_and_definiteness_are_known_when_cheap_or_asked_for() -> None:
     surface = qr.Surface(*ball(8e-3, 4))
-    small = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.2e-3)
+    small = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.2e-3, options=AS_GIVEN)
     assert len(small.candidates) <= 64
     assert small.accuracy.definite is True
     matrix = qr.response_matrix(surface, SKIN, small.candidates)
@@ -195,7 +198,7 @@ def test_the_galerkin_form_nears_hertz_with_a_symmetric_matrix() -> None:
     for cells in (5, 10):
         surface = qr.Surface(*grid(3 * cells, HERTZ.contact_radius(APPROACH) / cells))
         sphere = qr.Obstacle.sphere([0, 0, RADIUS - APPROACH], RADIUS)
-        galerkin = qr.solve_contact(surface, sphere, skin)
+        galerkin = qr.solve_contact(surface, sphere, skin, options=AS_GIVEN)
         errors.append(abs(-galerkin.force[2] / HERTZ.force(APPROACH) - 1))
         matrix = qr.response_matrix(surface, skin, galerkin.candidates)
         np.testing.assert_array_equal(matrix, matrix.T)

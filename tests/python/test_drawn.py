@@ -91,7 +91,7 @@ def test_ctrl_c_ends_the_drawing_and_it_can_be_asked_for_again(threads: int | No
         _ = contact.deformed
     timer.join()
     assert not is_drawn(contact)
-    assert contact.deformed.vertices.shape == surface.vertices.shape
+    assert contact.deformed.vertices.shape == contact.surface.vertices.shape
 
 
 def test_the_picture_is_equal_to_the_bit_for_any_number_of_threads() -> None:

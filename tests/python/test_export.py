@@ -17,6 +17,7 @@ from quasirigid.io import (
     contact_html,
     contact_record,
     contact_summary,
+    refinement_table,
     save_contact,
     write_mesh,
 )
@@ -85,6 +86,8 @@ def test_the_vtp_holds_the_mesh_and_every_vertex_array(pressed: qr.Contact, fold
     known = np.isfinite(pressed.gap)
     assert np.array_equal(arrays["gap"][known], pressed.gap[known])
     assert np.isnan(arrays["gap"][~known]).all()
+    assert arrays["given_vertex_count"] == pressed.given_vertex_count
+    assert np.array_equal(arrays["parents"], pressed.parents)
     assert np.array_equal(np.flatnonzero(arrays["active"]), pressed.active)
     assert np.array_equal(np.flatnonzero(arrays["candidate"]), pressed.candidates)
 
@@ -94,7 +97,8 @@ def test_the_archive_holds_every_array(pressed: qr.Contact, folder: Path) -> Non
         assert np.array_equal(archive["vertices"], pressed.deformed.vertices)
         assert np.array_equal(archive["skin_mask"], pressed.deformed.skin_mask)
         names = ["pressure", "node_force", "force_vectors", "gap", "displacement", "candidates", "active"]
-        for name in [*names, "force", "moment", "center_of_pressure"]:
+        names += ["force", "moment", "center_of_pressure", "given_vertex_count", "parents"]
+        for name in names:
             assert np.array_equal(archive[name], getattr(pressed, name)), name
 
 
@@ -105,6 +109,12 @@ def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, folder: Pa
     assert document["contact_area"] == {"value": pressed.contact_area, "unit": "m^2"}
     assert document["max_pressure"] == {"value": pressed.max_pressure, "unit": "Pa"}
     assert document["accuracy"]["natural_residual"]["unit"] == "1"
+    assert document["accuracy"]["force_error"]["value"] == pressed.accuracy.force_error
+    assert document["given_vertex_count"] == pressed.given_vertex_count < document["vertices"]
+    for written, one in zip(document["refinements"], pressed.refinements, strict=True):
+        assert (written["nodes"], written["reason"]) == (one.nodes, one.reason)
+        assert written["force"] == {"value": one.force.tolist(), "unit": "N"}
+        assert written["area_error"] == {"value": one.area_error, "unit": "1"}
     assert document["timings"].keys() == pressed.timings.keys()
     assert [(entry["what"], entry["why"]) for entry in document["left_out"]] == list(pressed.left_out)
     assert document["inputs"] == {"depth": {"value": 1.12e-3, "unit": "m"}, "file": "finger.ply"}
@@ -213,16 +223,41 @@ def test_a_summary_has_the_figures_in_mm_n_and_kpa(pressed: qr.Contact) -> None:
     rows = dict(line.split("  ", 1) for line in lines if "  " in line)
     rows = {name: value.strip() for name, value in rows.items()}
     assert rows["status"] == "solved"
-    assert float(rows["force (N)"]) == pytest.approx(np.linalg.norm(pressed.force), rel=1e-3)
-    assert rows["force vector (N)"].split(", ")[:2] == ["0", "0"]
-    assert float(rows["contact area (mm²)"]) == pytest.approx(1e6 * pressed.contact_area, rel=1e-3)
-    assert float(rows["peak pressure (kPa)"]) == pytest.approx(1e-3 * pressed.max_pressure, rel=1e-3)
-    assert float(rows["overlap before (mm)"]) == pytest.approx(1.12, rel=1e-3)
+    figures = {
+        "force": (np.linalg.norm(pressed.force), "N", pressed.accuracy.force_error),
+        "contact area": (1e6 * pressed.contact_area, "mm²", pressed.accuracy.area_error),
+        "peak pressure": (1e-3 * pressed.max_pressure, "kPa", pressed.accuracy.max_pressure_error),
+    }
+    for name, (value, unit, error) in figures.items():
+        number, found, sign, percent, percent_sign = rows[name].split()
+        assert (found, sign, percent_sign) == (unit, "±", "%")
+        assert float(number) == pytest.approx(value, rel=1e-3)
+        # One digit of an estimate is enough.
+        assert error is not None
+        assert float(percent) == pytest.approx(100 * error, rel=0.5)
+    assert rows["force vector"].split(", ")[:2] == ["0", "0"]
+    assert float(rows["overlap before"].removesuffix(" mm")) == pytest.approx(1.12, rel=1e-3)
+    assert rows["rounds of refinement"] == f"{len(pressed.refinements) - 1}, target_error"
     assert sum(line.startswith("left out: ") for line in lines) == len(pressed.left_out) > 0
 
 
 def test_a_summary_of_a_bad_ending_says_what_to_try(unsolved: qr.Contact) -> None:
     assert contact_summary(unsolved).splitlines()[-1] == f"advice: {unsolved.advice}"
+
+
+def test_a_summary_without_estimates_has_the_bare_figures(apart: qr.Contact) -> None:
+    lines = contact_summary(apart).splitlines()
+    assert lines[1].split() == ["force", "0", "N"]
+    assert not any("±" in line for line in lines)
+
+
+def test_the_rounds_of_refinement_are_a_line_each(pressed: qr.Contact) -> None:
+    heads, *lines = refinement_table(pressed).splitlines()
+    assert heads.split("  ")[0] == "mesh"
+    assert len(lines) == len(pressed.refinements) > 1
+    last = lines[-1].split()
+    assert last[:3] == ["round", str(len(lines) - 1), str(len(pressed.candidates))]
+    assert float(last[3]) == pytest.approx(pressed.force[2], rel=1e-3)
 
 
 def test_contacts_are_compared_column_by_column(pressed: qr.Contact, apart: qr.Contact) -> None:

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import ball
+from shapes import AS_GIVEN, ball
 
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 SURFACE = qr.Surface(*ball(8e-3, 2))
@@ -162,7 +162,6 @@ def test_texts_are_short_and_have_no_arrays(contact: qr.Contact) -> None:
 
 
 def test_results_are_frozen_to_the_bottom(contact: qr.Contact) -> None:
-    assert contact.surface is SURFACE
     assert isinstance(contact.left_out, tuple)
     what, why = contact.left_out[0]
     assert (what, why) == (contact.left_out[0].what, contact.left_out[0].why)
@@ -172,9 +171,19 @@ def test_results_are_frozen_to_the_bottom(contact: qr.Contact) -> None:
     solution = contact.lcp_solutions[0]
     assert solution.method is qr.LcpMethod.LEMKE
     # The certificate and the contact read one answer.
-    assert solution.certificate.definiteness is qr.LcpDefiniteness.POSITIVE_DEFINITE
-    assert contact.accuracy.definite is True
-    for array in (contact.gap, contact.active, contact.patches[0].force, solution.z):
+    small = qr.press(SURFACE, PLATE, SKIN, [0, 0, 1], depth=0.5e-3, options=AS_GIVEN)
+    assert small.surface is SURFACE
+    assert small.lcp_solutions[0].certificate.definiteness is qr.LcpDefiniteness.POSITIVE_DEFINITE
+    assert small.accuracy.definite is True
+    rounds = contact.refinements
+    for array in (
+        contact.gap,
+        contact.active,
+        contact.parents,
+        contact.patches[0].force,
+        rounds[0].force,
+        solution.z,
+    ):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
     assert not hasattr(contact.patches[0], "area")

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import ball
+from shapes import AS_GIVEN, ball
 
 SHEAR_MODULUS = 60e3
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
@@ -150,7 +150,7 @@ def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
     low = np.flatnonzero(surface.vertices[:, 2] < 1e-3)
     matrix = qr.response_matrix(surface, skin_of(qr.HalfSpace()), low)
     one = qr.press(surface, PLATE, given(low, matrix), [0, 0, 1], depth=0.3e-3)
-    two = qr.press(surface, PLATE, skin_of(qr.HalfSpace()), [0, 0, 1], depth=0.3e-3)
+    two = qr.press(surface, PLATE, skin_of(qr.HalfSpace()), [0, 0, 1], depth=0.3e-3, options=AS_GIVEN)
     np.testing.assert_allclose(one.force, two.force, rtol=1e-5, atol=1e-9)
     blocks = np.einsum("ij,ab->iajb", matrix, np.eye(3))
     three = qr.press(surface, PLATE, given(low, blocks), [0, 0, 1], depth=0.3e-3)
@@ -164,12 +164,14 @@ def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
 def test_a_body_on_its_bone_is_right_against_finite_elements(surface: qr.Surface) -> None:
     sphere = qr.reference.plate_on_cored_sphere()[0]
     assert (sphere.radius, sphere.shear_modulus, sphere.poisson_ratio) == (8e-3, SHEAR_MODULUS, 0.5)
-    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr.Body(bone=core(), coarse_edge_length=0))
+    skin = qr.Skin(
+        shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr.Body(bone=core(), coarse_edge_length=0)
+    )
     low = np.flatnonzero(surface.vertices[:, 2] < 4e-3)
     prepared = skin.prepared(surface, low)
     # Uniform edges of 1.1 mm against contact radii of 2 and 3 mm: two and three cells.
     for depth, error in [(0.6e-3, 0.04), (1.12e-3, 0.02)]:
-        contact = qr.press(surface, PLATE, prepared, [0, 0, 1], depth=depth)
+        contact = qr.press(surface, PLATE, prepared, [0, 0, 1], depth=depth, options=AS_GIVEN)
         assert contact.force[2] == pytest.approx(sphere.indentations[depth], rel=error)
         # Incompressible: what is pushed in comes out elsewhere.
         inward = -np.einsum("ij,ij->i", contact.displacement, surface.vertex_normals)

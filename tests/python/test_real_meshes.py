@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
+from shapes import AS_GIVEN
 
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 pytestmark = pytest.mark.skipif(
@@ -41,7 +42,8 @@ def product_under(surface: qr.Surface, name: str) -> Mesh:
     return vertices + (tip - center) * [1, 1, 0], faces
 
 
-# A can's rim is thinner than the depth: the contact says so, and is solved all the same.
+# A can's rim is thinner than the depth and wants many cells: the contact says so, and is solved all the same.
+@pytest.mark.filterwarnings("ignore:the mesh around the contact costs:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:.* vertices went through a wall:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("product", PRODUCTS)
@@ -54,10 +56,11 @@ def test_a_real_finger_on_a_real_product_is_solved(name: str, product: str) -> N
         assert contact.status == "solved"
         assert contact.natural_residual <= 1e-10
         assert contact.gap[contact.candidates].min() >= -1e-9
-        assert surface.skin_mask[contact.candidates].all()
+        assert contact.surface.skin_mask[contact.candidates].all()
 
 
 @pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the mesh around the contact costs:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("name", [*FINGERS, "webxr_right_index_1500"])
 def test_a_thin_rim_presses_back_against_the_press(name: str) -> None:
     surface = finger(name)
@@ -112,7 +115,7 @@ def test_a_scanned_finger_with_its_bone_keeps_its_volume_to_first_order() -> Non
     assert float(announced[0].split(": ")[1].split(" GB")[0]) < 1.0
     plate = qr.Obstacle.half_space([0, 0, -0.05], UP)
     for depth in DEPTHS[:2]:
-        contact = qr.press(surface, plate, prepared, UP, depth=depth)
+        contact = qr.press(surface, plate, prepared, UP, depth=depth, options=AS_GIVEN)
         assert contact.status == "solved"
         assert contact.max_penetration_after < 1e-6 * depth
         inward = -np.einsum("ij,ij->i", contact.displacement, surface.vertex_normals)

@@ -131,7 +131,7 @@ fn force_ratio(thinness: f64, cells: usize) -> f64 {
     let middle = 0.5 * (3 * cells + 6) as f64 * scale / cells as f64;
     let sphere = Obstacle::sphere(Vector3::new(middle, middle, radius - depth), radius).expect("valid");
     let skin = skin(0.5, scale / thinness, Discretization::Collocation);
-    let contact = solve_contact(&surface, &sphere, &skin, &ContactOptions::default()).expect("valid");
+    let contact = solve_contact(&surface, &sphere, &skin, &ContactOptions::on_given_mesh()).expect("valid");
     assert_eq!(contact.status, ContactStatus::Solved);
     let modulus = 2.0 * 60e3 / 0.5;
     contact.resultant.force.norm() / (4.0 / 3.0 * modulus * radius.sqrt() * depth.powf(1.5))

@@ -13,9 +13,17 @@ from ..io import read_surface
 from ..models import bone_of
 from ..skin.response import Body, GaussianCorrected, HalfSpace, Layer
 from ..surface import Surface, skin_without_caps
-from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_quantity
+from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_numbers, parse_quantity
 
-__all__ = ["choice", "file_unit", "parse_body", "parse_response", "rotation", "with_skin_mask"]
+__all__ = [
+    "choice",
+    "file_unit",
+    "parse_body",
+    "parse_response",
+    "parse_target_error",
+    "rotation",
+    "with_skin_mask",
+]
 
 _Kernel: TypeAlias = type[HalfSpace | Layer | GaussianCorrected]
 
@@ -79,6 +87,16 @@ def parse_response(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
         else:
             arguments[key] = choice(value, _CHOICES[key], f"--response {key}")
     return kernel(**arguments)
+
+
+def parse_target_error(text: str) -> float | None:
+    """Return the target of `--target-error`; None for the mesh as it is."""
+    if text == "none":
+        return None
+    target = parse_numbers(text, 1, "--target-error")[0]
+    if not 0.0 < target < 1.0:
+        raise QuantityError(f"--target-error: {text} is not between 0 and 1, expected as 0.02, or none")
+    return target
 
 
 def with_skin_mask(surface: Surface, text: str) -> Surface:

@@ -17,8 +17,16 @@ import quasirigid as qr
 from .._extras import import_extra
 from .._units import MM, UNITS
 from ..errors import QuasirigidError
-from ..io import compare_contacts, save_contact
-from .arguments import choice, file_unit, parse_body, parse_response, rotation, with_skin_mask
+from ..io import compare_contacts, refinement_table, save_contact
+from .arguments import (
+    choice,
+    file_unit,
+    parse_body,
+    parse_response,
+    parse_target_error,
+    rotation,
+    with_skin_mask,
+)
 from .console import console, progress, refuse, show_warning
 from .demo import press_demo
 from .nodes import free_nodes, may_touch
@@ -28,6 +36,11 @@ __all__ = ["run"]
 
 Made = TypeVar("Made")
 
+_TARGET_ERROR = "none" if (_target := qr.ContactOptions().target_error) is None else f"{_target:g}"
+_TARGET_HELP = (
+    "Error of force and area that the mesh may leave, as 0.02: the mesh is refined around the contact until"
+    " the estimates are below; none takes it as it is."
+)
 _UNITS = f"{', '.join(list(UNITS)[:-1])} or {list(UNITS)[-1]}"
 
 app = typer.Typer(
@@ -75,6 +88,7 @@ def run(arguments: Sequence[str]) -> int:
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for meshes, results and pictures.")] = Path("demo-output"),
     quick: Annotated[bool, typer.Option("--quick", help="A coarse mesh: done in a moment.")] = False,
+    target_error: Annotated[str, typer.Option(help=_TARGET_HELP)] = _TARGET_ERROR,
 ) -> int:
     """Press the built-in fingertip on a handle and on a phone-sized box, 1.12 mm deep.
 
@@ -83,8 +97,9 @@ def demo(
     figures side by side and writes, in a folder for each product, what `press` writes for the body, and
     footprints of both.
     """
+    options = qr.ContactOptions(target_error=parse_target_error(target_error))
     _need_matplotlib()
-    press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3)
+    press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3, options=options)
     return 0
 
 
@@ -153,6 +168,7 @@ def press(
     start: Annotated[
         str, typer.Option(help="infinity: first touch counts from far away; current: from here.")
     ] = "infinity",
+    target_error: Annotated[str, typer.Option(help=_TARGET_HELP)] = _TARGET_ERROR,
     pictures: Annotated[bool, typer.Option(help="Draw skin.png and footprint.png.")] = True,
 ) -> int:
     """Press a product against a skin mesh by a depth and write what happens.
@@ -166,6 +182,7 @@ def press(
         "depth": parse_quantity(depth, LENGTH, "--depth"),
         "start": choice(start, ("infinity", "current"), "--start"),
     }
+    options = qr.ContactOptions(target_error=parse_target_error(target_error))
     shift = parse_quantities(translate, 3, LENGTH, "--translate")
     angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
     kernel = parse_response(response)
@@ -183,7 +200,7 @@ def press(
         surface = with_skin_mask(qr.read_surface(skin_file, unit=units[0]), skin_mask)
         obstacle = qr.read_obstacle(product_file, unit=units[1]).moved(rotation(angles), shift)
     body = None if kernel else parse_body(surface, bone or "auto", fixed or "caps", units[0])
-    contact = _press(surface, obstacle, skin, body, motion)
+    contact = _press(surface, obstacle, skin, body, motion, options)
     inputs = {
         "skin": str(skin_file),
         "product": str(product_file),
@@ -198,12 +215,15 @@ def press(
         "response": response,
         **({"bone": bone or "auto", "fixed": fixed or "caps"} if body else {}),
         "skin_mask": skin_mask,
+        "target_error": {"value": options.target_error, "unit": "1"},
         "quasirigid": qr.__version__,
     }
     with progress(f"writing {out}"):
         bones = body.bone if body else None
         files = save_contact(contact, out, inputs=inputs, pictures=pictures, bone=bones)
     typer.echo(compare_contacts({skin_file.stem: contact}))
+    if len(contact.refinements) > 1:
+        typer.echo(refinement_table(contact))
     typer.echo("wrote " + ", ".join(map(str, files)))
     if contact.status in ("solved", "no_contact"):
         return 0
@@ -211,20 +231,27 @@ def press(
 
 
 def _press(
-    surface: qr.Surface, obstacle: qr.Obstacle, skin: qr.Skin, body: qr.Body | None, motion: dict[str, Any]
+    surface: qr.Surface,
+    obstacle: qr.Obstacle,
+    skin: qr.Skin,
+    body: qr.Body | None,
+    motion: dict[str, Any],
+    options: qr.ContactOptions,
 ) -> qr.Contact:
     """Return the contact with `skin`, or with `body`, where there is one, prepared where `skin` touches."""
+    # Of the press before a body only counts where the product ends.
+    first = options if body is None else replace(options, target_error=None)
     with progress("pressing"):
-        contact = qr.press(surface, obstacle, skin, throw=False, **motion)
+        contact = qr.press(surface, obstacle, skin, options=first, throw=False, **motion)
     if body is None:
         return contact
     # Where the half-space comes near the product, the body may touch it; no other vertex needs its response.
-    nodes = may_touch(contact, motion["depth"])
+    nodes = may_touch(surface, contact.obstacle, motion["depth"])
     if len(nodes) == 0:
         return contact
     prepared = replace(skin, response=body).prepared(surface, free_nodes(nodes, body), progress=True)
     with progress("pressing"):
-        return qr.press(surface, obstacle, prepared, throw=False, **motion)
+        return qr.press(surface, obstacle, prepared, options=options, throw=False, **motion)
 
 
 _INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"

@@ -8,7 +8,7 @@ import numpy as np
 import typer
 
 from .. import models
-from ..contact import Contact, press
+from ..contact import Contact, ContactOptions, press
 from ..io import compare_contacts, save_contact, write_mesh
 from ..io.atomic import atomic_write
 from ..plot import comparison_figure
@@ -32,7 +32,7 @@ _INPUTS = {
 }
 
 
-def press_demo(out: Path, edge_length: float) -> None:
+def press_demo(out: Path, edge_length: float, options: ContactOptions) -> None:
     """Press finger and products, print the figures and write the files.
 
     Parameters
@@ -41,6 +41,8 @@ def press_demo(out: Path, edge_length: float) -> None:
         Folder for the meshes, with a folder for each product.
     edge_length : float
         Mean edge of finger and handle (m).
+    options : ContactOptions
+        How each contact is solved.
     """
     with progress("building finger, bone and products"):
         finger = models.fingertip(edge_length=edge_length)
@@ -56,16 +58,19 @@ def press_demo(out: Path, edge_length: float) -> None:
         }
     half_space, held = _skin(HalfSpace()), Body(bone=bone, fixed=~finger.skin_mask)
     first = {
-        name: press(finger, product, half_space, _UPWARDS, depth=_DEPTH) for name, product in products.items()
+        name: press(finger, product, half_space, _UPWARDS, depth=_DEPTH, options=options)
+        for name, product in products.items()
     }
-    nodes = np.unique(np.concatenate([may_touch(contact, _DEPTH) for contact in first.values()]))
+    near = [may_touch(finger, contact.obstacle, _DEPTH) for contact in first.values()]
+    nodes = np.unique(np.concatenate(near))
     body = _skin(held).prepared(finger, nodes, progress=True)
+    inputs = _INPUTS | {"target_error": {"value": options.target_error, "unit": "1"}}
     contacts: dict[str, Contact] = {}
     for name, product in products.items():
         with progress(f"pressing the {name}"):
-            contact = press(finger, product, body, _UPWARDS, depth=_DEPTH)
+            contact = press(finger, product, body, _UPWARDS, depth=_DEPTH, options=options)
         with progress(f"drawing and writing {out / name}"):
-            save_contact(contact, out / name, inputs=_INPUTS | {"scene": name}, pictures=True, bone=bone)
+            save_contact(contact, out / name, inputs=inputs | {"scene": name}, pictures=True, bone=bone)
             both = {"half-space": first[name], "body": contact}
             with atomic_write(out / name / "responses.png") as file:
                 comparison_figure(both).savefig(file, format="png")

@@ -5,26 +5,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact import Contact
+from ..obstacle import Obstacle
 from ..skin import Body
+from ..surface import Surface
 
 __all__ = ["free_nodes", "may_touch"]
 
 
-def may_touch(contact: Contact, depth: float) -> NDArray[np.int64]:
-    """Return the skin vertices (k,) that a press like this one may bring into contact, whatever the response.
+def may_touch(surface: Surface, obstacle: Obstacle, depth: float) -> NDArray[np.int64]:
+    """Return the skin vertices (k,) that a press may bring into contact, whatever the response.
 
     Parameters
     ----------
-    contact : Contact
-        The press with a response that costs little; where its obstacle stands counts.
+    surface : Surface
+        The undeformed skin.
+    obstacle : Obstacle
+        The product where the press ends.
     depth : float
         Of the press (m). Vertices closer to the obstacle than half of it and two edges count.
     """
-    surface = contact.deformed
-    before = surface.vertices - contact.displacement
     reach = 0.5 * depth + 2.0 * surface.mean_edge_length
-    distance = contact.obstacle.signed_distance(before, reach)[0]
+    distance = obstacle.signed_distance(surface.vertices, reach)[0]
     near: NDArray[np.int64] = np.flatnonzero(surface.skin_mask & (distance < reach))
     return near
 

@@ -26,21 +26,35 @@ class DrawnSkin(NamedTuple):
 
 
 class Drawing:
-    """A drawn skin, or what computes it."""
+    """A drawn skin and the mesh that it is drawn on, or what computes them."""
 
-    def __init__(self, source: _core.Drawing | DrawnSkin) -> None:
+    def __init__(self, source: _core.Drawing | DrawnSkin, surface: Surface | None) -> None:
         self._source = source
+        self._surface = surface
         self._lock = Lock()
         if isinstance(source, DrawnSkin):
             source.displacement.flags.writeable = False
 
+    def surface(self) -> Surface:
+        """Return the mesh that was solved; built once, when it is first asked for."""
+        with self._lock:
+            return self._built_surface()
+
     def skin(self) -> DrawnSkin:
         """Return the drawn skin; computed once, whichever threads ask, and its source is let go."""
         with self._lock:
+            self._built_surface()
             if isinstance(self._source, _core.Drawing):
                 self._source = DrawnSkin(*self._source.draw())
             return self._source
 
+    def _built_surface(self) -> Surface:
+        if self._surface is None:
+            assert isinstance(self._source, _core.Drawing)
+            self._surface = self._source.surface()
+            assert self._surface is not None
+        return self._surface
+
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the drawn skin."""
-        return Drawing, (self.skin(),)
+        """Pickle the drawn skin and its mesh."""
+        return Drawing, (self.skin(), self.surface())

@@ -22,6 +22,11 @@ class ContactOptions:
     ----------
     tolerance : float
         Relative quadrature tolerance of the response matrix's entries; 0 for all that double precision gives.
+    target_error : float or None
+        Relative error that the mesh may leave in force and area, as far as it is estimated (0 < target < 1):
+        the mesh is refined around the contact until then. None: the mesh is taken as it is.
+    max_nodes : int
+        Most contact nodes of a refined mesh.
     rings : int or None
         Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
         entry (further vertices can never touch), 3 otherwise.
@@ -44,6 +49,8 @@ class ContactOptions:
     """
 
     tolerance: float = _DEFAULTS.tolerance
+    target_error: float | None = _DEFAULTS.target_error
+    max_nodes: int = _DEFAULTS.max_nodes
     rings: int | None = _DEFAULTS.rings
     method: LcpMethod | LcpMethodName = _METHOD
     num_threads: int | None = _DEFAULTS.num_threads
@@ -58,6 +65,8 @@ def options_to_core(options: ContactOptions) -> _core.ContactOptions:
     """Return the core's options; refuse what is no integer where one is due."""
     return _core.ContactOptions(
         tolerance=options.tolerance,
+        target_error=options.target_error,
+        max_nodes=as_integer("max_nodes", options.max_nodes),
         rings=as_integer_or_none("rings", options.rings),
         method=options.method,
         num_threads=as_integer_or_none("num_threads", options.num_threads),

@@ -13,7 +13,7 @@ from ..lcp.solution import solution_from_core
 from ..skin.elastic import core_skin
 from .drawn import Drawing
 from .options import ContactOptions, options_to_core
-from .result import Accuracy, Contact, ContactError, ContactStatus, LeftOut, Patch
+from .result import Accuracy, Contact, ContactError, ContactStatus, LeftOut, Patch, Refinement
 
 if TYPE_CHECKING:
     import numpy as np
@@ -179,7 +179,9 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
     total, accuracy = core.resultant, core.accuracy
     return Contact(
         status=ContactStatus(core.status),
-        surface=surface,
+        given_vertex_count=core.given_vertex_count,
+        parents=core.parents,
+        refinements=tuple(_round(one) for one in core.refinements),
         obstacle=core.obstacle,
         travel=core.travel,
         force=total.force,
@@ -202,16 +204,35 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
             natural_residual=accuracy.natural_residual,
             complementarity=accuracy.complementarity,
             integration_tolerance=accuracy.integration_tolerance,
+            discretization=accuracy.discretization,
             condition=accuracy.condition,
             definite=accuracy.definite,
             cells_per_radius=accuracy.cells_per_radius,
-            area_resolution=accuracy.area_resolution,
+            force_error=accuracy.force_error,
+            mesh_error=accuracy.mesh_error,
+            body_error=accuracy.body_error,
+            area_error=accuracy.area_error,
+            max_pressure_error=accuracy.max_pressure_error,
         ),
         timings=MappingProxyType(dict(core.timings)),
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
         warnings=tuple(core.warnings),
         advice=core.advice,
-        _drawing=Drawing(core.drawing),
+        _drawing=Drawing(core.drawing, None if len(core.parents) else surface),
+    )
+
+
+def _round(core: _core.Refinement) -> Refinement:
+    return Refinement(
+        nodes=core.nodes,
+        force=core.force,
+        contact_area=core.contact_area,
+        max_pressure=core.max_pressure,
+        force_error=core.force_error,
+        area_error=core.area_error,
+        max_penetration=core.max_penetration,
+        seconds=core.seconds,
+        reason=core.reason,
     )
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..obstacle import Obstacle
     from ..surface import Surface
 
-__all__ = ["Accuracy", "Contact", "ContactError", "ContactStatus", "LeftOut", "Patch"]
+__all__ = ["Accuracy", "Contact", "ContactError", "ContactStatus", "LeftOut", "Patch", "Refinement"]
 
 
 class ContactStatus(StrEnum):
@@ -91,6 +91,8 @@ class Accuracy:
         Worst residuals of the complementarity problems, measured on the original matrix (dimensionless).
     integration_tolerance : float
         Relative quadrature tolerance of the response matrix.
+    discretization : str
+        "collocation" or "galerkin": how gaps were taken on the mesh that was solved.
     condition : float or None
         Condition number of the response matrix, where it was estimated.
     definite : bool or None
@@ -98,18 +100,67 @@ class Accuracy:
         is the only one. False: shown not to be. None: not examined.
     cells_per_radius : float
         Mesh cells per equivalent contact radius; under about 4 force and area are coarse.
-    area_resolution : float
-        Uncertainty of the contact area from the mesh alone (m^2): half the area of the vertices on its rim.
-        In Galerkin form the rim is found between vertices, and the area is several times as good.
+    force_error : float or None
+        Estimated error of the force over its length: `mesh_error` + `body_error`. None, here and below, where
+        no estimate was made; `Contact.left_out` says why.
+    mesh_error, body_error : float or None
+        What the mesh around the contact costs of that, and what the coarse mesh of a body does.
+    area_error : float or None
+        Estimated error of `contact_area` over it.
+    max_pressure_error : float or None
+        Estimated error of `max_pressure` over it.
     """
 
     natural_residual: float
     complementarity: float
     integration_tolerance: float
+    discretization: str
     condition: float | None
     definite: bool | None
     cells_per_radius: float
-    area_resolution: float
+    force_error: float | None
+    mesh_error: float | None
+    body_error: float | None
+    area_error: float | None
+    max_pressure_error: float | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refinement(Frozen):
+    """What one mesh gave.
+
+    Attributes
+    ----------
+    kind : str
+        "mesh".
+    nodes : int
+        Contact nodes: unknowns of the complementarity problems.
+    force : (3,) float64
+        Force on the skin (N).
+    contact_area : float
+        Contact area (m^2).
+    max_pressure : float
+        Largest pressure (Pa).
+    force_error, area_error : float or None
+        Estimated relative errors; None without contact.
+    max_penetration : float
+        Deepest penetration left (m).
+    seconds : float
+        Wall time (s).
+    reason : str
+        Why no further round followed; empty of all but the last.
+    """
+
+    kind: str = "mesh"
+    nodes: int
+    force: NDArray[np.float64]
+    contact_area: float
+    max_pressure: float
+    force_error: float | None
+    area_error: float | None
+    max_penetration: float
+    seconds: float
+    reason: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,7 +176,14 @@ class Contact(Frozen):
         "solved", "no_contact" (no error: all zero) or the ending of the complementarity problem. For any
         other ending than these two the figures are nan, and `advice` says what happened and what to try.
     surface : Surface
-        The undeformed skin, as it was given.
+        The undeformed skin on the mesh that was solved: the given object itself, or that refined around the
+        contact, whose first vertices are the given ones.
+    given_vertex_count : int
+        Number of vertices that belong to the given mesh; they come first.
+    parents : (n - given_vertex_count, 2) int64
+        The two vertices that each added one lies between.
+    refinements : tuple of Refinement
+        What each mesh gave, the given one first.
     obstacle : Obstacle
         The obstacle where it stands now.
     travel : float
@@ -177,7 +235,9 @@ class Contact(Frozen):
     """
 
     status: ContactStatus
-    surface: Surface
+    given_vertex_count: int
+    parents: NDArray[np.int64]
+    refinements: tuple[Refinement, ...]
     obstacle: Obstacle
     travel: float
     force: NDArray[np.float64]
@@ -202,6 +262,11 @@ class Contact(Frozen):
     warnings: tuple[str, ...]
     advice: str
     _drawing: Drawing
+
+    @property
+    def surface(self) -> Surface:
+        """The undeformed skin on the mesh that was solved, built when it is first asked for."""
+        return self._drawing.surface()
 
     @property
     def displacement(self) -> NDArray[np.float64]:

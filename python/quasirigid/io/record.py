@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..contact.result import Contact
+    from ..contact.result import Contact, Refinement
 
 __all__ = ["as_plain", "contact_record"]
 
@@ -28,10 +28,18 @@ _CONTACT = {
     "fade_distance": "m",
     "natural_residual": "1",
 }
+_REFINEMENT = {
+    "force": "N",
+    "contact_area": "m^2",
+    "max_pressure": "Pa",
+    "force_error": "1",
+    "area_error": "1",
+    "max_penetration": "m",
+    "seconds": "s",
+}
 _PATCH = {
     name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
 }
-_ACCURACY = {"area_resolution": "m^2"}
 
 
 def contact_record(contact: Contact) -> dict[str, Any]:
@@ -52,17 +60,23 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "advice": contact.advice,
         **_figures(contact, _CONTACT),
         "vertices": len(contact.pressure),
+        "given_vertex_count": contact.given_vertex_count,
+        "refinements": [_refinement(one) for one in contact.refinements],
         "candidates": len(contact.candidates),
         "active": len(contact.active),
         "patches": [{"vertices": len(patch.vertices)} | _figures(patch, _PATCH) for patch in contact.patches],
         "accuracy": {
-            name: value if isinstance(value, bool) else _figure(value, _ACCURACY.get(name, "1"))
+            name: value if isinstance(value, bool) else _figure(value, "1")
             for name, value in as_plain(contact.accuracy).items()
         },
         "timings": {stage: _figure(seconds, "s") for stage, seconds in contact.timings.items()},
         "left_out": [{"what": what, "why": why} for what, why in contact.left_out],
         "product": _product(contact),
     }
+
+
+def _refinement(one: Refinement) -> dict[str, Any]:
+    return {"kind": one.kind, "nodes": one.nodes, "reason": one.reason} | _figures(one, _REFINEMENT)
 
 
 def as_plain(value: Any) -> Any:

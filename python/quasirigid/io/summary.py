@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..contact.result import Contact
 
-__all__ = ["compare_contacts", "contact_html", "contact_summary"]
+__all__ = ["compare_contacts", "contact_html", "contact_summary", "refinement_table"]
 
 
 def contact_summary(contact: Contact) -> str:
@@ -28,8 +28,8 @@ def contact_summary(contact: Contact) -> str:
     Returns
     -------
     str
-        One line a figure, in mm, N and kPa, each with its unit; then `warnings`, `left_out`, and `advice`
-        where the contact did not end solved.
+        One line a figure, in mm, N and kPa, each with its unit and, where one was made, the estimate of its
+        error; then `warnings`, `left_out`, and `advice` where the contact did not end solved.
     """
     return compare_contacts({"": contact})
 
@@ -48,15 +48,48 @@ def compare_contacts(contacts: Mapping[str, Contact]) -> str:
         As `contact_summary`, with a column for each contact.
     """
     columns = [{"": name} | _rows(contact) for name, contact in contacts.items()]
-    names = dict.fromkeys(name for column in columns for name in column)
-    first = max(map(len, names))
-    widths = [max(len(value) for value in column.values()) for column in columns]
-    lines = []
-    for name in names:
-        cells = [column.get(name, "").rjust(width) for column, width in zip(columns, widths, strict=True)]
-        lines.append("  ".join([name.ljust(first), *cells]).rstrip())
+    names = list(dict.fromkeys(name for column in columns for name in column))
+    rows = [[column.get(name, "") for name in names] for column in columns]
     notes = dict.fromkeys(note for contact in contacts.values() for note in _notes(contact))
-    return "\n".join([*filter(None, lines), *notes])
+    return "\n".join([*filter(None, _aligned([names, *rows])), *notes])
+
+
+def refinement_table(contact: Contact) -> str:
+    """Return what each mesh of a contact gave as a text table.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    str
+        A line for each of `Contact.refinements`: nodes, force (N) and area (mm²) with the estimates of their
+        errors, peak pressure (kPa), time (ms).
+    """
+    rounds = contact.refinements
+    forces = [float(np.linalg.norm(one.force)) for one in rounds]
+    columns = [
+        ["mesh", "given", *(f"round {number}" for number in range(1, len(rounds)))],
+        ["nodes", *(str(one.nodes) for one in rounds)],
+        ["force (N)", *(f"{force:.4g}" for force in forces)],
+        ["error", *(_percent(one.force_error) for one in rounds)],
+        ["area (mm²)", *(f"{one.contact_area * MM**2:.4g}" for one in rounds)],
+        ["error", *(_percent(one.area_error) for one in rounds)],
+        ["peak (kPa)", *(f"{one.max_pressure * KPA:.4g}" for one in rounds)],
+        ["time (ms)", *(f"{one.seconds * 1e3:.3g}" for one in rounds)],
+    ]
+    return "\n".join(_aligned(columns))
+
+
+def _aligned(columns: Sequence[Sequence[str]]) -> list[str]:
+    """Return the lines of a table: the first column to the left, the others to the right."""
+    widths = [max(map(len, column)) for column in columns]
+    return [
+        "  ".join([first.ljust(widths[0]), *map(str.rjust, cells, widths[1:])]).rstrip()
+        for first, *cells in zip(*columns, strict=True)
+    ]
 
 
 def contact_html(contact: Contact) -> str:
@@ -84,21 +117,36 @@ def contact_html(contact: Contact) -> str:
 
 def _rows(contact: Contact) -> dict[str, str]:
     counts = len(contact.pressure), len(contact.candidates), len(contact.active)
+    accuracy, rounds = contact.accuracy, contact.refinements
+    force = float(np.linalg.norm(contact.force))
     return {
         "status": str(contact.status),
-        "force (N)": f"{float(np.linalg.norm(contact.force)):.4g}",
-        "force vector (N)": _vector(contact.force, 1.0),
-        "moment about the origin (N mm)": _vector(contact.moment, MM),
-        "center of pressure (mm)": _vector(contact.center_of_pressure, MM),
-        "contact area (mm²)": f"{contact.contact_area * MM**2:.4g}",
-        "peak pressure (kPa)": f"{contact.max_pressure * KPA:.4g}",
-        "overlap before (mm)": f"{contact.max_penetration_before * MM:.4g}",
-        "overlap after (mm)": f"{contact.max_penetration_after * MM:.2g}",
+        "force": f"{force:.4g} N" + _estimated(accuracy.force_error),
+        "force vector": f"{_vector(contact.force, 1.0)} N",
+        "moment about the origin": f"{_vector(contact.moment, MM)} N mm",
+        "center of pressure": f"{_vector(contact.center_of_pressure, MM)} mm",
+        "contact area": f"{contact.contact_area * MM**2:.4g} mm²" + _estimated(accuracy.area_error),
+        "peak pressure": f"{contact.max_pressure * KPA:.4g} kPa" + _estimated(accuracy.max_pressure_error),
+        "overlap before": f"{contact.max_penetration_before * MM:.4g} mm",
+        "overlap after": f"{contact.max_penetration_after * MM:.2g} mm",
         "patches": str(len(contact.patches)),
         "vertices, candidates, active": ", ".join(map(str, counts)),
-        "cells per contact radius": f"{contact.accuracy.cells_per_radius:.3g}",
+        "cells per contact radius": f"{accuracy.cells_per_radius:.3g}",
+        "rounds of refinement": f"{len(rounds) - 1}, {rounds[-1].reason}",
         "natural residual": f"{contact.natural_residual:.1e}",
-    } | {f"time: {stage} (ms)": f"{seconds * 1e3:.3g}" for stage, seconds in contact.timings.items()}
+    } | {f"time: {stage}": f"{seconds * 1e3:.3g} ms" for stage, seconds in contact.timings.items()}
+
+
+def _estimated(error: float | None) -> str:
+    """Return a relative error as in " ± 1 %"; nothing where there is none."""
+    return "" if error is None else f" ± {_percent(error)}"
+
+
+def _percent(error: float | None) -> str:
+    """Return a relative error in percent, one digit below ten of them; a dash where there is none."""
+    if error is None:
+        return "-"
+    return f"{100.0 * error:.0f} %" if error >= 0.095 else f"{100.0 * error:.1g} %"
 
 
 def _vector(values: ArrayLike, scale: float) -> str:

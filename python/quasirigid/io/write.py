@@ -45,10 +45,11 @@ def save_contact(
     """Write everything about a contact into a folder.
 
     `deformed.ply` and `deformed.vtp` (ParaView) hold the deformed skin, the latter with what
-    `vertex_data` returns; `contact.npz` the arrays, named as on `Contact`; `contact.json` status, figures
-    with their units, accuracy, timings, what was left out, and `inputs`; `product.ply` the triangles of the
-    product where it stands (a primitive has none, and `contact.json` says so); `skin.png` and `footprint.png`
-    the pictures.
+    `vertex_data` returns; `contact.npz` the arrays, named as on `Contact`, with `vertices`, `faces` and
+    `skin_mask` of the deformed skin; `contact.json` status, figures with their units, accuracy, what
+    each round of refinement gave, timings, what was left out, and `inputs`; `product.ply` the triangles
+    of the product where it stands (a primitive has none, and `contact.json` says so); `skin.png` and
+    `footprint.png` the pictures.
 
     Parameters
     ----------
@@ -92,7 +93,9 @@ def save_contact(
 def _files(contact: Contact, inputs: Mapping[str, Any]) -> Iterator[tuple[str, bytes]]:
     """Names and contents of all files but the pictures."""
     yield "deformed.ply", _deformed_ply(contact)
-    yield "deformed.vtp", vtp_bytes(contact.deformed.vertices, contact.deformed.faces, vertex_data(contact))
+    added = {"given_vertex_count": np.array([contact.given_vertex_count]), "parents": contact.parents}
+    skin = contact.deformed
+    yield "deformed.vtp", vtp_bytes(skin.vertices, skin.faces, vertex_data(contact), added)
     yield "contact.npz", _archive(contact)
     product = contact.obstacle.triangles()
     note = {"file": "product.ply"} if product else {"note": _NO_TRIANGLES}
@@ -113,7 +116,7 @@ def _deformed_ply(contact: Contact) -> bytes:
 
 def _archive(contact: Contact) -> bytes:
     names = ["pressure", "node_force", "force_vectors", "gap", "displacement", "candidates", "active"]
-    names += ["force", "moment", "center_of_pressure"]
+    names += ["force", "moment", "center_of_pressure", "given_vertex_count", "parents"]
     arrays: dict[str, Any] = {name: getattr(contact, name) for name in names}
     arrays |= {name: getattr(contact.deformed, name) for name in ("vertices", "faces", "skin_mask")}
     file = io.BytesIO()

@@ -8,7 +8,7 @@ import numpy as np
 
 from .._units import MM
 from .style import AFTER, BEFORE, BONE, INK, PRODUCT, PRODUCT_EDGE, axes_or_new, scale_bar
-from .view import View, pad_view, vertices_before
+from .view import View, pad_view
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +49,7 @@ def plot_section(
     """
     view = pad_view(contact) if view is None else view
     ax = axes_or_new(ax, (4.4, 6.0))
-    before, after = vertices_before(contact), contact.deformed.vertices
+    before, after = contact.surface.vertices, contact.deformed.vertices
     center = contact.center_of_pressure
     if not np.isfinite(center).all():
         center = after.mean(axis=0)

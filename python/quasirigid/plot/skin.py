@@ -10,7 +10,7 @@ from .._units import KPA, MM
 from .outline import contact_side
 from .shading import lit_skin
 from .style import axes_or_new, colour_bar, overlap_colours, pressure_colours, scale_bar, window_around
-from .view import View, pad_view, vertices_before
+from .view import View, pad_view
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,16 +50,16 @@ def plot_skin(
     """
     view = pad_view(contact) if view is None else view
     ax = axes_or_new(ax, (4.4, 6.0))
-    faces = contact.deformed.faces
+    faces = contact.surface.faces
     if show == "pressure":
         vertices = contact.deformed.vertices
         pressure = np.nan_to_num(contact.pressure)
         values, colours, label = pressure * KPA, pressure_colours(), "pressure (kPa)"
         inside = contact_side(vertices, faces, pressure, contact.gap)
     else:
-        vertices = vertices_before(contact)
+        vertices = contact.surface.vertices
         distance = contact.obstacle.signed_distance(vertices)[0]
-        inside = np.where(contact.deformed.skin_mask, -distance, -np.abs(distance))
+        inside = np.where(contact.surface.skin_mask, -distance, -np.abs(distance))
         values, colours, label = inside.clip(0.0) * MM, overlap_colours(), "depth inside the product (mm)"
     window = window_around(view.project(vertices) * MM)
     picture = lit_skin(vertices * MM, faces, view, values, inside, colours, window, pixels)

@@ -12,7 +12,7 @@ from .raster import Floats
 if TYPE_CHECKING:
     from ..contact.result import Contact
 
-__all__ = ["View", "pad_view", "vertices_before"]
+__all__ = ["View", "pad_view"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +64,7 @@ def pad_view(contact: Contact) -> View:
     axis = int(np.argmax(np.abs(sight)))
     if abs(sight[axis]) > 0.95:
         sight = np.sign(sight[axis]) * np.eye(3)[axis]
-    vertices = contact.deformed.vertices
+    vertices = contact.surface.vertices
     spread = vertices - vertices.mean(axis=0)
     flat = spread - np.outer(spread @ sight, sight)
     longest = np.linalg.eigh(flat.T @ flat)[1][:, -1]
@@ -74,8 +74,3 @@ def pad_view(contact: Contact) -> View:
     if abs(up[axis]) > 0.95:
         up = np.eye(3)[axis]
     return View.along(sight, up)
-
-
-def vertices_before(contact: Contact) -> Floats:
-    """Return the vertices (n, 3) of the skin before it gave way (m)."""
-    return contact.deformed.vertices - contact.displacement

@@ -107,6 +107,7 @@ def _build_given(material: Material, given: GivenMatrix, surface: Surface) -> _c
         surface.vertex_areas[:, None] * surface.vertex_normals,
         np.eye(3),
         bone_pressure=None,
+        tissue_thickness=None,
         levels=None,
         solved=False,
     )
@@ -125,8 +126,8 @@ def restore_prepared(
         return _core.Skin.given(surface, nodes, stored["matrix"])
     levels = None
     if "coarse_nodes" in stored:
-        places = stored["coarse_nodes"], stored["coarse_corners"], stored["coarse_weights"]
-        levels = *places, stored.get("tissue_thickness"), stored["held"]
+        names = "coarse_nodes", "coarse_corners", "coarse_weights", "coarse_edges", "held"
+        levels = tuple(stored[name] for name in names)
     return _core.Skin.restore_body(
         surface,
         *material,
@@ -135,6 +136,7 @@ def restore_prepared(
         stored["area_vectors"],
         stored["rotation"],
         bone_pressure=stored.get("bone_pressure"),
+        tissue_thickness=stored.get("tissue_thickness"),
         levels=levels,
         solved=isinstance(response, Body),
     )

@@ -196,7 +196,8 @@ class PreparedSkin:
         ResponseError
             If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone.
         """
-        forces: Any = getattr(load, "force_vectors", load)
+        contact: Any = load
+        forces = _on_given_mesh(contact) if hasattr(load, "force_vectors") else contact
         pressures = self._response.bone_pressures(forces)
         if pressures is None:
             raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
@@ -245,6 +246,14 @@ class PreparedSkin:
 
     def _core_on(self, surface: Surface) -> _core.Skin:
         return self._response
+
+
+def _on_given_mesh(contact: Contact) -> NDArray[np.float64]:
+    """Return the forces (N) at the given vertices, those of the added ones shared by the two beside."""
+    forces = contact.force_vectors.copy()
+    for row in reversed(range(len(contact.parents))):
+        forces[contact.parents[row]] += 0.5 * forces[contact.given_vertex_count + row]
+    return forces[: contact.given_vertex_count]
 
 
 def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:

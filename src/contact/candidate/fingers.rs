@@ -52,6 +52,11 @@ impl Fingers {
         }
     }
 
+    /// Fingers that only their candidates are asked of.
+    pub fn listed(candidates: Vec<Vec<usize>>) -> Self {
+        Self { candidates, ways: Vec::new(), vertices: None, of_candidate: Vec::new() }
+    }
+
     /// Splits candidates into fingers: patches that share no tissue.
     ///
     /// Patches that share tissue with a third are on one finger. The search along the skin covers what could be
@@ -80,19 +85,34 @@ impl Fingers {
         for (patch, finger) in patches.into_iter().zip(finger_of_patch) {
             by_finger.entry(finger).or_default().extend(patch);
         }
-        let mut fingers: Vec<Vec<usize>> = by_finger.into_values().collect();
-        if fingers.len() == 1 {
-            return Self::one(candidates);
+        Self::apart(surface, by_finger.into_values().collect())
+    }
+
+    /// Fingers of which the candidates are known.
+    pub fn apart(surface: &Surface, mut fingers: Vec<Vec<usize>>) -> Self {
+        let candidates = fingers.concat();
+        if fingers.len() < 2 {
+            return Self::one(&candidates);
         }
+        let mut label = vec![usize::MAX; surface.vertices().len()];
         fingers.iter_mut().for_each(|finger| finger.sort_unstable());
         fingers.sort_unstable_by_key(|finger| finger[0]);
         for (index, finger) in fingers.iter().enumerate() {
             finger.iter().for_each(|&vertex| label[vertex] = index);
         }
-        let vertices = surface.nearest_along_skin(candidates, f64::INFINITY);
+        let vertices = surface.nearest_along_skin(&candidates, f64::INFINITY);
         let mut ways: Vec<_> = shortest_ways(surface, &vertices, &label).into_iter().collect();
         ways.sort_by(|a, b| a.1.along_skin.total_cmp(&b.1.along_skin).then(a.0.cmp(&b.0)));
         Self { candidates: fingers, ways, vertices: Some(vertices), of_candidate: label }
+    }
+
+    /// Candidates by the finger that each vertex of the skin was found to belong to before.
+    pub fn as_before(surface: &Surface, candidates: &[usize], finger_of: &[Option<usize>]) -> Self {
+        let mut by_finger: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+        for &vertex in candidates {
+            by_finger.entry(finger_of[vertex]).or_default().push(vertex);
+        }
+        Self::apart(surface, by_finger.into_values().collect())
     }
 
     /// Finger nearest to a vertex along the skin, whose forces move it; `None` where the skin leads to none.

@@ -73,6 +73,11 @@ impl NodeForces {
         AppliedForces { fingers: &self.fingers, active: &self.active, vectors: &self.vectors }
     }
 
+    /// Forces on the skin at the active vertices (N).
+    pub fn active_vectors(&self) -> Vec<Vector3<f64>> {
+        self.active.iter().map(|&vertex| self.vectors[vertex]).collect()
+    }
+
     /// Takes over the solution of one group.
     pub fn adopt(&mut self, group: &[usize], solution: LcpSolution) {
         let solved = solution.status == LcpStatus::Solved;

@@ -30,9 +30,14 @@ fn pressed_outside(
     forces: &NodeForces,
 ) -> Result<Vec<usize>, ContactError> {
     let may_touch = gaps.surface.skin_mask();
-    let outside: Vec<usize> = (0..may_touch.len())
-        .filter(|&vertex| may_touch[vertex] && forces.candidates.binary_search(&vertex).is_err())
-        .collect();
+    // Nothing bulges by as much as it is pressed in elsewhere.
+    let highest = gaps.deepest().min(gaps.search_distance);
+    let outside: Vec<usize> = {
+        let distance = gaps.distances();
+        let may_reach = |&vertex: &usize| may_touch[vertex] && distance[vertex] <= highest;
+        let is_other = |vertex: &usize| forces.candidates.binary_search(vertex).is_err();
+        (0..may_touch.len()).filter(may_reach).filter(is_other).collect()
+    };
     let moved = response.displace_coarsely(forces.applied(), &outside)?;
     // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
     let sinks = |row: usize| moved.along_normal[row].map_or(moved.vectors[row].norm(), |along| -along);

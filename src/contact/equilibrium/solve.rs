@@ -33,7 +33,9 @@ pub(crate) fn solve(
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
-    let rings = options.rings.unwrap_or(if traits.negative_entries { DEFAULT_RINGS } else { 0 });
+    // On a refined mesh it is known from the one before that few others are pressed; these are found below.
+    let is_first = gaps.scene.finger_of.is_none();
+    let rings = options.rings.unwrap_or(if traits.negative_entries && is_first { DEFAULT_RINGS } else { 0 });
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
     for growth in 0.. {
         let forces = solve_on(candidates, gaps, response, options, report)?;
@@ -71,10 +73,10 @@ fn solve_on(
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
-    let fingers = if traits.is_kernel && !options.couple_fingers {
-        Fingers::split_by_tissue(gaps.surface, &candidates)
-    } else {
-        Fingers::one(&candidates)
+    let fingers = match &gaps.scene.finger_of {
+        _ if !traits.is_kernel || options.couple_fingers => Fingers::one(&candidates),
+        Some(known) => Fingers::as_before(gaps.surface, &candidates, known),
+        None => Fingers::split_by_tissue(gaps.surface, &candidates),
     };
     let initial_gap = traits.discretization.initial_gap(gaps, response, &candidates)?;
     let at_candidates = gaps.at(&candidates)?;

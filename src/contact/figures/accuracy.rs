@@ -3,6 +3,7 @@
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::lcp::solution::LcpSolution;
 use crate::linalg::definiteness::{Definiteness, Spectrum};
+use crate::response::kernel::basis::Discretization;
 use crate::surface::checked::Surface;
 
 /// How far the figures of a contact can be trusted, by source of error.
@@ -14,6 +15,8 @@ pub struct Accuracy {
     pub complementarity: f64,
     /// Relative quadrature tolerance of the response matrix.
     pub integration_tolerance: f64,
+    /// How gaps were taken on the mesh that was solved.
+    pub discretization: Discretization,
     /// Largest condition number of the response matrices' symmetric parts, where they were examined.
     pub condition: Option<f64>,
     /// Whether the symmetric part of every response matrix was shown to be positive definite: the answer is
@@ -22,23 +25,33 @@ pub struct Accuracy {
     /// Mesh cells per equivalent contact radius, `√(area / π) / mean edge length there`; below about 4 force and
     /// area are coarse, at 8 a sphere's force is good to 0.2 %.
     pub cells_per_radius: f64,
-    /// Uncertainty of the contact area from the mesh alone: half the area of the vertices on its rim (m²). In Galerkin
-    /// form the rim is found between vertices, and the area is several times as good.
-    pub area_resolution: f64,
+    /// Estimated error of the force over its length: [`mesh_error`](Self::mesh_error) and
+    /// [`body_error`](Self::body_error). `None`, here and below, where no estimate was made.
+    pub force_error: Option<f64>,
+    /// What the mesh around the contact costs of that.
+    pub mesh_error: Option<f64>,
+    /// What the coarse mesh of a body costs of that; 0 of a kernel.
+    pub body_error: Option<f64>,
+    /// Estimated error of the contact area over it.
+    pub area_error: Option<f64>,
+    /// Estimated error of the largest pressure over it.
+    pub max_pressure_error: Option<f64>,
 }
 
 impl Accuracy {
-    pub(crate) fn new(surface: &Surface, forces: &NodeForces, contact_area: f64, tolerance: f64) -> Self {
+    pub(crate) fn new(
+        surface: &Surface,
+        forces: &NodeForces,
+        contact_area: f64,
+        tolerance: f64,
+        discretization: Discretization,
+    ) -> Self {
         let solutions = &forces.solutions;
         let worst = |value: fn(&LcpSolution) -> f64| solutions.iter().map(value).fold(0.0, f64::max);
-        let mut rim_area = 0.0;
         let (mut length, mut edges) = (0.0, 0_usize);
         for &vertex in &forces.active {
             let position = surface.vertices()[vertex];
             let neighbours = surface.neighbours(vertex);
-            if neighbours.iter().any(|&other| forces.force[other as usize] == 0.0) {
-                rim_area += surface.vertex_areas()[vertex];
-            }
             length += neighbours
                 .iter()
                 .map(|&other| (surface.vertices()[other as usize] - position).norm())
@@ -50,10 +63,15 @@ impl Accuracy {
             natural_residual: worst(|solution| solution.natural_residual),
             complementarity: worst(|solution| solution.complementarity),
             integration_tolerance: tolerance,
+            discretization,
             condition: worst_condition(&forces.spectra),
             definite: definite(solutions, &forces.spectra),
             cells_per_radius: if edges == 0 { 0.0 } else { radius * edges as f64 / length },
-            area_resolution: 0.5 * rim_area,
+            force_error: None,
+            mesh_error: None,
+            body_error: None,
+            area_error: None,
+            max_pressure_error: None,
         }
     }
 }

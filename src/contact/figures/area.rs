@@ -11,12 +11,14 @@ use crate::surface::checked::Surface;
 /// the triangles with all corners touching and that of all loaded triangles. The area of a patch is at least its force
 /// over its largest `f_i / S_i`: a vertex alone has its S_i.
 ///
+/// * `rim_shift`: how far the rim lies outside of where the gaps put it, in edge lengths
 /// * `gap`: (n, m), read around the contact up to two rings
 /// * `touches`: (n,) vertices that carry force or whose gap is closed
 /// * `node_force`: (n, N)
 /// * `active`: vertices with f > 0
 pub(crate) fn contact_areas(
     surface: &Surface,
+    rim_shift: f64,
     gap: &[f64],
     touches: &[bool],
     node_force: &[f64],
@@ -27,7 +29,11 @@ pub(crate) fn contact_areas(
     let mut depth = vec![0.0; gap.len()];
     let around = surface.k_ring(active, 1);
     for &vertex in around.iter().filter(|&&vertex| !touches[vertex]) {
-        depth[vertex] = -distance_outside(surface, gap, touches, vertex);
+        let own = surface.vertices()[vertex];
+        let edges = surface.neighbours(vertex).iter();
+        let shortest = edges.map(|&other| (surface.vertices()[other as usize] - own).norm());
+        let shift = rim_shift * shortest.fold(f64::INFINITY, f64::min);
+        depth[vertex] = -(distance_outside(surface, gap, touches, vertex) - shift).max(0.0);
     }
     for &vertex in around.iter().filter(|&&vertex| touches[vertex]) {
         depth[vertex] = depth_inside(surface, touches, &depth, vertex);
@@ -154,7 +160,7 @@ mod tests {
         let touches: Vec<bool> = distance.iter().map(|&s| s <= 0.0).collect();
         let active: Vec<usize> = (0..gap.len()).filter(|&vertex| distance[vertex] < 0.0).collect();
         let force: Vec<f64> = distance.iter().map(|&s| f64::from(s < 0.0)).collect();
-        contact_areas(surface, &gap, &touches, &force, &active).iter().sum()
+        contact_areas(surface, 0.0, &gap, &touches, &force, &active).iter().sum()
     }
 
     #[test]
@@ -195,7 +201,7 @@ mod tests {
             surface.faces_around(center).iter().map(|&face| surface.face_areas()[face as usize]).sum();
         let force: Vec<f64> = (0..49).map(|vertex| f64::from(vertex == center)).collect();
         let found = |gap: &[f64], touches: &[bool]| -> f64 {
-            contact_areas(&surface, gap, touches, &force, &[center]).iter().sum()
+            contact_areas(&surface, 0.0, gap, touches, &force, &[center]).iter().sum()
         };
         let jump: Vec<f64> = (0..49).map(|vertex| if vertex == center { 0.0 } else { 1.0 }).collect();
         for gap in [&jump, &vec![0.0; 49]] {
@@ -220,7 +226,7 @@ mod tests {
             let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]][turns];
             let faces = surface.faces().iter().map(turned).collect();
             let surface = Surface::new(surface.vertices().to_vec(), faces).expect("a valid surface");
-            contact_areas(&surface, &gap, &touches, &force, &active)
+            contact_areas(&surface, 0.0, &gap, &touches, &force, &active)
         };
         for turns in [1, 2] {
             for (turned, first) in found(turns).into_iter().zip(found(0)) {

@@ -33,7 +33,12 @@ impl CandidateMotion {
             for (row, along) in found.along_normal.iter().enumerate() {
                 match along {
                     Some(_) => scalar.push(forces.candidates[row]),
-                    None => displacement[row] = found.vectors[row],
+                    None => {
+                        // Along the normal the gap knows more than what is drawn.
+                        let normal = forces.normal[row];
+                        let missing = displacement[row].dot(&normal) - found.vectors[row].dot(&normal);
+                        displacement[row] = found.vectors[row] + missing * normal;
+                    }
                 }
             }
         }

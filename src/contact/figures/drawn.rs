@@ -2,10 +2,11 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::displacement::{Drawing, drawn_vector};
+use crate::contact::figures::displacement::drawn_vector;
 use crate::contact::figures::fade::Fade;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
@@ -43,17 +44,24 @@ impl Contact {
         options: &ContactOptions,
     ) -> Result<DrawnSkin, ContactError> {
         if self.status != ContactStatus::Solved {
-            let displacement = vec![Vector3::zeros(); self.surface.vertices().len()];
-            let deformed = self.surface.clone();
+            let displacement = vec![Vector3::zeros(); self.surface().vertices().len()];
+            let deformed = self.surface().clone();
             return Ok(DrawnSkin { displacement, fade_distance: 0.0, volume_change: 0.0, deformed });
         }
-        with_threads(options, || self.draw(skin, options))
+        with_threads(options, || match self.refined_surface() {
+            None => self.draw(skin, options),
+            Some(mesh) => {
+                let finer = skin.refined(mesh)?.expect("a skin that was refined before");
+                self.draw(&*finer, options)
+            }
+        })
     }
 
     fn draw(&self, skin: &dyn ElasticSkin, options: &ContactOptions) -> Result<DrawnSkin, ContactError> {
-        let surface = &self.surface;
+        let surface = self.surface();
         let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
-        let Drawing { fingers, motion } = &self.drawing;
+        let motion = &self.drawing.motion;
+        let fingers = &Fingers::apart(surface, self.drawing.fingers.candidates.clone());
         let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
         let everywhere: Vec<usize> = (0..surface.vertices().len()).collect();
         let found = response.displace_coarsely(forces, &everywhere)?;

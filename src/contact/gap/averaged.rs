@@ -1,7 +1,9 @@
 //! Initial gaps averaged against the pressures of the nodes, for the Galerkin form.
 
 use crate::contact::error::ContactError;
-use crate::obstacle::posed::Obstacle;
+use crate::contact::gap::entry::measure_entries;
+use crate::contact::gap::measured::Measured;
+use crate::contact::scene::Scene;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::matrix::average::AveragePoints;
 use crate::surface::checked::Surface;
@@ -15,7 +17,7 @@ use crate::surface::checked::Surface;
 /// * `at_vertices`: the initial gap (m) of some vertices
 pub(crate) fn measure(
     surface: &Surface,
-    obstacle: &Obstacle,
+    scene: &Scene,
     basis: PressureBasis,
     nodes: &[usize],
     at_vertices: impl FnOnce(&[usize]) -> Result<Vec<f64>, ContactError>,
@@ -30,6 +32,11 @@ pub(crate) fn measure(
         let row = around.vertices.binary_search(&a).expect("the edges join the vertices");
         reach = reach.max(at_vertices[row].abs() + length);
     }
-    let at_middles = obstacle.signed_distance(&around.middles(surface), Some(reach))?.distance;
-    Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles))
+    let middles = around.middles(surface);
+    let found = scene.obstacle.signed_distance(&middles, Some(reach))?;
+    let mut at_middles = Measured { distance: found.distance, normal: found.normal };
+    if let Some(travel) = &scene.press {
+        measure_entries(&middles, |_| true, &scene.obstacle, travel, &mut at_middles)?;
+    }
+    Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles.distance))
 }

@@ -15,7 +15,6 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Travel;
 use crate::obstacle::posed::Obstacle;
-use crate::surface::checked::Surface;
 
 /// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees.
 const OTHER_SIDE: f64 = 0.5;
@@ -33,33 +32,35 @@ pub(crate) struct EntryGap {
 /// Measures the gap back along the press where the entry normal points elsewhere than the one at the closest point.
 ///
 /// Others keep their gap to the bit.
+///
+/// * `points`: (k, m)
+/// * `may_touch`: which of them
 pub(crate) fn measure_entries(
-    surface: &Surface,
+    points: &[Vector3<f64>],
+    may_touch: impl Fn(usize) -> bool,
     obstacle: &Obstacle,
     travel: &Travel,
     gaps: &mut Measured,
 ) -> Result<EntryGap, ContactError> {
-    let cosine = |vertex: usize| gaps.normal[vertex].dot(&travel.direction);
+    let cosine = |row: usize| gaps.normal[row].dot(&travel.direction);
     let suspects: Vec<usize> = (0..gaps.distance.len())
-        .filter(|&vertex| surface.skin_mask()[vertex] && gaps.distance[vertex] < travel.depth)
-        .filter(|&vertex| cosine(vertex) < if gaps.distance[vertex] < 0.0 { OTHER_SIDE } else { 0.0 })
+        .filter(|&row| may_touch(row) && gaps.distance[row] < travel.depth)
+        .filter(|&row| cosine(row) < if gaps.distance[row] < 0.0 { OTHER_SIDE } else { 0.0 })
         .collect();
     if suspects.is_empty() {
         return Ok(EntryGap::default());
     }
-    let points: Vec<Vector3<f64>> = suspects.iter().map(|&vertex| surface.vertices()[vertex]).collect();
-    let ways = obstacle.entry_distances(&points, &travel.direction, travel.depth)?;
+    let suspected: Vec<Vector3<f64>> = suspects.iter().map(|&row| points[row]).collect();
+    let ways = obstacle.entry_distances(&suspected, &travel.direction, travel.depth)?;
     let met: Vec<(usize, f64)> =
         suspects.into_iter().zip(ways).filter_map(|(vertex, way)| Some((vertex, way?))).collect();
     let entries: Vec<Vector3<f64>> =
-        met.iter().map(|&(vertex, way)| surface.vertices()[vertex] + way * travel.direction).collect();
+        met.iter().map(|&(vertex, way)| points[vertex] + way * travel.direction).collect();
     let entry_normal = obstacle.signed_distance(&entries, None)?.normal;
     // Through the closest point and on by twice the way back: outside again behind a thin wall.
     let beyond: Vec<Vector3<f64>> = met
         .iter()
-        .map(|&(vertex, way)| {
-            surface.vertices()[vertex] - (gaps.distance[vertex] + 2.0 * way) * gaps.normal[vertex]
-        })
+        .map(|&(vertex, way)| points[vertex] - (gaps.distance[vertex] + 2.0 * way) * gaps.normal[vertex])
         .collect();
     let behind = obstacle.signed_distance(&beyond, None)?.distance;
     let mut counted = EntryGap::default();

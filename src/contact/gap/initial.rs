@@ -8,8 +8,7 @@ use crate::contact::gap::averaged;
 use crate::contact::gap::entry::{EntryGap, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
-use crate::response::kernel::basis::{Discretization, PressureBasis};
-use crate::response::skin::elastic::Traits;
+use crate::response::kernel::basis::PressureBasis;
 use crate::surface::checked::Surface;
 
 /// Default search distance beyond the depth, in mean edge lengths.
@@ -32,14 +31,13 @@ pub(crate) struct Gaps<'a> {
 }
 
 impl<'a> Gaps<'a> {
-    /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; under a press,
-    /// in collocation, back along the travel where the closest side is not the one that the vertex came in through.
+    /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; under a press
+    /// back along the travel where the closest side is not the one that the vertex came in through.
     ///
     /// * `search_distance`: (m); `None`: depth and two mean edge lengths
     pub fn measure(
         surface: &'a Surface,
         scene: &'a Scene,
-        traits: &Traits,
         search_distance: Option<f64>,
     ) -> Result<Self, ContactError> {
         let depth_bound = scene.depth_bound;
@@ -47,10 +45,11 @@ impl<'a> Gaps<'a> {
         let reach = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
         let mut measured = Measured::near(surface.vertices(), &scene.obstacle, reach, depth_bound)?;
         let entry = match &scene.press {
-            Some(travel) if traits.discretization == Discretization::Collocation => {
-                measure_entries(surface, &scene.obstacle, travel, &mut measured)?
+            Some(travel) => {
+                let may_touch = |vertex: usize| surface.skin_mask()[vertex];
+                measure_entries(surface.vertices(), may_touch, &scene.obstacle, travel, &mut measured)?
             }
-            _ => EntryGap::default(),
+            None => EntryGap::default(),
         };
         let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
         Ok(Self {
@@ -91,8 +90,7 @@ impl<'a> Gaps<'a> {
         let missing: Vec<usize> = nodes.iter().copied().filter(|node| !known.contains_key(node)).collect();
         if !missing.is_empty() {
             let at_vertices = |vertices: &[usize]| Ok(self.at(vertices)?.distance);
-            let averages =
-                averaged::measure(self.surface, &self.scene.obstacle, basis, &missing, at_vertices)?;
+            let averages = averaged::measure(self.surface, self.scene, basis, &missing, at_vertices)?;
             known.extend(missing.into_iter().zip(averages));
         }
         Ok(nodes.iter().map(|node| known[node]).collect())

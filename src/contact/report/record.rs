@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::contact::outcome::{LeftOut, Timing};
+use crate::contact::outcome::{Contact, LeftOut, Timing};
 
 /// Timings, omissions and warnings of a contact under way.
 #[derive(Debug, Default)]
@@ -23,6 +23,13 @@ impl Report {
     }
 
     pub fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
+        self.left_out.push(LeftOut { what, why: why.into() });
+    }
+}
+
+impl Contact {
+    /// Notes what was left out once the contact is solved.
+    pub(crate) fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
         self.left_out.push(LeftOut { what, why: why.into() });
     }
 }

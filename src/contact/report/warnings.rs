@@ -1,6 +1,7 @@
 //! What the user should know of a contact, in sentences.
 
 use crate::contact::gap::initial::Gaps;
+use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
 use crate::response::kernel::basis::Discretization;
 
@@ -39,6 +40,30 @@ impl Report {
         let warning =
             format!("the deformed skin still penetrates by {after:.3e} m of {before:.3e} m: {cause}");
         self.warnings.push(warning);
+    }
+}
+
+impl Contact {
+    /// Warns where the refinement ended before its target, and where a body's mesh costs more than that.
+    pub(crate) fn warn_of_refinement(&mut self, reason: &'static str, target: f64) {
+        let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+        if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
+            && force.max(area) > target
+        {
+            let (force, area, target) = (percent(force), percent(area), percent(target));
+            self.warnings.push(format!(
+                "the mesh around the contact costs about {force} of the force and {area} of the area, more than the target of {target}: the refinement ended by {reason}"
+            ));
+        }
+        if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {
+            let (cost, target) = (doubt.force_error, target);
+            let length = doubt.edge_length * (target / cost).sqrt();
+            self.warnings.push(format!(
+                "the coarse mesh of the body costs about {} of the force, more than the target of {}: prepare it with coarse_edge_length = {length:.2e} m",
+                percent(cost),
+                percent(target)
+            ));
+        }
     }
 }
 

@@ -38,5 +38,7 @@ pub use compliance::{BodyCompliance, BodyParts};
 pub use cost::BodyCost;
 pub use equations::kelvin;
 pub use error::BodyError;
+pub use levels::coarseness::BodyDoubt;
+pub use levels::one_level::OneLevel;
 pub use levels::two_levels::TwoLevels;
 pub use solve::{Body, BodyOptions, BodyProgress};

@@ -24,3 +24,13 @@ pub enum Discretization {
     /// ([`pressure_average`](crate::response::pressure_average)).
     Galerkin,
 }
+
+impl Discretization {
+    /// Its name in lower case.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Collocation => "collocation",
+            Self::Galerkin => "galerkin",
+        }
+    }
+}

@@ -7,6 +7,7 @@ use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::layer::LayerKernel;
 use crate::response::kernel::thickness::Thickness;
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// Displacement of the skin at distance r from a unit force; r is the straight-line distance and
 /// K = (1-ν)/(2πG) (m²/N).
@@ -123,6 +124,16 @@ impl KernelSkin {
             }
             _ => Ok(Self { discretization, ..self }),
         }
+    }
+
+    /// The same skin on a refinement of its surface; `None` where forces are spread over one-rings, which a finer mesh makes
+    /// worse.
+    pub(crate) fn on_refined(&self, mesh: &RefinedSurface) -> Option<Self> {
+        let kernel = match &self.kernel {
+            Kernel::Layer { thickness } => Kernel::Layer { thickness: thickness.on_refined(mesh) },
+            other => other.clone(),
+        };
+        (self.basis == PressureBasis::Linear).then(|| Self { kernel, ..self.clone() })
     }
 
     /// Shear modulus G (Pa).

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::surface::refined::RefinedSurface;
+
 /// Thickness of the elastic layer (m).
 ///
 /// Where it varies, a pair of nodes answers as on a layer of the *smaller* of their two thicknesses. Because
@@ -31,6 +33,14 @@ impl Thickness {
         match self {
             Self::Uniform(h) => *h,
             Self::PerVertex(list) => list.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// The same on a refinement of the surface, linear along its edges.
+    pub(crate) fn on_refined(&self, mesh: &RefinedSurface) -> Self {
+        match self {
+            Self::Uniform(h) => Self::Uniform(*h),
+            Self::PerVertex(list) => Self::PerVertex(mesh.inherit_linear(list).into()),
         }
     }
 

@@ -10,12 +10,15 @@ use std::sync::Arc;
 use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
+use crate::response::body::levels::coarseness::BodyDoubt;
+use crate::response::body::levels::on_mesh::BodyOnMesh;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::prepared_body::PreparedBody;
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// Largest distance, in mean edge lengths, between a part's vertices and those of the whole skin.
 const SAME_PLACE_DISTANCE: f64 = 1e-6;
@@ -38,11 +41,6 @@ impl Part {
     /// Vertex of the part that moves with the body.
     fn moving(&self, vertex: usize) -> Option<usize> {
         self.part_vertices[vertex].filter(|&own| !self.fixed[own])
-    }
-
-    /// Those of the part, for vertices of the whole skin that move with the body.
-    fn all_moving(&self, vertices: &[usize]) -> Vec<usize> {
-        vertices.iter().filter_map(|&vertex| self.moving(vertex)).collect()
     }
 
     fn check(&self, surface: &Surface) -> Result<(), ResponseError> {
@@ -127,6 +125,52 @@ impl CombinedSkin {
         Ok(Self { parts, ..self.clone() })
     }
 
+    fn pieces(&self) -> Pieces<'_> {
+        fn piece(part: &Part) -> Piece<'_> {
+            (&part.name, &part.prepared, Box::new(|vertex| part.moving(vertex)))
+        }
+        let parts = self.parts.iter().map(piece).collect();
+        Pieces { owner: &self.owner, background: &self.background, parts }
+    }
+}
+
+/// A combined skin on a refinement of its surface.
+struct RefinedCombination {
+    background: KernelSkin,
+    /// Name and response of each part.
+    parts: Vec<(String, BodyOnMesh)>,
+    owner: Vec<Option<usize>>,
+}
+
+impl RefinedCombination {
+    fn pieces(&self) -> Pieces<'_> {
+        fn piece((name, body): &(String, BodyOnMesh)) -> Piece<'_> {
+            (name, body, Box::new(Some))
+        }
+        let parts = self.parts.iter().map(piece).collect();
+        Pieces { owner: &self.owner, background: &self.background, parts }
+    }
+}
+
+/// Name of a part, its response, and its own vertex for one of the whole that moves with it.
+type Piece<'a> = (&'a str, &'a dyn ElasticSkin, Box<dyn Fn(usize) -> Option<usize> + 'a>);
+
+/// Who answers where.
+struct Pieces<'a> {
+    /// Number of the part that each vertex moves with.
+    owner: &'a [Option<usize>],
+    background: &'a KernelSkin,
+    parts: Vec<Piece<'a>>,
+}
+
+impl Pieces<'_> {
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.owner[vertex].is_none_or(|number| {
+            let (_, skin, own) = &self.parts[number];
+            skin.is_prepared(own(vertex).expect("an owned vertex moves"))
+        })
+    }
+
     /// Positions in `nodes` by owner: each part's, then those of the kernel.
     fn by_owner(&self, nodes: &[usize]) -> Vec<Vec<usize>> {
         let mut groups = vec![Vec::new(); self.parts.len() + 1];
@@ -136,34 +180,33 @@ impl CombinedSkin {
         groups
     }
 
+    /// Who answers for a group, and the numbers of its vertices there.
+    fn ask(&self, number: usize, vertices: &[usize]) -> (&dyn ElasticSkin, Vec<usize>) {
+        match self.parts.get(number) {
+            Some((_, skin, own)) => (*skin, vertices.iter().filter_map(|&vertex| own(vertex)).collect()),
+            None => (self.background, vertices.to_vec()),
+        }
+    }
+
+    /// The worst of the parts, and none where the kernel carries all.
+    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
+        let groups = self.by_owner(nodes).into_iter().enumerate().filter(|(_, group)| !group.is_empty());
+        let doubts = groups.filter_map(|(number, positions)| {
+            let (skin, own) = self.ask(number, &picked(nodes, &positions));
+            skin.doubt(&own, &picked(forces, &positions))
+        });
+        doubts.max_by(|a, b| a.force_error.total_cmp(&b.force_error))
+    }
+
     fn check_patches(&self, surface: &Surface, nodes: &[usize]) -> Result<(), ResponseError> {
         for patch in surface.patches(nodes) {
             let Some(&inside) = patch.iter().find(|&&vertex| self.owner[vertex].is_some()) else { continue };
             if let Some(&outside) = patch.iter().find(|&&vertex| self.owner[vertex] != self.owner[inside]) {
-                let part = self.parts[self.owner[inside].expect("found so")].name.clone();
+                let part = self.parts[self.owner[inside].expect("found so")].0.to_string();
                 return Err(ResponseError::StraddlingPatch { part, inside, outside, count: patch.len() });
             }
         }
         Ok(())
-    }
-}
-
-fn picked<T: Copy>(values: &[T], positions: &[usize]) -> Vec<T> {
-    positions.iter().map(|&position| values[position]).collect()
-}
-
-impl ElasticSkin for CombinedSkin {
-    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
-        let background = self.background.traits(surface)?;
-        self.parts.iter().try_for_each(|part| part.check(surface))?;
-        Ok(if self.parts.is_empty() { background } else { Traits::of_matrix(true) })
-    }
-
-    fn is_prepared(&self, vertex: usize) -> bool {
-        self.owner[vertex].is_none_or(|number| {
-            let part = &self.parts[number];
-            part.prepared.is_prepared(part.moving(vertex).expect("an owned vertex moves"))
-        })
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
@@ -174,13 +217,8 @@ impl ElasticSkin for CombinedSkin {
             if positions.is_empty() {
                 continue;
             }
-            let (own, along) = (picked(nodes, positions), picked(directions, positions));
-            let block = match self.parts.get(number) {
-                Some(part) => {
-                    part.prepared.matrix(&Request { nodes: &part.all_moving(&own), ..*asked }, &along)?
-                }
-                None => self.background.matrix(&Request { nodes: &own, ..*asked }, &along)?,
-            };
+            let (skin, own) = self.ask(number, &picked(nodes, positions));
+            let block = skin.matrix(&Request { nodes: &own, ..*asked }, &picked(directions, positions))?;
             for (j, &column) in positions.iter().enumerate() {
                 for (i, &row) in positions.iter().enumerate() {
                     matrix[(row, column)] = block[(i, j)];
@@ -200,21 +238,96 @@ impl ElasticSkin for CombinedSkin {
         let mut along_normal = vec![None; vertices.len()];
         let targets = self.by_owner(vertices);
         for (number, positions) in self.by_owner(asked.nodes).iter().enumerate() {
-            let (own, pushed) = (picked(asked.nodes, positions), picked(forces, positions));
             let wanted = &targets[number];
-            let rows = picked(vertices, wanted);
-            let moved = match self.parts.get(number) {
-                Some(part) => {
-                    let nodes = &part.all_moving(&own);
-                    part.prepared.displace(&Request { nodes, ..*asked }, &pushed, &part.all_moving(&rows))?
-                }
-                None => self.background.displace(&Request { nodes: &own, ..*asked }, &pushed, &rows)?,
-            };
+            let (skin, own) = self.ask(number, &picked(asked.nodes, positions));
+            let (_, rows) = self.ask(number, &picked(vertices, wanted));
+            let moved =
+                skin.displace(&Request { nodes: &own, ..*asked }, &picked(forces, positions), &rows)?;
             for ((&position, vector), along) in wanted.iter().zip(moved.vectors).zip(moved.along_normal) {
                 vectors[position] = vector;
                 along_normal[position] = along;
             }
         }
         Ok(Displacements { vectors, along_normal })
+    }
+}
+
+fn picked<T: Copy>(values: &[T], positions: &[usize]) -> Vec<T> {
+    positions.iter().map(|&position| values[position]).collect()
+}
+
+impl ElasticSkin for CombinedSkin {
+    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        let background = self.background.traits(surface)?;
+        self.parts.iter().try_for_each(|part| part.check(surface))?;
+        let refines = self.parts.iter().all(|part| part.prepared.own_traits().refines);
+        Ok(if self.parts.is_empty() { background } else { Traits::of_matrix(true, refines) })
+    }
+
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.pieces().is_prepared(vertex)
+    }
+
+    fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        let Some(background) = self.background.on_refined(mesh) else { return Ok(None) };
+        let mut parts = Vec::with_capacity(self.parts.len());
+        for part in &self.parts {
+            let Some(body) = part.prepared.on_refined(mesh, |vertex| part.moving(vertex))? else {
+                return Ok(None);
+            };
+            parts.push((part.name.clone(), body));
+        }
+        // A vertex between a part and the rest stays with the rest, as the cut's rim does.
+        let owner = mesh.inherit(|vertex| self.owner[vertex], |a, b| a.filter(|a| Some(*a) == *b));
+        Ok(Some(Box::new(RefinedCombination { background, parts, owner })))
+    }
+
+    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
+        self.pieces().doubt(nodes, forces)
+    }
+
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        self.pieces().matrix(asked, directions)
+    }
+
+    fn displace(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Result<Displacements, ResponseError> {
+        self.pieces().displace(asked, forces, vertices)
+    }
+}
+
+impl ElasticSkin for RefinedCombination {
+    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        let background = self.background.traits(surface)?;
+        Ok(if self.parts.is_empty() { background } else { Traits::of_matrix(true, false) })
+    }
+
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.pieces().is_prepared(vertex)
+    }
+
+    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        Ok(None)
+    }
+
+    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
+        self.pieces().doubt(nodes, forces)
+    }
+
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        self.pieces().matrix(asked, directions)
+    }
+
+    fn displace(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Result<Displacements, ResponseError> {
+        self.pieces().displace(asked, forces, vertices)
     }
 }

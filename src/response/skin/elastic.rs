@@ -4,10 +4,12 @@ use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// Rows of a block that one thread sums at a time.
 const ROWS_PER_TASK: usize = 512;
@@ -20,6 +22,8 @@ pub struct Traits {
     pub negative_entries: bool,
     /// Distance beyond which a force is not felt (m); `None`: felt everywhere.
     pub reach: Option<f64>,
+    /// Whether it answers on a refined mesh too ([`ElasticSkin::refined`]).
+    pub refines: bool,
     /// Whether a displacement follows from the straight line to the force, whatever the body's shape.
     pub is_kernel: bool,
     /// How a node's force is spread.
@@ -30,9 +34,10 @@ pub struct Traits {
 
 impl Traits {
     /// Those of a matrix that no kernel stands behind: nodes at vertices, hats, felt everywhere.
-    pub(crate) fn of_matrix(negative_entries: bool) -> Self {
+    pub(crate) fn of_matrix(negative_entries: bool, refines: bool) -> Self {
         Self {
             negative_entries,
+            refines,
             reach: None,
             is_kernel: false,
             basis: PressureBasis::Linear,
@@ -95,6 +100,17 @@ pub trait ElasticSkin: Sync {
 
     /// Whether the response to a force at `vertex` is known.
     fn is_prepared(&self, vertex: usize) -> bool;
+
+    /// The same skin on a refinement of its surface; `None` where it takes the mesh as it is.
+    ///
+    /// # Errors
+    /// [`ResponseError`] by variant.
+    fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError>;
+
+    /// What the mesh that a body was solved on costs a contact with `forces` (N) at `nodes`; `None` of a kernel or a matrix.
+    fn doubt(&self, _nodes: &[usize], _forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
+        None
+    }
 
     /// R over the nodes along `directions` (k × k, m/N).
     ///

@@ -9,6 +9,7 @@ use crate::response::error::ResponseError;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// R (k × k, m/N) along the obstacle's normals; vertices other than the nodes stay where they are.
 #[derive(Debug, Clone)]
@@ -58,11 +59,15 @@ impl ElasticSkin for GivenMatrix {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
         self.nodes.check_surface(surface)?;
         let mut columns = self.matrix.col_iter();
-        Ok(Traits::of_matrix(columns.any(|column| column.iter().any(|&entry| entry < 0.0))))
+        Ok(Traits::of_matrix(columns.any(|column| column.iter().any(|&entry| entry < 0.0)), false))
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {
         self.nodes.row(vertex).is_some()
+    }
+
+    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        Ok(None)
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

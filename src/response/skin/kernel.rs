@@ -4,11 +4,12 @@ use faer::Mat;
 use nalgebra::Vector3;
 
 use crate::response::error::ResponseError;
-use crate::response::kernel::basis::Discretization;
+use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::{assemble, assemble_block};
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// Rows handled at a time where displacements are wanted over the whole surface, so that memory stays small.
 const ROWS_AT_ONCE: usize = 4096;
@@ -18,6 +19,7 @@ impl ElasticSkin for KernelSkin {
         self.check_against(surface)?;
         Ok(Traits {
             negative_entries: self.has_negative_entries(),
+            refines: self.basis() == PressureBasis::Linear,
             reach: self.reach(),
             is_kernel: true,
             basis: self.basis(),
@@ -27,6 +29,10 @@ impl ElasticSkin for KernelSkin {
 
     fn is_prepared(&self, _: usize) -> bool {
         true
+    }
+
+    fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        Ok(self.on_refined(mesh).map(|skin| Box::new(skin) as Box<dyn ElasticSkin>))
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

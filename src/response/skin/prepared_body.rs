@@ -1,15 +1,22 @@
 //! A body solved once for unit forces at chosen nodes.
 
+use std::sync::Arc;
+
 use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::body::compliance::BodyCompliance;
+use crate::response::body::levels::coarseness::{BodyDoubt, Coarseness, edges_at_vertices};
+use crate::response::body::levels::on_mesh::BodyOnMesh;
+use crate::response::body::levels::one_level::OneLevel;
+use crate::response::body::levels::sizing::tissue_thickness;
 use crate::response::body::levels::two_levels::TwoLevels;
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// The compliance of a body, solved here or given as 3 × 3 blocks; it turns with the surface and serves every product.
 #[derive(Debug, Clone)]
@@ -17,13 +24,17 @@ pub struct PreparedBody {
     levels: Levels,
     nodes: PreparedNodes,
     surface: Surface,
+    /// `None` of blocks of somebody else.
+    coarseness: Option<Coarseness>,
 }
 
 /// What the compliance is made of.
 #[derive(Debug, Clone)]
 pub enum Levels {
-    /// The displacement of the whole skin per unit force at the nodes.
-    One(BodyCompliance),
+    /// Blocks of somebody else, on whose mesh they stay.
+    Given(BodyCompliance),
+    /// The skin itself.
+    One(OneLevel),
     /// A near kernel, and the remainder on a coarse skin.
     Two(TwoLevels),
 }
@@ -42,7 +53,10 @@ impl PreparedBody {
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
         let levels = match body.coarse_skin(surface, nodes)? {
-            None => Levels::One(body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?),
+            None => Levels::One(OneLevel {
+                compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
+                thickness: body.bone.as_ref().map(|bone| tissue_thickness(surface, bone).into()),
+            }),
             Some((coarse, fixed)) => {
                 let material = [shear_modulus, poisson_ratio];
                 Levels::Two(TwoLevels::solve(body, surface, coarse, &fixed, material, nodes, options)?)
@@ -56,7 +70,16 @@ impl PreparedBody {
     /// # Errors
     /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
     pub fn from_levels(surface: &Surface, nodes: &[usize], levels: Levels) -> Result<Self, ResponseError> {
-        Ok(Self { levels, nodes: PreparedNodes::new(surface, nodes)?, surface: surface.clone() })
+        let coarseness = match &levels {
+            Levels::Given(_) => None,
+            Levels::One(one) => {
+                Some(Coarseness::new(surface, edges_at_vertices(surface).into(), one.thickness.as_ref()))
+            }
+            Levels::Two(two) => {
+                Some(Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref()))
+            }
+        };
+        Ok(Self { levels, nodes: PreparedNodes::new(surface, nodes)?, surface: surface.clone(), coarseness })
     }
 
     /// What the compliance is made of.
@@ -76,12 +99,38 @@ impl PreparedBody {
     pub fn moved(&self, motion: &Isometry3<f64>) -> Result<Self, ResponseError> {
         let rotation = motion.rotation.to_rotation_matrix();
         let levels = match &self.levels {
-            Levels::One(compliance) => Levels::One(compliance.moved(rotation.matrix())?),
+            Levels::Given(compliance) => Levels::Given(compliance.moved(rotation.matrix())?),
+            Levels::One(one) => Levels::One(OneLevel {
+                compliance: one.compliance.moved(rotation.matrix())?,
+                thickness: one.thickness.clone(),
+            }),
             Levels::Two(two) => Levels::Two(two.moved(rotation.matrix())?),
         };
         let nodes = self.nodes.moved(motion);
         let surface = self.surface.with_vertices(nodes.vertices().to_vec());
-        Ok(Self { levels, nodes, surface })
+        Ok(Self { levels, nodes, surface, ..self.clone() })
+    }
+
+    /// What a contact may rely on, on whichever surface.
+    pub(crate) fn own_traits(&self) -> Traits {
+        Traits::of_matrix(true, self.coarseness.is_some())
+    }
+
+    /// On a refinement of the skin, or of a skin that this one is a part of; `None` where it takes the mesh as it is.
+    ///
+    /// * `own`: vertex of this skin for a given vertex
+    pub(crate) fn on_refined(
+        &self,
+        mesh: &RefinedSurface,
+        own: impl Fn(usize) -> Option<usize>,
+    ) -> Result<Option<BodyOnMesh>, ResponseError> {
+        let Some(coarseness) = &self.coarseness else { return Ok(None) };
+        let coarseness = coarseness.on_refined(mesh, &own);
+        match &self.levels {
+            Levels::Given(_) => Ok(None),
+            Levels::One(one) => one.on_refined(&self.surface, mesh, own, coarseness).map(Some),
+            Levels::Two(two) => two.on_refined(mesh, own, coarseness).map(Some),
+        }
     }
 
     /// Pressure (Pa) on every vertex of the bone under a force (N) at every vertex of the surface; `None` if the
@@ -98,7 +147,9 @@ impl PreparedBody {
         self.nodes.rows(&loaded)?;
         let at_nodes: Vec<Vector3<f64>> = self.nodes.list().iter().map(|&vertex| forces[vertex]).collect();
         Ok(match &self.levels {
-            Levels::One(compliance) => compliance.bone_pressures(&at_nodes)?,
+            Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
+                compliance.bone_pressures(&at_nodes)?
+            }
             Levels::Two(two) => two.remainder.bone_pressures(&two.on_coarse(self.nodes.list(), &at_nodes))?,
         })
     }
@@ -107,18 +158,31 @@ impl PreparedBody {
 impl ElasticSkin for PreparedBody {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
         self.nodes.check_surface(surface)?;
-        Ok(Traits::of_matrix(true))
+        Ok(self.own_traits())
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {
         self.nodes.row(vertex).is_some()
     }
 
+    fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        let on_mesh = self.on_refined(mesh, Some)?;
+        Ok(on_mesh.map(|body| Box::new(body) as Box<dyn ElasticSkin>))
+    }
+
+    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
+        self.coarseness.as_ref().map(|coarseness| coarseness.doubt(nodes, forces))
+    }
+
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
         let rows = self.nodes.checked_rows(asked.nodes, directions)?;
         match &self.levels {
-            Levels::One(compliance) => Ok(compliance.response_among(&rows, directions)?),
-            Levels::Two(two) => two.response(&Request { surface: &self.surface, ..*asked }, directions),
+            Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
+                Ok(compliance.response_among(&rows, directions)?)
+            }
+            Levels::Two(two) => {
+                two.near_and_far().matrix(&Request { surface: &self.surface, ..*asked }, directions)
+            }
         }
     }
 
@@ -130,16 +194,52 @@ impl ElasticSkin for PreparedBody {
     ) -> Result<Displacements, ResponseError> {
         let rows = self.nodes.rows(asked.nodes)?;
         let vectors = match &self.levels {
-            Levels::One(compliance) => {
+            Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
                 let mut at_nodes = vec![Vector3::zeros(); self.nodes.list().len()];
                 rows.iter().zip(forces).for_each(|(&row, force)| at_nodes[row] = *force);
                 let moved = compliance.displacements(&at_nodes)?;
                 vertices.iter().map(|&vertex| moved[vertex]).collect()
             }
-            Levels::Two(two) => {
-                two.displacements(&Request { surface: &self.surface, ..*asked }, forces, vertices)?
-            }
+            Levels::Two(two) => two.near_and_far().displacements(
+                &Request { surface: &self.surface, ..*asked },
+                forces,
+                vertices,
+            )?,
         };
         Ok(Displacements { vectors, along_normal: vec![None; vertices.len()] })
+    }
+}
+
+impl ElasticSkin for BodyOnMesh {
+    fn traits(&self, _: &Surface) -> Result<Traits, ResponseError> {
+        Ok(Traits::of_matrix(true, false))
+    }
+
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.response.is_prepared(vertex)
+    }
+
+    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        Ok(None)
+    }
+
+    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
+        Some(self.coarseness.doubt(nodes, forces))
+    }
+
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        self.response.check_nodes(asked.nodes)?;
+        self.response.matrix(asked, directions)
+    }
+
+    fn displace(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Result<Displacements, ResponseError> {
+        self.response.check_nodes(asked.nodes)?;
+        let vectors = self.response.displacements(asked, forces, vertices)?;
+        Ok(Displacements { along_normal: vec![None; vectors.len()], vectors })
     }
 }

@@ -11,6 +11,7 @@ use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// R of a kernel over chosen nodes; it moves with the surface and serves every product.
 #[derive(Debug, Clone)]
@@ -76,6 +77,10 @@ impl ElasticSkin for PreparedKernel {
 
     fn is_prepared(&self, vertex: usize) -> bool {
         self.given.is_prepared(vertex)
+    }
+
+    fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        self.skin.refined(mesh)
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

@@ -10,6 +10,9 @@
 //! with N the [`near`] kernel on the mesh at hand, and P the values at its vertices that are linear on the faces of the
 //! coarse mesh. With the skin itself for the coarse mesh P is 1 and C is B.
 
+pub(crate) mod coarseness;
 pub(crate) mod near;
+pub(crate) mod on_mesh;
+pub(crate) mod one_level;
 pub(crate) mod sizing;
 pub(crate) mod two_levels;

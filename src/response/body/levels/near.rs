@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 
 use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
@@ -25,7 +26,9 @@ use crate::response::kernel::thickness::Thickness;
 use crate::response::matrix::collocation::assemble_block;
 use crate::response::matrix::fill::fill_columns;
 use crate::response::matrix::options::AssemblyOptions;
+use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 /// Least relative error of the integrals: far below what the remainder's coarse mesh costs.
 pub(crate) const LEAST_TOLERANCE: f64 = 1e-4;
@@ -56,6 +59,23 @@ impl NearKernel {
         let kernel = |kernel| KernelSkin::new(shear_modulus, poisson_ratio, kernel);
         let layer = thickness.map(|list| kernel(Kernel::Layer { thickness: Thickness::PerVertex(list) }));
         Ok(Self { half_space: kernel(Kernel::HalfSpace)?, layer: layer.transpose()? })
+    }
+
+    /// The same on a refinement of the surface, or of one that it is a part of: the thickness is linear along edges.
+    ///
+    /// * `own`: vertex of this surface for a given vertex
+    pub fn on_refined(
+        &self,
+        mesh: &RefinedSurface,
+        own: impl Fn(usize) -> Option<usize>,
+    ) -> Result<Self, ResponseError> {
+        let (modulus, ratio) = (self.half_space.shear_modulus(), self.half_space.poisson_ratio());
+        let Some(Kernel::Layer { thickness }) = self.layer.as_ref().map(KernelSkin::kernel) else {
+            return Self::new(modulus, ratio, None);
+        };
+        // Outside the part nothing is loaded, so that any thickness will do there.
+        let given = |vertex| own(vertex).map_or(thickness.largest(), |own| thickness.at(own));
+        Self::new(modulus, ratio, Some(mesh.inherit(given, |a, b| 0.5 * (a + b)).into()))
     }
 
     /// Blocks of the displacement of `rows` per newton at `columns`, vertices of `surface`.
@@ -105,6 +125,71 @@ impl NearKernel {
             }
         }
         Ok(NearBlocks { packed })
+    }
+}
+
+impl NearKernel {
+    /// R of the kernel over the nodes along `directions` (k × k, m/N).
+    ///
+    /// Along the normals of one surface `n_i·r^` and `n_j·r^` vanish with r, so that the second term has no singularity and is
+    /// taken at the nodes; the first is a scalar kernel's.
+    pub fn along(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        let mut response = self.scalar_block(asked, asked.nodes)?;
+        let points = asked.nodes.iter().map(|&vertex| asked.surface.vertices()[vertex]);
+        let nodes: Vec<_> = points.zip(directions).collect();
+        let factor = self.outer_factor();
+        response.par_col_chunks_mut(1).enumerate().for_each(|(j, column)| {
+            let (to, load) = nodes[j];
+            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            for (entry, (from, direction)) in entries.as_slice_mut().iter_mut().zip(&nodes) {
+                let way = from - to;
+                let distance_squared = way.norm_squared();
+                *entry *= direction.dot(load);
+                if distance_squared > 0.0 {
+                    let leans = direction.dot(&way) * load.dot(&way);
+                    *entry += factor * leans / (distance_squared * distance_squared.sqrt());
+                }
+            }
+        });
+        Ok(response)
+    }
+
+    /// Displacement (m) of `vertices` under `forces` (N) at the nodes, the second term at the nodes too.
+    pub fn displacements(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
+        let scalar = self.scalar_block(asked, vertices)?;
+        let factor = self.outer_factor();
+        let points = asked.surface.vertices();
+        let moved = |(row, &vertex): (usize, &usize)| {
+            let mut sum = Vector3::zeros();
+            for (j, (&node, force)) in asked.nodes.iter().zip(forces).enumerate() {
+                let way = points[vertex] - points[node];
+                let distance_squared = way.norm_squared();
+                sum += scalar[(row, j)] * force;
+                if distance_squared > 0.0 {
+                    sum += (factor * way.dot(force) / (distance_squared * distance_squared.sqrt())) * way;
+                }
+            }
+            sum
+        };
+        Ok(vertices.par_iter().enumerate().map(|(row, vertex)| moved((row, vertex))).collect())
+    }
+
+    /// ν / (2πG) (m²/N).
+    fn outer_factor(&self) -> f64 {
+        self.half_space.poisson_ratio() / (TAU * self.half_space.shear_modulus())
+    }
+
+    /// The layer, or the half-space without bone, of `rows` per newton at the nodes.
+    fn scalar_block(&self, asked: &Request, rows: &[usize]) -> Result<Mat<f64>, ResponseError> {
+        let options =
+            &AssemblyOptions { tolerance: asked.options.tolerance.max(LEAST_TOLERANCE), ..*asked.options };
+        let kernel = self.layer.as_ref().unwrap_or(&self.half_space);
+        assemble_block(asked.surface, kernel, rows, asked.nodes, options)
     }
 }
 
@@ -175,7 +260,7 @@ impl Load {
         for lane in 0..LANES {
             scratch.lanes.set(lane, &self.triangle, &points[rows[lane.min(rows.len() - 1)]]);
         }
-        far_moments::<false>(&scratch.lanes, &RULES[rule], &mut scratch.moments);
+        far_moments::<false>(&scratch.lanes, RULES[rule], &mut scratch.moments);
         let moments = &scratch.moments[self.corner];
         for (lane, &row) in rows.iter().enumerate() {
             self.add_block(&mut blocks[row], |c| moments[c][lane]);

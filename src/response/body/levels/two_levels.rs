@@ -3,23 +3,20 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Par};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
+use crate::response::body::levels::coarseness::{Coarseness, edges_at_vertices};
 use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
+use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, Weights, joined};
 use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::{CoarsePlace, CoarseSkin};
-
-/// Rows or columns of the near kernel at a time, so that memory stays small.
-const AT_ONCE: usize = 256;
+use crate::surface::refined::RefinedSurface;
 
 /// A body on two levels: everything in it, to store it and to build it again.
 #[derive(Debug, Clone)]
@@ -30,8 +27,11 @@ pub struct TwoLevels {
     pub places: Arc<[CoarsePlace]>,
     /// Thickness of the tissue at each vertex of the skin (n, m); `None` without bone.
     pub thickness: Option<Arc<[f64]>>,
+    /// Length of the coarse skin's edges at each vertex of the skin (n, m).
+    pub coarse_edges: Arc<[f64]>,
     /// Vertices of the skin that do not move (n).
     pub fixed: Arc<[bool]>,
+    weights: Arc<[Option<Weights>]>,
     near: NearKernel,
 }
 
@@ -44,10 +44,14 @@ impl TwoLevels {
         remainder: BodyCompliance,
         places: Arc<[CoarsePlace]>,
         thickness: Option<Arc<[f64]>>,
+        coarse_edges: Arc<[f64]>,
         fixed: Arc<[bool]>,
     ) -> Result<Self, ResponseError> {
-        let lengths =
-            [("fixed", fixed.len()), ("thickness", thickness.as_ref().map_or(fixed.len(), |t| t.len()))];
+        let lengths = [
+            ("fixed", fixed.len()),
+            ("coarse edges", coarse_edges.len()),
+            ("thickness", thickness.as_ref().map_or(fixed.len(), |t| t.len())),
+        ];
         for (what, found) in lengths {
             if found != places.len() {
                 return Err(BodyError::Parts { what, found, expected: places.len() }.into());
@@ -65,7 +69,8 @@ impl TwoLevels {
         }
         let (modulus, ratio) = (remainder.parts().shear_modulus, remainder.parts().poisson_ratio);
         let near = NearKernel::new(modulus, ratio, thickness.clone())?;
-        Ok(Self { remainder, places, thickness, fixed, near })
+        let weights = places.iter().map(|place| Some(place.weights_of_corners().collect())).collect();
+        Ok(Self { remainder, places, thickness, coarse_edges, fixed, weights, near })
     }
 
     /// Solves `body` on its coarse skin.
@@ -82,8 +87,11 @@ impl TwoLevels {
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
         let held: Vec<bool> = coarse.fine_vertices.iter().map(|&vertex| fixed[vertex]).collect();
-        let mut columns: Vec<usize> =
-            nodes.iter().flat_map(|&vertex| coarse.places[vertex].support()).collect();
+        let mut columns: Vec<usize> = nodes
+            .iter()
+            .flat_map(|&vertex| coarse.places[vertex].weights_of_corners())
+            .map(|(corner, _)| corner as usize)
+            .collect();
         columns.sort_unstable();
         columns.dedup();
         let loaded: Vec<usize> = columns.iter().copied().filter(|&column| !held[column]).collect();
@@ -121,7 +129,13 @@ impl TwoLevels {
             ..solved.parts().clone()
         };
         let remainder = BodyCompliance::new(parts, solved.report().clone());
-        Self::from_parts(remainder, coarse.places.into(), thickness.map(Into::into), fixed.into())
+        let edges = edges_at_vertices(&coarse.surface);
+        let edge = |place: &CoarsePlace| -> f64 {
+            place.weights_of_corners().map(|(corner, weight)| weight * edges[corner as usize]).sum()
+        };
+        let coarse_edges = coarse.places.iter().map(edge).collect();
+        let places = coarse.places.into();
+        Self::from_parts(remainder, places, thickness.map(Into::into), coarse_edges, fixed.into())
     }
 
     /// The same after a turn of the skin.
@@ -132,104 +146,48 @@ impl TwoLevels {
         Ok(Self { remainder: self.remainder.moved(rotation)?, ..self.clone() })
     }
 
-    /// R over the nodes along `directions` (k × k, m/N).
+    /// On the skin's own mesh.
+    pub(crate) fn near_and_far(&self) -> NearAndFar {
+        NearAndFar {
+            remainder: Remainder::new(&self.remainder, None),
+            weights: Arc::clone(&self.weights),
+            fixed: Arc::clone(&self.fixed),
+            near: self.near.clone(),
+        }
+    }
+
+    /// On a refinement of the skin, or of a skin that this one is a part of.
     ///
-    /// * `asked`: with the skin where it stands now
-    pub(crate) fn response(
+    /// * `own`: vertex of this skin for a given vertex
+    pub(crate) fn on_refined(
         &self,
-        asked: &Request,
-        directions: &[Vector3<f64>],
-    ) -> Result<Mat<f64>, ResponseError> {
-        let &Request { surface: skin, nodes, options } = asked;
-        let mut response = self.remainder_among(nodes, directions);
-        for (turn, columns) in nodes.chunks(AT_ONCE).enumerate() {
-            let near = self.near.blocks(skin, nodes, columns, options)?;
-            for own in 0..columns.len() {
-                let j = turn * AT_ONCE + own;
-                for (i, entry) in response.col_as_slice_mut(j).iter_mut().enumerate() {
-                    *entry += directions[i].dot(&(near.block(i, own) * directions[j]));
-                }
-            }
-        }
-        Ok(response)
-    }
-
-    /// `Q' (B_coarse - N_coarse) Q`, with a column of `Q = P' n` for each node.
-    fn remainder_among(&self, nodes: &[usize], directions: &[Vector3<f64>]) -> Mat<f64> {
-        let mut support: Vec<usize> =
-            nodes.iter().flat_map(|&vertex| self.places[vertex].support()).collect();
-        support.sort_unstable();
-        support.dedup();
-        let back = self.remainder.rotation().transpose();
-        let mut spread = Mat::<f64>::zeros(3 * support.len(), nodes.len());
-        for (j, (&vertex, direction)) in nodes.iter().zip(directions).enumerate() {
-            let direction = back * direction;
-            let place = self.places[vertex];
-            for (corner, weight) in
-                place.corners.into_iter().zip(place.weights).filter(|(_, weight)| *weight > 0.0)
-            {
-                let at = 3 * support.binary_search(&(corner as usize)).expect("a corner of its place");
-                (0..3).for_each(|axis| spread[(at + axis, j)] += weight * direction[axis]);
-            }
-        }
-        let stored = &self.remainder.parts().displacement;
-        let columns: Vec<usize> = support.iter().map(|&vertex| self.column(vertex)).collect();
-        let among = Mat::from_fn(3 * support.len(), 3 * support.len(), |i, j| {
-            stored[(3 * support[i / 3] + i % 3, 3 * columns[j / 3] + j % 3)]
-        });
-        // Products of one thread, so that the result is the same to the bit for any number.
-        let mut half = Mat::<f64>::zeros(3 * support.len(), nodes.len());
-        matmul(half.as_mut(), Accum::Replace, among.as_ref(), spread.as_ref(), 1.0, Par::Seq);
-        let mut response = Mat::<f64>::zeros(nodes.len(), nodes.len());
-        matmul(response.as_mut(), Accum::Replace, spread.transpose(), half.as_ref(), 1.0, Par::Seq);
-        response
-    }
-
-    /// Column (in blocks of 3) of a loaded vertex of the coarse skin.
-    fn column(&self, vertex: usize) -> usize {
-        self.remainder.nodes().binary_search(&vertex).expect("the coarse skin was solved around every node")
-    }
-
-    /// Displacement (m) of `vertices` under `forces` (N) at the nodes.
-    ///
-    /// * `asked`: with the skin where it stands now
-    pub(crate) fn displacements(
-        &self,
-        asked: &Request,
-        forces: &[Vector3<f64>],
-        vertices: &[usize],
-    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        let &Request { surface: skin, nodes, options } = asked;
-        let smooth = self.remainder.displacements(&self.on_coarse(nodes, forces))?;
-        let mut moved = Vec::with_capacity(vertices.len());
-        for rows in vertices.chunks(AT_ONCE) {
-            let near = self.near.blocks(skin, rows, nodes, options)?;
-            for (row, &vertex) in rows.iter().enumerate() {
-                if self.fixed[vertex] {
-                    moved.push(Vector3::zeros());
-                    continue;
-                }
-                let place = self.places[vertex];
-                let far: Vector3<f64> = (place.corners.into_iter().zip(place.weights))
-                    .map(|(corner, weight)| weight * smooth[corner as usize])
-                    .sum();
-                moved.push(
-                    forces.iter().enumerate().fold(far, |u, (j, force)| u + near.block(row, j) * force),
-                );
-            }
-        }
-        Ok(moved)
+        mesh: &RefinedSurface,
+        own: impl Fn(usize) -> Option<usize>,
+        coarseness: Coarseness,
+    ) -> Result<BodyOnMesh, ResponseError> {
+        let weights = |vertex| own(vertex).and_then(|own| self.weights[own].clone());
+        let is_fixed = |vertex| own(vertex).is_none_or(|own| self.fixed[own]);
+        let response = NearAndFar {
+            remainder: Remainder::new(&self.remainder, None),
+            weights: mesh.inherit(weights, joined).into(),
+            fixed: mesh.inherit(is_fixed, |a, b| *a && *b).into(),
+            near: self.near.on_refined(mesh, own)?,
+        };
+        Ok(BodyOnMesh { response, coarseness })
     }
 
     /// Forces (N) at the loaded vertices of the coarse skin that stand for those at `nodes`.
     pub(crate) fn on_coarse(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        let column = |vertex: usize| {
+            self.remainder
+                .nodes()
+                .binary_search(&vertex)
+                .expect("the coarse skin was solved around every node")
+        };
         let mut spread = vec![Vector3::zeros(); self.remainder.nodes().len()];
         for (&vertex, force) in nodes.iter().zip(forces) {
-            let place = self.places[vertex];
-            for (corner, weight) in
-                place.corners.into_iter().zip(place.weights).filter(|(_, weight)| *weight > 0.0)
-            {
-                spread[self.column(corner as usize)] += weight * force;
+            for (corner, weight) in self.places[vertex].weights_of_corners() {
+                spread[column(corner as usize)] += weight * force;
             }
         }
         spread

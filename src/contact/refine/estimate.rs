@@ -1,0 +1,56 @@
+//! What mesh and body cost the figures of a contact: estimates, no bounds.
+
+use crate::contact::outcome::Contact;
+use crate::response::kernel::basis::Discretization;
+
+/// Relative errors of force, area and peak pressure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MeshError {
+    pub force: f64,
+    pub area: f64,
+    pub pressure: f64,
+}
+
+/// Some two or three times the root mean square error of a smooth contact with one cell a radius, of force, area and peak, and
+/// the power of the number of cells that it falls with (docs/accuracy.md).
+const COLLOCATION: [(f64, f64); 3] = [(0.3, 2.0), (0.5, 1.5), (0.25, 2.0)];
+/// The same in Galerkin form.
+const GALERKIN: [(f64, f64); 3] = [(0.12, 3.0), (0.25, 1.5), (0.2, 2.0)];
+/// Least error after a round, as a share of that: two rounds may agree by chance.
+const LEAST_SHARE: f64 = 0.4;
+/// Least error of the area within a rim, with one cell a radius; it falls with the square of their number.
+const LEAST_RIM_ERROR: f64 = 0.25;
+/// Share of the last change that the rounds to come still make in all, where each makes a third of the one before.
+const LEFT_OF_CHANGE: f64 = 0.5;
+
+impl MeshError {
+    /// From the number of cells alone: the mesh as it is, of a contact that is smooth.
+    pub fn of_cells(contact: &Contact) -> Self {
+        let cells = contact.accuracy.cells_per_radius;
+        let known = match contact.accuracy.discretization {
+            Discretization::Collocation => COLLOCATION,
+            Discretization::Galerkin => GALERKIN,
+        };
+        let [force, area, pressure] = known.map(|(factor, power)| factor / cells.powf(power));
+        Self { force, area, pressure }
+    }
+
+    /// From the last two rounds.
+    pub fn of_rounds(before: &Contact, last: &Contact) -> Self {
+        let change = |before: f64, last: f64| LEFT_OF_CHANGE * ((last - before) / last).abs();
+        let least = Self::of_cells(last);
+        let rim = LEAST_RIM_ERROR / last.accuracy.cells_per_radius.powi(2);
+        let (a, b) = (&before.resultant, &last.resultant);
+        let area = change(before.clues.area_within_rim, last.clues.area_within_rim);
+        Self {
+            force: change(a.force.norm(), b.force.norm()).max(LEAST_SHARE * least.force),
+            area: area.max(rim.min(LEAST_SHARE * least.area)),
+            pressure: change(a.max_pressure, b.max_pressure).max(LEAST_SHARE * least.pressure),
+        }
+    }
+
+    /// The larger of what force and area leave.
+    pub fn worst(&self) -> f64 {
+        self.force.max(self.area)
+    }
+}

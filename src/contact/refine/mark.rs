@@ -1,0 +1,76 @@
+//! Triangles that must be finer: those that carry force, and those whose curved middle is pressed where no vertex is.
+
+use crate::contact::error::ContactError;
+use crate::contact::gap::measured::Measured;
+use crate::contact::outcome::Contact;
+use crate::obstacle::posed::Obstacle;
+use crate::surface::checked::Surface;
+use crate::surface::refined::MeshRefinement;
+
+/// Farthest that a point of a curved face lies from its nearest corner, as a share of the longest edge: in its plane
+/// 1/√3, and a quarter over it, as edges meet at no more than sharp angles.
+const FARTHEST_POINT: f64 = 0.85;
+
+/// Faces that a contact may need finer: all around a vertex that may come to touch.
+///
+/// * `contact`: on the given surface
+/// * `margin`: largest gap of a vertex that may come to touch (m)
+pub(crate) fn faces_near(contact: &Contact, surface: &Surface, margin: f64) -> Vec<u32> {
+    let mut is_near = vec![false; surface.faces().len()];
+    let mut near = Vec::new();
+    for (vertex, &gap) in contact.gap.iter().enumerate() {
+        if gap.is_infinite() {
+            continue;
+        }
+        let around = surface.faces_around(vertex);
+        let farthest = FARTHEST_POINT * longest_edge(surface, vertex);
+        if gap > margin.max(farthest) && contact.candidates.binary_search(&vertex).is_err() {
+            continue;
+        }
+        for &face in around {
+            if !std::mem::replace(&mut is_near[face as usize], true) {
+                near.push(face);
+            }
+        }
+    }
+    near.sort_unstable();
+    near
+}
+
+fn longest_edge(surface: &Surface, vertex: usize) -> f64 {
+    let own = surface.vertices()[vertex];
+    let length = |&other: &u32| (surface.vertices()[other as usize] - own).norm();
+    surface.neighbours(vertex).iter().map(length).fold(0.0, f64::max)
+}
+
+/// Triangles with a corner under force.
+///
+/// * `active`: numbers in the whole refined surface, ascending
+pub(crate) fn loaded(mesh: &MeshRefinement, active: &[usize]) -> Vec<bool> {
+    let is_active = |vertex: &usize| active.binary_search(vertex).is_ok();
+    (0..mesh.leaf_count()).map(|leaf| mesh.corners(leaf).iter().any(is_active)).collect()
+}
+
+/// Marks triangles of the given surface too that no vertex of feels the obstacle but a curved middle does.
+///
+/// * `gap`: of the given surface's vertices (m)
+pub(crate) fn add_pressed_middles(
+    mesh: &MeshRefinement,
+    gap: &[f64],
+    obstacle: &Obstacle,
+    marked: &mut [bool],
+) -> Result<(), ContactError> {
+    let mask = mesh.given().skin_mask();
+    let may_press = |leaf: &usize| {
+        let corners = mesh.corners(*leaf);
+        corners.iter().all(|&vertex| mask[vertex])
+            && corners.iter().any(|&vertex| gap[vertex] < FARTHEST_POINT * longest_edge(mesh.given(), vertex))
+    };
+    let leaves: Vec<usize> = (0..marked.len()).filter(|&leaf| !marked[leaf]).filter(may_press).collect();
+    let middles: Vec<_> = leaves.iter().flat_map(|&leaf| mesh.curved_middles(leaf)).collect();
+    let measured = Measured::near(&middles, obstacle, 0.0, None)?;
+    for (&leaf, gaps) in leaves.iter().zip(measured.distance.as_chunks::<3>().0) {
+        marked[leaf] = gaps.iter().any(|&gap| gap < 0.0);
+    }
+    Ok(())
+}

@@ -1,0 +1,204 @@
+//! Solve, look where the mesh is too coarse, refine it there, solve again.
+
+use std::time::Instant;
+
+use crate::contact::error::ContactError;
+use crate::contact::in_place::solve_in_place;
+use crate::contact::options::ContactOptions;
+use crate::contact::outcome::{Contact, ContactStatus, Refinement};
+use crate::contact::refine::estimate::MeshError;
+use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
+use crate::contact::refine::whole::into_whole;
+use crate::contact::report::record::Report;
+use crate::contact::scene::Placement;
+use crate::response::error::ResponseError;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::refined::{MeshRefinement, RefinedSurface};
+
+/// Rounds in which the figures may fail to settle before the refinement gives up.
+const UNSETTLED_ROUNDS: usize = 2;
+/// Rounds at the most: each halves the edges.
+const MAX_ROUNDS: usize = 12;
+
+/// Refines the mesh of a contact that was solved on the given one, as far as the options ask for it.
+pub(crate) fn refine(
+    mut given: Contact,
+    started: Instant,
+    placement: &Placement,
+    skin: &dyn ElasticSkin,
+    options: &ContactOptions,
+) -> Result<Contact, ContactError> {
+    let surface = given.surface().clone();
+    let traits = skin.traits(&surface)?;
+    if !traits.refines {
+        given.leave_out(
+            "estimates of error",
+            "one-rings and given matrices take no other mesh to compare with",
+        );
+    }
+    given.note_round(None, traits.refines, started);
+    let target = match options.target_error {
+        None => return Ok(given.concluded("the mesh was taken as it is")),
+        Some(_) if !traits.refines => {
+            given.leave_out("refinement", "one-rings and given matrices take the mesh as it is");
+            return Ok(given.concluded("the response takes the mesh as it is"));
+        }
+        Some(target) => target,
+    };
+    if matches!(given.status, ContactStatus::Failed(_)) {
+        return Ok(given.concluded("a complementarity problem did not end solved"));
+    }
+    // Where forces can press skin outside, it must be there.
+    let margin = if traits.negative_entries { given.max_penetration_before } else { 0.0 };
+    let mesh = MeshRefinement::new(&surface, faces_near(&given, &surface, margin));
+    Rounds { given, mesh, last: None, placement, skin, options, target }.run()
+}
+
+struct Rounds<'a> {
+    /// On the given mesh.
+    given: Contact,
+    mesh: MeshRefinement,
+    /// On the finest mesh so far.
+    last: Option<(RefinedSurface, Contact)>,
+    placement: &'a Placement<'a>,
+    skin: &'a dyn ElasticSkin,
+    options: &'a ContactOptions<'a>,
+    target: f64,
+}
+
+impl Rounds<'_> {
+    fn run(mut self) -> Result<Contact, ContactError> {
+        let mut unsettled = 0;
+        let mut before = f64::INFINITY;
+        for _ in 0..MAX_ROUNDS {
+            let started = Instant::now();
+            let marked = self.marked()?;
+            if !marked.contains(&true) {
+                return self.conclude("nothing carries force");
+            }
+            if self.predicted_nodes() > self.options.max_nodes {
+                return self.conclude("max_nodes");
+            }
+            let mut finer = self.mesh.clone();
+            finer.refine(&marked);
+            let part = finer.part();
+            let mut contact = match self.solve(&part) {
+                Err(ContactError::Response(ResponseError::TooLarge { .. })) => {
+                    return self.conclude("memory_limit");
+                }
+                other => other?,
+            };
+            if contact.candidates.len() > self.options.max_nodes {
+                return self.conclude("max_nodes");
+            }
+            self.mesh = finer;
+            if matches!(contact.status, ContactStatus::Failed(_)) {
+                self.last = Some((part, contact));
+                return self.conclude("a complementarity problem did not end solved");
+            }
+            let previous = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
+            contact.refinements = previous.refinements.clone();
+            let error = contact.note_round(Some(previous), true, started);
+            self.last = Some((part, contact));
+            match error {
+                Some(error) if error.worst() <= self.target => return self.conclude("target_error"),
+                Some(error) => {
+                    unsettled = if error.worst() > 0.8 * before { unsettled + 1 } else { 0 };
+                    before = error.worst();
+                }
+                None => {}
+            }
+            if unsettled >= UNSETTLED_ROUNDS {
+                return self.conclude("force or area does not settle");
+            }
+        }
+        self.conclude("the most rounds")
+    }
+
+    /// Triangles to cut.
+    fn marked(&self) -> Result<Vec<bool>, ContactError> {
+        let Some((part, contact)) = &self.last else {
+            let mut marked = loaded(&self.mesh, &self.given.active);
+            add_pressed_middles(&self.mesh, &self.given.gap, &self.given.obstacle, &mut marked)?;
+            return Ok(marked);
+        };
+        let active: Vec<usize> = contact.active.iter().map(|&vertex| part.number(vertex)).collect();
+        Ok(loaded(&self.mesh, &active))
+    }
+
+    /// Contact nodes that the next round will have at the least: edges are halved where force is.
+    fn predicted_nodes(&self) -> usize {
+        let contact = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
+        contact.candidates.len() + 3 * contact.active.len()
+    }
+
+    /// The contact on a finer mesh.
+    fn solve(&self, part: &RefinedSurface) -> Result<Contact, ContactError> {
+        if self.options.is_interrupted() {
+            return Err(ContactError::Interrupted { stage: "refinement" });
+        }
+        let started = Instant::now();
+        let mut scene = self.placement.scene(&part.surface, true)?;
+        let fingers = &self.given.drawing.fingers;
+        scene.finger_of = Some(part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)));
+        let mut report = Report::default();
+        if self.placement.press.is_some() {
+            report.clock("first_touch", started);
+        }
+        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
+        solve_in_place(&part.surface, &scene, &*skin, self.options, report)
+    }
+
+    fn conclude(self, reason: &'static str) -> Result<Contact, ContactError> {
+        let mut contact = match self.last {
+            None => self.given,
+            Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
+        };
+        contact.warn_of_refinement(reason, self.target);
+        Ok(contact.concluded(reason))
+    }
+}
+
+impl Contact {
+    /// Adds what this round found; returns what its mesh is estimated to cost.
+    fn note_round(
+        &mut self,
+        previous: Option<&Contact>,
+        is_estimated: bool,
+        started: Instant,
+    ) -> Option<MeshError> {
+        let error = (self.status == ContactStatus::Solved && is_estimated).then(|| match previous {
+            Some(previous) if previous.status == ContactStatus::Solved => {
+                MeshError::of_rounds(previous, self)
+            }
+            _ => MeshError::of_cells(self),
+        });
+        let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
+        self.accuracy.mesh_error = error.map(|error| error.force);
+        self.accuracy.body_error = error.map(|_| body);
+        self.accuracy.force_error = error.map(|error| error.force + body);
+        self.accuracy.area_error = error.map(|error| error.area);
+        self.accuracy.max_pressure_error = error.map(|error| error.pressure);
+        self.refinements.push(Refinement {
+            nodes: self.candidates.len(),
+            force: self.resultant.force,
+            contact_area: self.resultant.contact_area,
+            max_pressure: self.resultant.max_pressure,
+            force_error: self.accuracy.force_error,
+            area_error: self.accuracy.area_error,
+            max_penetration: self.max_penetration_after,
+            seconds: started.elapsed().as_secs_f64(),
+            reason: "",
+        });
+        error
+    }
+
+    /// Says why no further round followed.
+    fn concluded(mut self, reason: &'static str) -> Self {
+        if self.status == ContactStatus::NoContact {
+            self.leave_out("estimates of error", "there is no contact");
+        }
+        self.refinements.last_mut().expect("a round was noted").reason = reason;
+        self
+    }
+}

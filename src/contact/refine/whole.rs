@@ -1,0 +1,89 @@
+//! A contact solved on the part of the skin around it, in the numbers of the whole refined skin.
+
+use nalgebra::Vector3;
+
+use crate::contact::candidate::fingers::Fingers;
+use crate::contact::error::ContactError;
+use crate::contact::figures::displacement::{CandidateMotion, Drawing};
+use crate::contact::outcome::{Contact, ContactMesh, Patch};
+use crate::surface::refined::{MeshRefinement, RefinedSurface};
+
+/// `contact` on `part` as a contact on the whole skin.
+///
+/// * `given`: the same on the given mesh
+pub(crate) fn into_whole(
+    given: Contact,
+    contact: Contact,
+    part: &RefinedSurface,
+    mesh: MeshRefinement,
+) -> Result<Contact, ContactError> {
+    let count = mesh.given().vertices().len() + mesh.added_count();
+    let number = |vertex: &usize| part.number(*vertex);
+    let numbers = |vertices: &[usize]| -> Vec<usize> { vertices.iter().map(number).collect() };
+    let gap = gaps(&given, &contact, part, &mesh, count)?;
+    let Drawing { fingers, motion } = &contact.drawing;
+    let fingers = Fingers::listed(fingers.candidates.iter().map(|finger| numbers(finger)).collect());
+    let motion =
+        CandidateMotion { displacement: motion.displacement.clone(), scalar: numbers(&motion.scalar) };
+    let patch =
+        |patch: &Patch| Patch { vertices: numbers(&patch.vertices), resultant: patch.resultant.clone() };
+    let mut left_out = contact.left_out.clone();
+    for one in &mut left_out {
+        // What was measured on the whole of the given skin.
+        if let Some(whole) = given
+            .left_out
+            .iter()
+            .find(|whole| whole.what == one.what && one.what == "coupling between fingers")
+        {
+            one.why.clone_from(&whole.why);
+        }
+    }
+    let mut timings = given.timings;
+    for timing in &contact.timings {
+        match timings.iter_mut().find(|known| known.stage == timing.stage) {
+            Some(known) => known.seconds += timing.seconds,
+            None => timings.push(timing.clone()),
+        }
+    }
+    Ok(Contact {
+        pressure: spread(&contact.pressure, part, count, 0.0),
+        node_force: spread(&contact.node_force, part, count, 0.0),
+        force_vectors: spread(&contact.force_vectors, part, count, Vector3::zeros()),
+        gap,
+        candidates: numbers(&contact.candidates),
+        active: numbers(&contact.active),
+        patches: contact.patches.iter().map(patch).collect(),
+        mesh: ContactMesh::refined(mesh),
+        timings,
+        left_out,
+        drawing: Drawing { fingers, motion },
+        ..contact
+    })
+}
+
+/// Values of a part at the vertices of the whole, `elsewhere` off it.
+fn spread<T: Copy>(values: &[T], part: &RefinedSurface, count: usize, elsewhere: T) -> Vec<T> {
+    let mut all = vec![elsewhere; count];
+    values.iter().enumerate().for_each(|(vertex, value)| all[part.number(vertex)] = *value);
+    all
+}
+
+/// Gaps of all vertices: those off the part that had one on the given mesh are measured where the obstacle stands now.
+fn gaps(
+    given: &Contact,
+    contact: &Contact,
+    part: &RefinedSurface,
+    mesh: &MeshRefinement,
+    count: usize,
+) -> Result<Vec<f64>, ContactError> {
+    let mut gap = spread(&contact.gap, part, count, f64::INFINITY);
+    let mut is_off = vec![true; given.gap.len()];
+    part.given_vertices().iter().for_each(|&vertex| is_off[vertex] = false);
+    let near: Vec<usize> = (0..is_off.len()).filter(|&v| is_off[v] && given.gap[v].is_finite()).collect();
+    let points: Vec<Vector3<f64>> = near.iter().map(|&vertex| mesh.given().vertices()[vertex]).collect();
+    if !points.is_empty() {
+        let measured = contact.obstacle.signed_distance(&points, None)?;
+        near.into_iter().zip(measured.distance).for_each(|(vertex, distance)| gap[vertex] = distance);
+    }
+    Ok(gap)
+}

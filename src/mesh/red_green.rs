@@ -1,0 +1,345 @@
+//! Red-green refinement: marked triangles are cut into four similar ones, their neighbours close the mesh.
+//!
+//! A triangle cut in four is red. One with one or two halved edges is cut in two or three, green, where that leaves it half
+//! of its smallest angle; else its longest edge is halved too, or it becomes red (Bank, Sherman, Weiser 1983; Rivara 1984).
+//! Green cuts are undone before the next round, so that shapes stay what they were, and no choice hangs on the numbering or
+//! on rounding.
+
+use std::collections::{HashMap, HashSet};
+use std::hash::{BuildHasherDefault, Hasher};
+
+use nalgebra::Vector3;
+
+use crate::mesh::smooth::{SmoothMesh, curved_middle};
+
+/// Least share of its smallest angle that a green cut leaves a triangle.
+const LEAST_ANGLE_SHARE: f64 = 0.5;
+
+/// A triangle that is not cut in four.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Leaf {
+    /// Its vertices.
+    pub corners: [u32; 3],
+    /// The given face that it is a part of.
+    pub face: u32,
+}
+
+/// Where the halves of an edge meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Middle {
+    /// Ends of the edge, the lower number first.
+    pub ends: [u32; 2],
+    /// Its position (m).
+    pub point: Vector3<f64>,
+    /// Unit normal of the skin there.
+    pub normal: Vector3<f64>,
+}
+
+/// Triangles of some faces of a mesh, cut again and again.
+#[derive(Debug, Clone)]
+pub(crate) struct RedGreen {
+    /// Triangles of every face taken in so far.
+    pub leaves: Vec<Leaf>,
+    /// Vertices added, in the order of their numbers.
+    pub middles: Vec<Middle>,
+    given_count: u32,
+    sides: HashMap<u64, Side, BuildHasherDefault<EdgeHasher>>,
+    taken: HashSet<u32>,
+    sharp_vertices: HashSet<u32>,
+}
+
+/// No vertex, no leaf.
+const NONE: u32 = u32::MAX;
+
+/// An edge of leaves.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    /// Vertex where its halves meet; [`NONE`] if it is whole.
+    middle: u32,
+    /// Leaves that it is or was a whole edge of.
+    leaves: [u32; 2],
+    /// The edge that it is a half of; 0 for none.
+    whole: u64,
+    is_sharp: bool,
+}
+
+/// An edge, whichever way it is run.
+fn edge(a: u32, b: u32) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
+}
+
+/// Spreads edges, which are unlike enough, over a table.
+#[derive(Debug, Clone, Default)]
+struct EdgeHasher(u64);
+
+impl Hasher for EdgeHasher {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
+    }
+
+    fn write_u64(&mut self, value: u64) {
+        // The golden ratio (Knuth 1998, volume 3, section 6.4).
+        let product = (self.0 ^ value).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        self.0 = product ^ product >> 32;
+    }
+
+    fn finish(&self) -> u64 {
+        self.0
+    }
+}
+
+impl RedGreen {
+    /// No face yet.
+    pub fn new(mesh: &SmoothMesh) -> Self {
+        Self {
+            leaves: Vec::new(),
+            middles: Vec::new(),
+            given_count: mesh.vertices.len() as u32,
+            sides: HashMap::default(),
+            taken: HashSet::new(),
+            sharp_vertices: HashSet::new(),
+        }
+    }
+
+    /// Takes in a face of the mesh.
+    pub fn take(&mut self, mesh: &SmoothMesh, face: u32) {
+        if self.taken.insert(face) {
+            let corners = mesh.faces[face as usize];
+            self.add_leaf(Leaf { corners, face });
+            for side in (0..3).filter(|&side| mesh.is_sharp(face, side)) {
+                let ends = [corners[side], corners[(side + 1) % 3]];
+                self.side(edge(ends[0], ends[1])).is_sharp = true;
+                self.sharp_vertices.extend(ends);
+            }
+        }
+    }
+
+    fn side(&mut self, edge: u64) -> &mut Side {
+        let unknown = Side { middle: NONE, leaves: [NONE; 2], whole: 0, is_sharp: false };
+        self.sides.entry(edge).or_insert(unknown)
+    }
+
+    fn add_leaf(&mut self, leaf: Leaf) {
+        let number = self.leaves.len();
+        self.leaves.push(leaf);
+        self.join_sides(number);
+    }
+
+    fn join_sides(&mut self, leaf: usize) {
+        let [a, b, c] = self.leaves[leaf].corners;
+        for ends in [edge(a, b), edge(b, c), edge(c, a)] {
+            let leaves = &mut self.side(ends).leaves;
+            leaves[usize::from(leaves[0] != NONE)] = leaf as u32;
+        }
+    }
+
+    /// Position of a vertex (m).
+    pub fn point(&self, mesh: &SmoothMesh, vertex: u32) -> Vector3<f64> {
+        match self.added(vertex) {
+            None => mesh.vertices[vertex as usize],
+            Some(middle) => middle.point,
+        }
+    }
+
+    fn normal(&self, mesh: &SmoothMesh, vertex: u32) -> Vector3<f64> {
+        match self.added(vertex) {
+            None => mesh.normals[vertex as usize],
+            Some(middle) => middle.normal,
+        }
+    }
+
+    fn added(&self, vertex: u32) -> Option<&Middle> {
+        vertex.checked_sub(self.given_count).map(|own| &self.middles[own as usize])
+    }
+
+    /// Where the halves of an edge meet or would meet (m).
+    pub fn middle_point(&self, mesh: &SmoothMesh, a: u32, b: u32) -> Vector3<f64> {
+        match self.middle_of(a, b) {
+            Some(middle) => self.point(mesh, middle),
+            None => self.curved_middle(mesh, [a.min(b), a.max(b)]).0,
+        }
+    }
+
+    /// Vertex in the middle of an edge, if it is halved.
+    fn middle_of(&self, a: u32, b: u32) -> Option<u32> {
+        self.sides.get(&edge(a, b)).map(|side| side.middle).filter(|&middle| middle != NONE)
+    }
+
+    /// Cuts the marked leaves in four, and others as far as the mesh must be closed again; faces across are taken in.
+    ///
+    /// * `marked`: (leaves)
+    pub fn refine(&mut self, mesh: &SmoothMesh, marked: &[bool]) {
+        let mut beside = Vec::new();
+        for leaf in (0..marked.len()).filter(|&leaf| marked[leaf]) {
+            self.cut_in_four(mesh, leaf, &mut beside);
+        }
+        while !beside.is_empty() {
+            let mut leaves = std::mem::take(&mut beside);
+            leaves.sort_unstable();
+            leaves.dedup();
+            for leaf in leaves {
+                match self.fate(mesh, leaf as usize) {
+                    Fate::Stays(_) => {}
+                    Fate::HalvesToo(ends) => {
+                        self.take_across(mesh, leaf as usize);
+                        self.halve(mesh, ends, &mut beside);
+                    }
+                    Fate::TurnsRed => self.cut_in_four(mesh, leaf as usize, &mut beside),
+                }
+            }
+        }
+    }
+
+    /// * `beside`: gets the leaves to look at: the parts, and those at the edges that are halved
+    fn cut_in_four(&mut self, mesh: &SmoothMesh, leaf: usize, beside: &mut Vec<u32>) {
+        self.take_across(mesh, leaf);
+        let Leaf { corners: [a, b, c], face } = self.leaves[leaf];
+        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|ends| self.halve(mesh, ends, beside));
+        // Edges of the parts may be halved already.
+        beside.push(leaf as u32);
+        beside.extend(self.leaves.len() as u32..self.leaves.len() as u32 + 3);
+        self.leaves[leaf].corners = [ab, bc, ca];
+        self.join_sides(leaf);
+        for corners in [[a, ab, ca], [ab, b, bc], [ca, bc, c]] {
+            self.add_leaf(Leaf { corners, face });
+        }
+    }
+
+    /// Takes in the faces across a leaf that is a given face, as they may get a hanging vertex.
+    fn take_across(&mut self, mesh: &SmoothMesh, leaf: usize) {
+        let Leaf { corners, face } = self.leaves[leaf];
+        if mesh.faces[face as usize] == corners {
+            let across = (0..3).filter_map(|side| mesh.topology.across(face as usize, side));
+            across.for_each(|other| self.take(mesh, other as u32));
+        }
+    }
+
+    fn halve(&mut self, mesh: &SmoothMesh, [a, b]: [u32; 2], beside: &mut Vec<u32>) -> u32 {
+        let Side { middle, leaves, whole, is_sharp } = *self.side(edge(a, b));
+        if middle != NONE {
+            return middle;
+        }
+        // A leaf across may be twice as large.
+        let across = self.sides.get(&whole).map_or([NONE; 2], |side| side.leaves);
+        beside.extend(leaves.into_iter().chain(across).filter(|&leaf| leaf != NONE));
+        let number = self.given_count + self.middles.len() as u32;
+        let ends = [a.min(b), a.max(b)];
+        let (point, normal) = self.curved_middle(mesh, ends);
+        self.middles.push(Middle { ends, point, normal });
+        self.side(edge(a, b)).middle = number;
+        if is_sharp {
+            self.sharp_vertices.insert(number);
+        }
+        for end in ends {
+            let half = self.side(edge(end, number));
+            (half.whole, half.is_sharp) = (edge(a, b), is_sharp);
+        }
+        number
+    }
+
+    fn curved_middle(&self, mesh: &SmoothMesh, ends: [u32; 2]) -> (Vector3<f64>, Vector3<f64>) {
+        let end = |end| (self.point(mesh, end), self.normal(mesh, end));
+        curved_middle(ends.map(end), ends.map(|end| self.sharp_vertices.contains(&end)))
+    }
+
+    /// What becomes of a leaf with the halved edges that it has.
+    fn fate(&self, mesh: &SmoothMesh, leaf: usize) -> Fate {
+        let [a, b, c] = self.leaves[leaf].corners;
+        let middles = [[a, b], [b, c], [c, a]].map(|[from, to]| self.middle_of(from, to));
+        // Turned so that the first edge is halved, or the first two of them.
+        let turns = [[a, b, c], [b, c, a], [c, a, b]];
+        let turned = |k: usize| (turns[k], middles[k], middles[(k + 1) % 3]);
+        let (corners, cuts) = match middles.map(|middle| middle.is_some()) {
+            [false, false, false] => return Fate::Stays(Cuts::none([a, b, c])),
+            [true, true, true] => return Fate::TurnsRed,
+            [true, false, false] | [true, true, false] => (turned(0).0, (turned(0).1, turned(0).2)),
+            [false, true, false] | [false, true, true] => (turned(1).0, (turned(1).1, turned(1).2)),
+            [false, false, true] | [true, false, true] => (turned(2).0, (turned(2).1, turned(2).2)),
+        };
+        let halves_are_whole = [(corners[0], corners[1], cuts.0), (corners[1], corners[2], cuts.1)]
+            .into_iter()
+            .filter_map(|(from, to, middle)| middle.map(|middle| [[from, middle], [middle, to]]))
+            .all(|halves| halves.iter().all(|&[from, to]| self.middle_of(from, to).is_none()));
+        if !halves_are_whole {
+            return Fate::TurnsRed;
+        }
+        let least = |corners: [u32; 3]| smallest_angle(corners.map(|vertex| self.point(mesh, vertex)));
+        let allowed = LEAST_ANGLE_SHARE * least(corners);
+        let worst = |cuts: &Cuts| cuts.triangles().map(least).fold(f64::INFINITY, f64::min);
+        let [p, q, r] = corners;
+        let (first, second) = (cuts.0.expect("the first edge is halved"), cuts.1);
+        let Some(second) = second else {
+            let cut = Cuts { count: 2, all: [[p, first, r], [first, q, r], [p; 3]] };
+            if worst(&cut) >= allowed {
+                return Fate::Stays(cut);
+            }
+            let longest = self.longest_edge(mesh, corners).filter(|&[a, b]| self.middle_of(a, b).is_none());
+            return longest.map_or(Fate::TurnsRed, Fate::HalvesToo);
+        };
+        let ways = [
+            Cuts { count: 3, all: [[first, q, second], [p, first, second], [p, second, r]] },
+            Cuts { count: 3, all: [[first, q, second], [p, first, r], [first, second, r]] },
+        ];
+        let angles = ways.each_ref().map(worst);
+        let better = usize::from(angles[1] > angles[0]);
+        if angles[better] < allowed || (angles[0] - angles[1]).abs() < SAME * angles[better] {
+            return Fate::TurnsRed;
+        }
+        Fate::Stays(ways[better])
+    }
+
+    /// The longest edge of a triangle, if there is one.
+    fn longest_edge(&self, mesh: &SmoothMesh, corners: [u32; 3]) -> Option<[u32; 2]> {
+        let length = |[from, to]: [u32; 2]| (self.point(mesh, from) - self.point(mesh, to)).norm();
+        let [a, b, c] = corners;
+        let mut edges = [[a, b], [b, c], [c, a]].map(|ends| (length(ends), ends));
+        edges.sort_by(|a, b| b.0.total_cmp(&a.0));
+        (edges[0].0 > (1.0 + SAME) * edges[1].0).then_some(edges[0].1)
+    }
+
+    /// The triangles with their green cuts, each with the given face that it is a part of; conforming.
+    pub fn triangles(&self, mesh: &SmoothMesh) -> Vec<(usize, [u32; 3])> {
+        let mut all = Vec::with_capacity(self.leaves.len() + self.leaves.len() / 4);
+        for (number, leaf) in self.leaves.iter().enumerate() {
+            let Fate::Stays(cuts) = self.fate(mesh, number) else { unreachable!("the mesh was closed") };
+            all.extend(cuts.triangles().map(|corners| (leaf.face as usize, corners)));
+        }
+        all
+    }
+}
+
+/// Lengths and angles whose ratio is nearer to one are the same.
+const SAME: f64 = 1e-6;
+
+/// What becomes of a leaf beside halved edges.
+enum Fate {
+    Stays(Cuts),
+    HalvesToo([u32; 2]),
+    TurnsRed,
+}
+
+/// One to three triangles in the place of a leaf.
+#[derive(Clone, Copy)]
+struct Cuts {
+    count: usize,
+    all: [[u32; 3]; 3],
+}
+
+impl Cuts {
+    fn none(corners: [u32; 3]) -> Self {
+        Self { count: 1, all: [corners; 3] }
+    }
+
+    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
+        self.all.into_iter().take(self.count)
+    }
+}
+
+/// Smallest angle of a triangle (rad).
+pub(crate) fn smallest_angle(corners: [Vector3<f64>; 3]) -> f64 {
+    let angle = |k: usize| {
+        let (u, v) = (corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
+        u.cross(&v).norm().atan2(u.dot(&v))
+    };
+    angle(0).min(angle(1)).min(angle(2))
+}

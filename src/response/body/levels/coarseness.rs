@@ -1,0 +1,73 @@
+//! How coarse the mesh of a body is for its tissue, and what that costs.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
+
+/// Relative error of the force where the edges are as long as the tissue is thick; it falls with their square
+/// (docs/accuracy.md).
+const ERROR_AT_THICKNESS: f64 = 0.08;
+
+/// What the mesh that a body was solved on costs a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyDoubt {
+    /// Estimated error of the force over its length.
+    pub force_error: f64,
+    /// Mean length of the body's edges at the contact (m).
+    pub edge_length: f64,
+}
+
+/// Edges of the mesh that a body was solved on, and the tissue's thickness, at each vertex of the skin (n, m).
+#[derive(Debug, Clone)]
+pub(crate) struct Coarseness {
+    edges: Arc<[f64]>,
+    thickness: Arc<[f64]>,
+}
+
+impl Coarseness {
+    /// * `thickness`: `None` without bone
+    pub fn new(skin: &Surface, edges: Arc<[f64]>, thickness: Option<&Arc<[f64]>>) -> Self {
+        // 2 V / A: the mean thickness of what has no bone.
+        let widest = 2.0 * skin.volume() / skin.area();
+        let thickness = thickness.map_or_else(|| vec![widest; edges.len()].into(), Arc::clone);
+        Self { edges, thickness }
+    }
+
+    /// On a refinement of the skin, or of a skin that this one is a part of.
+    ///
+    /// * `own`: vertex of this skin for a given vertex
+    pub fn on_refined(&self, mesh: &RefinedSurface, own: impl Fn(usize) -> Option<usize>) -> Self {
+        let inherited = |values: &[f64]| {
+            mesh.inherit(|vertex| own(vertex).map_or(f64::NAN, |own| values[own]), |a, b| 0.5 * (a + b))
+                .into()
+        };
+        Self { edges: inherited(&self.edges), thickness: inherited(&self.thickness) }
+    }
+
+    /// What it costs a contact: the mean over the forces (N) at `nodes`.
+    pub fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> BodyDoubt {
+        let total: f64 = forces.iter().map(|force| force.norm()).sum();
+        let mean = |value: &dyn Fn(usize) -> f64| {
+            nodes.iter().zip(forces).map(|(&node, force)| value(node) * force.norm()).sum::<f64>() / total
+        };
+        BodyDoubt {
+            force_error: ERROR_AT_THICKNESS * mean(&|node| (self.edges[node] / self.thickness[node]).powi(2)),
+            edge_length: mean(&|node| self.edges[node]),
+        }
+    }
+}
+
+/// Mean length of the edges at each vertex (n, m).
+pub(crate) fn edges_at_vertices(surface: &Surface) -> Vec<f64> {
+    let length = |vertex: usize| {
+        let own = surface.vertices()[vertex];
+        let neighbours = surface.neighbours(vertex);
+        let total: f64 =
+            neighbours.iter().map(|&other| (surface.vertices()[other as usize] - own).norm()).sum();
+        total / neighbours.len() as f64
+    };
+    (0..surface.vertices().len()).map(length).collect()
+}

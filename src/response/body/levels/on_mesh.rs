@@ -1,0 +1,198 @@
+//! A body's response on a mesh finer than the one that it was solved on.
+
+use std::sync::Arc;
+
+use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Par};
+use nalgebra::Vector3;
+
+use crate::response::body::compliance::BodyCompliance;
+use crate::response::body::levels::coarseness::Coarseness;
+use crate::response::body::levels::near::NearKernel;
+use crate::response::error::ResponseError;
+use crate::response::skin::elastic::Request;
+use crate::surface::checked::Surface;
+
+/// Rows or columns of blocks at a time, so that memory stays small.
+const AT_ONCE: usize = 256;
+/// Rows of scalars at a time.
+const ROWS_AT_ONCE: usize = 4096;
+/// No column.
+const NO_COLUMN: usize = usize::MAX;
+
+/// Weights of coarse vertices that give the value at a vertex of the fine mesh, with sum 1.
+pub(crate) type Weights = Vec<(u32, f64)>;
+
+/// Weights at the middle of an edge from those at its ends.
+pub(crate) fn joined(a: &Option<Weights>, b: &Option<Weights>) -> Option<Weights> {
+    let (a, b) = (a.as_ref()?, b.as_ref()?);
+    let mut both: Weights = a.iter().chain(b).map(|&(coarse, weight)| (coarse, 0.5 * weight)).collect();
+    both.sort_unstable_by_key(|&(coarse, _)| coarse);
+    both.dedup_by(|next, kept| {
+        let is_same = next.0 == kept.0;
+        kept.1 += if is_same { next.1 } else { 0.0 };
+        is_same
+    });
+    Some(both)
+}
+
+/// What is left of a body without its near kernel, on the coarse mesh.
+#[derive(Debug, Clone)]
+pub(crate) struct Remainder {
+    /// `B - N`, or B where `near` is to be taken off when it is asked for.
+    compliance: BodyCompliance,
+    near: Option<(Surface, NearKernel)>,
+    /// Column (in blocks of 3) of each coarse vertex.
+    columns: Arc<[usize]>,
+}
+
+impl Remainder {
+    /// * `near`: coarse mesh where it stands now, and the kernel to take off `compliance` there
+    pub fn new(compliance: &BodyCompliance, near: Option<(Surface, NearKernel)>) -> Self {
+        let mut columns = vec![NO_COLUMN; compliance.vertex_count()];
+        compliance.nodes().iter().enumerate().for_each(|(column, &vertex)| columns[vertex] = column);
+        Self { compliance: compliance.clone(), near, columns: columns.into() }
+    }
+
+    fn is_loaded(&self, vertex: u32) -> bool {
+        self.columns[vertex as usize] != NO_COLUMN
+    }
+
+    /// Displacement of `rows` per newton at `columns`, coarse vertices (3 m × 3 k, m/N).
+    fn blocks(&self, rows: &[usize], columns: &[usize], asked: &Request) -> Result<Mat<f64>, ResponseError> {
+        let mut all = Mat::zeros(3 * rows.len(), 3 * columns.len());
+        for (turn, at_once) in columns.chunks(AT_ONCE).enumerate() {
+            let near = match &self.near {
+                Some((surface, near)) => Some(near.blocks(surface, rows, at_once, asked.options)?),
+                None => None,
+            };
+            for (own, &column) in at_once.iter().enumerate() {
+                let j = 3 * (turn * AT_ONCE + own);
+                for (i, &row) in rows.iter().enumerate() {
+                    let mut block = self.compliance.block(row, self.columns[column]);
+                    if let Some(near) = &near {
+                        block -= near.block(i, own);
+                    }
+                    for b in 0..3 {
+                        (0..3).for_each(|a| all[(3 * i + a, j + b)] = block[(a, b)]);
+                    }
+                }
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// A body on a refined mesh.
+#[derive(Debug, Clone)]
+pub(crate) struct BodyOnMesh {
+    pub response: NearAndFar,
+    pub coarseness: Coarseness,
+}
+
+/// The near kernel on a mesh, and the remainder from the coarse mesh.
+#[derive(Debug, Clone)]
+pub(crate) struct NearAndFar {
+    pub remainder: Remainder,
+    /// Weights of the coarse vertices at each vertex (n); `None` where the body does not answer.
+    pub weights: Arc<[Option<Weights>]>,
+    /// Vertices that do not move (n).
+    pub fixed: Arc<[bool]>,
+    pub near: NearKernel,
+}
+
+impl NearAndFar {
+    /// Whether the response to a force at `vertex` is known.
+    pub fn is_prepared(&self, vertex: usize) -> bool {
+        let known = |weights: &Weights| weights.iter().all(|&(coarse, _)| self.remainder.is_loaded(coarse));
+        self.weights[vertex].as_ref().is_some_and(known)
+    }
+
+    fn weights(&self, vertex: usize) -> &[(u32, f64)] {
+        self.weights[vertex].as_deref().unwrap_or_default()
+    }
+
+    /// Coarse vertices that some vertices depend on, ascending.
+    fn support(&self, vertices: &[usize]) -> Vec<usize> {
+        let all = vertices.iter().flat_map(|&vertex| self.weights(vertex));
+        let mut support: Vec<usize> = all.map(|&(coarse, _)| coarse as usize).collect();
+        support.sort_unstable();
+        support.dedup();
+        support
+    }
+
+    /// # Errors
+    /// [`ResponseError::NotPrepared`].
+    pub fn check_nodes(&self, nodes: &[usize]) -> Result<(), ResponseError> {
+        let unknown = |vertex: &&usize| !self.is_prepared(**vertex);
+        match nodes.iter().find(unknown) {
+            Some(&vertex) => Err(ResponseError::NotPrepared {
+                vertex,
+                missing: nodes.iter().filter(unknown).count(),
+                prepared: self.remainder.compliance.nodes().len(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// R over the nodes along `directions` (k × k, m/N).
+    pub fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        let nodes = asked.nodes;
+        let support = self.support(nodes);
+        let mut spread = Mat::<f64>::zeros(3 * support.len(), nodes.len());
+        for (j, (&vertex, direction)) in nodes.iter().zip(directions).enumerate() {
+            for &(coarse, weight) in self.weights(vertex) {
+                let at = 3 * support.binary_search(&(coarse as usize)).expect("a vertex of the support");
+                (0..3).for_each(|axis| spread[(at + axis, j)] += weight * direction[axis]);
+            }
+        }
+        let among = self.remainder.blocks(&support, &support, asked)?;
+        // Products of one thread, so that the result is the same to the bit for any number.
+        let mut half = Mat::<f64>::zeros(3 * support.len(), nodes.len());
+        matmul(half.as_mut(), Accum::Replace, among.as_ref(), spread.as_ref(), 1.0, Par::Seq);
+        let mut response = self.near.along(asked, directions)?;
+        matmul(response.as_mut(), Accum::Add, spread.transpose(), half.as_ref(), 1.0, Par::Seq);
+        Ok(response)
+    }
+
+    /// Displacement (m) of `vertices` under `forces` (N) at the nodes.
+    pub fn displacements(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
+        let columns = self.support(asked.nodes);
+        let mut spread = vec![Vector3::zeros(); columns.len()];
+        for (&vertex, force) in asked.nodes.iter().zip(forces) {
+            for &(coarse, weight) in self.weights(vertex) {
+                spread[columns.binary_search(&(coarse as usize)).expect("in the support")] += weight * force;
+            }
+        }
+        let rows = self.support(vertices);
+        let mut smooth = vec![Vector3::zeros(); rows.len()];
+        for (turn, some) in rows.chunks(AT_ONCE).enumerate() {
+            let blocks = self.remainder.blocks(some, &columns, asked)?;
+            for (j, force) in spread.iter().enumerate() {
+                for own in 0..some.len() {
+                    let block = blocks.as_ref().submatrix(3 * own, 3 * j, 3, 3);
+                    let u = &mut smooth[turn * AT_ONCE + own];
+                    (0..3).for_each(|a| u[a] += (0..3).map(|b| block[(a, b)] * force[b]).sum::<f64>());
+                }
+            }
+        }
+        let mut moved = Vec::with_capacity(vertices.len());
+        for some in vertices.chunks(ROWS_AT_ONCE) {
+            let near = self.near.displacements(asked, forces, some)?;
+            for (near, &vertex) in near.into_iter().zip(some) {
+                let at = |coarse: u32| rows.binary_search(&(coarse as usize)).expect("in the support");
+                let far = |&(coarse, weight): &(u32, f64)| weight * smooth[at(coarse)];
+                let is_still = self.fixed[vertex] || self.weights[vertex].is_none();
+                let far: Vector3<f64> = self.weights(vertex).iter().map(far).sum();
+                moved.push(if is_still { Vector3::zeros() } else { far + near });
+            }
+        }
+        Ok(moved)
+    }
+}

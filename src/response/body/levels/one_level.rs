@@ -1,0 +1,48 @@
+//! A body solved on the skin's own mesh.
+
+use std::sync::Arc;
+
+use crate::response::body::compliance::BodyCompliance;
+use crate::response::body::levels::coarseness::Coarseness;
+use crate::response::body::levels::near::NearKernel;
+use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, joined};
+use crate::response::error::ResponseError;
+use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
+
+/// A body solved on the skin's own mesh, and what a refinement of that mesh needs beside it.
+#[derive(Debug, Clone)]
+pub struct OneLevel {
+    /// Displacement of the whole skin per unit force at the nodes.
+    pub compliance: BodyCompliance,
+    /// Thickness of the tissue at each vertex of the skin (n, m); `None` without bone.
+    pub thickness: Option<Arc<[f64]>>,
+}
+
+impl OneLevel {
+    /// On a refinement of the skin, or of a skin that this one is a part of: the skin itself is the coarse mesh.
+    ///
+    /// * `skin`: the skin where it stands now
+    /// * `own`: its vertex for a given vertex
+    pub(crate) fn on_refined(
+        &self,
+        skin: &Surface,
+        mesh: &RefinedSurface,
+        own: impl Fn(usize) -> Option<usize>,
+        coarseness: Coarseness,
+    ) -> Result<BodyOnMesh, ResponseError> {
+        let parts = self.compliance.parts();
+        let near = NearKernel::new(parts.shear_modulus, parts.poisson_ratio, self.thickness.clone())?;
+        let weights = |vertex| own(vertex).map(|own| vec![(own as u32, 1.0)]);
+        // What one force does not move is held.
+        let moved = parts.displacement.subcols(0, 3);
+        let is_still = |own: usize| (0..9).all(|k| moved[(3 * own + k % 3, k / 3)] == 0.0);
+        let response = NearAndFar {
+            weights: mesh.inherit(weights, joined).into(),
+            fixed: mesh.inherit(|vertex| own(vertex).is_none_or(is_still), |a, b| *a && *b).into(),
+            near: near.on_refined(mesh, own)?,
+            remainder: Remainder::new(&self.compliance, Some((skin.clone(), near))),
+        };
+        Ok(BodyOnMesh { response, coarseness })
+    }
+}

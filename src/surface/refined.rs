@@ -1,0 +1,188 @@
+//! A skin with more vertices where somebody wants them, on the smooth surface that its normals imply.
+
+use std::collections::HashMap;
+
+use nalgebra::Vector3;
+
+use crate::mesh::red_green::RedGreen;
+use crate::mesh::smooth::SmoothMesh;
+use crate::surface::checked::Surface;
+
+/// A refinement of a surface, in the making: the faces around a contact, cut again and again.
+#[derive(Debug, Clone)]
+pub(crate) struct MeshRefinement {
+    given: Surface,
+    mesh: RedGreen,
+}
+
+/// A refined surface, the whole of it or the part around a contact.
+///
+/// Its first vertices are given ones, ascending; those added follow, in the same order in the part and in the whole.
+#[derive(Debug, Clone)]
+pub struct RefinedSurface {
+    /// The mesh; a part of a whole has borders where it was cut out.
+    pub surface: Surface,
+    /// Vertex of the given surface for each of the first vertices (k), ascending.
+    given_vertices: Vec<usize>,
+    /// Number of vertices of the given surface.
+    given_count: usize,
+    /// For each added vertex the two vertices here that it lies between.
+    parents: Vec<[usize; 2]>,
+}
+
+impl MeshRefinement {
+    /// Nothing refined yet; only `faces` can be.
+    pub fn new(given: &Surface, faces: impl IntoIterator<Item = u32>) -> Self {
+        let given = given.clone();
+        let mut mesh = RedGreen::new(&smooth(&given));
+        faces.into_iter().for_each(|face| mesh.take(&smooth(&given), face));
+        Self { given, mesh }
+    }
+
+    /// The surface that is refined.
+    pub fn given(&self) -> &Surface {
+        &self.given
+    }
+
+    /// Number of triangles that can be cut in four.
+    pub fn leaf_count(&self) -> usize {
+        self.mesh.leaves.len()
+    }
+
+    /// Number of vertices added.
+    pub fn added_count(&self) -> usize {
+        self.mesh.middles.len()
+    }
+
+    /// Corners of a triangle, by their numbers in the whole refined surface.
+    pub fn corners(&self, leaf: usize) -> [usize; 3] {
+        self.mesh.leaves[leaf].corners.map(|corner| corner as usize)
+    }
+
+    /// Middles that the edges of a triangle have or would have (m).
+    pub fn curved_middles(&self, leaf: usize) -> [Vector3<f64>; 3] {
+        let [a, b, c] = self.mesh.leaves[leaf].corners;
+        let middle = |from, to| self.mesh.middle_point(&smooth(&self.given), from, to);
+        [middle(a, b), middle(b, c), middle(c, a)]
+    }
+
+    /// The two vertices that each added one lies between, by their numbers in the whole refined surface.
+    pub fn parents(&self) -> Vec<[usize; 2]> {
+        self.mesh.middles.iter().map(|middle| middle.ends.map(|end| end as usize)).collect()
+    }
+
+    /// Cuts the marked triangles in four and closes the mesh around them.
+    ///
+    /// * `marked`: one entry a triangle
+    pub fn refine(&mut self, marked: &[bool]) {
+        self.mesh.refine(&smooth(&self.given), marked);
+    }
+
+    /// The faces taken in, refined: a surface with borders.
+    pub fn part(&self) -> RefinedSurface {
+        let triangles = self.mesh.triangles(&smooth(&self.given));
+        let given_count = self.given.vertices().len() as u32;
+        let mut given: Vec<u32> = triangles
+            .iter()
+            .flat_map(|(_, corners)| *corners)
+            .filter(|&vertex| vertex < given_count)
+            .collect();
+        given.sort_unstable();
+        given.dedup();
+        let rows: HashMap<u32, u32> = given.iter().zip(0..).map(|(&vertex, row)| (vertex, row)).collect();
+        let row = |vertex: u32| match vertex.checked_sub(given_count) {
+            None => rows[&vertex],
+            Some(added) => given.len() as u32 + added,
+        };
+        let faces = triangles.iter().map(|(_, corners)| corners.map(row)).collect();
+        self.build(given.iter().map(|&vertex| vertex as usize).collect(), faces, |vertex| {
+            row(vertex) as usize
+        })
+    }
+
+    /// The whole surface, refined: a face that is cut keeps its number for its first part, the others follow.
+    pub fn whole(&self) -> RefinedSurface {
+        let mut faces = self.given.faces().to_vec();
+        let mut is_taken = vec![false; faces.len()];
+        for (face, corners) in self.mesh.triangles(&smooth(&self.given)) {
+            if is_taken[face] {
+                faces.push(corners);
+            } else {
+                (faces[face], is_taken[face]) = (corners, true);
+            }
+        }
+        self.build((0..self.given.vertices().len()).collect(), faces, |vertex| vertex as usize)
+    }
+
+    fn build(
+        &self,
+        given_vertices: Vec<usize>,
+        faces: Vec<[u32; 3]>,
+        row: impl Fn(u32) -> usize,
+    ) -> RefinedSurface {
+        let given = &self.given;
+        let mut vertices: Vec<Vector3<f64>> =
+            given_vertices.iter().map(|&vertex| given.vertices()[vertex]).collect();
+        let mut mask: Vec<bool> = given_vertices.iter().map(|&vertex| given.skin_mask()[vertex]).collect();
+        let mut parents = Vec::with_capacity(self.mesh.middles.len());
+        for middle in &self.mesh.middles {
+            let ends = middle.ends.map(&row);
+            vertices.push(middle.point);
+            mask.push(mask[ends[0]] && mask[ends[1]]);
+            parents.push(ends);
+        }
+        RefinedSurface {
+            surface: Surface::from_sound_mesh(vertices, faces, mask),
+            given_count: given.vertices().len(),
+            given_vertices,
+            parents,
+        }
+    }
+}
+
+fn smooth(surface: &Surface) -> SmoothMesh<'_> {
+    SmoothMesh {
+        vertices: surface.vertices(),
+        normals: surface.vertex_normals(),
+        faces: surface.faces(),
+        face_normals: surface.face_normals(),
+        topology: surface.topology(),
+    }
+}
+
+impl RefinedSurface {
+    /// Vertices of the given surface that are here, ascending; they come first.
+    pub fn given_vertices(&self) -> &[usize] {
+        &self.given_vertices
+    }
+
+    /// For each added vertex the two vertices here that it lies between.
+    pub fn parents(&self) -> &[[usize; 2]] {
+        &self.parents
+    }
+
+    /// Number in the whole refined surface of a vertex here.
+    pub fn number(&self, vertex: usize) -> usize {
+        match vertex.checked_sub(self.given_vertices.len()) {
+            None => self.given_vertices[vertex],
+            Some(added) => self.given_count + added,
+        }
+    }
+
+    /// Values at the vertices from those of the given surface: an added vertex has what its parents have together.
+    ///
+    /// * `given`: value of a given vertex
+    /// * `joined`: value between two
+    pub fn inherit<T>(&self, given: impl FnMut(usize) -> T, joined: impl Fn(&T, &T) -> T) -> Vec<T> {
+        let mut values: Vec<T> = self.given_vertices.iter().copied().map(given).collect();
+        for &[a, b] in &self.parents {
+            values.push(joined(&values[a], &values[b]));
+        }
+        values
+    }
+
+    /// The same of numbers, linear along each edge.
+    pub fn inherit_linear(&self, given: &[f64]) -> Vec<f64> {
+        self.inherit(|vertex| given[vertex], |a, b| 0.5 * (a + b))
+    }
+}

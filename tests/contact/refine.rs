@@ -1,0 +1,155 @@
+//! Contacts on meshes refined around them.
+
+use std::f64::consts::PI;
+
+use approx::assert_relative_eq;
+use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
+use quasirigid::contact::{
+    Contact, ContactError, ContactOptions, ContactStatus, Press, Start, press, solve_contact,
+};
+use quasirigid::obstacle::Obstacle;
+use quasirigid::reference::{Hertz, contact_modulus};
+use quasirigid::response::{ElasticSkin, KernelSkin, PressureBasis};
+use quasirigid::surface::Surface;
+
+use crate::common::{Random, jittered_grid};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate};
+
+fn options(target_error: f64) -> ContactOptions<'static> {
+    ContactOptions { target_error: Some(target_error), ..ContactOptions::default() }
+}
+
+fn pressed(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, target_error: f64) -> Contact {
+    let upwards = Press { direction: UP, depth, start: Start::Infinity };
+    press(surface, &plate(), skin, &upwards, &options(target_error)).expect("a valid request")
+}
+
+/// Flat square about the origin, its inner vertices moved by up to a quarter of a cell.
+fn jittered(cells: usize, spacing: f64, seed: u64) -> Surface {
+    let (mut vertices, faces) = jittered_grid(cells, spacing, 0.25, &mut Random(seed));
+    let middle = 0.5 * cells as f64 * spacing;
+    vertices.iter_mut().for_each(|vertex| *vertex -= Vector3::new(middle, middle, 0.0));
+    Surface::new(vertices, faces).expect("a valid surface")
+}
+
+fn smallest_angle(surface: &Surface, face: usize) -> f64 {
+    let corners = surface.faces()[face].map(|vertex| surface.vertices()[vertex as usize]);
+    let angle = |k: usize| (corners[(k + 1) % 3] - corners[k]).angle(&(corners[(k + 2) % 3] - corners[k]));
+    (0..3).map(angle).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn a_coarse_mesh_meets_hertz_within_its_estimates() {
+    let (radius, depth) = (100.0, 5e-5);
+    let hertz = Hertz { radius, contact_modulus: contact_modulus(SHEAR_MODULUS, POISSON_RATIO) };
+    let contact_radius = hertz.contact_radius(depth);
+    for seed in 1..6 {
+        let surface = jittered(12, contact_radius / 3.0, seed);
+        let sphere = Obstacle::sphere(Vector3::new(0.0, 0.0, radius - depth), radius).expect("a sphere");
+        let contact = solve_contact(&surface, &sphere, &half_space(), &options(0.01)).expect("valid");
+        let force = contact.resultant.force.norm() / hertz.force(depth) - 1.0;
+        let area = contact.resultant.contact_area / (PI * contact_radius.powi(2)) - 1.0;
+        println!("force {force:+.4}, area {area:+.4}, {:?}", contact.accuracy);
+        assert!(contact.accuracy.mesh_error.unwrap() <= 0.01 && contact.accuracy.area_error.unwrap() <= 0.01);
+        assert_eq!(contact.refinements.last().unwrap().reason, "target_error");
+        assert!(force.abs() <= 0.01 && area.abs() <= 0.012);
+    }
+}
+
+#[test]
+fn the_mesh_stays_sound_and_round_and_keeps_its_vertices() {
+    let surface = ball(8e-3, 2);
+    let contact = pressed(&surface, &half_space(), 0.6e-3, 0.005);
+    let solved = contact.surface();
+    let given = surface.vertices().len();
+    assert_eq!(contact.given_vertex_count(), given);
+    assert_eq!(&solved.vertices()[..given], surface.vertices());
+    assert_eq!(contact.parents().len(), solved.vertices().len() - given);
+    let checked = Surface::new(solved.vertices().to_vec(), solved.faces().to_vec()).expect("a sound mesh");
+    assert!(checked.is_closed());
+    // Added vertices lie on the sphere that the normals imply, to a fifth of what straight edges miss.
+    let error = 0.2 * (surface.mean_edge_length() / 8e-3).powi(2) / 8.0;
+    for vertex in &solved.vertices()[given..] {
+        assert_relative_eq!((vertex - 8e-3 * UP).norm(), 8e-3, max_relative = error);
+    }
+    let least = |surface: &Surface| {
+        (0..surface.faces().len()).map(|face| smallest_angle(surface, face)).fold(f64::INFINITY, f64::min)
+    };
+    assert!(least(solved) >= 0.5 * least(&surface));
+    assert_eq!(contact.pressure.len(), solved.vertices().len());
+    assert!(contact.candidates.iter().all(|&vertex| contact.gap[vertex].is_finite()));
+    let total: Vector3<f64> = contact.force_vectors.iter().sum();
+    assert_relative_eq!(total, contact.resultant.force, max_relative = 1e-12);
+}
+
+#[test]
+fn motion_scale_and_numbering_change_nothing() {
+    let surface = ball(8e-3, 2);
+    let count = surface.vertices().len();
+    let force = pressed(&surface, &half_space(), 0.6e-3, 0.01).resultant.force.norm();
+
+    let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
+    let shift = Vector3::new(0.1, -0.2, 0.3);
+    let pose = Isometry3::from_parts(Translation3::from(shift), turn.into());
+    let along = Press { direction: turn * UP, depth: 0.6e-3, start: Start::Infinity };
+    let there = plate().moved(turn.matrix(), &shift).expect("a rigid motion");
+    let moved = press(&surface.moved(&pose), &there, &half_space(), &along, &options(0.01)).expect("valid");
+    assert_relative_eq!(moved.resultant.force.norm(), force, max_relative = 1e-6);
+
+    let large = surface.with_vertices(surface.vertices().iter().map(|vertex| 1e3 * vertex).collect());
+    let scaled = pressed(&large, &half_space(), 0.6, 0.01);
+    assert_relative_eq!(scaled.resultant.force.norm(), 1e6 * force, max_relative = 1e-6);
+
+    let renumbered = |vertex: usize| (vertex * 5 + 3) % count;
+    let mut vertices = surface.vertices().to_vec();
+    (0..count).for_each(|vertex| vertices[renumbered(vertex)] = surface.vertices()[vertex]);
+    let faces = surface.faces().iter().rev();
+    let faces = faces.map(|face| face.map(|vertex| renumbered(vertex as usize) as u32)).collect();
+    let other = Surface::new(vertices, faces).expect("the same surface");
+    let again = pressed(&other, &half_space(), 0.6e-3, 0.01);
+    assert_relative_eq!(again.resultant.force.norm(), force, max_relative = 1e-6);
+}
+
+#[test]
+fn what_cannot_be_refined_is_taken_as_it_is_and_says_so() {
+    let surface = ball(8e-3, 3);
+    let one_ring: KernelSkin = half_space().with_basis(PressureBasis::OneRing);
+    let contact = pressed(&surface, &one_ring, 0.6e-3, 0.01);
+    assert_eq!(contact.surface().vertices().len(), surface.vertices().len());
+    assert_eq!((contact.accuracy.force_error, contact.accuracy.area_error), (None, None));
+    assert!(contact.left_out.iter().any(|one| one.what == "refinement"));
+    assert!(contact.warnings.is_empty());
+}
+
+#[test]
+fn a_refinement_that_ends_early_says_why() {
+    let surface = ball(8e-3, 2);
+    let few = ContactOptions { max_nodes: 40, ..options(1e-3) };
+    let upwards = Press { direction: UP, depth: 0.6e-3, start: Start::Infinity };
+    let contact = press(&surface, &plate(), &half_space(), &upwards, &few).expect("valid");
+    assert_eq!(contact.status, ContactStatus::Solved);
+    assert_eq!(contact.refinements.last().unwrap().reason, "max_nodes");
+    assert!(contact.warnings.iter().any(|warning| warning.contains("max_nodes")));
+}
+
+#[test]
+fn a_target_out_of_range_is_named() {
+    for target in [0.0, -1.0, 1.0, 2.0, f64::NAN] {
+        let refused = solve_contact(&ball(8e-3, 1), &plate(), &half_space(), &options(target)).unwrap_err();
+        assert!(matches!(refused, ContactError::Option { option: "target_error", .. }));
+    }
+}
+
+#[test]
+fn skin_between_vertices_is_met_by_a_small_obstacle() {
+    // A ball smaller than a cell touches the middle of an edge: no vertex is inside.
+    let surface = ball(8e-3, 1);
+    let [a, b, _] = surface.faces()[0].map(|vertex| surface.vertices()[vertex as usize] - 8e-3 * UP);
+    let place = 8e-3 * UP + (8e-3 + 0.45e-3) * (a + b).normalize();
+    let small = Obstacle::sphere(place, 0.5e-3).expect("a sphere");
+    let as_given = solve_contact(&surface, &small, &half_space(), &ContactOptions::on_given_mesh()).unwrap();
+    assert_eq!(as_given.status, ContactStatus::NoContact);
+    let refined = solve_contact(&surface, &small, &half_space(), &options(0.05)).unwrap();
+    assert_eq!(refined.status, ContactStatus::Solved);
+    assert!(refined.resultant.force.norm() > 0.0);
+}
