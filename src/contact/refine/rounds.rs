@@ -17,6 +17,8 @@ use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// Rounds in which the figures may fail to settle before the refinement gives up.
 const UNSETTLED_ROUNDS: usize = 2;
+/// Share of the target below which the force needs no finer mesh.
+const SMALL_SHARE: f64 = 0.6;
 /// Rounds at the most: each halves the edges.
 const MAX_ROUNDS: usize = 12;
 
@@ -36,7 +38,9 @@ pub(crate) fn refine(
             "one-rings and given matrices take no other mesh to compare with",
         );
     }
-    given.note_round(None, traits.refines, started);
+    let error =
+        (given.status == ContactStatus::Solved && traits.refines).then(|| MeshError::of_cells(&given));
+    given.note_round(error, started);
     let target = match options.target_error {
         None => return Ok(given.concluded("the mesh was taken as it is")),
         Some(_) if !traits.refines => {
@@ -72,11 +76,13 @@ impl Rounds<'_> {
         let mut before = f64::INFINITY;
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
-            let marked = self.marked()?;
+            let is_for_area = self.last.as_ref().is_some_and(|(_, contact)| contact.knows_force(self.target));
+            let wanting = self.wanting(is_for_area);
+            let marked = self.marked(&wanting)?;
             if !marked.contains(&true) {
                 return self.conclude("nothing carries force");
             }
-            if self.predicted_nodes() > self.options.max_nodes {
+            if self.predicted_nodes(&wanting) > self.options.max_nodes {
                 return self.conclude("max_nodes");
             }
             let mut finer = self.mesh.clone();
@@ -98,7 +104,8 @@ impl Rounds<'_> {
             }
             let previous = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
             contact.refinements = previous.refinements.clone();
-            let error = contact.note_round(Some(previous), true, started);
+            let error = contact.error_after(previous, is_for_area);
+            contact.note_round(error, started);
             self.last = Some((part, contact));
             match error {
                 Some(error) if error.worst() <= self.target => return self.conclude("target_error"),
@@ -115,21 +122,32 @@ impl Rounds<'_> {
         self.conclude("the most rounds")
     }
 
-    /// Triangles to cut.
-    fn marked(&self) -> Result<Vec<bool>, ContactError> {
-        let Some((part, contact)) = &self.last else {
-            let mut marked = loaded(&self.mesh, &self.given.active);
-            add_pressed_middles(&self.mesh, &self.given.gap, &self.given.obstacle, &mut marked)?;
-            return Ok(marked);
-        };
-        let active: Vec<usize> = contact.active.iter().map(|&vertex| part.number(vertex)).collect();
-        Ok(loaded(&self.mesh, &active))
+    /// Vertices whose triangles are too large, by their numbers in the whole refined surface: all under force, or those at the
+    /// rim where the force is known well enough and the area is not.
+    fn wanting(&self, is_for_area: bool) -> Vec<usize> {
+        let Some((part, contact)) = &self.last else { return self.given.active.clone() };
+        let active = contact.active.iter();
+        if !is_for_area {
+            return active.map(|&vertex| part.number(vertex)).collect();
+        }
+        let is_free = |&other: &u32| contact.node_force[other as usize] == 0.0;
+        let at_rim = |&&vertex: &&usize| part.surface.neighbours(vertex).iter().any(is_free);
+        active.filter(at_rim).map(|&vertex| part.number(vertex)).collect()
     }
 
-    /// Contact nodes that the next round will have at the least: edges are halved where force is.
-    fn predicted_nodes(&self) -> usize {
+    /// Triangles to cut.
+    fn marked(&self, wanting: &[usize]) -> Result<Vec<bool>, ContactError> {
+        let mut marked = loaded(&self.mesh, wanting);
+        if self.last.is_none() {
+            add_pressed_middles(&self.mesh, &self.given.gap, &self.given.obstacle, &mut marked)?;
+        }
+        Ok(marked)
+    }
+
+    /// Contact nodes that the next round will have at the least: edges are halved around those wanting.
+    fn predicted_nodes(&self, wanting: &[usize]) -> usize {
         let contact = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
-        contact.candidates.len() + 3 * contact.active.len()
+        contact.candidates.len() + 3 * wanting.len()
     }
 
     /// The contact on a finer mesh.
@@ -160,19 +178,33 @@ impl Rounds<'_> {
 }
 
 impl Contact {
-    /// Adds what this round found; returns what its mesh is estimated to cost.
-    fn note_round(
-        &mut self,
-        previous: Option<&Contact>,
-        is_estimated: bool,
-        started: Instant,
-    ) -> Option<MeshError> {
-        let error = (self.status == ContactStatus::Solved && is_estimated).then(|| match previous {
-            Some(previous) if previous.status == ContactStatus::Solved => {
-                MeshError::of_rounds(previous, self)
-            }
-            _ => MeshError::of_cells(self),
-        });
+    /// Whether the mesh costs so little of the force that more of it is for the area alone.
+    fn knows_force(&self, target: f64) -> bool {
+        self.accuracy.mesh_error.is_some_and(|error| error < SMALL_SHARE * target)
+    }
+
+    /// What the mesh is estimated to cost after `previous`; `None` without contact.
+    ///
+    /// * `is_for_area`: whether the rim alone was refined since
+    fn error_after(&self, previous: &Contact, is_for_area: bool) -> Option<MeshError> {
+        if self.status != ContactStatus::Solved {
+            return None;
+        }
+        if previous.status != ContactStatus::Solved {
+            return Some(MeshError::of_cells(self));
+        }
+        let mut error = MeshError::of_rounds(previous, self);
+        if is_for_area {
+            // Nothing but the rim was refined.
+            let known = &previous.accuracy;
+            error.force = error.force.max(known.mesh_error.unwrap_or(0.0));
+            error.pressure = error.pressure.max(known.max_pressure_error.unwrap_or(0.0));
+        }
+        Some(error)
+    }
+
+    /// Adds what this round found.
+    fn note_round(&mut self, error: Option<MeshError>, started: Instant) {
         let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
         self.accuracy.mesh_error = error.map(|error| error.force);
         self.accuracy.body_error = error.map(|_| body);
@@ -190,7 +222,6 @@ impl Contact {
             seconds: started.elapsed().as_secs_f64(),
             reason: "",
         });
-        error
     }
 
     /// Says why no further round followed.
