@@ -1,10 +1,11 @@
 """Contact of the skin with an obstacle: the solve, its options and its result."""
 
+from .accuracy import Accuracy as Accuracy
+from .accuracy import Refinement as Refinement
 from .options import ContactOptions as ContactOptions
 from .press import Start as Start
 from .press import press as press
 from .press import solve_contact as solve_contact
-from .result import Accuracy as Accuracy
 from .result import Contact as Contact
 from .result import ContactError as ContactError
 from .result import ContactStatus as ContactStatus

@@ -11,9 +11,10 @@ from .. import _core
 from ..errors import QuasirigidWarning
 from ..lcp.solution import solution_from_core
 from ..skin.elastic import core_skin
+from .accuracy import Accuracy, Refinement
 from .drawn import Drawing
 from .options import ContactOptions, options_to_core
-from .result import Accuracy, Contact, ContactError, ContactStatus, LeftOut, Patch, Refinement
+from .result import Contact, ContactError, ContactStatus, LeftOut, Patch
 
 if TYPE_CHECKING:
     import numpy as np

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..contact.result import Contact, Refinement
+    from ..contact.accuracy import Refinement
+    from ..contact.result import Contact
 
 __all__ = ["as_plain", "contact_record"]
 

@@ -12,6 +12,7 @@ from .. import _core
 from ..errors import QuasirigidWarning, ResponseError
 from .core import Material, build_kernel, build_prepared, restore_prepared
 from .cut_out import CutOut
+from .given_mesh import forces_on_given_mesh
 from .progress import Progress, as_progress
 from .response import Response
 from .storage import write_prepared
@@ -196,9 +197,7 @@ class PreparedSkin:
         ResponseError
             If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone.
         """
-        contact: Any = load
-        forces = _on_given_mesh(contact) if hasattr(load, "force_vectors") else contact
-        pressures = self._response.bone_pressures(forces)
+        pressures = self._response.bone_pressures(forces_on_given_mesh(load))
         if pressures is None:
             raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
         return pressures
@@ -246,14 +245,6 @@ class PreparedSkin:
 
     def _core_on(self, surface: Surface) -> _core.Skin:
         return self._response
-
-
-def _on_given_mesh(contact: Contact) -> NDArray[np.float64]:
-    """Return the forces (N) at the given vertices, those of the added ones shared by the two beside."""
-    forces = contact.force_vectors.copy()
-    for row in reversed(range(len(contact.parents))):
-        forces[contact.parents[row]] += 0.5 * forces[contact.given_vertex_count + row]
-    return forces[: contact.given_vertex_count]
 
 
 def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:

@@ -1,0 +1,96 @@
+"""How far the figures of a contact can be trusted, and what each mesh gave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .._frozen import Frozen
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["Accuracy", "Refinement"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Accuracy:
+    """How far the figures of a contact can be trusted, by source of error.
+
+    Attributes
+    ----------
+    natural_residual, complementarity : float
+        Worst residuals of the complementarity problems, measured on the original matrix (dimensionless).
+    integration_tolerance : float
+        Relative quadrature tolerance of the response matrix.
+    discretization : str
+        "collocation" or "galerkin": how gaps were taken on the mesh that was solved.
+    condition : float or None
+        Condition number of the response matrix, where it was estimated.
+    definite : bool or None
+        True: the symmetric part of every response matrix was shown to be positive definite, so the answer
+        is the only one. False: shown not to be. None: not examined.
+    cells_per_radius : float
+        Mesh cells per equivalent contact radius; under about 4 force and area are coarse.
+    force_error : float or None
+        Estimated error of the force over its length: `mesh_error` + `body_error`. None, here and below, where
+        no estimate was made; `Contact.left_out` says why.
+    mesh_error, body_error : float or None
+        What the mesh around the contact costs of that, and what the coarse mesh of a body does.
+    area_error : float or None
+        Estimated error of `contact_area` over it.
+    max_pressure_error : float or None
+        Estimated error of `max_pressure` over it.
+    """
+
+    natural_residual: float
+    complementarity: float
+    integration_tolerance: float
+    discretization: str
+    condition: float | None
+    definite: bool | None
+    cells_per_radius: float
+    force_error: float | None
+    mesh_error: float | None
+    body_error: float | None
+    area_error: float | None
+    max_pressure_error: float | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refinement(Frozen):
+    """What one mesh gave.
+
+    Attributes
+    ----------
+    kind : str
+        "mesh".
+    nodes : int
+        Contact nodes: unknowns of the complementarity problems.
+    force : (3,) float64
+        Force on the skin (N).
+    contact_area : float
+        Contact area (m^2).
+    max_pressure : float
+        Largest pressure (Pa).
+    force_error, area_error : float or None
+        Estimated relative errors; None without contact.
+    max_penetration : float
+        Deepest penetration left (m).
+    seconds : float
+        Wall time (s).
+    reason : str
+        Why no further round followed; empty of all but the last.
+    """
+
+    kind: str = "mesh"
+    nodes: int
+    force: NDArray[np.float64]
+    contact_area: float
+    max_pressure: float
+    force_error: float | None
+    area_error: float | None
+    max_penetration: float
+    seconds: float
+    reason: str
