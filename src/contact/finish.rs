@@ -68,10 +68,8 @@ impl Contact {
         report.warn_of_penetration(discretization, gaps.deepest(), max_penetration_after);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let within_rim = areas_within_rim(gaps, response, &forces)?;
-        let clues = Clues {
-            area_within_rim: within_rim.iter().sum(),
-            body: response.skin.doubt(&forces.active, &forces.active_vectors()),
-        };
+        let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;
+        let clues = Clues { area_within_rim: within_rim.iter().sum(), body };
         // In collocation on a mesh that was given the area is that of its vertices.
         let is_given = discretization == Discretization::Collocation && gaps.scene.finger_of.is_none();
         let areas = if is_given { surface.vertex_areas() } else { &within_rim };

@@ -1,36 +1,55 @@
 //! Edge collapse: the same closed surface with fewer of its own vertices.
 //!
 //! Short edges go first (Hoppe 1996, doi:10.1145/237170.237216, with edge length in place of an energy). A collapse
-//! moves one end of an edge onto the other, so that every vertex kept is a vertex of the fine mesh.
+//! moves one end of an edge onto the other.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use nalgebra::Vector3;
 
+use crate::geometry::closest_point::closest_on_triangle;
+
 /// Edges longer than this share of the wanted length stay.
 const LONG_ENOUGH: f64 = 1.0;
 /// No collapse makes an edge longer than this share of the wanted length.
 const TOO_LONG: f64 = 1.5;
 /// Least cosine between a new face and the skin's normals at its corners, or the face that it replaces.
-const LEAST_COSINE: f64 = 0.5;
+pub(crate) const LEAST_COSINE: f64 = 0.5;
 /// A collapse makes no face of a worse shape, 1 for an equilateral one, unless the face was worse before.
 const LEAST_SHAPE: f64 = 0.3;
+/// A vertex that goes lies no farther from the new faces than this share of the wanted length: an edge of 0.4 of the
+/// radius that the surface bends with.
+const MOST_HEIGHT: f64 = 0.2;
 /// Differences below this are none.
 const STEP: f64 = 1e-6;
 
+/// A point of the surface that a mesh stands for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SurfacePoint {
+    /// Position (m).
+    pub point: Vector3<f64>,
+    /// Unit normal.
+    pub normal: Vector3<f64>,
+    /// Wanted length of the edges there (m).
+    pub edge_length: f64,
+}
+
 /// A mesh to coarsen.
-pub(crate) struct FineMesh<'a> {
-    /// Positions (n, m).
-    pub vertices: &'a [Vector3<f64>],
+pub(crate) struct FineMesh {
+    /// Vertices (n).
+    pub vertices: Vec<SurfacePoint>,
     /// Faces, closed and manifold.
-    pub faces: &'a [[u32; 3]],
-    /// Unit normals (n).
-    pub normals: &'a [Vector3<f64>],
-    /// Wanted length of the edges at each vertex (n, m).
-    pub edge_length: &'a [f64],
+    pub faces: Vec<[u32; 3]>,
     /// Vertices of two kinds (n): faces with three of the second kind keep their outline.
-    pub is_held: &'a [bool],
+    pub is_held: Vec<bool>,
+}
+
+impl FineMesh {
+    /// Whether each face belongs to the held outline.
+    pub fn held_faces(&self) -> Vec<bool> {
+        self.faces.iter().map(|face| face.iter().all(|&vertex| self.is_held[vertex as usize])).collect()
+    }
 }
 
 /// Collapses edges shorter than wanted, the shortest first.
@@ -47,7 +66,7 @@ pub(crate) fn collapse_short_edges(mesh: &FineMesh) -> (Vec<usize>, Vec<[u32; 3]
             queue.push(Reverse(((length / STEP) as u64, a.min(b), a.max(b))));
         }
     };
-    for face in mesh.faces {
+    for face in &mesh.faces {
         for k in 0..3 {
             if face[k] < face[(k + 1) % 3] {
                 offer(&work, &mut queue, face[k], face[(k + 1) % 3]);
@@ -70,7 +89,7 @@ pub(crate) fn collapse_short_edges(mesh: &FineMesh) -> (Vec<usize>, Vec<[u32; 3]
 }
 
 struct Collapse<'a> {
-    mesh: &'a FineMesh<'a>,
+    mesh: &'a FineMesh,
     faces: Vec<[u32; 3]>,
     /// Faces around each vertex; none around one that is gone.
     around: Vec<Vec<u32>>,
@@ -84,17 +103,16 @@ impl<'a> Collapse<'a> {
         for (face, corners) in mesh.faces.iter().enumerate() {
             corners.iter().for_each(|&vertex| around[vertex as usize].push(face as u32));
         }
-        let is_held_face =
-            mesh.faces.iter().map(|face| face.iter().all(|&vertex| mesh.is_held[vertex as usize])).collect();
-        Self { mesh, faces: mesh.faces.to_vec(), around, is_held_face }
+        Self { mesh, faces: mesh.faces.clone(), around, is_held_face: mesh.held_faces() }
     }
 
     fn point(&self, vertex: u32) -> Vector3<f64> {
-        self.mesh.vertices[vertex as usize]
+        self.mesh.vertices[vertex as usize].point
     }
 
     fn relative_length(&self, a: u32, b: u32) -> f64 {
-        let wanted = self.mesh.edge_length[a as usize].min(self.mesh.edge_length[b as usize]);
+        let [wanted, other] = [a, b].map(|vertex| self.mesh.vertices[vertex as usize].edge_length);
+        let wanted = wanted.min(other);
         (self.point(a) - self.point(b)).norm() / wanted
     }
 
@@ -134,30 +152,29 @@ impl<'a> Collapse<'a> {
         if ring.iter().any(is_too_long) {
             return None;
         }
-        let mut worst = f64::INFINITY;
+        let (mut worst, mut off_squared) = (f64::INFINITY, f64::INFINITY);
         for &face in self.around[gone as usize].iter().filter(|&&face| !has(face, kept)) {
             let corners = self.faces[face as usize];
             let moved = corners.map(|vertex| if vertex == gone { kept } else { vertex });
-            let (before, after) = (self.normal_and_shape(corners), self.normal_and_shape(moved));
+            let (before, after) = (self.measured(corners), self.measured(moved));
             let turns = |normal: &Vector3<f64>| normal.dot(&after.0) < LEAST_COSINE;
             let is_turned = turns(&before.0)
                 || !self.is_held_face[face as usize]
-                    && moved.iter().any(|&vertex| turns(&self.mesh.normals[vertex as usize]));
+                    && moved.iter().any(|&vertex| turns(&self.mesh.vertices[vertex as usize].normal));
             if is_turned || after.1 < LEAST_SHAPE.min(before.1) {
                 return None;
             }
             worst = worst.min(after.1);
+            let [a, b, c] = moved.map(|vertex| self.point(vertex));
+            off_squared = off_squared
+                .min(closest_on_triangle(&self.point(gone), [&a, &b, &c], &after.0).distance_squared);
         }
-        Some(worst)
+        let wanted = self.mesh.vertices[gone as usize].edge_length;
+        (off_squared <= (MOST_HEIGHT * wanted).powi(2)).then_some(worst)
     }
 
-    /// Unit normal of a triangle and `4 √3 area / Σ edge²`.
-    fn normal_and_shape(&self, corners: [u32; 3]) -> (Vector3<f64>, f64) {
-        let [a, b, c] = corners.map(|vertex| self.point(vertex));
-        let cross = (b - a).cross(&(c - a));
-        let edges = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
-        let twice_area = cross.norm();
-        (cross / twice_area.max(f64::MIN_POSITIVE), 2.0 * 3.0_f64.sqrt() * twice_area / edges)
+    fn measured(&self, corners: [u32; 3]) -> (Vector3<f64>, f64) {
+        normal_and_shape(corners.map(|vertex| self.point(vertex)))
     }
 
     fn collapse(&mut self, gone: u32, kept: u32) {
@@ -182,4 +199,12 @@ impl<'a> Collapse<'a> {
         let faces = (0..self.faces.len()).filter(|&face| is_there(face));
         (kept, faces.map(|face| self.faces[face].map(|vertex| number[vertex as usize])).collect())
     }
+}
+
+/// Unit normal of a triangle and `4 √3 area / Σ edge²`.
+pub(crate) fn normal_and_shape([a, b, c]: [Vector3<f64>; 3]) -> (Vector3<f64>, f64) {
+    let cross = (b - a).cross(&(c - a));
+    let edges = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    let twice_area = cross.norm();
+    (cross / twice_area.max(f64::MIN_POSITIVE), 2.0 * 3.0_f64.sqrt() * twice_area / edges)
 }

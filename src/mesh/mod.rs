@@ -15,6 +15,7 @@ pub(crate) mod coarsen;
 pub(crate) mod component;
 pub(crate) mod csr;
 pub(crate) mod error;
+pub(crate) mod even_out;
 pub(crate) mod fan;
 pub(crate) mod grid;
 pub(crate) mod nesting;

@@ -1,17 +1,22 @@
 //! A coarse mesh of the same skin, and where the fine one's vertices lie on it.
 
 use nalgebra::Vector3;
+use parry3d_f64::partitioning::Bvh;
 
+use crate::geometry::closest_point::Closest;
 use crate::geometry::face_tree::{Faces, face_tree};
-use crate::mesh::coarsen::{FineMesh, collapse_short_edges};
+use crate::mesh::coarsen::{FineMesh, SurfacePoint, collapse_short_edges};
 use crate::surface::checked::{Surface, SurfaceError};
 
-/// A skin with fewer of its own vertices.
+/// Collapses, each after the triangles were evened out.
+const MOST_COLLAPSES: usize = 3;
+
+/// A skin with fewer vertices.
 #[derive(Debug, Clone)]
 pub struct CoarseSkin {
     /// The coarse mesh.
     pub surface: Surface,
-    /// Vertex of the fine mesh beside each of the coarse one's, ascending.
+    /// Vertex of the fine mesh from which each of the coarse one's came, ascending.
     pub fine_vertices: Vec<usize>,
     /// Where each vertex of the fine mesh lies on the coarse one.
     pub(crate) places: Vec<CoarsePlace>,
@@ -36,8 +41,8 @@ impl CoarsePlace {
 }
 
 impl CoarseSkin {
-    /// Collapses the edges of a closed skin that are shorter than wanted, and lifts the vertices left until the mesh
-    /// bounds the same volume, all round.
+    /// Collapses the edges of a closed skin that are shorter than wanted, evens out the triangles left, and lifts their
+    /// vertices until the mesh bounds the same volume, all round.
     ///
     /// * `edge_length`: wanted length of the edges at each vertex (n, m), > 0
     /// * `is_held`: vertices of faces that keep their outline (n), such as those of a cut
@@ -45,21 +50,91 @@ impl CoarseSkin {
     /// # Errors
     /// [`SurfaceError`] of a coarse mesh that is none.
     pub fn new(fine: &Surface, edge_length: &[f64], is_held: &[bool]) -> Result<Self, SurfaceError> {
-        let mesh = FineMesh {
-            vertices: fine.vertices(),
-            faces: fine.faces(),
-            normals: fine.vertex_normals(),
-            edge_length,
-            is_held,
+        let project = on_surface(fine, edge_length);
+        let corner = |vertex: usize| SurfacePoint {
+            point: fine.vertices()[vertex],
+            normal: fine.vertex_normals()[vertex],
+            edge_length: edge_length[vertex],
         };
-        let (fine_vertices, faces) = collapse_short_edges(&mesh);
-        let vertices = fine_vertices.iter().map(|&vertex| fine.vertices()[vertex]).collect();
+        let mut fine_vertices: Vec<usize> = (0..fine.vertices().len()).collect();
+        let mut mesh = FineMesh {
+            vertices: fine_vertices.iter().map(|&vertex| corner(vertex)).collect(),
+            faces: fine.faces().to_vec(),
+            is_held: is_held.to_vec(),
+        };
+        // Even triangles let more edges collapse.
+        for _ in 0..MOST_COLLAPSES {
+            let (kept, faces) = collapse_short_edges(&mesh);
+            if kept.len() == fine_vertices.len() {
+                break;
+            }
+            fine_vertices = kept.iter().map(|&own| fine_vertices[own]).collect();
+            mesh = FineMesh {
+                vertices: kept.iter().map(|&own| mesh.vertices[own]).collect(),
+                faces,
+                is_held: fine_vertices.iter().map(|&vertex| is_held[vertex]).collect(),
+            };
+            mesh.even_out(&project);
+        }
         let mask = fine_vertices.iter().map(|&vertex| fine.skin_mask()[vertex]).collect();
-        let inscribed = Surface::new(vertices, faces)?.with_skin_mask(mask)?;
+        let inscribed = Surface::new(mesh.vertices.iter().map(|vertex| vertex.point).collect(), mesh.faces)?
+            .with_skin_mask(mask)?;
         let (places, heights) = place(fine.vertices(), &inscribed, &fine_vertices);
-        let (surface, deviation) = fit(&inscribed, &places, &heights, |own| is_held[fine_vertices[own]]);
+        let (surface, deviation) = fit(&inscribed, &fine_vertices, &places, &heights, is_held);
         Ok(Self { surface, fine_vertices, places, deviation })
     }
+}
+
+impl CoarseSkin {
+    /// Mean at each vertex of the coarse mesh of values at the fine one's vertices around it.
+    pub(crate) fn means(&self, values: &[f64]) -> Vec<f64> {
+        means_around(&self.fine_vertices, &self.places, values)
+    }
+}
+
+/// Mean of values at places on a coarse mesh around each of its vertices, which come from `fine_vertices`.
+fn means_around(fine_vertices: &[usize], places: &[CoarsePlace], values: &[f64]) -> Vec<f64> {
+    // Where no place is around it, a vertex takes the value where it came from.
+    let mut sums: Vec<_> =
+        fine_vertices.iter().map(|&vertex| (f64::EPSILON * values[vertex], f64::EPSILON)).collect();
+    for (place, value) in places.iter().zip(values) {
+        for (corner, weight) in place.weights_of_corners() {
+            let (sum, weights) = &mut sums[corner as usize];
+            (*sum, *weights) = (*sum + weight * value, *weights + weight);
+        }
+    }
+    sums.into_iter().map(|(sum, weights)| sum / weights).collect()
+}
+
+/// The point of a skin closest to one beside it, with its normal and the wanted length of the edges there.
+///
+/// * `edge_length`: at each vertex (n, m)
+fn on_surface(skin: &Surface, edge_length: &[f64]) -> impl Fn(&Vector3<f64>) -> SurfacePoint {
+    let faces = Faces { vertices: skin.vertices(), corners: skin.faces(), normals: skin.face_normals() };
+    let tree = face_tree(skin.vertices(), skin.faces());
+    move |point| {
+        let (face, weights, closest) = barycentric(&faces, &tree, point);
+        let corners = faces.corners[face].map(|vertex| vertex as usize);
+        SurfacePoint {
+            point: closest.point,
+            normal: faces.normals[face],
+            edge_length: corners
+                .iter()
+                .zip(weights)
+                .map(|(&vertex, weight)| weight * edge_length[vertex])
+                .sum(),
+        }
+    }
+}
+
+/// The face closest to a point, the weights of its corners at the closest point, and that.
+fn barycentric(faces: &Faces, tree: &Bvh, point: &Vector3<f64>) -> (usize, [f64; 3], Closest) {
+    let (face, closest) = faces.closest_to_point(tree, point, f64::INFINITY).expect("a mesh has faces");
+    let [a, b, c] = faces.corners[face].map(|vertex| faces.vertices[vertex as usize] - closest.point);
+    let normal = &faces.normals[face];
+    let areas = [b.cross(&c), c.cross(&a), a.cross(&b)].map(|area| area.dot(normal).max(0.0));
+    let whole: f64 = areas.iter().sum();
+    (face, areas.map(|area| area / whole), closest)
 }
 
 /// The place of every point on a coarse mesh, and its height over it along the normal there (m).
@@ -68,17 +143,15 @@ fn place(points: &[Vector3<f64>], coarse: &Surface, fine_vertices: &[usize]) -> 
     let faces = Faces { vertices, corners, normals: coarse.face_normals() };
     let tree = face_tree(vertices, corners);
     let on_coarse = |point: &Vector3<f64>| {
-        let (face, closest) = faces.closest_to_point(&tree, point, f64::INFINITY).expect("a mesh has faces");
-        let normal = coarse.face_normals()[face];
-        let [a, b, c] = corners[face].map(|vertex| vertices[vertex as usize] - closest.point);
-        let areas = [b.cross(&c), c.cross(&a), a.cross(&b)].map(|area| area.dot(&normal).max(0.0));
-        let whole: f64 = areas.iter().sum();
-        let place = CoarsePlace { corners: corners[face], weights: areas.map(|area| area / whole) };
-        (place, closest.distance_squared.sqrt().copysign((point - closest.point).dot(&normal)))
+        let (face, weights, closest) = barycentric(&faces, &tree, point);
+        let height = (point - closest.point).dot(&faces.normals[face]);
+        let place = CoarsePlace { corners: corners[face], weights };
+        (place, closest.distance_squared.sqrt().copysign(height))
     };
     let (mut places, mut heights): (Vec<_>, Vec<_>) = points.iter().map(on_coarse).unzip();
     // A vertex of both meshes is where it is, to the bit.
-    for (own, &vertex) in fine_vertices.iter().enumerate() {
+    let is_there = |&(own, &vertex): &(usize, &usize)| vertices[own] == points[vertex];
+    for (own, &vertex) in fine_vertices.iter().enumerate().filter(is_there) {
         places[vertex] = CoarsePlace { corners: [own as u32; 3], weights: [1.0, 0.0, 0.0] };
         heights[vertex] = 0.0;
     }
@@ -89,19 +162,15 @@ fn place(points: &[Vector3<f64>], coarse: &Surface, fine_vertices: &[usize]) -> 
 /// its volume; returns the surface and the largest height left (m).
 fn fit(
     inscribed: &Surface,
+    fine_vertices: &[usize],
     places: &[CoarsePlace],
     heights: &[f64],
-    is_held: impl Fn(usize) -> bool,
+    is_held: &[bool],
 ) -> (Surface, f64) {
-    let mut sums = vec![(0.0, 0.0); inscribed.vertices().len()];
-    for (place, height) in places.iter().zip(heights) {
-        for (corner, weight) in place.corners.into_iter().zip(place.weights) {
-            let (sum, weights) = &mut sums[corner as usize];
-            (*sum, *weights) = (*sum + weight * height, *weights + weight);
-        }
+    let mut lifts = means_around(fine_vertices, places, heights);
+    for (lift, _) in lifts.iter_mut().zip(fine_vertices).filter(|(_, vertex)| is_held[**vertex]) {
+        *lift = 0.0;
     }
-    let lift = |own: usize| if is_held(own) { 0.0 } else { sums[own].0 / sums[own].1 };
-    let lifts: Vec<f64> = (0..sums.len()).map(lift).collect();
     let lifted = inscribed.vertices().iter().zip(inscribed.vertex_normals()).zip(&lifts);
     let surface =
         inscribed.with_vertices(lifted.map(|((vertex, normal), lift)| vertex + normal * *lift).collect());

@@ -350,6 +350,20 @@ def test_a_prepared_body_refines(body: Prepared) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize("coarse_edge_length", [1.5e-3, 2e-3, 3e-3, 4e-3])
+def test_the_estimate_of_a_coarse_body_covers_its_error(coarse_edge_length: float) -> None:
+    surface = qr.Surface(*ball(8e-3, 3))
+    response = qr.Body(bone=core(), coarse_edge_length=coarse_edge_length)
+    for sphere in qr.reference.plate_on_cored_sphere():
+        material = {"shear_modulus": 60e3, "poisson_ratio": sphere.poisson_ratio}
+        prepared = qr.Skin(**material, response=response).prepared(surface, low_vertices(surface))
+        for depth, true in sphere.indentations.items():
+            contact = qr.press(surface, PLATE, prepared, UP, depth=depth)
+            assert contact.accuracy.force_error is not None
+            assert abs(contact.force[2] / true - 1) <= contact.accuracy.force_error + sphere.accuracy
+
+
+@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("coarse_edge_length", [None, 0], ids=["two levels", "one level"])
 def test_the_drawn_skin_of_a_refined_body_lies_on_the_plate_and_is_still_where_it_is_fixed(
     coarse_edge_length: float | None,

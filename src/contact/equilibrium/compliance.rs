@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
 use crate::contact::options::ContactOptions;
+use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
@@ -41,6 +42,18 @@ impl<'a> Compliance<'a> {
     pub fn matrix(&self, nodes: &[usize], normals: &[Vector3<f64>]) -> Result<Mat<f64>, ContactError> {
         let asked = Request { surface: self.surface, nodes, options: &self.options };
         Ok(self.skin.matrix(&asked, normals)?)
+    }
+
+    /// What the mesh that a body was solved on costs a contact of so many m in depth with `forces` (N) at `nodes`;
+    /// `None` of a kernel or a matrix.
+    pub fn doubt(
+        &self,
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ContactError> {
+        let asked = Request { surface: self.surface, nodes, options: &self.options };
+        Ok(self.skin.doubt(&asked, forces, depth)?)
     }
 
     /// Displacement of `vertices`, each under the forces of its own finger, to the tolerance of R itself.

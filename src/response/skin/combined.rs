@@ -189,13 +189,22 @@ impl Pieces<'_> {
     }
 
     /// The worst of the parts, and none where the kernel carries all.
-    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
-        let groups = self.by_owner(nodes).into_iter().enumerate().filter(|(_, group)| !group.is_empty());
-        let doubts = groups.filter_map(|(number, positions)| {
-            let (skin, own) = self.ask(number, &picked(nodes, &positions));
-            skin.doubt(&own, &picked(forces, &positions))
-        });
-        doubts.max_by(|a, b| a.force_error.total_cmp(&b.force_error))
+    fn doubt(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        let groups = self.by_owner(asked.nodes).into_iter().enumerate();
+        let mut worst: Option<BodyDoubt> = None;
+        for (number, positions) in groups.filter(|(_, group)| !group.is_empty()) {
+            let (skin, own) = self.ask(number, &picked(asked.nodes, &positions));
+            let doubt = skin.doubt(&Request { nodes: &own, ..*asked }, &picked(forces, &positions), depth)?;
+            let is_worse =
+                |doubt: &BodyDoubt| worst.is_none_or(|worst| doubt.force_error > worst.force_error);
+            worst = doubt.filter(is_worse).or(worst);
+        }
+        Ok(worst)
     }
 
     fn check_patches(&self, surface: &Surface, nodes: &[usize]) -> Result<(), ResponseError> {
@@ -282,8 +291,13 @@ impl ElasticSkin for CombinedSkin {
         Ok(Some(Box::new(RefinedCombination { background, parts, owner })))
     }
 
-    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
-        self.pieces().doubt(nodes, forces)
+    fn doubt(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        self.pieces().doubt(asked, forces, depth)
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
@@ -314,8 +328,13 @@ impl ElasticSkin for RefinedCombination {
         Ok(None)
     }
 
-    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
-        self.pieces().doubt(nodes, forces)
+    fn doubt(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        self.pieces().doubt(asked, forces, depth)
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

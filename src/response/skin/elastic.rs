@@ -107,9 +107,18 @@ pub trait ElasticSkin: Sync {
     /// [`ResponseError`] by variant.
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError>;
 
-    /// What the mesh that a body was solved on costs a contact with `forces` (N) at `nodes`; `None` of a kernel or a matrix.
-    fn doubt(&self, _nodes: &[usize], _forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
-        None
+    /// What the mesh that a body was solved on costs a contact of depth `depth` (m) with `forces` (N) at the nodes;
+    /// `None` of a kernel or a matrix.
+    ///
+    /// # Errors
+    /// [`ResponseError`] by variant.
+    fn doubt(
+        &self,
+        _asked: &Request,
+        _forces: &[Vector3<f64>],
+        _depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        Ok(None)
     }
 
     /// R over the nodes along `directions` (k × k, m/N).

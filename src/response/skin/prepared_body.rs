@@ -170,8 +170,18 @@ impl ElasticSkin for PreparedBody {
         Ok(on_mesh.map(|body| Box::new(body) as Box<dyn ElasticSkin>))
     }
 
-    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
-        self.coarseness.as_ref().map(|coarseness| coarseness.doubt(nodes, forces))
+    fn doubt(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        let Some(coarseness) = &self.coarseness else { return Ok(None) };
+        let lost = match &self.levels {
+            Levels::Two(two) => two.near_and_far().lost_displacement(asked, forces)?,
+            Levels::Given(_) | Levels::One(_) => 0.0,
+        };
+        Ok(Some(coarseness.doubt(asked.nodes, forces, lost / depth)))
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
@@ -223,8 +233,14 @@ impl ElasticSkin for BodyOnMesh {
         Ok(None)
     }
 
-    fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> Option<BodyDoubt> {
-        Some(self.coarseness.doubt(nodes, forces))
+    fn doubt(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        let lost = self.response.lost_displacement(asked, forces)?;
+        Ok(Some(self.coarseness.doubt(asked.nodes, forces, lost / depth)))
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

@@ -9,7 +9,10 @@ use crate::surface::refined::RefinedSurface;
 
 /// Relative error of the force where the edges are as long as the tissue is thick; it falls with their square
 /// (docs/accuracy.md).
-const ERROR_AT_THICKNESS: f64 = 0.08;
+const ERROR_AT_THICKNESS: f64 = 0.03;
+
+/// Relative error of the force per share of the depth that interpolation between the body's vertices loses there.
+const ERROR_PER_LOSS: f64 = 0.7;
 
 /// What the mesh that a body was solved on costs a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,13 +51,16 @@ impl Coarseness {
     }
 
     /// What it costs a contact: the mean over the forces (N) at `nodes`.
-    pub fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>]) -> BodyDoubt {
+    ///
+    /// * `loss`: displacement that interpolation between the body's vertices loses there, over the depth of the contact
+    pub fn doubt(&self, nodes: &[usize], forces: &[Vector3<f64>], loss: f64) -> BodyDoubt {
         let total: f64 = forces.iter().map(|force| force.norm()).sum();
         let mean = |value: &dyn Fn(usize) -> f64| {
             nodes.iter().zip(forces).map(|(&node, force)| value(node) * force.norm()).sum::<f64>() / total
         };
         BodyDoubt {
-            force_error: ERROR_AT_THICKNESS * mean(&|node| (self.edges[node] / self.thickness[node]).powi(2)),
+            force_error: ERROR_PER_LOSS * loss
+                + ERROR_AT_THICKNESS * mean(&|node| (self.edges[node] / self.thickness[node]).powi(2)),
             edge_length: mean(&|node| self.edges[node]),
         }
     }

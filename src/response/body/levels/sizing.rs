@@ -9,8 +9,19 @@ use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarseSkin;
 
-/// Wanted length of the coarse edges, as a share of the tissue's thickness. Collapses make some up to 1.5 times as long.
-const EDGE_PER_THICKNESS: f64 = 0.4;
+/// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length.
+const MOST_TRIES: usize = 4;
+const SHORTER: f64 = 0.8;
+
+/// Wanted length of the coarse edges, as a share of the tissue's thickness: the least and the most. Collapses make some
+/// up to 1.5 times as long.
+const EDGE_PER_THICKNESS: [f64; 2] = [0.4, 0.7];
+
+/// Longest edge as a share of the radius that the skin bends with: twelve around a finger.
+const EDGE_PER_BEND: f64 = 0.5;
+
+/// Vertices of a coarse skin above which its edges are longer than the least share.
+const MANY_VERTICES: f64 = 800.0;
 
 /// The same for the edges of a coarse bone.
 const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
@@ -26,6 +37,37 @@ pub(crate) fn tissue_thickness(skin: &Surface, bone: &Surface) -> Vec<f64> {
         closest.distance_squared.sqrt()
     };
     skin.vertices().par_iter().map(distance).collect()
+}
+
+/// The share of the thickness (n, m) that leaves not too many vertices of equilateral triangles.
+fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
+    let [least, most] = EDGE_PER_THICKNESS;
+    let areas = skin.vertex_areas().iter().zip(thickness);
+    let vertices: f64 = areas.map(|(area, t)| area / (0.75_f64.sqrt() * (least * t).powi(2))).sum();
+    (least * (vertices / MANY_VERTICES).sqrt()).clamp(least, most)
+}
+
+/// Radius that the skin bends with at each vertex (n, m): from the turn of the normals along the edges around it, and
+/// around its neighbours.
+///
+/// * `is_held`: vertices that count for none (n), such as those of a cut
+fn bend_radii(skin: &Surface, is_held: &[bool]) -> Vec<f64> {
+    let (points, normals) = (skin.vertices(), skin.vertex_normals());
+    let mean = |vertex: usize, value: &dyn Fn(usize) -> f64| {
+        let others = skin.neighbours(vertex).iter().map(|&other| other as usize);
+        let (sum, count) = others
+            .filter(|&other| !is_held[other])
+            .fold((0.0, 0.0), |(sum, count), other| (sum + value(other), count + 1.0));
+        sum / f64::max(count, 1.0)
+    };
+    let all = 0..points.len();
+    let turn_squared = |vertex: usize, other: usize| {
+        (normals[vertex] - normals[other]).norm_squared() / (points[vertex] - points[other]).norm_squared()
+    };
+    let around =
+        |vertex| if is_held[vertex] { 0.0 } else { mean(vertex, &|other| turn_squared(vertex, other)) };
+    let own: Vec<f64> = all.clone().map(around).collect();
+    all.map(|vertex| 1.0 / mean(vertex, &|other| own[other]).sqrt()).collect()
 }
 
 /// A bone with fewer vertices, where it may have: edges by its distance from the skin and by its own size.
@@ -61,29 +103,51 @@ impl Body {
         }
         let (_, fixed) = self.check(skin)?;
         check_nodes(vertex_count, &fixed, nodes)?;
-        let edge_length = match self.coarse_edge_length {
+        let (mut edge_length, tries) = match self.coarse_edge_length {
             Some(length) => {
                 let size = skin.bounding_box().diagonal();
                 if !(length > 0.0 && length <= size) {
                     return Err(BodyError::CoarseEdgeLength { value: length, size });
                 }
-                vec![length; vertex_count]
+                (vec![length; vertex_count], 1)
             }
-            None => {
-                // 2 V / A: the mean thickness of what has no bone within reach.
-                let deepest = 2.0 * skin.volume() / skin.area();
-                let mut thickness = match &self.bone {
-                    Some(bone) => tissue_thickness(skin, bone),
-                    None => vec![deepest; vertex_count],
-                };
-                thickness.iter_mut().for_each(|t| *t = EDGE_PER_THICKNESS * t.min(deepest));
-                thickness
-            }
+            None => (self.wanted_edges(skin, &fixed), MOST_TRIES),
         };
+        let mut coarse = self.coarse_body(skin, &edge_length, &fixed);
+        for _ in 1..tries {
+            if coarse.is_ok() {
+                break;
+            }
+            edge_length.iter_mut().for_each(|length| *length *= SHORTER);
+            coarse = self.coarse_body(skin, &edge_length, &fixed);
+        }
+        Ok(coarse?.map(|coarse| (coarse, fixed)))
+    }
+
+    /// Lengths of the coarse edges that the tissue and the bend of the skin ask for (n, m).
+    fn wanted_edges(&self, skin: &Surface, fixed: &[bool]) -> Vec<f64> {
+        // 2 V / A: the mean thickness of what has no bone within reach.
+        let deepest = 2.0 * skin.volume() / skin.area();
+        let mut thickness = match &self.bone {
+            Some(bone) => tissue_thickness(skin, bone),
+            None => vec![deepest; skin.vertices().len()],
+        };
+        thickness.iter_mut().for_each(|t| *t = t.min(deepest));
+        let share = edge_per_thickness(skin, &thickness);
+        let edges = thickness.into_iter().zip(bend_radii(skin, fixed));
+        edges.map(|(thickness, bend)| (share * thickness).min(EDGE_PER_BEND * bend)).collect()
+    }
+
+    /// The skin with edges of so many m, if that is a body around the same bone; `None` where it is the skin itself.
+    fn coarse_body(
+        &self,
+        skin: &Surface,
+        edge_length: &[f64],
+        fixed: &[bool],
+    ) -> Result<Option<CoarseSkin>, BodyError> {
         let refused = |reason: String| BodyError::CoarseMesh { reason };
-        let coarse =
-            CoarseSkin::new(skin, &edge_length, &fixed).map_err(|error| refused(error.to_string()))?;
-        if coarse.fine_vertices.len() == vertex_count {
+        let coarse = CoarseSkin::new(skin, edge_length, fixed).map_err(|error| refused(error.to_string()))?;
+        if coarse.fine_vertices.len() == skin.vertices().len() {
             return Ok(None);
         }
         let held = coarse.fine_vertices.iter().map(|&vertex| fixed[vertex]).collect();
@@ -92,7 +156,7 @@ impl Body {
         let crossings = find_crossings(coarse.surface.vertices(), coarse.surface.faces());
         match crossings.first() {
             Some([one, other]) => Err(refused(format!("its faces {one} and {other} cross"))),
-            None => Ok(Some((coarse, fixed))),
+            None => Ok(Some(coarse)),
         }
     }
 }

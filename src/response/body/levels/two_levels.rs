@@ -108,7 +108,8 @@ impl TwoLevels {
         let solved = coarse_body.prepare(&coarse.surface, shear_modulus, poisson_ratio, &loaded, options)?;
 
         let thickness = body.bone.as_ref().map(|bone| tissue_thickness(skin, bone));
-        let on_coarse = body.bone.as_ref().map(|bone| tissue_thickness(&coarse.surface, bone).into());
+        // The vertices of the coarse skin lie outside the skin, the coarse skin as a whole does not.
+        let on_coarse = thickness.as_ref().map(|list| coarse.means(list).into());
         let near = NearKernel::new(shear_modulus, poisson_ratio, on_coarse)?;
         let assembly = AssemblyOptions {
             tolerance: options.tolerance,
