@@ -311,6 +311,8 @@ class Contact:
     @property
     def travel(self) -> float: ...
     @property
+    def depth(self) -> float | None: ...
+    @property
     def lcp_solutions(self) -> list[LcpSolution]: ...
     @property
     def given_vertex_count(self) -> int: ...
@@ -378,7 +380,9 @@ def press(
     skin: Skin,
     direction: ArrayLike,
     *,
-    depth: float,
+    depth: float | None,
+    force: float | None,
+    overlap: float | None,
     start: str,
     options: ContactOptions,
 ) -> Contact: ...

@@ -1,5 +1,6 @@
 //! Why a contact could not be posed or carried through.
 
+use crate::contact::outcome::Contact;
 use crate::lcp::problem::LcpError;
 use crate::obstacle::error::ObstacleError;
 use crate::response::error::ResponseError;
@@ -30,6 +31,36 @@ pub enum ContactError {
     Depth {
         /// The depth given (m).
         depth: f64,
+    },
+    /// The force or the overlap that a press is to reach is not positive or not finite.
+    #[error("{goal} is {value} {unit}, expected a finite {goal} > 0")]
+    Goal {
+        /// `force` or `overlap`.
+        goal: &'static str,
+        /// The value given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A press cannot reach the force or the overlap asked for.
+    #[error(
+        "a {goal} of {asked:.6e} {unit} is not reached: the largest {goal} found is {largest:.6e} {unit} at a depth of {depth:.6e} m; {why}"
+    )]
+    NotReached {
+        /// `force` or `overlap`.
+        goal: &'static str,
+        /// Its unit.
+        unit: &'static str,
+        /// The value asked for.
+        asked: f64,
+        /// The largest found below it.
+        largest: f64,
+        /// Depth of that (m).
+        depth: f64,
+        /// What is in the way.
+        why: String,
+        /// The contact at that depth.
+        contact: LargestContact,
     },
     /// No vertex may touch.
     #[error("the skin mask leaves no vertex that may touch ({vertex_count} vertices, all masked out)")]
@@ -88,4 +119,16 @@ pub enum ContactError {
     /// The complementarity problem could not be posed.
     #[error(transparent)]
     Lcp(#[from] LcpError),
+}
+
+/// The contact that a press came to which could not reach its goal.
+#[derive(Debug, Clone)]
+pub struct LargestContact(pub Box<Contact>);
+
+impl PartialEq for LargestContact {
+    /// Equal in depth, ending and node forces.
+    fn eq(&self, other: &Self) -> bool {
+        let of = |contact: &Self| (contact.0.depth, contact.0.status);
+        of(self) == of(other) && self.0.node_force == other.0.node_force
+    }
 }

@@ -153,6 +153,9 @@ pub struct Contact {
     pub obstacle: Obstacle,
     /// Way of the obstacle along the direction of a press (m); 0 for a contact solved in place.
     pub travel: f64,
+    /// Depth of a press (m): travel past the first touch, or past the position that it began at; `None` for a contact
+    /// solved in place.
+    pub depth: Option<f64>,
     /// One solution for each complementarity problem, with its nodes.
     pub lcp_solutions: Vec<LcpSolution>,
     /// One entry a mesh that was solved, in order.

@@ -5,13 +5,18 @@ use nalgebra::Vector3;
 use crate::contact::error::ContactError;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::Contact;
-use crate::contact::scene::{Placement, Press};
+use crate::contact::reach::goal::{Target, reach};
+use crate::contact::reach::on_mesh::Quantity;
+use crate::contact::scene::{Approach, Goal, Placement, Press};
 use crate::contact::solve::solve;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 
-/// Moves the obstacle along a direction to a depth, then solves the contact.
+/// Moves the obstacle along a direction to a depth, a force or an overlap, and solves the contact there.
+///
+/// The depth of a force or an overlap is searched on the given mesh, which is refined there, and again on the refined
+/// mesh, to a relative 1e-6 of the value; force and overlap rise with the depth.
 ///
 /// From infinity, the depth counts from the *first touch*: the position along the line of travel at which the
 /// obstacle first brings a skin vertex to distance 0. The travel reported may be negative, for a scene that starts
@@ -22,8 +27,9 @@ use crate::surface::checked::Surface;
 /// that went through a wall thinner than their depth. Not so in Galerkin form.
 ///
 /// # Errors
-/// [`ContactError`] by variant; among them a direction that cannot be normalised, a negative depth, an obstacle
-/// that never meets the skin, and a current position that already penetrates.
+/// [`ContactError`] by variant; among them a direction that cannot be normalised, a negative depth, a force or an
+/// overlap that is not positive or cannot be reached (with the largest contact found), an obstacle that never meets
+/// the skin, and a current position that already penetrates.
 pub fn press(
     surface: &Surface,
     obstacle: &Obstacle,
@@ -33,11 +39,24 @@ pub fn press(
 ) -> Result<Contact, ContactError> {
     options.validate()?;
     let direction = unit(&press.direction)?;
-    if !(press.depth >= 0.0 && press.depth.is_finite()) {
-        return Err(ContactError::Depth { depth: press.depth });
+    let approach = |depth| Approach { direction, start: press.start, depth };
+    let (quantity, value) = match press.goal {
+        Goal::Depth(depth) => {
+            if !(depth >= 0.0 && depth.is_finite()) {
+                return Err(ContactError::Depth { depth });
+            }
+            let placement = Placement { obstacle, press: Some(approach(depth)) };
+            return with_threads(options, || solve(surface, &placement, skin, options));
+        }
+        Goal::Force(force) => (Quantity::Force, force),
+        Goal::Overlap(overlap) => (Quantity::Overlap, overlap),
+    };
+    if !(value > 0.0 && value.is_finite()) {
+        let (goal, unit) = quantity.name_and_unit();
+        return Err(ContactError::Goal { goal, value, unit });
     }
-    let placement = Placement { obstacle, press: Some(Press { direction, ..*press }) };
-    with_threads(options, || solve(surface, &placement, skin, options))
+    let target = Target { quantity, value };
+    with_threads(options, || reach(surface, obstacle, approach(0.0), target, skin, options))
 }
 
 fn unit(direction: &Vector3<f64>) -> Result<Vector3<f64>, ContactError> {

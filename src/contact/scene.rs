@@ -19,15 +19,37 @@ pub enum Start {
     Current,
 }
 
+/// How far a press goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// Depth δ (m, ≥ 0): travel beyond the first touch, or beyond the current position.
+    Depth(f64),
+    /// Force on the skin along the direction (N, > 0).
+    Force(f64),
+    /// Deepest penetration of a vertex of the undeformed skin (m, > 0).
+    Overlap(f64),
+}
+
 /// A press: the obstacle moves along a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Press {
     /// Direction of travel of the obstacle; normalised here.
     pub direction: Vector3<f64>,
-    /// Depth δ (m, ≥ 0): travel beyond the first touch, or beyond the current position.
-    pub depth: f64,
+    /// Where it ends.
+    pub goal: Goal,
     /// Where it begins.
     pub start: Start,
+}
+
+/// A press to a depth.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Approach {
+    /// Unit direction.
+    pub direction: Vector3<f64>,
+    /// Where it begins.
+    pub start: Start,
+    /// Travel beyond that (m, ≥ 0).
+    pub depth: f64,
 }
 
 /// The obstacle in place, and what is known from bringing it there.
@@ -48,8 +70,8 @@ pub(crate) struct Scene {
 pub(crate) struct Placement<'a> {
     /// The obstacle before that.
     pub obstacle: &'a Obstacle,
-    /// Unit direction, depth and start of the press; `None`: it stays where it is.
-    pub press: Option<Press>,
+    /// `None`: it stays where it is.
+    pub press: Option<Approach>,
 }
 
 impl Placement<'_> {
@@ -57,23 +79,54 @@ impl Placement<'_> {
     ///
     /// * `is_refined`: whether a press from where the obstacle stands was found to be free before
     pub fn scene(&self, surface: &Surface, is_refined: bool) -> Result<Scene, ContactError> {
-        let Some(press) = self.press else {
+        let Some(approach) = self.press else {
             let obstacle = self.obstacle.clone();
             return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, finger_of: None });
         };
-        let touch = match press.start {
-            Start::Infinity => first_touch(surface, self.obstacle, &press.direction)?,
+        let begin = match approach.start {
+            Start::Infinity => first_touch(surface, self.obstacle, &approach.direction)?,
             Start::Current if is_refined => 0.0,
             Start::Current => free_start(surface, self.obstacle)?,
         };
-        let travel = touch + press.depth;
-        Ok(Scene {
-            obstacle: self.obstacle.translated(&(travel * press.direction)),
+        Ok(approach.scene(surface, self.obstacle, begin))
+    }
+}
+
+impl Approach {
+    /// The obstacle at the depth.
+    ///
+    /// * `begin`: travel at which the press begins (m)
+    pub fn scene(&self, surface: &Surface, obstacle: &Obstacle, begin: f64) -> Scene {
+        let travel = begin + self.depth;
+        Scene {
+            obstacle: obstacle.translated(&(travel * self.direction)),
             travel,
-            press: Some(Travel { direction: press.direction, depth: press.depth }),
-            depth_bound: Some(press.depth + TOUCH_ROUNDING * surface.bounding_box().diagonal()),
+            press: Some(Travel { direction: self.direction, depth: self.depth }),
+            depth_bound: Some(self.depth + TOUCH_ROUNDING * surface.bounding_box().diagonal()),
             finger_of: None,
-        })
+        }
+    }
+
+    /// Travel at which the press begins, and the depth at which it touches (m).
+    ///
+    /// * `is_refined`: as for [`Placement::scene`]
+    pub fn touch(
+        &self,
+        surface: &Surface,
+        obstacle: &Obstacle,
+        is_refined: bool,
+    ) -> Result<(f64, f64), ContactError> {
+        if self.start == Start::Infinity {
+            return Ok((first_touch(surface, obstacle, &self.direction)?, 0.0));
+        }
+        if !is_refined {
+            free_start(surface, obstacle)?;
+        }
+        let touching: Vec<Vector3<f64>> = skin_vertices(surface).map(|(_, position)| position).collect();
+        match obstacle.first_touch_from_current(&touching, &self.direction)? {
+            Some(touch) => Ok((0.0, touch.travel)),
+            None => Err(never_touches(&self.direction, touching.len())),
+        }
     }
 }
 
@@ -98,10 +151,12 @@ fn first_touch(
     }
     match obstacle.first_touch(&touching, direction)? {
         Some(touch) => Ok(touch.travel),
-        None => {
-            Err(ContactError::NeverTouches { direction: (*direction).into(), skin_vertices: touching.len() })
-        }
+        None => Err(never_touches(direction, touching.len())),
     }
+}
+
+fn never_touches(direction: &Vector3<f64>, skin_vertices: usize) -> ContactError {
+    ContactError::NeverTouches { direction: (*direction).into(), skin_vertices }
 }
 
 /// Travel 0, after a check that nothing penetrates yet.

@@ -8,7 +8,8 @@ use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::contact::{
-    self, Accuracy, Contact, ContactError, ContactOptions, Press, Refinement, Resultant, Start,
+    self, Accuracy, Contact, ContactError, ContactOptions, Goal, LargestContact, Press, Refinement,
+    Resultant, Start,
 };
 use crate::lcp::LcpSolution;
 use crate::response::ElasticSkin;
@@ -212,6 +213,7 @@ pub(super) struct PyContact {
     active: Py<PyArray1<i64>>,
     obstacle: Py<PyObstacle>,
     travel: f64,
+    depth: Option<f64>,
     lcp_solutions: Vec<Py<PyLcpSolution>>,
     given_vertex_count: usize,
     /// The two vertices that each added one lies between (k, 2).
@@ -252,6 +254,7 @@ impl PyContact {
             active: read_only(nodes_out(py, &contact.active)),
             obstacle: Py::new(py, PyObstacle::from(contact.obstacle.clone()))?,
             travel: contact.travel,
+            depth: contact.depth,
             lcp_solutions: contact.lcp_solutions.iter().map(lcp_solution).collect::<PyResult<_>>()?,
             given_vertex_count: contact.given_vertex_count(),
             parents: read_only(pairs_out(py, &contact.parents())),
@@ -307,7 +310,26 @@ fn run(
     let contact = detached_with(skin.py(), options.num_threads, |interrupt| {
         solve(elastic, &ContactOptions { interrupt: Some(interrupt), ..options.clone() })
     })?;
-    PyContact::new(contact.map_err(IntoPyErr::into_py_err)?, skin, options)
+    match contact {
+        Ok(contact) => PyContact::new(contact, skin, options),
+        Err(error) => Err(raised(error, skin, options)?),
+    }
+}
+
+/// The exception for an error; the largest contact of a press that fell short goes with it.
+fn raised(
+    error: ContactError,
+    skin: &Bound<'_, PySkin>,
+    options: ContactOptions<'static>,
+) -> PyResult<PyErr> {
+    let message = error.to_string();
+    let ContactError::NotReached { contact: LargestContact(contact), .. } = error else {
+        return Ok(error.into_py_err());
+    };
+    let py = skin.py();
+    let raised = PyContactError::new_err(message);
+    raised.value(py).setattr("contact", PyContact::new(*contact, skin, options)?)?;
+    Ok(raised)
 }
 
 #[pyfunction]
@@ -321,18 +343,34 @@ pub(super) fn solve_contact(
 }
 
 #[pyfunction]
-#[pyo3(signature = (surface, obstacle, skin, direction, *, depth, start, options))]
+#[pyo3(signature = (surface, obstacle, skin, direction, *, depth, force, overlap, start, options))]
+#[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn press(
     surface: &PySurface,
     obstacle: &PyObstacle,
     skin: &Bound<'_, PySkin>,
     direction: &Bound<'_, PyAny>,
-    depth: f64,
+    depth: Option<f64>,
+    force: Option<f64>,
+    overlap: Option<f64>,
     start: &str,
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
+    let goal = match (depth, force, overlap) {
+        (Some(depth), None, None) => Goal::Depth(depth),
+        (None, Some(force), None) => Goal::Force(force),
+        (None, None, Some(overlap)) => Goal::Overlap(overlap),
+        _ => return Err(PyContactError::new_err(not_one_goal([depth, force, overlap]))),
+    };
     let starts = [(Start::Infinity, "infinity"), (Start::Current, "current")];
     let start = named("start", start, &starts, PyContactError::new_err)?;
-    let press = Press { direction: vector(direction, "direction")?, depth, start };
+    let press = Press { direction: vector(direction, "direction")?, goal, start };
     run(skin, options, |skin, options| contact::press(&surface.inner, &obstacle.inner, skin, &press, options))
+}
+
+fn not_one_goal(given: [Option<f64>; 3]) -> String {
+    let names = ["depth", "force", "overlap"].iter().zip(given);
+    let given: Vec<&str> = names.filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
+    let given = if given.is_empty() { "none of them".to_owned() } else { given.join(" and ") };
+    format!("a press takes depth, force or overlap, and one of them alone; given: {given}")
 }

@@ -95,12 +95,16 @@ def press(
     skin: ElasticSkin,
     direction: ArrayLike,
     *,
-    depth: float,
+    depth: float | None = None,
+    force: float | None = None,
+    overlap: float | None = None,
     start: Start | Literal["infinity", "current"] = "infinity",
     options: ContactOptions | None = None,
     throw: bool = True,
 ) -> Contact:
-    """Move the obstacle along a direction to a depth, then solve the contact.
+    """Move the obstacle along a direction to a depth, a force or an overlap, and solve the contact there.
+
+    Takes one of `depth`, `force` and `overlap`.
 
     Parameters
     ----------
@@ -112,8 +116,12 @@ def press(
         Material and response.
     direction : (3,) array_like
         Direction in which the obstacle travels; normalised here.
-    depth : float
+    depth : float, optional
         Travel beyond the start (m, >= 0).
+    force : float, optional
+        Force on the skin along the direction, ``contact.force . direction`` (N, > 0).
+    overlap : float, optional
+        Deepest overlap of obstacle and undeformed skin, `Contact.max_penetration_before` (m, > 0).
     start : {"infinity", "current"}
         "infinity": the depth counts from first touch, the position on the line of travel at which the
         obstacle, coming from infinity, first brings a skin vertex to distance 0. "current": from where the
@@ -121,18 +129,21 @@ def press(
     options : ContactOptions, optional
         How it is solved.
     throw : bool
-        Raise on an ending other than "solved" and "no_contact"; with False, read `Contact.status`.
+        Raise on an ending other than "solved" and "no_contact"; with False, read `Contact.status`. A force or
+        an overlap out of reach raises in any case.
 
     Returns
     -------
     Contact
-        As `solve_contact`; `travel` is the way of the obstacle (m), negative where it started in overlap.
+        As `solve_contact`; `depth` is the depth that was found (m), and `travel` the way of the obstacle (m),
+        negative where it started in overlap.
 
     Raises
     ------
     ContactError
-        For a zero direction, a negative depth, an obstacle that never meets the skin, a start that
-        penetrates, or a bad ending (the error carries `contact`).
+        For a zero direction, a negative depth, a force or an overlap that is not positive, none or several of
+        these, an obstacle that never meets the skin, a start that penetrates, a bad ending (the error carries
+        `contact`), or a force or an overlap out of reach (`contact` is the largest that was found).
 
     Warns
     -----
@@ -142,6 +153,10 @@ def press(
 
     Notes
     -----
+    Under a force or an overlap the depth is searched to a relative 1e-6 of the value, on the given mesh, and
+    again on the mesh that is refined there. A press to `Contact.depth` gives the force back: to the bit on
+    the given mesh (``target_error=None``), else as far as two refined meshes agree, some `target_error`.
+
     A vertex that came in through another side of the obstacle than its closest one (beside an edge, through a
     thin wall) has its gap measured back along the press, to where the obstacle met it; `left_out` counts
     them. A contact solved in place knows no way and pushes such vertices out at the side, and so does the
@@ -156,11 +171,27 @@ def press(
     >>> contact = qr.press(tip, plate, skin, [0, 0, 1], depth=1e-3)
     >>> contact.status.value, bool(contact.force[2] > 0)
     ('solved', True)
+    >>> contact = qr.press(tip, plate, skin, [0, 0, 1], force=5.0)
+    >>> f"{contact.force[2]:.4f} N, {1e3 * contact.depth:.1f} mm"
+    '5.0000 N, 2.0 mm'
     """
     core_options = options_to_core(options or ContactOptions())
-    pressed = _core.press(
-        surface, obstacle, core_skin(skin, surface), direction, depth=depth, start=start, options=core_options
-    )
+    try:
+        pressed = _core.press(
+            surface,
+            obstacle,
+            core_skin(skin, surface),
+            direction,
+            depth=depth,
+            force=force,
+            overlap=overlap,
+            start=start,
+            options=core_options,
+        )
+    except ContactError as error:
+        if isinstance(error.contact, _core.Contact):
+            error.contact = _from_core(error.contact, surface)
+        raise
     return _finish(pressed, surface, throw)
 
 
@@ -185,6 +216,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         refinements=tuple(_round(one) for one in core.refinements),
         obstacle=core.obstacle,
         travel=core.travel,
+        depth=core.depth,
         force=total.force,
         moment=total.moment,
         center_of_pressure=total.center_of_pressure,

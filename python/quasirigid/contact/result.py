@@ -107,6 +107,9 @@ class Contact(Frozen):
         The obstacle where it stands now.
     travel : float
         Way of the obstacle along the direction of a press (m).
+    depth : float or None
+        Depth of a press (m): travel past first touch, or past where it began with ``start="current"``. None
+        for a contact solved in place.
     force : (3,) float64
         Force on the skin (N).
     moment : (3,) float64
@@ -159,6 +162,7 @@ class Contact(Frozen):
     refinements: tuple[Refinement, ...]
     obstacle: Obstacle
     travel: float
+    depth: float | None
     force: NDArray[np.float64]
     moment: NDArray[np.float64]
     center_of_pressure: NDArray[np.float64]
@@ -299,7 +303,8 @@ class ContactError(QuasirigidError, ValueError, RuntimeError):
     Attributes
     ----------
     contact : Contact or None
-        What was found, where the question was well posed and the ending was not "solved".
+        What was found, where the question was well posed: the contact whose ending was not "solved", or the
+        largest contact of a press that cannot reach its force or overlap.
     """
 
     contact: Contact | None = None

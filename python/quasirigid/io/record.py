@@ -26,6 +26,7 @@ _CONTACT = {
     "max_penetration_before": "m",
     "max_penetration_after": "m",
     "travel": "m",
+    "depth": "m",
     "fade_distance": "m",
     "natural_residual": "1",
 }

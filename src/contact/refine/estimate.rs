@@ -49,6 +49,18 @@ impl MeshError {
         }
     }
 
+    /// From the estimate for another contact on the same mesh: what has fewer cells costs more.
+    pub fn carried_over(from: &Contact, to: &Contact) -> Option<Self> {
+        let known = &from.accuracy;
+        let (before, after) = (Self::of_cells(from), Self::of_cells(to));
+        let rise = |before: f64, after: f64| (after / before).max(1.0);
+        Some(Self {
+            force: known.mesh_error? * rise(before.force, after.force),
+            area: known.area_error? * rise(before.area, after.area),
+            pressure: known.max_pressure_error? * rise(before.pressure, after.pressure),
+        })
+    }
+
     /// The larger of what force and area leave.
     pub fn worst(&self) -> f64 {
         self.force.max(self.area)

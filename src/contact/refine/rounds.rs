@@ -22,14 +22,40 @@ const SMALL_SHARE: f64 = 0.6;
 /// Rounds at the most: each halves the edges.
 const MAX_ROUNDS: usize = 12;
 
+/// What is to be done about the mesh of a contact.
+pub(crate) enum Begun<'a> {
+    /// Nothing: the contact, concluded.
+    Ended(Box<Contact>),
+    /// To refine it.
+    Rounds(Box<Rounds<'a>>),
+}
+
 /// Refines the mesh of a contact that was solved on the given one, as far as the options ask for it.
 pub(crate) fn refine(
-    mut given: Contact,
+    given: Contact,
     started: Instant,
     placement: &Placement,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
+    match begin(given, started, placement, skin, options)? {
+        Begun::Ended(contact) => Ok(*contact),
+        Begun::Rounds(mut rounds) => {
+            let reason = rounds.run()?;
+            rounds.conclude(reason)
+        }
+    }
+}
+
+/// Notes what the given mesh gave, and looks whether it is to be refined.
+pub(crate) fn begin<'a>(
+    mut given: Contact,
+    started: Instant,
+    placement: &'a Placement,
+    skin: &'a dyn ElasticSkin,
+    options: &'a ContactOptions,
+) -> Result<Begun<'a>, ContactError> {
+    let ended = |contact: Contact| Ok(Begun::Ended(Box::new(contact)));
     let surface = given.surface().clone();
     let traits = skin.traits(&surface)?;
     if !traits.refines {
@@ -42,36 +68,38 @@ pub(crate) fn refine(
         (given.status == ContactStatus::Solved && traits.refines).then(|| MeshError::of_cells(&given));
     given.note_round(error, started);
     let target = match options.target_error {
-        None => return Ok(given.concluded("the mesh was taken as it is")),
+        None => return ended(given.concluded("the mesh was taken as it is")),
         Some(_) if !traits.refines => {
             given.leave_out("refinement", "one-rings and given matrices take the mesh as it is");
-            return Ok(given.concluded("the response takes the mesh as it is"));
+            return ended(given.concluded("the response takes the mesh as it is"));
         }
         Some(target) => target,
     };
     if matches!(given.status, ContactStatus::Failed(_)) {
-        return Ok(given.concluded("a complementarity problem did not end solved"));
+        return ended(given.concluded("a complementarity problem did not end solved"));
     }
     // Where forces can press skin outside, it must be there.
     let margin = if traits.negative_entries { given.max_penetration_before } else { 0.0 };
     let mesh = MeshRefinement::new(&surface, faces_near(&given, &surface, margin));
-    Rounds { given, mesh, last: None, placement, skin, options, target }.run()
+    Ok(Begun::Rounds(Box::new(Rounds { given, mesh, last: None, placement, skin, options, target })))
 }
 
-struct Rounds<'a> {
+/// The rounds of a refinement.
+pub(crate) struct Rounds<'a> {
     /// On the given mesh.
     given: Contact,
     mesh: MeshRefinement,
     /// On the finest mesh so far.
-    last: Option<(RefinedSurface, Contact)>,
+    pub last: Option<(RefinedSurface, Contact)>,
     placement: &'a Placement<'a>,
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions<'a>,
-    target: f64,
+    pub target: f64,
 }
 
 impl Rounds<'_> {
-    fn run(mut self) -> Result<Contact, ContactError> {
+    /// Refines until the target is met, or something else ends it: says what.
+    pub fn run(&mut self) -> Result<&'static str, ContactError> {
         let mut unsettled = 0;
         let mut before = f64::INFINITY;
         for _ in 0..MAX_ROUNDS {
@@ -80,27 +108,27 @@ impl Rounds<'_> {
             let wanting = self.wanting(is_for_area);
             let marked = self.marked(&wanting)?;
             if !marked.contains(&true) {
-                return self.conclude("nothing carries force");
+                return Ok("nothing carries force");
             }
             if self.predicted_nodes(&wanting) > self.options.max_nodes {
-                return self.conclude("max_nodes");
+                return Ok("max_nodes");
             }
             let mut finer = self.mesh.clone();
             finer.refine(&marked);
             let part = finer.part();
             let mut contact = match self.solve(&part) {
                 Err(ContactError::Response(ResponseError::TooLarge { .. })) => {
-                    return self.conclude("memory_limit");
+                    return Ok("memory_limit");
                 }
                 other => other?,
             };
             if contact.candidates.len() > self.options.max_nodes {
-                return self.conclude("max_nodes");
+                return Ok("max_nodes");
             }
             self.mesh = finer;
             if matches!(contact.status, ContactStatus::Failed(_)) {
                 self.last = Some((part, contact));
-                return self.conclude("a complementarity problem did not end solved");
+                return Ok("a complementarity problem did not end solved");
             }
             let previous = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
             contact.refinements = previous.refinements.clone();
@@ -108,7 +136,7 @@ impl Rounds<'_> {
             contact.note_round(error, started);
             self.last = Some((part, contact));
             match error {
-                Some(error) if error.worst() <= self.target => return self.conclude("target_error"),
+                Some(error) if error.worst() <= self.target => return Ok("target_error"),
                 Some(error) => {
                     unsettled = if error.worst() > 0.8 * before { unsettled + 1 } else { 0 };
                     before = error.worst();
@@ -116,10 +144,10 @@ impl Rounds<'_> {
                 None => {}
             }
             if unsettled >= UNSETTLED_ROUNDS {
-                return self.conclude("force or area does not settle");
+                return Ok("force or area does not settle");
             }
         }
-        self.conclude("the most rounds")
+        Ok("the most rounds")
     }
 
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface: all under force, or those at the
@@ -157,8 +185,7 @@ impl Rounds<'_> {
         }
         let started = Instant::now();
         let mut scene = self.placement.scene(&part.surface, true)?;
-        let fingers = &self.given.drawing.fingers;
-        scene.finger_of = Some(part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)));
+        scene.finger_of = Some(self.fingers_on(part));
         let mut report = Report::default();
         if self.placement.press.is_some() {
             report.clock("first_touch", started);
@@ -167,7 +194,34 @@ impl Rounds<'_> {
         solve_in_place(&part.surface, &scene, &*skin, self.options, report)
     }
 
-    fn conclude(self, reason: &'static str) -> Result<Contact, ContactError> {
+    /// The finger of each vertex of a refined part, as the given mesh told.
+    pub fn fingers_on(&self, part: &RefinedSurface) -> Vec<Option<usize>> {
+        let fingers = &self.given.drawing.fingers;
+        part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b))
+    }
+
+    /// Puts a contact at another depth in the place of the last one, on the same mesh.
+    pub fn replace_last(&mut self, mut contact: Contact, started: Instant) {
+        let Some((_, last)) = &mut self.last else { return };
+        contact.refinements = std::mem::take(&mut last.refinements);
+        contact.refinements.pop();
+        let error = match contact.status {
+            ContactStatus::Solved => MeshError::carried_over(last, &contact),
+            _ => None,
+        };
+        contact.note_round(error, started);
+        *last = contact;
+    }
+
+    /// The last contact on a refined mesh, with the larger of what force and area leave.
+    pub fn last_figures(&self) -> Option<(&Contact, f64)> {
+        let (_, contact) = self.last.as_ref()?;
+        let accuracy = &contact.accuracy;
+        Some((contact, accuracy.mesh_error?.max(accuracy.area_error?)))
+    }
+
+    /// The last contact in the numbers of the whole skin, with why no further round followed.
+    pub fn conclude(self, reason: &'static str) -> Result<Contact, ContactError> {
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,

@@ -6,6 +6,7 @@ use crate::contact::candidate::fingers::Fingers;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
 use crate::contact::outcome::{Contact, ContactMesh, Patch};
+use crate::contact::report::record::add_timings;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// `contact` on `part` as a contact on the whole skin.
@@ -39,12 +40,7 @@ pub(crate) fn into_whole(
         }
     }
     let mut timings = given.timings;
-    for timing in &contact.timings {
-        match timings.iter_mut().find(|known| known.stage == timing.stage) {
-            Some(known) => known.seconds += timing.seconds,
-            None => timings.push(timing.clone()),
-        }
-    }
+    add_timings(&mut timings, &contact.timings);
     Ok(Contact {
         pressure: spread(&contact.pressure, part, count, 0.0),
         node_force: spread(&contact.node_force, part, count, 0.0),

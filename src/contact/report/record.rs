@@ -27,6 +27,16 @@ impl Report {
     }
 }
 
+/// Adds seconds to those known, stage by stage.
+pub(crate) fn add_timings(known: &mut Vec<Timing>, more: &[Timing]) {
+    for timing in more {
+        match known.iter_mut().find(|known| known.stage == timing.stage) {
+            Some(known) => known.seconds += timing.seconds,
+            None => known.push(timing.clone()),
+        }
+    }
+}
+
 impl Contact {
     /// Notes what was left out once the contact is solved.
     pub(crate) fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {

@@ -1,0 +1,193 @@
+//! A press to a force or an overlap.
+
+use std::time::Instant;
+
+use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::options::ContactOptions;
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, force_along};
+use crate::contact::reach::search::Search;
+use crate::contact::refine::rounds::{Begun, Rounds, begin};
+use crate::contact::scene::{Approach, Placement};
+use crate::obstacle::posed::Obstacle;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::checked::Surface;
+
+/// Power of the depth that the force of a round body rises with (Hertz).
+const HERTZ_POWER: f64 = 1.5;
+/// Refinements at the most: one at the depth that the given mesh asks for, one at that of the refined mesh.
+const REFINEMENTS: usize = 2;
+/// How much farther than the part of the skin that was refined was made for, in mean edges of the given mesh, an
+/// obstacle may come.
+const FARTHER: f64 = 0.5;
+
+/// The value that a quantity is to take.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target {
+    pub quantity: Quantity,
+    /// In N or m.
+    pub value: f64,
+}
+
+/// Everything that stays as it is while the depth is searched.
+struct Task<'a> {
+    surface: &'a Surface,
+    obstacle: &'a Obstacle,
+    skin: &'a dyn ElasticSkin,
+    options: &'a ContactOptions<'a>,
+    /// Its depth is not looked at.
+    press: Approach,
+    target: Target,
+}
+
+/// Brings the obstacle to where the contact reaches the target: on the given mesh, then on the one refined there.
+pub(crate) fn reach(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    press: Approach,
+    target: Target,
+    skin: &dyn ElasticSkin,
+    options: &ContactOptions,
+) -> Result<Contact, ContactError> {
+    Task { surface, obstacle, skin, options, press, target }.run()
+}
+
+impl Task<'_> {
+    fn run(&self) -> Result<Contact, ContactError> {
+        let mut started = Instant::now();
+        let touch = self.press.touch(self.surface, self.obstacle, false)?;
+        let on_given = self.on_mesh(self.surface, self.skin, None, touch);
+        let first = match self.target.quantity {
+            Quantity::Force => self.surface.mean_edge_length(),
+            Quantity::Overlap => self.target.value,
+        };
+        let search = Search {
+            value: self.target.value,
+            first,
+            power: self.target.quantity.power(),
+            limit: on_given.limit(),
+            known: None,
+        };
+        let (mut given, power) = match on_given.reach(self.target.quantity, &search, None)? {
+            Reached::Goal { contact, power } => (contact, power),
+            Reached::Short { contact, why } => {
+                let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
+                let placement = self.at(&contact);
+                return match begin(contact, started, &placement, self.skin, &unrefined)? {
+                    Begun::Ended(contact) => Err(self.not_reached(*contact, why)),
+                    Begun::Rounds(_) => unreachable!("no refinement was asked for"),
+                };
+            }
+        };
+        for refinement in 1..=REFINEMENTS {
+            let placement = self.at(&given);
+            let travel = given.travel;
+            let mut rounds = match begin(given, started, &placement, self.skin, self.options)? {
+                Begun::Ended(contact) => return Ok(*contact),
+                Begun::Rounds(rounds) => *rounds,
+            };
+            let reason = rounds.run()?;
+            let Some(why) = self.search_again(&mut rounds, power)? else { return rounds.conclude(reason) };
+            if let Err(why) = why {
+                return Err(self.not_reached(rounds.conclude(reason)?, why));
+            }
+            // Without figures (an overlap whose contact did not end solved) there is no error to mend.
+            let Some((found, error)) = rounds.last_figures() else { return rounds.conclude(reason) };
+            let farther = found.travel - travel > FARTHER * self.surface.mean_edge_length();
+            let was_met = reason == "target_error";
+            if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
+                return rounds.conclude(reason);
+            }
+            started = Instant::now();
+            given = on_given.solve(found.depth.expect("a press has a depth") - touch.1)?;
+        }
+        unreachable!("the last refinement returns")
+    }
+
+    /// Searches the depth on the mesh that was refined last, and puts the contact found in the place of the one there.
+    ///
+    /// `None` where nothing was refined or the last contact did not end solved; `Err` says why the target is out of reach.
+    fn search_again(
+        &self,
+        rounds: &mut Rounds,
+        power: f64,
+    ) -> Result<Option<Result<(), String>>, ContactError> {
+        let started = Instant::now();
+        let Some((part, last)) = rounds.last.as_ref() else { return Ok(None) };
+        if matches!(last.status, ContactStatus::Failed(_)) {
+            return Ok(None);
+        }
+        let touch = self.press.touch(&part.surface, self.obstacle, true)?;
+        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
+        let on_part = self.on_mesh(&part.surface, &*skin, Some(rounds.fingers_on(part)), touch);
+        let past = last.depth.expect("a press has a depth") - touch.1;
+        let value = match self.target.quantity {
+            Quantity::Force => force_along(last, &self.press.direction),
+            Quantity::Overlap => last.max_penetration_before,
+        };
+        if (value / self.target.value - 1.0).abs() <= Search::CLOSE {
+            return Ok(Some(Ok(())));
+        }
+        let is_known = past > 0.0 && value > 0.0;
+        let search = Search {
+            value: self.target.value,
+            first: if past > 0.0 { past } else { part.surface.mean_edge_length() },
+            power,
+            limit: self.on_mesh(self.surface, self.skin, None, touch).limit(),
+            known: is_known.then_some((past, value)),
+        };
+        let lower = (value < self.target.value).then(|| last.clone());
+        let (contact, end) = match on_part.reach(self.target.quantity, &search, lower)? {
+            Reached::Goal { contact, .. } => (contact, Ok(())),
+            Reached::Short { contact, why } => (contact, Err(why)),
+        };
+        rounds.replace_last(contact, started);
+        Ok(Some(end))
+    }
+
+    fn on_mesh<'b>(
+        &'b self,
+        surface: &'b Surface,
+        skin: &'b dyn ElasticSkin,
+        finger_of: Option<Vec<Option<usize>>>,
+        touch: (f64, f64),
+    ) -> OnMesh<'b> {
+        let Task { obstacle, options, press, .. } = *self;
+        OnMesh { surface, skin, finger_of, obstacle, press, options, touch }
+    }
+
+    /// The press to the depth of a contact.
+    fn at(&self, contact: &Contact) -> Placement<'_> {
+        let depth = contact.depth.expect("a press has a depth");
+        Placement { obstacle: self.obstacle, press: Some(Approach { depth, ..self.press }) }
+    }
+
+    fn not_reached(&self, contact: Contact, why: String) -> ContactError {
+        let (goal, unit) = self.target.quantity.name_and_unit();
+        let largest = match self.target.quantity {
+            Quantity::Force => force_along(&contact, &self.press.direction),
+            Quantity::Overlap => contact.max_penetration_before,
+        };
+        let depth = contact.depth.expect("a press has a depth");
+        let contact = LargestContact(Box::new(contact));
+        ContactError::NotReached { goal, unit, asked: self.target.value, largest, depth, why, contact }
+    }
+}
+
+impl Quantity {
+    /// Power of the depth that it rises with, as a first guess.
+    fn power(self) -> f64 {
+        match self {
+            Self::Force => HERTZ_POWER,
+            Self::Overlap => 1.0,
+        }
+    }
+
+    /// For messages.
+    pub fn name_and_unit(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Force => ("force", "N"),
+            Self::Overlap => ("overlap", "m"),
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! The argument at which a rising function takes a value: a bracketed secant in logarithms.
+
+/// Trials at the most.
+const MAX_TRIALS: usize = 12;
+/// Largest step outwards, as a factor.
+const LARGEST_STEP: f64 = 4.0;
+/// Least and largest power of the argument that a function is taken to rise with.
+const POWERS: [f64; 2] = [0.3, 100.0];
+/// Trials after which a bracket that is not half as wide is cut in the middle.
+const PATIENCE: usize = 3;
+/// A bracket that narrow, whose upper end has no value, ends the search.
+const NARROW: f64 = 1.01;
+
+/// What is looked for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Search {
+    /// The value (> 0).
+    pub value: f64,
+    /// First argument tried (> 0).
+    pub first: f64,
+    /// Power of the argument that the function rises with, as far as known.
+    pub power: f64,
+    /// Largest argument that is of use.
+    pub limit: f64,
+    /// Argument and value of one point, where known.
+    pub known: Option<(f64, f64)>,
+}
+
+/// What one argument gave.
+pub(crate) enum Trial<T> {
+    /// A value (≥ 0).
+    Value(f64, T),
+    /// None, and why.
+    Blocked(String),
+}
+
+/// How a search ended.
+pub(crate) enum Found<T> {
+    /// With the value, and the power of the argument that the function rises with there.
+    Close { at: f64, found: T, power: f64 },
+    /// Without: the largest value below, if any, and what is in the way.
+    NotReached { largest: Option<(f64, T)>, why: String },
+}
+
+/// What is known on the way; arguments and values as logarithms, values relative to the one looked for.
+struct Bracket<T> {
+    below: Option<(f64, f64, Option<T>)>,
+    above: Option<(f64, Option<f64>)>,
+    /// The last two points.
+    recent: [Option<(f64, f64)>; 2],
+    /// Width at the last halving, and trials since.
+    width: (f64, usize),
+    why: String,
+}
+
+impl Search {
+    /// Relative distance from the value asked for at which the search ends.
+    pub const CLOSE: f64 = 1e-6;
+
+    /// Looks for the value.
+    pub fn run<T, E>(&self, mut trial: impl FnMut(f64) -> Result<Trial<T>, E>) -> Result<Found<T>, E> {
+        let mut bracket = Bracket {
+            below: None,
+            above: None,
+            recent: [None; 2],
+            width: (f64::INFINITY, 0),
+            why: String::new(),
+        };
+        let mut at = self.first.min(self.limit);
+        if let Some((known, value)) = self.known {
+            bracket.add(known.ln(), (value / self.value).ln(), None);
+            at = bracket.next(self);
+        }
+        for _ in 0..MAX_TRIALS {
+            match trial(at)? {
+                Trial::Value(value, found) if (value / self.value - 1.0).abs() <= Self::CLOSE => {
+                    return Ok(Found::Close { at, found, power: bracket.power(self) });
+                }
+                Trial::Value(value, found) => bracket.add(at.ln(), (value / self.value).ln(), Some(found)),
+                Trial::Blocked(why) => {
+                    bracket.above = Some((at.ln(), None));
+                    bracket.why = why;
+                }
+            }
+            if bracket.above.is_none() && at >= self.limit {
+                bracket.why = "the obstacle has passed by the skin there".into();
+                return Ok(bracket.give_up());
+            }
+            if bracket.is_narrow() {
+                return Ok(bracket.give_up());
+            }
+            at = bracket.next(self);
+        }
+        match bracket.above {
+            Some((_, Some(_))) => bracket.why = format!("it jumps beyond: {MAX_TRIALS} depths were tried"),
+            None => bracket.why = format!("no more than {MAX_TRIALS} depths are tried"),
+            Some((_, None)) => {}
+        }
+        Ok(bracket.give_up())
+    }
+}
+
+impl<T> Bracket<T> {
+    fn add(&mut self, at: f64, value: f64, found: Option<T>) {
+        if value >= 0.0 {
+            self.above = Some((at, Some(value)));
+        } else if self.below.as_ref().is_none_or(|(_, largest, _)| value >= *largest) {
+            self.below = Some((at, value, found));
+        } else {
+            self.above = Some((at, None));
+            self.why = "deeper it falls again".into();
+        }
+        if value.is_finite() {
+            self.recent = [self.recent[1], Some((at, value))];
+        }
+    }
+
+    fn is_narrow(&self) -> bool {
+        matches!((&self.below, self.above), (Some((low, ..)), Some((high, None))) if high - low < NARROW.ln())
+    }
+
+    /// Power of the argument between the last two points.
+    fn power(&self, search: &Search) -> f64 {
+        let [Some((a, at_a)), Some((b, at_b))] = self.recent else { return search.power };
+        let power = (at_b - at_a) / (b - a);
+        if power.is_finite() && power > 0.0 { power.clamp(POWERS[0], POWERS[1]) } else { search.power }
+    }
+
+    /// The argument to try next.
+    fn next(&mut self, search: &Search) -> f64 {
+        let secant = self.recent[1].map(|(at, value)| at - value / self.power(search));
+        let chord = self.chord();
+        let low = self.below.as_ref().map(|(at, ..)| *at);
+        let step = LARGEST_STEP.ln();
+        let next = match (low, self.above) {
+            (None, None) => search.first.ln(),
+            (Some(low), None) => {
+                let farthest = (low + step).min(search.limit.ln());
+                secant.filter(|at| *at > low).map_or(farthest, |at| at.min(farthest))
+            }
+            (None, Some((high, _))) => secant.filter(|at| *at < high).unwrap_or(high - step),
+            (Some(low), Some((high, _))) => {
+                let width = high - low;
+                self.width =
+                    if width <= 0.5 * self.width.0 { (width, 0) } else { (self.width.0, self.width.1 + 1) };
+                let is_slow = self.width.1 >= PATIENCE;
+                if is_slow {
+                    self.width = (width, 0);
+                }
+                let inside = |at: &f64| low < *at && *at < high && !is_slow;
+                secant.filter(inside).or(chord.filter(inside)).unwrap_or(0.5 * (low + high))
+            }
+        };
+        next.exp().min(search.limit)
+    }
+
+    /// Where the chord between the ends of the bracket crosses.
+    fn chord(&self) -> Option<f64> {
+        let ((low, at_low, _), (high, at_high)) = (self.below.as_ref()?, self.above?);
+        let crossing = low - at_low * (high - low) / (at_high? - at_low);
+        crossing.is_finite().then_some(crossing)
+    }
+
+    fn give_up(self) -> Found<T> {
+        let largest = self.below.and_then(|(at, _, found)| Some((at.exp(), found?)));
+        Found::NotReached { largest, why: self.why }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn search(value: f64) -> Search {
+        Search { value, first: 1.0, power: 1.5, limit: 1e3, known: None }
+    }
+
+    /// Trials and the argument found.
+    fn count(search: &Search, function: impl Fn(f64) -> f64) -> (usize, f64) {
+        let mut trials = 0;
+        let ended = search.run(|at| -> Result<_, ()> {
+            trials += 1;
+            Ok(Trial::Value(function(at), ()))
+        });
+        match ended {
+            Ok(Found::Close { at, .. }) => (trials, at),
+            _ => panic!("not found"),
+        }
+    }
+
+    #[test]
+    fn a_power_is_found_by_the_second_secant() {
+        for power in [1.0_f64, 1.5, 2.0, 3.0] {
+            for at in [0.01_f64, 0.3, 40.0] {
+                let (trials, found) = count(&search(at.powf(power)), |x| x.powf(power));
+                assert!((found / at - 1.0).abs() <= 1e-6 && trials <= 6, "{power} {at}: {trials}, {found}");
+            }
+        }
+    }
+
+    #[test]
+    fn kinks_and_a_start_without_value_are_overcome() {
+        let kinked = |x: f64| if x < 2.0 { x } else { 2.0 + 30.0 * (x - 2.0) };
+        let (trials, found) = count(&search(3.0), kinked);
+        println!("{trials} trials");
+        // A value to 1e-6 of 3 with slope 30.
+        assert!((found - (2.0 + 1.0 / 30.0)).abs() <= 1e-7 + 4.0 * f64::EPSILON);
+        let late = |x: f64| (x - 5.0).max(0.0).powf(1.5);
+        let (trials, found) = count(&search(1.0), late);
+        println!("{trials} trials");
+        // To 1e-6 of 1 with slope 1.5.
+        assert!((found - 6.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_known_point_spares_a_trial() {
+        let close = Search { known: Some((2.0, 4.0)), power: 2.0, ..search(4.1) };
+        assert_eq!(count(&close, |x| x * x).0, 1);
+    }
+
+    #[test]
+    fn what_cannot_be_reached_gives_the_largest_below() {
+        let short = |function: fn(f64) -> Trial<f64>, reason: &str| match search(10.0)
+            .run(|x| -> Result<_, ()> { Ok(function(x)) })
+        {
+            Ok(Found::NotReached { largest: Some((at, _)), why }) => {
+                assert!((6.5..7.0).contains(&at), "{at}");
+                assert_eq!(why, reason);
+            }
+            _ => panic!("found"),
+        };
+        short(|x| Trial::Value(if x < 7.0 { x } else { 0.5 }, x), "deeper it falls again");
+        short(|x| if x < 7.0 { Trial::Value(x, x) } else { Trial::Blocked("wall".into()) }, "wall");
+        match search(1e9).run(|x| -> Result<_, ()> { Ok(Trial::Value(x, x)) }) {
+            Ok(Found::NotReached { largest: Some((at, _)), .. }) => assert!((at / 1e3 - 1.0).abs() < 1e-12),
+            _ => panic!("found"),
+        }
+    }
+}
