@@ -20,8 +20,10 @@ from .contact import (
     Patch,
     Refinement,
     Start,
+    Sweep,
     press,
     solve_contact,
+    sweep,
 )
 from .errors import (
     MeshFileError,
@@ -117,6 +119,7 @@ __all__ = [
     "Start",
     "Surface",
     "SurfaceError",
+    "Sweep",
     "__version__",
     "cut_out",
     "definiteness",
@@ -136,6 +139,7 @@ __all__ = [
     "skin_without_caps",
     "solve_contact",
     "solve_lcp",
+    "sweep",
 ]
 
 

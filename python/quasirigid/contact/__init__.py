@@ -11,3 +11,5 @@ from .result import ContactError as ContactError
 from .result import ContactStatus as ContactStatus
 from .result import LeftOut as LeftOut
 from .result import Patch as Patch
+from .sweep import Sweep as Sweep
+from .sweep import sweep as sweep

@@ -9,22 +9,27 @@ from .._units import LengthUnit as LengthUnit
 from .frame import contact_dataframe as contact_dataframe
 from .frame import contact_pyvista as contact_pyvista
 from .frame import contact_trimesh as contact_trimesh
+from .frame import sweep_columns as sweep_columns
+from .frame import sweep_dataframe as sweep_dataframe
 from .frame import vertex_data as vertex_data
 from .mesh import mesh_arrays as mesh_arrays
 from .read import read_mesh as read_mesh
 from .read import read_obstacle as read_obstacle
 from .read import read_surface as read_surface
+from .record import as_plain as as_plain
 from .record import contact_record as contact_record
 from .summary import compare_contacts as compare_contacts
 from .summary import contact_html as contact_html
 from .summary import contact_summary as contact_summary
 from .summary import refinement_table as refinement_table
+from .summary import sweep_table as sweep_table
 from .write import save_contact as save_contact
 from .write import write_mesh as write_mesh
 
 __all__ = [
     "UNITS",
     "LengthUnit",
+    "as_plain",
     "compare_contacts",
     "contact_dataframe",
     "contact_html",
@@ -38,6 +43,9 @@ __all__ = [
     "read_surface",
     "refinement_table",
     "save_contact",
+    "sweep_columns",
+    "sweep_dataframe",
+    "sweep_table",
     "vertex_data",
     "write_mesh",
 ]

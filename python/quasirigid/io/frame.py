@@ -11,10 +11,29 @@ from .._extras import import_extra
 
 if TYPE_CHECKING:
     from ..contact.result import Contact
+    from ..contact.sweep import Sweep
 
-__all__ = ["contact_dataframe", "contact_pyvista", "contact_trimesh", "vertex_data"]
+__all__ = [
+    "contact_dataframe",
+    "contact_pyvista",
+    "contact_trimesh",
+    "sweep_columns",
+    "sweep_dataframe",
+    "vertex_data",
+]
 
 _UNITS = {"pressure": "Pa", "node_force": "N", "force": "N", "gap": "m", "displacement": "m"}
+_SWEEP_UNITS = {
+    "depth": "m",
+    "normal_force": "N",
+    "force": "N",
+    "moment": "N m",
+    "contact_area": "m^2",
+    "max_pressure": "Pa",
+    "force_error": "",
+    "area_error": "",
+    "seconds": "s",
+}
 
 
 def vertex_data(contact: Contact) -> dict[str, NDArray[Any]]:
@@ -77,6 +96,51 @@ def contact_dataframe(contact: Contact) -> Any:
         else:
             columns |= {name: values.astype(bool)} if unit is None else {f"{name} ({unit})": values}
     return pandas.DataFrame(columns).rename_axis(index="vertex")
+
+
+def sweep_columns(sweep: Sweep) -> dict[str, Any]:
+    """Return the columns of a sweep, one row a step.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+
+    Returns
+    -------
+    dict of str to array
+        In SI, the unit in each column's name, vectors as ``force_x (N)`` and so on; ``status`` last.
+    """
+    columns: dict[str, Any] = {}
+    for name, unit in _SWEEP_UNITS.items():
+        values = getattr(sweep, name)
+        if values.ndim == 2:
+            columns |= {f"{name}_{axis} ({unit})": values[:, at] for at, axis in enumerate("xyz")}
+        else:
+            columns[f"{name} ({unit})" if unit else name] = values
+    return columns | {"status": list(sweep.status)}
+
+
+def sweep_dataframe(sweep: Sweep) -> Any:
+    """Return a sweep as a table with one row a step.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The columns of `sweep_columns`; the index counts steps.
+
+    Raises
+    ------
+    MissingExtraError
+        If pandas is not installed.
+    """
+    pandas = import_extra("pandas", "data frames", "pandas")
+    return pandas.DataFrame(sweep_columns(sweep)).rename_axis(index="step")
 
 
 def contact_pyvista(contact: Contact) -> Any:

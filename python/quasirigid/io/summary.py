@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ..contact.result import Contact
+    from ..contact.sweep import Sweep
 
 __all__ = ["compare_contacts", "contact_html", "contact_summary", "refinement_table"]
 
@@ -80,6 +81,38 @@ def refinement_table(contact: Contact) -> str:
         ["peak (kPa)", *(f"{one.max_pressure * KPA:.4g}" for one in rounds)],
         ["time (ms)", *(f"{one.seconds * 1e3:.3g}" for one in rounds)],
     ]
+    return "\n".join(_aligned(columns))
+
+
+def sweep_table(sweep: Sweep) -> str:
+    """Return the steps of a sweep as a text table.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+
+    Returns
+    -------
+    str
+        A line for each step: depth (mm), force along the direction (N) and area (mm²) with the estimates of
+        their errors, peak pressure (kPa), time (ms), status.
+    """
+    numbers = (
+        ("depth (mm)", sweep.depth * MM),
+        ("force (N)", sweep.normal_force),
+        ("area (mm²)", sweep.contact_area * MM**2),
+        ("peak (kPa)", sweep.max_pressure * KPA),
+        ("time (ms)", sweep.seconds * 1e3),
+    )
+    depth, force, area, peak, seconds = (
+        [name, *("-" if np.isnan(value) else f"{value:.4g}" for value in values)] for name, values in numbers
+    )
+    force_error, area_error = (
+        ["error", *(_percent(None if np.isnan(error) else float(error)) for error in errors)]
+        for errors in (sweep.force_error, sweep.area_error)
+    )
+    columns = [depth, force, force_error, area, area_error, peak, seconds, ["status", *sweep.status]]
     return "\n".join(_aligned(columns))
 
 

@@ -5,6 +5,7 @@ returns it, a function `..._figure` returns a `Figure`. Matplotlib (the extra `p
 used, and no window is opened.
 """
 
+from .curves import sweep_figure as sweep_figure
 from .figures import comparison_figure as comparison_figure
 from .figures import contact_figure as contact_figure
 from .figures import footprint_figure as footprint_figure
@@ -23,4 +24,5 @@ __all__ = [
     "plot_footprint",
     "plot_section",
     "plot_skin",
+    "sweep_figure",
 ]

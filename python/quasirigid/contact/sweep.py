@@ -1,0 +1,312 @@
+"""Presses to several depths or forces, one after the other."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from .._check import as_direction, short
+from .._frozen import Frozen
+from ..errors import QuasirigidError, ResponseError
+from .options import ContactOptions
+from .press import Start, press
+from .result import Contact, ContactError, ContactStatus
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..obstacle import Obstacle
+    from ..skin.elastic import ElasticSkin
+    from ..surface import Surface
+
+__all__ = ["Sweep", "SweepProgress", "sweep"]
+
+SweepProgress = Callable[[int, int], object]
+
+_SCALARS = (
+    "depth",
+    "normal_force",
+    "contact_area",
+    "max_pressure",
+    "force_error",
+    "area_error",
+    "seconds",
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Question:
+    """What is asked at every step."""
+
+    surface: Surface
+    obstacle: Obstacle
+    skin: ElasticSkin
+    direction: NDArray[np.float64]
+    goal: str
+    values: NDArray[np.float64]
+    start: Start | Literal["infinity", "current"]
+    options: ContactOptions | None
+
+    def answer(self, step: int) -> Contact:
+        goal: dict[str, Any] = {self.goal: float(self.values[step])}
+        return press(
+            self.surface,
+            self.obstacle,
+            self.skin,
+            self.direction,
+            start=self.start,
+            options=self.options,
+            throw=False,
+            **goal,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sweep(Frozen):
+    """What presses to several depths or forces gave: one row a step (s of them), in the order asked.
+
+    A step that did not end solved has nan for its figures, and its status says why. ``sweep[i]`` is the
+    `Contact` of step i, solved again; for a force out of reach it raises, with the largest contact.
+
+    Attributes
+    ----------
+    depth : (s,) float64
+        Depth (m), as in `Contact`; nan where a force was not reached.
+    force : (s, 3) float64
+        Force on the skin (N).
+    normal_force : (s,) float64
+        Its part along the direction of the press (N).
+    moment : (s, 3) float64
+        Moment on the skin about the origin (N m).
+    contact_area : (s,) float64
+        Contact area (m^2).
+    max_pressure : (s,) float64
+        Largest pressure (Pa).
+    force_error, area_error : (s,) float64
+        Estimated relative errors, as in `Accuracy`; nan where none was made.
+    seconds : (s,) float64
+        Wall time (s).
+    status : tuple of str
+        Each a `ContactStatus`, "not_reached" (a force out of reach), or "refused" where the response could
+        not answer.
+    """
+
+    depth: NDArray[np.float64]
+    force: NDArray[np.float64]
+    normal_force: NDArray[np.float64]
+    moment: NDArray[np.float64]
+    contact_area: NDArray[np.float64]
+    max_pressure: NDArray[np.float64]
+    force_error: NDArray[np.float64]
+    area_error: NDArray[np.float64]
+    seconds: NDArray[np.float64]
+    status: tuple[str, ...]
+    _question: _Question
+
+    def __len__(self) -> int:
+        """Return the number of steps."""
+        return len(self.status)
+
+    def __getitem__(self, step: int) -> Contact:
+        """Return the contact of one step, solved again."""
+        return self._question.answer(range(len(self))[step])
+
+    def __iter__(self) -> Iterator[Contact]:
+        """Solve one step after the other again."""
+        return (self[step] for step in range(len(self)))
+
+    def to_dataframe(self) -> Any:
+        """Return a pandas DataFrame with one row a step."""
+        from ..io.frame import sweep_dataframe
+
+        return sweep_dataframe(self)
+
+    def plot(self) -> Figure:
+        """Return a matplotlib figure: force and contact area over the depth (extra `plot`)."""
+        from ..plot.curves import sweep_figure
+
+        return sweep_figure(self)
+
+    def __repr__(self) -> str:
+        """Return the number of steps, how many have figures, and the largest force on one line."""
+        good = np.isfinite(self.normal_force)
+        largest = f", up to {self.normal_force[good].max():.4g} N" if good.any() else ""
+        return f"Sweep({len(self)} steps, {np.count_nonzero(good)} with figures{largest})"
+
+
+def sweep(
+    surface: Surface,
+    obstacle: Obstacle,
+    skin: ElasticSkin,
+    direction: ArrayLike,
+    *,
+    depths: ArrayLike | None = None,
+    forces: ArrayLike | None = None,
+    start: Start | Literal["infinity", "current"] = "infinity",
+    options: ContactOptions | None = None,
+    progress: SweepProgress | bool | None = None,
+) -> Sweep:
+    """Press to several depths or forces, each as `press` does.
+
+    Takes one of `depths` and `forces`. A body is best prepared before (`Skin.prepared`): otherwise every step
+    computes its compliance anew.
+
+    Parameters
+    ----------
+    surface : Surface
+        The undeformed skin.
+    obstacle : Obstacle
+        The product.
+    skin : Skin, PreparedSkin or CombinedSkin
+        Material and response.
+    direction : (3,) array_like
+        Direction in which the obstacle travels; normalised here.
+    depths : (s,) array_like, optional
+        Travel beyond the start (m, >= 0).
+    forces : (s,) array_like, optional
+        Force on the skin along the direction (N, > 0).
+    start : {"infinity", "current"}
+        Where each press begins, as for `press`.
+    options : ContactOptions, optional
+        How each is solved.
+    progress : callable or bool, optional
+        Called as ``progress(done, total)`` after each step; True prints to stderr.
+
+    Returns
+    -------
+    Sweep
+        The figures of every step.
+
+    Raises
+    ------
+    ContactError
+        For none or both of depths and forces, a value out of range, or what `press` raises at every step.
+
+    Examples
+    --------
+    >>> import quasirigid as qr
+    >>> tip = qr.models.fingertip(edge_length=2e-3)
+    >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    >>> plate = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+    >>> curve = qr.sweep(tip, plate, skin, [0, 0, 1], depths=[0.5e-3, 1e-3, 1.5e-3])
+    >>> curve.status
+    ('solved', 'solved', 'solved')
+    >>> bool((np.diff(curve.normal_force) > 0).all())
+    True
+    """
+    if (depths is None) == (forces is None):
+        given = "neither" if depths is None else "both"
+        raise ContactError(f"a sweep takes depths or forces; given: {given}")
+    goal = "force" if depths is None else "depth"
+    values = _values(f"{goal}s", forces if depths is None else depths, zero=goal == "depth")
+    question = _Question(
+        surface=surface,
+        obstacle=obstacle,
+        skin=skin,
+        direction=as_direction("direction", direction, ContactError),
+        goal=goal,
+        values=values,
+        start=start,
+        options=options,
+    )
+    report = _reporter(progress)
+    rows = _Rows(len(values))
+    for step in range(len(values)):
+        rows.solve(question, step)
+        if report is not None:
+            report(step + 1, len(values))
+    # What no step could answer was asked wrongly.
+    if len(rows.errors) == len(values):
+        raise rows.errors[0]
+    return rows.sweep(question)
+
+
+class _Rows:
+    """The figures of a sweep under way."""
+
+    def __init__(self, count: int) -> None:
+        self.scalars = {name: np.full(count, np.nan) for name in _SCALARS}
+        self.vectors = {name: np.full((count, 3), np.nan) for name in ("force", "moment")}
+        self.status: list[str] = []
+        self.errors: list[QuasirigidError] = []
+
+    def solve(self, question: _Question, step: int) -> None:
+        """Solve one step and take its figures."""
+        started = time.perf_counter()
+        if question.goal == "depth":
+            self.scalars["depth"][step] = question.values[step]
+        try:
+            contact = question.answer(step)
+        except (ContactError, ResponseError) as error:
+            is_short = isinstance(error, ContactError) and error.contact is not None
+            self.status.append("not_reached" if is_short else "refused")
+            if not is_short:
+                self.errors.append(error)
+        else:
+            self.status.append(contact.status.value)
+            self._take(contact, question.direction, step)
+        self.scalars["seconds"][step] = time.perf_counter() - started
+
+    def _take(self, contact: Contact, direction: NDArray[np.float64], step: int) -> None:
+        if contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
+            return
+        figures = {
+            "depth": contact.depth,
+            "normal_force": contact.force @ direction,
+            "contact_area": contact.contact_area,
+            "max_pressure": contact.max_pressure,
+            "force_error": contact.accuracy.force_error,
+            "area_error": contact.accuracy.area_error,
+        }
+        for name, value in figures.items():
+            if value is not None:
+                self.scalars[name][step] = value
+        for name, rows in self.vectors.items():
+            rows[step] = getattr(contact, name)
+
+    def sweep(self, question: _Question) -> Sweep:
+        """Return the figures, read-only."""
+        for array in (*self.scalars.values(), *self.vectors.values()):
+            array.flags.writeable = False
+        return Sweep(**self.scalars, **self.vectors, status=tuple(self.status), _question=question)
+
+
+def _values(name: str, values: ArrayLike | None, *, zero: bool) -> NDArray[np.float64]:
+    """Return a row of finite numbers above 0, or from 0 on."""
+    try:
+        row = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        row = np.empty((0, 0))
+    wanted = "numbers >= 0" if zero else "numbers > 0"
+    if row.ndim != 1 or len(row) == 0:
+        raise ContactError(f"{name} is {short(values)}, expected a row of {wanted}")
+    good = np.isfinite(row) & ((row >= 0.0) if zero else (row > 0.0))
+    if not good.all():
+        step = int(np.flatnonzero(~good)[0])
+        raise ContactError(f"{name}[{step}] is {row[step]}, expected finite {wanted}")
+    row.flags.writeable = False
+    return row
+
+
+def _reporter(progress: SweepProgress | bool | None) -> SweepProgress | None:
+    if progress is None or progress is False:
+        return None
+    if progress is not True and not callable(progress):
+        raise TypeError(f"progress is {progress!r}, expected a function, True, False or None")
+    return _print_line if progress is True else progress
+
+
+def _print_line(done: int, total: int) -> None:
+    text = f"{done} of {total} presses"
+    if sys.stderr.isatty():
+        # One line for all.
+        sys.stderr.write("\r" + text + ("\n" if done == total else ""))
+    else:
+        sys.stderr.write(text + "\n")
+    sys.stderr.flush()

@@ -1,0 +1,56 @@
+"""Curves over the steps of a sweep."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._units import MM
+from .style import AFTER, BEFORE, INK, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..contact.sweep import Sweep
+
+__all__ = ["sweep_figure"]
+
+
+def sweep_figure(sweep: Sweep) -> Figure:
+    """Return a figure of force and contact area over the depth of a sweep.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What to draw; steps without figures are left out.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Depths in mm, forces in N, areas in mm^2; bars show the estimated errors.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    figure = new_figure((9.0, 4.0))
+    curves = (
+        ("force (N)", sweep.normal_force, sweep.force_error, AFTER),
+        ("contact area (mm²)", sweep.contact_area * MM**2, sweep.area_error, BEFORE),
+    )
+    good = np.flatnonzero(np.isfinite(sweep.normal_force) & np.isfinite(sweep.depth))
+    order = good[np.argsort(sweep.depth[good], kind="stable")]
+    for ax, (label, values, errors, colour) in zip(figure.subplots(1, 2), curves, strict=True):
+        bars = np.nan_to_num(errors[order]) * np.abs(values[order])
+        ax.errorbar(
+            sweep.depth[order] * MM, values[order], bars, color=colour, marker="o", markersize=4, capsize=2
+        )
+        ax.set_xlabel("depth (mm)", color=INK)
+        ax.set_ylabel(label, color=INK)
+        ax.set_xlim(left=0.0)
+        ax.set_ylim(bottom=0.0)
+        ax.tick_params(colors=INK)
+        ax.spines[["top", "right"]].set_visible(False)
+    return figure

@@ -1,0 +1,140 @@
+"""Sweeps over depths and forces."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from shapes import ball
+
+SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+UP = [0.0, 0.0, 1.0]
+PLATE = qr.Obstacle.half_space([0.0, 0.0, -0.05], UP)
+FIGURES = ("normal_force", "contact_area", "max_pressure", "force_error", "area_error")
+
+
+@pytest.fixture(scope="module")
+def surface() -> qr.Surface:
+    return qr.Surface(*ball(8e-3, 2))
+
+
+@pytest.fixture(scope="module")
+def by_depth(surface: qr.Surface) -> qr.Sweep:
+    """Three depths, out of order, one of them nothing."""
+    return qr.sweep(surface, PLATE, SKIN, [0.0, 0.0, 3.0], depths=[1e-3, 0.0, 0.4e-3])
+
+
+def test_every_row_is_the_press_of_its_depth(surface: qr.Surface, by_depth: qr.Sweep) -> None:
+    assert len(by_depth) == 3
+    assert by_depth.status == ("solved", "no_contact", "solved")
+    np.testing.assert_array_equal(by_depth.depth, [1e-3, 0.0, 0.4e-3])
+    for step, depth in enumerate(by_depth.depth):
+        contact = qr.press(surface, PLATE, SKIN, UP, depth=depth)
+        np.testing.assert_array_equal(by_depth.force[step], contact.force)
+        np.testing.assert_array_equal(by_depth.moment[step], contact.moment)
+        assert by_depth.normal_force[step] == contact.force[2]
+        assert by_depth.contact_area[step] == contact.contact_area
+        assert by_depth.max_pressure[step] == contact.max_pressure
+        for name in ("force_error", "area_error"):
+            known = getattr(contact.accuracy, name)
+            np.testing.assert_equal(getattr(by_depth, name)[step], np.nan if known is None else known)
+    assert (by_depth.seconds > 0.0).all()
+
+
+def test_a_step_is_solved_again_when_asked(by_depth: qr.Sweep) -> None:
+    for step in (0, 2, -1):
+        np.testing.assert_array_equal(by_depth[step].force, by_depth.force[step])
+    assert [contact.status for contact in by_depth] == list(by_depth.status)
+    with pytest.raises(IndexError):
+        by_depth[3]
+
+
+def test_forces_are_found_one_by_one(surface: qr.Surface) -> None:
+    forces = [2.0, 0.5]
+    curve = qr.sweep(surface, PLATE, SKIN, UP, forces=forces)
+    np.testing.assert_allclose(curve.normal_force, forces, rtol=1e-6)
+    assert curve.depth[0] > curve.depth[1] > 0.0
+    assert curve[1].depth == curve.depth[1]
+
+
+def test_a_bad_step_is_nan_and_the_rest_goes_on(surface: qr.Surface) -> None:
+    small = qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)
+    options = qr.ContactOptions(target_error=None)
+    curve = qr.sweep(surface, small, SKIN, UP, forces=[0.1, 1e3, 0.2], options=options)
+    assert curve.status == ("solved", "not_reached", "solved")
+    for name in ("depth", "force", "moment", *FIGURES):
+        assert np.isnan(getattr(curve, name)[1]).all()
+        assert np.isfinite(getattr(curve, name)[[0, 2]]).all()
+    with pytest.raises(qr.ContactError, match="not reached"):
+        curve[1]
+
+
+@pytest.mark.filterwarnings("ignore:.*not well posed:quasirigid.QuasirigidWarning")
+def test_a_bad_ending_is_nan_with_its_status(fingertip: qr.Surface) -> None:
+    response = qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3)
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
+    curve = qr.sweep(fingertip, PLATE, skin, UP, depths=[2e-3, 0.1e-3])
+    assert curve.status[0] not in ("solved", "no_contact")
+    assert curve.status[1] == "solved"
+    np.testing.assert_array_equal(np.isnan(curve.normal_force), [True, False])
+    np.testing.assert_array_equal(curve.depth, [2e-3, 0.1e-3])
+
+
+def test_progress_counts_the_steps(surface: qr.Surface, capsys: pytest.CaptureFixture[str]) -> None:
+    seen: list[tuple[int, int]] = []
+    depths = [1e-4, 2e-4]
+    qr.sweep(surface, PLATE, SKIN, UP, depths=depths, progress=lambda *at: seen.append(at))
+    assert seen == [(1, 2), (2, 2)]
+    qr.sweep(surface, PLATE, SKIN, UP, depths=depths, progress=True)
+    assert capsys.readouterr().err == "1 of 2 presses\n2 of 2 presses\n"
+    with pytest.raises(TypeError, match="progress is 3"):
+        qr.sweep(surface, PLATE, SKIN, UP, depths=depths, progress=3)  # type: ignore[arg-type]
+
+
+def test_bad_questions_are_named(surface: qr.Surface) -> None:
+    def ask(**goal: object) -> None:
+        qr.sweep(surface, PLATE, SKIN, UP, **goal)  # type: ignore[arg-type]
+
+    with pytest.raises(qr.ContactError, match="given: neither"):
+        ask()
+    with pytest.raises(qr.ContactError, match="given: both"):
+        ask(depths=[1e-3], forces=[1.0])
+    with pytest.raises(qr.ContactError, match=r"depths\[1\] is -1.0"):
+        ask(depths=[0.0, -1.0])
+    with pytest.raises(qr.ContactError, match=r"forces\[0\] is 0.0"):
+        ask(forces=[0.0])
+    for empty in ([], 1e-3, [[1e-3]], "deep"):
+        with pytest.raises(qr.ContactError, match="expected a row of numbers"):
+            ask(depths=empty)
+    beside = qr.Obstacle.sphere([1.0, 0.0, 0.0], 1e-3)
+    with pytest.raises(qr.ContactError, match="never meets the skin"):
+        qr.sweep(surface, beside, SKIN, UP, depths=[1e-3, 2e-3])
+
+
+def test_a_sweep_is_frozen_and_pickles(by_depth: qr.Sweep) -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        by_depth.force[0] = 0.0
+    again = pickle.loads(pickle.dumps(by_depth))
+    np.testing.assert_array_equal(again.force, by_depth.force)
+    assert again.status == by_depth.status
+    assert repr(by_depth).startswith("Sweep(3 steps, 3 with figures, up to ")
+
+
+def test_a_sweep_becomes_a_data_frame(by_depth: qr.Sweep) -> None:
+    pytest.importorskip("pandas")
+    frame = by_depth.to_dataframe()
+    assert len(frame) == 3
+    np.testing.assert_array_equal(frame["depth (m)"], by_depth.depth)
+    np.testing.assert_array_equal(frame["force_z (N)"], by_depth.force[:, 2])
+    assert list(frame["status"]) == list(by_depth.status)
+
+
+def test_a_sweep_is_drawn_over_its_depth(by_depth: qr.Sweep) -> None:
+    pytest.importorskip("matplotlib")
+    axes = by_depth.plot().axes
+    assert [ax.get_ylabel() for ax in axes] == ["force (N)", "contact area (mm²)"]
+    # In the order of the depths, in mm.
+    np.testing.assert_allclose(axes[0].lines[0].get_xdata(), [0.0, 0.4, 1.0])
+    np.testing.assert_allclose(axes[0].lines[0].get_ydata(), by_depth.normal_force[[1, 2, 0]])
