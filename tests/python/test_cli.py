@@ -19,7 +19,7 @@ import quasirigid as qr
 from quasirigid.cli import run
 from quasirigid.cli.arguments import parse_response, rotation
 
-COMMANDS = [[], ["demo"], ["press"], ["info"]]
+COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"]]
 
 
 DEMO = ["demo", "--quick", "--out", "demo-output"]
@@ -121,6 +121,67 @@ def test_a_press_prints_and_writes_the_same_figures_as_the_library(
     )
     assert document["inputs"]["depth"] == {"value": pytest.approx(1.12e-3), "unit": "m"}
     assert printed.err == "" or printed.err.endswith("...\n")
+
+
+def test_a_press_takes_a_force_or_an_overlap_in_place_of_a_depth(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(press_arguments(depth=None, force="2N", out="by-force")) == 0
+    document = json.loads((in_demo_folder / "by-force" / "contact.json").read_text())
+    assert document["force"]["value"][2] == pytest.approx(2.0, rel=1e-6)
+    assert document["depth"]["value"] > 0.0
+    assert document["inputs"]["force"] == {"value": 2.0, "unit": "N"}
+    assert run(press_arguments(depth=None, overlap="1.12mm", out="by-overlap")) == 0
+    document = json.loads((in_demo_folder / "by-overlap" / "contact.json").read_text())
+    assert document["max_penetration_before"]["value"] == pytest.approx(1.12e-3, rel=1e-6)
+    capsys.readouterr()
+    for goals in ({}, {"depth": "1mm", "force": "2N"}):
+        assert run(press_arguments(**{"depth": None, **goals})) == 2
+        assert "give one of --depth, --force and --overlap" in capsys.readouterr().err
+
+
+def sweep_arguments(*words: str) -> list[str]:
+    """A sweep of the scene of `press_arguments`, whose goal and folder are in `words`."""
+    arguments = press_arguments(depth=None, out=None)
+    return ["sweep", *arguments[1:-1], *words]
+
+
+def test_a_sweep_prints_and_writes_a_row_for_each_step(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(sweep_arguments("--depths", "0.4:1.2:3mm", "--out", "sweep-out")) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0].split()[:2] == ["depth", "(mm)"]
+    assert [line.split()[0] for line in printed[1:4]] == ["0.4", "0.8", "1.2"]
+    header, *rows = (in_demo_folder / "sweep-out" / "sweep.csv").read_text().splitlines()
+    assert header.startswith("depth (m),normal_force (N),force_x (N),")
+    assert [float(row.split(",")[0]) for row in rows] == pytest.approx([0.4e-3, 0.8e-3, 1.2e-3])
+    document = json.loads((in_demo_folder / "sweep-out" / "sweep.json").read_text())
+    forces = document["columns"]["normal_force (N)"]
+    assert forces == [float(row.split(",")[1]) for row in rows]
+    assert 0.0 < forces[0] < forces[1] < forces[2]
+    assert document["inputs"]["depths"]["unit"] == "m"
+    assert run(sweep_arguments("--forces", "0.5,1N")) == 0
+    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:]] == ["0.5", "1"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "give one of --depths and --forces"),
+        (["--depths", "1mm", "--forces", "1N"], "give one of --depths and --forces"),
+        (["--depths", "1:2mm"], "not of the form first:last:count"),
+        (["--depths", "1:2:1mm"], "not of the form first:last:count"),
+        (["--depths", "1:2:3"], "has no unit"),
+        (["--forces", "1:2:3mm"], "is not a number with a unit"),
+        (["--forces", "0:2:3N"], "forces[0] is 0.0"),
+    ],
+)
+def test_a_sweep_names_what_is_wrong(
+    words: list[str], message: str, in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(sweep_arguments(*words)) == 2
+    assert message in capsys.readouterr().err
 
 
 def test_a_target_error_refines_as_far_as_asked(
@@ -256,7 +317,7 @@ BAD_INPUT = {
     "a target of nothing": ({"target_error": "0"}, "--target-error: 0 is not between 0 and 1"),
     "a target beyond all": ({"target_error": "2"}, "--target-error: 2 is not between 0 and 1"),
     "an unknown start": ({"start": "here"}, "--start: 'here' is not known"),
-    "a missing option": ({"depth": None}, "Missing option '--depth'"),
+    "a missing option": ({"shear_modulus": None}, "Missing option '--shear-modulus'"),
     "a start in overlap": ({"start": "current", "translate": "0,19.2,-22mm"}, "penetrat"),
 }
 

@@ -7,15 +7,21 @@ import re
 
 from ..errors import QuasirigidError
 
-__all__ = ["QuantityError", "parse_numbers", "parse_quantities", "parse_quantity"]
+__all__ = ["QuantityError", "parse_numbers", "parse_quantities", "parse_quantity", "parse_steps"]
 
 # One of each unit, in SI.
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+FORCE = {"N": 1.0, "kN": 1e3, "mN": 1e-3}
 STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 ANGLE = {"rad": 1.0, "deg": math.pi / 180.0}
 COMPLIANCE = {"m/N": 1.0, "mm/N": 1e-3}
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+_STEPS = re.compile(
+    rf"(?P<first>{_NUMBER.pattern})\s*:\s*(?P<last>{_NUMBER.pattern})\s*:\s*(?P<count>\d+)\s*(?P<unit>[^\d:]*)"
+)
+_MOST_STEPS = 10_000
 
 
 class QuantityError(QuasirigidError, ValueError):
@@ -72,6 +78,32 @@ def parse_quantities(text: str, count: int, units: dict[str, float], what: str) 
     return values[::-1]
 
 
+def parse_steps(text: str, units: dict[str, float], what: str) -> list[float]:
+    """Read quantities parted by commas, or `first:last:count` with the unit after it, ends included.
+
+    Examples
+    --------
+    >>> parse_steps("0.5,1,2mm", LENGTH, "--depths")
+    [0.0005, 0.001, 0.002]
+    >>> parse_steps("1:5:3N", FORCE, "--forces")
+    [1.0, 3.0, 5.0]
+    """
+    if ":" not in text:
+        return parse_quantities(text, text.count(",") + 1, units, what)
+    match = _STEPS.fullmatch(text.strip())
+    if match is None or int(match["count"]) < 2:
+        raise QuantityError(
+            f"{what}: '{text}' is not of the form first:last:count with a unit and a count of 2 or more,"
+            f" as in 1:5:9{_best(units)}"
+        )
+    count = int(match["count"])
+    if count > _MOST_STEPS:
+        raise QuantityError(f"{what}: '{text}' has {count} steps, expected at most {_MOST_STEPS}")
+    ends = f"{match['first']},{match['last']}{match['unit']}"
+    first, last = parse_quantities(ends, 2, units, what)
+    return [first + (last - first) * (step / (count - 1)) for step in range(count)]
+
+
 def parse_numbers(text: str, count: int, what: str) -> list[float]:
     """Read `count` plain numbers parted by commas.
 
@@ -106,6 +138,10 @@ def _finite(text: str, what: str) -> float:
 def _allowed(units: dict[str, float], example: str) -> str:
     names = list(units)
     number = _NUMBER.match(example.split(",")[-1].strip())
-    best = "mm" if "mm" in names else names[1]
     sample = number.group() if number else "1"
-    return f"expected {', '.join(names[:-1])} or {names[-1]} after it, as in {sample}{best}"
+    return f"expected {', '.join(names[:-1])} or {names[-1]} after it, as in {sample}{_best(units)}"
+
+
+def _best(units: dict[str, float]) -> str:
+    """Return the unit that suits fingers."""
+    return next((name for name in ("mm", "N") if name in units), list(units)[1])
