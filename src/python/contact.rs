@@ -1,9 +1,10 @@
 //! `solve_contact` and `press`.
 
+use super::contact_options::PyContactOptions;
 use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out, vectors_out};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use super::interrupt::detached_with;
-use super::lcp::{PyLcpSolution, method_named};
+use super::lcp::PyLcpSolution;
 use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
@@ -16,94 +17,6 @@ use crate::response::ElasticSkin;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::mem::take;
-
-/// Options of a contact.
-#[pyclass(name = "ContactOptions", module = "quasirigid._core", frozen, get_all)]
-pub(super) struct PyContactOptions {
-    tolerance: f64,
-    target_error: Option<f64>,
-    max_nodes: usize,
-    rings: Option<usize>,
-    method: String,
-    num_threads: Option<usize>,
-    memory_limit: Option<usize>,
-    search_distance: Option<f64>,
-    condition: bool,
-    couple_fingers: bool,
-    max_growths: usize,
-}
-
-#[pymethods]
-impl PyContactOptions {
-    #[new]
-    #[pyo3(signature = (*, tolerance, target_error, max_nodes, rings, method, num_threads, memory_limit, search_distance, condition, couple_fingers, max_growths))]
-    #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
-    fn new(
-        tolerance: f64,
-        target_error: Option<f64>,
-        max_nodes: usize,
-        rings: Option<usize>,
-        method: String,
-        num_threads: Option<usize>,
-        memory_limit: Option<usize>,
-        search_distance: Option<f64>,
-        condition: bool,
-        couple_fingers: bool,
-        max_growths: usize,
-    ) -> Self {
-        Self {
-            tolerance,
-            target_error,
-            max_nodes,
-            rings,
-            method,
-            num_threads,
-            memory_limit,
-            search_distance,
-            condition,
-            couple_fingers,
-            max_growths,
-        }
-    }
-
-    /// Those of the crate.
-    #[staticmethod]
-    fn defaults() -> Self {
-        let options = ContactOptions::default();
-        Self {
-            tolerance: options.tolerance,
-            target_error: options.target_error,
-            max_nodes: options.max_nodes,
-            rings: options.rings,
-            method: options.method.as_str().into(),
-            num_threads: options.num_threads,
-            memory_limit: options.memory_limit,
-            search_distance: options.search_distance,
-            condition: options.condition,
-            couple_fingers: options.couple_fingers,
-            max_growths: options.max_growths,
-        }
-    }
-}
-
-impl PyContactOptions {
-    fn to_core(&self) -> PyResult<ContactOptions<'static>> {
-        Ok(ContactOptions {
-            tolerance: self.tolerance,
-            target_error: self.target_error,
-            max_nodes: self.max_nodes,
-            rings: self.rings,
-            method: method_named(&self.method)?,
-            num_threads: self.num_threads,
-            memory_limit: self.memory_limit,
-            search_distance: self.search_distance,
-            condition: self.condition,
-            couple_fingers: self.couple_fingers,
-            max_growths: self.max_growths,
-            interrupt: None,
-        })
-    }
-}
 
 /// Force (N), moment (N m), center (m), area (m²) and peak (Pa) of a contact or of one of its patches.
 #[pyclass(name = "Resultant", module = "quasirigid._core", frozen, get_all)]

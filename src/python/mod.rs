@@ -1,6 +1,7 @@
 //! Thin PyO3 layer: convert, detach, call, convert back. The typed facade in `python/quasirigid` builds on it.
 
 mod contact;
+mod contact_options;
 mod convert;
 mod cut_out;
 mod elastic;
@@ -21,9 +22,9 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::contact::{
-        PyAccuracy, PyContact, PyContactOptions, PyDrawing, PyRefinement, PyResultant, press, solve_contact,
-    };
+    use super::contact::{PyAccuracy, PyContact, PyDrawing, PyRefinement, PyResultant, press, solve_contact};
+    #[pymodule_export]
+    use super::contact_options::PyContactOptions;
     #[pymodule_export]
     use super::cut_out::cut_out;
     #[pymodule_export]
