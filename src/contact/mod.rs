@@ -31,7 +31,7 @@ pub use error::ContactError;
 pub use figures::accuracy::Accuracy;
 pub use figures::drawn::DrawnSkin;
 pub use options::ContactOptions;
-pub use outcome::{Contact, ContactStatus, LeftOut, Patch, Refinement, Resultant, Timing};
+pub use outcome::{Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, Resultant, Timing};
 pub use press::press;
 pub use scene::{Press, Start};
 pub use solve::solve_contact;

@@ -14,6 +14,7 @@ mod common;
 mod fingers;
 mod galerkin;
 mod hertz;
+mod parts;
 mod press;
 mod refine;
 mod thin_walls;
