@@ -15,6 +15,7 @@ use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus};
+use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::lcp::solution::LcpStatus;
 use crate::response::kernel::basis::Discretization;
@@ -64,6 +65,10 @@ impl Contact {
         let motion = CandidateMotion::new(gaps, response, &forces)?;
         let max_penetration_after = penetration_after(gaps, response, &forces, &motion)?;
         report.warn_of_penetration(discretization, gaps.deepest(), max_penetration_after);
+        match &gaps.scene.cuts {
+            Some(cuts) => report.warn_of_cuts(surface, cuts, &forces),
+            None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
+        }
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let within_rim = areas_within_rim(gaps, response, &forces)?;
         let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
+use crate::contact::report::cuts::Cuts;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 
@@ -41,6 +42,8 @@ pub(crate) struct Scene {
     pub depth_bound: Option<f64>,
     /// On a refined mesh, the finger of each vertex as the given one told.
     pub finger_of: Option<Vec<Option<usize>>>,
+    /// On a refined mesh, where the given one ends or is held.
+    pub cuts: Option<Cuts>,
 }
 
 /// How the obstacle comes to its place.
@@ -59,7 +62,14 @@ impl Placement<'_> {
     pub fn scene(&self, surface: &Surface, is_refined: bool) -> Result<Scene, ContactError> {
         let Some(press) = self.press else {
             let obstacle = self.obstacle.clone();
-            return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, finger_of: None });
+            return Ok(Scene {
+                obstacle,
+                travel: 0.0,
+                press: None,
+                depth_bound: None,
+                finger_of: None,
+                cuts: None,
+            });
         };
         let touch = match press.start {
             Start::Infinity => first_touch(surface, self.obstacle, &press.direction)?,
@@ -73,6 +83,7 @@ impl Placement<'_> {
             press: Some(Travel { direction: press.direction, depth: press.depth }),
             depth_bound: Some(press.depth + TOUCH_ROUNDING * surface.bounding_box().diagonal()),
             finger_of: None,
+            cuts: None,
         })
     }
 }

@@ -11,6 +11,7 @@ use common::{Random, icosphere, one_diagonal_grid};
 mod combined;
 #[path = "../common/mod.rs"]
 mod common;
+mod cuts;
 mod fingers;
 mod galerkin;
 mod hertz;

@@ -9,6 +9,7 @@ use crate::contact::outcome::{Contact, ContactStatus, Refinement};
 use crate::contact::refine::estimate::MeshError;
 use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
 use crate::contact::refine::whole::into_whole;
+use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
 use crate::response::error::ResponseError;
@@ -159,6 +160,7 @@ impl Rounds<'_> {
         let mut scene = self.placement.scene(&part.surface, true)?;
         let fingers = &self.given.drawing.fingers;
         scene.finger_of = Some(part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)));
+        scene.cuts = Some(Cuts::of(self.given.surface(), self.skin).on_refined(part));
         let mut report = Report::default();
         if self.placement.press.is_some() {
             report.clock("first_touch", started);
