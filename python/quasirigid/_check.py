@@ -53,8 +53,8 @@ def as_direction(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]
     return scaled / np.linalg.norm(scaled)
 
 
-def as_mask(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.bool_]:
-    """Return one boolean for each of `count` vertices.
+def as_mask(name: str, value: Any, count: int | tuple[int, int], refusal: Refusal) -> NDArray[np.bool_]:
+    """Return one boolean for each of `count` vertices, of the given mesh or of the one that was solved.
 
     Raises
     ------
@@ -66,16 +66,60 @@ def as_mask(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.b
     except ValueError:
         raise TypeError(f"`{name}` is {short(value)}, expected an array of booleans") from None
     if mask.dtype != np.bool_:
-        remedy = f": np.isin(np.arange({count}), numbers) makes them of vertex numbers"
+        first = count if isinstance(count, int) else count[0]
+        remedy = f": np.isin(np.arange({first}), numbers) makes them of vertex numbers"
         raise TypeError(
-            f"`{name}` has dtype {mask.dtype}, expected booleans, one per vertex"
+            f"`{name}` has dtype {mask.dtype}, expected booleans, {_one_a_vertex(count)}"
             + remedy * np.issubdtype(mask.dtype, np.integer)
         )
-    if mask.ndim != 1:
-        raise refusal(f"`{name}` has shape {mask.shape}, expected ({count},)")
-    if len(mask) != count:
-        raise refusal(f"`{name}` has {len(mask)} entries, but the skin has {count} vertices")
+    _check_length(name, mask, count, refusal)
     return mask
+
+
+def as_labels(name: str, value: Any, counts: tuple[int, int], refusal: Refusal) -> NDArray[Any]:
+    """Return an integer or a word for each vertex, of the given mesh or of the one that was solved.
+
+    Raises
+    ------
+    TypeError
+        If they are neither integers nor words; a `refusal` if there are more or fewer, or some are nan.
+    """
+    # Of a list as its members are: NumPy would make words of a mixture.
+    entries = value if isinstance(value, np.ndarray) else np.asarray(value, dtype=object)
+    _check_length(name, entries, counts, refusal)
+    if entries.dtype.kind in "iuU":
+        return entries
+    expected = f"expected integers or words, {_one_a_vertex(counts)}"
+    missing = [at for at, entry in enumerate(entries) if entry is None or entry != entry]
+    if missing:
+        raise refusal(f"`{name}[{missing[0]}]` is {entries[missing[0]]!r}, {expected}")
+    if all(isinstance(entry, str) for entry in entries):
+        return entries.astype(np.str_)
+    whole = [isinstance(entry, (int, np.integer)) and not isinstance(entry, bool) for entry in entries]
+    if entries.dtype.kind == "O" and all(whole):
+        return entries.astype(np.int64)
+    kinds = ", ".join(sorted({type(entry).__name__ for entry in entries}))
+    raise TypeError(f"`{name}` holds {kinds}, {expected}")
+
+
+def _check_length(name: str, entries: Any, count: int | tuple[int, int], refusal: Refusal) -> None:
+    """Raise a `refusal` where there is not one entry a vertex."""
+    counts = (count,) if isinstance(count, int) else count
+    if entries.ndim != 1:
+        shapes = " or ".join(f"({one},)" for one in dict.fromkeys(counts))
+        raise refusal(f"`{name}` has shape {entries.shape}, expected {shapes}")
+    if len(entries) in counts:
+        return
+    if isinstance(count, int):
+        raise refusal(f"`{name}` has {len(entries)} entries, but the skin has {count} vertices")
+    raise refusal(f"`{name}` has {len(entries)} entries, expected {_one_a_vertex(count)}")
+
+
+def _one_a_vertex(count: int | tuple[int, int]) -> str:
+    if isinstance(count, int):
+        return "one per vertex"
+    given, solved = count
+    return f"one per vertex: {given} of the given mesh or {solved} of the contact's surface"
 
 
 def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int:

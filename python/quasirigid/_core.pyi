@@ -20,6 +20,7 @@ __all__ = [
     "LcpOptions",
     "LcpRay",
     "LcpSolution",
+    "LoadedVertices",
     "Obstacle",
     "Resultant",
     "Skin",
@@ -231,6 +232,25 @@ class Resultant:
     def contact_area(self) -> float: ...
     @property
     def max_pressure(self) -> float: ...
+    @property
+    def mean_pressure(self) -> float: ...
+
+@final
+class LoadedVertices:
+    def __new__(
+        cls,
+        numbers: Sequence[NDArray[np.int64]],
+        figures: ArrayLike,
+        vertex_counts: Sequence[int],
+        is_known: bool,
+    ) -> LoadedVertices: ...
+    def mean_pressure(self, area: float) -> float: ...
+    def part(self, mask: ArrayLike) -> tuple[Resultant, list[tuple[NDArray[np.int64], Resultant]]]: ...
+    def __reduce__(
+        self,
+    ) -> tuple[
+        type[LoadedVertices], tuple[list[NDArray[np.int64]], NDArray[np.float64], list[int], bool]
+    ]: ...
 
 @final
 class Accuracy:
@@ -290,6 +310,8 @@ class Contact:
     def resultant(self) -> Resultant: ...
     @property
     def patches(self) -> list[tuple[NDArray[np.int64], Resultant]]: ...
+    @property
+    def loaded(self) -> LoadedVertices: ...
     @property
     def max_penetration_before(self) -> float: ...
     @property

@@ -62,6 +62,25 @@ pub enum ContactError {
         /// The contact at that depth.
         contact: LargestContact,
     },
+    /// The area of a mean pressure is not positive or not finite.
+    #[error("area is {area} m^2, expected a finite area > 0")]
+    Area {
+        /// The area given (m²).
+        area: f64,
+    },
+    /// A mask has the wrong length.
+    #[error(
+        "the mask has {found} entries, expected {given}, one a vertex of the given mesh, or {whole}, one a vertex of \
+         the mesh that was solved"
+    )]
+    MaskLength {
+        /// Its length.
+        found: usize,
+        /// Vertices of the given mesh.
+        given: usize,
+        /// Vertices of the mesh that was solved.
+        whole: usize,
+    },
     /// No vertex may touch.
     #[error("the skin mask leaves no vertex that may touch ({vertex_count} vertices, all masked out)")]
     NoSkin {

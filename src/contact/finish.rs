@@ -11,19 +11,20 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing, penetration_after};
 use crate::contact::figures::pressure::VertexPressure;
-use crate::contact::figures::resultant::Resultants;
+use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus, Patch, Resultant};
+use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus};
+use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
+use crate::contact::scene::Inherited;
 use crate::lcp::solution::LcpStatus;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Traits;
 
 /// What is read off the forces.
 struct Figures {
-    total: Resultant,
-    patches: Vec<Patch>,
+    loaded: LoadedVertices,
     pressure: VertexPressure,
     motion: CandidateMotion,
     max_penetration_after: f64,
@@ -47,8 +48,7 @@ impl Contact {
         options: &ContactOptions,
         report: Report,
     ) -> Self {
-        let mut figures = Figures::at_rest(gaps, traits, &forces);
-        figures.total = Resultant::unknown();
+        let figures = Figures::at_rest(gaps, traits, &forces);
         Self::new(ContactStatus::Failed(ending), gaps, forces, figures, options, report)
     }
 
@@ -66,12 +66,16 @@ impl Contact {
         let motion = CandidateMotion::new(gaps, response, &forces)?;
         let max_penetration_after = penetration_after(gaps, response, &forces, &motion)?;
         report.warn_of_penetration(discretization, gaps.deepest(), max_penetration_after);
+        match &gaps.scene.inherited {
+            Some(Inherited { cuts, .. }) => report.warn_of_cuts(surface, cuts, &forces),
+            None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
+        }
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let within_rim = areas_within_rim(gaps, response, &forces)?;
         let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;
         let clues = Clues { area_within_rim: within_rim.iter().sum(), body };
         // In collocation on a mesh that was given the area is that of its vertices.
-        let is_given = discretization == Discretization::Collocation && gaps.scene.finger_of.is_none();
+        let is_given = discretization == Discretization::Collocation && gaps.scene.inherited.is_none();
         let areas = if is_given { surface.vertex_areas() } else { &within_rim };
         if discretization == Discretization::Galerkin {
             pressure.raise_to_means(surface, &forces, areas);
@@ -91,11 +95,12 @@ impl Contact {
         report: Report,
     ) -> Self {
         let surface = gaps.surface;
-        let area = figures.total.contact_area;
+        let resultant = figures.loaded.resultant();
+        let area = resultant.contact_area;
         let accuracy = Accuracy::new(surface, &forces, area, options.tolerance, figures.discretization);
         Self {
             status,
-            resultant: figures.total,
+            resultant,
             max_penetration_before: gaps.deepest(),
             max_penetration_after: figures.max_penetration_after,
             pressure: figures.pressure.at_vertices,
@@ -104,7 +109,8 @@ impl Contact {
             gap: forces.gap,
             candidates: forces.candidates,
             active: forces.active,
-            patches: figures.patches,
+            patches: figures.loaded.patches(),
+            loaded: figures.loaded,
             mesh: ContactMesh::given(surface),
             refinements: Vec::new(),
             obstacle: gaps.scene.obstacle.clone(),
@@ -132,10 +138,8 @@ impl Figures {
         discretization: Discretization,
     ) -> Self {
         let surface = gaps.surface;
-        let displacement = &motion.displacement[..];
-        let resultants = Resultants { surface, forces, pressure: &pressure, areas, displacement };
-        let (total, patches) = (resultants.of(&forces.active), resultants.patches());
-        Self { total, patches, pressure, motion, max_penetration_after, discretization }
+        let loaded = LoadedVertices::new(surface, forces, &pressure, areas, &motion.displacement);
+        Self { loaded, pressure, motion, max_penetration_after, discretization }
     }
 
     /// Of a skin that stays where it is.

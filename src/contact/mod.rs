@@ -32,7 +32,7 @@ pub use error::{ContactError, LargestContact};
 pub use figures::accuracy::Accuracy;
 pub use figures::drawn::DrawnSkin;
 pub use options::ContactOptions;
-pub use outcome::{Contact, ContactStatus, LeftOut, Patch, Refinement, Resultant, Timing};
+pub use outcome::{Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, Resultant, Timing};
 pub use press::press;
 pub use scene::{Goal, Press, Start};
 pub use solve::solve_contact;

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::Drawing;
+use crate::contact::figures::resultant::LoadedVertices;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::BodyDoubt;
@@ -50,6 +51,9 @@ pub struct Resultant {
     /// Largest pressure at a vertex; in Galerkin form between vertices too, and never below the mean over the
     /// contact area of a patch (Pa).
     pub max_pressure: f64,
+    /// Largest mean pressure over a disc of 1 cm² around a vertex, of these vertices alone
+    /// ([`Contact::mean_pressure`], Pa).
+    pub mean_pressure: f64,
 }
 
 /// A connected part of the active set.
@@ -59,6 +63,15 @@ pub struct Patch {
     pub vertices: Vec<usize>,
     /// Its force, moment, center, area and peak pressure.
     pub resultant: Resultant,
+}
+
+/// What some vertices carry of a contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPart {
+    /// Their force, moment, center, area and pressures.
+    pub resultant: Resultant,
+    /// The contact's patches as far as they lie on these vertices.
+    pub patches: Vec<Patch>,
 }
 
 /// One thing that the scene did not need.
@@ -168,6 +181,8 @@ pub struct Contact {
     pub left_out: Vec<LeftOut>,
     /// What the user should know, in sentences.
     pub warnings: Vec<String>,
+    /// What the figures of any of its vertices are summed from.
+    pub(crate) loaded: LoadedVertices,
     pub(crate) drawing: Drawing,
     pub(crate) clues: Clues,
 }

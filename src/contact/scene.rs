@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
+use crate::contact::report::cuts::Cuts;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 
@@ -61,8 +62,17 @@ pub(crate) struct Scene {
     pub press: Option<Travel>,
     /// A penetration that no skin vertex exceeds (m), where known.
     pub depth_bound: Option<f64>,
-    /// On a refined mesh, the finger of each vertex as the given one told.
-    pub finger_of: Option<Vec<Option<usize>>>,
+    /// What a refined mesh takes over from the given one.
+    pub inherited: Option<Inherited>,
+}
+
+/// What a refined mesh takes over from the given one.
+#[derive(Debug, Clone)]
+pub(crate) struct Inherited {
+    /// The finger of each vertex.
+    pub finger_of: Vec<Option<usize>>,
+    /// Where the skin ends.
+    pub cuts: Cuts,
 }
 
 /// How the obstacle comes to its place.
@@ -81,7 +91,7 @@ impl Placement<'_> {
     pub fn scene(&self, surface: &Surface, is_refined: bool) -> Result<Scene, ContactError> {
         let Some(approach) = self.press else {
             let obstacle = self.obstacle.clone();
-            return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, finger_of: None });
+            return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, inherited: None });
         };
         let begin = match approach.start {
             Start::Infinity => first_touch(surface, self.obstacle, &approach.direction)?,
@@ -103,7 +113,7 @@ impl Approach {
             travel,
             press: Some(Travel { direction: self.direction, depth: self.depth }),
             depth_bound: Some(self.depth + TOUCH_ROUNDING * surface.bounding_box().diagonal()),
-            finger_of: None,
+            inherited: None,
         }
     }
 

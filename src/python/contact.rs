@@ -5,11 +5,12 @@ use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out,
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use super::interrupt::detached_with;
 use super::lcp::PyLcpSolution;
+use super::loaded::PyLoadedVertices;
 use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::contact::{
-    self, Accuracy, Contact, ContactError, ContactOptions, Goal, LargestContact, Press, Refinement,
+    self, Accuracy, Contact, ContactError, ContactOptions, Goal, LargestContact, Patch, Press, Refinement,
     Resultant, Start,
 };
 use crate::lcp::LcpSolution;
@@ -26,19 +27,31 @@ pub(super) struct PyResultant {
     center_of_pressure: Py<PyArray1<f64>>,
     contact_area: f64,
     max_pressure: f64,
+    mean_pressure: f64,
 }
 
 impl PyResultant {
-    fn new(py: Python<'_>, resultant: &Resultant) -> PyResult<Py<Self>> {
+    pub(super) fn new(py: Python<'_>, resultant: &Resultant) -> PyResult<Py<Self>> {
         let values = Self {
             force: read_only(vector_out(py, &resultant.force)),
             moment: read_only(vector_out(py, &resultant.moment)),
             center_of_pressure: read_only(vector_out(py, &resultant.center_of_pressure)),
             contact_area: resultant.contact_area,
             max_pressure: resultant.max_pressure,
+            mean_pressure: resultant.mean_pressure,
         };
         Py::new(py, values)
     }
+}
+
+/// Vertices and resultant of a patch.
+pub(super) type PyPatch = (Py<PyArray1<i64>>, Py<PyResultant>);
+
+pub(super) fn patches_out(py: Python<'_>, patches: &[Patch]) -> PyResult<Vec<PyPatch>> {
+    let patch = |patch: &Patch| {
+        Ok((read_only(nodes_out(py, &patch.vertices)), PyResultant::new(py, &patch.resultant)?))
+    };
+    patches.iter().map(patch).collect()
 }
 
 /// How far the figures of a contact can be trusted.
@@ -115,7 +128,8 @@ pub(super) struct PyContact {
     advice: String,
     resultant: Py<PyResultant>,
     /// Vertices and resultant of each connected part of the active set.
-    patches: Vec<(Py<PyArray1<i64>>, Py<PyResultant>)>,
+    patches: Vec<PyPatch>,
+    loaded: Py<PyLoadedVertices>,
     max_penetration_before: f64,
     max_penetration_after: f64,
     pressure: Py<PyArray1<f64>>,
@@ -144,10 +158,6 @@ pub(super) struct PyContact {
 impl PyContact {
     fn new(contact: Contact, skin: &Bound<'_, PySkin>, options: ContactOptions<'static>) -> PyResult<Self> {
         let py = skin.py();
-        let patch = |patch: &contact::Patch| {
-            let vertices = read_only(nodes_out(py, &patch.vertices));
-            Ok((vertices, PyResultant::new(py, &patch.resultant)?))
-        };
         let lcp_solution = |solution: &LcpSolution| PyLcpSolution::new(py, solution);
         let mut contact = contact;
         // The arrays that nothing is drawn from move out without a copy.
@@ -156,7 +166,8 @@ impl PyContact {
             status: contact.status.as_str(),
             advice: contact.advice(),
             resultant: PyResultant::new(py, &contact.resultant)?,
-            patches: contact.patches.iter().map(patch).collect::<PyResult<_>>()?,
+            patches: patches_out(py, &contact.patches)?,
+            loaded: Py::new(py, PyLoadedVertices::from(contact.loaded.clone()))?,
             max_penetration_before: contact.max_penetration_before,
             max_penetration_after: contact.max_penetration_after,
             pressure: moved(&mut contact.pressure),

@@ -9,6 +9,7 @@ mod errors;
 mod gaps;
 mod interrupt;
 mod lcp;
+mod loaded;
 mod matrix;
 mod obstacle;
 mod pickle;
@@ -31,6 +32,8 @@ mod _core {
     use super::gaps::initial_gaps;
     #[pymodule_export]
     use super::lcp::{PyLcpOptions, PyLcpRay, PyLcpSolution, solve_lcp};
+    #[pymodule_export]
+    use super::loaded::PyLoadedVertices;
     #[pymodule_export]
     use super::matrix::{PyDefiniteness, definiteness, response_matrix};
     #[pymodule_export]
@@ -64,6 +67,7 @@ mod _core {
                 "LcpOptions",
                 "LcpRay",
                 "LcpSolution",
+                "LoadedVertices",
                 "Obstacle",
                 "Resultant",
                 "Skin",

@@ -8,6 +8,9 @@ use crate::mesh::red_green::RedGreen;
 use crate::mesh::smooth::SmoothMesh;
 use crate::surface::checked::Surface;
 
+/// Ends of an edge are equally near to a vertex within this share of its length.
+const EQUALLY_NEAR: f64 = 1e-9;
+
 /// A refinement of a surface, in the making: the faces around a contact, cut again and again.
 #[derive(Debug, Clone)]
 pub(crate) struct MeshRefinement {
@@ -167,6 +170,20 @@ impl RefinedSurface {
             None => self.given_vertices[vertex],
             Some(added) => self.given_count + added,
         }
+    }
+
+    /// For each vertex here the given one whose entry it takes: its own, or that of the nearer end of the edge that an
+    /// added one lies on, of two equally near ones the lower number.
+    pub fn nearest_given(&self) -> Vec<usize> {
+        let vertices = self.surface.vertices();
+        let mut nearest = self.given_vertices.clone();
+        for (&[a, b], place) in self.parents.iter().zip(&vertices[self.given_vertices.len()..]) {
+            let (lower, higher) = (a.min(b), a.max(b));
+            let nearer_to_lower = (place - vertices[higher]).norm() - (place - vertices[lower]).norm();
+            let rounding = EQUALLY_NEAR * (vertices[a] - vertices[b]).norm();
+            nearest.push(nearest[if nearer_to_lower < -rounding { higher } else { lower }]);
+        }
+        nearest
     }
 
     /// Values at the vertices from those of the given surface: an added vertex has what its parents have together.

@@ -11,9 +11,11 @@ use common::{Random, icosphere, one_diagonal_grid};
 mod combined;
 #[path = "../common/mod.rs"]
 mod common;
+mod cuts;
 mod fingers;
 mod galerkin;
 mod hertz;
+mod parts;
 mod press;
 mod reach;
 mod refine;

@@ -146,6 +146,8 @@ def swept(contact: qr.Contact) -> float:
     return float(np.maximum(inward, 0) @ contact.surface.vertex_areas)
 
 
+# At 2 mm the contact reaches the cut, 10 % of the force beside it.
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("depth", [0.3e-3, 1.12e-3, 2e-3])
 def test_the_deformed_finger_keeps_its_volume_to_first_order_and_its_contact(depth: float) -> None:
     finger = qr.models.fingertip(edge_length=2.2e-3)

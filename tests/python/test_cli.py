@@ -18,6 +18,7 @@ pytest.importorskip("matplotlib")
 import quasirigid as qr
 from quasirigid.cli import run
 from quasirigid.cli.arguments import parse_response, rotation
+from quasirigid.io import patch_table
 
 COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"]]
 
@@ -116,6 +117,14 @@ def test_a_press_prints_and_writes_the_same_figures_as_the_library(
     assert document["force"]["value"] == pytest.approx(contact.force, rel=1e-9, abs=1e-9)
     assert f"{np.linalg.norm(contact.force):.4g} N ± " in printed.out
     assert f"{1e6 * contact.contact_area:.4g} mm² ± " in printed.out
+    rows = [line.split() for line in printed.out.splitlines()]
+    for area, unit in ((1e-4, "cm²"), (1e-6, "mm²")):
+        mean = f"{1e-3 * contact.mean_pressure(area):.4g}"
+        assert ["mean", "pressure", "over", "1", unit, mean, "kPa"] in rows
+    assert patch_table(contact) in printed.out
+    for written, patch in zip(document["patches"], contact.patches, strict=True):
+        assert written["force"]["value"] == pytest.approx(patch.force, rel=1e-9, abs=1e-9)
+        assert written["mean_pressure"] == {"value": pytest.approx(patch.mean_pressure), "unit": "Pa"}
     assert document["accuracy"]["force_error"]["value"] == pytest.approx(
         contact.accuracy.force_error, rel=1e-6
     )

@@ -134,6 +134,18 @@ def test_a_product_in_another_unit_is_warned_about() -> None:
         qr.solve_contact(qr.Surface(vertices, faces), huge, SKIN)
 
 
+def test_a_contact_that_the_skin_mask_cuts_is_warned_about_once() -> None:
+    surface = qr.Surface(*ball(8e-3, 3))
+    surface = surface.with_skin_mask(surface.vertices[:, 0] > 0)
+    with pytest.warns(
+        qr.QuasirigidWarning, match="reaches the rim of the skin mask, with .* N there"
+    ) as told:
+        contact = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.5e-3)
+    assert [str(one.message) for one in told] == list(contact.warnings)
+    assert len(told) == 1
+    assert "skin_mask=" in contact.warnings[0]
+
+
 def test_the_response_matrix_is_what_the_contact_uses() -> None:
     surface = qr.Surface(*ball(8e-3, 4))
     contact = qr.press(surface, PLATE, SKIN, [0, 0, 2], depth=0.5e-3, options=AS_GIVEN)

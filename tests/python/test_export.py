@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from quasirigid.io import (
     contact_html,
     contact_record,
     contact_summary,
+    patch_table,
     refinement_table,
     save_contact,
     write_mesh,
@@ -108,6 +110,8 @@ def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, folder: Pa
     assert document["force"] == {"value": pressed.force.tolist(), "unit": "N"}
     assert document["contact_area"] == {"value": pressed.contact_area, "unit": "m^2"}
     assert document["max_pressure"] == {"value": pressed.max_pressure, "unit": "Pa"}
+    means = [(entry["value"], entry["area"]["value"]) for entry in document["mean_pressure"]]
+    assert means == [(pressed.mean_pressure(area), area) for area in (1e-4, 1e-6)]
     assert document["accuracy"]["natural_residual"]["unit"] == "1"
     assert document["accuracy"]["force_error"]["value"] == pressed.accuracy.force_error
     assert document["given_vertex_count"] == pressed.given_vertex_count < document["vertices"]
@@ -239,6 +243,21 @@ def test_a_summary_has_the_figures_in_mm_n_and_kpa(pressed: qr.Contact) -> None:
     assert float(rows["overlap before"].removesuffix(" mm")) == pytest.approx(1.12, rel=1e-3)
     assert rows["rounds of refinement"] == f"{len(pressed.refinements) - 1}, target_error"
     assert sum(line.startswith("left out: ") for line in lines) == len(pressed.left_out) > 0
+
+
+def test_a_table_has_one_line_a_patch(pressed: qr.Contact, apart: qr.Contact) -> None:
+    heads, line = patch_table(pressed).splitlines()
+    (patch,) = pressed.patches
+    names = ["patch", "force (N)", "area (mm²)", "peak (kPa)", "mean over 1 cm² (kPa)", "center (mm)"]
+    assert re.split("  +", heads) == names
+    figures = [np.linalg.norm(patch.force), 1e6 * patch.contact_area]
+    figures += [1e-3 * patch.max_pressure, 1e-3 * patch.mean_pressure]
+    cells = re.split("  +", line)
+    assert cells[:-1] == ["1", *(f"{figure:.4g}" for figure in figures)]
+    np.testing.assert_allclose(
+        [float(word) for word in cells[-1].split(", ")], 1e3 * patch.center_of_pressure, rtol=1e-3, atol=1e-9
+    )
+    assert len(patch_table(apart).splitlines()) == 1
 
 
 def test_a_summary_of_a_bad_ending_says_what_to_try(unsolved: qr.Contact) -> None:

@@ -34,6 +34,8 @@ def test_a_contact_of_ones_own_has_the_force_of_hertz(discretization: qr.Discret
     assert force == pytest.approx(hertz, rel=0.5 * 1.5 * SPACING**2 / (6 * RADIUS) / DEPTH)
 
 
+# Four middles of sides touch, 0.3 % to 0.5 % of the force.
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("discretization", qr.Discretization)
 def test_gaps_of_an_obstacle_are_those_of_a_contact(discretization: qr.Discretization) -> None:
     surface = qr.Surface(*grid(16, SPACING))

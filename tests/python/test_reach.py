@@ -47,6 +47,7 @@ def test_a_force_asks_for_the_depth_of_hertz() -> None:
     assert contact.depth == pytest.approx(depth, rel=2 / 3 * contact.accuracy.mesh_error)
 
 
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("force", [0.1, 1.0, 5.0, 20.0])
 @pytest.mark.parametrize("response", ["half-space", "body"])
@@ -69,6 +70,7 @@ def test_the_depth_of_a_force_gives_it_back_on_the_fingertip(
     assert again.force[2] == pytest.approx(force, rel=2 * TARGET)
 
 
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("options", [AS_GIVEN, None], ids=["as given", "refined"])
 @pytest.mark.parametrize("overlap", [1e-4, 1.12e-3])
 def test_the_overlap_asked_for_is_the_penetration_before(

@@ -42,7 +42,9 @@ def product_under(surface: qr.Surface, name: str) -> Mesh:
     return vertices + (tip - center) * [1, 1, 0], faces
 
 
-# A can's rim is thinner than the depth and wants many cells: the contact says so, and is solved all the same.
+# A can's rim is thinner than the depth and wants many cells, phone and mug reach the finger's cut: the
+# contact says so, and is solved all the same.
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:the mesh around the contact costs:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:.* vertices went through a wall:quasirigid.QuasirigidWarning")
@@ -61,6 +63,8 @@ def test_a_real_finger_on_a_real_product_is_solved(name: str, product: str) -> N
 
 @pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:the mesh around the contact costs:quasirigid.QuasirigidWarning")
+# The can meets the index finger at its cut.
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize("name", [*FINGERS, "webxr_right_index_1500"])
 def test_a_thin_rim_presses_back_against_the_press(name: str) -> None:
     surface = finger(name)
@@ -99,6 +103,7 @@ def test_a_real_press_does_not_depend_on_place_numbering_or_scale() -> None:
     assert np.linalg.norm(tiny.force) / 0.37**2 == pytest.approx(force, rel=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 def test_a_scanned_finger_with_its_bone_keeps_its_volume_to_first_order() -> None:
     surface = finger(FINGERS[0])
     bone = qr.models.bone_of(surface)

@@ -129,6 +129,7 @@ def test_an_added_vertex_may_touch_where_both_its_parents_may(pressed: Pressed) 
     assert mask[contact.candidates].all()
 
 
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 def test_nothing_presses_beside_a_mask_that_cuts_through_the_contact() -> None:
     surface = jittered_ball(1)
     masked = surface.with_skin_mask(surface.vertices[:, 0] > 0)

@@ -16,7 +16,7 @@ import quasirigid as qr
 from .._extras import import_extra
 from .._units import MM
 from ..errors import QuasirigidError
-from ..io import compare_contacts, refinement_table, save_contact
+from ..io import compare_contacts, patch_table, refinement_table, save_contact
 from .arguments import file_unit, parse_target_error
 from .console import console, progress, refuse, show_warning
 from .demo import press_demo
@@ -187,6 +187,8 @@ def press(
         bones = body.bone if body else None
         files = save_contact(contact, out, inputs=inputs, pictures=pictures, bone=bones)
     typer.echo(compare_contacts({skin_file.stem: contact}))
+    if contact.patches:
+        typer.echo(patch_table(contact))
     if len(contact.refinements) > 1:
         typer.echo(refinement_table(contact))
     typer.echo("wrote " + ", ".join(map(str, files)))

@@ -13,12 +13,13 @@ from ..lcp.solution import solution_from_core
 from ..skin.elastic import core_skin
 from .accuracy import Accuracy, Refinement
 from .drawn import Drawing
+from .ending import ContactStatus, LeftOut
 from .options import ContactOptions, options_to_core
-from .result import Contact, ContactError, ContactStatus, LeftOut, Patch
+from .parts import patches_of
+from .result import Contact, ContactError
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from ..obstacle import Obstacle
     from ..skin.elastic import ElasticSkin
@@ -230,7 +231,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         gap=core.gap,
         candidates=core.candidates,
         active=core.active,
-        patches=tuple(_patch(vertices, part) for vertices, part in core.patches),
+        patches=patches_of(core.patches),
         lcp_solutions=tuple(solution_from_core(solution) for solution in core.lcp_solutions),
         natural_residual=accuracy.natural_residual,
         accuracy=Accuracy(
@@ -251,6 +252,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
         warnings=tuple(core.warnings),
         advice=core.advice,
+        _loaded=core.loaded,
         _drawing=Drawing(core.drawing, None if len(core.parents) else surface),
     )
 
@@ -266,15 +268,4 @@ def _round(core: _core.Refinement) -> Refinement:
         max_penetration=core.max_penetration,
         seconds=core.seconds,
         reason=core.reason,
-    )
-
-
-def _patch(vertices: NDArray[np.int64], part: _core.Resultant) -> Patch:
-    return Patch(
-        vertices=vertices,
-        force=part.force,
-        moment=part.moment,
-        center_of_pressure=part.center_of_pressure,
-        contact_area=part.contact_area,
-        max_pressure=part.max_pressure,
     )

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+from .._check import as_number
 from .._frozen import Frozen
 from ..errors import QuasirigidError
 from .accuracy import Accuracy, Refinement
 from .drawn import Drawing
+from .ending import ContactStatus, LeftOut
+from .parts import Part, Patch, figures_text, part_of, parts_by_label
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,68 +20,14 @@ if TYPE_CHECKING:
 
     import numpy as np
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
+    from .. import _core
     from ..lcp import LcpSolution
     from ..obstacle import Obstacle
     from ..surface import Surface
 
-__all__ = ["Contact", "ContactError", "ContactStatus", "LeftOut", "Patch"]
-
-
-class ContactStatus(StrEnum):
-    """How a contact ended; the last four are endings of its complementarity problem."""
-
-    SOLVED = "solved"
-    NO_CONTACT = "no_contact"
-    RAY = "ray"
-    PIVOT_LIMIT = "pivot_limit"
-    BREAKDOWN = "breakdown"
-    INTERRUPTED = "interrupted"
-
-
-class LeftOut(NamedTuple):
-    """One thing that the scene did not need, and why."""
-
-    what: str
-    why: str
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Patch(Frozen):
-    """A connected part of the contact.
-
-    Attributes
-    ----------
-    vertices : (k,) int64
-        Vertices with f > 0, ascending.
-    force : (3,) float64
-        Force on the skin (N).
-    moment : (3,) float64
-        Moment on the skin about the origin, at deformed positions (N m).
-    center_of_pressure : (3,) float64
-        Mean of the deformed positions weighted by node force (m).
-    contact_area : float
-        Its contact area (m^2), as in `Contact`.
-    max_pressure : float
-        Its largest pressure (Pa), as in `Contact`.
-    """
-
-    vertices: NDArray[np.int64]
-    force: NDArray[np.float64]
-    moment: NDArray[np.float64]
-    center_of_pressure: NDArray[np.float64]
-    contact_area: float
-    max_pressure: float
-
-    def __repr__(self) -> str:
-        """Return vertices, force, area and peak on one line."""
-        return f"Patch({len(self.vertices)} vertices, {_figures(self)})"
-
-
-def _figures(part: Patch | Contact) -> str:
-    force = float((part.force @ part.force) ** 0.5)
-    return f"force {force:.4g} N, area {part.contact_area:.4g} m^2, peak {part.max_pressure:.4g} Pa"
+__all__ = ["Contact", "ContactError"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -184,6 +132,7 @@ class Contact(Frozen):
     left_out: tuple[LeftOut, ...]
     warnings: tuple[str, ...]
     advice: str
+    _loaded: _core.LoadedVertices
     _drawing: Drawing
 
     @property
@@ -210,6 +159,98 @@ class Contact(Frozen):
     def deformed(self) -> Surface:
         """The surface moved by `displacement`."""
         return self._drawing.skin().deformed
+
+    def mean_pressure(self, area: float = 1e-4) -> float:
+        """Return the largest mean pressure over a disc of a given area.
+
+        Parameters
+        ----------
+        area : float
+            Of the disc (m^2), > 0; by custom 1 cm^2.
+
+        Returns
+        -------
+        float
+            Node forces within ``sqrt(area / pi)`` of a vertex under force, in a straight line on the
+            undeformed skin, over `area`: the largest (Pa). 0 without contact, nan where the contact did not
+            solve. Mesh cells larger than `area` leave a disc with one node, whose force is then all that
+            counts.
+
+        Raises
+        ------
+        ContactError
+            If the area is not finite and above 0.
+
+        Examples
+        --------
+        >>> import quasirigid as qr
+        >>> tip = qr.models.fingertip()
+        >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+        >>> plate = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+        >>> contact = qr.press(tip, plate, skin, [0, 0, 1], depth=1e-3)
+        >>> contact.mean_pressure(1e-5) < contact.max_pressure
+        True
+        """
+        return self._loaded.mean_pressure(as_number("area", area, ContactError))
+
+    def part(self, mask: ArrayLike) -> Part:
+        """Return what some vertices carry.
+
+        Parameters
+        ----------
+        mask : (n,) array_like of bool
+            Which vertices: one entry a vertex of the given mesh or of `surface`. With the former, an added
+            vertex takes the entry of the nearer end of the edge that it lies on (`parents`), of two equally
+            near ones that of the lower number.
+
+        Returns
+        -------
+        Part
+            Parts that cover the mesh without sharing a vertex sum to `force`, `moment` and `contact_area`.
+
+        Raises
+        ------
+        ContactError
+            If the mask has another length; a TypeError if it holds no booleans.
+        """
+        return part_of(self._loaded, mask, self._vertex_counts, ContactError)
+
+    def by_label(self, labels: ArrayLike) -> dict[int | str, Part]:
+        """Return what the vertices of each label carry, such as the segments of a hand.
+
+        Parameters
+        ----------
+        labels : (n,) array_like of int or str
+            One entry a vertex, as the mask of `part`.
+
+        Returns
+        -------
+        dict of label to Part
+            Ascending, with labels that carry nothing.
+
+        Raises
+        ------
+        ContactError
+            If there are more or fewer labels, or some are nan; a TypeError if they are neither int nor str.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import quasirigid as qr
+        >>> tip = qr.models.fingertip()
+        >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+        >>> plate = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+        >>> contact = qr.press(tip, plate, skin, [0, 0, 1], depth=1e-3)
+        >>> parts = contact.by_label(np.where(tip.vertices[:, 2] < 0, "pad", "nail"))
+        >>> list(parts), bool(parts["nail"].force.any())
+        (['nail', 'pad'], False)
+        """
+        return parts_by_label(self._loaded, labels, self._vertex_counts, ContactError)
+
+    @property
+    def _vertex_counts(self) -> tuple[int, int]:
+        """Vertices of the given mesh, and of the one that was solved."""
+        return self.given_vertex_count, len(self.gap)
 
     def summary(self) -> str:
         """Return the figures as a text table in mm, N and kPa."""
@@ -288,7 +329,7 @@ class Contact(Frozen):
         match self.status:
             case ContactStatus.SOLVED:
                 patches = f"{len(self.patches)} patch{'es' * (len(self.patches) != 1)}"
-                return f"Contact(solved: {_figures(self)}, {patches}, {vertices})"
+                return f"Contact(solved: {figures_text(self)}, {patches}, {vertices})"
             case ContactStatus.NO_CONTACT:
                 return f"Contact(no_contact: {vertices})"
             case _:

@@ -13,9 +13,10 @@ import numpy as np
 from .._check import as_direction, short
 from .._frozen import Frozen
 from ..errors import QuasirigidError, ResponseError
+from .ending import ContactStatus
 from .options import ContactOptions
 from .press import Start, press
-from .result import Contact, ContactError, ContactStatus
+from .result import Contact, ContactError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

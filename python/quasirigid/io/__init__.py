@@ -21,6 +21,7 @@ from .record import contact_record as contact_record
 from .summary import compare_contacts as compare_contacts
 from .summary import contact_html as contact_html
 from .summary import contact_summary as contact_summary
+from .summary import patch_table as patch_table
 from .summary import refinement_table as refinement_table
 from .summary import sweep_table as sweep_table
 from .write import save_contact as save_contact
@@ -38,6 +39,7 @@ __all__ = [
     "contact_summary",
     "contact_trimesh",
     "mesh_arrays",
+    "patch_table",
     "read_mesh",
     "read_obstacle",
     "read_surface",

@@ -41,7 +41,9 @@ _REFINEMENT = {
 }
 _PATCH = {
     name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
-}
+} | {"mean_pressure": "Pa"}
+# Areas (m^2) of the discs over which the whole contact has its mean pressures.
+MEAN_AREAS = (1e-4, 1e-6)
 
 
 def contact_record(contact: Contact) -> dict[str, Any]:
@@ -61,6 +63,9 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "status": str(contact.status),
         "advice": contact.advice,
         **_figures(contact, _CONTACT),
+        "mean_pressure": [
+            _figure(contact.mean_pressure(area), "Pa") | {"area": _figure(area, "m^2")} for area in MEAN_AREAS
+        ],
         "vertices": len(contact.pressure),
         "given_vertex_count": contact.given_vertex_count,
         "refinements": [_refinement(one) for one in contact.refinements],

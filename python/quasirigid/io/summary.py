@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..contact.sweep import Sweep
 
-__all__ = ["compare_contacts", "contact_html", "contact_summary", "refinement_table"]
+__all__ = ["compare_contacts", "contact_html", "contact_summary", "patch_table", "refinement_table"]
 
 
 def contact_summary(contact: Contact) -> str:
@@ -116,6 +116,32 @@ def sweep_table(sweep: Sweep) -> str:
     return "\n".join(_aligned(columns))
 
 
+def patch_table(contact: Contact) -> str:
+    """Return what each patch of a contact carries as a text table.
+
+    Parameters
+    ----------
+    contact : Contact
+        The contact.
+
+    Returns
+    -------
+    str
+        A line for each of `Contact.patches`: force (N), area (mm²), peak pressure and mean over 1 cm² (kPa),
+        center of pressure (mm).
+    """
+    patches = contact.patches
+    columns = [
+        ["patch", *(str(number) for number in range(1, len(patches) + 1))],
+        ["force (N)", *(f"{float(np.linalg.norm(one.force)):.4g}" for one in patches)],
+        ["area (mm²)", *(f"{one.contact_area * MM**2:.4g}" for one in patches)],
+        ["peak (kPa)", *(f"{one.max_pressure * KPA:.4g}" for one in patches)],
+        ["mean over 1 cm² (kPa)", *(f"{one.mean_pressure * KPA:.4g}" for one in patches)],
+        ["center (mm)", *(_vector(one.center_of_pressure, MM) for one in patches)],
+    ]
+    return "\n".join(_aligned(columns))
+
+
 def _aligned(columns: Sequence[Sequence[str]]) -> list[str]:
     """Return the lines of a table: the first column to the left, the others to the right."""
     widths = [max(map(len, column)) for column in columns]
@@ -160,6 +186,8 @@ def _rows(contact: Contact) -> dict[str, str]:
         "center of pressure": f"{_vector(contact.center_of_pressure, MM)} mm",
         "contact area": f"{contact.contact_area * MM**2:.4g} mm²" + _estimated(accuracy.area_error),
         "peak pressure": f"{contact.max_pressure * KPA:.4g} kPa" + _estimated(accuracy.max_pressure_error),
+        "mean pressure over 1 cm²": f"{contact.mean_pressure(1e-4) * KPA:.4g} kPa",
+        "mean pressure over 1 mm²": f"{contact.mean_pressure(1e-6) * KPA:.4g} kPa",
         "overlap before": f"{contact.max_penetration_before * MM:.4g} mm",
         "overlap after": f"{contact.max_penetration_after * MM:.2g} mm",
         "patches": str(len(contact.patches)),

@@ -34,7 +34,7 @@ pub(crate) fn solve(
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
     // On a refined mesh it is known from the one before that few others are pressed; these are found below.
-    let is_first = gaps.scene.finger_of.is_none();
+    let is_first = gaps.scene.inherited.is_none();
     let rings = options.rings.unwrap_or(if traits.negative_entries && is_first { DEFAULT_RINGS } else { 0 });
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
     for growth in 0.. {
@@ -73,9 +73,9 @@ fn solve_on(
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
-    let fingers = match &gaps.scene.finger_of {
+    let fingers = match &gaps.scene.inherited {
         _ if !traits.is_kernel || options.couple_fingers => Fingers::one(&candidates),
-        Some(known) => Fingers::as_before(gaps.surface, &candidates, known),
+        Some(known) => Fingers::as_before(gaps.surface, &candidates, &known.finger_of),
         None => Fingers::split_by_tissue(gaps.surface, &candidates),
     };
     let initial_gap = traits.discretization.initial_gap(gaps, response, &candidates)?;

@@ -5,6 +5,7 @@ pub(crate) mod area;
 pub(crate) mod displacement;
 pub(crate) mod drawn;
 pub(crate) mod fade;
+pub(crate) mod mean_pressure;
 pub(crate) mod pressure;
 pub(crate) mod recovery;
 pub(crate) mod resultant;

@@ -1,11 +1,16 @@
-//! Forces, moments, areas and peaks of solved node forces.
+//! Forces, moments, areas and peaks of vertices under force.
+
+use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::error::ContactError;
+use crate::contact::figures::mean_pressure::{SQUARE_CENTIMETRE, largest_mean};
 use crate::contact::figures::pressure::VertexPressure;
-use crate::contact::outcome::{Patch, Resultant};
+use crate::contact::outcome::{Contact, ContactPart, Patch, Resultant};
 use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
 
 impl Resultant {
     /// All NaN: the figures of a contact that did not solve.
@@ -17,43 +22,177 @@ impl Resultant {
             center_of_pressure: vector,
             contact_area: f64::NAN,
             max_pressure: f64::NAN,
+            mean_pressure: f64::NAN,
         }
     }
-}
 
-/// What resultants are made of; arrays are per vertex (n) where they are not per candidate (k).
-pub(crate) struct Resultants<'a> {
-    pub surface: &'a Surface,
-    pub forces: &'a NodeForces,
-    pub pressure: &'a VertexPressure,
-    /// The contact's share of each vertex (n, m²).
-    pub areas: &'a [f64],
-    /// Displacement (k, m).
-    pub displacement: &'a [Vector3<f64>],
-}
-
-impl Resultants<'_> {
-    /// Force, moment, center, area and peak pressure of some active vertices.
-    pub fn of(&self, vertices: &[usize]) -> Resultant {
+    /// Figures of some vertices: a patch, a part, the whole.
+    fn of(loaded: &[&LoadedVertex]) -> Self {
         let (mut force, mut moment, mut weighted) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
         let (mut total, mut contact_area, mut max_pressure) = (0.0, 0.0, 0.0_f64);
-        for &vertex in vertices {
-            let row = self.forces.candidates.binary_search(&vertex).expect("active vertices are candidates");
-            let position = self.surface.vertices()[vertex] + self.displacement[row];
-            let (f, load) = (self.forces.force[vertex], self.forces.vectors[vertex]);
-            force += load;
-            moment += position.cross(&load);
-            weighted += f * position;
-            total += f;
-            contact_area += self.areas[vertex];
-            max_pressure = max_pressure.max(self.pressure.peak[vertex]);
+        for one in loaded {
+            force += one.force;
+            moment += one.deformed.cross(&one.force);
+            weighted += one.node_force * one.deformed;
+            total += one.node_force;
+            contact_area += one.contact_area;
+            max_pressure = max_pressure.max(one.peak_pressure);
         }
-        Resultant { force, moment, center_of_pressure: weighted / total, contact_area, max_pressure }
+        let mean_pressure = largest_mean(loaded, SQUARE_CENTIMETRE);
+        let center_of_pressure = weighted / total;
+        Self { force, moment, center_of_pressure, contact_area, max_pressure, mean_pressure }
+    }
+}
+
+/// A vertex under force, and what it adds to the figures.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LoadedVertex {
+    pub vertex: usize,
+    /// The given vertex whose entry it takes, where there is one entry a given vertex.
+    pub given_vertex: usize,
+    /// Number of its patch.
+    pub patch: usize,
+    /// Where it lies undeformed (m).
+    pub position: Vector3<f64>,
+    /// Where it lies under the forces (m).
+    pub deformed: Vector3<f64>,
+    /// Force on the skin (N).
+    pub force: Vector3<f64>,
+    /// The same along the obstacle's outward normal (N, > 0).
+    pub node_force: f64,
+    /// Its share of the contact area (m²).
+    pub contact_area: f64,
+    /// Largest pressure that it stands for (Pa).
+    pub peak_pressure: f64,
+}
+
+/// All vertices under force, ascending.
+#[derive(Debug, Clone)]
+pub(crate) struct LoadedVertices {
+    pub list: Vec<LoadedVertex>,
+    /// Vertices of the given mesh, and of the one that was solved.
+    pub vertex_counts: [usize; 2],
+    /// Whether the contact solved, so that sums are its figures.
+    pub is_known: bool,
+}
+
+impl LoadedVertices {
+    /// * `areas`: the contact's share of each vertex (n, m²)
+    /// * `displacement`: of the candidates (k, m)
+    pub fn new(
+        surface: &Surface,
+        forces: &NodeForces,
+        pressure: &VertexPressure,
+        areas: &[f64],
+        displacement: &[Vector3<f64>],
+    ) -> Self {
+        let loaded = |vertex: usize| {
+            let row = forces.candidates.binary_search(&vertex).expect("active vertices are candidates");
+            let position = surface.vertices()[vertex];
+            LoadedVertex {
+                vertex,
+                given_vertex: vertex,
+                patch: 0,
+                position,
+                deformed: position + displacement[row],
+                force: forces.vectors[vertex],
+                node_force: forces.force[vertex],
+                contact_area: areas[vertex],
+                peak_pressure: pressure.peak[vertex],
+            }
+        };
+        let mut list: Vec<LoadedVertex> = forces.active.iter().map(|&vertex| loaded(vertex)).collect();
+        for (patch, vertices) in surface.patches(&forces.active).iter().enumerate() {
+            for vertex in vertices {
+                list[forces.active.binary_search(vertex).expect("patches are active")].patch = patch;
+            }
+        }
+        let count = surface.vertices().len();
+        Self { list, vertex_counts: [count; 2], is_known: forces.failure.is_none() }
     }
 
-    /// The connected parts of the active set.
+    /// The same in the numbers of the whole that `part` belongs to.
+    ///
+    /// * `vertex_counts`: vertices of the given mesh and of the whole
+    pub fn in_whole(mut self, part: &RefinedSurface, vertex_counts: [usize; 2]) -> Self {
+        let given = part.nearest_given();
+        for one in &mut self.list {
+            one.given_vertex = given[one.vertex];
+            one.vertex = part.number(one.vertex);
+        }
+        Self { vertex_counts, ..self }
+    }
+
+    /// Figures of the whole; NaN of a contact that did not solve.
+    pub fn resultant(&self) -> Resultant {
+        self.figures(&self.list.iter().collect::<Vec<_>>())
+    }
+
+    /// The connected parts.
     pub fn patches(&self) -> Vec<Patch> {
-        let patches = self.surface.patches(&self.forces.active).into_iter();
-        patches.map(|vertices| Patch { resultant: self.of(&vertices), vertices }).collect()
+        patches(&self.list.iter().collect::<Vec<_>>())
+    }
+
+    /// [`Contact::part`].
+    pub fn part(&self, mask: &[bool]) -> Result<ContactPart, ContactError> {
+        let [given, whole] = self.vertex_counts;
+        let of_mask = |one: &LoadedVertex| if mask.len() == whole { one.vertex } else { one.given_vertex };
+        if mask.len() != given && mask.len() != whole {
+            return Err(ContactError::MaskLength { found: mask.len(), given, whole });
+        }
+        let chosen: Vec<&LoadedVertex> = self.list.iter().filter(|one| mask[of_mask(one)]).collect();
+        Ok(ContactPart { resultant: self.figures(&chosen), patches: patches(&chosen) })
+    }
+
+    /// [`Contact::mean_pressure`].
+    pub fn mean_pressure(&self, area: f64) -> Result<f64, ContactError> {
+        if !(area > 0.0 && area.is_finite()) {
+            return Err(ContactError::Area { area });
+        }
+        let all: Vec<&LoadedVertex> = self.list.iter().collect();
+        Ok(if self.is_known { largest_mean(&all, area) } else { f64::NAN })
+    }
+
+    fn figures(&self, loaded: &[&LoadedVertex]) -> Resultant {
+        if self.is_known { Resultant::of(loaded) } else { Resultant::unknown() }
+    }
+}
+
+/// Each patch as far as its vertices are among `loaded`.
+fn patches(loaded: &[&LoadedVertex]) -> Vec<Patch> {
+    let mut groups: BTreeMap<usize, Vec<&LoadedVertex>> = BTreeMap::new();
+    loaded.iter().for_each(|one| groups.entry(one.patch).or_default().push(one));
+    let patch = |group: Vec<&LoadedVertex>| Patch {
+        vertices: group.iter().map(|one| one.vertex).collect(),
+        resultant: Resultant::of(&group),
+    };
+    groups.into_values().map(patch).collect()
+}
+
+impl Contact {
+    /// Figures of the vertices where `mask` is true; NaN of a contact that did not solve.
+    ///
+    /// Parts that cover the mesh without sharing a vertex sum to the force, moment and area of the whole.
+    ///
+    /// * `mask`: one entry a vertex of the given mesh or of the one that was solved. With the former, an added vertex
+    ///   takes the entry of the nearer end of the edge that it lies on, of two equally near ones that of the lower number.
+    ///
+    /// # Errors
+    /// [`ContactError::MaskLength`].
+    pub fn part(&self, mask: &[bool]) -> Result<ContactPart, ContactError> {
+        self.loaded.part(mask)
+    }
+
+    /// Largest mean pressure over a disc of a given area (Pa): the node forces within `√(area / π)` of a vertex under
+    /// force, in a straight line on the undeformed skin, over `area`. NaN of a contact that did not solve.
+    ///
+    /// Cells larger than `area` leave a disc with one node, whose force is then all that counts.
+    ///
+    /// * `area`: of the disc (m²), > 0
+    ///
+    /// # Errors
+    /// [`ContactError::Area`].
+    pub fn mean_pressure(&self, area: f64) -> Result<f64, ContactError> {
+        self.loaded.mean_pressure(area)
     }
 }

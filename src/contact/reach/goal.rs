@@ -8,7 +8,7 @@ use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, force_along};
 use crate::contact::reach::search::Search;
 use crate::contact::refine::rounds::{Begun, Rounds, begin};
-use crate::contact::scene::{Approach, Placement};
+use crate::contact::scene::{Approach, Inherited, Placement};
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
@@ -119,7 +119,7 @@ impl Task<'_> {
         }
         let touch = self.press.touch(&part.surface, self.obstacle, true)?;
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let on_part = self.on_mesh(&part.surface, &*skin, Some(rounds.fingers_on(part)), touch);
+        let on_part = self.on_mesh(&part.surface, &*skin, Some(rounds.inherited_by(part)), touch);
         let past = last.depth.expect("a press has a depth") - touch.1;
         let value = match self.target.quantity {
             Quantity::Force => force_along(last, &self.press.direction),
@@ -149,11 +149,11 @@ impl Task<'_> {
         &'b self,
         surface: &'b Surface,
         skin: &'b dyn ElasticSkin,
-        finger_of: Option<Vec<Option<usize>>>,
+        inherited: Option<Inherited>,
         touch: (f64, f64),
     ) -> OnMesh<'b> {
         let Task { obstacle, options, press, .. } = *self;
-        OnMesh { surface, skin, finger_of, obstacle, press, options, touch }
+        OnMesh { surface, skin, inherited, obstacle, press, options, touch }
     }
 
     /// The press to the depth of a contact.

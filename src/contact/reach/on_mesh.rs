@@ -11,7 +11,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::report::record::{Report, add_timings};
-use crate::contact::scene::{Approach, Scene};
+use crate::contact::scene::{Approach, Inherited, Scene};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::error::BodyError;
 use crate::response::error::ResponseError;
@@ -31,8 +31,8 @@ pub(crate) enum Quantity {
 pub(crate) struct OnMesh<'a> {
     pub surface: &'a Surface,
     pub skin: &'a dyn ElasticSkin,
-    /// On a refined mesh, the finger of each vertex.
-    pub finger_of: Option<Vec<Option<usize>>>,
+    /// What a refined mesh takes over from the given one.
+    pub inherited: Option<Inherited>,
     pub obstacle: &'a Obstacle,
     /// Direction and start; its depth is not looked at.
     pub press: Approach,
@@ -137,7 +137,7 @@ impl OnMesh<'_> {
         let (begin, touch) = self.touch;
         let approach = Approach { depth: touch + past, ..self.press };
         let scene = approach.scene(self.surface, self.obstacle, begin);
-        Scene { finger_of: self.finger_of.clone(), ..scene }
+        Scene { inherited: self.inherited.clone(), ..scene }
     }
 
     /// Beyond this way past the touch, obstacle and skin are apart again, or no skin is left (m).

@@ -9,8 +9,9 @@ use crate::contact::outcome::{Contact, ContactStatus, Refinement};
 use crate::contact::refine::estimate::MeshError;
 use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
 use crate::contact::refine::whole::into_whole;
+use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
-use crate::contact::scene::Placement;
+use crate::contact::scene::{Inherited, Placement};
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
@@ -185,7 +186,7 @@ impl Rounds<'_> {
         }
         let started = Instant::now();
         let mut scene = self.placement.scene(&part.surface, true)?;
-        scene.finger_of = Some(self.fingers_on(part));
+        scene.inherited = Some(self.inherited_by(part));
         let mut report = Report::default();
         if self.placement.press.is_some() {
             report.clock("first_touch", started);
@@ -194,10 +195,13 @@ impl Rounds<'_> {
         solve_in_place(&part.surface, &scene, &*skin, self.options, report)
     }
 
-    /// The finger of each vertex of a refined part, as the given mesh told.
-    pub fn fingers_on(&self, part: &RefinedSurface) -> Vec<Option<usize>> {
+    /// What a refined part takes over from the given mesh.
+    pub fn inherited_by(&self, part: &RefinedSurface) -> Inherited {
         let fingers = &self.given.drawing.fingers;
-        part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b))
+        Inherited {
+            finger_of: part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)),
+            cuts: Cuts::of(self.given.surface(), self.skin).on_refined(part),
+        }
     }
 
     /// Puts a contact at another depth in the place of the last one, on the same mesh.

@@ -49,6 +49,7 @@ pub(crate) fn into_whole(
         candidates: numbers(&contact.candidates),
         active: numbers(&contact.active),
         patches: contact.patches.iter().map(patch).collect(),
+        loaded: contact.loaded.in_whole(part, [mesh.given().vertices().len(), count]),
         mesh: ContactMesh::refined(mesh),
         timings,
         left_out,

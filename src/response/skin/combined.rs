@@ -277,6 +277,10 @@ impl ElasticSkin for CombinedSkin {
         self.pieces().is_prepared(vertex)
     }
 
+    fn is_held(&self, vertex: usize) -> bool {
+        self.parts.iter().any(|part| part.part_vertices[vertex].is_some_and(|own| part.fixed[own]))
+    }
+
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         let Some(background) = self.background.on_refined(mesh) else { return Ok(None) };
         let mut parts = Vec::with_capacity(self.parts.len());

@@ -101,6 +101,11 @@ pub trait ElasticSkin: Sync {
     /// Whether the response to a force at `vertex` is known.
     fn is_prepared(&self, vertex: usize) -> bool;
 
+    /// Whether a body holds `vertex` in place; asked on the given mesh alone.
+    fn is_held(&self, _vertex: usize) -> bool {
+        false
+    }
+
     /// The same skin on a refinement of its surface; `None` where it takes the mesh as it is.
     ///
     /// # Errors

@@ -165,6 +165,14 @@ impl ElasticSkin for PreparedBody {
         self.nodes.row(vertex).is_some()
     }
 
+    fn is_held(&self, vertex: usize) -> bool {
+        match &self.levels {
+            Levels::Given(_) => false,
+            Levels::One(one) => one.is_still(vertex),
+            Levels::Two(two) => two.fixed[vertex],
+        }
+    }
+
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         let on_mesh = self.on_refined(mesh, Some)?;
         Ok(on_mesh.map(|body| Box::new(body) as Box<dyn ElasticSkin>))

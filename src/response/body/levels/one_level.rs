@@ -20,6 +20,12 @@ pub struct OneLevel {
 }
 
 impl OneLevel {
+    /// Whether a vertex does not move with the body: what one force does not move is held.
+    pub(crate) fn is_still(&self, vertex: usize) -> bool {
+        let moved = self.compliance.parts().displacement.subcols(0, 3);
+        (0..9).all(|k| moved[(3 * vertex + k % 3, k / 3)] == 0.0)
+    }
+
     /// On a refinement of the skin, or of a skin that this one is a part of: the skin itself is the coarse mesh.
     ///
     /// * `skin`: the skin where it stands now
@@ -34,12 +40,11 @@ impl OneLevel {
         let parts = self.compliance.parts();
         let near = NearKernel::new(parts.shear_modulus, parts.poisson_ratio, self.thickness.clone())?;
         let weights = |vertex| own(vertex).map(|own| vec![(own as u32, 1.0)]);
-        // What one force does not move is held.
-        let moved = parts.displacement.subcols(0, 3);
-        let is_still = |own: usize| (0..9).all(|k| moved[(3 * own + k % 3, k / 3)] == 0.0);
         let response = NearAndFar {
             weights: mesh.inherit(weights, joined).into(),
-            fixed: mesh.inherit(|vertex| own(vertex).is_none_or(is_still), |a, b| *a && *b).into(),
+            fixed: mesh
+                .inherit(|vertex| own(vertex).is_none_or(|own| self.is_still(own)), |a, b| *a && *b)
+                .into(),
             near: near.on_refined(mesh, own)?,
             remainder: Remainder::new(&self.compliance, Some((skin.clone(), near))),
         };

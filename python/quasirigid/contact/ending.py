@@ -1,0 +1,26 @@
+"""How a contact ended, and what it did without."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import NamedTuple
+
+__all__ = ["ContactStatus", "LeftOut"]
+
+
+class ContactStatus(StrEnum):
+    """How a contact ended; the last four are endings of its complementarity problem."""
+
+    SOLVED = "solved"
+    NO_CONTACT = "no_contact"
+    RAY = "ray"
+    PIVOT_LIMIT = "pivot_limit"
+    BREAKDOWN = "breakdown"
+    INTERRUPTED = "interrupted"
+
+
+class LeftOut(NamedTuple):
+    """One thing that the scene did not need, and why."""
+
+    what: str
+    why: str

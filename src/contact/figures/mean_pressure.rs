@@ -1,0 +1,70 @@
+//! Mean pressure over discs of a given area.
+
+use std::f64::consts::PI;
+
+use crate::contact::figures::resultant::LoadedVertex;
+
+/// The area (m²) over which every set of vertices has its mean pressure.
+pub(crate) const SQUARE_CENTIMETRE: f64 = 1e-4;
+
+/// Largest sum of node forces within `√(area / π)` of one of the vertices, in a straight line on the undeformed skin,
+/// over `area` (Pa); 0 without vertices.
+pub(crate) fn largest_mean(loaded: &[&LoadedVertex], area: f64) -> f64 {
+    let radius = (area / PI).sqrt();
+    // Along x, so that only vertices in a strip are measured.
+    let mut sorted = loaded.to_vec();
+    sorted.sort_by(|a, b| a.position.x.total_cmp(&b.position.x));
+    let mut first = 0;
+    let mut largest = 0.0_f64;
+    for middle in &sorted {
+        let x = middle.position.x;
+        first += sorted[first..].iter().take_while(|other| other.position.x < x - radius).count();
+        let strip = sorted[first..].iter().take_while(|other| other.position.x <= x + radius);
+        let within = strip.filter(|other| (other.position - middle.position).norm() <= radius);
+        largest = largest.max(within.map(|other| other.node_force).sum());
+    }
+    largest / area
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use nalgebra::Vector3;
+
+    use super::largest_mean;
+    use crate::contact::figures::resultant::LoadedVertex;
+
+    fn loaded(position: [f64; 3], node_force: f64) -> LoadedVertex {
+        LoadedVertex {
+            vertex: 0,
+            given_vertex: 0,
+            patch: 0,
+            position: position.into(),
+            deformed: Vector3::zeros(),
+            force: Vector3::zeros(),
+            node_force,
+            contact_area: 0.0,
+            peak_pressure: 0.0,
+        }
+    }
+
+    #[test]
+    fn the_mean_is_the_most_force_within_the_radius_of_a_vertex_over_the_area() {
+        // Area π: radius 1. Around the second lie the first two and the third (at distance 1 - ε in z); the last, at 3,
+        // is alone with the most force of all single ones.
+        let all = [
+            loaded([0.0, 0.0, 0.0], 1.0),
+            loaded([0.5, 0.0, 0.0], 2.0),
+            loaded([0.5, 0.0, 0.999], 4.0),
+            loaded([3.0, 0.0, 0.0], 6.5),
+        ];
+        let all: Vec<&LoadedVertex> = all.iter().collect();
+        let pi = std::f64::consts::PI;
+        assert_relative_eq!(largest_mean(&all, pi), 7.0 / pi, max_relative = 1e-15);
+        // Radius 0.9: the third leaves the second, and the last has the most.
+        assert_relative_eq!(largest_mean(&all, 0.81 * pi), 6.5 / (0.81 * pi), max_relative = 1e-15);
+        // Radius 10: all.
+        assert_relative_eq!(largest_mean(&all, 100.0 * pi), 13.5 / (100.0 * pi), max_relative = 1e-15);
+        assert_eq!(largest_mean(&[], pi), 0.0);
+    }
+}

@@ -1,0 +1,89 @@
+//! Contacts that reach where the skin is cut, so that what lies beyond is missing from their figures.
+
+use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::report::record::Report;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
+
+/// Share of the force from which the user is warned that it lies at a cut.
+const SMALL_SHARE: f64 = 1e-3;
+
+/// Vertices of a surface where it ends or is held, one entry each.
+#[derive(Debug, Clone)]
+pub(crate) struct Cuts {
+    /// Held in place by a body, or between such a vertex and a free one.
+    held: Vec<bool>,
+    /// On an open border.
+    border: Vec<bool>,
+}
+
+impl Cuts {
+    pub fn of(surface: &Surface, skin: &dyn ElasticSkin) -> Self {
+        let vertices = 0..surface.vertices().len();
+        Self {
+            held: vertices.clone().map(|vertex| skin.is_held(vertex)).collect(),
+            border: vertices.map(|vertex| is_on_border(surface, vertex)).collect(),
+        }
+    }
+
+    /// The same on a refinement; where a part of the skin was cut out for it is no border.
+    pub fn on_refined(&self, mesh: &RefinedSurface) -> Self {
+        let mut border = mesh.inherit(|vertex| self.border[vertex], |a, b| *a && *b);
+        for (vertex, is_border) in border.iter_mut().enumerate() {
+            *is_border &= is_on_border(&mesh.surface, vertex);
+        }
+        Self { held: mesh.inherit(|vertex| self.held[vertex], |a, b| *a || *b), border }
+    }
+}
+
+/// An inner vertex has as many neighbours as faces, one on a border more.
+fn is_on_border(surface: &Surface, vertex: usize) -> bool {
+    surface.neighbours(vertex).len() > surface.faces_around(vertex).len()
+}
+
+impl Report {
+    /// Warns where vertices carry force beside a held one or the rim of the skin mask, or on an open border: each
+    /// counts for the first of these.
+    pub fn warn_of_cuts(&mut self, surface: &Surface, cuts: &Cuts, forces: &NodeForces) {
+        let kinds = [
+            (
+                "the vertices that a body holds fixed",
+                "fix fewer vertices (`Body(fixed=)`), or cut the mesh farther from it",
+            ),
+            (
+                "the rim of the skin mask",
+                "let the skin beyond it touch too (`skin_mask=`), or cut the mesh farther from the contact",
+            ),
+            ("the open border of the mesh", "take a mesh that goes on beyond it"),
+        ];
+        let total: f64 = forces.active.iter().map(|&vertex| forces.force[vertex]).sum();
+        let mut carried = [0.0; 3];
+        for &vertex in &forces.active {
+            let mut around = surface.neighbours(vertex).iter().map(|&other| other as usize).chain([vertex]);
+            let kind = if around.clone().any(|other| cuts.held[other]) {
+                0
+            } else if around.any(|other| !surface.skin_mask()[other]) {
+                1
+            } else if cuts.border[vertex] {
+                2
+            } else {
+                continue;
+            };
+            carried[kind] += forces.force[vertex];
+        }
+        let reached = kinds.iter().zip(carried).filter(|(_, force)| *force >= SMALL_SHARE * total);
+        let (mut places, mut remedies) = (Vec::new(), Vec::new());
+        for ((place, remedy), force) in reached {
+            places.push(format!("{place}, with {force:.3e} N there ({:.2} % of all)", 100.0 * force / total));
+            remedies.push(*remedy);
+        }
+        if !places.is_empty() {
+            self.warnings.push(format!(
+                "the contact reaches {}: the figures lack what lies beyond; {}",
+                places.join(", and "),
+                remedies.join("; ")
+            ));
+        }
+    }
+}
