@@ -218,7 +218,8 @@ class Body(_Response):
         Keep what `PreparedSkin.bone_pressure` needs too.
     coarse_edge_length : float or None
         Wanted length of the edges of the coarse mesh that the body is solved on (m), up to the size of the
-        body; None for 0.4 of the tissue's thickness at each place. 0 is the skin's own mesh.
+        body; None for 0.4 to 0.7 of the tissue's thickness at each place, the more the larger the body, and
+        at most half of the radius that the skin bends with. 0 is the skin's own mesh.
 
     References
     ----------
