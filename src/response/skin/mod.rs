@@ -1,12 +1,14 @@
 //! What a contact asks of a skin, and who answers.
 //!
 //! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`] and a
-//! [`given_matrix`] look it up at their [`nodes`]; a [`combined`] skin asks its parts.
+//! [`given_matrix`] look it up at their [`nodes`]; a [`combined`] skin asks its parts and puts their answers together
+//! (`pieces`).
 
 pub(crate) mod combined;
 pub(crate) mod elastic;
 pub(crate) mod given_matrix;
 pub(crate) mod kernel;
 pub(crate) mod nodes;
+mod pieces;
 pub(crate) mod prepared_body;
 pub(crate) mod prepared_kernel;
