@@ -186,6 +186,8 @@ class ContactOptions:
         tolerance: float,
         target_error: float | None,
         max_nodes: int,
+        gap_tolerance: float,
+        max_linearizations: int,
         rings: int | None,
         method: str,
         num_threads: int | None,
@@ -203,6 +205,10 @@ class ContactOptions:
     def target_error(self) -> float | None: ...
     @property
     def max_nodes(self) -> int: ...
+    @property
+    def gap_tolerance(self) -> float: ...
+    @property
+    def max_linearizations(self) -> int: ...
     @property
     def rings(self) -> int | None: ...
     @property

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::linearization::solve_to_the_end;
 use crate::contact::equilibrium::solve as equilibrium;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
@@ -10,6 +11,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Scene;
+use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 
@@ -28,7 +30,12 @@ pub(crate) fn solve_in_place(
 
     // 1. Gaps; back along the press where the skin came in through another side.
     let started = Instant::now();
-    let gaps = Gaps::measure(surface, scene, options.search_distance)?;
+    let mut gaps = Gaps::measure(
+        surface,
+        scene,
+        options.search_distance,
+        traits.discretization == Discretization::Collocation,
+    )?;
     report.clock("signed_distance", started);
     report.note_gaps(&gaps);
     report.warn_of_scene(&gaps);
@@ -38,7 +45,8 @@ pub(crate) fn solve_in_place(
 
     // 2-4. Candidates, response, complementarity.
     let response = Compliance::new(surface, skin, traits, options);
-    let forces = equilibrium::solve(&gaps, &response, options, &mut report)?;
+    let forces = equilibrium::solve(&gaps, &response, None, options, &mut report)?;
+    let forces = solve_to_the_end(&mut gaps, forces, &response, options, &mut report)?;
     report.note_forces(&gaps, &response, &forces, options);
     if let Some(ending) = forces.failure {
         return Ok(Contact::failed(ending, &gaps, forces, &traits, options, report));

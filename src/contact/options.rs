@@ -15,6 +15,11 @@ pub struct ContactOptions<'a> {
     pub target_error: Option<f64>,
     /// Most contact nodes of a refined mesh.
     pub max_nodes: usize,
+    /// Gap (≥ 0) that may be left at the deformed skin where it touches, as a share of the deepest penetration before.
+    pub gap_tolerance: f64,
+    /// Most linear problems that a contact is solved with (≥ 1), each with gaps and normals taken at the skin as the one
+    /// before deformed it; 1 takes them at the undeformed skin alone.
+    pub max_linearizations: usize,
     /// Rings of neighbours added to the penetrating vertices. `None`: none where the response has no negative
     /// entry (further vertices can never touch), 3 otherwise, as in Xie, Kanai, Date 2011.
     pub rings: Option<usize>,
@@ -43,6 +48,8 @@ impl Default for ContactOptions<'_> {
             tolerance: 1e-6,
             target_error: Some(0.02),
             max_nodes: 4000,
+            gap_tolerance: 1e-3,
+            max_linearizations: 20,
             rings: None,
             method: LcpMethodName::Lemke.into(),
             num_threads: None,
@@ -62,6 +69,8 @@ impl std::fmt::Debug for ContactOptions<'_> {
             .field("tolerance", &self.tolerance)
             .field("target_error", &self.target_error)
             .field("max_nodes", &self.max_nodes)
+            .field("gap_tolerance", &self.gap_tolerance)
+            .field("max_linearizations", &self.max_linearizations)
             .field("rings", &self.rings)
             .field("method", &self.method)
             .field("num_threads", &self.num_threads)
@@ -99,6 +108,12 @@ impl ContactOptions<'_> {
         }
         if self.max_nodes == 0 {
             return fail("max_nodes", 0.0, "at least 1");
+        }
+        if !(self.gap_tolerance > 0.0 && self.gap_tolerance < 1.0) {
+            return fail("gap_tolerance", self.gap_tolerance, "a number in (0, 1)");
+        }
+        if self.max_linearizations == 0 {
+            return fail("max_linearizations", 0.0, "at least 1");
         }
         if let Some(distance) = self.search_distance
             && !(distance >= 0.0 && distance.is_finite())

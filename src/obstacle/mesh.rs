@@ -86,6 +86,11 @@ impl MeshShape {
         &self.faces
     }
 
+    /// Unit normal of each face.
+    pub fn normals(&self) -> &[Vector3<f64>] {
+        &self.normals
+    }
+
     /// The tree of boxes around the faces.
     pub fn tree(&self) -> &TriMesh {
         &self.tree

@@ -16,6 +16,7 @@
 //! arithmetic. [`Obstacle::first_touch`] moves the obstacle along a line until it meets the first of many points.
 
 pub(crate) mod distance;
+pub(crate) mod edges;
 pub(crate) mod error;
 pub(crate) mod first_touch;
 pub(crate) mod mesh;

@@ -10,6 +10,8 @@ pub(super) struct PyContactOptions {
     tolerance: f64,
     target_error: Option<f64>,
     max_nodes: usize,
+    gap_tolerance: f64,
+    max_linearizations: usize,
     rings: Option<usize>,
     method: String,
     num_threads: Option<usize>,
@@ -23,12 +25,14 @@ pub(super) struct PyContactOptions {
 #[pymethods]
 impl PyContactOptions {
     #[new]
-    #[pyo3(signature = (*, tolerance, target_error, max_nodes, rings, method, num_threads, memory_limit, search_distance, condition, couple_fingers, max_growths))]
+    #[pyo3(signature = (*, tolerance, target_error, max_nodes, gap_tolerance, max_linearizations, rings, method, num_threads, memory_limit, search_distance, condition, couple_fingers, max_growths))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn new(
         tolerance: f64,
         target_error: Option<f64>,
         max_nodes: usize,
+        gap_tolerance: f64,
+        max_linearizations: usize,
         rings: Option<usize>,
         method: String,
         num_threads: Option<usize>,
@@ -42,6 +46,8 @@ impl PyContactOptions {
             tolerance,
             target_error,
             max_nodes,
+            gap_tolerance,
+            max_linearizations,
             rings,
             method,
             num_threads,
@@ -61,6 +67,8 @@ impl PyContactOptions {
             tolerance: options.tolerance,
             target_error: options.target_error,
             max_nodes: options.max_nodes,
+            gap_tolerance: options.gap_tolerance,
+            max_linearizations: options.max_linearizations,
             rings: options.rings,
             method: options.method.as_str().into(),
             num_threads: options.num_threads,
@@ -80,6 +88,8 @@ impl PyContactOptions {
             tolerance: self.tolerance,
             target_error: self.target_error,
             max_nodes: self.max_nodes,
+            gap_tolerance: self.gap_tolerance,
+            max_linearizations: self.max_linearizations,
             rings: self.rings,
             method: method_named(&self.method)?,
             num_threads: self.num_threads,

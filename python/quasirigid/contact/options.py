@@ -27,6 +27,11 @@ class ContactOptions:
         the mesh is refined around the contact until then. None: the mesh is taken as it is.
     max_nodes : int
         Most contact nodes of a refined mesh.
+    gap_tolerance : float
+        Gap that may be left at the deformed skin where it touches, as a share of `max_penetration_before`.
+    max_linearizations : int
+        Most linear problems, each with gaps and normals taken at the skin as the one before deformed it; 1
+        takes them at the undeformed skin alone. The Galerkin form is solved with these alone.
     rings : int or None
         Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
         entry (further vertices can never touch), 3 otherwise.
@@ -51,6 +56,8 @@ class ContactOptions:
     tolerance: float = _DEFAULTS.tolerance
     target_error: float | None = _DEFAULTS.target_error
     max_nodes: int = _DEFAULTS.max_nodes
+    gap_tolerance: float = _DEFAULTS.gap_tolerance
+    max_linearizations: int = _DEFAULTS.max_linearizations
     rings: int | None = _DEFAULTS.rings
     method: LcpMethod | LcpMethodName = _METHOD
     num_threads: int | None = _DEFAULTS.num_threads
@@ -67,6 +74,8 @@ def options_to_core(options: ContactOptions) -> _core.ContactOptions:
         tolerance=options.tolerance,
         target_error=options.target_error,
         max_nodes=as_integer("max_nodes", options.max_nodes),
+        gap_tolerance=options.gap_tolerance,
+        max_linearizations=as_integer("max_linearizations", options.max_linearizations),
         rings=as_integer_or_none("rings", options.rings),
         method=options.method,
         num_threads=as_integer_or_none("num_threads", options.num_threads),

@@ -52,7 +52,7 @@ impl NodeForces {
             fingers,
             active: Vec::new(),
             force: vec![0.0; vertex_count],
-            gap: gaps.distances().to_vec(),
+            gap: gaps.undeformed(),
             vectors: vec![Vector3::zeros(); vertex_count],
             normal: at_candidates.normal,
             solutions: Vec::new(),

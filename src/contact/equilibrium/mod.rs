@@ -3,4 +3,5 @@
 pub(crate) mod compliance;
 pub(crate) mod forces;
 pub(crate) mod growth;
+pub(crate) mod linearization;
 pub(crate) mod solve;

@@ -26,9 +26,12 @@ const DEFAULT_RINGS: usize = 3;
 const EXAMINED_SIZE: usize = 64;
 
 /// Finds the node forces.
+///
+/// * `guess`: vertices that are expected to carry force, ascending
 pub(crate) fn solve(
     gaps: &Gaps,
     response: &Compliance,
+    guess: Option<&[usize]>,
     options: &ContactOptions,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
@@ -38,7 +41,7 @@ pub(crate) fn solve(
     let rings = options.rings.unwrap_or(if traits.negative_entries && is_first { DEFAULT_RINGS } else { 0 });
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
     for growth in 0.. {
-        let forces = solve_on(candidates, gaps, response, options, report)?;
+        let forces = solve_on(candidates, gaps, response, guess, options, report)?;
         if forces.failure.is_some() || rings == 0 && !traits.negative_entries {
             return Ok(forces);
         }
@@ -69,6 +72,7 @@ fn solve_on(
     candidates: Vec<usize>,
     gaps: &Gaps,
     response: &Compliance,
+    guess: Option<&[usize]>,
     options: &ContactOptions,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
@@ -93,7 +97,13 @@ fn solve_on(
         let row = |vertex: &usize| forces.candidates.binary_search(vertex).expect("groups are of candidates");
         let q: Vec<f64> = group.iter().map(|vertex| initial_gap[row(vertex)]).collect();
         let problem = LcpProblem::new(matrix.as_ref(), &q)?.with_known_definiteness(definiteness);
-        let lcp_options = LcpOptions { interrupt: options.interrupt, ..LcpOptions::default() };
+        let is_guessed = |vertex: &usize| guess.is_some_and(|guess| guess.binary_search(vertex).is_ok());
+        let guessed = (0..group.len()).filter(|&node| is_guessed(&group[node]));
+        let lcp_options = LcpOptions {
+            interrupt: options.interrupt,
+            initial_active: guess.map(|_| guessed.collect()),
+            ..LcpOptions::default()
+        };
         let solution = lcp::solve(&problem, &options.method, &lcp_options)?;
         report.clock("lcp", started);
         if solution.status == LcpStatus::Interrupted {

@@ -3,8 +3,11 @@
 use std::cell::{Ref, RefCell};
 use std::collections::HashMap;
 
+use nalgebra::Vector3;
+
 use crate::contact::error::ContactError;
 use crate::contact::gap::averaged;
+use crate::contact::gap::edge::SkinPart;
 use crate::contact::gap::entry::{EntryGap, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
@@ -16,6 +19,7 @@ const SEARCH_EDGES: f64 = 2.0;
 
 /// Initial gap g0 (m) and obstacle normal of the skin's vertices, measured anew where somebody asks beyond the search
 /// distance.
+#[derive(Clone)]
 pub(crate) struct Gaps<'a> {
     pub surface: &'a Surface,
     pub scene: &'a Scene,
@@ -25,7 +29,14 @@ pub(crate) struct Gaps<'a> {
     pub entry: EntryGap,
     /// Vertices that may touch with g0 < 0, ascending.
     pub penetrating: Vec<usize>,
+    /// As the problem takes them: linearised where the skin was measured after it was deformed.
     measured: RefCell<Measured>,
+    /// g0 (n, m) of the undeformed skin, once it differs.
+    undeformed: Option<Vec<f64>>,
+    /// Displacement (m) at which vertices were measured, where that is not 0.
+    shifts: HashMap<usize, Vector3<f64>>,
+    /// Deepest penetration of a vertex of the undeformed skin (m, ≥ 0).
+    deepest: f64,
     /// g0 (m) averaged against the pressure of a node.
     averaged: RefCell<HashMap<usize, f64>>,
 }
@@ -34,11 +45,13 @@ impl<'a> Gaps<'a> {
     /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; under a press
     /// back along the travel where the closest side is not the one that the vertex came in through.
     ///
+    /// * `with_edges`: whether sharp edges between the vertices count
     /// * `search_distance`: (m); `None`: depth and two mean edge lengths
     pub fn measure(
         surface: &'a Surface,
         scene: &'a Scene,
         search_distance: Option<f64>,
+        with_edges: bool,
     ) -> Result<Self, ContactError> {
         let depth_bound = scene.depth_bound;
         let default = || depth_bound.unwrap_or(0.0) + SEARCH_EDGES * surface.mean_edge_length();
@@ -51,25 +64,91 @@ impl<'a> Gaps<'a> {
             }
             None => EntryGap::default(),
         };
+        if with_edges {
+            let near: Vec<usize> = (0..measured.distance.len())
+                .filter(|&vertex| measured.distance[vertex].is_finite())
+                .collect();
+            let points: Vec<Vector3<f64>> = near.iter().map(|&vertex| surface.vertices()[vertex]).collect();
+            let mut at_near = measured.rows(&near);
+            let triangles = triangles_among(surface, &near);
+            let deepest = depth_bound.unwrap_or(reach);
+            SkinPart { points: &points, triangles: &triangles }.take_edges(
+                &scene.obstacle,
+                deepest,
+                &mut at_near,
+            );
+            for (row, &vertex) in near.iter().enumerate() {
+                (measured.distance[vertex], measured.normal[vertex]) =
+                    (at_near.distance[row], at_near.normal[row]);
+            }
+        }
         let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
+        let penetrating: Vec<usize> = (0..measured.distance.len()).filter(is_inside).collect();
         Ok(Self {
             surface,
             scene,
             search_distance: reach,
             entry,
-            penetrating: (0..measured.distance.len()).filter(is_inside).collect(),
+            deepest: penetrating.iter().map(|&vertex| -measured.distance[vertex]).fold(0.0, f64::max),
+            penetrating,
             measured: RefCell::new(measured),
+            undeformed: None,
+            shifts: HashMap::new(),
             averaged: RefCell::default(),
         })
     }
 
-    /// Deepest penetration of a vertex (m, ≥ 0).
+    /// Deepest penetration of a vertex of the undeformed skin (m, ≥ 0).
     pub fn deepest(&self) -> f64 {
-        let distance = self.distances();
-        self.penetrating.iter().map(|&vertex| -distance[vertex]).fold(0.0, f64::max)
+        self.deepest
     }
 
-    /// g0 (n, m) as measured so far.
+    /// g0 (n, m) of the undeformed skin as measured so far.
+    pub fn undeformed(&self) -> Vec<f64> {
+        self.undeformed.clone().unwrap_or_else(|| self.distances().to_vec())
+    }
+
+    /// Displacement (m) at which the gap of a vertex was linearised.
+    pub fn linearised_at(&self, vertex: usize) -> Vector3<f64> {
+        self.shifts.get(&vertex).copied().unwrap_or_default()
+    }
+
+    /// Signed distance (m) and normal at vertices after a displacement (m).
+    pub fn measured_at(
+        &self,
+        vertices: &[usize],
+        displacement: &[Vector3<f64>],
+    ) -> Result<Measured, ContactError> {
+        let moved = vertices.iter().zip(displacement);
+        let points: Vec<Vector3<f64>> =
+            moved.map(|(&vertex, u)| self.surface.vertices()[vertex] + u).collect();
+        let mut measured = Measured::near(&points, &self.scene.obstacle, f64::INFINITY, None)?;
+        if let Some(travel) = &self.scene.press {
+            measure_entries(&points, |_| true, &self.scene.obstacle, travel, &mut measured)?;
+        }
+        let triangles = triangles_among(self.surface, vertices);
+        let part = SkinPart { points: &points, triangles: &triangles };
+        part.take_edges(&self.scene.obstacle, self.deepest, &mut measured);
+        Ok(measured)
+    }
+
+    /// Takes the gaps of vertices from where a displacement (m) puts them.
+    ///
+    /// * `measured`: [`measured_at`](Self::measured_at)
+    pub fn linearise(&mut self, vertices: &[usize], displacement: &[Vector3<f64>], measured: &Measured) {
+        self.undeformed.get_or_insert_with(|| self.measured.borrow().distance.clone());
+        let known = self.measured.get_mut();
+        for (row, &vertex) in vertices.iter().enumerate() {
+            let normal = measured.normal[row];
+            known.distance[vertex] = measured.distance[row] - normal.dot(&displacement[row]);
+            known.normal[vertex] = normal;
+            self.shifts.insert(vertex, displacement[row]);
+        }
+        let is_inside = |&vertex: &usize| self.surface.skin_mask()[vertex] && known.distance[vertex] < 0.0;
+        self.penetrating = (0..known.distance.len()).filter(is_inside).collect();
+    }
+
+    /// g0 (n, m) as the problem takes them, measured so far.
     pub fn distances(&self) -> Ref<'_, [f64]> {
         Ref::map(self.measured.borrow(), |measured| &measured.distance[..])
     }
@@ -78,10 +157,7 @@ impl<'a> Gaps<'a> {
     pub fn at(&self, vertices: &[usize]) -> Result<Measured, ContactError> {
         let mut measured = self.measured.borrow_mut();
         measured.complete(self.surface.vertices(), &self.scene.obstacle, vertices)?;
-        Ok(Measured {
-            distance: vertices.iter().map(|&vertex| measured.distance[vertex]).collect(),
-            normal: vertices.iter().map(|&vertex| measured.normal[vertex]).collect(),
-        })
+        Ok(measured.rows(vertices))
     }
 
     /// g0 (m) of `nodes`, averaged against their pressures.
@@ -95,4 +171,18 @@ impl<'a> Gaps<'a> {
         }
         Ok(nodes.iter().map(|node| known[node]).collect())
     }
+}
+
+/// Triangles of the skin whose corners are all among `vertices`, as positions in that list.
+pub(crate) fn triangles_among(surface: &Surface, vertices: &[usize]) -> Vec<[u32; 3]> {
+    let row_of: HashMap<usize, u32> = vertices.iter().copied().zip(0..).collect();
+    let mut faces: Vec<u32> =
+        vertices.iter().flat_map(|&vertex| surface.faces_around(vertex)).copied().collect();
+    faces.sort_unstable();
+    faces.dedup();
+    let corners = |face: u32| {
+        let [a, b, c] = surface.faces()[face as usize].map(|vertex| row_of.get(&(vertex as usize)).copied());
+        Some([a?, b?, c?])
+    };
+    faces.into_iter().filter_map(corners).collect()
 }

@@ -45,6 +45,14 @@ impl Measured {
         Ok(measured)
     }
 
+    /// Some of the points, in that order.
+    pub fn rows(&self, points: &[usize]) -> Self {
+        Self {
+            distance: points.iter().map(|&point| self.distance[point]).collect(),
+            normal: points.iter().map(|&point| self.normal[point]).collect(),
+        }
+    }
+
     /// Measures `wanted` without limit where they have not been measured yet.
     pub fn complete(
         &mut self,

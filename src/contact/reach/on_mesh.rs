@@ -15,6 +15,7 @@ use crate::contact::scene::{Approach, Inherited, Scene};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::error::BodyError;
 use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 
@@ -121,7 +122,9 @@ impl OnMesh<'_> {
 
     /// The deepest penetration so far past the touch (m).
     fn overlap(&self, past: f64) -> Result<f64, ContactError> {
-        Ok(Gaps::measure(self.surface, &self.scene(past), self.options.search_distance)?.deepest())
+        let with_edges = self.skin.traits(self.surface)?.discretization == Discretization::Collocation;
+        Ok(Gaps::measure(self.surface, &self.scene(past), self.options.search_distance, with_edges)?
+            .deepest())
     }
 
     /// The contact so far past the touch.

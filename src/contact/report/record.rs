@@ -10,6 +10,8 @@ pub(crate) struct Report {
     pub timings: Vec<Timing>,
     pub left_out: Vec<LeftOut>,
     pub warnings: Vec<String>,
+    /// Rounds in which gaps were taken anew at the deformed skin.
+    pub linearizations: usize,
 }
 
 impl Report {

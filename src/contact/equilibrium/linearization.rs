@@ -1,0 +1,130 @@
+//! Contact solved to the end: gaps and normals anew at the deformed skin, until the gap that is left there is small.
+//!
+//! With u the displacement at which a vertex X was measured, d its signed distance there and n the obstacle's normal,
+//! the gap is linearised as
+//!
+//! ```text
+//! g = d + n . (u(f) - u) = g0 + n . u(f),   g0 = d - n . u
+//! ```
+//!
+//! so that each round poses the same problem with other initial gaps and normals.
+
+use nalgebra::Vector3;
+
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::equilibrium::solve::solve;
+use crate::contact::error::ContactError;
+use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
+use crate::contact::gap::initial::Gaps;
+use crate::contact::gap::measured::Measured;
+use crate::contact::options::ContactOptions;
+use crate::contact::report::record::Report;
+use crate::response::kernel::basis::Discretization;
+
+/// A round that leaves more than this share of the error before it is followed by one of half the step.
+const SETTLING: f64 = 0.7;
+/// Rounds without gain after which the obstacle's shape is beyond gaps in planes.
+const MOST_IN_VAIN: usize = 3;
+/// Least step from one linearisation to the next.
+const LEAST_STEP: f64 = 0.125;
+
+/// The skin around a contact where its forces put it.
+struct Deformed {
+    /// Candidates and the vertices beside the active ones, ascending.
+    vertices: Vec<usize>,
+    /// u (m).
+    displacement: Vec<Vector3<f64>>,
+    /// Signed distance (m) and normal there.
+    measured: Measured,
+}
+
+impl Deformed {
+    fn new(gaps: &Gaps, response: &Compliance, forces: &NodeForces) -> Result<Self, ContactError> {
+        let surface = gaps.surface;
+        let is_other =
+            |vertex: &usize| surface.skin_mask()[*vertex] && forces.candidates.binary_search(vertex).is_err();
+        let mut beside = surface.k_ring(&forces.active, 1);
+        beside.retain(|vertex| is_other(vertex) && response.skin.is_prepared(*vertex));
+        let found = response.displace_coarsely(forces.applied(), &beside)?;
+        let motion = CandidateMotion::new(gaps, response, forces)?;
+        let others = beside.iter().enumerate().map(|(row, &vertex)| (vertex, drawn_vector(&found, row)));
+        let mut moved: Vec<(usize, Vector3<f64>)> =
+            forces.candidates.iter().copied().zip(motion.displacement).chain(others).collect();
+        moved.sort_unstable_by_key(|(vertex, _)| *vertex);
+        let (vertices, displacement) = moved.into_iter().unzip();
+        Self::at(gaps, vertices, displacement)
+    }
+
+    fn at(gaps: &Gaps, vertices: Vec<usize>, displacement: Vec<Vector3<f64>>) -> Result<Self, ContactError> {
+        let measured = gaps.measured_at(&vertices, &displacement)?;
+        Ok(Self { vertices, displacement, measured })
+    }
+
+    /// Largest gap of a vertex under force, and penetration of any (m).
+    fn error(&self, forces: &NodeForces) -> f64 {
+        let rows = self.vertices.iter().zip(&self.measured.distance);
+        let off = |(&vertex, &distance): (&usize, &f64)| {
+            if forces.force[vertex] > 0.0 { distance.abs() } else { (-distance).max(0.0) }
+        };
+        rows.map(off).fold(0.0, f64::max)
+    }
+}
+
+/// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance.
+///
+/// * `forces`: of the gaps as measured at the undeformed skin
+///
+/// Returns the forces that leave the least gap; `gaps` are those that they were solved with.
+pub(crate) fn solve_to_the_end(
+    gaps: &mut Gaps,
+    forces: NodeForces,
+    response: &Compliance,
+    options: &ContactOptions,
+    report: &mut Report,
+) -> Result<NodeForces, ContactError> {
+    if forces.failure.is_some() || response.traits.discretization == Discretization::Galerkin {
+        return Ok(forces);
+    }
+    let allowed = options.gap_tolerance * gaps.deepest();
+    let mut deformed = Deformed::new(gaps, response, &forces)?;
+    let mut least = deformed.error(&forces);
+    let mut active = forces.active.clone();
+    let mut best = forces;
+    let mut kept = gaps.clone();
+    let (mut before, mut step, mut in_vain) = (least, 1.0, 0);
+    for _ in 1..options.max_linearizations {
+        if before <= allowed || in_vain == MOST_IN_VAIN {
+            break;
+        }
+        let shift: Vec<Vector3<f64>> = deformed
+            .vertices
+            .iter()
+            .zip(&deformed.displacement)
+            .map(|(&vertex, u)| gaps.linearised_at(vertex).lerp(u, step))
+            .collect();
+        let there = Deformed::at(gaps, deformed.vertices, shift)?;
+        gaps.linearise(&there.vertices, &there.displacement, &there.measured);
+        let forces = solve(gaps, response, Some(&active), options, report)?;
+        active.clone_from(&forces.active);
+        if forces.failure.is_some() {
+            break;
+        }
+        deformed = Deformed::new(gaps, response, &forces)?;
+        let error = deformed.error(&forces);
+        report.linearizations += 1;
+        if error > SETTLING * before {
+            step = (0.5 * step).max(LEAST_STEP);
+        }
+        before = error;
+        in_vain = if error < SETTLING * least { 0 } else { in_vain + 1 };
+        if error < least {
+            (least, best, kept) = (error, forces, gaps.clone());
+        }
+        if options.is_interrupted() {
+            return Err(ContactError::Interrupted { stage: "linearization" });
+        }
+    }
+    *gaps = kept;
+    Ok(best)
+}

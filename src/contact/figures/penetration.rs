@@ -1,0 +1,65 @@
+//! What penetration a contact leaves, measured anew at the deformed skin: at its vertices, in its triangles, and of the
+//! obstacle's edges in them.
+
+use nalgebra::Vector3;
+
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::error::ContactError;
+use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
+use crate::contact::figures::fade::Fade;
+use crate::contact::gap::edge::SkinPart;
+use crate::contact::gap::initial::{Gaps, triangles_among};
+use crate::contact::gap::measured::Measured;
+
+/// Deepest penetration (m, ≥ 0) of skin and obstacle into one another, where the forces put the skin.
+///
+/// Beside the candidates a vertex can penetrate where its gap was less than the largest displacement of any.
+pub(crate) fn penetration_after(
+    gaps: &Gaps,
+    response: &Compliance,
+    forces: &NodeForces,
+    motion: &CandidateMotion,
+) -> Result<f64, ContactError> {
+    let surface = gaps.surface;
+    let largest = motion.displacement.iter().map(Vector3::norm).fold(0.0, f64::max);
+    let mut others = surface.k_ring(&forces.candidates, 1);
+    {
+        let distance = gaps.distances();
+        others.extend((0..distance.len()).filter(|&vertex| distance[vertex] < largest));
+    }
+    others.retain(|vertex| surface.skin_mask()[*vertex] && forces.candidates.binary_search(vertex).is_err());
+    others.sort_unstable();
+    others.dedup();
+
+    let mut vertices = forces.candidates.clone();
+    let mut points: Vec<Vector3<f64>> = forces
+        .candidates
+        .iter()
+        .zip(&motion.displacement)
+        .map(|(&vertex, u)| surface.vertices()[vertex] + u)
+        .collect();
+    if !others.is_empty() {
+        let found = response.displace_coarsely(forces.applied(), &others)?;
+        let fade = Fade::new(surface, &forces.fingers, &forces.candidates, &motion.scalar);
+        for (row, &vertex) in others.iter().enumerate() {
+            let share = found.along_normal[row].map_or(1.0, |_| fade.share(vertex));
+            vertices.push(vertex);
+            points.push(surface.vertices()[vertex] + share * drawn_vector(&found, row));
+        }
+    }
+    let triangles = triangles_among(surface, &vertices);
+    let skin = SkinPart { points: &points, triangles: &triangles };
+    let of_edges = skin.edges_of(&gaps.scene.obstacle, gaps.deepest());
+    let inside: Vec<Vector3<f64>> = triangles
+        .iter()
+        .flat_map(|face| {
+            let [a, b, c] = face.map(|corner| points[corner as usize]);
+            [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (a + b + c) / 3.0]
+        })
+        .collect();
+    points.extend(inside);
+    let after = Measured::near(&points, &gaps.scene.obstacle, gaps.deepest(), None)?;
+    let of_skin = after.distance.iter().map(|distance| -distance);
+    Ok(of_skin.chain(of_edges.iter().map(|edge| edge.depth)).fold(0.0, f64::max))
+}
