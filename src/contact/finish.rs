@@ -15,13 +15,14 @@ use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus};
+use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus, LoadedEdge};
 use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Inherited;
 use crate::lcp::solution::LcpStatus;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Traits;
+use crate::surface::checked::Surface;
 
 /// What is read off the forces.
 struct Figures {
@@ -65,8 +66,8 @@ impl Contact {
         let traits = &response.traits;
         let (surface, discretization) = (gaps.surface, traits.discretization);
         let motion = CandidateMotion::new(gaps, response, &forces)?;
-        let max_penetration_after = penetration_after(gaps, response, &forces, &motion)?;
-        report.warn_of_penetration(discretization, gaps.deepest(), max_penetration_after);
+        let left = penetration_after(gaps, response, &forces, &motion)?;
+        report.warn_of_penetration(discretization, gaps.deepest(), &left);
         match &gaps.scene.inherited {
             Some(Inherited { cuts, .. }) => report.warn_of_cuts(surface, cuts, &forces),
             None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
@@ -74,15 +75,18 @@ impl Contact {
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let within_rim = areas_within_rim(gaps, response, &forces)?;
         let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;
-        let clues = Clues { area_within_rim: within_rim.iter().sum(), body };
+        let edge = loaded_edge(gaps, &forces);
+        if let Some(LoadedEdge { ends, .. }) = &edge {
+            report.note_edge(ends);
+        }
+        let clues = Clues { area_within_rim: within_rim.iter().sum(), body, edge };
         // In collocation on a mesh that was given the area is that of its vertices.
         let is_given = discretization == Discretization::Collocation && gaps.scene.inherited.is_none();
         let areas = if is_given { surface.vertex_areas() } else { &within_rim };
         if discretization == Discretization::Galerkin {
             pressure.raise_to_means(surface, &forces, areas);
         }
-        let figures =
-            Figures::new(gaps, &forces, pressure, areas, motion, max_penetration_after, discretization);
+        let figures = Figures::new(gaps, &forces, pressure, areas, motion, left.depth, discretization);
         report.clock("outcome", started);
         Ok(Self { clues, ..Self::new(ContactStatus::Solved, gaps, forces, figures, options, report) })
     }
@@ -113,7 +117,7 @@ impl Contact {
             patches: figures.loaded.patches(),
             loaded: figures.loaded,
             mesh: ContactMesh::given(surface),
-            refinements: Vec::new(),
+            refinements: report.linearizations,
             obstacle: gaps.scene.obstacle.clone(),
             travel: gaps.scene.travel,
             depth: gaps.scene.press.map(|press| press.depth),
@@ -151,4 +155,20 @@ impl Figures {
         let areas = gaps.surface.vertex_areas();
         Self::new(gaps, forces, pressure, areas, motion, gaps.deepest(), traits.discretization)
     }
+}
+
+/// The sharp edge under the vertices that carry force on one.
+fn loaded_edge(gaps: &Gaps, forces: &NodeForces) -> Option<LoadedEdge> {
+    let on_edge = |&vertex: &usize| Some((vertex, gaps.line_at(vertex).filter(|line| line.is_sharp)?.ends));
+    let held: Vec<_> = forces.active.iter().filter_map(on_edge).collect();
+    let lengths = held.iter().flat_map(|&(vertex, _)| edge_lengths(gaps.surface, vertex));
+    let (count, sum) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));
+    let &(_, ends) = held.first()?;
+    Some(LoadedEdge { ends, edge_length: sum / count as f64 })
+}
+
+/// Lengths of the edges at a vertex (m).
+fn edge_lengths(surface: &Surface, vertex: usize) -> impl Iterator<Item = f64> + '_ {
+    let own = surface.vertices()[vertex];
+    surface.neighbours(vertex).iter().map(move |&other| (surface.vertices()[other as usize] - own).norm())
 }

@@ -92,22 +92,25 @@ pub struct Timing {
     pub seconds: f64,
 }
 
-/// What one mesh gave.
+/// What one mesh gave, or one linear problem on the way there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
+    /// "mesh", or "linearization": gaps and normals taken anew at the deformed skin.
+    pub kind: &'static str,
     /// Contact nodes: unknowns of the complementarity problems.
     pub nodes: usize,
     /// Force on the skin (N).
     pub force: Vector3<f64>,
-    /// Contact area (m²).
-    pub contact_area: f64,
-    /// Largest pressure (Pa).
-    pub max_pressure: f64,
-    /// Estimated relative error of the force; `None` without contact.
+    /// Contact area (m²); `None` of a linearization.
+    pub contact_area: Option<f64>,
+    /// Largest pressure (Pa); `None` of a linearization.
+    pub max_pressure: Option<f64>,
+    /// Estimated relative error of the force; `None` of a linearization and without contact.
     pub force_error: Option<f64>,
-    /// Estimated relative error of the contact area; `None` without contact.
+    /// Estimated relative error of the contact area; `None` of a linearization and without contact.
     pub area_error: Option<f64>,
-    /// Deepest penetration left (m).
+    /// Deepest penetration left (m); of a linearization the largest gap of a vertex under force or penetration of
+    /// another.
     pub max_penetration: f64,
     /// Wall time (s).
     pub seconds: f64,
@@ -194,6 +197,17 @@ pub(crate) struct Clues {
     pub area_within_rim: f64,
     /// What the coarse mesh of a body costs.
     pub body: Option<BodyDoubt>,
+    /// Where a sharp edge carries force.
+    pub edge: Option<LoadedEdge>,
+}
+
+/// A sharp edge of the obstacle that carries force.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LoadedEdge {
+    /// Ends of one of them (m).
+    pub ends: [Vector3<f64>; 2],
+    /// Mean edge length of the mesh there (m).
+    pub edge_length: f64,
 }
 
 impl Contact {

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
+use crate::contact::gap::touch::touch_between;
 use crate::contact::report::cuts::Cuts;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
@@ -149,7 +150,7 @@ pub(crate) struct Travel {
     pub depth: f64,
 }
 
-/// Travel (m) at which the obstacle, coming from infinity, first touches a vertex that may touch.
+/// Travel (m) at which the obstacle, coming from infinity, first touches skin that may touch.
 fn first_touch(
     surface: &Surface,
     obstacle: &Obstacle,
@@ -159,10 +160,12 @@ fn first_touch(
     if touching.is_empty() {
         return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
     }
-    match obstacle.first_touch(&touching, direction)? {
-        Some(touch) => Ok(touch.travel),
-        None => Err(never_touches(direction, touching.len())),
+    let of_vertices = obstacle.first_touch(&touching, direction)?.map_or(f64::INFINITY, |touch| touch.travel);
+    let travel = of_vertices.min(touch_between(surface, obstacle, direction));
+    if travel.is_infinite() {
+        return Err(never_touches(direction, touching.len()));
     }
+    Ok(travel)
 }
 
 fn never_touches(direction: &Vector3<f64>, skin_vertices: usize) -> ContactError {

@@ -1,18 +1,21 @@
 //! Sharp edges of an obstacle, where a skin between its own vertices may meet it first.
 
-use std::collections::BTreeMap;
-
 use nalgebra::Vector3;
 
-use crate::geometry::bounds::Bounds;
-use crate::geometry::face_tree::node_bounds;
 use crate::obstacle::posed::{Obstacle, Shape};
 use crate::obstacle::primitive::Primitive;
 
 /// An edge is sharp where its faces turn by more than this: 15 degrees.
 const SHARP_COSINE: f64 = 0.966;
 
-/// A normal counts as between two others from this product of sines on, so that a face's own does not.
+/// Sides of the polygons that stand for the rims of a cylinder: 0.5 % of the radius within them.
+const RIM_SIDES: usize = 32;
+
+/// A normal this near to the axis (sine) meets no side of a round primitive but its end.
+const ALONG_AXIS: f64 = 1e-6;
+
+/// A normal counts as between two others from this product of sines on, so that a face's own does not; or down to less than
+/// nothing by as much, so that it does.
 const INSIDE: f64 = 1e-6;
 
 /// A sharp convex edge.
@@ -27,54 +30,87 @@ pub(crate) struct SharpEdge {
 impl SharpEdge {
     /// The part of `normal` across the edge, as a unit vector, if it lies between those of the two faces: a plane that the
     /// edge touches from inside has such a normal.
-    pub fn between(&self, normal: &Vector3<f64>) -> Option<Vector3<f64>> {
+    ///
+    /// * `with_faces`: whether the normal of a face itself counts
+    pub fn between(&self, normal: &Vector3<f64>, with_faces: bool) -> Option<Vector3<f64>> {
+        let least = if with_faces { -INSIDE } else { INSIDE };
         let along = (self.ends[1] - self.ends[0]).try_normalize(0.0)?;
         let across = (normal - along * normal.dot(&along)).try_normalize(0.0)?;
         let [one, other] = &self.normals;
         let turn = one.cross(other);
-        let is_between = one.cross(&across).dot(&turn) > INSIDE && across.cross(other).dot(&turn) > INSIDE;
+        let is_between = one.cross(&across).dot(&turn) > least && across.cross(other).dot(&turn) > least;
         (is_between && across.dot(&(one + other)) > 0.0).then_some(across)
     }
 }
 
 impl Obstacle {
-    /// Sharp convex edges of a mesh or a box near `bounds` (m), each once; none of a round primitive.
-    pub(crate) fn sharp_edges_near(&self, bounds: &Bounds) -> Vec<SharpEdge> {
+    /// Sharp convex edges of a mesh, a box or a cylinder, each once; none of a round primitive.
+    ///
+    /// The rims of a cylinder are polygons.
+    pub(crate) fn sharp_edges(&self) -> Vec<SharpEdge> {
         let pose = self.pose_matrix();
-        let corner = |k: usize| {
-            let pick = |axis: usize| if k >> axis & 1 == 0 { bounds.low[axis] } else { bounds.high[axis] };
-            pose.to_local(&Vector3::new(pick(0), pick(1), pick(2)))
-        };
-        let local = Bounds::around(&[0, 1, 2, 3, 4, 5, 6, 7].map(corner));
-        let edges = match self.shape() {
-            Shape::Mesh(mesh) => {
-                let mut sides: BTreeMap<[u32; 2], Vec<(u32, u32)>> = BTreeMap::new();
-                for face in mesh.tree().bvh().leaves(|node| node_bounds(node).meets(&local)) {
-                    let corners = mesh.faces()[face as usize];
-                    for k in 0..3 {
-                        let [a, b, apex] = [k, k + 1, k + 2].map(|k| corners[k % 3]);
-                        sides.entry([a.min(b), a.max(b)]).or_default().push((face, apex));
-                    }
-                }
-                let sharp = |(ends, sides): ([u32; 2], Vec<(u32, u32)>)| {
-                    let &[(one, _), (other, apex)] = &sides[..] else { return None };
-                    let normals = [one, other].map(|face| mesh.normals()[face as usize]);
-                    let point = |vertex: u32| mesh.vertices()[vertex as usize];
-                    let is_convex = (point(apex) - point(ends[0])).dot(&normals[0]) < 0.0;
-                    let is_sharp = normals[0].dot(&normals[1]) < SHARP_COSINE;
-                    (is_convex && is_sharp).then(|| SharpEdge { ends: ends.map(point), normals })
-                };
-                sides.into_iter().filter_map(sharp).collect()
-            }
-            Shape::Primitive(Primitive::Cuboid { half_extents }) => cuboid_edges(half_extents),
-            Shape::Primitive(_) => Vec::new(),
-        };
-        let placed = |edge: SharpEdge| SharpEdge {
+        let placed = |edge: &SharpEdge| SharpEdge {
             ends: edge.ends.map(|end| pose.to_world(&end)),
             normals: edge.normals.map(|normal| pose.turn(&normal)),
         };
-        edges.into_iter().map(placed).collect()
+        match self.shape() {
+            Shape::Mesh(mesh) => mesh.sharp_edges().iter().map(placed).collect(),
+            Shape::Primitive(Primitive::Cuboid { half_extents }) => {
+                cuboid_edges(half_extents).iter().map(placed).collect()
+            }
+            Shape::Primitive(Primitive::Cylinder { half_height, radius }) => {
+                cylinder_rims(*half_height, *radius).iter().map(placed).collect()
+            }
+            Shape::Primitive(_) => Vec::new(),
+        }
     }
+
+    /// The line, or point, of a round primitive that a plane with that outward unit normal touches first.
+    ///
+    /// A sphere has a point, the sides of a capsule and a cylinder lines along their axes.
+    pub(crate) fn line_towards(&self, normal: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
+        let pose = self.pose_matrix();
+        let local = pose.turn_back(normal);
+        let (ends, radius) = match self.shape() {
+            Shape::Primitive(Primitive::Sphere { center, radius }) => ([*center; 2], *radius),
+            Shape::Primitive(Primitive::Capsule { a, b, radius }) => ([*a, *b], *radius),
+            Shape::Primitive(Primitive::Cylinder { half_height, radius }) => {
+                let end = Vector3::new(0.0, 0.0, *half_height);
+                ([-end, end], *radius)
+            }
+            _ => return None,
+        };
+        let across = match (ends[1] - ends[0]).try_normalize(0.0) {
+            Some(axis) => (local - axis * local.dot(&axis)).try_normalize(ALONG_AXIS)?,
+            None => local,
+        };
+        Some(ends.map(|end| pose.to_world(&(end + radius * across))))
+    }
+}
+
+/// The sharp convex edges of a closed mesh.
+pub(super) fn mesh_edges(
+    vertices: &[Vector3<f64>],
+    faces: &[[u32; 3]],
+    normals: &[Vector3<f64>],
+) -> Vec<SharpEdge> {
+    let mut sides: Vec<([u32; 2], u32, u32)> = Vec::with_capacity(3 * faces.len());
+    for (face, corners) in (0..).zip(faces) {
+        for k in 0..3 {
+            let [a, b, apex] = [k, k + 1, k + 2].map(|k| corners[k % 3]);
+            sides.push(([a.min(b), a.max(b)], face, apex));
+        }
+    }
+    sides.sort_unstable();
+    let point = |vertex: u32| vertices[vertex as usize];
+    let sharp = |pair: &[([u32; 2], u32, u32)]| {
+        let &[(ends, one, _), (_, other, apex)] = pair else { return None };
+        let normals = [one, other].map(|face| normals[face as usize]);
+        let is_convex = (point(apex) - point(ends[0])).dot(&normals[0]) < 0.0;
+        let is_sharp = normals[0].dot(&normals[1]) < SHARP_COSINE;
+        (is_convex && is_sharp).then(|| SharpEdge { ends: ends.map(point), normals })
+    };
+    sides.chunk_by(|one, other| one.0 == other.0).filter_map(sharp).collect()
 }
 
 /// The twelve edges of a box around the origin.
@@ -93,6 +129,23 @@ fn cuboid_edges(half_extents: &Vector3<f64>) -> Vec<SharpEdge> {
     edges
 }
 
+/// Polygons inscribed in the two rims of a cylinder around the z axis.
+fn cylinder_rims(half_height: f64, radius: f64) -> Vec<SharpEdge> {
+    let out = |k: usize| {
+        let (sine, cosine) = (std::f64::consts::TAU * k as f64 / RIM_SIDES as f64).sin_cos();
+        Vector3::new(cosine, sine, 0.0)
+    };
+    let side = |k: usize| {
+        let (a, b) = (out(k), out((k + 1) % RIM_SIDES));
+        [-1.0, 1.0].map(|end| {
+            let cap = Vector3::new(0.0, 0.0, end);
+            let ends = [a, b].map(|out| radius * out + half_height * cap);
+            SharpEdge { ends, normals: [cap, (a + b).normalize()] }
+        })
+    };
+    (0..RIM_SIDES).flat_map(side).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,7 +153,6 @@ mod tests {
     #[test]
     fn a_box_has_twelve_edges_as_a_primitive_and_as_a_mesh_and_a_ball_has_none() {
         let extents = Vector3::new(1.0, 2.0, 3.0);
-        let around = Bounds { low: Vector3::repeat(-9.0), high: Vector3::repeat(9.0) };
         let cuboid = Obstacle::cuboid(extents).expect("a box");
         let corner = |k: usize| {
             let sign = |axis: usize| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
@@ -112,7 +164,7 @@ mod tests {
         let mesh = Obstacle::mesh(vertices, faces, &Default::default()).expect("a closed mesh");
         for obstacle in [cuboid, mesh] {
             let shift = Vector3::new(0.5, 0.0, -1.0);
-            let edges = obstacle.translated(&shift).sharp_edges_near(&around);
+            let edges = obstacle.translated(&shift).sharp_edges();
             assert_eq!(edges.len(), 12);
             for SharpEdge { ends: [a, b], normals } in edges {
                 assert_eq!((b - a).iter().filter(|part| **part != 0.0).count(), 1);
@@ -120,18 +172,17 @@ mod tests {
                 assert!(normals.iter().all(|normal| (a - shift).dot(normal) > 0.0));
             }
         }
-        assert!(
-            Obstacle::sphere(Vector3::zeros(), 1.0).expect("a ball").sharp_edges_near(&around).is_empty()
-        );
+        assert!(Obstacle::sphere(Vector3::zeros(), 1.0).expect("a ball").sharp_edges().is_empty());
     }
 
     #[test]
     fn a_plane_touches_an_edge_if_its_normal_lies_between_those_of_the_faces() {
         let edge = SharpEdge { ends: [-Vector3::x(), Vector3::x()], normals: [Vector3::y(), Vector3::z()] };
-        let between = edge.between(&Vector3::new(3.0, 1.0, 1.0)).expect("between");
+        let between = edge.between(&Vector3::new(3.0, 1.0, 1.0), false).expect("between");
         assert!((between - Vector3::new(0.0, 0.5, 0.5).normalize()).norm() < 1e-15);
         for outside in [Vector3::new(0.0, 1.0, -0.1), Vector3::new(0.0, -1.0, -1.0), Vector3::x()] {
-            assert_eq!(edge.between(&outside), None);
+            assert_eq!(edge.between(&outside, true), None);
         }
+        assert_eq!([false, true].map(|with| edge.between(&Vector3::z(), with)), [None, Some(Vector3::z())]);
     }
 }

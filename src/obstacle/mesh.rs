@@ -1,5 +1,7 @@
 //! A closed triangle mesh as obstacle: checks, search tree, nearest point.
 
+use std::sync::OnceLock;
+
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
@@ -10,6 +12,7 @@ use crate::geometry::face_tree::{Faces, crossings_within};
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::check;
 use crate::mesh::nesting::check_nesting;
+use crate::obstacle::edges::{SharpEdge, mesh_edges};
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::nearest::Nearest;
 use crate::obstacle::primitive::SURFACE_TOLERANCE;
@@ -41,6 +44,8 @@ pub(super) struct MeshShape {
     tree: TriMesh,
     /// Diagonal of the bounding box (m).
     size: f64,
+    /// Sharp convex edges, once somebody asked for them.
+    sharp_edges: OnceLock<Vec<SharpEdge>>,
 }
 
 impl MeshShape {
@@ -73,7 +78,8 @@ impl MeshShape {
         let corners = vertices.iter().map(|v| Vector::new(v.x, v.y, v.z)).collect();
         let mut tree = TriMesh::new(corners, faces.clone()).expect("a checked mesh has faces");
         tree.set_flags(TriMeshFlags::ORIENTED).expect("a checked mesh has a sound topology");
-        MeshShape { size: Bounds::around(&vertices).diagonal(), vertices, faces, normals, tree }
+        let size = Bounds::around(&vertices).diagonal();
+        MeshShape { vertices, faces, normals, tree, size, sharp_edges: OnceLock::new() }
     }
 
     /// The vertices (m).
@@ -86,9 +92,9 @@ impl MeshShape {
         &self.faces
     }
 
-    /// Unit normal of each face.
-    pub fn normals(&self) -> &[Vector3<f64>] {
-        &self.normals
+    /// Its sharp convex edges.
+    pub fn sharp_edges(&self) -> &[SharpEdge] {
+        self.sharp_edges.get_or_init(|| mesh_edges(&self.vertices, &self.faces, &self.normals))
     }
 
     /// The tree of boxes around the faces.

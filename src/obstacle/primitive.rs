@@ -77,7 +77,7 @@ fn around(p: &Vector3<f64>, center: &Vector3<f64>, radius: f64, fallback: Vector
 }
 
 /// A unit vector perpendicular to `axis`, fixed by it: across the coordinate axis that `axis` is farthest from.
-pub(super) fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
     let mut other = Vector3::zeros();
     other[axis.iamin()] = 1.0;
     axis.cross(&other).normalize()

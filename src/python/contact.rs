@@ -90,13 +90,14 @@ impl From<&Accuracy> for PyAccuracy {
     }
 }
 
-/// What one mesh gave.
+/// What one mesh gave, or one linear problem on the way there.
 #[pyclass(name = "Refinement", module = "quasirigid._core", frozen, get_all)]
 pub(super) struct PyRefinement {
+    kind: &'static str,
     nodes: usize,
     force: Py<PyArray1<f64>>,
-    contact_area: f64,
-    max_pressure: f64,
+    contact_area: Option<f64>,
+    max_pressure: Option<f64>,
     force_error: Option<f64>,
     area_error: Option<f64>,
     max_penetration: f64,
@@ -107,6 +108,7 @@ pub(super) struct PyRefinement {
 impl PyRefinement {
     fn new(py: Python<'_>, round: &Refinement) -> PyResult<Py<Self>> {
         let values = Self {
+            kind: round.kind,
             nodes: round.nodes,
             force: read_only(vector_out(py, &round.force)),
             contact_area: round.contact_area,

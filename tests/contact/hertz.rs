@@ -89,9 +89,11 @@ fn galerkin_gives_a_better_hertz_force_than_collocation() {
                 (errors(cells, jitter, &half_space()), errors(cells, jitter, &galerkin()));
             assert!(galerkin.0 < 0.5 * collocation.0, "force, {cells} cells: {galerkin:?} {collocation:?}");
             assert!(galerkin.1 < collocation.1, "peak, {cells} cells: {galerkin:?} {collocation:?}");
-            // A vertex may keep a penetration, of the order of the mesh error: edges of √2 h sag by h² / R at most.
-            assert!(galerkin.2 < 1.0 / (cells * cells) as f64, "{galerkin:?}");
-            assert!(collocation.2 < 1e-9, "{collocation:?}");
+            // Edges of √2 h, jittered by a quarter at both ends, sag by less than h² / R; in Galerkin form vertices keep a
+            // penetration of that order too.
+            for (.., penetration) in [collocation, galerkin] {
+                assert!(penetration < 1.0 / (cells * cells) as f64, "{galerkin:?} {collocation:?}");
+            }
         }
     }
 }

@@ -23,6 +23,11 @@ fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
     press(surface, obstacle, &half_space(), &down, &ContactOptions::on_given_mesh()).unwrap()
 }
 
+/// Warnings but that edges stand in the skin between its vertices, on a mesh taken as it is.
+fn of_scene(contact: &Contact) -> impl Iterator<Item = &String> {
+    contact.warnings.iter().filter(|warning| !warning.starts_with("the deformed skin still penetrates"))
+}
+
 fn box_of(half_extents: [f64; 3]) -> Obstacle {
     Obstacle::cuboid(half_extents.into()).unwrap()
 }
@@ -85,13 +90,13 @@ fn a_fin_thinner_than_the_depth_presses_down_and_not_to_its_sides() {
     let fin = box_of([0.3e-3, 20e-3, 5e-3]);
     let shallow = pressed(&surface, &fin, 0.05e-3);
     // It is longer than the pad.
-    assert!(shallow.warnings.iter().all(|warning| warning.contains("open border")));
+    assert!(of_scene(&shallow).all(|warning| warning.contains("open border")));
     for fin in [fin, mesh_of([0.3e-3, 20e-3, 5e-3])] {
         let deep = pressed(&surface, &fin, 1e-3);
         assert_eq!(deep.candidates, shallow.candidates);
         // The problem is linear in the depth as long as the same vertices touch.
         assert_relative_eq!(deep.resultant.force, 20.0 * shallow.resultant.force, max_relative = 1e-9);
-        assert!(deep.max_penetration_after < 1e-9);
+        assert!(deep.active.iter().all(|&vertex| deep.gap[vertex].abs() < 1e-12));
         assert_relative_eq!(deep.max_penetration_before, 1e-3, max_relative = 1e-9);
         assert!(deep.warnings[0].contains("123 vertices went through a wall"), "{:?}", deep.warnings);
     }
@@ -101,7 +106,7 @@ fn a_fin_thinner_than_the_depth_presses_down_and_not_to_its_sides() {
 fn a_sheet_that_skin_went_all_the_way_through_presses_like_a_block() {
     let surface = pad(12, 2e-3);
     let block = pressed(&surface, &box_of([5e-3, 5e-3, 5e-3]), 0.5e-3);
-    assert!(block.warnings.is_empty());
+    assert_eq!(of_scene(&block).next(), None);
     let sheet = pressed(&surface, &box_of([5e-3, 5e-3, 0.05e-3]), 0.5e-3);
     assert_eq!(sheet.candidates, block.candidates);
     assert_relative_eq!(sheet.resultant.force, block.resultant.force, max_relative = 1e-9);
@@ -127,7 +132,7 @@ fn an_edge_presses_along_the_press_and_harder_with_depth() {
                 // A punch between a sphere (F ~ d^1.5) and a flat end (F ~ d): each step adds no less than the one before.
                 assert!(along - before > 0.9 * before_slope, "{half} {depth}: {along} after {before}");
                 (before_slope, before) = (along - before, along);
-                assert!(depth > 0.5 * half || contact.warnings.is_empty(), "{:?}", contact.warnings);
+                assert!(depth > 0.5 * half || of_scene(&contact).next().is_none(), "{:?}", contact.warnings);
             }
         }
     }

@@ -87,6 +87,8 @@ def test_a_tip_is_the_number_of_a_vertex(finger: qr.Surface) -> None:
         qr.cut_out(finger, tip=[0, 0.08, 0], point=[0, 0.04, 0], normal=[0, 1, 0])  # type: ignore[arg-type]
 
 
+# Small bumps on a mesh taken as it is.
+@pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
 def test_on_the_part_it_is_the_body_and_off_it_the_kernel(
     finger: qr.Surface, part: qr.CutOut, combined: qr.CombinedSkin
 ) -> None:
@@ -119,6 +121,7 @@ def test_on_the_part_it_is_the_body_and_off_it_the_kernel(
     assert np.isfinite(at_root.fade_distance)
 
 
+@pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
 def test_contacts_on_both_sides_of_a_cut_do_not_couple(finger: qr.Surface, combined: qr.CombinedSkin) -> None:
     # A bar with two bumps: both presses at once.
     bumps = [ball_below(y, finger) for y in (0.015, 0.066)]

@@ -189,7 +189,7 @@ def press(
     typer.echo(compare_contacts({skin_file.stem: contact}))
     if contact.patches:
         typer.echo(patch_table(contact))
-    if len(contact.refinements) > 1:
+    if sum(one.kind == "mesh" for one in contact.refinements) > 1:
         typer.echo(refinement_table(contact))
     typer.echo("wrote " + ", ".join(map(str, files)))
     if contact.status in ("solved", "no_contact"):

@@ -41,7 +41,7 @@ class Accuracy:
     area_error : float or None
         Estimated error of `contact_area` over it.
     max_pressure_error : float or None
-        Estimated error of `max_pressure` over it.
+        Estimated error of `max_pressure` over it; infinite where a sharp edge carries force.
     """
 
     natural_residual: float
@@ -60,35 +60,35 @@ class Accuracy:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Refinement(Frozen):
-    """What one mesh gave.
+    """What one mesh gave, or one linear problem on the way there.
 
     Attributes
     ----------
     kind : str
-        "mesh".
+        "mesh", or "linearization": gaps and normals taken anew at the deformed skin.
     nodes : int
         Contact nodes: unknowns of the complementarity problems.
     force : (3,) float64
         Force on the skin (N).
-    contact_area : float
-        Contact area (m^2).
-    max_pressure : float
-        Largest pressure (Pa).
+    contact_area : float or None
+        Contact area (m^2); None of a linearization.
+    max_pressure : float or None
+        Largest pressure (Pa); None of a linearization.
     force_error, area_error : float or None
-        Estimated relative errors; None without contact.
+        Estimated relative errors; None of a linearization and without contact.
     max_penetration : float
-        Deepest penetration left (m).
+        Deepest penetration left (m); of a linearization the largest gap of a vertex under force or penetration of another.
     seconds : float
         Wall time (s).
     reason : str
         Why no further round followed; empty of all but the last.
     """
 
-    kind: str = "mesh"
+    kind: str
     nodes: int
     force: NDArray[np.float64]
-    contact_area: float
-    max_pressure: float
+    contact_area: float | None
+    max_pressure: float | None
     force_error: float | None
     area_error: float | None
     max_penetration: float

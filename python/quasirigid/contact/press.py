@@ -259,6 +259,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
 
 def _round(core: _core.Refinement) -> Refinement:
     return Refinement(
+        kind=core.kind,
         nodes=core.nodes,
         force=core.force,
         contact_area=core.contact_area,

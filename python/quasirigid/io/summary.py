@@ -12,6 +12,7 @@ from .._units import KPA, MM
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from ..contact.accuracy import Refinement
     from ..contact.result import Contact
     from ..contact.sweep import Sweep
 
@@ -66,19 +67,19 @@ def refinement_table(contact: Contact) -> str:
     Returns
     -------
     str
-        A line for each of `Contact.refinements`: nodes, force (N) and area (mm²) with the estimates of their
+        A line for each mesh of `Contact.refinements`: nodes, force (N) and area (mm²) with the estimates of their
         errors, peak pressure (kPa), time (ms).
     """
-    rounds = contact.refinements
+    rounds = _meshes(contact)
     forces = [float(np.linalg.norm(one.force)) for one in rounds]
     columns = [
         ["mesh", "given", *(f"round {number}" for number in range(1, len(rounds)))],
         ["nodes", *(str(one.nodes) for one in rounds)],
         ["force (N)", *(f"{force:.4g}" for force in forces)],
         ["error", *(_percent(one.force_error) for one in rounds)],
-        ["area (mm²)", *(f"{one.contact_area * MM**2:.4g}" for one in rounds)],
+        ["area (mm²)", *(_of(one.contact_area, MM**2) for one in rounds)],
         ["error", *(_percent(one.area_error) for one in rounds)],
-        ["peak (kPa)", *(f"{one.max_pressure * KPA:.4g}" for one in rounds)],
+        ["peak (kPa)", *(_of(one.max_pressure, KPA) for one in rounds)],
         ["time (ms)", *(f"{one.seconds * 1e3:.3g}" for one in rounds)],
     ]
     return "\n".join(_aligned(columns))
@@ -174,9 +175,17 @@ def contact_html(contact: Contact) -> str:
     return f"<table>{rows}</table>{notes}"
 
 
+def _meshes(contact: Contact) -> list[Refinement]:
+    return [one for one in contact.refinements if one.kind == "mesh"]
+
+
+def _of(value: float | None, unit: float) -> str:
+    return "" if value is None else f"{value * unit:.4g}"
+
+
 def _rows(contact: Contact) -> dict[str, str]:
     counts = len(contact.pressure), len(contact.candidates), len(contact.active)
-    accuracy, rounds = contact.accuracy, contact.refinements
+    accuracy, rounds = contact.accuracy, _meshes(contact)
     force = float(np.linalg.norm(contact.force))
     return {
         "status": str(contact.status),
@@ -200,7 +209,9 @@ def _rows(contact: Contact) -> dict[str, str]:
 
 def _estimated(error: float | None) -> str:
     """Return a relative error as in " ± 1 %"; nothing where there is none."""
-    return "" if error is None else f" ± {_percent(error)}"
+    if error is None:
+        return ""
+    return f" ± {_percent(error)}" if np.isfinite(error) else ", infinite on a sharp edge"
 
 
 def _percent(error: float | None) -> str:

@@ -7,7 +7,10 @@
 //! g = d + n . (u(f) - u) = g0 + n . u(f),   g0 = d - n . u
 //! ```
 //!
-//! so that each round poses the same problem with other initial gaps and normals.
+//! so that each round poses the same problem with other initial gaps and normals. The plane between a sharp edge and the
+//! undeformed skin stays: the skin that drapes over the edge has no normal of its own.
+
+use std::time::Instant;
 
 use nalgebra::Vector3;
 
@@ -19,6 +22,7 @@ use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
+use crate::contact::outcome::Refinement;
 use crate::contact::report::record::Report;
 use crate::response::kernel::basis::Discretization;
 
@@ -31,7 +35,7 @@ const LEAST_STEP: f64 = 0.125;
 
 /// The skin around a contact where its forces put it.
 struct Deformed {
-    /// Candidates and the vertices beside the active ones, ascending.
+    /// Candidates and the vertices beside the active ones, but for those on sharp edges, ascending.
     vertices: Vec<usize>,
     /// u (m).
     displacement: Vec<Vector3<f64>>,
@@ -51,6 +55,7 @@ impl Deformed {
         let others = beside.iter().enumerate().map(|(row, &vertex)| (vertex, drawn_vector(&found, row)));
         let mut moved: Vec<(usize, Vector3<f64>)> =
             forces.candidates.iter().copied().zip(motion.displacement).chain(others).collect();
+        moved.retain(|(vertex, _)| gaps.line_at(*vertex).is_none());
         moved.sort_unstable_by_key(|(vertex, _)| *vertex);
         let (vertices, displacement) = moved.into_iter().unzip();
         Self::at(gaps, vertices, displacement)
@@ -97,6 +102,7 @@ pub(crate) fn solve_to_the_end(
         if before <= allowed || in_vain == MOST_IN_VAIN {
             break;
         }
+        let started = Instant::now();
         let shift: Vec<Vector3<f64>> = deformed
             .vertices
             .iter()
@@ -112,7 +118,7 @@ pub(crate) fn solve_to_the_end(
         }
         deformed = Deformed::new(gaps, response, &forces)?;
         let error = deformed.error(&forces);
-        report.linearizations += 1;
+        report.linearizations.push(round(&forces, error, started));
         if error > SETTLING * before {
             step = (0.5 * step).max(LEAST_STEP);
         }
@@ -127,4 +133,20 @@ pub(crate) fn solve_to_the_end(
     }
     *gaps = kept;
     Ok(best)
+}
+
+/// A round that left such a gap (m).
+fn round(forces: &NodeForces, gap: f64, started: Instant) -> Refinement {
+    Refinement {
+        kind: "linearization",
+        nodes: forces.candidates.len(),
+        force: forces.vectors.iter().sum(),
+        contact_area: None,
+        max_pressure: None,
+        force_error: None,
+        area_error: None,
+        max_penetration: gap,
+        seconds: started.elapsed().as_secs_f64(),
+        reason: "",
+    }
 }

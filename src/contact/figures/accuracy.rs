@@ -34,7 +34,7 @@ pub struct Accuracy {
     pub body_error: Option<f64>,
     /// Estimated error of the contact area over it.
     pub area_error: Option<f64>,
-    /// Estimated error of the largest pressure over it.
+    /// Estimated error of the largest pressure over it; infinite where a sharp edge carries force.
     pub max_pressure_error: Option<f64>,
 }
 

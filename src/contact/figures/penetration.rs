@@ -12,7 +12,16 @@ use crate::contact::gap::edge::SkinPart;
 use crate::contact::gap::initial::{Gaps, triangles_among};
 use crate::contact::gap::measured::Measured;
 
-/// Deepest penetration (m, ≥ 0) of skin and obstacle into one another, where the forces put the skin.
+/// What penetration is left.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Penetration {
+    /// The deepest (m, ≥ 0).
+    pub depth: f64,
+    /// Whether a vertex of the skin is that deep, not only a point between vertices.
+    pub is_at_vertex: bool,
+}
+
+/// Deepest penetration of skin and obstacle into one another, where the forces put the skin.
 ///
 /// Beside the candidates a vertex can penetrate where its gap was less than the largest displacement of any.
 pub(crate) fn penetration_after(
@@ -20,7 +29,7 @@ pub(crate) fn penetration_after(
     response: &Compliance,
     forces: &NodeForces,
     motion: &CandidateMotion,
-) -> Result<f64, ContactError> {
+) -> Result<Penetration, ContactError> {
     let surface = gaps.surface;
     let largest = motion.displacement.iter().map(Vector3::norm).fold(0.0, f64::max);
     let mut others = surface.k_ring(&forces.candidates, 1);
@@ -50,7 +59,7 @@ pub(crate) fn penetration_after(
     }
     let triangles = triangles_among(surface, &vertices);
     let skin = SkinPart { points: &points, triangles: &triangles };
-    let of_edges = skin.edges_of(&gaps.scene.obstacle, gaps.deepest());
+    let of_edges = skin.deepest_edge(&gaps.scene.obstacle, gaps.deepest());
     let inside: Vec<Vector3<f64>> = triangles
         .iter()
         .flat_map(|face| {
@@ -60,6 +69,9 @@ pub(crate) fn penetration_after(
         .collect();
     points.extend(inside);
     let after = Measured::near(&points, &gaps.scene.obstacle, gaps.deepest(), None)?;
-    let of_skin = after.distance.iter().map(|distance| -distance);
-    Ok(of_skin.chain(of_edges.iter().map(|edge| edge.depth)).fold(0.0, f64::max))
+    let deepest = |distances: &[f64]| distances.iter().map(|distance| -distance).fold(0.0, f64::max);
+    let at_vertices = deepest(&after.distance[..vertices.len()]);
+    let between = deepest(&after.distance[vertices.len()..]);
+    let depth = at_vertices.max(between).max(of_edges);
+    Ok(Penetration { depth, is_at_vertex: at_vertices >= depth })
 }

@@ -1,17 +1,23 @@
-//! Gaps of the vertices around an edge of the obstacle that meets the skin between them.
+//! Where the obstacle meets the skin between its vertices: sharp edges, and round primitives smaller than a triangle.
 //!
 //! Where a sharp edge touches a triangle of the skin, the plane between them has the normal m of the skin, taken across
 //! the edge and turned around, as long as that lies between the normals of the faces that meet at the edge. The triangle has
 //! to go back along m as a whole, so each corner's gap is `g = -t (m . -N)`, with t the depth of the edge under the triangle
-//! and N its normal. Of several gaps, that to the closest point of the obstacle among them, a vertex takes the least.
+//! and N its normal. Of several gaps, that to the closest point of the obstacle among them, a vertex takes the least. The
+//! line of a round primitive does the same in a triangle that no corner has met it in.
+
+use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
 use crate::contact::gap::measured::Measured;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::face_tree::{face_tree, node_bounds};
+use crate::geometry::face_tree::{Faces, face_tree, node_bounds};
 use crate::obstacle::edges::SharpEdge;
 use crate::obstacle::posed::Obstacle;
+
+/// Least barycentric coordinate that an edge reaches in the triangle of a corner that feels it.
+const LEAST_SHARE: f64 = 0.02;
 
 /// Triangles of the skin, as corners among some points.
 pub(crate) struct SkinPart<'a> {
@@ -21,93 +27,216 @@ pub(crate) struct SkinPart<'a> {
     pub triangles: &'a [[u32; 3]],
 }
 
-/// A sharp edge over or under a triangle.
-pub(crate) struct EdgeAtTriangle {
+/// A line of the obstacle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Line {
+    /// Its ends (m).
+    pub ends: [Vector3<f64>; 2],
+    /// Whether it is a sharp edge, not the side of a round primitive.
+    pub is_sharp: bool,
+}
+
+/// A line of the obstacle over or under a triangle.
+struct Meeting {
     /// Number of the triangle.
-    pub triangle: usize,
-    /// Depth of the edge under it (m), negative over it.
-    pub depth: f64,
+    triangle: usize,
+    line: Line,
+    /// The deepest point of the line (m).
+    deepest: Vector3<f64>,
+    /// Depth of the line under the triangle (m), negative over it.
+    depth: f64,
+    /// Largest barycentric coordinates of the line within the triangle.
+    shares: [f64; 3],
     /// Normal of the plane between them, out of the obstacle.
-    pub normal: Vector3<f64>,
+    normal: Vector3<f64>,
     /// Cosine between that and the inward normal of the triangle.
-    pub cosine: f64,
+    cosine: f64,
 }
 
 impl SkinPart<'_> {
     /// The sharp edges of the obstacle over or under the triangles, no deeper than `deepest` (m) and no higher than the
     /// triangle is wide.
-    pub fn edges_of(&self, obstacle: &Obstacle, deepest: f64) -> Vec<EdgeAtTriangle> {
+    ///
+    /// * `with_faces`: whether an edge that a triangle touches with a face of it counts
+    fn edges_of(
+        &self,
+        obstacle: &Obstacle,
+        deepest: f64,
+        with_faces: impl Fn(usize) -> bool,
+    ) -> Vec<Meeting> {
         let mut found = Vec::new();
         let around = Bounds::around(self.triangles.iter().flatten().map(|&k| &self.points[k as usize]));
-        if self.triangles.is_empty() {
-            return found;
-        }
-        let edges = obstacle.sharp_edges_near(&around.grown(deepest));
-        if edges.is_empty() {
+        let around = around.grown(deepest);
+        let is_near = |edge: &SharpEdge| Bounds::around(&edge.ends).meets(&around);
+        let edges: Vec<SharpEdge> = obstacle.sharp_edges().into_iter().filter(is_near).collect();
+        if edges.is_empty() || self.triangles.is_empty() {
             return found;
         }
         let tree = face_tree(self.points, self.triangles);
         for edge in &edges {
             let reach = Bounds::around(&edge.ends).grown(deepest);
             for triangle in tree.leaves(|node| node_bounds(node).meets(&reach)) {
-                let corners = self.triangles[triangle as usize].map(|k| self.points[k as usize]);
-                found.extend(meeting(edge, &corners, deepest).map(|(depth, normal, cosine)| {
-                    EdgeAtTriangle { triangle: triangle as usize, depth, normal, cosine }
-                }));
+                let line = Line { ends: edge.ends, is_sharp: true };
+                let across = |inward: &Vector3<f64>| {
+                    Some((line, edge.between(inward, with_faces(triangle as usize))?))
+                };
+                found.extend(self.meeting(triangle as usize, across, deepest));
             }
         }
         found
     }
 
-    /// Gives the corners the gap to the plane between triangle and edge where that is the lesser one.
-    pub fn take_edges(&self, obstacle: &Obstacle, deepest: f64, gaps: &mut Measured) {
-        for edge in self.edges_of(obstacle, deepest) {
-            let gap = -edge.depth * edge.cosine;
-            for corner in self.triangles[edge.triangle].map(|corner| corner as usize) {
-                if gap < gaps.distance[corner] {
+    /// How deep (m, ≥ 0) a sharp edge of the obstacle stands in the skin at the most.
+    pub fn deepest_edge(&self, obstacle: &Obstacle, deepest: f64) -> f64 {
+        let mut met = self.edges_of(obstacle, deepest, |_| true);
+        met.sort_by(|one, other| other.depth.total_cmp(&one.depth));
+        if met.is_empty() {
+            return 0.0;
+        }
+        let tree = face_tree(self.points, self.triangles);
+        let normal = |face: &[u32; 3]| {
+            let [a, b, c] = face.map(|corner| self.points[corner as usize]);
+            (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+        };
+        let normals: Vec<Vector3<f64>> = self.triangles.iter().map(normal).collect();
+        let faces = Faces { vertices: self.points, corners: self.triangles, normals: &normals };
+        let mut depth = 0.0;
+        for under in met {
+            if under.depth <= depth {
+                break;
+            }
+            // Deep under one triangle it may be near another.
+            let Some((face, closest)) = faces.closest_to_point(&tree, &under.deepest, under.depth) else {
+                continue;
+            };
+            let out = closest.point - under.deepest;
+            if out.dot(&normals[face]) > 0.0 {
+                depth = f64::max(depth, out.norm());
+            }
+        }
+        depth
+    }
+
+    /// The line of a round primitive over or under each triangle whose corners are outside it.
+    fn line_of(&self, obstacle: &Obstacle, deepest: f64, gaps: &Measured) -> Vec<Meeting> {
+        let meeting = |face: usize| {
+            let across = |inward: &Vector3<f64>| {
+                Some((Line { ends: obstacle.line_towards(inward)?, is_sharp: false }, *inward))
+            };
+            self.meeting(face, across, deepest).filter(|met| met.depth > 0.0)
+        };
+        let is_unmet = |&face: &usize| self.is_unmet(face, gaps);
+        (0..self.triangles.len()).filter(is_unmet).filter_map(meeting).collect()
+    }
+
+    /// Whether no corner of a triangle is in the obstacle.
+    fn is_unmet(&self, triangle: usize, gaps: &Measured) -> bool {
+        self.triangles[triangle].iter().all(|&corner| gaps.distance[corner as usize] >= 0.0)
+    }
+
+    /// A line of the obstacle over or under a triangle.
+    ///
+    /// * `across`: the line, and the normal of the plane between it and a triangle with an inward normal
+    fn meeting(
+        &self,
+        triangle: usize,
+        across: impl Fn(&Vector3<f64>) -> Option<(Line, Vector3<f64>)>,
+        deepest: f64,
+    ) -> Option<Meeting> {
+        let corners = self.triangles[triangle].map(|corner| self.points[corner as usize]);
+        let [a, b, c] = &corners;
+        let inward = (c - a).cross(&(b - a)).try_normalize(0.0)?;
+        let (line, normal) = across(&inward)?;
+        let Under { depth, shares, deepest: point } = depth_along(&line.ends, &corners, &inward)?;
+        let width = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        let cosine = inward.dot(&normal);
+        (depth > -width && depth <= deepest).then_some(Meeting {
+            triangle,
+            line,
+            deepest: point,
+            depth,
+            shares,
+            normal,
+            cosine,
+        })
+    }
+
+    /// Gives the corners the gap to the plane between triangle and obstacle where that is the lesser one.
+    ///
+    /// Returns these corners, with the line that each is held by.
+    pub fn take_edges(
+        &self,
+        obstacle: &Obstacle,
+        deepest: f64,
+        gaps: &mut Measured,
+    ) -> BTreeMap<usize, Line> {
+        let mut taken = BTreeMap::new();
+        let lines = self.line_of(obstacle, deepest, gaps);
+        let edges = self.edges_of(obstacle, deepest, |triangle| self.is_unmet(triangle, gaps));
+        for met in edges.iter().chain(&lines) {
+            let gap = -met.depth * met.cosine;
+            for (corner, share) in self.triangles[met.triangle].into_iter().zip(met.shares) {
+                let corner = corner as usize;
+                if share > LEAST_SHARE && gap < gaps.distance[corner] {
                     gaps.distance[corner] = gap;
-                    gaps.normal[corner] = edge.normal;
+                    gaps.normal[corner] = met.normal;
+                    taken.insert(corner, met.line);
                 }
             }
         }
+        taken
     }
 }
 
-/// Depth (m) of an edge under a triangle, the normal of the plane between them, its cosine with the inward normal.
-fn meeting(edge: &SharpEdge, triangle: &[Vector3<f64>; 3], deepest: f64) -> Option<(f64, Vector3<f64>, f64)> {
-    let [a, b, c] = triangle;
-    let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
-    let between = edge.between(&-normal)?;
-    let depth = depth_under(&edge.ends, triangle, &normal)?;
-    let width = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-    (depth > -width && depth <= deepest).then(|| (depth, between, -normal.dot(&between)))
+/// The part of a segment that lies over or under a triangle.
+pub(crate) struct Under {
+    /// How deep it lies behind the triangle at the most (m), negative before it.
+    pub depth: f64,
+    /// Its largest barycentric coordinates there.
+    shares: [f64; 3],
+    /// The deepest point (m).
+    deepest: Vector3<f64>,
 }
 
-/// Largest depth (m) of the part of a segment in the prism over a triangle, negative above.
-fn depth_under(
+/// The part of a segment that lies over or under a triangle, seen along a direction into the skin.
+pub(crate) fn depth_along(
     [p, q]: &[Vector3<f64>; 2],
     [a, b, c]: &[Vector3<f64>; 3],
-    normal: &Vector3<f64>,
-) -> Option<f64> {
+    direction: &Vector3<f64>,
+) -> Option<Under> {
+    let outward = (b - a).cross(&(c - a));
+    let area = -outward.dot(direction);
+    if area <= 0.0 {
+        return None;
+    }
+    // Barycentric coordinates of both ends, seen along the direction.
+    let share = |from: &Vector3<f64>, to: &Vector3<f64>, x: &Vector3<f64>| {
+        direction.dot(&(x - from).cross(&(to - from))) / area
+    };
+    let of = |x: &Vector3<f64>| [share(b, c, x), share(c, a, x), share(a, b, x)];
+    let (at_p, at_q) = (of(p), of(q));
     let (mut from, mut to) = (0.0, 1.0);
-    for (start, end) in [(a, b), (b, c), (c, a)] {
-        let inward = normal.cross(&(end - start));
-        let (at_p, at_q) = ((p - start).dot(&inward), (q - start).dot(&inward));
-        if at_p < 0.0 && at_q < 0.0 {
+    for (p, q) in at_p.into_iter().zip(at_q) {
+        if p < 0.0 && q < 0.0 {
             return None;
         }
-        let crossing = at_p / (at_p - at_q);
-        if at_p < 0.0 {
+        let crossing = p / (p - q);
+        if p < 0.0 {
             from = f64::max(from, crossing);
-        } else if at_q < 0.0 {
+        } else if q < 0.0 {
             to = f64::min(to, crossing);
         }
     }
     if from > to {
         return None;
     }
-    let depth = |t: f64| (a - p.lerp(q, t)).dot(normal);
-    Some(depth(from).max(depth(to)))
+    let depth = |t: f64| (a - p.lerp(q, t)).dot(&outward) / area;
+    let shares = std::array::from_fn(|corner| {
+        let at = |t: f64| at_p[corner] + t * (at_q[corner] - at_p[corner]);
+        at(from).max(at(to))
+    });
+    let at = if depth(from) > depth(to) { from } else { to };
+    Some(Under { depth: depth(at), shares, deepest: p.lerp(q, at) })
 }
 
 #[cfg(test)]
@@ -118,19 +247,34 @@ mod tests {
     fn the_depth_of_an_edge_is_that_of_its_part_under_the_triangle() {
         let triangle = [Vector3::zeros(), Vector3::x(), Vector3::y()];
         for (p, q, expected) in [
-            ([0.2, 0.2, -0.1], [0.3, 0.2, -0.1], Some(0.1)),
-            // deepest where it leaves the prism at x = 0
-            ([-1.0, 0.2, -2.0], [1.0, 0.2, 0.0], Some(1.0)),
+            ([0.2, 0.2, -0.1], [0.3, 0.2, -0.1], Some((0.1, [0.6, 0.3, 0.2]))),
+            // Deepest where it leaves the prism at x = 0.
+            ([-1.0, 0.2, -2.0], [1.0, 0.2, 0.0], Some((1.0, [0.8, 0.8, 0.2]))),
             ([-1.0, -0.1, -1.0], [1.0, -0.1, -1.0], None),
-            ([0.2, 0.2, 0.1], [0.3, 0.2, 0.2], Some(-0.1)),
+            ([0.2, 0.2, 0.1], [0.3, 0.2, 0.2], Some((-0.1, [0.6, 0.3, 0.2]))),
             ([2.0, 2.0, -1.0], [3.0, 2.0, -1.0], None),
         ] {
-            let found = depth_under(&[p.into(), q.into()], &triangle, &Vector3::z());
-            match (found, expected) {
-                (Some(found), Some(expected)) => assert!((found - expected).abs() < 1e-15, "{found}"),
-                _ => assert_eq!(found, expected),
+            match (depth_along(&p.into(), &q.into(), &triangle), expected) {
+                (Some((depth, shares)), Some((expected, of))) => {
+                    assert!((depth - expected).abs() < 1e-15, "{depth}");
+                    assert!(
+                        shares.iter().zip(of).all(|(share, of)| (share - of).abs() < 1e-15),
+                        "{shares:?}"
+                    );
+                }
+                (found, expected) => assert_eq!(found, expected),
             }
         }
+        // Slanting by 45 degrees: a point 0.1 under the triangle lies √2 as deep along the way.
+        let slant = Vector3::new(0.0, 1.0, -1.0).normalize();
+        let ends = [Vector3::new(0.2, 0.4, -0.1); 2];
+        let Under { depth, .. } = super::depth_along(&ends, &triangle, &slant).expect("under it");
+        assert!((depth - 0.1 * 2f64.sqrt()).abs() < 1e-15, "{depth}");
+    }
+
+    fn depth_along(p: &[f64; 3], q: &[f64; 3], triangle: &[Vector3<f64>; 3]) -> Option<(f64, [f64; 3])> {
+        let under = super::depth_along(&[(*p).into(), (*q).into()], triangle, &-Vector3::z())?;
+        Some((under.depth, under.shares))
     }
 
     #[test]
@@ -145,10 +289,27 @@ mod tests {
         let roof = roof.moved(turn.matrix(), &shift).expect("a rotation");
         // The skin faces down on the roof.
         let mut gaps = Measured { distance: vec![0.5; 3], normal: vec![Vector3::y(); 3] };
-        part.take_edges(&roof, 0.2, &mut gaps);
+        assert_eq!(part.take_edges(&roof, 0.2, &mut gaps).len(), 3);
         for corner in 0..3 {
             assert!((gaps.distance[corner] + 0.1).abs() < 1e-12, "{}", gaps.distance[corner]);
             assert!((gaps.normal[corner] - Vector3::z()).norm() < 1e-12);
         }
+        // Along a side it is none of the far corner's.
+        let aside = roof.translated(&-Vector3::y());
+        let mut gaps = Measured { distance: vec![0.5; 3], normal: vec![Vector3::y(); 3] };
+        assert_eq!(Vec::from_iter(part.take_edges(&aside, 0.2, &mut gaps).into_keys()), [0, 2]);
+    }
+
+    #[test]
+    fn a_ball_within_a_triangle_pushes_its_corners_until_one_meets_it() {
+        let points =
+            [Vector3::new(-1.0, -1.0, 0.0), Vector3::new(0.0, 2.0, 0.0), Vector3::new(1.0, -1.0, 0.0)];
+        let part = SkinPart { points: &points, triangles: &[[0, 1, 2]] };
+        let ball = Obstacle::sphere(Vector3::new(0.0, 0.0, -0.05), 0.15).expect("a ball");
+        let mut gaps = Measured { distance: vec![0.5; 3], normal: vec![Vector3::y(); 3] };
+        assert_eq!(part.take_edges(&ball, 0.2, &mut gaps).len(), 3);
+        assert!(gaps.distance.iter().all(|gap| (gap + 0.1).abs() < 1e-15), "{:?}", gaps.distance);
+        let mut met = Measured { distance: vec![0.5, -0.01, 0.5], normal: vec![Vector3::y(); 3] };
+        assert!(part.take_edges(&ball, 0.2, &mut met).is_empty());
     }
 }

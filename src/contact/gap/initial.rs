@@ -1,16 +1,17 @@
 //! Initial gaps of a skin, measured on demand.
 
 use std::cell::{Ref, RefCell};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::averaged;
-use crate::contact::gap::edge::SkinPart;
+use crate::contact::gap::edge::{Line, SkinPart};
 use crate::contact::gap::entry::{EntryGap, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
+use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::basis::PressureBasis;
 use crate::surface::checked::Surface;
 
@@ -33,6 +34,8 @@ pub(crate) struct Gaps<'a> {
     measured: RefCell<Measured>,
     /// g0 (n, m) of the undeformed skin, once it differs.
     undeformed: Option<Vec<f64>>,
+    /// Vertices whose gap is to a line of the obstacle between them.
+    on_lines: BTreeMap<usize, Line>,
     /// Displacement (m) at which vertices were measured, where that is not 0.
     shifts: HashMap<usize, Vector3<f64>>,
     /// Deepest penetration of a vertex of the undeformed skin (m, ≥ 0).
@@ -64,24 +67,11 @@ impl<'a> Gaps<'a> {
             }
             None => EntryGap::default(),
         };
-        if with_edges {
-            let near: Vec<usize> = (0..measured.distance.len())
-                .filter(|&vertex| measured.distance[vertex].is_finite())
-                .collect();
-            let points: Vec<Vector3<f64>> = near.iter().map(|&vertex| surface.vertices()[vertex]).collect();
-            let mut at_near = measured.rows(&near);
-            let triangles = triangles_among(surface, &near);
-            let deepest = depth_bound.unwrap_or(reach);
-            SkinPart { points: &points, triangles: &triangles }.take_edges(
-                &scene.obstacle,
-                deepest,
-                &mut at_near,
-            );
-            for (row, &vertex) in near.iter().enumerate() {
-                (measured.distance[vertex], measured.normal[vertex]) =
-                    (at_near.distance[row], at_near.normal[row]);
-            }
-        }
+        let deepest = depth_bound.unwrap_or(reach);
+        let on_lines = match with_edges {
+            true => take_edges(surface, &scene.obstacle, deepest, &mut measured),
+            false => BTreeMap::new(),
+        };
         let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
         let penetrating: Vec<usize> = (0..measured.distance.len()).filter(is_inside).collect();
         Ok(Self {
@@ -93,6 +83,7 @@ impl<'a> Gaps<'a> {
             penetrating,
             measured: RefCell::new(measured),
             undeformed: None,
+            on_lines,
             shifts: HashMap::new(),
             averaged: RefCell::default(),
         })
@@ -106,6 +97,11 @@ impl<'a> Gaps<'a> {
     /// g0 (n, m) of the undeformed skin as measured so far.
     pub fn undeformed(&self) -> Vec<f64> {
         self.undeformed.clone().unwrap_or_else(|| self.distances().to_vec())
+    }
+
+    /// The line of the obstacle that the gap of a vertex is to, as the undeformed skin met it.
+    pub fn line_at(&self, vertex: usize) -> Option<&Line> {
+        self.on_lines.get(&vertex)
     }
 
     /// Displacement (m) at which the gap of a vertex was linearised.
@@ -126,9 +122,6 @@ impl<'a> Gaps<'a> {
         if let Some(travel) = &self.scene.press {
             measure_entries(&points, |_| true, &self.scene.obstacle, travel, &mut measured)?;
         }
-        let triangles = triangles_among(self.surface, vertices);
-        let part = SkinPart { points: &points, triangles: &triangles };
-        part.take_edges(&self.scene.obstacle, self.deepest, &mut measured);
         Ok(measured)
     }
 
@@ -171,6 +164,29 @@ impl<'a> Gaps<'a> {
         }
         Ok(nodes.iter().map(|node| known[node]).collect())
     }
+}
+
+/// Takes the gaps to sharp edges where vertices were measured.
+///
+/// Returns the vertices that have such a gap, with the line.
+fn take_edges(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    deepest: f64,
+    measured: &mut Measured,
+) -> BTreeMap<usize, Line> {
+    let near: Vec<usize> =
+        (0..measured.distance.len()).filter(|&vertex| measured.distance[vertex].is_finite()).collect();
+    let points: Vec<Vector3<f64>> = near.iter().map(|&vertex| surface.vertices()[vertex]).collect();
+    let triangles = triangles_among(surface, &near);
+    let mut at_near = measured.rows(&near);
+    let part = SkinPart { points: &points, triangles: &triangles };
+    let taken = part.take_edges(obstacle, deepest, &mut at_near);
+    for &row in taken.keys() {
+        (measured.distance[near[row]], measured.normal[near[row]]) =
+            (at_near.distance[row], at_near.normal[row]);
+    }
+    taken.into_iter().map(|(row, line)| (near[row], line)).collect()
 }
 
 /// Triangles of the skin whose corners are all among `vertices`, as positions in that list.

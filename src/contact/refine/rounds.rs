@@ -13,11 +13,19 @@ use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::contact::scene::{Inherited, Placement};
 use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// Rounds in which the figures may fail to settle before the refinement gives up.
 const UNSETTLED_ROUNDS: usize = 2;
+/// Mesh cells in the depth with which a contact on a sharp edge is as fine as it gets: its figures go on changing with
+/// the logarithm of the cells.
+const CELLS_PER_DEPTH_ON_EDGE: f64 = 6.0;
+/// A figure that keeps more than this share from one round to the next does not settle.
+const SETTLING: f64 = 0.8;
+/// Penetration left on a mesh that is fine enough, as a share of that before.
+const SMALL_PENETRATION: f64 = 0.02;
 /// Share of the target below which the force needs no finer mesh.
 const SMALL_SHARE: f64 = 0.6;
 /// Rounds at the most: each halves the edges.
@@ -103,6 +111,7 @@ impl Rounds<'_> {
     pub fn run(&mut self) -> Result<&'static str, ContactError> {
         let mut unsettled = 0;
         let mut before = f64::INFINITY;
+        let mut left = f64::INFINITY;
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
             let is_for_area = self.last.as_ref().is_some_and(|(_, contact)| contact.knows_force(self.target));
@@ -132,14 +141,24 @@ impl Rounds<'_> {
                 return Ok("a complementarity problem did not end solved");
             }
             let previous = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
-            contact.refinements = previous.refinements.clone();
+            contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
             let error = contact.error_after(previous, is_for_area);
             contact.note_round(error, started);
+            let is_on_edge = contact.clues.edge.is_some();
+            let is_fine_on_edge = contact.clues.edge.is_some_and(|edge| {
+                edge.edge_length * CELLS_PER_DEPTH_ON_EDGE <= contact.max_penetration_before
+            });
+            let left_before = std::mem::replace(&mut left, contact.max_penetration_after);
+            let is_resolved = contact.is_free_of_penetration() || left > SETTLING * left_before;
             self.last = Some((part, contact));
             match error {
-                Some(error) if error.worst() <= self.target => return Ok("target_error"),
+                Some(error) if error.worst() <= self.target && is_resolved => {
+                    return Ok("target_error");
+                }
+                Some(_) if is_fine_on_edge => return Ok("a sharp edge"),
                 Some(error) => {
-                    unsettled = if error.worst() > 0.8 * before { unsettled + 1 } else { 0 };
+                    unsettled =
+                        if error.worst() > SETTLING * before && !is_on_edge { unsettled + 1 } else { 0 };
                     before = error.worst();
                 }
                 None => {}
@@ -207,8 +226,10 @@ impl Rounds<'_> {
     /// Puts a contact at another depth in the place of the last one, on the same mesh.
     pub fn replace_last(&mut self, mut contact: Contact, started: Instant) {
         let Some((_, last)) = &mut self.last else { return };
-        contact.refinements = std::mem::take(&mut last.refinements);
-        contact.refinements.pop();
+        let mut known = std::mem::take(&mut last.refinements);
+        known.pop();
+        known.append(&mut contact.refinements);
+        contact.refinements = known;
         let error = match contact.status {
             ContactStatus::Solved => MeshError::carried_over(last, &contact),
             _ => None,
@@ -241,6 +262,14 @@ impl Contact {
         self.accuracy.mesh_error.is_some_and(|error| error < SMALL_SHARE * target)
     }
 
+    /// Whether the mesh is so fine that between its vertices next to no penetration is left; more may stay on sharp edges
+    /// and in Galerkin form.
+    pub(crate) fn is_free_of_penetration(&self) -> bool {
+        self.clues.edge.is_some()
+            || self.accuracy.discretization == Discretization::Galerkin
+            || self.max_penetration_after <= SMALL_PENETRATION * self.max_penetration_before
+    }
+
     /// What the mesh is estimated to cost after `previous`; `None` without contact.
     ///
     /// * `is_for_area`: whether the rim alone was refined since
@@ -268,12 +297,15 @@ impl Contact {
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
         self.accuracy.area_error = error.map(|error| error.area);
-        self.accuracy.max_pressure_error = error.map(|error| error.pressure);
+        let is_infinite = self.clues.edge.is_some();
+        self.accuracy.max_pressure_error =
+            error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
         self.refinements.push(Refinement {
+            kind: "mesh",
             nodes: self.candidates.len(),
             force: self.resultant.force,
-            contact_area: self.resultant.contact_area,
-            max_pressure: self.resultant.max_pressure,
+            contact_area: Some(self.resultant.contact_area),
+            max_pressure: Some(self.resultant.max_pressure),
             force_error: self.accuracy.force_error,
             area_error: self.accuracy.area_error,
             max_penetration: self.max_penetration_after,

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::contact::outcome::{Contact, LeftOut, Timing};
+use crate::contact::outcome::{Contact, LeftOut, Refinement, Timing};
 
 /// Timings, omissions and warnings of a contact under way.
 #[derive(Debug, Default)]
@@ -11,7 +11,7 @@ pub(crate) struct Report {
     pub left_out: Vec<LeftOut>,
     pub warnings: Vec<String>,
     /// Rounds in which gaps were taken anew at the deformed skin.
-    pub linearizations: usize,
+    pub linearizations: Vec<Refinement>,
 }
 
 impl Report {

@@ -1,5 +1,8 @@
 //! What the user should know of a contact, in sentences.
 
+use nalgebra::Vector3;
+
+use crate::contact::figures::penetration::Penetration;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
@@ -7,6 +10,9 @@ use crate::response::kernel::basis::Discretization;
 
 /// Penetration left at the deformed skin, as a share of that before, from which the user is warned.
 const UNRESOLVED_SHARE: f64 = 0.05;
+
+/// Why it is left between vertices.
+const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarser than the obstacle's features; refine it (`target_error`, `max_nodes`), and do not trust force and area there";
 
 /// Skin and obstacle differing in size by this factor suggest that one is in another unit.
 const SUSPICIOUS_SIZE_RATIO: f64 = 100.0;
@@ -23,13 +29,25 @@ impl Report {
         }
     }
 
+    /// Notes the ends (m) of a sharp edge that carries force.
+    pub fn note_edge(&mut self, [a, b]: &[Vector3<f64>; 2]) {
+        let point = |x: &Vector3<f64>| format!("({:.4}, {:.4}, {:.4})", x.x, x.y, x.z);
+        let why = format!(
+            "a sharp edge of the obstacle carries force, as from {} to {} m, where the pressure is infinite: take means over an area",
+            point(a),
+            point(b)
+        );
+        self.leave_out("a finite peak pressure", why);
+    }
+
     /// Warns where the obstacle is too finely shaped for gaps linearised at this depth, or the mesh too coarse for
     /// averaged ones.
-    pub fn warn_of_penetration(&mut self, discretization: Discretization, before: f64, after: f64) {
-        if after <= UNRESOLVED_SHARE * before {
+    pub fn warn_of_penetration(&mut self, discretization: Discretization, before: f64, left: &Penetration) {
+        if left.depth <= UNRESOLVED_SHARE * before {
             return;
         }
         let cause = match discretization {
+            _ if !left.is_at_vertex => COARSE_MESH,
             Discretization::Collocation => {
                 "the obstacle has features (a thin rim, an edge) no larger than the depth, where gaps along the closest normal do not hold; press less deep or thicken the feature, and do not trust force and area there"
             }
@@ -37,10 +55,12 @@ impl Report {
                 "gaps are averaged over triangles as large as the features of this contact; refine the mesh there, or take the gap at the nodes"
             }
         };
-        let warning =
-            format!("the deformed skin still penetrates by {after:.3e} m of {before:.3e} m: {cause}");
-        self.warnings.push(warning);
+        self.warnings.push(still_penetrates(left.depth, before, cause));
     }
+}
+
+fn still_penetrates(after: f64, before: f64, cause: &str) -> String {
+    format!("the deformed skin still penetrates by {after:.3e} m of {before:.3e} m: {cause}")
 }
 
 impl Contact {
@@ -54,6 +74,10 @@ impl Contact {
             self.warnings.push(format!(
                 "the mesh around the contact costs about {force} of the force and {area} of the area, more than the target of {target}: the refinement ended by {reason}"
             ));
+        }
+        let (before, after) = (self.max_penetration_before, self.max_penetration_after);
+        if !self.is_free_of_penetration() && after <= UNRESOLVED_SHARE * before {
+            self.warnings.push(still_penetrates(after, before, COARSE_MESH));
         }
         if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {
             let (cost, target) = (doubt.force_error, target);

@@ -1,0 +1,106 @@
+//! Edges, pins and balls that meet the skin between its vertices.
+
+use approx::assert_relative_eq;
+use nalgebra::Vector3;
+use quasirigid::contact::{Contact, ContactOptions, Goal, Press, Start, press};
+use quasirigid::obstacle::Obstacle;
+use quasirigid::surface::Surface;
+
+use crate::common::Random;
+use crate::{UP, ball, half_space, lattice, press_up};
+
+/// Where the obstacles of a press begin.
+const BELOW: Vector3<f64> = Vector3::new(0.0, 0.0, -0.05);
+
+fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
+    let upwards = Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity };
+    press(surface, obstacle, &half_space(), &upwards, &ContactOptions::default()).unwrap()
+}
+
+/// A roof along x with its ridge on the x axis, upwards.
+fn ridge(half_angle: f64) -> Obstacle {
+    let (length, height) = (0.03, 0.02);
+    let width = height * half_angle.tan();
+    let section = [[0.0, 0.0], [-width, -height], [width, -height]];
+    let corner =
+        |i: usize| Vector3::new(if i < 3 { -length } else { length }, section[i % 3][0], section[i % 3][1]);
+    let faces = [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]];
+    Obstacle::mesh((0..6).map(corner).collect(), faces.to_vec(), &Default::default()).unwrap()
+}
+
+/// A pin upright, the middle of its end at the origin.
+fn pin(radius: f64) -> Obstacle {
+    Obstacle::cylinder(5e-3, radius).unwrap().translated(&Vector3::new(0.0, 0.0, -5e-3))
+}
+
+/// Square cells about the origin, outside below, their corners half a cell off it.
+fn flat(cells: usize, spacing: f64) -> Surface {
+    let edges = [Vector3::y(), Vector3::x()].map(|axis| spacing * axis);
+    lattice(cells, edges, Vector3::zeros(), 0.0, &mut Random(1))
+}
+
+#[test]
+fn a_ridge_presses_straight_and_steadily_wherever_it_meets_the_mesh() {
+    // The pad and the ridge are symmetric, the mesh of the pad turned against both.
+    let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 0.4);
+    let pad = ball(8e-3, 3);
+    let turned = pad.vertices().iter().map(|x| turn * x).collect();
+    let pad = Surface::new(turned, pad.faces().to_vec()).unwrap();
+    for degrees in [16.0_f64, 45.0, 70.0] {
+        let roof = ridge(degrees.to_radians()).translated(&BELOW);
+        let mut before = None;
+        for step in 0..3 {
+            let shift = Vector3::new(0.0, 1e-4 * f64::from(step), 0.0);
+            let contact = pressed(&pad, &roof.translated(&shift), 1.12e-3);
+            let force = contact.resultant.force;
+            let sideways = force.x.hypot(force.y);
+            assert!(step > 0 || sideways <= 0.02 * force.z, "{degrees}: {force:?}");
+            let change = before.map_or(0.0, |before| force.z / before - 1.0);
+            assert!(f64::abs(change) <= 0.05, "{degrees}, step {step}: {change}");
+            before = Some(force.z);
+            assert!(contact.max_penetration_after <= 0.05 * contact.max_penetration_before);
+            assert_eq!(contact.accuracy.max_pressure_error, Some(f64::INFINITY));
+            assert!(contact.left_out.iter().any(|left| left.what == "a finite peak pressure"));
+        }
+    }
+}
+
+#[test]
+fn what_is_smaller_than_a_triangle_is_met_in_its_middle() {
+    let coarse = flat(10, 2e-3);
+    let fine = flat(80, 0.25e-3);
+    // Off all vertices and edges of both.
+    let place = BELOW + Vector3::new(0.37e-3, 0.73e-3, 0.0);
+    let small_ball = Obstacle::sphere(Vector3::new(0.0, 0.0, -0.2e-3), 0.2e-3).unwrap();
+    let small_pins = [0.3e-3, 0.5e-3].map(pin);
+    for obstacle in small_pins.iter().chain([&small_ball]) {
+        let obstacle = obstacle.translated(&place);
+        let contact = pressed(&coarse, &obstacle, 0.3e-3);
+        // Its end is at z = -50 mm, the skin at 0.
+        assert_relative_eq!(contact.travel, 0.05 + 0.3e-3, max_relative = 1e-12);
+        let force = contact.resultant.force;
+        assert!(force.z > 0.0 && force.x.hypot(force.y) < 0.02 * force.z, "{force:?}");
+        let closer = pressed(&fine, &obstacle, 0.3e-3).resultant.force;
+        assert_relative_eq!(force.z, closer.z, max_relative = 0.1);
+    }
+}
+
+#[test]
+fn a_flat_pin_presses_like_the_flat_punch() {
+    // Sneddon: F = 4 G a d / (1 - nu), with nu = 1/2; a half-space under a pad much wider than the pin.
+    let (radius, depth) = (1e-3, 0.1e-3);
+    let contact = pressed(&flat(20, 1e-3), &pin(radius).translated(&BELOW), depth);
+    let punch = 8.0 * crate::SHEAR_MODULUS * radius * depth;
+    assert_relative_eq!(contact.resultant.force.z, punch, max_relative = 0.05);
+}
+
+#[test]
+fn an_edge_left_in_the_triangles_of_a_mesh_taken_as_it_is_is_said() {
+    // The edges of a block between the columns of vertices: the skin hangs over them.
+    let block = Obstacle::cuboid(Vector3::new(2.6e-3, 2.6e-3, 5e-3)).unwrap();
+    let contact = press_up(&flat(14, 1e-3), &block.translated(&BELOW), &half_space(), 1e-3);
+    assert!(contact.active.iter().all(|&vertex| contact.gap[vertex].abs() < 1e-12));
+    assert!(contact.max_penetration_after > 0.05 * contact.max_penetration_before);
+    let warning = contact.warnings.iter().find(|warning| warning.contains("still penetrates")).unwrap();
+    assert!(warning.contains("between vertices"), "{warning}");
+}
