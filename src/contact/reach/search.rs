@@ -225,6 +225,16 @@ mod tests {
     }
 
     #[test]
+    fn small_jumps_end_at_the_nearest_value() {
+        // Down by 1e-4 of itself at every whole number, and up again.
+        let rough = |x: f64| x * (1.0 + if (x as i64) % 2 == 0 { 1e-4 } else { 0.0 });
+        for value in [7.0, 7.9999, 8.0004] {
+            let at = count(&search(value), rough).1;
+            assert!((rough(at) / value - 1.0).abs() <= 2e-4, "{value}: {at}");
+        }
+    }
+
+    #[test]
     fn a_known_point_spares_a_trial() {
         let close = Search { known: Some((2.0, 4.0)), power: 2.0, ..search(4.1) };
         assert_eq!(count(&close, |x| x * x).0, 1);

@@ -150,3 +150,45 @@ impl ElasticSkin for KeptSkin<'_> {
 fn is_same(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
     (a - b).norm_squared() <= SAME_DIRECTION * SAME_DIRECTION
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::response::kernel::skin::{Kernel, KernelSkin};
+    use crate::response::matrix::options::AssemblyOptions;
+
+    /// Flat skin of cells of 1 mm.
+    fn grid(cells: usize) -> Surface {
+        let side = cells + 1;
+        let place = |at: usize| Vector3::new((at % side) as f64, (at / side) as f64, 0.0) * 1e-3;
+        let vertices = (0..side * side).map(place).collect();
+        let corner = |at: usize| (at / cells * side + at % cells) as u32;
+        let next = side as u32;
+        let faces = (0..cells * cells)
+            .map(corner)
+            .flat_map(|a| [[a, a + 1, a + next], [a + 1, a + 1 + next, a + next]]);
+        Surface::new(vertices, faces.collect()).expect("a valid surface")
+    }
+
+    #[test]
+    fn a_matrix_picked_from_a_larger_one_is_the_skins_own_to_the_tolerance() {
+        let surface = grid(12);
+        let skin = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).expect("valid constants");
+        let kept = KeptSkin::new(&skin);
+        let options = AssemblyOptions::default();
+        let ask = |skin: &dyn ElasticSkin, nodes: &[usize]| {
+            let asked = Request { surface: &surface, nodes, options: &options };
+            skin.matrix(&asked, &vec![Vector3::z(); nodes.len()]).expect("known nodes")
+        };
+        let middle: Vec<usize> = surface.k_ring(&[84], 2);
+        let wider = surface.k_ring(&[84], 3);
+        let inner = surface.k_ring(&[84], 1);
+        for nodes in [&middle, &wider, &inner] {
+            let (own, found) = (ask(&skin, nodes), ask(&kept, nodes));
+            let largest = own.norm_max();
+            assert!((&own - &found).norm_max() <= 2.0 * options.tolerance * largest);
+        }
+        // The ring around the first was assembled with it, and serves all three.
+        assert_eq!(kept.kept.lock().expect("free")[0].nodes, wider);
+    }
+}
