@@ -116,7 +116,7 @@ impl Contact {
             refinements: Vec::new(),
             obstacle: gaps.scene.obstacle.clone(),
             travel: gaps.scene.travel,
-            depth: gaps.scene.press.map(|press| press.depth),
+            depth: gaps.scene.depth,
             lcp_solutions: forces.solutions,
             accuracy,
             timings: report.timings,

@@ -16,10 +16,10 @@ use crate::surface::checked::Surface;
 /// Power of the depth that the force of a round body rises with (Hertz).
 const HERTZ_POWER: f64 = 1.5;
 /// Refinements at the most: one at the depth that the given mesh asks for, one at that of the refined mesh.
-const REFINEMENTS: usize = 2;
+pub(crate) const REFINEMENTS: usize = 2;
 /// How much farther than the part of the skin that was refined was made for, in mean edges of the given mesh, an
 /// obstacle may come.
-const FARTHER: f64 = 0.5;
+pub(crate) const FARTHER: f64 = 0.5;
 
 /// The value that a quantity is to take.
 #[derive(Debug, Clone, Copy)]
@@ -170,7 +170,7 @@ impl Task<'_> {
 
 impl Quantity {
     /// Power of the depth that it rises with, as a first guess.
-    fn power(self) -> f64 {
+    pub fn power(self) -> f64 {
         match self {
             Self::Force => HERTZ_POWER,
             Self::Overlap => 1.0,

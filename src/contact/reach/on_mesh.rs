@@ -13,6 +13,7 @@ use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::scene::{Approach, Inherited, Scene};
+use crate::contact::tilt::axes::Turn;
 use crate::obstacle::posed::Obstacle;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
@@ -52,12 +53,28 @@ pub(crate) enum Reached {
 }
 
 /// What the trials of a search take over from each other.
-struct Trials<'a> {
+pub(crate) struct Trials<'a> {
     skin: &'a dyn ElasticSkin,
     /// Of the last one in contact.
     known: RefCell<Option<Known>>,
     timings: RefCell<Vec<Timing>>,
     refusal: RefCell<Option<ResponseError>>,
+}
+
+impl<'a> Trials<'a> {
+    pub fn new(skin: &'a dyn ElasticSkin) -> Self {
+        Self { skin, known: RefCell::default(), timings: RefCell::default(), refusal: RefCell::default() }
+    }
+
+    /// Adds what a trial took.
+    pub fn note(&self, timings: &[Timing]) {
+        add_timings(&mut self.timings.borrow_mut(), timings);
+    }
+
+    /// What all of them took.
+    pub fn timings(&self) -> Vec<Timing> {
+        self.timings.borrow().clone()
+    }
 }
 
 impl OnMesh<'_> {
@@ -75,12 +92,7 @@ impl OnMesh<'_> {
         largest: Option<Contact>,
     ) -> Result<Reached, ContactError> {
         let kept = KeptSkin::new(self.skin);
-        let trials = Trials {
-            skin: &kept,
-            known: RefCell::default(),
-            timings: RefCell::default(),
-            refusal: RefCell::default(),
-        };
+        let trials = Trials::new(&kept);
         let found = search.run(|past| self.trial(quantity, past, &trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),
@@ -93,7 +105,7 @@ impl OnMesh<'_> {
         };
         let is_refined = self.inherited.is_some();
         let mut contact = if is_refined { self.solve_with(at, &trials)? } else { self.solve(at)? };
-        add_timings(&mut contact.timings, &trials.timings.take());
+        add_timings(&mut contact.timings, &trials.timings());
         match end {
             Ok(power) => {
                 let value = quantity.of(&contact, &self.press.direction);
@@ -169,7 +181,7 @@ impl OnMesh<'_> {
     fn force(&self, past: f64, trials: &Trials) -> Result<Trial, ContactError> {
         let scene = self.scene(past);
         let solved = self.in_place(&scene, trials)?;
-        add_timings(&mut trials.timings.borrow_mut(), solved.timings());
+        trials.note(solved.timings());
         let Some(forces) = solved.forces() else { return Ok(Trial::Value(0.0)) };
         match forces.failure {
             None => {
@@ -194,9 +206,13 @@ impl OnMesh<'_> {
     }
 
     /// The contact so far past the touch, with what trials before it know.
-    fn solve_with(&self, past: f64, trials: &Trials) -> Result<Contact, ContactError> {
+    pub fn solve_with(&self, past: f64, trials: &Trials) -> Result<Contact, ContactError> {
         let scene = self.scene(past);
-        self.in_place(&scene, trials)?.contact(self.options)
+        let solved = self.in_place(&scene, trials)?;
+        if let Some(known) = solved.known() {
+            trials.known.replace(Some(known));
+        }
+        solved.contact(self.options)
     }
 
     /// The deepest penetration so far past the touch (m).
@@ -204,6 +220,24 @@ impl OnMesh<'_> {
         let with_edges = self.skin.traits(self.surface)?.discretization == Discretization::Collocation;
         Ok(Gaps::measure(self.surface, &self.scene(past), self.options.search_distance, with_edges)?
             .deepest())
+    }
+
+    /// The way past the touch to an overlap (m); `None` where it is not reached.
+    ///
+    /// * `near`: about where
+    pub fn past_at_overlap(&self, overlap: f64, near: f64) -> Result<Option<f64>, ContactError> {
+        let power = Quantity::Overlap.power();
+        let search = Search { value: overlap, first: near, power, limit: self.limit(), known: None };
+        match search.run(|past| self.overlap(past).map(Trial::Value))? {
+            Found::Close { at, .. } => Ok(Some(at)),
+            Found::NotReached { .. } => Ok(None),
+        }
+    }
+
+    /// The same with the obstacle turned.
+    pub fn turned(&self, turn: Turn) -> OnMesh<'_> {
+        let press = Approach { turn: Some(turn), ..self.press };
+        OnMesh { press, inherited: self.inherited.clone(), ..*self }
     }
 
     /// The contact so far past the touch.
