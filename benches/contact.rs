@@ -11,7 +11,7 @@ use std::hint::black_box;
 use common::icosphere;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
-use quasirigid::contact::{Contact, ContactOptions, Goal, Press, Start, press};
+use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
@@ -43,7 +43,12 @@ fn ball() -> Obstacle {
 }
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
-    let upwards = Press { direction: Vector3::z(), goal: Goal::Depth(depth), start: Start::Infinity };
+    let upwards = Press {
+        direction: Vector3::z(),
+        goal: Goal::Depth(depth),
+        start: Start::Infinity,
+        balance: Balance::None,
+    };
     press(surface, obstacle, &half_space(), &upwards, &ContactOptions::on_given_mesh())
         .expect("a press that meets the skin")
 }

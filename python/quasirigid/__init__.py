@@ -12,6 +12,7 @@ from . import models
 from ._core import __version__
 from .contact import (
     Accuracy,
+    Balance,
     Contact,
     ContactError,
     ContactOptions,
@@ -77,6 +78,7 @@ if _TYPE_CHECKING:
 
 __all__ = [
     "Accuracy",
+    "Balance",
     "Body",
     "Certificate",
     "CombinedSkin",

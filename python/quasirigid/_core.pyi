@@ -412,6 +412,9 @@ def press(
     force: float | None,
     overlap: float | None,
     start: str,
+    balance: str,
+    tilt_axes: ArrayLike | None,
+    tilt_point: ArrayLike | None,
     options: ContactOptions,
 ) -> Contact: ...
 

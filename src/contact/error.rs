@@ -62,6 +62,47 @@ pub enum ContactError {
         /// The contact at that depth.
         contact: LargestContact,
     },
+    /// The point that an obstacle is to turn about is not finite.
+    #[error("tilt_point is ({0}, {1}, {2}) m, expected three finite numbers", point[0], point[1], point[2])]
+    TiltPoint {
+        /// The point given (m).
+        point: [f64; 3],
+    },
+    /// An axis that an obstacle is to turn about has no length or is not finite.
+    #[error(
+        "tilt_axes[{number}] is ({0}, {1}, {2}) and cannot be normalised: give a finite vector that is not zero",
+        axis[0], axis[1], axis[2]
+    )]
+    TiltAxis {
+        /// Its number.
+        number: usize,
+        /// The axis given.
+        axis: [f64; 3],
+    },
+    /// Two axes that an obstacle is to turn about are one.
+    #[error("the two tilt_axes are parallel: leave one of them out, or turn it")]
+    ParallelAxes,
+    /// An obstacle that turns finds no balance.
+    #[error(
+        "the obstacle finds no balance about ({0:.4}, {1:.4}, {2:.4}) m: a moment of {moment:.6e} N m is left about \
+         the tilt axes under {force:.6e} N, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
+         skin that are to carry it, or press deeper",
+        point[0], point[1], point[2]
+    )]
+    NotBalanced {
+        /// The point that it turns about, where it stands now (m).
+        point: [f64; 3],
+        /// Moment on the skin about the axes that is left (N m, ≥ 0).
+        moment: f64,
+        /// Force on the skin (N).
+        force: f64,
+        /// Angle that it has turned by (rad).
+        angle: f64,
+        /// What is in the way.
+        why: String,
+        /// The contact there.
+        contact: LargestContact,
+    },
     /// The area of a mean pressure is not positive or not finite.
     #[error("area is {area} m^2, expected a finite area > 0")]
     Area {
@@ -140,7 +181,7 @@ pub enum ContactError {
     Lcp(#[from] LcpError),
 }
 
-/// The contact that a press came to which could not reach its goal.
+/// The contact that a press came to which could not reach its goal or its balance.
 #[derive(Debug, Clone)]
 pub struct LargestContact(pub Box<Contact>);
 

@@ -120,7 +120,7 @@ impl Contact {
             refinements: report.linearizations,
             obstacle: gaps.scene.obstacle.clone(),
             travel: gaps.scene.travel,
-            depth: gaps.scene.press.map(|press| press.depth),
+            depth: gaps.scene.depth,
             lcp_solutions: forces.solutions,
             accuracy,
             timings: report.timings,

@@ -2,18 +2,40 @@
 
 use std::time::Instant;
 
+use nalgebra::Vector3;
+
 use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::linearization::solve_to_the_end;
 use crate::contact::equilibrium::solve as equilibrium;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::Contact;
+use crate::contact::outcome::{Contact, Timing};
 use crate::contact::report::record::Report;
 use crate::contact::scene::Scene;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
+
+/// What a contact nearby takes over.
+#[derive(Debug)]
+pub(crate) struct Known {
+    /// Vertices under force, ascending.
+    active: Vec<usize>,
+    /// Vertices whose gap was linearised, and the displacements (m) that it was measured at.
+    vertices: Vec<usize>,
+    displacement: Vec<Vector3<f64>>,
+}
+
+/// Node forces where the obstacle of a scene stands.
+pub(crate) struct InPlace<'a> {
+    gaps: Gaps<'a>,
+    response: Compliance<'a>,
+    /// `None`: apart.
+    forces: Option<NodeForces>,
+    report: Report,
+}
 
 /// Solves the contact where the obstacle of `scene` stands.
 pub(crate) fn solve_in_place(
@@ -21,37 +43,84 @@ pub(crate) fn solve_in_place(
     scene: &Scene,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
-    mut report: Report,
+    report: Report,
 ) -> Result<Contact, ContactError> {
-    if !surface.skin_mask().contains(&true) {
-        return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
-    }
-    let traits = skin.traits(surface)?;
+    InPlace::solve(surface, scene, skin, None, options, report)?.contact(options)
+}
 
-    // 1. Gaps; back along the press where the skin came in through another side.
-    let started = Instant::now();
-    let mut gaps = Gaps::measure(
-        surface,
-        scene,
-        options.search_distance,
-        traits.discretization == Discretization::Collocation,
-    )?;
-    report.clock("signed_distance", started);
-    report.note_gaps(&gaps);
-    report.warn_of_scene(&gaps);
-    if gaps.penetrating.is_empty() {
-        return Ok(Contact::apart(&gaps, &traits, options, report));
+impl<'a> InPlace<'a> {
+    /// Finds the node forces.
+    ///
+    /// * `known`: of a contact with the obstacle close by, on the same mesh
+    pub fn solve(
+        surface: &'a Surface,
+        scene: &'a Scene,
+        skin: &'a dyn ElasticSkin,
+        known: Option<&Known>,
+        options: &ContactOptions<'a>,
+        mut report: Report,
+    ) -> Result<Self, ContactError> {
+        if !surface.skin_mask().contains(&true) {
+            return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
+        }
+        let traits = skin.traits(surface)?;
+
+        // 1. Gaps; back along the press where the skin came in through another side.
+        let started = Instant::now();
+        let mut gaps = Gaps::measure(
+            surface,
+            scene,
+            options.search_distance,
+            traits.discretization == Discretization::Collocation,
+        )?;
+        report.clock("signed_distance", started);
+        report.note_gaps(&gaps);
+        report.warn_of_scene(&gaps);
+
+        // 2-4. Candidates, response, complementarity.
+        let response = Compliance::new(surface, skin, traits, options);
+        if gaps.penetrating.is_empty() {
+            return Ok(Self { gaps, response, forces: None, report });
+        }
+        if let Some(Known { vertices, displacement, .. }) = known.filter(|known| !known.vertices.is_empty()) {
+            let there = gaps.measured_at(vertices, displacement)?;
+            gaps.linearise(vertices, displacement, &there);
+        }
+        let guess = known.map(|known| &known.active[..]);
+        let forces = equilibrium::solve(&gaps, &response, guess, options, &mut report)?;
+        let forces = solve_to_the_end(&mut gaps, forces, &response, options, &mut report)?;
+        Ok(Self { gaps, response, forces: Some(forces), report })
     }
 
-    // 2-4. Candidates, response, complementarity.
-    let response = Compliance::new(surface, skin, traits, options);
-    let forces = equilibrium::solve(&gaps, &response, None, options, &mut report)?;
-    let forces = solve_to_the_end(&mut gaps, forces, &response, options, &mut report)?;
-    report.note_forces(&gaps, &response, &forces, options);
-    if let Some(ending) = forces.failure {
-        return Ok(Contact::failed(ending, &gaps, forces, &traits, options, report));
+    /// Forces on the skin at its vertices; `None` where it is apart from the obstacle.
+    pub fn forces(&self) -> Option<&NodeForces> {
+        self.forces.as_ref()
     }
 
-    // 5-6. Figures; the drawn skin when somebody asks.
-    Contact::solved(&gaps, forces, &response, options, report)
+    /// What a contact nearby can take over; nothing where this one is apart or failed.
+    pub fn known(&self) -> Option<Known> {
+        let forces = self.forces.as_ref().filter(|forces| forces.failure.is_none())?;
+        let mut vertices = self.gaps.surface.k_ring(&forces.candidates, 1);
+        vertices.retain(|&vertex| self.gaps.linearised_at(vertex) != Vector3::zeros());
+        let displacement = vertices.iter().map(|&vertex| self.gaps.linearised_at(vertex)).collect();
+        Some(Known { active: forces.active.clone(), vertices, displacement })
+    }
+
+    /// Seconds of each stage so far.
+    pub fn timings(&self) -> &[Timing] {
+        &self.report.timings
+    }
+
+    /// 5-6. Figures; the drawn skin when somebody asks.
+    pub fn contact(self, options: &ContactOptions) -> Result<Contact, ContactError> {
+        let Self { gaps, response, forces, mut report } = self;
+        let Some(forces) = forces else {
+            return Ok(Contact::apart(&gaps, &response.traits, options, report));
+        };
+        report.note_forces(&gaps, &response, &forces, options);
+        match forces.failure {
+            Some(ending) => Ok(Contact::failed(ending, &gaps, forces, &response.traits, options, report)),
+            None => Contact::solved(&gaps, forces, &response, options, report),
+        }
+    }
 }

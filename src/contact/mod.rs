@@ -27,6 +27,7 @@ pub(crate) mod refine;
 pub(crate) mod report;
 pub(crate) mod scene;
 pub(crate) mod solve;
+pub(crate) mod tilt;
 
 pub use error::{ContactError, LargestContact};
 pub use figures::accuracy::Accuracy;
@@ -36,3 +37,4 @@ pub use outcome::{Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinemen
 pub use press::press;
 pub use scene::{Goal, Press, Start};
 pub use solve::solve_contact;
+pub use tilt::axes::{Balance, Tilt, TiltAxes};

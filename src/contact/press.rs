@@ -9,6 +9,8 @@ use crate::contact::reach::goal::{Target, reach};
 use crate::contact::reach::on_mesh::Quantity;
 use crate::contact::scene::{Approach, Goal, Placement, Press};
 use crate::contact::solve::solve;
+use crate::contact::tilt::axes::Balance;
+use crate::contact::tilt::goal::Tilted;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
@@ -22,6 +24,10 @@ use crate::surface::checked::Surface;
 /// obstacle first brings a skin vertex to distance 0. The travel reported may be negative, for a scene that starts
 /// in overlap.
 ///
+/// With [`Balance::Tilt`] the obstacle turns as well, until the moment about the axes through the point is below 1e-6 of
+/// the force times the largest distance of a loaded vertex from the point. The depth is then the travel of that point
+/// past the first touch of the obstacle as it was given, and the contact's obstacle is the one that has turned.
+///
 /// Vertices that came in through another side of the obstacle than their closest one (beside an edge, through the rim
 /// of a can) get the way back along the travel for their gap, which `left_out` counts; a warning counts those
 /// that went through a wall thinner than their depth. Not so in Galerkin form.
@@ -29,7 +35,7 @@ use crate::surface::checked::Surface;
 /// # Errors
 /// [`ContactError`] by variant; among them a direction that cannot be normalised, a negative depth, a force or an
 /// overlap that is not positive or cannot be reached (with the largest contact found), an obstacle that never meets
-/// the skin, and a current position that already penetrates.
+/// the skin or finds no balance, and a current position that already penetrates.
 pub fn press(
     surface: &Surface,
     obstacle: &Obstacle,
@@ -39,11 +45,22 @@ pub fn press(
 ) -> Result<Contact, ContactError> {
     options.validate()?;
     let direction = unit(&press.direction)?;
-    let approach = |depth| Approach { direction, start: press.start, depth };
+    let approach = |depth| Approach { direction, start: press.start, depth, turn: None };
+    let tilt = match press.balance {
+        Balance::None => None,
+        Balance::Tilt(tilt) => Some((tilt.checked_point()?, tilt.axes.units(&direction)?)),
+    };
+    let tilted = |depth, target| {
+        let (point, axes) = tilt.clone()?;
+        Some(Tilted { surface, obstacle, skin, options, press: approach(depth), target, axes, point })
+    };
     let (quantity, value) = match press.goal {
         Goal::Depth(depth) => {
             if !(depth >= 0.0 && depth.is_finite()) {
                 return Err(ContactError::Depth { depth });
+            }
+            if let Some(tilted) = tilted(depth, None) {
+                return with_threads(options, || tilted.run());
             }
             let placement = Placement { obstacle, press: Some(approach(depth)) };
             return with_threads(options, || solve(surface, &placement, skin, options));
@@ -56,6 +73,9 @@ pub fn press(
         return Err(ContactError::Goal { goal, value, unit });
     }
     let target = Target { quantity, value };
+    if let Some(tilted) = tilted(0.0, Some(target)) {
+        return with_threads(options, || tilted.run());
+    }
     with_threads(options, || reach(surface, obstacle, approach(0.0), target, skin, options))
 }
 

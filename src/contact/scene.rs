@@ -6,6 +6,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
 use crate::contact::report::cuts::Cuts;
+use crate::contact::tilt::axes::{Balance, Turn};
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 
@@ -41,6 +42,9 @@ pub struct Press {
     pub goal: Goal,
     /// Where it begins.
     pub start: Start,
+    /// Whether the obstacle turns as well. The depth is then the travel of the point that it turns about, past the
+    /// first touch of the obstacle as it was given.
+    pub balance: Balance,
 }
 
 /// A press to a depth.
@@ -52,6 +56,8 @@ pub(crate) struct Approach {
     pub start: Start,
     /// Travel beyond that (m, ≥ 0).
     pub depth: f64,
+    /// Of the obstacle, where it has turned.
+    pub turn: Option<Turn>,
 }
 
 /// The obstacle in place, and what is known from bringing it there.
@@ -59,7 +65,9 @@ pub(crate) struct Scene {
     pub obstacle: Obstacle,
     /// Way of the obstacle (m).
     pub travel: f64,
-    /// The press that brought it there, where one did.
+    /// Depth of the press that brought it there, where one did (m).
+    pub depth: Option<f64>,
+    /// That press.
     pub press: Option<Travel>,
     /// A penetration that no skin vertex exceeds (m), where known.
     pub depth_bound: Option<f64>,
@@ -92,7 +100,14 @@ impl Placement<'_> {
     pub fn scene(&self, surface: &Surface, is_refined: bool) -> Result<Scene, ContactError> {
         let Some(approach) = self.press else {
             let obstacle = self.obstacle.clone();
-            return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, inherited: None });
+            return Ok(Scene {
+                obstacle,
+                travel: 0.0,
+                depth: None,
+                press: None,
+                depth_bound: None,
+                inherited: None,
+            });
         };
         let begin = match approach.start {
             Start::Infinity => first_touch(surface, self.obstacle, &approach.direction)?,
@@ -109,11 +124,21 @@ impl Approach {
     /// * `begin`: travel at which the press begins (m)
     pub fn scene(&self, surface: &Surface, obstacle: &Obstacle, begin: f64) -> Scene {
         let travel = begin + self.depth;
+        let way = travel * self.direction;
+        let mut placed = obstacle.translated(&way);
+        let mut deepest = self.depth;
+        if let Some(turn) = &self.turn {
+            placed = turn.of(&placed, &way);
+            let center = turn.point + way;
+            let farthest = skin_vertices(surface).map(|(_, position)| (position - center).norm());
+            deepest += turn.farthest(farthest.fold(0.0, f64::max));
+        }
         Scene {
-            obstacle: obstacle.translated(&(travel * self.direction)),
+            obstacle: placed,
             travel,
-            press: Some(Travel { direction: self.direction, depth: self.depth }),
-            depth_bound: Some(self.depth + TOUCH_ROUNDING * surface.bounding_box().diagonal()),
+            depth: Some(self.depth),
+            press: Some(Travel { direction: self.direction, depth: deepest }),
+            depth_bound: Some(deepest + TOUCH_ROUNDING * surface.bounding_box().diagonal()),
             inherited: None,
         }
     }
@@ -146,7 +171,7 @@ impl Approach {
 pub(crate) struct Travel {
     /// Unit direction of the obstacle.
     pub direction: Vector3<f64>,
-    /// Its length (m).
+    /// Its length (m), or a penetration that none exceeds where the obstacle turned too.
     pub depth: f64,
 }
 

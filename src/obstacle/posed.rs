@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::rigid_motion::rigid_motion;
@@ -156,6 +156,14 @@ impl Obstacle {
     pub fn translated(&self, translation: &Vector3<f64>) -> Obstacle {
         let mut pose = self.pose;
         pose.translation.vector += translation;
+        Obstacle { shape: Arc::clone(&self.shape), pose }
+    }
+
+    /// A copy turned about a point (m).
+    pub(crate) fn turned(&self, rotation: &UnitQuaternion<f64>, center: &Vector3<f64>) -> Obstacle {
+        let center = Translation3::from(*center);
+        let mut pose = center * rotation * center.inverse() * self.pose;
+        pose.rotation.renormalize();
         Obstacle { shape: Arc::clone(&self.shape), pose }
     }
 

@@ -1,7 +1,7 @@
 //! `solve_contact` and `press`.
 
 use super::contact_options::PyContactOptions;
-use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out, vectors_out};
+use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out, vectors, vectors_out};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use super::interrupt::detached_with;
 use super::lcp::PyLcpSolution;
@@ -10,8 +10,8 @@ use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::contact::{
-    self, Accuracy, Contact, ContactError, ContactOptions, Goal, LargestContact, Patch, Press, Refinement,
-    Resultant, Start,
+    self, Accuracy, Balance, Contact, ContactError, ContactOptions, Goal, LargestContact, Patch, Press,
+    Refinement, Resultant, Start, Tilt, TiltAxes,
 };
 use crate::lcp::LcpSolution;
 use crate::response::ElasticSkin;
@@ -242,14 +242,16 @@ fn run(
     }
 }
 
-/// The exception for an error; the largest contact of a press that fell short goes with it.
+/// The exception for an error; the contact of a press that fell short or found no balance goes with it.
 fn raised(
     error: ContactError,
     skin: &Bound<'_, PySkin>,
     options: ContactOptions<'static>,
 ) -> PyResult<PyErr> {
     let message = error.to_string();
-    let ContactError::NotReached { contact: LargestContact(contact), .. } = error else {
+    let (ContactError::NotReached { contact: LargestContact(contact), .. }
+    | ContactError::NotBalanced { contact: LargestContact(contact), .. }) = error
+    else {
         return Ok(error.into_py_err());
     };
     let py = skin.py();
@@ -269,7 +271,7 @@ pub(super) fn solve_contact(
 }
 
 #[pyfunction]
-#[pyo3(signature = (surface, obstacle, skin, direction, *, depth, force, overlap, start, options))]
+#[pyo3(signature = (surface, obstacle, skin, direction, *, depth, force, overlap, start, balance, tilt_axes, tilt_point, options))]
 #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn press(
     surface: &PySurface,
@@ -280,6 +282,9 @@ pub(super) fn press(
     force: Option<f64>,
     overlap: Option<f64>,
     start: &str,
+    balance: &str,
+    tilt_axes: Option<&Bound<'_, PyAny>>,
+    tilt_point: Option<&Bound<'_, PyAny>>,
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
     let goal = match (depth, force, overlap) {
@@ -290,8 +295,39 @@ pub(super) fn press(
     };
     let starts = [(Start::Infinity, "infinity"), (Start::Current, "current")];
     let start = named("start", start, &starts, PyContactError::new_err)?;
-    let press = Press { direction: vector(direction, "direction")?, goal, start };
+    let balance = balance_in(balance, tilt_axes, tilt_point)?;
+    let press = Press { direction: vector(direction, "direction")?, goal, start, balance };
     run(skin, options, |skin, options| contact::press(&surface.inner, &obstacle.inner, skin, &press, options))
+}
+
+/// Whether an obstacle turns, and about what.
+fn balance_in(
+    name: &str,
+    axes: Option<&Bound<'_, PyAny>>,
+    point: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Balance> {
+    let refused = |why: &str| Err(PyContactError::new_err(why.to_owned()));
+    let is_tilt = named("balance", name, &[(false, "none"), (true, "tilt")], PyContactError::new_err)?;
+    match (is_tilt, axes, point) {
+        (false, None, None) => Ok(Balance::None),
+        (false, ..) => refused("tilt_axes and tilt_point go with balance=\"tilt\""),
+        (true, _, None) => {
+            refused("balance=\"tilt\" needs tilt_point, the point (m) that the obstacle turns about")
+        }
+        (true, axes, Some(point)) => {
+            let axes = match axes {
+                None => TiltAxes::Across,
+                Some(axes) => match vectors(axes, "tilt_axes")?[..] {
+                    [one] => TiltAxes::One(one),
+                    [a, b] => TiltAxes::Two([a, b]),
+                    ref more => {
+                        return refused(&format!("tilt_axes has {} rows, expected one or two", more.len()));
+                    }
+                },
+            };
+            Ok(Balance::Tilt(Tilt { point: vector(point, "tilt_point")?, axes }))
+        }
+    }
 }
 
 fn not_one_goal(given: [Option<f64>; 3]) -> String {

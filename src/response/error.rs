@@ -1,5 +1,7 @@
 //! Why a skin or a response matrix was refused.
 
+use crate::response::body::error::BodyError;
+
 /// Why a skin or a response matrix was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -190,7 +192,7 @@ pub enum ResponseError {
     },
     /// The body could not be solved.
     #[error(transparent)]
-    Body(#[from] crate::response::body::error::BodyError),
+    Body(#[from] BodyError),
     /// The worker threads could not be started.
     #[error("could not start {threads} threads: {reason}")]
     Threads {
@@ -199,4 +201,11 @@ pub enum ResponseError {
         /// What the system said.
         reason: String,
     },
+}
+
+impl ResponseError {
+    /// Whether the caller asked to stop.
+    pub(crate) fn is_interruption(&self) -> bool {
+        matches!(self, Self::Interrupted { .. } | Self::Body(BodyError::Interrupted { .. }))
+    }
 }

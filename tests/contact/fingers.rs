@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
-use quasirigid::contact::{Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
+use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::{AssemblyOptions, ElasticSkin, GivenMatrix, Kernel, PreparedKernel, assemble};
 use quasirigid::surface::{LONGEST_DETOUR, Surface};
@@ -192,7 +192,8 @@ fn fingertips_of_a_real_hand_are_told_apart() {
     // A plate that meets two fingertips within the depth.
     let direction = Vector3::new(-0.208, -0.927, -0.313).normalize();
     let plate = Obstacle::half_space(Vector3::zeros(), direction).unwrap();
-    let pressed = Press { direction, goal: Goal::Depth(2.5e-3), start: Start::Infinity };
+    let pressed =
+        Press { direction, goal: Goal::Depth(2.5e-3), start: Start::Infinity, balance: Balance::None };
     let contact = press(&hand, &plate, &half_space(), &pressed, &ContactOptions::on_given_mesh()).unwrap();
     assert_eq!(contact.lcp_solutions.len(), 2);
     assert!(note(&contact, APART).unwrap().contains(&format!("more than {LONGEST_DETOUR} times")));

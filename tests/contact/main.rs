@@ -1,7 +1,7 @@
 //! The whole pipeline through the public API: scenes, and the skins and obstacles that they share.
 
 use nalgebra::Vector3;
-use quasirigid::contact::{Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
+use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::{Discretization, Kernel, KernelSkin};
 use quasirigid::surface::Surface;
@@ -21,6 +21,7 @@ mod press;
 mod reach;
 mod refine;
 mod thin_walls;
+mod tilt;
 
 const SHEAR_MODULUS: f64 = 60e3;
 const POISSON_RATIO: f64 = 0.5;
@@ -44,7 +45,8 @@ fn solve(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin) -> Contact {
 }
 
 fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
-    let upwards = Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity };
+    let upwards =
+        Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
     press(surface, obstacle, skin, &upwards, &ContactOptions::on_given_mesh()).expect("a valid request")
 }
 

@@ -4,7 +4,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
-use quasirigid::contact::{Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press};
+use quasirigid::contact::{
+    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press,
+};
 use quasirigid::lcp::LcpStatus;
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::{Kernel, KernelSkin};
@@ -79,7 +81,12 @@ fn force_does_not_depend_on_where_the_scene_lies_or_how_its_vertices_are_numbere
     let shift = Vector3::new(0.4, -0.2, 1.3);
     let moved = surface.moved(&Isometry3::from_parts(Translation3::from(shift), turn.into()));
     let obstacle = rod.moved(turn.matrix(), &shift).expect("a rigid motion");
-    let press_along = Press { direction: turn * UP, goal: Goal::Depth(depth), start: Start::Infinity };
+    let press_along = Press {
+        direction: turn * UP,
+        goal: Goal::Depth(depth),
+        start: Start::Infinity,
+        balance: Balance::None,
+    };
     let turned = press(&moved, &obstacle, &skin, &press_along, &ContactOptions::on_given_mesh())
         .expect("a valid request");
     assert_relative_eq!(turned.resultant.force.norm(), force, max_relative = 1e-6);
@@ -150,7 +157,13 @@ fn the_paper_s_constants_solve_shallow_presses_and_end_on_a_ray_in_deep_ones() {
 fn bad_questions_are_named() {
     let (surface, skin, options) = (ball(8e-3, 2), half_space(), ContactOptions::on_given_mesh());
     let ask = |direction, depth, start| {
-        press(&surface, &plate(), &skin, &Press { direction, goal: Goal::Depth(depth), start }, &options)
+        press(
+            &surface,
+            &plate(),
+            &skin,
+            &Press { direction, goal: Goal::Depth(depth), start, balance: Balance::None },
+            &options,
+        )
     };
     let zero = ask(Vector3::zeros(), 1e-3, Start::Infinity).unwrap_err();
     assert_eq!(zero, ContactError::Direction { direction: [0.0; 3] });
@@ -159,7 +172,8 @@ fn bad_questions_are_named() {
     assert!(matches!(ask(UP, f64::NAN, Start::Infinity), Err(ContactError::Depth { .. })));
 
     let overlapping = plate().translated(&(1e-3 * UP));
-    let from_here = Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Current };
+    let from_here =
+        Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Current, balance: Balance::None };
     match press(&surface, &overlapping, &skin, &from_here, &options).unwrap_err() {
         ContactError::StartsPenetrating { penetration, count, .. } => {
             assert_relative_eq!(penetration, 1e-3, max_relative = 0.2);
@@ -169,7 +183,7 @@ fn bad_questions_are_named() {
     }
 
     let beside = Obstacle::sphere(Vector3::new(0.1, 0.0, 0.0), 1e-3).expect("a valid obstacle");
-    let up = Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Infinity };
+    let up = Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Infinity, balance: Balance::None };
     let masked = |skin_vertices: usize| {
         let mask = (0..surface.vertices().len()).map(|vertex| vertex < skin_vertices).collect();
         surface.clone().with_skin_mask(mask).expect("a mask of the surface")
@@ -198,7 +212,12 @@ fn an_obstacle_in_another_unit_is_warned_about() {
 fn threads_change_nothing_and_drawing_uses_those_asked_for() {
     let with = |num_threads| {
         let options = ContactOptions { num_threads: Some(num_threads), ..ContactOptions::on_given_mesh() };
-        let up = Press { direction: UP, goal: Goal::Depth(0.5e-3), start: Start::Infinity };
+        let up = Press {
+            direction: UP,
+            goal: Goal::Depth(0.5e-3),
+            start: Start::Infinity,
+            balance: Balance::None,
+        };
         let contact = press(&ball(8e-3, 3), &plate(), &half_space(), &up, &options).expect("a valid request");
         let seen = AtomicUsize::new(0);
         let look = || {

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use quasirigid::contact::{
-    Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press, solve_contact,
+    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press, solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
@@ -16,12 +16,12 @@ use crate::common::{Random, jittered_grid};
 use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate, skin, solve};
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, goal: Goal, options: &ContactOptions) -> Contact {
-    let upwards = Press { direction: UP, goal, start: Start::Infinity };
+    let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
     press(surface, obstacle, &half_space(), &upwards, options).expect("a goal within reach")
 }
 
 fn refused(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, goal: Goal) -> ContactError {
-    let upwards = Press { direction: UP, goal, start: Start::Infinity };
+    let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
     press(surface, obstacle, skin, &upwards, &ContactOptions::on_given_mesh()).unwrap_err()
 }
 
@@ -41,7 +41,12 @@ fn a_force_on_a_flat_skin_asks_for_the_depth_of_hertz() {
         let surface = Surface::new(vertices, faces).expect("a valid surface");
         let sphere =
             Obstacle::sphere(Vector3::new(0.0, 0.0, hertz.radius + 0.01), hertz.radius).expect("a sphere");
-        let down = Press { direction: -UP, goal: Goal::Force(hertz.force(depth)), start: Start::Infinity };
+        let down = Press {
+            direction: -UP,
+            goal: Goal::Force(hertz.force(depth)),
+            start: Start::Infinity,
+            balance: Balance::None,
+        };
         let contact = press(&surface, &sphere, &half_space(), &down, &ContactOptions::default()).unwrap();
         // A force known to the target of 2 % is a depth known to two thirds of that.
         let error = contact.accuracy.mesh_error.expect("an estimate");
@@ -93,7 +98,7 @@ fn a_press_from_where_the_obstacle_stands_counts_its_depth_from_there() {
     let far = plate().translated(&(-5e-3 * UP));
     let options = ContactOptions::on_given_mesh();
     let from_here = |goal| {
-        let upwards = Press { direction: UP, goal, start: Start::Current };
+        let upwards = Press { direction: UP, goal, start: Start::Current, balance: Balance::None };
         press(&surface, &far, &half_space(), &upwards, &options).expect("a goal within reach")
     };
     let contact = from_here(Goal::Force(1.0));
@@ -151,7 +156,8 @@ fn a_search_can_be_interrupted_at_any_question() {
         asked.store(0, Ordering::Relaxed);
         let interrupt = || asked.fetch_add(1, Ordering::Relaxed) >= limit;
         let options = ContactOptions { interrupt: Some(&interrupt), ..ContactOptions::default() };
-        let upwards = Press { direction: UP, goal: Goal::Force(1.0), start: Start::Infinity };
+        let upwards =
+            Press { direction: UP, goal: Goal::Force(1.0), start: Start::Infinity, balance: Balance::None };
         press(&surface, &plate(), &half_space(), &upwards, &options)
     };
     assert!(run(usize::MAX).is_ok());

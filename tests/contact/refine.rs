@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
 use quasirigid::contact::{
-    Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press, solve_contact,
+    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press, solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
@@ -20,7 +20,8 @@ fn options(target_error: f64) -> ContactOptions<'static> {
 }
 
 fn pressed(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, target_error: f64) -> Contact {
-    let upwards = Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity };
+    let upwards =
+        Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
     press(surface, &plate(), skin, &upwards, &options(target_error)).expect("a valid request")
 }
 
@@ -91,7 +92,12 @@ fn motion_scale_and_numbering_change_nothing() {
     let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
     let shift = Vector3::new(0.1, -0.2, 0.3);
     let pose = Isometry3::from_parts(Translation3::from(shift), turn.into());
-    let along = Press { direction: turn * UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity };
+    let along = Press {
+        direction: turn * UP,
+        goal: Goal::Depth(0.6e-3),
+        start: Start::Infinity,
+        balance: Balance::None,
+    };
     let there = plate().moved(turn.matrix(), &shift).expect("a rigid motion");
     let moved = press(&surface.moved(&pose), &there, &half_space(), &along, &options(0.01)).expect("valid");
     assert_relative_eq!(moved.resultant.force.norm(), force, max_relative = 1e-6);
@@ -125,7 +131,8 @@ fn what_cannot_be_refined_is_taken_as_it_is_and_says_so() {
 fn a_refinement_that_ends_early_says_why() {
     let surface = ball(8e-3, 2);
     let few = ContactOptions { max_nodes: 40, ..options(1e-3) };
-    let upwards = Press { direction: UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity };
+    let upwards =
+        Press { direction: UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity, balance: Balance::None };
     let contact = press(&surface, &plate(), &half_space(), &upwards, &few).expect("valid");
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.refinements.last().unwrap().reason, "max_nodes");

@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
-use quasirigid::contact::{Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
+use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
 use quasirigid::obstacle::{Obstacle, ObstacleError};
 use quasirigid::surface::Surface;
 
@@ -19,7 +19,8 @@ fn pad(count: usize, spacing: f64) -> Surface {
 }
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
-    let down = Press { direction: DOWN, goal: Goal::Depth(depth), start: Start::Infinity };
+    let down =
+        Press { direction: DOWN, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
     press(surface, obstacle, &half_space(), &down, &ContactOptions::on_given_mesh()).unwrap()
 }
 

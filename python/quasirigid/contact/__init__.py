@@ -7,6 +7,7 @@ from .ending import LeftOut as LeftOut
 from .options import ContactOptions as ContactOptions
 from .parts import Part as Part
 from .parts import Patch as Patch
+from .press import Balance as Balance
 from .press import Start as Start
 from .press import press as press
 from .press import solve_contact as solve_contact

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..skin.elastic import ElasticSkin
     from ..surface import Surface
 
-__all__ = ["Start", "press", "solve_contact"]
+__all__ = ["Balance", "Start", "press", "solve_contact"]
 
 
 class Start(StrEnum):
@@ -33,6 +33,13 @@ class Start(StrEnum):
 
     INFINITY = "infinity"
     CURRENT = "current"
+
+
+class Balance(StrEnum):
+    """Whether the obstacle of a press only travels, or turns to its balance as well."""
+
+    NONE = "none"
+    TILT = "tilt"
 
 
 def solve_contact(
@@ -100,6 +107,9 @@ def press(
     force: float | None = None,
     overlap: float | None = None,
     start: Start | Literal["infinity", "current"] = "infinity",
+    balance: Balance | Literal["none", "tilt"] = "none",
+    tilt_axes: ArrayLike | None = None,
+    tilt_point: ArrayLike | None = None,
     options: ContactOptions | None = None,
     throw: bool = True,
 ) -> Contact:
@@ -127,11 +137,21 @@ def press(
         "infinity": the depth counts from first touch, the position on the line of travel at which the
         obstacle, coming from infinity, first brings a skin vertex to distance 0. "current": from where the
         obstacle stands, which must be free of penetration.
+    balance : {"none", "tilt"}
+        "none": the obstacle travels and keeps its attitude. "tilt": it also turns, by 30 degrees at the most,
+        until the moment on the skin about the tilt axes vanishes, as a plate that is held at one point
+        settles on three fingers. `Contact.obstacle` holds the pose.
+    tilt_axes : (k, 3) array_like, optional
+        One or two axes to turn about, of any length, not parallel; for "tilt" alone. Two at right angles to
+        `direction` when left out.
+    tilt_point : (3,) array_like, optional
+        Point that the axes go through and that the obstacle is held at (m), where the obstacle stands now; it
+        travels with the obstacle. Required for "tilt".
     options : ContactOptions, optional
         How it is solved.
     throw : bool
         Raise on an ending other than "solved" and "no_contact"; with False, read `Contact.status`. A force or
-        an overlap out of reach raises in any case.
+        an overlap out of reach, or no balance, raises in any case.
 
     Returns
     -------
@@ -144,7 +164,9 @@ def press(
     ContactError
         For a zero direction, a negative depth, a force or an overlap that is not positive, none or several of
         these, an obstacle that never meets the skin, a start that penetrates, a bad ending (the error carries
-        `contact`), or a force or an overlap out of reach (`contact` is the largest that was found).
+        `contact`), a force or an overlap out of reach (`contact` is the largest that was found), tilt axes
+        without length or parallel, a tilt without its point, or no balance (the message says which moment is
+        left, `contact` is the one that was found there).
 
     Warns
     -----
@@ -157,6 +179,13 @@ def press(
     Under a force or an overlap the depth is searched to a relative 1e-6 of the value, on the given mesh, and
     again on the mesh that is refined there. A press to `Contact.depth` gives the force back: to the bit on
     the given mesh (``target_error=None``), else as far as two refined meshes agree, some `target_error`.
+
+    With ``balance="tilt"`` the depth is the travel of `tilt_point` beyond the first touch of the obstacle as
+    it was given: the first touch of the turned one would jump from finger to finger as it turns. Force and
+    overlap are those of the turned obstacle. The moment is balanced, on the given mesh and again on the
+    refined one, to 1e-6 of the force times the largest distance of a loaded vertex from the point. There is
+    no balance where the point lies beside all that can carry the obstacle, or where a depth is too small for
+    the fingers on both sides of the point to be reached.
 
     A vertex that came in through another side of the obstacle than its closest one (beside an edge, through a
     thin wall) has its gap measured back along the press, to where the obstacle met it; `left_out` counts
@@ -175,6 +204,13 @@ def press(
     >>> contact = qr.press(tip, plate, skin, [0, 0, 1], force=5.0)
     >>> round(float(contact.force[2]), 4), bool(contact.depth > 1e-3)
     (5.0, True)
+
+    A plate held 0.5 mm beside the middle of the contact turns until it presses there:
+
+    >>> beside = [contact.center_of_pressure[0] + 0.5e-3, contact.center_of_pressure[1], 0.0]
+    >>> held = qr.press(tip, plate, skin, [0, 0, 1], force=5.0, balance="tilt", tilt_point=beside)
+    >>> bool(held.center_of_pressure[0] > contact.center_of_pressure[0] + 0.4e-3)
+    True
     """
     core_options = options_to_core(options or ContactOptions())
     try:
@@ -187,6 +223,9 @@ def press(
             force=force,
             overlap=overlap,
             start=start,
+            balance=balance,
+            tilt_axes=tilt_axes,
+            tilt_point=tilt_point,
             options=core_options,
         )
     except ContactError as error:

@@ -5,7 +5,7 @@ use std::time::Instant;
 use crate::contact::error::{ContactError, LargestContact};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
-use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, force_along};
+use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached};
 use crate::contact::reach::search::Search;
 use crate::contact::refine::rounds::{Begun, Rounds, begin};
 use crate::contact::scene::{Approach, Inherited, Placement};
@@ -16,10 +16,10 @@ use crate::surface::checked::Surface;
 /// Power of the depth that the force of a round body rises with (Hertz).
 const HERTZ_POWER: f64 = 1.5;
 /// Refinements at the most: one at the depth that the given mesh asks for, one at that of the refined mesh.
-const REFINEMENTS: usize = 2;
+pub(crate) const REFINEMENTS: usize = 2;
 /// How much farther than the part of the skin that was refined was made for, in mean edges of the given mesh, an
 /// obstacle may come.
-const FARTHER: f64 = 0.5;
+pub(crate) const FARTHER: f64 = 0.5;
 
 /// The value that a quantity is to take.
 #[derive(Debug, Clone, Copy)]
@@ -121,10 +121,7 @@ impl Task<'_> {
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
         let on_part = self.on_mesh(&part.surface, &*skin, Some(rounds.inherited_by(part)), touch);
         let past = last.depth.expect("a press has a depth") - touch.1;
-        let value = match self.target.quantity {
-            Quantity::Force => force_along(last, &self.press.direction),
-            Quantity::Overlap => last.max_penetration_before,
-        };
+        let value = self.target.quantity.of(last, &self.press.direction);
         if (value / self.target.value - 1.0).abs() <= Search::CLOSE {
             return Ok(Some(Ok(())));
         }
@@ -164,10 +161,7 @@ impl Task<'_> {
 
     fn not_reached(&self, contact: Contact, why: String) -> ContactError {
         let (goal, unit) = self.target.quantity.name_and_unit();
-        let largest = match self.target.quantity {
-            Quantity::Force => force_along(&contact, &self.press.direction),
-            Quantity::Overlap => contact.max_penetration_before,
-        };
+        let largest = self.target.quantity.of(&contact, &self.press.direction);
         let depth = contact.depth.expect("a press has a depth");
         let contact = LargestContact(Box::new(contact));
         ContactError::NotReached { goal, unit, asked: self.target.value, largest, depth, why, contact }
@@ -176,7 +170,7 @@ impl Task<'_> {
 
 impl Quantity {
     /// Power of the depth that it rises with, as a first guess.
-    fn power(self) -> f64 {
+    pub fn power(self) -> f64 {
         match self {
             Self::Force => HERTZ_POWER,
             Self::Overlap => 1.0,

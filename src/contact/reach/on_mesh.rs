@@ -1,22 +1,24 @@
 //! The search for a depth on one mesh.
 
+use std::cell::RefCell;
 use std::time::Instant;
 
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
-use crate::contact::in_place::solve_in_place;
+use crate::contact::in_place::{InPlace, Known, solve_in_place};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::scene::{Approach, Inherited, Scene};
+use crate::contact::tilt::axes::Turn;
 use crate::obstacle::posed::Obstacle;
-use crate::response::body::error::BodyError;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::kept::KeptSkin;
 use crate::surface::checked::Surface;
 
 /// What the contact is to reach.
@@ -50,8 +52,36 @@ pub(crate) enum Reached {
     Short { contact: Contact, why: String },
 }
 
+/// What the trials of a search take over from each other.
+pub(crate) struct Trials<'a> {
+    skin: &'a dyn ElasticSkin,
+    /// Of the last one in contact.
+    known: RefCell<Option<Known>>,
+    timings: RefCell<Vec<Timing>>,
+    refusal: RefCell<Option<ResponseError>>,
+}
+
+impl<'a> Trials<'a> {
+    pub fn new(skin: &'a dyn ElasticSkin) -> Self {
+        Self { skin, known: RefCell::default(), timings: RefCell::default(), refusal: RefCell::default() }
+    }
+
+    /// Adds what a trial took.
+    pub fn note(&self, timings: &[Timing]) {
+        add_timings(&mut self.timings.borrow_mut(), timings);
+    }
+
+    /// What all of them took.
+    pub fn timings(&self) -> Vec<Timing> {
+        self.timings.borrow().clone()
+    }
+}
+
 impl OnMesh<'_> {
     /// Searches the way past the touch.
+    ///
+    /// The contact found is solved as any other at its depth would be on the given mesh, so that a press to that depth
+    /// gives it to the bit; on a refined mesh it takes over what the search knows.
     ///
     /// * `search`: lengths past the touch (m), values in N or m
     /// * `largest`: a contact below the goal that is known, for a search that finds none
@@ -61,63 +91,128 @@ impl OnMesh<'_> {
         search: &Search,
         largest: Option<Contact>,
     ) -> Result<Reached, ContactError> {
-        let mut timings = Vec::new();
-        let mut refusal = None;
-        let found = search.run(|past| {
-            if self.options.is_interrupted() {
-                return Err(ContactError::Interrupted { stage: "search for the depth" });
-            }
-            let tried = match quantity {
-                Quantity::Force => self.force(past, &mut timings),
-                Quantity::Overlap => self.overlap(past).map(|overlap| Trial::Value(overlap, None)),
-            };
-            match tried {
-                // Deeper than the response knows or memory holds.
-                Err(ContactError::Response(error)) if !is_interruption(&error) => {
-                    let why = error.to_string();
-                    refusal = Some(error);
-                    Ok(Trial::Blocked(why))
-                }
-                other => other,
-            }
-        })?;
-        let (at, contact, end) = match found {
-            Found::Close { at, found, power } => (at, found, Ok(power)),
-            Found::NotReached { largest: Some((at, found)), why } => (at, found, Err(why)),
-            Found::NotReached { largest: None, why } => match (largest, refusal) {
+        let kept = KeptSkin::new(self.skin);
+        let trials = Trials::new(&kept);
+        let found = search.run(|past| self.trial(quantity, past, &trials))?;
+        let (at, end) = match found {
+            Found::Close { at, power } => (at, Ok(power)),
+            Found::NotReached { largest: Some(at), why } => (at, Err(why)),
+            Found::NotReached { largest: None, why } => match (largest, trials.refusal.take()) {
                 (Some(contact), _) => return Ok(Reached::Short { contact, why }),
                 (None, Some(error)) => return Err(error.into()),
-                (None, None) => (0.0, None, Err(why)),
+                (None, None) => (0.0, Err(why)),
             },
         };
-        let mut contact = match contact {
-            Some(contact) => contact,
-            None => self.solve(at)?,
+        let is_refined = self.inherited.is_some();
+        let mut contact = if is_refined { self.solve_with(at, &trials)? } else { self.solve(at)? };
+        add_timings(&mut contact.timings, &trials.timings());
+        match end {
+            Ok(power) => {
+                let value = quantity.of(&contact, &self.press.direction);
+                let is_close = (value / search.value - 1.0).abs() <= Search::CLOSE;
+                if is_refined || is_close || contact.status != ContactStatus::Solved {
+                    self.warn_of_jump(quantity, search.value, &mut contact);
+                    return Ok(Reached::Goal { contact, power });
+                }
+                self.reach_exactly(quantity, &Search { known: Some((at, value)), power, ..*search }, contact)
+            }
+            Err(why) => Ok(Reached::Short { contact, why }),
+        }
+    }
+
+    /// Searches on with contacts that take over nothing, where these differ too much from those that do.
+    ///
+    /// * `near`: a contact near the goal
+    fn reach_exactly(
+        &self,
+        quantity: Quantity,
+        search: &Search,
+        near: Contact,
+    ) -> Result<Reached, ContactError> {
+        let mut best = near;
+        let timings = std::mem::take(&mut best.timings);
+        let off =
+            |contact: &Contact| (quantity.of(contact, &self.press.direction) / search.value - 1.0).abs();
+        search.run(|past| -> Result<_, ContactError> {
+            let contact = self.solve(past)?;
+            let value = quantity.of(&contact, &self.press.direction);
+            if off(&contact) < off(&best) {
+                best = contact;
+            }
+            Ok(Trial::Value(value))
+        })?;
+        add_timings(&mut best.timings, &timings);
+        self.warn_of_jump(quantity, search.value, &mut best);
+        Ok(Reached::Goal { contact: best, power: search.power })
+    }
+
+    /// Warns where the contact changes by jumps around the goal.
+    fn warn_of_jump(&self, quantity: Quantity, value: f64, contact: &mut Contact) {
+        let found = quantity.of(contact, &self.press.direction);
+        if (found / value - 1.0).abs() > Search::CLOSE {
+            let (name, unit) = quantity.name_and_unit();
+            contact.warnings.push(format!(
+                "the {name} jumps there as the depth rises, and {found:.6e} {unit} is the nearest to {value:.6e} {unit} that was found: a smaller `gap_tolerance` makes the jumps smaller"
+            ));
+        }
+    }
+
+    /// The quantity so far past the touch.
+    fn trial(&self, quantity: Quantity, past: f64, trials: &Trials) -> Result<Trial, ContactError> {
+        if self.options.is_interrupted() {
+            return Err(ContactError::Interrupted { stage: "search for the depth" });
+        }
+        let tried = match quantity {
+            Quantity::Force => self.force(past, trials),
+            Quantity::Overlap => self.overlap(past).map(Trial::Value),
         };
-        // Earlier trials; its own are among them under a force.
-        let own = std::mem::take(&mut contact.timings);
-        add_timings(&mut timings, &own);
-        contact.timings = timings;
-        Ok(match end {
-            Ok(power) => Reached::Goal { contact, power },
-            Err(why) => Reached::Short { contact, why },
-        })
+        match tried {
+            // Deeper than the response knows or memory holds.
+            Err(ContactError::Response(error)) if !error.is_interruption() => {
+                let why = error.to_string();
+                trials.refusal.replace(Some(error));
+                Ok(Trial::Blocked(why))
+            }
+            other => other,
+        }
     }
 
     /// The force so far past the touch.
-    fn force(&self, past: f64, timings: &mut Vec<Timing>) -> Result<Trial<Option<Contact>>, ContactError> {
-        let mut contact = self.solve(past)?;
-        add_timings(timings, &std::mem::take(&mut contact.timings));
-        Ok(match contact.status {
-            ContactStatus::NoContact => Trial::Value(0.0, Some(contact)),
-            ContactStatus::Solved => {
-                Trial::Value(force_along(&contact, &self.press.direction).max(0.0), Some(contact))
+    fn force(&self, past: f64, trials: &Trials) -> Result<Trial, ContactError> {
+        let scene = self.scene(past);
+        let solved = self.in_place(&scene, trials)?;
+        trials.note(solved.timings());
+        let Some(forces) = solved.forces() else { return Ok(Trial::Value(0.0)) };
+        match forces.failure {
+            None => {
+                trials.known.replace(solved.known());
+                let total: Vector3<f64> = forces.active_vectors().iter().sum();
+                Ok(Trial::Value(total.dot(&self.press.direction).max(0.0)))
             }
-            ContactStatus::Failed(status) => {
-                let advice = contact.advice();
-                Trial::Blocked(format!("deeper the contact ends with status '{}': {advice}", status.as_str()))
+            Some(status) => {
+                let ended = forces.solutions.iter().find(|solution| solution.status == status);
+                let advice = ended.map(|solution| solution.advice()).unwrap_or_default();
+                Ok(Trial::Blocked(format!(
+                    "deeper the contact ends with status '{}': {advice}",
+                    status.as_str()
+                )))
             }
-        })
+        }
+    }
+
+    fn in_place<'b>(&'b self, scene: &'b Scene, trials: &'b Trials) -> Result<InPlace<'b>, ContactError> {
+        let known = trials.known.borrow();
+        InPlace::solve(self.surface, scene, trials.skin, known.as_ref(), self.options, Report::default())
+    }
+
+    /// The contact so far past the touch, with what trials before it know.
+    pub fn solve_with(&self, past: f64, trials: &Trials) -> Result<Contact, ContactError> {
+        let scene = self.scene(past);
+        let solved = self.in_place(&scene, trials)?;
+        if let Some(known) = solved.known() {
+            trials.known.replace(Some(known));
+        }
+        solved.contact(self.options)
     }
 
     /// The deepest penetration so far past the touch (m).
@@ -125,6 +220,24 @@ impl OnMesh<'_> {
         let with_edges = self.skin.traits(self.surface)?.discretization == Discretization::Collocation;
         Ok(Gaps::measure(self.surface, &self.scene(past), self.options.search_distance, with_edges)?
             .deepest())
+    }
+
+    /// The way past the touch to an overlap (m); `None` where it is not reached.
+    ///
+    /// * `near`: about where
+    pub fn past_at_overlap(&self, overlap: f64, near: f64) -> Result<Option<f64>, ContactError> {
+        let power = Quantity::Overlap.power();
+        let search = Search { value: overlap, first: near, power, limit: self.limit(), known: None };
+        match search.run(|past| self.overlap(past).map(Trial::Value))? {
+            Found::Close { at, .. } => Ok(Some(at)),
+            Found::NotReached { .. } => Ok(None),
+        }
+    }
+
+    /// The same with the obstacle turned.
+    pub fn turned(&self, turn: Turn) -> OnMesh<'_> {
+        let press = Approach { turn: Some(turn), ..self.press };
+        OnMesh { press, inherited: self.inherited.clone(), ..*self }
     }
 
     /// The contact so far past the touch.
@@ -150,11 +263,17 @@ impl OnMesh<'_> {
     }
 }
 
-/// Force on the skin along a direction (N).
-pub(crate) fn force_along(contact: &Contact, direction: &Vector3<f64>) -> f64 {
-    contact.resultant.force.dot(direction)
+impl Quantity {
+    /// Its value in a contact.
+    pub fn of(self, contact: &Contact, direction: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Force => force_along(contact, direction),
+            Self::Overlap => contact.max_penetration_before,
+        }
+    }
 }
 
-fn is_interruption(error: &ResponseError) -> bool {
-    matches!(error, ResponseError::Interrupted { .. } | ResponseError::Body(BodyError::Interrupted { .. }))
+/// Force on the skin along a direction (N).
+fn force_along(contact: &Contact, direction: &Vector3<f64>) -> f64 {
+    contact.resultant.force.dot(direction)
 }

@@ -11,6 +11,9 @@ const PATIENCE: usize = 3;
 /// A bracket that narrow, whose upper end has no value, ends the search.
 const NARROW: f64 = 1.01;
 
+/// How far a value may fall, relative to the one looked for, where the function rises: contacts are solved to a gap.
+const UNEVENNESS: f64 = 1e-3;
+
 /// What is looked for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Search {
@@ -27,27 +30,30 @@ pub(crate) struct Search {
 }
 
 /// What one argument gave.
-pub(crate) enum Trial<T> {
+pub(crate) enum Trial {
     /// A value (≥ 0).
-    Value(f64, T),
+    Value(f64),
     /// None, and why.
     Blocked(String),
 }
 
 /// How a search ended.
-pub(crate) enum Found<T> {
-    /// With the value, and the power of the argument that the function rises with there.
-    Close { at: f64, found: T, power: f64 },
-    /// Without: the largest value below, if any, and what is in the way.
-    NotReached { largest: Option<(f64, T)>, why: String },
+pub(crate) enum Found {
+    /// With the value, or as near to it as jumps of no more than [`UNEVENNESS`] allow; with the power of the argument
+    /// that the function rises with there.
+    Close { at: f64, power: f64 },
+    /// Without: where the largest value below was found, if any, and what is in the way.
+    NotReached { largest: Option<f64>, why: String },
 }
 
 /// What is known on the way; arguments and values as logarithms, values relative to the one looked for.
-struct Bracket<T> {
-    below: Option<(f64, f64, Option<T>)>,
+struct Bracket {
+    below: Option<(f64, f64)>,
     above: Option<(f64, Option<f64>)>,
     /// The last two points.
     recent: [Option<(f64, f64)>; 2],
+    /// The point nearest to the value.
+    nearest: (f64, f64),
     /// Width at the last halving, and trials since.
     width: (f64, usize),
     why: String,
@@ -58,25 +64,26 @@ impl Search {
     pub const CLOSE: f64 = 1e-6;
 
     /// Looks for the value.
-    pub fn run<T, E>(&self, mut trial: impl FnMut(f64) -> Result<Trial<T>, E>) -> Result<Found<T>, E> {
+    pub fn run<E>(&self, mut trial: impl FnMut(f64) -> Result<Trial, E>) -> Result<Found, E> {
         let mut bracket = Bracket {
             below: None,
             above: None,
             recent: [None; 2],
+            nearest: (0.0, f64::INFINITY),
             width: (f64::INFINITY, 0),
             why: String::new(),
         };
         let mut at = self.first.min(self.limit);
         if let Some((known, value)) = self.known {
-            bracket.add(known.ln(), (value / self.value).ln(), None);
+            bracket.add(known.ln(), (value / self.value).ln());
             at = bracket.next(self);
         }
         for _ in 0..MAX_TRIALS {
             match trial(at)? {
-                Trial::Value(value, found) if (value / self.value - 1.0).abs() <= Self::CLOSE => {
-                    return Ok(Found::Close { at, found, power: bracket.power(self) });
+                Trial::Value(value) if (value / self.value - 1.0).abs() <= Self::CLOSE => {
+                    return Ok(Found::Close { at, power: bracket.power(self) });
                 }
-                Trial::Value(value, found) => bracket.add(at.ln(), (value / self.value).ln(), Some(found)),
+                Trial::Value(value) => bracket.add(at.ln(), (value / self.value).ln()),
                 Trial::Blocked(why) => {
                     bracket.above = Some((at.ln(), None));
                     bracket.why = why;
@@ -84,10 +91,10 @@ impl Search {
             }
             if bracket.above.is_none() && at >= self.limit {
                 bracket.why = "the obstacle has passed by the skin there".into();
-                return Ok(bracket.give_up());
+                return Ok(bracket.give_up(self));
             }
             if bracket.is_narrow() {
-                return Ok(bracket.give_up());
+                return Ok(bracket.give_up(self));
             }
             at = bracket.next(self);
         }
@@ -96,16 +103,19 @@ impl Search {
             None => bracket.why = format!("no more than {MAX_TRIALS} depths are tried"),
             Some((_, None)) => {}
         }
-        Ok(bracket.give_up())
+        Ok(bracket.give_up(self))
     }
 }
 
-impl<T> Bracket<T> {
-    fn add(&mut self, at: f64, value: f64, found: Option<T>) {
+impl Bracket {
+    fn add(&mut self, at: f64, value: f64) {
+        if value.abs() < self.nearest.1.abs() {
+            self.nearest = (at, value);
+        }
         if value >= 0.0 {
             self.above = Some((at, Some(value)));
-        } else if self.below.as_ref().is_none_or(|(_, largest, _)| value >= *largest) {
-            self.below = Some((at, value, found));
+        } else if self.below.is_none_or(|(_, largest)| value >= largest - UNEVENNESS) {
+            self.below = Some((at, value));
         } else {
             self.above = Some((at, None));
             self.why = "deeper it falls again".into();
@@ -116,7 +126,7 @@ impl<T> Bracket<T> {
     }
 
     fn is_narrow(&self) -> bool {
-        matches!((&self.below, self.above), (Some((low, ..)), Some((high, None))) if high - low < NARROW.ln())
+        matches!((self.below, self.above), (Some((low, _)), Some((high, None))) if high - low < NARROW.ln())
     }
 
     /// Power of the argument between the last two points.
@@ -130,7 +140,7 @@ impl<T> Bracket<T> {
     fn next(&mut self, search: &Search) -> f64 {
         let secant = self.recent[1].map(|(at, value)| at - value / self.power(search));
         let chord = self.chord();
-        let low = self.below.as_ref().map(|(at, ..)| *at);
+        let low = self.below.map(|(at, _)| at);
         let step = LARGEST_STEP.ln();
         let next = match (low, self.above) {
             (None, None) => search.first.ln(),
@@ -156,14 +166,16 @@ impl<T> Bracket<T> {
 
     /// Where the chord between the ends of the bracket crosses.
     fn chord(&self) -> Option<f64> {
-        let ((low, at_low, _), (high, at_high)) = (self.below.as_ref()?, self.above?);
+        let ((low, at_low), (high, at_high)) = (self.below?, self.above?);
         let crossing = low - at_low * (high - low) / (at_high? - at_low);
         crossing.is_finite().then_some(crossing)
     }
 
-    fn give_up(self) -> Found<T> {
-        let largest = self.below.and_then(|(at, _, found)| Some((at.exp(), found?)));
-        Found::NotReached { largest, why: self.why }
+    fn give_up(self, search: &Search) -> Found {
+        if self.nearest.1.abs() <= UNEVENNESS {
+            return Found::Close { at: self.nearest.0.exp(), power: self.power(search) };
+        }
+        Found::NotReached { largest: self.below.map(|(at, _)| at.exp()), why: self.why }
     }
 }
 
@@ -180,7 +192,7 @@ mod tests {
         let mut trials = 0;
         let ended = search.run(|at| -> Result<_, ()> {
             trials += 1;
-            Ok(Trial::Value(function(at), ()))
+            Ok(Trial::Value(function(at)))
         });
         match ended {
             Ok(Found::Close { at, .. }) => (trials, at),
@@ -213,6 +225,16 @@ mod tests {
     }
 
     #[test]
+    fn small_jumps_end_at_the_nearest_value() {
+        // Down by 1e-4 of itself at every whole number, and up again.
+        let rough = |x: f64| x * (1.0 + if (x as i64) % 2 == 0 { 1e-4 } else { 0.0 });
+        for value in [7.0, 7.9999, 8.0004] {
+            let at = count(&search(value), rough).1;
+            assert!((rough(at) / value - 1.0).abs() <= 2e-4, "{value}: {at}");
+        }
+    }
+
+    #[test]
     fn a_known_point_spares_a_trial() {
         let close = Search { known: Some((2.0, 4.0)), power: 2.0, ..search(4.1) };
         assert_eq!(count(&close, |x| x * x).0, 1);
@@ -220,19 +242,19 @@ mod tests {
 
     #[test]
     fn what_cannot_be_reached_gives_the_largest_below() {
-        let short = |function: fn(f64) -> Trial<f64>, reason: &str| match search(10.0)
+        let short = |function: fn(f64) -> Trial, reason: &str| match search(10.0)
             .run(|x| -> Result<_, ()> { Ok(function(x)) })
         {
-            Ok(Found::NotReached { largest: Some((at, _)), why }) => {
+            Ok(Found::NotReached { largest: Some(at), why }) => {
                 assert!((6.5..7.0).contains(&at), "{at}");
                 assert_eq!(why, reason);
             }
             _ => panic!("found"),
         };
-        short(|x| Trial::Value(if x < 7.0 { x } else { 0.5 }, x), "deeper it falls again");
-        short(|x| if x < 7.0 { Trial::Value(x, x) } else { Trial::Blocked("wall".into()) }, "wall");
-        match search(1e9).run(|x| -> Result<_, ()> { Ok(Trial::Value(x, x)) }) {
-            Ok(Found::NotReached { largest: Some((at, _)), .. }) => assert!((at / 1e3 - 1.0).abs() < 1e-12),
+        short(|x| Trial::Value(if x < 7.0 { x } else { 0.5 }), "deeper it falls again");
+        short(|x| if x < 7.0 { Trial::Value(x) } else { Trial::Blocked("wall".into()) }, "wall");
+        match search(1e9).run(|x| -> Result<_, ()> { Ok(Trial::Value(x)) }) {
+            Ok(Found::NotReached { largest: Some(at), .. }) => assert!((at / 1e3 - 1.0).abs() < 1e-12),
             _ => panic!("found"),
         }
     }

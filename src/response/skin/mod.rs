@@ -2,11 +2,12 @@
 //!
 //! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`] and a
 //! [`given_matrix`] look it up at their [`nodes`]; a [`combined`] skin asks its parts and puts their answers together
-//! (`pieces`).
+//! (`pieces`); a [`kept`] one remembers what another answered.
 
 pub(crate) mod combined;
 pub(crate) mod elastic;
 pub(crate) mod given_matrix;
+pub(crate) mod kept;
 pub(crate) mod kernel;
 pub(crate) mod nodes;
 mod pieces;

@@ -1,0 +1,334 @@
+//! A press to a depth, a force or an overlap with an obstacle that turns to its balance.
+
+use std::time::Instant;
+
+use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
+
+use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::options::ContactOptions;
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
+use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
+use crate::contact::refine::rounds::{Begun, Rounds, begin};
+use crate::contact::report::record::add_timings;
+use crate::contact::scene::{Approach, Placement};
+use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
+use crate::contact::tilt::rest::{Ended, Place, Start, find};
+use crate::obstacle::posed::Obstacle;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::kept::KeptSkin;
+use crate::surface::checked::Surface;
+
+/// Moment that is left, over force times lever, and error of the force; the promise is 1e-6.
+const CLOSE: f64 = 0.9e-6;
+/// The same where contacts that are solved to a gap change by jumps.
+const UNEVEN: f64 = 1e-3;
+/// Share of the force at the beginning below which the obstacle swings free.
+const FREE: f64 = 1e-4;
+/// That many times as much is left of a force where it ends in doing so.
+const SWINGING: f64 = 100.0;
+/// Length of the first step and of those that a stiffness is measured with, as shares of the depth past the touch.
+const LENGTHS: [f64; 2] = [0.5, 1e-2];
+
+/// Everything that stays as it is while the obstacle turns.
+pub(crate) struct Tilted<'a> {
+    pub surface: &'a Surface,
+    pub obstacle: &'a Obstacle,
+    pub skin: &'a dyn ElasticSkin,
+    pub options: &'a ContactOptions<'a>,
+    /// Its turn is not looked at, nor its depth where there is a target.
+    pub press: Approach,
+    /// `None`: the depth is given.
+    pub target: Option<Target>,
+    /// Unit axes, one or two.
+    pub axes: Vec<Vector3<f64>>,
+    /// Point that they go through, before any travel (m).
+    pub point: Vector3<f64>,
+}
+
+/// Where the obstacle came to rest on one mesh.
+struct Settled {
+    contact: Contact,
+    turn: Turn,
+    /// The angles (rad) about the axes.
+    angles: Vec<f64>,
+    stiffness: Option<DMatrix<f64>>,
+    /// Why there is no balance.
+    why: Option<&'static str>,
+}
+
+impl Tilted<'_> {
+    /// Brings the obstacle to its balance: on the given mesh, then on the one refined there.
+    pub fn run(&self) -> Result<Contact, ContactError> {
+        let mut started = Instant::now();
+        let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
+        let depth = match self.target {
+            None => self.press.depth,
+            Some(target) => {
+                let untilted = reach(self.surface, self.obstacle, self.press, target, self.skin, &unrefined)?;
+                untilted.depth.expect("a press has a depth")
+            }
+        };
+        let touch = self.press.touch(self.surface, self.obstacle, false)?;
+        let on_given = self.on_mesh(self.surface, self.skin, touch);
+        let angles = vec![0.0; self.axes.len()];
+        let first = on_given.solve(depth - touch.1)?;
+        let lever = self.lever(&first);
+        let mut given = self.settle(&on_given, first, angles, None, lever)?;
+        if let Some(why) = given.why {
+            let placement = self.placement(&given);
+            return match begin(given.contact.clone(), started, &placement, self.skin, &unrefined)? {
+                Begun::Ended(contact) => Err(self.not_balanced(*contact, &given.turn, why)),
+                Begun::Rounds(_) => unreachable!("no refinement was asked for"),
+            };
+        }
+        for refinement in 1..=REFINEMENTS {
+            let placement = self.placement(&given);
+            let before = given.contact.obstacle.clone();
+            let mut rounds = match begin(given.contact.clone(), started, &placement, self.skin, self.options)?
+            {
+                Begun::Ended(contact) => return Ok(*contact),
+                Begun::Rounds(rounds) => *rounds,
+            };
+            let reason = rounds.run()?;
+            let Some(found) = self.settle_again(&mut rounds, &given, lever)? else {
+                return rounds.conclude(reason);
+            };
+            if let Some(why) = found.why {
+                return Err(self.not_balanced(rounds.conclude(reason)?, &found.turn, why));
+            }
+            let Some((contact, error)) = rounds.last_figures() else { return rounds.conclude(reason) };
+            let farther = self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length();
+            let was_met = reason == "target_error";
+            if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
+                return rounds.conclude(reason);
+            }
+            started = Instant::now();
+            let past = contact.depth.expect("a press has a depth") - touch.1;
+            let contact = on_given.turned(found.turn).solve(past)?;
+            given = Settled { contact, ..found };
+        }
+        unreachable!("the last refinement returns")
+    }
+
+    /// Balances the obstacle on the mesh that was refined last, and puts the contact found in the place of the one there.
+    ///
+    /// `None` where nothing was refined or the last contact did not end solved.
+    fn settle_again(
+        &self,
+        rounds: &mut Rounds,
+        given: &Settled,
+        lever: f64,
+    ) -> Result<Option<Settled>, ContactError> {
+        let started = Instant::now();
+        let Some((part, last)) = rounds.last.as_ref() else { return Ok(None) };
+        if last.status != ContactStatus::Solved {
+            return Ok(None);
+        }
+        let touch = self.press.touch(&part.surface, self.obstacle, true)?;
+        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
+        let inherited = Some(rounds.inherited_by(part));
+        let on_part = OnMesh { inherited, ..self.on_mesh(&part.surface, &*skin, touch) };
+        let (angles, stiffness) = (given.angles.clone(), given.stiffness.clone());
+        let found = self.settle(&on_part, last.clone(), angles, stiffness, lever)?;
+        rounds.replace_last(found.contact.clone(), started);
+        Ok(Some(found))
+    }
+
+    /// Turns the obstacle, and moves it under a force, until nothing is left to turn it.
+    ///
+    /// * `first`: the contact at the angles (rad) to begin with
+    /// * `lever`: of the forces about the point (m), to measure angles in lengths
+    fn settle(
+        &self,
+        on: &OnMesh,
+        mut first: Contact,
+        angles: Vec<f64>,
+        stiffness: Option<DMatrix<f64>>,
+        lever: f64,
+    ) -> Result<Settled, ContactError> {
+        let depth = first.depth.expect("a press has a depth");
+        let past = depth - on.touch.1;
+        if first.status != ContactStatus::Solved || past <= 0.0 {
+            let turn = self.turn(&angles);
+            return Ok(Settled { contact: first, turn, angles, stiffness, why: None });
+        }
+        let is_force = self.target.is_some_and(|target| target.quantity == Quantity::Force);
+        let own_depth = is_force.then_some(depth);
+        let at = own_depth.into_iter().chain(angles.iter().map(|angle| angle * lever));
+        let at = DVector::from_iterator(self.axes.len() + usize::from(is_force), at);
+        let angles_at = |at: &DVector<f64>| -> Vec<f64> {
+            at.iter().skip(usize::from(is_force)).map(|length| length / lever).collect()
+        };
+        let kept = KeptSkin::new(on.skin);
+        let trials = Trials::new(&kept);
+        let mut timings = std::mem::take(&mut first.timings);
+        let started = Start { at, stiffness, lengths: LENGTHS.map(|share| share * past) };
+        let free = FREE * first.resultant.force.norm();
+        let first = self.place(first, lever, free);
+        let room = |at: &DVector<f64>, step: &DVector<f64>| {
+            let end = angles_at(&(at + step));
+            self.room(&angles_at(at), &end)
+        };
+        let ended = find(started, first, room, |at| -> Result<_, ContactError> {
+            if self.options.is_interrupted() {
+                return Err(ContactError::Interrupted { stage: "search for the balance" });
+            }
+            let turned = on.turned(self.turn(&angles_at(at)));
+            let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.1), past)? else {
+                return Ok(None);
+            };
+            let mut contact = match turned.solve_with(past, &trials) {
+                Err(ContactError::Response(error)) if !error.is_interruption() => return Ok(None),
+                other => other?,
+            };
+            trials.note(&std::mem::take(&mut contact.timings));
+            let is_answer = !matches!(contact.status, ContactStatus::Failed(_));
+            Ok(is_answer.then(|| self.place(contact, lever, free)))
+        })?;
+        let Ended { at, found: mut contact, stiffness, mut why } = ended;
+        if why.is_some() && !is_force && contact.resultant.force.norm() < SWINGING * free {
+            why = Some("the obstacle swings free of the skin");
+        }
+        if let Some(reason) = why
+            && self.off(&contact) <= UNEVEN / CLOSE
+        {
+            why = None;
+            contact.warnings.push(format!(
+                "the moment about the tilt axes is balanced to {:.1e} of force times lever and no better: {reason}",
+                CLOSE * self.off(&contact)
+            ));
+        }
+        add_timings(&mut timings, &trials.timings());
+        contact.timings = timings;
+        let angles = angles_at(&at);
+        Ok(Settled { contact, turn: self.turn(&angles), angles, stiffness, why })
+    }
+
+    /// Way past the touch at some angles (m); `None` where the overlap is not reached.
+    ///
+    /// * `own`: where it is searched together with the angles
+    /// * `near`: as it was at others
+    fn past(&self, on: &OnMesh, own: Option<f64>, near: f64) -> Result<Option<f64>, ContactError> {
+        match (self.target, own) {
+            (_, Some(past)) => Ok(Some(past.max(0.0))),
+            (Some(Target { quantity: Quantity::Overlap, value }), _) => on.past_at_overlap(value, near),
+            _ => Ok(Some(near)),
+        }
+    }
+
+    /// What a contact says of the way to the balance.
+    ///
+    /// * `free`: force below which there is nothing to be balanced (N); a force to be reached pulls back by itself
+    fn place(&self, contact: Contact, lever: f64, free: f64) -> Place<Contact> {
+        let excess = match self.target {
+            Some(Target { quantity: Quantity::Force, value }) => {
+                Some(Quantity::Force.of(&contact, &self.press.direction) - value)
+            }
+            _ => None,
+        };
+        let moments = self.moments(&contact);
+        let parts = excess.into_iter().chain(moments.iter().map(|moment| moment / lever));
+        let gradient = DVector::from_vec(parts.collect());
+        let is_free = excess.is_none() && contact.resultant.force.norm() < free;
+        let off = if is_free { f64::INFINITY } else { self.off(&contact) };
+        Place { gradient, off, is_free, found: contact }
+    }
+
+    /// How far from balance and force a contact is: 1 is near enough.
+    fn off(&self, contact: &Contact) -> f64 {
+        let force = contact.resultant.force.norm();
+        if force == 0.0 {
+            return f64::INFINITY;
+        }
+        let moments = DVector::from_vec(self.moments(contact)).norm() / (force * self.lever(contact));
+        let excess = match self.target {
+            Some(Target { quantity: Quantity::Force, value }) => {
+                (Quantity::Force.of(contact, &self.press.direction) / value - 1.0).abs()
+            }
+            _ => 0.0,
+        };
+        moments.max(excess) / CLOSE
+    }
+
+    /// Moments on the skin about the axes (N m).
+    fn moments(&self, contact: &Contact) -> Vec<f64> {
+        let point = self.point_at(contact);
+        let total = contact.resultant.moment - point.cross(&contact.resultant.force);
+        self.axes.iter().map(|axis| axis.dot(&total)).collect()
+    }
+
+    /// The point where it stands (m).
+    fn point_at(&self, contact: &Contact) -> Vector3<f64> {
+        self.point + contact.travel * self.press.direction
+    }
+
+    /// Largest distance of a vertex under force from the point (m); the size of the skin without any.
+    fn lever(&self, contact: &Contact) -> f64 {
+        let point = self.point_at(contact);
+        let surface = contact.surface();
+        let distance = |&vertex: &usize| (surface.vertices()[vertex] - point).norm();
+        let largest = contact.active.iter().map(distance).fold(0.0, f64::max);
+        if largest > 0.0 { largest } else { surface.bounding_box().diagonal() }
+    }
+
+    fn turn(&self, angles: &[f64]) -> Turn {
+        let turn: Vector3<f64> = self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum();
+        Turn { rotation: UnitQuaternion::from_scaled_axis(turn), point: self.point }
+    }
+
+    /// Share of a step between angles (rad) that stays within the largest angle.
+    fn room(&self, from: &[f64], to: &[f64]) -> f64 {
+        let total = |angles: &[f64]| -> Vector3<f64> {
+            self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum()
+        };
+        let (from, to) = (total(from), total(to));
+        if to.norm() <= LARGEST_ANGLE {
+            return 1.0;
+        }
+        // |from + s way| = largest
+        let way = to - from;
+        let (a, b) = (way.norm_squared(), from.dot(&way));
+        let c = from.norm_squared() - LARGEST_ANGLE * LARGEST_ANGLE;
+        ((b * b - a * c).max(0.0).sqrt() - b) / a
+    }
+
+    /// How far an obstacle has moved where a contact is (m).
+    fn farthest_move(&self, before: &Obstacle, contact: &Contact) -> f64 {
+        let surface = contact.surface();
+        let motion = before.pose() * contact.obstacle.pose().inverse();
+        let moved = |&vertex: &usize| {
+            let place = Point3::from(surface.vertices()[vertex]);
+            (motion * place - place).norm()
+        };
+        contact.active.iter().map(moved).fold(0.0, f64::max)
+    }
+
+    fn on_mesh<'b>(
+        &'b self,
+        surface: &'b Surface,
+        skin: &'b dyn ElasticSkin,
+        touch: (f64, f64),
+    ) -> OnMesh<'b> {
+        let Tilted { obstacle, options, press, .. } = *self;
+        OnMesh { surface, skin, inherited: None, obstacle, press, options, touch }
+    }
+
+    /// The press to where the obstacle came to rest.
+    fn placement(&self, settled: &Settled) -> Placement<'_> {
+        let depth = settled.contact.depth.expect("a press has a depth");
+        let press = Approach { depth, turn: Some(settled.turn), ..self.press };
+        Placement { obstacle: self.obstacle, press: Some(press) }
+    }
+
+    fn not_balanced(&self, contact: Contact, turn: &Turn, why: &str) -> ContactError {
+        ContactError::NotBalanced {
+            point: self.point_at(&contact).into(),
+            moment: DVector::from_vec(self.moments(&contact)).norm(),
+            force: contact.resultant.force.norm(),
+            angle: turn.rotation.angle(),
+            why: why.into(),
+            contact: LargestContact(Box::new(contact)),
+        }
+    }
+}

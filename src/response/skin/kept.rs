@@ -1,0 +1,194 @@
+//! A skin that keeps the response matrices that it was asked for.
+
+use std::sync::Mutex;
+
+use faer::Mat;
+use nalgebra::Vector3;
+
+use crate::response::body::levels::coarseness::BodyDoubt;
+use crate::response::error::ResponseError;
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::surface::checked::Surface;
+use crate::surface::refined::RefinedSurface;
+
+/// Two unit directions no farther apart are one.
+const SAME_DIRECTION: f64 = 1e-10;
+
+/// A skin asked again and again about nearly the same nodes of one surface, as the trials of a search do.
+///
+/// Its entries are right to the tolerance asked for, and not to the bit those of the skin: quadrature depends on which
+/// nodes are evaluated together.
+pub(crate) struct KeptSkin<'a> {
+    skin: &'a dyn ElasticSkin,
+    /// Of groups of nodes that share none.
+    kept: Mutex<Vec<KeptMatrix>>,
+}
+
+/// A matrix over more nodes than were asked for.
+struct KeptMatrix {
+    /// Ascending.
+    nodes: Vec<usize>,
+    /// The directions that it holds for; `None` where it depends on none.
+    directions: Option<Vec<Vector3<f64>>>,
+    matrix: Mat<f64>,
+}
+
+impl KeptMatrix {
+    /// The entries of some nodes, where they are known.
+    fn among(&self, nodes: &[usize], directions: &[Vector3<f64>]) -> Option<Mat<f64>> {
+        let row = |node: &usize| self.nodes.binary_search(node).ok();
+        let rows: Vec<usize> = nodes.iter().map(row).collect::<Option<_>>()?;
+        if let Some(known) = &self.directions
+            && rows.iter().zip(directions).any(|(&row, direction)| !is_same(&known[row], direction))
+        {
+            return None;
+        }
+        let mut matrix = Mat::zeros(rows.len(), rows.len());
+        for (j, &column) in rows.iter().enumerate() {
+            let from = self.matrix.col_as_slice(column);
+            let to = matrix.col_as_slice_mut(j);
+            to.iter_mut().zip(&rows).for_each(|(entry, &row)| *entry = from[row]);
+        }
+        Some(matrix)
+    }
+
+    fn shares(&self, nodes: &[usize]) -> bool {
+        nodes.iter().any(|node| self.nodes.binary_search(node).is_ok())
+    }
+}
+
+impl<'a> KeptSkin<'a> {
+    pub fn new(skin: &'a dyn ElasticSkin) -> Self {
+        Self { skin, kept: Mutex::new(Vec::new()) }
+    }
+
+    /// The matrix over some nodes and those around them, which may be asked for next; `None` where it cannot be had.
+    fn around(
+        &self,
+        asked: &Request,
+        direction: Vector3<f64>,
+        is_kernel: bool,
+    ) -> Result<Option<KeptMatrix>, ResponseError> {
+        let may_touch = asked.surface.skin_mask();
+        let mut nodes = asked.surface.k_ring(asked.nodes, 1);
+        nodes.retain(|&node| may_touch[node] && self.skin.is_prepared(node));
+        let directions = vec![direction; nodes.len()];
+        match self.skin.matrix(&Request { nodes: &nodes, ..*asked }, &directions) {
+            Ok(matrix) => {
+                Ok(Some(KeptMatrix { nodes, directions: (!is_kernel).then_some(directions), matrix }))
+            }
+            Err(error) if error.is_interruption() => Err(error),
+            // Another part of a combined skin.
+            Err(_) => Ok(None),
+        }
+    }
+}
+
+impl ElasticSkin for KeptSkin<'_> {
+    fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        self.skin.traits(surface)
+    }
+
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.skin.is_prepared(vertex)
+    }
+
+    fn is_held(&self, vertex: usize) -> bool {
+        self.skin.is_held(vertex)
+    }
+
+    fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        self.skin.refined(mesh)
+    }
+
+    fn doubt(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        self.skin.doubt(asked, forces, depth)
+    }
+
+    fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        // A second copy would not be within the limit.
+        if asked.options.memory_limit.is_some() || asked.nodes.is_empty() {
+            return self.skin.matrix(asked, directions);
+        }
+        let mut kept = self.kept.lock().expect("no thread panics while it holds the lock");
+        if let Some(matrix) = kept.iter().find_map(|kept| kept.among(asked.nodes, directions)) {
+            return Ok(matrix);
+        }
+        let is_kernel = self.skin.traits(asked.surface)?.is_kernel;
+        let is_one_direction = directions.iter().all(|other| is_same(other, &directions[0]));
+        let around =
+            if is_kernel || is_one_direction { self.around(asked, directions[0], is_kernel)? } else { None };
+        let with_wanted = around.and_then(|new| Some((new.among(asked.nodes, directions)?, new)));
+        let (wanted, new) = match with_wanted {
+            Some(both) => both,
+            None => {
+                let matrix = self.skin.matrix(asked, directions)?;
+                let directions = (!is_kernel).then(|| directions.to_vec());
+                (matrix.clone(), KeptMatrix { nodes: asked.nodes.to_vec(), directions, matrix })
+            }
+        };
+        kept.retain(|known| !known.shares(&new.nodes));
+        kept.push(new);
+        Ok(wanted)
+    }
+
+    fn displace(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Result<Displacements, ResponseError> {
+        self.skin.displace(asked, forces, vertices)
+    }
+}
+
+fn is_same(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
+    (a - b).norm_squared() <= SAME_DIRECTION * SAME_DIRECTION
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::response::kernel::skin::{Kernel, KernelSkin};
+    use crate::response::matrix::options::AssemblyOptions;
+
+    /// Flat skin of cells of 1 mm.
+    fn grid(cells: usize) -> Surface {
+        let side = cells + 1;
+        let place = |at: usize| Vector3::new((at % side) as f64, (at / side) as f64, 0.0) * 1e-3;
+        let vertices = (0..side * side).map(place).collect();
+        let corner = |at: usize| (at / cells * side + at % cells) as u32;
+        let next = side as u32;
+        let faces = (0..cells * cells)
+            .map(corner)
+            .flat_map(|a| [[a, a + 1, a + next], [a + 1, a + 1 + next, a + next]]);
+        Surface::new(vertices, faces.collect()).expect("a valid surface")
+    }
+
+    #[test]
+    fn a_matrix_picked_from_a_larger_one_is_the_skins_own_to_the_tolerance() {
+        let surface = grid(12);
+        let skin = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).expect("valid constants");
+        let kept = KeptSkin::new(&skin);
+        let options = AssemblyOptions::default();
+        let ask = |skin: &dyn ElasticSkin, nodes: &[usize]| {
+            let asked = Request { surface: &surface, nodes, options: &options };
+            skin.matrix(&asked, &vec![Vector3::z(); nodes.len()]).expect("known nodes")
+        };
+        let middle: Vec<usize> = surface.k_ring(&[84], 2);
+        let wider = surface.k_ring(&[84], 3);
+        let inner = surface.k_ring(&[84], 1);
+        for nodes in [&middle, &wider, &inner] {
+            let (own, found) = (ask(&skin, nodes), ask(&kept, nodes));
+            let largest = own.norm_max();
+            assert!((&own - &found).norm_max() <= 2.0 * options.tolerance * largest);
+        }
+        // The ring around the first was assembled with it, and serves all three.
+        assert_eq!(kept.kept.lock().expect("free")[0].nodes, wider);
+    }
+}

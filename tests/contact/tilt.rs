@@ -1,0 +1,85 @@
+//! Presses whose obstacle turns to its balance.
+
+use nalgebra::Vector3;
+use quasirigid::contact::{
+    Balance, Contact, ContactError, ContactOptions, Goal, Press, Start, Tilt, TiltAxes, press,
+};
+use quasirigid::surface::Surface;
+
+use crate::common::icosphere;
+use crate::{UP, half_space, plate};
+
+/// Distance of the balls from the origin (m).
+const ARM: f64 = 0.03;
+
+/// Two balls of 8 mm on the x axis, the second one higher (m).
+fn two_balls(higher: f64) -> Surface {
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for (side, height) in [(-1.0, 0.0), (1.0, higher)] {
+        let (own, own_faces) = icosphere(8e-3, 3);
+        let first = vertices.len() as u32;
+        faces.extend(own_faces.iter().map(|face| face.map(|corner| corner + first)));
+        let shift = Vector3::new(side * ARM, 0.0, 8e-3 + height);
+        vertices.extend(own.iter().map(|vertex| vertex + shift));
+    }
+    Surface::new(vertices, faces).expect("a valid surface")
+}
+
+fn tilted(surface: &Surface, goal: Goal, tilt: Tilt) -> Result<Contact, ContactError> {
+    let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::Tilt(tilt) };
+    press(surface, &plate(), &half_space(), &upwards, &ContactOptions::on_given_mesh())
+}
+
+/// About y through a point on the x axis.
+fn about(x: f64) -> Tilt {
+    Tilt { point: Vector3::new(x, 0.0, 0.0), axes: TiltAxes::One(Vector3::y()) }
+}
+
+/// Moment about y through the point where it stands (N m), and force times lever.
+fn moment(contact: &Contact, x: f64) -> (f64, f64) {
+    let point = Vector3::new(x, 0.0, contact.travel);
+    let left = contact.resultant.moment - point.cross(&contact.resultant.force);
+    let distance = |&vertex: &usize| (contact.surface().vertices()[vertex] - point).norm();
+    let lever = contact.active.iter().map(distance).fold(0.0, f64::max);
+    (left.y, contact.resultant.force.norm() * lever)
+}
+
+#[test]
+fn a_seesaw_shares_a_force_by_its_arms() {
+    // From the point the balls are 2/3 and 4/3 of ARM away.
+    let x = -ARM / 3.0;
+    let contact = tilted(&two_balls(2e-3), Goal::Force(3.0), about(x)).expect("a balance");
+    let (left, scale) = moment(&contact, x);
+    assert!(left.abs() < 1e-6 * scale, "{left} of {scale}");
+    assert!((contact.resultant.force.z / 3.0 - 1.0).abs() < 1e-6);
+    let loads: Vec<f64> = contact.patches.iter().map(|patch| patch.resultant.force.z).collect();
+    // The contacts slide on the balls and the plate sinks by some 2 mm of 60 in turning.
+    assert!((loads[0] / loads[1] - 2.0).abs() < 0.2, "{loads:?}");
+}
+
+#[test]
+fn a_point_beside_both_balls_leaves_its_moment() {
+    let x = 3.0 * ARM;
+    match tilted(&two_balls(0.0), Goal::Depth(1e-3), about(x)) {
+        Err(ContactError::NotBalanced { moment: told, force, contact, .. }) => {
+            let (left, scale) = moment(&contact.0, x);
+            assert!((told / left.abs() - 1.0).abs() < 1e-12);
+            assert_eq!(force, contact.0.resultant.force.norm());
+            assert!(told > 1e-2 * scale);
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn axes_and_points_that_are_none_are_named() {
+    let surface = two_balls(0.0);
+    let refused = |tilt| tilted(&surface, Goal::Depth(1e-3), tilt).expect_err("not a tilt");
+    let nowhere = Tilt { point: Vector3::new(0.0, f64::NAN, 0.0), axes: TiltAxes::Across };
+    assert!(matches!(refused(nowhere), ContactError::TiltPoint { point } if point[1].is_nan()));
+    let axes = TiltAxes::Two([Vector3::x(), Vector3::zeros()]);
+    let error = refused(Tilt { point: Vector3::zeros(), axes });
+    assert_eq!(error, ContactError::TiltAxis { number: 1, axis: [0.0; 3] });
+    let axes = TiltAxes::Two([Vector3::x(), -2.0 * Vector3::x()]);
+    assert_eq!(refused(Tilt { point: Vector3::zeros(), axes }), ContactError::ParallelAxes);
+}
