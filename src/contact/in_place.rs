@@ -44,7 +44,7 @@ pub(crate) fn solve_in_place(
     }
 
     // 2-4. Candidates, response, complementarity.
-    let response = Compliance::new(surface, skin, traits, options);
+    let response = Compliance::new(surface, skin, traits, options).with_product(&gaps)?;
     let forces = equilibrium::solve(&gaps, &response, None, options, &mut report)?;
     let forces = solve_to_the_end(&mut gaps, forces, &response, options, &mut report)?;
     report.note_forces(&gaps, &response, &forces, options);

@@ -12,6 +12,7 @@ mod combined;
 #[path = "../common/mod.rs"]
 mod common;
 mod cuts;
+mod elastic_product;
 mod fingers;
 mod galerkin;
 mod hertz;
