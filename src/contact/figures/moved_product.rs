@@ -77,7 +77,7 @@ impl Contact {
             let place = self.obstacle.closest_triangle(&touched).expect("a given matrix belongs to a mesh");
             for (corner, weight) in place.weights_of_corners() {
                 if let Some(row) = nodes.row(corner as usize) {
-                    forces[row] += weight * self.node_force[vertex];
+                    forces[row] += weight * self.force_vectors[vertex].norm();
                 }
             }
         }
@@ -100,7 +100,7 @@ impl Contact {
         options: &ContactOptions,
     ) -> Result<(), ContactError> {
         let active: Vec<usize> =
-            candidates.iter().copied().filter(|&vertex| self.node_force[vertex] > 0.0).collect();
+            candidates.iter().copied().filter(|vertex| self.active.binary_search(vertex).is_ok()).collect();
         if active.is_empty() {
             return Ok(());
         }
