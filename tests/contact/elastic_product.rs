@@ -48,15 +48,14 @@ fn the_force_falls_to_the_share_of_the_softness_that_is_the_skins() {
         for (ratio, expected) in [(4.0, 0.8), (1.0, 0.5), (0.25, 0.2)] {
             let product = made_of(&sphere, ratio * SHEAR_MODULUS, POISSON_RATIO);
             let elastic = solve(&surface, &product, &skin);
-            // Both matrices are multiples of one: so are the forces, up to the complementarity problem's rounding and the
-            // gap that may be left, 1e-3 of the depth.
-            assert_relative_eq!(force(&elastic) / force(&rigid), expected, max_relative = 2e-3);
+            // Both matrices are multiples of one, so the forces are too, up to rounding.
+            assert_relative_eq!(force(&elastic) / force(&rigid), expected, max_relative = 1e-9);
             let share = elastic.obstacle_share.expect("in contact");
             assert_relative_eq!(share, 1.0 - expected, max_relative = 1e-9);
             assert_relative_eq!(
                 elastic.resultant.contact_area,
                 rigid.resultant.contact_area,
-                max_relative = 2e-3
+                max_relative = 1e-9
             );
         }
     }
@@ -70,7 +69,7 @@ fn poissons_ratios_enter_by_the_sum_of_both_softnesses() {
     for (shear_modulus, poisson_ratio) in [(30e3, 0.3), (120e3, 0.0)] {
         let both = softness + (1.0 - poisson_ratio) / shear_modulus;
         let elastic = solve(&surface, &made_of(&sphere, shear_modulus, poisson_ratio), &half_space());
-        assert_relative_eq!(force(&elastic), rigid * softness / both, max_relative = 2e-3);
+        assert_relative_eq!(force(&elastic), rigid * softness / both, max_relative = 1e-9);
     }
 }
 
@@ -132,10 +131,11 @@ fn apart_from_moved_ball(subdivisions: usize) -> f64 {
 
 #[test]
 fn the_moved_mesh_of_a_product_comes_to_lie_on_the_deformed_skin_as_it_gets_finer() {
-    let left = [5, 6, 7].map(apart_from_moved_ball);
-    // Straight edges cut across the dent, by the square of their length; at last those of the skin, 1.25 √2 mm long.
-    let sag = 2.0 * 1.25e-3_f64.powi(2) / (8.0 * 0.2) / 0.5e-3;
-    assert!(left[1] < 0.5 * left[0] && left[2] < left[1] && left[2] < 1.5 * sag, "{left:?} {sag}");
+    let left = [5, 6].map(apart_from_moved_ball);
+    // Straight edges cut across the dent by the square of their length, here 4 mm at last: h² / 8 R of the depth, half of
+    // it as half of the curvature is the skin's, and less where triangles are lower than their edges are long.
+    let sag = 4e-3_f64.powi(2) / (8.0 * 0.2) / 0.5e-3;
+    assert!(left[1] < 0.35 * left[0] && left[1] < 0.5 * sag, "{left:?}, {sag}");
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn a_product_of_the_same_layer_halves_the_force_too() {
         let response = ProductResponse::Kernel(layer.clone());
         let product = sphere.with_material(SHEAR_MODULUS, POISSON_RATIO, response).expect("valid constants");
         let elastic = solve(&surface, &product, &skin);
-        assert_relative_eq!(force(&elastic) / force(&rigid), 0.5, max_relative = 2e-3);
+        assert_relative_eq!(force(&elastic) / force(&rigid), 0.5, max_relative = 1e-9);
         assert_relative_eq!(elastic.obstacle_share.expect("in contact"), 0.5, max_relative = 1e-9);
     }
     // A layer on a half-space: the matrix may have negative entries, and no group of nodes is out of its reach.
@@ -172,7 +172,7 @@ fn a_refined_contact_and_a_press_to_a_force_give_way_alike() {
     let soft = made_of(&plate(), SHEAR_MODULUS, POISSON_RATIO);
     let (rigid, elastic) = (pressed(&plate(), Goal::Depth(5e-4)), pressed(&soft, Goal::Depth(5e-4)));
     assert!(elastic.refinements.len() > 1 && elastic.accuracy.mesh_error.expect("estimated") <= 0.02);
-    assert_relative_eq!(force(&elastic) / force(&rigid), 0.5, max_relative = 5e-3);
+    assert_relative_eq!(force(&elastic) / force(&rigid), 0.5, max_relative = 1e-9);
     assert_relative_eq!(elastic.obstacle_share.expect("in contact"), 0.5, max_relative = 1e-9);
     assert!(elastic.left_out.iter().all(|one| one.what != "product response"));
     assert!(rigid.left_out.iter().any(|one| one.what == "product response"));

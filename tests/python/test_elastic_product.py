@@ -190,6 +190,55 @@ def test_two_fingers_on_one_matrix_push_each_other_through_the_product() -> None
     assert "joined by the product alone" in why
 
 
+def test_two_fingers_on_a_kernel_do_not_push_each_other() -> None:
+    lower, faces = ball(8e-3, 3)
+    one = qr.Surface(lower, faces)
+    both = qr.Surface(
+        np.concatenate([lower, lower + np.array([40e-3, 0, 0])]), np.concatenate([faces, faces + len(lower)])
+    )
+    single, double, coupled = (
+        qr.press(surface, soft(PLATE), SKIN, UP, depth=5e-4, options=options)
+        for surface, options in (
+            (one, AS_GIVEN),
+            (both, AS_GIVEN),
+            (both, qr.ContactOptions(target_error=None, couple_fingers=True)),
+        )
+    )
+    assert double.force[2] == pytest.approx(2 * single.force[2], rel=1e-9)
+    assert "nothing passed on by the product either" in dict(double.left_out)["coupling between fingers"]
+    assert coupled.force[2] < 0.99 * double.force[2]
+
+
+def test_a_combined_skin_meets_an_elastic_product() -> None:
+    finger = qr.models.finger(edge_length=2.2e-3)
+    finger = finger.with_skin_mask(qr.skin_without_caps(finger))
+    part = qr.cut_out(finger, tip=int(np.argmax(finger.vertices[:, 1])), point=[0, 0.04, 0], normal=[0, 2, 0])
+    response = part.body(bone=qr.models.bone_of(part.surface, cut=part.fixed))
+    tip = qr.Skin(shear_modulus=G, poisson_ratio=NU, response=response).prepared(part.surface)
+    whole = SKIN.combined(finger, {"tip": (part, tip)})
+    below = finger.vertices[finger.vertices[:, 1] > 0.045, 2].min() - 60e-3
+    punch = soft(qr.Obstacle.sphere([0, 0.055, below], 60e-3))
+    elastic, alone = (
+        qr.press(surface, punch, skin, UP, depth=5e-4, options=AS_GIVEN)
+        for surface, skin in ((finger, whole), (part.surface, tip))
+    )
+    assert elastic.force[2] == pytest.approx(alone.force[2], rel=1e-6)
+    assert elastic.obstacle_share == pytest.approx(alone.obstacle_share, rel=1e-6)
+
+
+def test_the_cut_shows_the_product_before_and_after() -> None:
+    pytest.importorskip("matplotlib")
+    below = [0, 0, -0.04]
+    for obstacle, labels in (
+        (BALL, {"product"}),
+        (soft(BALL), {"product before", "product after"}),
+        (soft(qr.Obstacle.sphere([0, 0, 0], 0.02)), {"product before"}),
+    ):
+        ax = qr.plot.plot_section(pressed(obstacle.moved(np.eye(3), below)))
+        names = ax.get_legend_handles_labels()[1]
+        assert {name for name in names if name.startswith("product")} == labels
+
+
 @pytest.mark.parametrize(
     ("constants", "name"),
     [((0.0, 0.3), "shear_modulus"), ((np.nan, 0.3), "shear_modulus"), ((1e5, 0.6), "poisson_ratio")],
