@@ -82,7 +82,6 @@ impl Contact {
             pressure.raise_to_means(surface, &forces, areas);
         }
         let (motion, obstacle_share) = motion.with_product(response, &forces)?;
-        let obstacle_share = Some(obstacle_share);
         let figures =
             Figures::new(gaps, &forces, pressure, areas, motion, max_penetration_after, discretization);
         report.clock("outcome", started);

@@ -10,13 +10,18 @@ use pyo3::types::{IntoPyDict, PyDict};
 /// Nodes and compliance of a given matrix.
 type Given<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// The kernel of a product's response, built by the facade, and its given matrix if it has one.
+/// The kernel of a product's response, built by the facade, and its given matrix if it has one; a new one warns of a kernel
+/// that is not well posed.
 pub(super) fn product_skin<'py>(
     py: Python<'py>,
     material: (f64, f64),
     response: Option<&Bound<'py, PyAny>>,
+    is_new: bool,
 ) -> PyResult<(Bound<'py, PySkin>, Option<Given<'py>>)> {
-    py.import("quasirigid.skin.product")?.getattr("product_skin")?.call1((material, response))?.extract()
+    py.import("quasirigid.skin.product")?
+        .getattr("product_skin")?
+        .call1((material, response, is_new))?
+        .extract()
 }
 
 /// The facade's `Material` of an obstacle; None of a rigid one.

@@ -210,6 +210,11 @@ impl PyObstacle {
     /// ResponseError
     ///     If a constant is out of range, or no product has such a response.
     ///
+    /// Warns
+    /// -----
+    /// QuasirigidWarning
+    ///     If the response is not well posed.
+    ///
     /// References
     /// ----------
     /// Johnson 1985, "Contact Mechanics", section 4.1.
@@ -232,19 +237,7 @@ impl PyObstacle {
         poisson_ratio: f64,
         response: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let (kernel, given) = product_skin(py, (shear_modulus, poisson_ratio), response)?;
-        let response = match given {
-            None => ProductResponse::Kernel(kernel.get().kernel()?.kernel().clone()),
-            Some((nodes, compliance)) => {
-                let count = self.inner.triangles().map_or(usize::MAX, |(vertices, _)| vertices.len());
-                ProductResponse::Matrix {
-                    nodes: self::nodes(&nodes, "nodes", count)?,
-                    matrix: MatrixArgument::new(&compliance, "compliance")?.view().to_owned(),
-                }
-            }
-        };
-        let made = py.detach(|| self.inner.with_material(shear_modulus, poisson_ratio, response));
-        made.map(Self::from).map_err(IntoPyErr::into_py_err)
+        self.made_of(py, (shear_modulus, poisson_ratio), response, true)
     }
 
     /// What it is made of, or None of a rigid one.
@@ -334,6 +327,31 @@ impl PyObstacle {
     }
 }
 
+impl PyObstacle {
+    /// The copy of a material; a new one warns of a response that is not well posed.
+    fn made_of(
+        &self,
+        py: Python<'_>,
+        constants: (f64, f64),
+        response: Option<&Bound<'_, PyAny>>,
+        is_new: bool,
+    ) -> PyResult<Self> {
+        let (kernel, given) = product_skin(py, constants, response, is_new)?;
+        let response = match given {
+            None => ProductResponse::Kernel(kernel.get().kernel()?.kernel().clone()),
+            Some((nodes, compliance)) => {
+                let count = self.inner.triangles().map_or(usize::MAX, |(vertices, _)| vertices.len());
+                ProductResponse::Matrix {
+                    nodes: self::nodes(&nodes, "nodes", count)?,
+                    matrix: MatrixArgument::new(&compliance, "compliance")?.view().to_owned(),
+                }
+            }
+        };
+        let made = py.detach(|| self.inner.with_material(constants.0, constants.1, response));
+        made.map(Self::from).map_err(IntoPyErr::into_py_err)
+    }
+}
+
 /// The obstacle of a pickle: kind, mesh or numbers of the primitive, pose, and material or None.
 #[pyfunction]
 #[pyo3(signature = (kind, shape, pose, material=None, /), text_signature = "(kind, shape, pose, material=None, /)")]
@@ -348,7 +366,7 @@ pub(super) fn restore_obstacle(
     match material {
         None => Ok(rigid),
         Some((shear_modulus, poisson_ratio, response)) => {
-            rigid.with_material(py, shear_modulus, poisson_ratio, Some(&response))
+            rigid.made_of(py, (shear_modulus, poisson_ratio), Some(&response), false)
         }
     }
 }

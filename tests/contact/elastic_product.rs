@@ -293,6 +293,15 @@ fn without_contact_the_product_has_no_share_and_stays() {
 }
 
 #[test]
+fn a_contact_too_shallow_to_carry_force_has_no_share() {
+    for obstacle in [plate(), made_of(&plate(), 1e5, 0.3)] {
+        let contact = press_up(&ball(8e-3, 3), &obstacle, &galerkin(), 1e-5);
+        assert_eq!((contact.status, contact.resultant.force), (ContactStatus::Solved, Vector3::zeros()));
+        assert_eq!(contact.obstacle_share, None);
+    }
+}
+
+#[test]
 fn what_no_product_can_be_made_of_is_refused_by_name() {
     let plate = plate();
     let half_space_of = |shear_modulus, poisson_ratio| {

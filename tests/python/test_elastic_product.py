@@ -270,6 +270,14 @@ def test_a_response_that_no_product_has_is_refused(response: qr.Response, why: s
         soft(PLATE, response)
 
 
+def test_a_response_that_is_not_well_posed_is_warned_of_once() -> None:
+    with pytest.warns(qr.QuasirigidWarning, match="not well posed") as caught:
+        plate = soft(PLATE, qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3))
+    assert caught[0].filename == __file__
+    # Silent from then on: pytest would make an error of a warning.
+    assert pickle.loads(pickle.dumps(plate)).material == plate.material
+
+
 def test_what_is_no_response_is_refused() -> None:
     with pytest.raises(TypeError, match="expected one of"):
         soft(PLATE, "half_space")  # type: ignore[arg-type]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .. import _core
-from ..errors import ResponseError
+from ..errors import QuasirigidWarning, ResponseError
 from .core import Material as Constants
 from .core import build_kernel
 from .response import Body, GivenMatrix, HalfSpace, Layer, PressureBasis, Response
@@ -37,9 +38,11 @@ class Material(NamedTuple):
 
 
 def product_skin(
-    constants: Constants, response: Response | None
+    constants: Constants, response: Response | None, is_new: bool
 ) -> tuple[_core.Skin, tuple[NDArray[Any], NDArray[np.float64]] | None]:
     """Return the kernel of a product's response, and nodes and compliance of a given matrix.
+
+    A new one warns of a kernel that is not well posed.
 
     Raises
     ------
@@ -50,6 +53,9 @@ def product_skin(
     kernel = build_kernel(constants, response)
     if kernel is not None:
         _check_kernel(response)
+        why = kernel.ill_posedness()
+        if is_new and why is not None:
+            warnings.warn(why, QuasirigidWarning, stacklevel=2)
         return kernel, None
     if isinstance(response, Body):
         raise ResponseError(

@@ -47,14 +47,15 @@ impl CandidateMotion {
         Ok(Self { displacement, scalar, product: Vec::new() })
     }
 
-    /// The same with how the product moves, and the product's share of the approach, `f·u_P / f·(u_H - u_P)`.
+    /// The same with how the product moves, and the product's share of what both give way: `-f·u_P / f·(u_H - u_P)`, `None`
+    /// without force.
     pub fn with_product(
         self,
         response: &Compliance,
         forces: &NodeForces,
-    ) -> Result<(Self, f64), ContactError> {
+    ) -> Result<(Self, Option<f64>), ContactError> {
         let Some(found) = response.displace_product(forces.applied(), &forces.candidates)? else {
-            return Ok((self, 0.0));
+            return Ok((self, (!forces.active.is_empty()).then_some(0.0)));
         };
         let along = found.along_normal.iter().map(|along| along.expect("a product answers along the normal"));
         let product: Vec<Vector3<f64>> =
@@ -64,7 +65,7 @@ impl CandidateMotion {
             force.zip(moved).map(|(force, moved)| force.dot(moved)).sum()
         };
         let share = -work(&product) / work(&self.displacement);
-        Ok((Self { product, ..self }, share))
+        Ok((Self { product, ..self }, (!forces.active.is_empty()).then_some(share)))
     }
 
     /// u_H (k, m): how the skin itself moves.
