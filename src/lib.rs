@@ -11,6 +11,7 @@
 //! `g0` (k, m) is the signed distance of the undeformed skin from the obstacle, positive outside it, and
 //! `R` (k × k, m/N) the response matrix: `R[i, j]` is the displacement of node `i` along the obstacle's
 //! outward normal per newton at node `j`, so a force that pushes the skin out of the obstacle is positive.
+//! Against a product with a material ([`obstacle::Obstacle::with_material`]) it is the sum of both responses.
 //! The pressure is `p_i = f_i / S_i` (Pa) with `S_i` (m²) a third of the area of the triangles around `i`.
 //!
 //! The pipeline, one module a step:

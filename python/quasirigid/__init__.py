@@ -51,7 +51,7 @@ from .lcp import (
     solve_lcp,
 )
 from .matrix import Definiteness, NetVolume, definiteness, initial_gaps, net_volume, response_matrix
-from .obstacle import Obstacle
+from .obstacle import Material, Obstacle
 from .skin import (
     Body,
     CombinedSkin,
@@ -103,6 +103,7 @@ __all__ = [
     "LcpSolution",
     "LcpStatus",
     "LeftOut",
+    "Material",
     "MeshFileError",
     "MissingExtraError",
     "NetVolume",

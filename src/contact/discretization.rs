@@ -98,8 +98,7 @@ fn gap_at(
 
 /// `vertices` whose response is known; a penetrating one must be.
 pub(crate) fn prepared(gaps: &Gaps, response: &Compliance, mut vertices: Vec<usize>) -> Vec<usize> {
-    vertices.retain(|&vertex| {
-        response.skin.is_prepared(vertex) || gaps.penetrating.binary_search(&vertex).is_ok()
-    });
+    vertices
+        .retain(|&vertex| response.is_prepared(vertex) || gaps.penetrating.binary_search(&vertex).is_ok());
     vertices
 }

@@ -86,9 +86,14 @@ impl Contact {
         if discretization == Discretization::Galerkin {
             pressure.raise_to_means(surface, &forces, areas);
         }
+        let (motion, obstacle_share) = motion.with_product(response, &forces)?;
         let figures = Figures::new(gaps, &forces, pressure, areas, motion, left.depth, discretization);
         report.clock("outcome", started);
-        Ok(Self { clues, ..Self::new(ContactStatus::Solved, gaps, forces, figures, options, report) })
+        Ok(Self {
+            clues,
+            obstacle_share,
+            ..Self::new(ContactStatus::Solved, gaps, forces, figures, options, report)
+        })
     }
 
     fn new(
@@ -108,6 +113,7 @@ impl Contact {
             resultant,
             max_penetration_before: gaps.deepest(),
             max_penetration_after: figures.max_penetration_after,
+            obstacle_share: None,
             pressure: figures.pressure.at_vertices,
             node_force: forces.force,
             force_vectors: forces.vectors,
@@ -143,7 +149,7 @@ impl Figures {
         discretization: Discretization,
     ) -> Self {
         let surface = gaps.surface;
-        let loaded = LoadedVertices::new(surface, forces, &pressure, areas, &motion.displacement);
+        let loaded = LoadedVertices::new(surface, forces, &pressure, areas, &motion.of_skin());
         Self { loaded, pressure, motion, max_penetration_after, discretization }
     }
 
@@ -151,7 +157,7 @@ impl Figures {
     fn at_rest(gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Self {
         let pressure = VertexPressure::new(gaps.surface, traits.basis, traits.discretization, forces);
         let displacement = vec![Vector3::zeros(); forces.candidates.len()];
-        let motion = CandidateMotion { displacement, scalar: Vec::new() };
+        let motion = CandidateMotion { displacement, ..CandidateMotion::default() };
         let areas = gaps.surface.vertex_areas();
         Self::new(gaps, forces, pressure, areas, motion, gaps.deepest(), traits.discretization)
     }

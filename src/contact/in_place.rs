@@ -82,6 +82,7 @@ impl<'a> InPlace<'a> {
         if gaps.penetrating.is_empty() {
             return Ok(Self { gaps, response, forces: None, report });
         }
+        let response = response.with_product(&gaps)?;
         if let Some(Known { vertices, displacement, .. }) = known.filter(|known| !known.vertices.is_empty()) {
             let there = gaps.measured_at(vertices, displacement)?;
             gaps.linearise(vertices, displacement, &there);

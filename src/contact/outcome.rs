@@ -146,8 +146,12 @@ pub struct Contact {
     pub resultant: Resultant,
     /// Deepest penetration of a skin vertex before (m, ≥ 0).
     pub max_penetration_before: f64,
-    /// Deepest penetration of a skin vertex after, measured anew at the deformed skin (m, ≥ 0).
+    /// Deepest penetration of a skin vertex after, measured anew at the deformed skin against
+    /// the deformed product (m, ≥ 0).
     pub max_penetration_after: f64,
+    /// The product's share of what skin and product give way together, `-f·u_P / f·(u_H - u_P)` with forces and
+    /// displacements along the obstacle's normals: 0 of a rigid product; `None` without contact.
+    pub obstacle_share: Option<f64>,
     /// Pressure (n, Pa): `f_i / S_i`, with S_i a third of the area of the triangles around the vertex. In Galerkin
     /// form that is right in the mean only, and this is the smooth pressure recovered from it: its sum over
     /// S_i is the force up to the mesh error, below it as the rim's cells count in part.

@@ -16,6 +16,7 @@ use crate::obstacle::edges::{SharpEdge, mesh_edges};
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::nearest::Nearest;
 use crate::obstacle::primitive::SURFACE_TOLERANCE;
+use crate::surface::coarse::{CoarsePlace, barycentric};
 
 /// Below this cosine between `p - c` and a pseudo-normal the solid angle decides the sign (dimensionless): `p - c` is longer
 /// than [`SURFACE_TOLERANCE`] of the mesh's size and rounded by 1e-16 of it, so its direction is known to 1e-6.
@@ -112,6 +113,13 @@ impl MeshShape {
         let faces = Faces { vertices: &self.vertices, corners: &self.faces, normals: &self.normals };
         let (face, closest) = faces.closest_to_point(self.tree.bvh(), p, reach)?;
         Some(self.signed(p, face, &closest))
+    }
+
+    /// The triangle closest to a point, and where on it.
+    pub fn closest_triangle(&self, p: &Vector3<f64>) -> CoarsePlace {
+        let faces = Faces { vertices: &self.vertices, corners: &self.faces, normals: &self.normals };
+        let (face, weights, _) = barycentric(&faces, self.tree.bvh(), p);
+        CoarsePlace { corners: self.faces[face], weights }
     }
 
     /// Signed distance and normal from the closest point on `face`.

@@ -14,11 +14,13 @@
 //!
 //! That needs a closed mesh whose faces do not cross, which [`Obstacle::mesh`] checks once, in exact
 //! arithmetic. [`Obstacle::first_touch`] moves the obstacle along a line until it meets the first of many points.
+//! It is rigid unless [`Obstacle::with_material`] says what it is made of.
 
 pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod error;
 pub(crate) mod first_touch;
+pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod nearest;
 pub(crate) mod posed;
@@ -29,6 +31,7 @@ pub(crate) mod sweep;
 pub use distance::SignedDistances;
 pub use error::ObstacleError;
 pub use first_touch::FirstTouch;
+pub use material::{Material, ProductResponse};
 pub use mesh::MeshObstacleOptions;
 pub use posed::{Obstacle, Triangles};
 #[cfg(feature = "python")]

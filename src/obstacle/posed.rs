@@ -7,17 +7,21 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::rigid_motion::rigid_motion;
 use crate::obstacle::error::ObstacleError;
+use crate::obstacle::material::Material;
 use crate::obstacle::mesh::{MeshObstacleOptions, MeshShape};
 use crate::obstacle::nearest::Nearest;
 use crate::obstacle::primitive::Primitive;
+use crate::surface::checked::Surface;
+use crate::surface::coarse::CoarsePlace;
 
-/// A rigid product: a closed mesh or a primitive, at a pose.
+/// The product: a closed mesh or a primitive, at a pose; rigid unless it has a material.
 ///
-/// Clones and moved copies share the shape, so they cost next to nothing.
+/// Clones and moved copies share the shape and the material, so they cost next to nothing.
 #[derive(Debug, Clone)]
 pub struct Obstacle {
     shape: Arc<Shape>,
     pose: Isometry3<f64>,
+    material: Option<Arc<Material>>,
 }
 
 /// Vertices (m) and faces.
@@ -130,7 +134,7 @@ impl Obstacle {
     }
 
     fn at_rest(shape: Shape) -> Obstacle {
-        Obstacle { shape: Arc::new(shape), pose: Isometry3::identity() }
+        Obstacle { shape: Arc::new(shape), pose: Isometry3::identity(), material: None }
     }
 
     /// A copy turned about the origin, then shifted: a point at `x` comes to `rotation x + translation`.
@@ -149,14 +153,23 @@ impl Obstacle {
         let motion = rigid_motion(rotation, translation)?;
         let mut pose = motion * self.pose;
         pose.rotation.renormalize();
-        Ok(Obstacle { shape: Arc::clone(&self.shape), pose })
+        Ok(Obstacle { pose, ..self.clone() })
     }
 
     /// A copy shifted by `translation` (m).
     pub fn translated(&self, translation: &Vector3<f64>) -> Obstacle {
         let mut pose = self.pose;
         pose.translation.vector += translation;
-        Obstacle { shape: Arc::clone(&self.shape), pose }
+        Obstacle { pose, ..self.clone() }
+    }
+
+    pub(super) fn made_of(&self, material: Material) -> Obstacle {
+        Obstacle { material: Some(Arc::new(material)), ..self.clone() }
+    }
+
+    /// What it is made of; `None` of a rigid one.
+    pub fn material(&self) -> Option<&Material> {
+        self.material.as_deref()
     }
 
     /// A copy turned about a point (m).
@@ -164,7 +177,7 @@ impl Obstacle {
         let center = Translation3::from(*center);
         let mut pose = center * rotation * center.inverse() * self.pose;
         pose.rotation.renormalize();
-        Obstacle { shape: Arc::clone(&self.shape), pose }
+        Obstacle { shape: Arc::clone(&self.shape), pose, material: self.material.clone() }
     }
 
     /// Where the obstacle's own frame stands in the world.
@@ -206,6 +219,21 @@ impl Obstacle {
         }
     }
 
+    /// A mesh in the world with its areas and normals; `None` for a primitive.
+    pub(crate) fn surface(&self) -> Option<Surface> {
+        let (vertices, faces) = self.triangles()?;
+        let mask = vec![true; vertices.len()];
+        Some(Surface::from_sound_mesh(vertices, faces, mask))
+    }
+
+    /// The triangle of a mesh closest to a point (m), and where on it; `None` for a primitive.
+    pub(crate) fn closest_triangle(&self, point: &Vector3<f64>) -> Option<CoarsePlace> {
+        match &*self.shape {
+            Shape::Mesh(mesh) => Some(mesh.closest_triangle(&self.pose_matrix().to_local(point))),
+            Shape::Primitive(_) => None,
+        }
+    }
+
     /// Vertices (m) and faces of a mesh in its own frame.
     #[cfg(feature = "python")]
     pub(crate) fn own_triangles(&self) -> Option<OwnTriangles<'_>> {
@@ -233,7 +261,7 @@ impl Obstacle {
     /// The same shape at another pose.
     #[cfg(feature = "python")]
     pub(crate) fn at(&self, pose: Isometry3<f64>) -> Obstacle {
-        Obstacle { shape: Arc::clone(&self.shape), pose }
+        Obstacle { pose, ..self.clone() }
     }
 
     pub(super) fn shape(&self) -> &Shape {

@@ -134,6 +134,7 @@ pub(super) struct PyContact {
     loaded: Py<PyLoadedVertices>,
     max_penetration_before: f64,
     max_penetration_after: f64,
+    obstacle_share: Option<f64>,
     pressure: Py<PyArray1<f64>>,
     node_force: Py<PyArray1<f64>>,
     force_vectors: Py<PyArray2<f64>>,
@@ -172,6 +173,7 @@ impl PyContact {
             loaded: Py::new(py, PyLoadedVertices::from(contact.loaded.clone()))?,
             max_penetration_before: contact.max_penetration_before,
             max_penetration_after: contact.max_penetration_after,
+            obstacle_share: contact.obstacle_share,
             pressure: moved(&mut contact.pressure),
             node_force: moved(&mut contact.node_force),
             force_vectors: read_only(vectors_out(py, &contact.force_vectors)),
@@ -198,6 +200,9 @@ impl PyContact {
     }
 }
 
+/// Displacement of the product opposite the vertices (n, 3) in m, and its moved mesh.
+type DrawnObstacle = (Py<PyArray2<f64>>, Option<PySurface>);
+
 /// What the drawn skin is computed from.
 #[pyclass(name = "Drawing", module = "quasirigid._core", frozen)]
 pub(super) struct PyDrawing {
@@ -211,6 +216,23 @@ impl PyDrawing {
     /// The mesh that was solved; `None` where nothing was refined.
     fn surface(&self, py: Python<'_>) -> Option<PySurface> {
         py.detach(|| self.contact.refined_surface().map(|mesh| mesh.surface.clone())).map(Into::into)
+    }
+
+    /// Displacement of the product (n, 3) in m and its mesh moved, None of a primitive; None of a rigid product.
+    fn draw_obstacle(&self, py: Python<'_>) -> PyResult<Option<DrawnObstacle>> {
+        if self.contact.obstacle.material().is_none() {
+            return Ok(None);
+        }
+        let draw = |interrupt: &(dyn Fn() -> bool + Sync)| {
+            let options = ContactOptions { interrupt: Some(interrupt), ..self.options.clone() };
+            Ok::<_, ContactError>((
+                self.contact.obstacle_displacement(),
+                self.contact.deformed_obstacle(&options)?,
+            ))
+        };
+        let drawn = detached_with(py, self.options.num_threads, draw)?.map_err(IntoPyErr::into_py_err)?;
+        let (displacement, deformed) = drawn;
+        Ok(Some((read_only(vectors_out(py, &displacement)), deformed.map(Into::into))))
     }
 
     /// Displacement (n, 3) in m, fade distance (m), volume change (m³) and deformed surface, computed now.

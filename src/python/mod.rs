@@ -10,6 +10,7 @@ mod gaps;
 mod interrupt;
 mod lcp;
 mod loaded;
+mod material;
 mod matrix;
 mod obstacle;
 mod pickle;

@@ -1,15 +1,19 @@
 //! `quasirigid.Obstacle`.
 
-use super::convert::{faces, faces_out, matrix3, mesh_arrays, vector, vector_out, vectors, vectors_out};
+use super::convert::{
+    MatrixArgument, faces, faces_out, matrix3, mesh_arrays, nodes, vector, vector_out, vectors, vectors_out,
+};
 use super::errors::{IntoPyErr, ObstacleError};
+use super::material::{material_out, product_skin};
 use super::pickle::{Pose, Reduced, reduced, restored};
-use crate::obstacle::{MeshObstacleOptions, Obstacle};
+use crate::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-/// The product: a closed mesh or a primitive, rigid, at a pose.
+/// The product: a closed mesh or a primitive at a pose, rigid unless it has a material.
 ///
-/// Make one by `mesh`, `half_space`, `sphere`, `box`, `capsule` or `cylinder`, and place it by `moved`.
+/// Make one by `mesh`, `half_space`, `sphere`, `box`, `capsule` or `cylinder`, place it by `moved`, and say what it is made
+/// of by `with_material`.
 ///
 /// Examples
 /// --------
@@ -179,6 +183,69 @@ impl PyObstacle {
         made(self.inner.moved(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?))
     }
 
+    /// A copy that gives way under the contact's forces.
+    ///
+    /// At the contact's nodes ``g = g0 + (R_H + R_P) f``, R_H the skin's response and R_P the product's, both along the
+    /// obstacle's normals; the pressure is the same on both sides.
+    ///
+    /// Parameters
+    /// ----------
+    /// shear_modulus : float
+    ///     G (Pa), > 0.
+    /// poisson_ratio : float
+    ///     nu, in [0, 0.5].
+    /// response : HalfSpace, GaussianCorrected, Layer or GivenMatrix, optional
+    ///     Displacement of the surface per unit force; None for ``HalfSpace()``. A kernel is taken at the contact's nodes,
+    ///     with pressure and discretization of the skin, and a `Layer` has one thickness. A `GivenMatrix` knows vertices of
+    ///     the product's mesh, all that the skin may touch, with a compliance (k, k) along the product's normals; it is
+    ///     linear over the triangles in between.
+    ///
+    /// Returns
+    /// -------
+    /// Obstacle
+    ///     The copy; it shares the shape, and moved copies keep the material.
+    ///
+    /// Raises
+    /// ------
+    /// ResponseError
+    ///     If a constant is out of range, or no product has such a response.
+    ///
+    /// Warns
+    /// -----
+    /// QuasirigidWarning
+    ///     If the response is not well posed.
+    ///
+    /// References
+    /// ----------
+    /// Johnson 1985, "Contact Mechanics", section 4.1.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import quasirigid as qr
+    /// >>> tip = qr.models.fingertip()
+    /// >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    /// >>> plate = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+    /// >>> foam = plate.with_material(shear_modulus=60e3, poisson_ratio=0.5)
+    /// >>> contact = qr.press(tip, foam, skin, [0, 0, 1], depth=1e-3)
+    /// >>> round(contact.obstacle_share, 6)
+    /// 0.5
+    #[pyo3(signature = (*, shear_modulus, poisson_ratio, response=None), text_signature = "(self, *, shear_modulus, poisson_ratio, response=None)")]
+    fn with_material(
+        &self,
+        py: Python<'_>,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        response: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        self.made_of(py, (shear_modulus, poisson_ratio), response, true)
+    }
+
+    /// What it is made of, or None of a rigid one.
+    #[getter]
+    fn material<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        material_out(py, &self.inner)
+    }
+
     /// Signed distance, closest point and outward normal.
     ///
     /// Parameters
@@ -250,15 +317,56 @@ impl PyObstacle {
         reduced(py, &self.inner)
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let at = self.inner.pose().translation.vector;
-        format!("Obstacle({} at ({:.6}, {:.6}, {:.6}) m)", self.inner.kind(), at.x, at.y, at.z)
+        let place = format!("{} at ({:.6}, {:.6}, {:.6}) m", self.inner.kind(), at.x, at.y, at.z);
+        Ok(match self.material(py)? {
+            None => format!("Obstacle({place})"),
+            Some(material) => format!("Obstacle({place}, {})", material.repr()?),
+        })
     }
 }
 
-/// The obstacle of a pickle: kind, mesh or numbers of the primitive, pose.
+impl PyObstacle {
+    /// The copy of a material; a new one warns of a response that is not well posed.
+    fn made_of(
+        &self,
+        py: Python<'_>,
+        constants: (f64, f64),
+        response: Option<&Bound<'_, PyAny>>,
+        is_new: bool,
+    ) -> PyResult<Self> {
+        let (kernel, given) = product_skin(py, constants, response, is_new)?;
+        let response = match given {
+            None => ProductResponse::Kernel(kernel.get().kernel()?.kernel().clone()),
+            Some((nodes, compliance)) => {
+                let count = self.inner.triangles().map_or(usize::MAX, |(vertices, _)| vertices.len());
+                ProductResponse::Matrix {
+                    nodes: self::nodes(&nodes, "nodes", count)?,
+                    matrix: MatrixArgument::new(&compliance, "compliance")?.view().to_owned(),
+                }
+            }
+        };
+        let made = py.detach(|| self.inner.with_material(constants.0, constants.1, response));
+        made.map(Self::from).map_err(IntoPyErr::into_py_err)
+    }
+}
+
+/// The obstacle of a pickle: kind, mesh or numbers of the primitive, pose, and material or None.
 #[pyfunction]
-#[pyo3(signature = (kind, shape, pose, /), text_signature = "(kind, shape, pose, /)")]
-pub(super) fn restore_obstacle(kind: &str, shape: &Bound<'_, PyAny>, pose: Pose) -> PyResult<PyObstacle> {
-    restored(kind, shape, pose).map(PyObstacle::from)
+#[pyo3(signature = (kind, shape, pose, material=None, /), text_signature = "(kind, shape, pose, material=None, /)")]
+pub(super) fn restore_obstacle(
+    py: Python<'_>,
+    kind: &str,
+    shape: &Bound<'_, PyAny>,
+    pose: Pose,
+    material: Option<(f64, f64, Bound<'_, PyAny>)>,
+) -> PyResult<PyObstacle> {
+    let rigid = restored(kind, shape, pose).map(PyObstacle::from)?;
+    match material {
+        None => Ok(rigid),
+        Some((shear_modulus, poisson_ratio, response)) => {
+            rigid.made_of(py, (shear_modulus, poisson_ratio), Some(&response), false)
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::convert::{faces, faces_out, vectors, vectors_out};
 use super::errors::{IntoPyErr, ObstacleError};
+use super::material::material_out;
 use crate::obstacle::{MeshObstacleOptions, Obstacle, Primitive};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use pyo3::prelude::*;
@@ -9,8 +10,9 @@ use pyo3::prelude::*;
 /// Quaternion i, j, k, w and translation (m).
 pub(super) type Pose = [f64; 7];
 
-/// The function that restores, and its arguments: kind, mesh or numbers of the primitive, pose.
-pub(super) type Reduced<'py> = (Bound<'py, PyAny>, (&'static str, Bound<'py, PyAny>, Pose));
+/// The function that restores, and its arguments: kind, mesh or numbers of the primitive, pose, material.
+pub(super) type Reduced<'py> =
+    (Bound<'py, PyAny>, (&'static str, Bound<'py, PyAny>, Pose, Option<Bound<'py, PyAny>>));
 
 /// What pickle asks of an obstacle.
 pub(super) fn reduced<'py>(py: Python<'py>, obstacle: &Obstacle) -> PyResult<Reduced<'py>> {
@@ -24,7 +26,7 @@ pub(super) fn reduced<'py>(py: Python<'py>, obstacle: &Obstacle) -> PyResult<Red
     let (turn, shift) = (pose.rotation.coords, pose.translation.vector);
     let pose = [turn.x, turn.y, turn.z, turn.w, shift.x, shift.y, shift.z];
     let restore = py.import("quasirigid._core")?.getattr("restore_obstacle")?;
-    Ok((restore, (obstacle.kind(), shape, pose)))
+    Ok((restore, (obstacle.kind(), shape, pose, material_out(py, obstacle)?)))
 }
 
 fn numbers(primitive: &Primitive) -> Vec<f64> {

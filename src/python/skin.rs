@@ -48,6 +48,10 @@ impl PySkin {
         self.inner.as_skin()
     }
 
+    pub(super) fn kernel(&self) -> PyResult<&KernelSkin> {
+        self.inner.kernel()
+    }
+
     /// The skin that draws what `skin` solved: of a prepared kernel the kernel, without its matrix.
     pub(super) fn for_drawing(skin: &Bound<'_, Self>) -> PyResult<Py<Self>> {
         match &skin.get().inner {

@@ -190,6 +190,27 @@ pub enum ResponseError {
         /// Vertices of the patch.
         count: usize,
     },
+    /// A product cannot have the response.
+    #[error("no such response of a product: {what}")]
+    Product {
+        /// Why not, and what to do.
+        what: &'static str,
+    },
+    /// A product's given matrix is asked about a vertex that it does not know.
+    #[error(
+        "skin vertex {vertex} may touch the product beside its vertex {product_vertex}, which is none of the {known} nodes \
+         of the product's matrix ({missing} such skin vertices): give the matrix for these too, or mask them out"
+    )]
+    ProductNotKnown {
+        /// First such vertex of the skin.
+        vertex: usize,
+        /// Vertex of the product's mesh.
+        product_vertex: usize,
+        /// How many vertices of the skin there are.
+        missing: usize,
+        /// Nodes of the matrix.
+        known: usize,
+    },
     /// The body could not be solved.
     #[error(transparent)]
     Body(#[from] BodyError),

@@ -13,6 +13,7 @@ mod combined;
 mod common;
 mod cuts;
 mod edges;
+mod elastic_product;
 mod fingers;
 mod galerkin;
 mod hertz;

@@ -56,7 +56,7 @@ def test_a_mesh_with_crossings_that_were_waived_comes_back() -> None:
 
 
 def test_a_pickle_that_is_none_of_ours_is_refused() -> None:
-    restore, (_, numbers, pose) = OBSTACLES["sphere"].__reduce__()
+    restore, (_, numbers, pose, _) = OBSTACLES["sphere"].__reduce__()
     with pytest.raises(qr.ObstacleError, match='no obstacle is a "ball" of 4 numbers'):
         restore("ball", numbers, pose)
 

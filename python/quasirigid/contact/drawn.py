@@ -1,19 +1,21 @@
-"""The skin as it looks under the forces of a contact, computed when somebody asks."""
+"""Skin and product as they look under the forces of a contact, computed when somebody asks."""
 
 from __future__ import annotations
 
 from threading import Lock
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from .. import _core
+from ..surface import Surface
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
-    from ..surface import Surface
+    from ..obstacle import Obstacle
 
-__all__ = ["Drawing", "DrawnSkin"]
+__all__ = ["Drawing", "DrawnObstacle", "DrawnSkin"]
 
 
 class DrawnSkin(NamedTuple):
@@ -25,15 +27,29 @@ class DrawnSkin(NamedTuple):
     deformed: Surface
 
 
-class Drawing:
-    """A drawn skin and the mesh that it is drawn on, or what computes them."""
+class DrawnObstacle(NamedTuple):
+    """Displacement (n, 3) in m of the product opposite each vertex, and its moved mesh, if it has one."""
 
-    def __init__(self, source: _core.Drawing | DrawnSkin, surface: Surface | None) -> None:
+    displacement: NDArray[np.float64]
+    deformed: Surface | None
+
+
+class Drawing:
+    """A drawn skin, the mesh that it is drawn on, the product that it meets, or what computes them."""
+
+    def __init__(
+        self,
+        source: _core.Drawing | DrawnSkin,
+        surface: Surface | None,
+        obstacle: DrawnObstacle | None = None,
+    ) -> None:
         self._source = source
         self._surface = surface
+        self._obstacle = obstacle
         self._lock = Lock()
-        if isinstance(source, DrawnSkin):
-            source.displacement.flags.writeable = False
+        for drawn in (source, obstacle):
+            if isinstance(drawn, (DrawnSkin, DrawnObstacle)):
+                drawn.displacement.flags.writeable = False
 
     def surface(self) -> Surface:
         """Return the mesh that was solved; built once, when it is first asked for."""
@@ -44,9 +60,29 @@ class Drawing:
         """Return the drawn skin; computed once, whichever threads ask, and its source is let go."""
         with self._lock:
             self._built_surface()
+            self._moved_obstacle()
             if isinstance(self._source, _core.Drawing):
                 self._source = DrawnSkin(*self._source.draw())
             return self._source
+
+    def obstacle(self, obstacle: Obstacle, vertex_count: int) -> DrawnObstacle:
+        """Return the moved product; a rigid one where it stands, its displacement 0."""
+        with self._lock:
+            drawn = self._moved_obstacle()
+            if drawn is None:
+                displacement = np.zeros((vertex_count, 3))
+                displacement.flags.writeable = False
+                triangles = obstacle.triangles()
+                drawn = DrawnObstacle(displacement, None if triangles is None else Surface(*triangles))
+                self._obstacle = drawn
+            return drawn
+
+    def _moved_obstacle(self) -> DrawnObstacle | None:
+        """Return the product as far as it was moved; None of a rigid one."""
+        if self._obstacle is None and isinstance(self._source, _core.Drawing):
+            moved = self._source.draw_obstacle()
+            self._obstacle = None if moved is None else DrawnObstacle(*moved)
+        return self._obstacle
 
     def _built_surface(self) -> Surface:
         if self._surface is None:
@@ -56,5 +92,5 @@ class Drawing:
         return self._surface
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the drawn skin and its mesh."""
-        return Drawing, (self.skin(), self.surface())
+        """Pickle the drawn skin, its mesh and the moved product."""
+        return Drawing, (self.skin(), self.surface(), self._obstacle)

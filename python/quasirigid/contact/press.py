@@ -52,7 +52,8 @@ def solve_contact(
 ) -> Contact:
     """Solve the contact of the skin with the obstacle where it stands.
 
-    Finds node forces f >= 0 and gaps ``g = g0 + R f >= 0`` with ``g'f = 0``.
+    Finds node forces f >= 0 and gaps ``g = g0 + R f >= 0`` with ``g'f = 0``, R the response of the skin, and
+    with it that of an obstacle with a material (`Obstacle.with_material`).
 
     Parameters
     ----------
@@ -264,6 +265,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         max_pressure=total.max_pressure,
         max_penetration_before=core.max_penetration_before,
         max_penetration_after=core.max_penetration_after,
+        obstacle_share=core.obstacle_share,
         pressure=core.pressure,
         node_force=core.node_force,
         force_vectors=core.force_vectors,

@@ -34,8 +34,8 @@ __all__ = ["Contact", "ContactError"]
 class Contact(Frozen):
     """The skin pressed against the obstacle. Arrays have one entry per vertex of the surface (n of them).
 
-    `displacement`, `fade_distance`, `volume_change` and `deformed` are computed when one of them is first
-    asked for, or the contact is pickled.
+    `displacement`, `fade_distance`, `volume_change` and `deformed`, and `obstacle_displacement` and
+    `deformed_obstacle`, are computed when one of them is first asked for, or the contact is pickled.
 
     Attributes
     ----------
@@ -72,7 +72,11 @@ class Contact(Frozen):
         Largest pressure at a vertex (Pa), ``pressure.max()``. In Galerkin form the largest between vertices
         too, and never below the mean over a patch's contact area.
     max_penetration_before, max_penetration_after : float
-        Deepest penetration of a skin vertex (m), before and, measured anew at the deformed skin, after.
+        Deepest penetration of a skin vertex (m), before and, measured anew at the deformed skin against the
+        deformed product, after.
+    obstacle_share : float or None
+        The product's share of what skin and product give way together, ``f'u_P / f'(u_H + u_P)`` along the
+        obstacle's normals: 0 of a rigid product, None without contact.
     pressure : (n,) float64
         Pressure (Pa): `node_force` over vertex area. In Galerkin form that ratio is right in the mean only,
         and this is the smooth pressure recovered from it, which sums to the force up to the mesh error.
@@ -118,6 +122,7 @@ class Contact(Frozen):
     max_pressure: float
     max_penetration_before: float
     max_penetration_after: float
+    obstacle_share: float | None
     pressure: NDArray[np.float64]
     node_force: NDArray[np.float64]
     force_vectors: NDArray[np.float64]
@@ -159,6 +164,20 @@ class Contact(Frozen):
     def deformed(self) -> Surface:
         """The surface moved by `displacement`."""
         return self._drawing.skin().deformed
+
+    @property
+    def obstacle_displacement(self) -> NDArray[np.float64]:
+        """(n, 3) float64: displacement of the product opposite each vertex (m); 0 off the candidates."""
+        return self._drawing.obstacle(self.obstacle, len(self.gap)).displacement
+
+    @property
+    def deformed_obstacle(self) -> Surface | None:
+        """The product's mesh, moved; None of a primitive.
+
+        Under a kernel the vertices around the contact move as the kernel says of its pressure, faded as the
+        skin is; a given matrix moves those that it knows, against their normals.
+        """
+        return self._drawing.obstacle(self.obstacle, len(self.gap)).deformed
 
     def mean_pressure(self, area: float = 1e-4) -> float:
         """Return the largest mean pressure over a disc of a given area.

@@ -12,6 +12,7 @@ import numpy as np
 if TYPE_CHECKING:
     from ..contact.accuracy import Refinement
     from ..contact.result import Contact
+    from ..obstacle import Obstacle
 
 __all__ = ["as_plain", "contact_record"]
 
@@ -25,6 +26,7 @@ _CONTACT = {
     "volume_change": "m^3",
     "max_penetration_before": "m",
     "max_penetration_after": "m",
+    "obstacle_share": "1",
     "travel": "m",
     "depth": "m",
     "fade_distance": "m",
@@ -118,4 +120,16 @@ def _product(contact: Contact) -> dict[str, Any]:
         "rotation": as_plain(obstacle.rotation),
         "translation": _figure(obstacle.translation, "m"),
         "bounding_box": _figure(obstacle.bounding_box, "m"),
+        "material": _material(obstacle),
+    }
+
+
+def _material(obstacle: Obstacle) -> dict[str, Any] | None:
+    if obstacle.material is None:
+        return None
+    shear_modulus, poisson_ratio, response = obstacle.material
+    return {
+        "shear_modulus": _figure(shear_modulus, "Pa"),
+        "poisson_ratio": _figure(poisson_ratio, "1"),
+        "response": repr(response),
     }

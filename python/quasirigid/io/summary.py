@@ -199,12 +199,21 @@ def _rows(contact: Contact) -> dict[str, str]:
         "mean pressure over 1 mm²": f"{contact.mean_pressure(1e-6) * KPA:.4g} kPa",
         "overlap before": f"{contact.max_penetration_before * MM:.4g} mm",
         "overlap after": f"{contact.max_penetration_after * MM:.2g} mm",
+        **_share(contact),
         "patches": str(len(contact.patches)),
         "vertices, candidates, active": ", ".join(map(str, counts)),
         "cells per contact radius": f"{accuracy.cells_per_radius:.3g}",
         "rounds of refinement": f"{len(rounds) - 1}, {rounds[-1].reason}",
         "natural residual": f"{contact.natural_residual:.1e}",
     } | {f"time: {stage}": f"{seconds * 1e3:.3g} ms" for stage, seconds in contact.timings.items()}
+
+
+def _share(contact: Contact) -> dict[str, str]:
+    """Return how much of the overlap a product with a material takes."""
+    share = contact.obstacle_share
+    if share is None or contact.obstacle.material is None:
+        return {}
+    return {"share of the product": f"{100.0 * share:.3g} %"}
 
 
 def _estimated(error: float | None) -> str:

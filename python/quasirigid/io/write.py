@@ -48,8 +48,9 @@ def save_contact(
     `vertex_data` returns; `contact.npz` the arrays, named as on `Contact`, with `vertices`, `faces` and
     `skin_mask` of the deformed skin; `contact.json` status, figures with their units, accuracy, what
     each round of refinement gave, timings, what was left out, and `inputs`; `product.ply` the triangles
-    of the product where it stands (a primitive has none, and `contact.json` says so); `skin.png` and
-    `footprint.png` the pictures.
+    of the product where it stands (a primitive has none, and `contact.json` says so), and
+    `deformed_product.ply` those of one with a material under the forces; `skin.png` and `footprint.png` the
+    pictures.
 
     Parameters
     ----------
@@ -105,6 +106,9 @@ def _files(contact: Contact, inputs: Mapping[str, Any]) -> Iterator[tuple[str, b
     yield "contact.json", (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
     if product:
         yield "product.ply", _plain_ply(*product, "m")
+    if contact.obstacle.material is not None and contact.deformed_obstacle is not None:
+        moved = contact.deformed_obstacle
+        yield "deformed_product.ply", _plain_ply(moved.vertices, moved.faces, "m")
 
 
 def _deformed_ply(contact: Contact) -> bytes:
@@ -116,7 +120,14 @@ def _deformed_ply(contact: Contact) -> bytes:
 
 def _archive(contact: Contact) -> bytes:
     names = ["pressure", "node_force", "force_vectors", "gap", "displacement", "candidates", "active"]
-    names += ["force", "moment", "center_of_pressure", "given_vertex_count", "parents"]
+    names += [
+        "obstacle_displacement",
+        "force",
+        "moment",
+        "center_of_pressure",
+        "given_vertex_count",
+        "parents",
+    ]
     arrays: dict[str, Any] = {name: getattr(contact, name) for name in names}
     arrays |= {name: getattr(contact.deformed, name) for name in ("vertices", "faces", "skin_mask")}
     file = io.BytesIO()

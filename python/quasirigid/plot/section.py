@@ -31,6 +31,8 @@ def plot_section(
 ) -> Axes:
     """Draw a cut through the center of pressure, along the finger: skin before and after, and the product.
 
+    A product with a material is filled as it was before, with a line where its mesh lies after.
+
     Parameters
     ----------
     contact : Contact
@@ -61,14 +63,20 @@ def plot_section(
     styles = [(BEFORE, 1.1, (0, (3.5, 2.0)), "skin before"), (AFTER, 2.0, "solid", "skin after")]
     for segments, (colour, thickness, dashes, name) in zip(cuts, styles, strict=True):
         _draw_cut(ax, segments, colour, thickness, dashes, name)
-    ax.fill_between([], [], color=PRODUCT, label="product")
+    moved = contact.obstacle.material is not None
+    ax.fill_between([], [], color=PRODUCT, label="product before" if moved else "product")
+    if moved and contact.deformed_obstacle is not None:
+        mesh = contact.deformed_obstacle
+        cut = _cut(mesh.vertices, mesh.faces, center, view)
+        _draw_cut(ax, cut, PRODUCT_EDGE, 1.6, "solid", "product after")
     ax.set_xlim(window[0], window[1])
     ax.set_ylim(window[2], window[3])
     ax.set_aspect("equal")
     ax.set_axis_off()
     scale_bar(ax, window)
+    columns = 4 if bone is not None and not moved else 3
     ax.legend(
-        loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=3 if bone is None else 4, frameon=False,
+        loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, frameon=False,
         fontsize=8.5, labelcolor=INK, handlelength=1.8, columnspacing=1.4,
     )  # fmt: skip
     return ax

@@ -3,8 +3,11 @@
 use faer::Mat;
 use nalgebra::Vector3;
 
+use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::forces::AppliedForces;
+use crate::contact::equilibrium::product::product_response;
 use crate::contact::error::ContactError;
+use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::matrix::options::AssemblyOptions;
@@ -14,15 +17,26 @@ use crate::surface::checked::Surface;
 /// Relative quadrature tolerance of displacements that are drawn and summed to a volume but enter no complementarity.
 const DRAWN_TOLERANCE: f64 = 1e-3;
 
-/// A skin's response on a surface.
+/// The response of a skin on its surface, and of the product that it meets.
 pub(crate) struct Compliance<'a> {
     surface: &'a Surface,
     pub skin: &'a dyn ElasticSkin,
+    /// `None` of a rigid product.
+    product: Option<Product<'a>>,
+    /// Of both together.
     pub traits: Traits,
     options: AssemblyOptions<'a>,
 }
 
+/// The response of a product, as if it were a skin.
+struct Product<'a> {
+    response: Box<dyn ElasticSkin + 'a>,
+    /// Whether it knows what passes from one finger to another.
+    joins_fingers: bool,
+}
+
 impl<'a> Compliance<'a> {
+    /// A skin against a rigid product.
     pub fn new(
         surface: &'a Surface,
         skin: &'a dyn ElasticSkin,
@@ -35,13 +49,57 @@ impl<'a> Compliance<'a> {
             interrupt: options.interrupt,
             ..AssemblyOptions::default()
         };
-        Self { surface, skin, traits, options }
+        Self { surface, skin, product: None, traits, options }
+    }
+
+    /// The same against the product of `gaps`.
+    pub fn with_product(mut self, gaps: &Gaps<'a>) -> Result<Self, ContactError> {
+        if let Some(material) = gaps.scene.obstacle.material() {
+            let response = product_response(material, gaps, &self.traits)?;
+            self.product = Some(Product { response, joins_fingers: material.given().is_some() });
+            self.traits = self.traits.with_product(Some(material));
+        }
+        Ok(self)
+    }
+
+    /// Whether the product gives way.
+    pub fn has_product(&self) -> bool {
+        self.product.is_some()
+    }
+
+    /// Whether forces on one finger are felt by the others, through the product.
+    pub fn joins_fingers(&self) -> bool {
+        self.product.as_ref().is_some_and(|product| product.joins_fingers)
+    }
+
+    /// Whether the response to a force at `vertex` is known.
+    pub fn is_prepared(&self, vertex: usize) -> bool {
+        let of_product = self.product.as_ref().is_none_or(|product| product.response.is_prepared(vertex));
+        of_product && self.skin.is_prepared(vertex)
     }
 
     /// R over `nodes` along the obstacle's normals there (k × k, m/N).
-    pub fn matrix(&self, nodes: &[usize], normals: &[Vector3<f64>]) -> Result<Mat<f64>, ContactError> {
+    ///
+    /// * `fingers`: between which the skin passes nothing on
+    pub fn matrix(
+        &self,
+        nodes: &[usize],
+        normals: &[Vector3<f64>],
+        fingers: &Fingers,
+    ) -> Result<Mat<f64>, ContactError> {
         let asked = Request { surface: self.surface, nodes, options: &self.options };
-        Ok(self.skin.matrix(&asked, normals)?)
+        let mut matrix = self.skin.matrix(&asked, normals)?;
+        if let Some(product) = &self.product {
+            if product.joins_fingers && fingers.candidates.len() > 1 {
+                let of_node: Vec<_> = nodes.iter().map(|&vertex| fingers.finger_of(vertex)).collect();
+                for j in 0..nodes.len() {
+                    let apart = (0..nodes.len()).filter(|&i| of_node[i] != of_node[j]);
+                    apart.for_each(|i| matrix[(i, j)] = 0.0);
+                }
+            }
+            matrix += product.response.matrix(&asked, normals)?;
+        }
+        Ok(matrix)
     }
 
     /// What the mesh that a body was solved on costs a contact of so many m in depth with `forces` (N) at `nodes`;
@@ -56,7 +114,8 @@ impl<'a> Compliance<'a> {
         Ok(self.skin.doubt(&asked, forces, depth)?)
     }
 
-    /// Displacement of `vertices`, each under the forces of its own finger, to the tolerance of R itself.
+    /// Displacement of `vertices` against the product, each under the forces of its own finger, to the tolerance of R
+    /// itself: `u_H - u_P`, that of the skin alone against a rigid product.
     pub fn displace(&self, forces: AppliedForces, vertices: &[usize]) -> Result<Displacements, ContactError> {
         self.displace_to(&self.options, forces, vertices)
     }
@@ -71,8 +130,44 @@ impl<'a> Compliance<'a> {
         self.displace_to(&AssemblyOptions { tolerance, ..self.options }, forces, vertices)
     }
 
+    /// Displacement `-u_P` opposite `vertices`, to the tolerance of R itself; `None` of a rigid product.
+    pub fn displace_product(
+        &self,
+        forces: AppliedForces,
+        vertices: &[usize],
+    ) -> Result<Option<Displacements>, ContactError> {
+        let of_product = |product| self.product_under(product, &self.options, forces, vertices);
+        self.product.as_ref().map(of_product).transpose()
+    }
+
     fn displace_to(
         &self,
+        options: &AssemblyOptions,
+        forces: AppliedForces,
+        vertices: &[usize],
+    ) -> Result<Displacements, ContactError> {
+        let mut moved = self.under(self.skin, options, forces, vertices)?;
+        if let Some(product) = &self.product {
+            moved.add(self.product_under(product, options, forces, vertices)?);
+        }
+        Ok(moved)
+    }
+
+    fn product_under(
+        &self,
+        product: &Product,
+        options: &AssemblyOptions,
+        forces: AppliedForces,
+        vertices: &[usize],
+    ) -> Result<Displacements, ContactError> {
+        let together = Fingers::one(forces.active);
+        let fingers = if product.joins_fingers { &together } else { forces.fingers };
+        self.under(&*product.response, options, AppliedForces { fingers, ..forces }, vertices)
+    }
+
+    fn under(
+        &self,
+        moving: &dyn ElasticSkin,
         options: &AssemblyOptions,
         forces: AppliedForces,
         vertices: &[usize],
@@ -80,7 +175,7 @@ impl<'a> Compliance<'a> {
         let under = |active: &[usize], vertices: &[usize]| {
             let pushed: Vec<Vector3<f64>> = active.iter().map(|&vertex| forces.vectors[vertex]).collect();
             let asked = Request { surface: self.surface, nodes: active, options };
-            self.skin.displace(&asked, &pushed, vertices)
+            moving.displace(&asked, &pushed, vertices)
         };
         let fingers = forces.fingers;
         if fingers.candidates.len() == 1 {

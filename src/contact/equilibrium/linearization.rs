@@ -49,7 +49,7 @@ impl Deformed {
         let is_other =
             |vertex: &usize| surface.skin_mask()[*vertex] && forces.candidates.binary_search(vertex).is_err();
         let mut beside = surface.k_ring(&forces.active, 1);
-        beside.retain(|vertex| is_other(vertex) && response.skin.is_prepared(*vertex));
+        beside.retain(|vertex| is_other(vertex) && response.is_prepared(*vertex));
         let found = response.displace_coarsely(forces.applied(), &beside)?;
         let motion = CandidateMotion::new(gaps, response, forces)?;
         let others = beside.iter().enumerate().map(|(row, &vertex)| (vertex, drawn_vector(&found, row)));

@@ -4,4 +4,5 @@ pub(crate) mod compliance;
 pub(crate) mod forces;
 pub(crate) mod growth;
 pub(crate) mod linearization;
+pub(crate) mod product;
 pub(crate) mod solve;

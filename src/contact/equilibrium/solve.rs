@@ -85,9 +85,13 @@ fn solve_on(
     let initial_gap = traits.discretization.initial_gap(gaps, response, &candidates)?;
     let at_candidates = gaps.at(&candidates)?;
     let mut forces = NodeForces::none(gaps, candidates, fingers, at_candidates);
-    for group in uncoupled_groups(gaps.surface, &forces.fingers, traits.reach) {
+    let groups = match response.joins_fingers() {
+        true => vec![forces.candidates.clone()],
+        false => uncoupled_groups(gaps.surface, &forces.fingers, traits.reach),
+    };
+    for group in groups {
         let started = Instant::now();
-        let matrix = response.matrix(&group, &gaps.at(&group)?.normal)?;
+        let matrix = response.matrix(&group, &gaps.at(&group)?.normal, &forces.fingers)?;
         report.clock("response", started);
         let examined = options.condition || group.len() <= EXAMINED_SIZE;
         let spectrum = examined.then(|| spectrum(matrix.as_ref()));

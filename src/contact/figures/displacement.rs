@@ -1,4 +1,6 @@
-//! Displacement of the candidates.
+//! Displacement of the candidates, and of the product opposite them.
+
+use std::borrow::Cow;
 
 use nalgebra::Vector3;
 
@@ -12,10 +14,12 @@ use crate::response::skin::elastic::Displacements;
 /// How the candidates move (k of them).
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CandidateMotion {
-    /// u (k, m): `u_i = (R f)_i n_i` under a scalar kernel, the whole vector of a body.
+    /// `u_H - u_P` (k, m), against the product: `(R f)_i n_i` under a scalar kernel, the whole vector of a body.
     pub displacement: Vec<Vector3<f64>>,
     /// Candidates that a scalar kernel answers for, ascending.
     pub scalar: Vec<usize>,
+    /// u_P (k, m) of the product opposite each, `-(R_P f)_i n_i`; empty of a rigid one.
+    pub product: Vec<Vector3<f64>>,
 }
 
 impl CandidateMotion {
@@ -40,7 +44,38 @@ impl CandidateMotion {
                 }
             }
         }
-        Ok(Self { displacement, scalar })
+        Ok(Self { displacement, scalar, product: Vec::new() })
+    }
+
+    /// The same with how the product moves, and the product's share of what both give way: `-f·u_P / f·(u_H - u_P)`, `None`
+    /// without force.
+    pub fn with_product(
+        self,
+        response: &Compliance,
+        forces: &NodeForces,
+    ) -> Result<(Self, Option<f64>), ContactError> {
+        let Some(found) = response.displace_product(forces.applied(), &forces.candidates)? else {
+            return Ok((self, (!forces.active.is_empty()).then_some(0.0)));
+        };
+        let along = found.along_normal.iter().map(|along| along.expect("a product answers along the normal"));
+        let product: Vec<Vector3<f64>> =
+            along.zip(&forces.normal).map(|(along, normal)| -along * normal).collect();
+        let work = |moved: &[Vector3<f64>]| -> f64 {
+            let force = forces.candidates.iter().map(|&vertex| &forces.vectors[vertex]);
+            force.zip(moved).map(|(force, moved)| force.dot(moved)).sum()
+        };
+        let share = -work(&product) / work(&self.displacement);
+        Ok((Self { product, ..self }, (!forces.active.is_empty()).then_some(share)))
+    }
+
+    /// u_H (k, m): how the skin itself moves.
+    pub fn of_skin(&self) -> Cow<'_, [Vector3<f64>]> {
+        if self.product.is_empty() {
+            return Cow::Borrowed(&self.displacement);
+        }
+        Cow::Owned(
+            self.displacement.iter().zip(&self.product).map(|(apart, product)| apart + product).collect(),
+        )
     }
 }
 
@@ -51,11 +86,7 @@ pub(crate) struct Drawing {
     pub motion: CandidateMotion,
 }
 
-/// Displacement (m) of a row before it fades: under a scalar kernel the direction of `Σ_j R_ij f_j n_j` and the magnitude
-/// `(R f)_i`; of a body the vector itself.
+/// Displacement (m) of a row before it fades.
 pub(crate) fn drawn_vector(found: &Displacements, row: usize) -> Vector3<f64> {
-    let vector = found.vectors[row];
-    let Some(along) = found.along_normal[row] else { return vector };
-    let norm = vector.norm();
-    if norm > 0.0 { vector * (along.abs() / norm) } else { Vector3::zeros() }
+    found.drawn(row)
 }

@@ -69,7 +69,7 @@ impl Contact {
         let mut displacement: Vec<Vector3<f64>> =
             everywhere.iter().map(|&vertex| drawn_vector(&found, vertex)).collect();
         // At the candidates the forces answer for more than the drawing's tolerance.
-        for (&vertex, u) in self.candidates.iter().zip(&motion.displacement) {
+        for (&vertex, u) in self.candidates.iter().zip(&*motion.of_skin()) {
             displacement[vertex] = *u;
         }
         let volume_change = volume_change(surface, &displacement);

@@ -65,13 +65,14 @@ impl Fade {
     }
 }
 
-fn fade_distance(surface: &Surface, candidates: &[usize]) -> f64 {
+/// Way from the candidates at which the drawn displacement has faded (m).
+pub(crate) fn fade_distance(surface: &Surface, candidates: &[usize]) -> f64 {
     let area: f64 = candidates.iter().map(|&vertex| surface.vertex_areas()[vertex]).sum();
     FADE_RADII * (area / PI).sqrt()
 }
 
 /// 1 at 0, 0 from 1 on, level at both ends.
-fn fade(x: f64) -> f64 {
+pub(crate) fn fade(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     1.0 - x * x * (3.0 - 2.0 * x)
 }

@@ -6,6 +6,7 @@ pub(crate) mod displacement;
 pub(crate) mod drawn;
 pub(crate) mod fade;
 pub(crate) mod mean_pressure;
+pub(crate) mod moved_product;
 pub(crate) mod penetration;
 pub(crate) mod pressure;
 pub(crate) mod recovery;

@@ -146,6 +146,13 @@ impl<'a> Gaps<'a> {
         Ref::map(self.measured.borrow(), |measured| &measured.distance[..])
     }
 
+    /// The point of the obstacle (m) that a vertex was measured from; where it was not, the vertex.
+    pub fn foot(&self, vertex: usize) -> Vector3<f64> {
+        let measured = self.measured.borrow();
+        let (point, distance) = (self.surface.vertices()[vertex], measured.distance[vertex]);
+        if distance.is_finite() { point - distance * measured.normal[vertex] } else { point }
+    }
+
     /// g0 (m) and obstacle normal of `vertices`, measured without limit where they have not been yet.
     pub fn at(&self, vertices: &[usize]) -> Result<Measured, ContactError> {
         let mut measured = self.measured.borrow_mut();

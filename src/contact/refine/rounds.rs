@@ -66,7 +66,7 @@ pub(crate) fn begin<'a>(
 ) -> Result<Begun<'a>, ContactError> {
     let ended = |contact: Contact| Ok(Begun::Ended(Box::new(contact)));
     let surface = given.surface().clone();
-    let traits = skin.traits(&surface)?;
+    let traits = skin.traits(&surface)?.with_product(placement.obstacle.material());
     if !traits.refines {
         given.leave_out(
             "estimates of error",

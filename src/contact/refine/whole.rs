@@ -24,8 +24,7 @@ pub(crate) fn into_whole(
     let gap = gaps(&given, &contact, part, &mesh, count)?;
     let Drawing { fingers, motion } = &contact.drawing;
     let fingers = Fingers::listed(fingers.candidates.iter().map(|finger| numbers(finger)).collect());
-    let motion =
-        CandidateMotion { displacement: motion.displacement.clone(), scalar: numbers(&motion.scalar) };
+    let motion = CandidateMotion { scalar: numbers(&motion.scalar), ..motion.clone() };
     let patch =
         |patch: &Patch| Patch { vertices: numbers(&patch.vertices), resultant: patch.resultant.clone() };
     let mut left_out = contact.left_out.clone();

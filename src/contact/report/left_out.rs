@@ -11,7 +11,9 @@ use crate::surface::shortest_paths::LONGEST_DETOUR;
 impl Report {
     /// What the measurement of gaps left out.
     pub fn note_gaps(&mut self, gaps: &Gaps) {
-        self.leave_out("product response", "the product is rigid: its displacement under load is zero");
+        if gaps.scene.obstacle.material().is_none() {
+            self.leave_out("product response", "the product is rigid: its displacement under load is zero");
+        }
         let vertex_count = gaps.surface.vertices().len();
         let beyond = gaps.distances().iter().filter(|distance| distance.is_infinite()).count();
         if beyond > 0 {
@@ -60,7 +62,7 @@ impl Report {
         }
         let fingers = forces.fingers.candidates.len();
         if fingers > 1 {
-            self.leave_out("coupling between fingers", apart(&forces.fingers));
+            self.leave_out("coupling between fingers", apart(&forces.fingers, response));
         }
         if forces.solutions.len() > fingers {
             let why = format!(
@@ -77,7 +79,7 @@ impl Report {
 }
 
 /// Why the fingers are solved apart.
-fn apart(fingers: &Fingers) -> String {
+fn apart(fingers: &Fingers, response: &Compliance) -> String {
     let way = match fingers.ways.first() {
         None => "no way along the skin leads from one to another".into(),
         Some((_, way)) => format!(
@@ -85,8 +87,13 @@ fn apart(fingers: &Fingers) -> String {
             way.ends[0], way.ends[1], way.along_skin, way.straight
         ),
     };
+    let how = match (response.joins_fingers(), response.has_product()) {
+        (true, _) => "joined by the product alone",
+        (_, true) => "each a problem of its own, with nothing passed on by the product either",
+        _ => "each a problem of its own",
+    };
     format!(
-        "the candidates lie on {} parts of the skin that share no tissue, each a problem of its own: {way}; `couple_fingers` joins them",
+        "the candidates lie on {} parts of the skin that share no tissue, {how}: {way}; `couple_fingers` joins them",
         fingers.candidates.len()
     )
 }

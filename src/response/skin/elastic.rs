@@ -87,6 +87,28 @@ impl Displacements {
         });
         self.along_normal.extend(along_normal.into_iter().map(Some));
     }
+
+    /// Adds those of a scalar kernel; where only these know their size along the normal, they go that far as they point.
+    pub(crate) fn add(&mut self, other: Self) {
+        for (row, vector) in self.vectors.iter_mut().enumerate() {
+            match (&mut self.along_normal[row], other.along_normal[row]) {
+                (Some(own), Some(along)) => {
+                    *vector += other.vectors[row];
+                    *own += along;
+                }
+                _ => *vector += other.drawn(row),
+            }
+        }
+    }
+
+    /// Displacement (m) of a row as a vector: under a scalar kernel the direction of `Σ_j R_ij f_j n_j` and the magnitude
+    /// `(R f)_i`; of a body the vector itself.
+    pub(crate) fn drawn(&self, row: usize) -> Vector3<f64> {
+        let vector = self.vectors[row];
+        let Some(along) = self.along_normal[row] else { return vector };
+        let norm = vector.norm();
+        if norm > 0.0 { vector * (along.abs() / norm) } else { Vector3::zeros() }
+    }
 }
 
 /// A skin that answers contact forces: a [`KernelSkin`](crate::response::KernelSkin) computes what is asked, prepared ones

@@ -1,0 +1,132 @@
+//! An elastic product's share of the response, on the nodes of the skin.
+//!
+//! ```text
+//! R = R_H + R_P   (m/N, both along the obstacle's normals)
+//! ```
+//!
+//! as the same forces move the skin out of the obstacle and the obstacle back. A kernel's R_P is that of a skin with the
+//! product's constants on the same mesh: in contact both surfaces are one. A given matrix M is known at vertices of the
+//! product's mesh, so `R_P = W M Wᵀ`, W the weights of these vertices at the point of the product opposite each node.
+
+use std::sync::OnceLock;
+
+use faer::Mat;
+use nalgebra::Vector3;
+
+use crate::contact::error::ContactError;
+use crate::contact::gap::initial::Gaps;
+use crate::obstacle::material::Material;
+use crate::obstacle::posed::Obstacle;
+use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
+use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::given_matrix::GivenMatrix;
+use crate::surface::checked::Surface;
+use crate::surface::coarse::CoarsePlace;
+use crate::surface::refined::RefinedSurface;
+
+/// Weight of an unknown vertex of the product up to which a point beside it is known.
+const NOTHING: f64 = 1e-9;
+
+/// The response of a product as if it were a skin with the mesh of `gaps`.
+///
+/// * `traits`: of the skin
+pub(crate) fn product_response<'a>(
+    material: &'a Material,
+    gaps: &Gaps<'a>,
+    traits: &Traits,
+) -> Result<Box<dyn ElasticSkin + 'a>, ContactError> {
+    let Some(given) = material.given() else {
+        let kernel = material.kernel().expect("a kernel or a matrix").clone().with_basis(traits.basis);
+        return Ok(Box::new(kernel.with_discretization(traits.discretization)?));
+    };
+    if traits.discretization == Discretization::Galerkin {
+        let what = "a given matrix takes the gap at the nodes: discretization = collocation of the skin";
+        return Err(ResponseError::Product { what }.into());
+    }
+    let obstacle = &gaps.scene.obstacle;
+    let feet: Vec<Vector3<f64>> =
+        (0..gaps.surface.vertices().len()).map(|vertex| gaps.foot(vertex)).collect();
+    let places = feet.iter().map(|_| OnceLock::new()).collect();
+    Ok(Box::new(GivenProduct { given, obstacle, feet, places }))
+}
+
+/// A matrix over vertices of the product, at the vertices of the skin opposite them.
+struct GivenProduct<'a> {
+    given: &'a GivenMatrix,
+    obstacle: &'a Obstacle,
+    /// Points of the obstacle opposite the vertices of the skin, or beside these (n, m).
+    feet: Vec<Vector3<f64>>,
+    /// Where they lie on the product's mesh, once somebody asked.
+    places: Vec<OnceLock<CoarsePlace>>,
+}
+
+impl GivenProduct<'_> {
+    fn place(&self, vertex: usize) -> &CoarsePlace {
+        let find =
+            || self.obstacle.closest_triangle(&self.feet[vertex]).expect("a given matrix belongs to a mesh");
+        self.places[vertex].get_or_init(find)
+    }
+
+    /// Rows of the matrix that a vertex of the skin depends on, with their weights; vertices of the product that are not
+    /// known stay where they are.
+    fn rows(&self, vertex: usize) -> Vec<(usize, f64)> {
+        let known = |(corner, weight)| Some((self.given.nodes().row(corner as usize)?, weight));
+        self.place(vertex).weights_of_corners().filter_map(known).collect()
+    }
+
+    /// A vertex of the product that the response at a vertex of the skin depends on and that is not known.
+    fn unknown(&self, vertex: usize) -> Option<usize> {
+        let corners = self.place(vertex).weights_of_corners().filter(|(_, weight)| *weight > NOTHING);
+        let mut corners = corners.map(|(corner, _)| corner as usize);
+        corners.find(|&corner| self.given.nodes().row(corner).is_none())
+    }
+
+    /// `W M Wᵀ` between two sets of vertices of the skin (m/N).
+    fn block(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
+        let matrix = self.given.response_matrix();
+        let weights =
+            |vertices: &[usize]| vertices.iter().map(|&vertex| self.rows(vertex)).collect::<Vec<_>>();
+        let (left, right) = (weights(rows), weights(columns));
+        Mat::from_fn(rows.len(), columns.len(), |i, j| {
+            let along = |&(row, weight): &(usize, f64)| {
+                weight * right[j].iter().map(|&(column, other)| other * matrix[(row, column)]).sum::<f64>()
+            };
+            left[i].iter().map(along).sum()
+        })
+    }
+}
+
+impl ElasticSkin for GivenProduct<'_> {
+    fn traits(&self, _: &Surface) -> Result<Traits, ResponseError> {
+        Ok(Traits::of_matrix(true, false))
+    }
+
+    fn is_prepared(&self, vertex: usize) -> bool {
+        self.unknown(vertex).is_none()
+    }
+
+    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        Ok(None)
+    }
+
+    fn matrix(&self, asked: &Request, _: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
+        let mut unknown = asked.nodes.iter().filter_map(|&vertex| Some((vertex, self.unknown(vertex)?)));
+        if let Some((vertex, product_vertex)) = unknown.next() {
+            let (missing, known) = (1 + unknown.count(), self.given.nodes().list().len());
+            return Err(ResponseError::ProductNotKnown { vertex, product_vertex, missing, known });
+        }
+        Ok(self.block(asked.nodes, asked.nodes))
+    }
+
+    fn displace(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Result<Displacements, ResponseError> {
+        let mut moved = Displacements::default();
+        moved.append_products(&self.block(vertices, asked.nodes), forces);
+        Ok(moved)
+    }
+}

@@ -1,0 +1,170 @@
+//! The product as it looks under the solved forces: computed when somebody asks.
+
+use nalgebra::Vector3;
+
+use crate::contact::error::ContactError;
+use crate::contact::figures::fade::{fade, fade_distance};
+use crate::contact::options::{ContactOptions, with_threads};
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::geometry::bounds::Bounds;
+use crate::obstacle::material::Material;
+use crate::response::kernel::skin::KernelSkin;
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::skin::elastic::{ElasticSkin, Request};
+use crate::response::skin::given_matrix::GivenMatrix;
+use crate::surface::checked::Surface;
+
+impl Contact {
+    /// Displacement of the product (n, m) at the point opposite each vertex of the skin, where the vertex comes to lie on
+    /// it; 0 off the candidates, and of a rigid product.
+    pub fn obstacle_displacement(&self) -> Vec<Vector3<f64>> {
+        let mut displacement = vec![Vector3::zeros(); self.surface().vertices().len()];
+        for (&vertex, moved) in self.candidates.iter().zip(&self.drawing.motion.product) {
+            displacement[vertex] = *moved;
+        }
+        displacement
+    }
+
+    /// The product's mesh moved under the forces of this contact; `None` of a primitive.
+    ///
+    /// Under a kernel a vertex of the product moves as its kernel says of the contact's pressure, laid on the product where
+    /// it acts, faded to zero at the distance at which the skin's displacement has
+    /// ([`DrawnSkin::fade_distance`](crate::contact::DrawnSkin)) with one finger, in a straight line from the contact. A
+    /// given matrix moves the vertices that it knows, against their normals. No figure is taken from it.
+    ///
+    /// * `options`: those that the contact was solved with
+    ///
+    /// # Errors
+    /// [`ContactError::Response`]: the work was interrupted.
+    pub fn deformed_obstacle(&self, options: &ContactOptions) -> Result<Option<Surface>, ContactError> {
+        let Some(mesh) = self.obstacle.surface() else { return Ok(None) };
+        let Some(material) = self.obstacle.material() else { return Ok(Some(mesh)) };
+        if self.status != ContactStatus::Solved {
+            return Ok(Some(mesh));
+        }
+        with_threads(options, || {
+            let moved = self.product_vertices(&mesh, material, options)?;
+            Ok(Some(mesh.with_vertices(moved)))
+        })
+    }
+
+    /// Where the vertices of the product's mesh come to lie (m).
+    fn product_vertices(
+        &self,
+        mesh: &Surface,
+        material: &Material,
+        options: &ContactOptions,
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
+        let mut vertices = mesh.vertices().to_vec();
+        match (material.given(), material.kernel()) {
+            (Some(given), _) => self.move_known(given, mesh, &mut vertices),
+            (None, Some(kernel)) => {
+                for finger in &self.drawing.fingers.candidates {
+                    self.move_by_kernel(kernel, finger, mesh.vertices(), &mut vertices, options)?;
+                }
+            }
+            (None, None) => unreachable!("a material has a kernel or a matrix"),
+        }
+        Ok(vertices)
+    }
+
+    /// Moves the vertices that a given matrix knows.
+    fn move_known(&self, given: &GivenMatrix, mesh: &Surface, vertices: &mut [Vector3<f64>]) {
+        let (nodes, matrix) = (given.nodes(), given.response_matrix());
+        let mut forces = vec![0.0; nodes.list().len()];
+        for (&vertex, apart) in self.candidates.iter().zip(&self.drawing.motion.displacement) {
+            let touched = self.surface().vertices()[vertex] + apart;
+            let place = self.obstacle.closest_triangle(&touched).expect("a given matrix belongs to a mesh");
+            for (corner, weight) in place.weights_of_corners() {
+                if let Some(row) = nodes.row(corner as usize) {
+                    forces[row] += weight * self.force_vectors[vertex].norm();
+                }
+            }
+        }
+        for (row, &vertex) in nodes.list().iter().enumerate() {
+            let along: f64 = forces.iter().enumerate().map(|(column, f)| matrix[(row, column)] * f).sum();
+            vertices[vertex] -= along * mesh.vertex_normals()[vertex];
+        }
+    }
+
+    /// Moves the vertices around a finger by a kernel.
+    ///
+    /// * `candidates`: of the finger
+    /// * `at_rest`: vertices of the product (m)
+    fn move_by_kernel(
+        &self,
+        kernel: &KernelSkin,
+        candidates: &[usize],
+        at_rest: &[Vector3<f64>],
+        vertices: &mut [Vector3<f64>],
+        options: &ContactOptions,
+    ) -> Result<(), ContactError> {
+        let active: Vec<usize> =
+            candidates.iter().copied().filter(|vertex| self.active.binary_search(vertex).is_ok()).collect();
+        if active.is_empty() {
+            return Ok(());
+        }
+        let distance = fade_distance(self.surface(), candidates);
+        let (mut points, faces, nodes) = self.load_on_product(&active);
+        let around = Bounds::around(&points).grown(distance);
+        let near: Vec<usize> = (0..at_rest.len()).filter(|&row| around.contains(&at_rest[row])).collect();
+        let first = points.len();
+        points.extend(near.iter().map(|&row| at_rest[row]));
+        // Nothing fades on the triangles themselves.
+        let edge = |[a, b, _]: &[u32; 3]| (points[*a as usize] - points[*b as usize]).norm();
+        let cell = faces.iter().map(edge).fold(0.0, f64::max);
+        let share = |point: &Vector3<f64>| {
+            let squares = points[..first].iter().map(|load| (load - point).norm_squared());
+            fade((squares.fold(f64::INFINITY, f64::min).sqrt() - cell) / distance)
+        };
+        let shares: Vec<f64> = points[first..].iter().map(share).collect();
+        // The product's vertices belong to no triangle of it: the pressure alone is the kernel's to see.
+        let mask = vec![true; points.len()];
+        let targets: Vec<usize> = (first..points.len()).collect();
+        let surface = Surface::from_sound_mesh(points, faces, mask);
+        let assembly = AssemblyOptions {
+            tolerance: options.tolerance,
+            interrupt: options.interrupt,
+            ..AssemblyOptions::default()
+        };
+        let forces: Vec<Vector3<f64>> = active.iter().map(|&vertex| self.force_vectors[vertex]).collect();
+        let asked = Request { surface: &surface, nodes: &nodes, options: &assembly };
+        let moved = kernel.displace(&asked, &forces, &targets)?;
+        for (row, (&vertex, share)) in near.iter().zip(shares).enumerate() {
+            vertices[vertex] -= share * moved.drawn(row);
+        }
+        Ok(())
+    }
+
+    /// The triangles under force where they touch the product as it was: corners (m), triangles, and the corner of each
+    /// active vertex.
+    fn load_on_product(&self, active: &[usize]) -> (Vec<Vector3<f64>>, Vec<[u32; 3]>, Vec<usize>) {
+        let surface = self.surface();
+        let corners = surface.k_ring(active, 1);
+        let row = |vertex: usize| corners.binary_search(&vertex).expect("a corner of a triangle under force");
+        let apart = |vertex: usize| {
+            let row = self.candidates.binary_search(&vertex).ok()?;
+            Some(self.drawing.motion.displacement[row])
+        };
+        let point = |&vertex: &usize| {
+            // A free corner goes along with those beside it.
+            let beside = surface.neighbours(vertex).iter().filter_map(|&other| {
+                let is_active = active.binary_search(&(other as usize)).is_ok();
+                apart(other as usize).filter(|_| is_active)
+            });
+            let mean = || {
+                let beside: Vec<Vector3<f64>> = beside.collect();
+                beside.iter().sum::<Vector3<f64>>() / beside.len() as f64
+            };
+            surface.vertices()[vertex] + apart(vertex).unwrap_or_else(mean)
+        };
+        let mut faces: Vec<u32> =
+            active.iter().flat_map(|&vertex| surface.faces_around(vertex)).copied().collect();
+        faces.sort_unstable();
+        faces.dedup();
+        let faces =
+            faces.into_iter().map(|face| surface.faces()[face as usize].map(|v| row(v as usize) as u32));
+        let nodes = active.iter().map(|&vertex| row(vertex)).collect();
+        (corners.iter().map(point).collect(), faces.collect(), nodes)
+    }
+}

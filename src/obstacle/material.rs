@@ -1,0 +1,114 @@
+//! What an elastic product is made of.
+
+use faer::Mat;
+
+use crate::obstacle::posed::Obstacle;
+use crate::response::error::ResponseError;
+use crate::response::kernel::skin::{Kernel, KernelSkin};
+use crate::response::kernel::thickness::Thickness;
+use crate::response::skin::elastic::Traits;
+use crate::response::skin::given_matrix::GivenMatrix;
+
+/// How a product answers a force.
+#[derive(Debug, Clone)]
+pub enum ProductResponse {
+    /// By a kernel, taken at the contact's nodes with the skin's pressure basis and discretization.
+    Kernel(Kernel),
+    /// By a matrix that somebody else computed or measured, linear over the triangles in between.
+    Matrix {
+        /// Vertices (k,) of the product's mesh, in the order of the rows.
+        nodes: Vec<usize>,
+        /// Displacement per newton (k × k, m/N), both along the product's normals.
+        matrix: Mat<f64>,
+    },
+}
+
+/// Elastic constants of a product and its response, checked.
+#[derive(Debug, Clone)]
+pub struct Material {
+    /// Of a given matrix, the constants that it was given with.
+    kernel: KernelSkin,
+    given: Option<GivenMatrix>,
+}
+
+impl Material {
+    /// Shear modulus G (Pa).
+    pub fn shear_modulus(&self) -> f64 {
+        self.kernel.shear_modulus()
+    }
+
+    /// Poisson's ratio ν.
+    pub fn poisson_ratio(&self) -> f64 {
+        self.kernel.poisson_ratio()
+    }
+
+    /// The kernel with its constants; `None` of a given matrix.
+    pub fn kernel(&self) -> Option<&KernelSkin> {
+        self.given.is_none().then_some(&self.kernel)
+    }
+
+    /// The given matrix, its nodes on the product's mesh; `None` of a kernel.
+    pub fn given(&self) -> Option<&GivenMatrix> {
+        self.given.as_ref()
+    }
+}
+
+impl Traits {
+    /// Of a skin together with the product that it meets.
+    pub(crate) fn with_product(self, material: Option<&Material>) -> Self {
+        let Some(material) = material else { return self };
+        let (negative_entries, reach) = match &material.given {
+            None => (material.kernel.has_negative_entries(), material.kernel.reach()),
+            Some(given) => {
+                let is_negative = |column: &[f64]| column.iter().any(|&entry| entry < 0.0);
+                let matrix = given.response_matrix();
+                ((0..matrix.ncols()).any(|column| is_negative(matrix.col_as_slice(column))), None)
+            }
+        };
+        Self {
+            negative_entries: self.negative_entries || negative_entries,
+            reach: self.reach.zip(reach).map(|(skin, product)| skin.max(product)),
+            ..self
+        }
+    }
+}
+
+impl Obstacle {
+    /// A copy that gives way under the contact's forces.
+    ///
+    /// At the contact's nodes `g = g0 + (R_H + R_P) f`, R_H the skin's response and R_P the product's, both along the
+    /// obstacle's normals: the pressure is the same on both sides (Johnson 1985, §4.1).
+    ///
+    /// * `shear_modulus`: G (Pa), finite, > 0
+    /// * `poisson_ratio`: ν, 0 ..= 0.5
+    /// * `response`: how it answers a force
+    ///
+    /// # Errors
+    /// [`ResponseError::Constant`] names the constant that is out of range; [`ResponseError::Product`] for a response that
+    /// no product has; of a matrix also [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`],
+    /// [`ResponseError::MatrixShape`] and [`ResponseError::MatrixEntry`].
+    pub fn with_material(
+        &self,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        response: ProductResponse,
+    ) -> Result<Obstacle, ResponseError> {
+        let of_kernel = |kernel| KernelSkin::new(shear_modulus, poisson_ratio, kernel);
+        let material = match response {
+            ProductResponse::Kernel(Kernel::Layer { thickness: Thickness::PerVertex(_) }) => {
+                let what = "a layer of the product has one thickness everywhere";
+                return Err(ResponseError::Product { what });
+            }
+            ProductResponse::Kernel(kernel) => Material { kernel: of_kernel(kernel)?, given: None },
+            ProductResponse::Matrix { nodes, matrix } => {
+                let kernel = of_kernel(Kernel::HalfSpace)?;
+                let Some(mesh) = self.surface() else {
+                    let what = "a given matrix is known at the vertices of the product's mesh, and a primitive has none: take a kernel, or a mesh";
+                    return Err(ResponseError::Product { what });
+                };
+                Material { kernel, given: Some(GivenMatrix::new(&mesh, &nodes, matrix)?) }
+            }
+        };
+        Ok(self.made_of(material))
+    }
+}

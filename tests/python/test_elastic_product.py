@@ -1,0 +1,291 @@
+"""Products with a material: shares, what is drawn, files, pickles, refusals."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from shapes import AS_GIVEN, ball, grid
+
+G, NU = 60e3, 0.5
+SKIN = qr.Skin(shear_modulus=G, poisson_ratio=NU, response=qr.HalfSpace())
+UP = [0.0, 0.0, 1.0]
+PLATE = qr.Obstacle.half_space([0, 0, 0], UP)
+BALL = qr.Obstacle.mesh(*ball(0.02, 4))
+
+
+def soft(obstacle: qr.Obstacle, response: qr.Response | None = None) -> qr.Obstacle:
+    return obstacle.with_material(shear_modulus=G, poisson_ratio=NU, response=response)
+
+
+def pressed(obstacle: qr.Obstacle, **how: Any) -> qr.Contact:
+    surface = qr.Surface(*ball(8e-3, 3))
+    return qr.press(surface, obstacle, SKIN, UP, **({"depth": 5e-4} | how))
+
+
+@pytest.mark.parametrize("options", [None, AS_GIVEN])
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+def test_a_product_as_soft_as_the_skin_takes_half_the_force(
+    options: qr.ContactOptions | None, discretization: str
+) -> None:
+    response = qr.HalfSpace(discretization=discretization)  # type: ignore[arg-type]
+    skin = qr.Skin(shear_modulus=G, poisson_ratio=NU, response=response)
+    surface = qr.Surface(*ball(8e-3, 3))
+    rigid, elastic = (
+        qr.press(surface, obstacle, skin, UP, depth=5e-4, options=options)
+        for obstacle in (PLATE, soft(PLATE))
+    )
+    assert elastic.force[2] == pytest.approx(0.5 * rigid.force[2], rel=5e-3)
+    assert elastic.obstacle_share == pytest.approx(0.5, rel=1e-9)
+    assert rigid.obstacle_share == 0.0
+    assert "product response" in {what for what, _ in rigid.left_out}
+    assert "product response" not in {what for what, _ in elastic.left_out}
+    # Half of the way each: the plate's level lies between the skin and the product.
+    active, moved = elastic.active, elastic.obstacle_displacement
+    level = elastic.deformed.vertices[active, 2] - moved[active, 2]
+    sag = 0.0 if discretization == "collocation" else 5e-4 / elastic.accuracy.cells_per_radius**2
+    np.testing.assert_allclose(level, elastic.travel, rtol=0, atol=1e-3 * 5e-4 + sag)
+    off = np.setdiff1d(np.arange(len(moved)), elastic.candidates)
+    assert not moved[off].any()
+    assert not moved.flags.writeable
+    assert not rigid.obstacle_displacement.any()
+    assert elastic.deformed_obstacle is None
+
+
+def test_a_mesh_product_is_drawn_with_its_dent() -> None:
+    below = BALL.moved(np.eye(3), [0, 0, -0.04])
+    rigid, elastic = pressed(below), pressed(soft(below))
+    vertices, faces = elastic.obstacle.triangles()  # type: ignore[misc]
+    still, moved = rigid.deformed_obstacle, elastic.deformed_obstacle
+    assert still is not None
+    assert moved is not None
+    np.testing.assert_array_equal(still.vertices, rigid.obstacle.triangles()[0])  # type: ignore[index]
+    np.testing.assert_array_equal(moved.faces, faces)
+    way = moved.vertices - vertices
+    deepest = np.abs(elastic.obstacle_displacement[:, 2]).max()
+    # The product gives way down, by no more than where it is touched, and not at all on its far side.
+    assert -1.02 * deepest < way[:, 2].min() < -0.5 * deepest
+    assert not way[vertices[:, 2] < vertices[:, 2].max() - 0.02].any()
+    assert moved is elastic.deformed_obstacle
+
+
+@pytest.mark.parametrize(
+    "response",
+    [
+        None,
+        qr.Layer(thickness=4e-3),
+        qr.GaussianCorrected(height=0.0, width=5e-3, cutoff=15e-3),
+        qr.GivenMatrix(nodes=np.arange(2562), compliance=np.full((2562, 2562), 1e-4)),
+    ],
+    ids=["half-space", "layer", "Gaussian", "matrix"],
+)
+def test_a_material_stays_through_moves_and_pickles(response: qr.Response | None) -> None:
+    turn = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    obstacle = soft(BALL, response).moved(turn, [0, 0, -0.04])
+    for copied in (obstacle, pickle.loads(pickle.dumps(obstacle))):
+        material = copied.material
+        assert material[:2] == (G, NU)
+        assert type(material.response) is type(response or qr.HalfSpace())
+        assert repr(material) in repr(copied)
+    assert "shear_modulus=60000.0" in repr(obstacle)
+    here, there = pressed(obstacle), pressed(copied)
+    np.testing.assert_array_equal(here.pressure, there.pressure)
+    assert here.obstacle_share is not None
+    assert 0.0 < here.obstacle_share < 1.0
+    assert here.obstacle.material is not None
+    assert BALL.material is None
+    assert "modulus" not in repr(BALL)
+    again = pickle.loads(pickle.dumps(here))
+    np.testing.assert_array_equal(again.obstacle_displacement, here.obstacle_displacement)
+    assert again.obstacle_share == here.obstacle_share
+    assert again.deformed_obstacle is not None
+    np.testing.assert_array_equal(again.deformed_obstacle.vertices, here.deformed_obstacle.vertices)  # type: ignore[union-attr]
+
+
+def test_a_rigid_contact_comes_back_with_its_product() -> None:
+    again = pickle.loads(pickle.dumps(pressed(BALL.moved(np.eye(3), [0, 0, -0.04]))))
+    assert again.obstacle_share == 0.0
+    assert not again.obstacle_displacement.any()
+    assert again.deformed_obstacle is not None
+
+
+def test_the_files_of_a_contact_say_what_the_product_is_made_of(tmp_path: Path) -> None:
+    contact = pressed(soft(BALL.moved(np.eye(3), [0, 0, -0.04])))
+    names = {path.name for path in contact.save(tmp_path)}
+    assert "deformed_product.ply" in names
+    record = json.loads((tmp_path / "contact.json").read_text())
+    assert record["product"]["material"] == {
+        "shear_modulus": {"value": G, "unit": "Pa"},
+        "poisson_ratio": {"value": NU, "unit": "1"},
+        "response": "HalfSpace()",
+    }
+    assert record["obstacle_share"] == {"value": contact.obstacle_share, "unit": "1"}
+    stored = np.load(tmp_path / "contact.npz")
+    np.testing.assert_array_equal(stored["obstacle_displacement"], contact.obstacle_displacement)
+    vertices, _ = qr.read_mesh(tmp_path / "deformed_product.ply", unit="m")
+    np.testing.assert_array_equal(vertices, contact.deformed_obstacle.vertices)  # type: ignore[union-attr]
+    assert "share of the product" in contact.summary()
+    rigid = pressed(PLATE)
+    assert "share of the product" not in rigid.summary()
+    assert "deformed_product.ply" not in {path.name for path in rigid.save(tmp_path / "rigid")}
+
+
+def test_a_body_meets_an_elastic_product() -> None:
+    surface = qr.Surface(*ball(8e-3, 3))
+    vertices, faces = ball(3e-3, 2)
+    bone = qr.Surface(vertices + np.array([0, 0, 5e-3]), faces)
+    skin = qr.Skin(shear_modulus=G, poisson_ratio=NU, response=qr.Body(bone=bone)).prepared(surface)
+    rigid, elastic = (qr.press(surface, obstacle, skin, UP, depth=5e-4) for obstacle in (PLATE, soft(PLATE)))
+    # The bone makes the skin the stiffer of the two.
+    assert elastic.obstacle_share is not None
+    assert 0.5 < elastic.obstacle_share < 0.8
+    assert elastic.force[2] < 0.5 * rigid.force[2]
+    active = elastic.active
+    level = elastic.deformed.vertices[active, 2] - elastic.obstacle_displacement[active, 2]
+    np.testing.assert_allclose(level, elastic.travel, rtol=0, atol=1e-3 * 5e-4)
+
+
+def test_a_matrix_of_the_skin_meets_an_elastic_product() -> None:
+    surface = qr.Surface(*grid(20, 1e-3))
+    nodes = np.arange(len(surface.vertices))
+    matrix = qr.response_matrix(surface, SKIN, nodes)
+    given = qr.Skin(
+        shear_modulus=G, poisson_ratio=NU, response=qr.GivenMatrix(nodes=nodes, compliance=matrix)
+    )
+    punch = soft(qr.Obstacle.sphere([0, 0, 49.7e-3], 50e-3))
+    forces = [
+        qr.solve_contact(surface, punch, skin, options=AS_GIVEN).force[2]
+        for skin in (SKIN, given, SKIN.prepared(surface))
+    ]
+    np.testing.assert_allclose(forces, forces[0], rtol=1e-9)
+
+
+def test_two_fingers_on_one_matrix_push_each_other_through_the_product() -> None:
+    lower, faces = ball(8e-3, 3)
+    vertices = np.concatenate([lower - np.array([20e-3, 0, 0]), lower + np.array([20e-3, 0, 0])])
+    surface = qr.Surface(vertices, np.concatenate([faces, faces + len(lower)]))
+    points, squares = grid(12, 6e-3)
+    below = points - [0, 0, 10e-3]
+    count = len(points)
+    rim = {(int(a), int(b)) for face in squares for a, b in zip(face, np.roll(face, -1), strict=True)}
+    open_edges = [(a, b) for a, b in rim if (b, a) not in rim]
+    sides = [[b, a, a + count] for a, b in open_edges] + [[b, a + count, b + count] for a, b in open_edges]
+    slab = qr.Obstacle.mesh(
+        np.concatenate([points, below]), np.concatenate([squares, squares[:, ::-1] + count, sides])
+    )
+    # A slab on a spring: what one finger pushes, the other loses.
+    softness = 2e-4
+    spring = soft(slab, qr.GivenMatrix(nodes=np.arange(count), compliance=np.full((count, count), softness)))
+    both = qr.press(surface, spring, SKIN, UP, depth=1e-3, options=AS_GIVEN)
+    sunk = softness * both.node_force.sum()
+    rigid = qr.press(surface, slab, SKIN, UP, depth=1e-3 - sunk, options=AS_GIVEN)
+    assert both.force[2] == pytest.approx(rigid.force[2], rel=5e-3)
+    assert len(both.patches) == 2
+    why = dict(both.left_out)["coupling between fingers"]
+    assert "joined by the product alone" in why
+
+
+def test_two_fingers_on_a_kernel_do_not_push_each_other() -> None:
+    lower, faces = ball(8e-3, 3)
+    one = qr.Surface(lower, faces)
+    both = qr.Surface(
+        np.concatenate([lower, lower + np.array([40e-3, 0, 0])]), np.concatenate([faces, faces + len(lower)])
+    )
+    single, double, coupled = (
+        qr.press(surface, soft(PLATE), SKIN, UP, depth=5e-4, options=options)
+        for surface, options in (
+            (one, AS_GIVEN),
+            (both, AS_GIVEN),
+            (both, qr.ContactOptions(target_error=None, couple_fingers=True)),
+        )
+    )
+    assert double.force[2] == pytest.approx(2 * single.force[2], rel=1e-9)
+    assert "nothing passed on by the product either" in dict(double.left_out)["coupling between fingers"]
+    assert coupled.force[2] < 0.99 * double.force[2]
+
+
+def test_a_combined_skin_meets_an_elastic_product() -> None:
+    finger = qr.models.finger(edge_length=2.2e-3)
+    finger = finger.with_skin_mask(qr.skin_without_caps(finger))
+    part = qr.cut_out(finger, tip=int(np.argmax(finger.vertices[:, 1])), point=[0, 0.04, 0], normal=[0, 2, 0])
+    response = part.body(bone=qr.models.bone_of(part.surface, cut=part.fixed))
+    tip = qr.Skin(shear_modulus=G, poisson_ratio=NU, response=response).prepared(part.surface)
+    whole = SKIN.combined(finger, {"tip": (part, tip)})
+    below = finger.vertices[finger.vertices[:, 1] > 0.045, 2].min() - 60e-3
+    punch = soft(qr.Obstacle.sphere([0, 0.055, below], 60e-3))
+    elastic, alone = (
+        qr.press(surface, punch, skin, UP, depth=5e-4, options=AS_GIVEN)
+        for surface, skin in ((finger, whole), (part.surface, tip))
+    )
+    assert elastic.force[2] == pytest.approx(alone.force[2], rel=1e-6)
+    assert elastic.obstacle_share == pytest.approx(alone.obstacle_share, rel=1e-6)
+
+
+def test_the_cut_shows_the_product_before_and_after() -> None:
+    pytest.importorskip("matplotlib")
+    below = [0, 0, -0.04]
+    for obstacle, labels in (
+        (BALL, {"product"}),
+        (soft(BALL), {"product before", "product after"}),
+        (soft(qr.Obstacle.sphere([0, 0, 0], 0.02)), {"product before"}),
+    ):
+        ax = qr.plot.plot_section(pressed(obstacle.moved(np.eye(3), below)))
+        names = ax.get_legend_handles_labels()[1]
+        assert {name for name in names if name.startswith("product")} == labels
+
+
+@pytest.mark.parametrize(
+    ("constants", "name"),
+    [((0.0, 0.3), "shear_modulus"), ((np.nan, 0.3), "shear_modulus"), ((1e5, 0.6), "poisson_ratio")],
+)
+def test_constants_out_of_range_are_refused_as_the_skins_are(
+    constants: tuple[float, float], name: str
+) -> None:
+    numbers = dict(zip(("shear_modulus", "poisson_ratio"), constants, strict=True))
+    with pytest.raises(qr.ResponseError, match=name) as of_product:
+        PLATE.with_material(**numbers)
+    with pytest.raises(qr.ResponseError) as of_skin:
+        qr.Skin(**numbers, response=qr.HalfSpace())
+    assert str(of_product.value) == str(of_skin.value)
+
+
+@pytest.mark.parametrize(
+    ("response", "why"),
+    [
+        (qr.Body(fixed=np.zeros(4, dtype=bool)), "a Body is solved under its own skin"),
+        (qr.HalfSpace(pressure="one_ring"), "leave them out"),
+        (qr.HalfSpace(discretization="galerkin"), "leave them out"),
+        (qr.Layer(thickness=np.full(4, 1e-3)), "one thickness everywhere"),
+        (qr.GivenMatrix(nodes=[0], compliance=[[1e-4]]), "a primitive has none"),
+        (qr.GivenMatrix(nodes=[0], compliance=np.zeros((1, 3, 1, 3))), "along the product's normals"),
+    ],
+)
+def test_a_response_that_no_product_has_is_refused(response: qr.Response, why: str) -> None:
+    with pytest.raises(qr.ResponseError, match=why):
+        soft(PLATE, response)
+
+
+def test_a_response_that_is_not_well_posed_is_warned_of_once() -> None:
+    with pytest.warns(qr.QuasirigidWarning, match="not well posed") as caught:
+        plate = soft(PLATE, qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3))
+    assert caught[0].filename == __file__
+    # Silent from then on: pytest would make an error of a warning.
+    assert pickle.loads(pickle.dumps(plate)).material == plate.material
+
+
+def test_what_is_no_response_is_refused() -> None:
+    with pytest.raises(TypeError, match="expected one of"):
+        soft(PLATE, "half_space")  # type: ignore[arg-type]
+
+
+def test_a_matrix_of_the_product_names_what_it_lacks() -> None:
+    few = soft(BALL, qr.GivenMatrix(nodes=[0, 1], compliance=np.eye(2) * 1e-4))
+    with pytest.raises(qr.ResponseError, match="none of the 2 nodes of the product's matrix"):
+        pressed(few.moved(np.eye(3), [0, 0, -0.04]))
+    with pytest.raises(ValueError, match="but there are 2562 vertices"):
+        soft(BALL, qr.GivenMatrix(nodes=[2562], compliance=[[1e-4]]))
