@@ -83,9 +83,13 @@ impl<'a> InPlace<'a> {
             return Ok(Self { gaps, response, forces: None, report });
         }
         let response = response.with_product(&gaps)?;
-        if let Some(Known { vertices, displacement, .. }) = known.filter(|known| !known.vertices.is_empty()) {
-            let there = gaps.measured_at(vertices, displacement)?;
-            gaps.linearise(vertices, displacement, &there);
+        if let Some(known) = known {
+            // The plane to an edge or a line of the obstacle stays.
+            let pairs = known.vertices.iter().zip(&known.displacement);
+            let (vertices, displacement): (Vec<usize>, Vec<Vector3<f64>>) =
+                pairs.filter(|(vertex, _)| gaps.line_at(**vertex).is_none()).unzip();
+            let there = gaps.measured_at(&vertices, &displacement)?;
+            gaps.linearise(&vertices, &displacement, &there);
         }
         let guess = known.map(|known| &known.active[..]);
         let forces = equilibrium::solve(&gaps, &response, guess, options, &mut report)?;

@@ -3,8 +3,9 @@
 use approx::assert_relative_eq;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
-use quasirigid::contact::{Contact, ContactOptions, ContactStatus, press, solve_contact};
-use quasirigid::contact::{Goal, Press, Start};
+use quasirigid::contact::{
+    Balance, Contact, ContactOptions, ContactStatus, Goal, Press, Start, press, solve_contact,
+};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
 use quasirigid::response::{
     AssemblyOptions, Discretization, GivenMatrix, Kernel, KernelSkin, PressureBasis, ResponseError,
@@ -165,7 +166,7 @@ fn a_product_of_the_same_layer_halves_the_force_too() {
 fn a_refined_contact_and_a_press_to_a_force_give_way_alike() {
     let surface = ball(8e-3, 3);
     let options = ContactOptions::default();
-    let upwards = |goal| Press { direction: UP, goal, start: Start::Infinity };
+    let upwards = |goal| Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
     let pressed = |obstacle: &Obstacle, goal| {
         press(&surface, obstacle, &half_space(), &upwards(goal), &options).expect("a valid request")
     };
@@ -337,7 +338,8 @@ fn what_no_product_can_be_made_of_is_refused_by_name() {
 fn a_contact_beside_what_a_products_matrix_knows_names_the_vertices() {
     // The matrix ends before the middle of the slab.
     let slab = with_matrix(&slab(12), vec![0, 1, 2], Mat::identity(3, 3)).expect("a matrix");
-    let upwards = Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Infinity };
+    let upwards =
+        Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Infinity, balance: Balance::None };
     let options = ContactOptions::on_given_mesh();
     let surface = ball(8e-3, 3);
     let solved =

@@ -77,7 +77,8 @@ class Refinement(Frozen):
     force_error, area_error : float or None
         Estimated relative errors; None of a linearization and without contact.
     max_penetration : float
-        Deepest penetration left (m); of a linearization the largest gap of a vertex under force or penetration of another.
+        Deepest penetration left (m); of a linearization the largest gap of a vertex under force, or
+        penetration of another.
     seconds : float
         Wall time (s).
     reason : str

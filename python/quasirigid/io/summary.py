@@ -67,8 +67,8 @@ def refinement_table(contact: Contact) -> str:
     Returns
     -------
     str
-        A line for each mesh of `Contact.refinements`: nodes, force (N) and area (mm²) with the estimates of their
-        errors, peak pressure (kPa), time (ms).
+        A line for each mesh of `Contact.refinements`: nodes, force (N) and area (mm²) with the estimates of
+        their errors, peak pressure (kPa), time (ms).
     """
     rounds = _meshes(contact)
     forces = [float(np.linalg.norm(one.force)) for one in rounds]

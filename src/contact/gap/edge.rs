@@ -254,7 +254,7 @@ mod tests {
             ([0.2, 0.2, 0.1], [0.3, 0.2, 0.2], Some((-0.1, [0.6, 0.3, 0.2]))),
             ([2.0, 2.0, -1.0], [3.0, 2.0, -1.0], None),
         ] {
-            match (depth_along(&p.into(), &q.into(), &triangle), expected) {
+            match (depth_along(&p, &q, &triangle), expected) {
                 (Some((depth, shares)), Some((expected, of))) => {
                     assert!((depth - expected).abs() < 1e-15, "{depth}");
                     assert!(

@@ -21,7 +21,11 @@ use crate::surface::refined::{MeshRefinement, RefinedSurface};
 const UNSETTLED_ROUNDS: usize = 2;
 /// Mesh cells in the depth with which a contact on a sharp edge is as fine as it gets: its figures go on changing with
 /// the logarithm of the cells.
-const CELLS_PER_DEPTH_ON_EDGE: f64 = 6.0;
+const CELLS_PER_DEPTH_ON_EDGE: f64 = 8.0;
+/// A contact of fewer vertices under force says nothing of those to come.
+const FEW_VERTICES: usize = 12;
+/// A mesh with more contact nodes is not refined for the penetration between them alone.
+const FEW_NODES: usize = 300;
 /// A figure that keeps more than this share from one round to the next does not settle.
 const SETTLING: f64 = 0.8;
 /// Penetration left on a mesh that is fine enough, as a share of that before.
@@ -120,8 +124,12 @@ impl Rounds<'_> {
             if !marked.contains(&true) {
                 return Ok("nothing carries force");
             }
-            if self.predicted_nodes(&wanting) > self.options.max_nodes {
+            let (nodes, most) = (self.predicted_nodes(&wanting), self.options.max_nodes);
+            if nodes > most {
                 return Ok("max_nodes");
+            }
+            if self.is_on_edge() && nodes > most / 2 {
+                return Ok("a sharp edge");
             }
             let mut finer = self.mesh.clone();
             finer.refine(&marked);
@@ -144,12 +152,14 @@ impl Rounds<'_> {
             contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
             let error = contact.error_after(previous, is_for_area);
             contact.note_round(error, started);
-            let is_on_edge = contact.clues.edge.is_some();
+            let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_VERTICES;
             let is_fine_on_edge = contact.clues.edge.is_some_and(|edge| {
                 edge.edge_length * CELLS_PER_DEPTH_ON_EDGE <= contact.max_penetration_before
             });
             let left_before = std::mem::replace(&mut left, contact.max_penetration_after);
-            let is_resolved = contact.is_free_of_penetration() || left > SETTLING * left_before;
+            let is_resolved = contact.is_free_of_penetration()
+                || left > SETTLING * left_before
+                || contact.candidates.len() > FEW_NODES;
             self.last = Some((part, contact));
             match error {
                 Some(error) if error.worst() <= self.target && is_resolved => {
@@ -158,7 +168,7 @@ impl Rounds<'_> {
                 Some(_) if is_fine_on_edge => return Ok("a sharp edge"),
                 Some(error) => {
                     unsettled =
-                        if error.worst() > SETTLING * before && !is_on_edge { unsettled + 1 } else { 0 };
+                        if error.worst() > SETTLING * before && may_settle { unsettled + 1 } else { 0 };
                     before = error.worst();
                 }
                 None => {}
@@ -196,6 +206,11 @@ impl Rounds<'_> {
     fn predicted_nodes(&self, wanting: &[usize]) -> usize {
         let contact = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
         contact.candidates.len() + 3 * wanting.len()
+    }
+
+    /// Whether a sharp edge carries force, so that no mesh is the last.
+    fn is_on_edge(&self) -> bool {
+        self.last.as_ref().is_some_and(|(_, contact)| contact.clues.edge.is_some())
     }
 
     /// The contact on a finer mesh.
