@@ -66,6 +66,7 @@ impl Contact {
         let traits = &response.traits;
         let (surface, discretization) = (gaps.surface, traits.discretization);
         let motion = CandidateMotion::new(gaps, response, &forces)?;
+        report.warn_of_pull(gaps, &forces);
         let left = penetration_after(gaps, response, &forces, &motion)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
         match &gaps.scene.inherited {

@@ -20,6 +20,7 @@ pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod error;
 pub(crate) mod first_touch;
+pub(crate) mod march;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod nearest;

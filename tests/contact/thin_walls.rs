@@ -7,7 +7,7 @@ use quasirigid::obstacle::{Obstacle, ObstacleError};
 use quasirigid::surface::Surface;
 
 use crate::common::{grid, icosphere};
-use crate::half_space;
+use crate::{galerkin, half_space};
 
 const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 
@@ -112,6 +112,40 @@ fn a_sheet_that_skin_went_all_the_way_through_presses_like_a_block() {
     assert_eq!(sheet.candidates, block.candidates);
     assert_relative_eq!(sheet.resultant.force, block.resultant.force, max_relative = 1e-9);
     assert!(sheet.warnings[0].contains("25 vertices"), "{:?}", sheet.warnings);
+}
+
+#[test]
+fn a_sheet_in_overlap_presses_the_skin_that_it_came_in_through() {
+    let surface = pad(24, 1e-3);
+    let depth = 0.5e-3;
+    for skin in [half_space(), galerkin()] {
+        let solved = |thickness: f64| {
+            let sheet = box_of([5.2e-3, 5.2e-3, 0.5 * thickness]);
+            let sheet = sheet.translated(&Vector3::new(0.0, 0.0, 0.5 * thickness - depth));
+            solve_contact(&surface, &sheet, &skin, &ContactOptions::on_given_mesh()).unwrap()
+        };
+        let block = solved(10e-3).resultant.force;
+        for thickness in [4e-3, 1e-3, 0.4e-3, 0.2e-3] {
+            let contact = solved(thickness);
+            assert_relative_eq!(contact.resultant.force, block, max_relative = 1e-9);
+            assert_relative_eq!(contact.max_penetration_before, depth, max_relative = 1e-9);
+            assert!(
+                contact.warnings.iter().all(|warning| !warning.contains("pulled")),
+                "{:?}",
+                contact.warnings
+            );
+        }
+        // As pressed there.
+        let down = Press {
+            direction: DOWN,
+            goal: Goal::Depth(depth),
+            start: Start::Infinity,
+            balance: Balance::None,
+        };
+        let sheet = box_of([5.2e-3, 5.2e-3, 0.2e-3]);
+        let pressed = press(&surface, &sheet, &skin, &down, &ContactOptions::on_given_mesh()).unwrap();
+        assert_relative_eq!(pressed.resultant.force, block, max_relative = 1e-9);
+    }
 }
 
 #[test]

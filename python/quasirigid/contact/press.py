@@ -190,8 +190,8 @@ def press(
 
     A vertex that came in through another side of the obstacle than its closest one (beside an edge, through a
     thin wall) has its gap measured back along the press, to where the obstacle met it; `left_out` counts
-    them. A contact solved in place knows no way and pushes such vertices out at the side, and so does the
-    Galerkin form.
+    them. A contact solved in place takes the way back along the inward normal of the skin, within the search
+    distance.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 //! Initial gaps averaged against the pressures of the nodes, for the Galerkin form.
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::entry::measure_entries;
+use crate::contact::gap::entry::{WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
 use crate::response::kernel::basis::PressureBasis;
@@ -35,8 +35,12 @@ pub(crate) fn measure(
     let middles = around.middles(surface);
     let found = scene.obstacle.signed_distance(&middles, Some(reach))?;
     let mut at_middles = Measured { distance: found.distance, normal: found.normal };
-    if let Some(travel) = &scene.press {
-        measure_entries(&middles, |_| true, &scene.obstacle, travel, &mut at_middles)?;
-    }
+    let normals = surface.vertex_normals();
+    let between = around.edges.iter().map(|ends| {
+        let [a, b] = ends.map(|end| normals[end as usize]);
+        (a + b).try_normalize(0.0).unwrap_or(a)
+    });
+    let way_in = WayIn::new(scene, between, reach);
+    measure_entries(&middles, |_| true, &scene.obstacle, &way_in, &mut at_middles)?;
     Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles.distance))
 }

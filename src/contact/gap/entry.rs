@@ -1,8 +1,10 @@
-//! Vertices that came in through another side than their closest one: their gap is measured back along the press.
+//! Vertices that came in through another side than their closest one: their gap is measured back the way they came, along
+//! the press, or along the inward normal of the skin where a scene stands in overlap.
 //!
 //! Beside an edge of the obstacle, and inside a wall thinner than the depth, the closest surface is a side of it or its
 //! far end: a gap to it pushes the skin out sideways, at a fraction of the force. Along the travel of a press the vertex
-//! met the obstacle at the entry point `e = x + s t`, with t the direction of travel and s the way back (m). From the
+//! met the obstacle at the entry point `e = x + s t`, with t the direction of travel and s the way back (m); in
+//! overlap t is the inward normal of the skin, and e the farthest surface along it within the search distance. From the
 //! plane of the surface there, with its normal m,
 //!
 //! ```text
@@ -13,13 +15,61 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
-use crate::contact::scene::Travel;
+use crate::contact::scene::{Scene, Travel};
 use crate::obstacle::posed::Obstacle;
 
 /// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees.
 const OTHER_SIDE: f64 = 0.5;
 
-/// Vertices whose gap is measured back along the press.
+/// How skin came into the obstacle.
+pub(crate) enum WayIn<'a> {
+    /// Against the travel of a press.
+    Press(&'a Travel),
+    /// Along its inward unit normals, one for each point, from no farther than `reach` (m).
+    Inward { normals: Vec<Vector3<f64>>, reach: f64 },
+}
+
+impl<'a> WayIn<'a> {
+    /// Of skin with outward unit normals under a scene.
+    pub fn new(scene: &'a Scene, outward: impl Iterator<Item = Vector3<f64>>, reach: f64) -> Self {
+        match &scene.press {
+            Some(travel) => Self::Press(travel),
+            None => Self::Inward { normals: outward.map(|normal| -normal).collect(), reach },
+        }
+    }
+
+    fn direction(&self, point: usize) -> Vector3<f64> {
+        match self {
+            Self::Press(travel) => travel.direction,
+            Self::Inward { normals, .. } => normals[point],
+        }
+    }
+
+    fn reach(&self) -> f64 {
+        match self {
+            Self::Press(travel) => travel.depth,
+            Self::Inward { reach, .. } => *reach,
+        }
+    }
+
+    /// The way of each of some points (m) back to where it met the obstacle; `None` where it did not.
+    fn back(
+        &self,
+        obstacle: &Obstacle,
+        points: &[Vector3<f64>],
+        directions: &[Vector3<f64>],
+    ) -> Result<Vec<Option<f64>>, ContactError> {
+        Ok(match self {
+            Self::Press(travel) => obstacle.entry_distances(points, &travel.direction, travel.depth)?,
+            Self::Inward { reach, .. } => obstacle.farthest_surfaces(points, directions, *reach)?,
+        })
+    }
+}
+
+/// A normal faces against the way in from this cosine on: that of a side is no more than rounded.
+const FACING_BACK: f64 = -1e-3;
+
+/// Vertices whose gap is measured back the way they came.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct EntryGap {
     /// All of them.
@@ -29,7 +79,7 @@ pub(crate) struct EntryGap {
     pub through_walls: usize,
 }
 
-/// Measures the gap back along the press where the entry normal points elsewhere than the one at the closest point.
+/// Measures the gap back along the way in where the entry normal points elsewhere than the one at the closest point.
 ///
 /// Others keep their gap to the bit.
 ///
@@ -39,23 +89,24 @@ pub(crate) fn measure_entries(
     points: &[Vector3<f64>],
     may_touch: impl Fn(usize) -> bool,
     obstacle: &Obstacle,
-    travel: &Travel,
+    way_in: &WayIn,
     gaps: &mut Measured,
 ) -> Result<EntryGap, ContactError> {
-    let cosine = |row: usize| gaps.normal[row].dot(&travel.direction);
+    let cosine = |row: usize| gaps.normal[row].dot(&way_in.direction(row));
     let suspects: Vec<usize> = (0..gaps.distance.len())
-        .filter(|&row| may_touch(row) && gaps.distance[row] < travel.depth)
-        .filter(|&row| cosine(row) < if gaps.distance[row] < 0.0 { OTHER_SIDE } else { 0.0 })
+        .filter(|&row| may_touch(row) && gaps.distance[row] < way_in.reach())
+        .filter(|&row| cosine(row) < if gaps.distance[row] < 0.0 { OTHER_SIDE } else { FACING_BACK })
         .collect();
     if suspects.is_empty() {
         return Ok(EntryGap::default());
     }
     let suspected: Vec<Vector3<f64>> = suspects.iter().map(|&row| points[row]).collect();
-    let ways = obstacle.entry_distances(&suspected, &travel.direction, travel.depth)?;
+    let directions: Vec<Vector3<f64>> = suspects.iter().map(|&row| way_in.direction(row)).collect();
+    let ways = way_in.back(obstacle, &suspected, &directions)?;
     let met: Vec<(usize, f64)> =
         suspects.into_iter().zip(ways).filter_map(|(vertex, way)| Some((vertex, way?))).collect();
     let entries: Vec<Vector3<f64>> =
-        met.iter().map(|&(vertex, way)| points[vertex] + way * travel.direction).collect();
+        met.iter().map(|&(vertex, way)| points[vertex] + way * way_in.direction(vertex)).collect();
     let entry_normal = obstacle.signed_distance(&entries, None)?.normal;
     // Through the closest point and on by twice the way back: outside again behind a thin wall.
     let beyond: Vec<Vector3<f64>> = met
@@ -66,12 +117,13 @@ pub(crate) fn measure_entries(
     let mut counted = EntryGap::default();
     for (row, (vertex, way)) in met.into_iter().enumerate() {
         let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
-        let advance = entry.dot(&travel.direction);
+        let advance = entry.dot(&way_in.direction(vertex));
         if normal.dot(&entry) >= OTHER_SIDE || advance <= 0.0 {
             continue;
         }
-        let through_wall =
-            gaps.distance[vertex] >= 0.0 || normal.dot(&travel.direction) < 0.0 || behind[row] > 0.0;
+        let through_wall = gaps.distance[vertex] >= 0.0
+            || normal.dot(&way_in.direction(vertex)) < FACING_BACK
+            || behind[row] > 0.0;
         gaps.distance[vertex] = -way * advance;
         gaps.normal[vertex] = entry;
         counted.vertices += 1;

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use crate::contact::error::ContactError;
 use crate::contact::gap::averaged;
 use crate::contact::gap::edge::{Line, SkinPart};
-use crate::contact::gap::entry::{EntryGap, measure_entries};
+use crate::contact::gap::entry::{EntryGap, WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
 use crate::obstacle::posed::Obstacle;
@@ -26,7 +26,7 @@ pub(crate) struct Gaps<'a> {
     pub scene: &'a Scene,
     /// Every vertex not measured is at least this far from the obstacle, outside it (m).
     pub search_distance: f64,
-    /// Vertices whose gap is measured back along the press.
+    /// Vertices whose gap is measured back the way they came.
     pub entry: EntryGap,
     /// Vertices that may touch with g0 < 0, ascending.
     pub penetrating: Vec<usize>,
@@ -45,8 +45,8 @@ pub(crate) struct Gaps<'a> {
 }
 
 impl<'a> Gaps<'a> {
-    /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; under a press
-    /// back along the travel where the closest side is not the one that the vertex came in through.
+    /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; back the way it came
+    /// where the closest side is not the one that it came in through.
     ///
     /// * `with_edges`: whether sharp edges between the vertices count
     /// * `search_distance`: (m); `None`: depth and two mean edge lengths
@@ -60,13 +60,9 @@ impl<'a> Gaps<'a> {
         let default = || depth_bound.unwrap_or(0.0) + SEARCH_EDGES * surface.mean_edge_length();
         let reach = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
         let mut measured = Measured::near(surface.vertices(), &scene.obstacle, reach, depth_bound)?;
-        let entry = match &scene.press {
-            Some(travel) => {
-                let may_touch = |vertex: usize| surface.skin_mask()[vertex];
-                measure_entries(surface.vertices(), may_touch, &scene.obstacle, travel, &mut measured)?
-            }
-            None => EntryGap::default(),
-        };
+        let may_touch = |vertex: usize| surface.skin_mask()[vertex];
+        let way_in = WayIn::new(scene, surface.vertex_normals().iter().copied(), reach);
+        let entry = measure_entries(surface.vertices(), may_touch, &scene.obstacle, &way_in, &mut measured)?;
         let deepest = depth_bound.unwrap_or(reach);
         let on_lines = match with_edges {
             true => take_edges(surface, &scene.obstacle, deepest, &mut measured),
@@ -119,9 +115,9 @@ impl<'a> Gaps<'a> {
         let points: Vec<Vector3<f64>> =
             moved.map(|(&vertex, u)| self.surface.vertices()[vertex] + u).collect();
         let mut measured = Measured::near(&points, &self.scene.obstacle, f64::INFINITY, None)?;
-        if let Some(travel) = &self.scene.press {
-            measure_entries(&points, |_| true, &self.scene.obstacle, travel, &mut measured)?;
-        }
+        let normals = vertices.iter().map(|&vertex| self.surface.vertex_normals()[vertex]);
+        let way_in = WayIn::new(self.scene, normals, self.search_distance);
+        measure_entries(&points, |_| true, &self.scene.obstacle, &way_in, &mut measured)?;
         Ok(measured)
     }
 

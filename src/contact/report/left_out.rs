@@ -31,7 +31,7 @@ impl Report {
         let entered = gaps.entry.vertices;
         if entered > 0 {
             let why = format!(
-                "{entered} vertices came in through another side of the obstacle than their closest one: their gap is the way back along the press"
+                "{entered} vertices came in through another side of the obstacle than their closest one: their gap is the way back"
             );
             self.leave_out("gap along the closest normal", why);
         }

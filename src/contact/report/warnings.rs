@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::figures::penetration::Penetration;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::Contact;
@@ -14,6 +15,9 @@ const UNRESOLVED_SHARE: f64 = 0.05;
 /// Why it is left between vertices.
 const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarser than the obstacle's features; refine it (`target_error`, `max_nodes`), and do not trust force and area there";
 
+/// Cosine between force and outward normal of the skin from which a vertex is pulled.
+const PULL: f64 = 0.5;
+
 /// Skin and obstacle differing in size by this factor suggest that one is in another unit.
 const SUSPICIOUS_SIZE_RATIO: f64 = 100.0;
 
@@ -24,7 +28,22 @@ impl Report {
         let went_through = gaps.entry.through_walls;
         if went_through > 0 {
             self.warnings.push(format!(
-                "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back along the press to where they met it, as gaps along the closest normal would push them out at its sides"
+                "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back the way they came, to where they met it, as gaps along the closest normal would push them out at its sides"
+            ));
+        }
+    }
+
+    /// Warns of vertices under force that the obstacle's normal pulls outward.
+    pub fn warn_of_pull(&mut self, gaps: &Gaps, forces: &NodeForces) {
+        let outward = gaps.surface.vertex_normals();
+        let is_pulled = |&&vertex: &&usize| {
+            forces.vectors[vertex].dot(&outward[vertex]) > PULL * forces.vectors[vertex].norm()
+        };
+        let pulled = forces.active.iter().filter(is_pulled).count();
+        if pulled > 0 {
+            self.warnings.push(format!(
+                "the obstacle's normal points out of the skin at {pulled} of {} vertices under force, which are pulled and not pressed: the obstacle stands in the skin farther than the gaps are followed; bring it there by a press, or overlap it less",
+                forces.active.len()
             ));
         }
     }
