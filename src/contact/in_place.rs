@@ -14,7 +14,6 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, Timing};
 use crate::contact::report::record::Report;
 use crate::contact::scene::Scene;
-use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 
@@ -67,12 +66,7 @@ impl<'a> InPlace<'a> {
 
         // 1. Gaps; back along the press where the skin came in through another side.
         let started = Instant::now();
-        let mut gaps = Gaps::measure(
-            surface,
-            scene,
-            options.search_distance,
-            traits.discretization == Discretization::Collocation,
-        )?;
+        let mut gaps = Gaps::measure(surface, scene, options.search_distance)?;
         report.clock("signed_distance", started);
         report.note_gaps(&gaps);
         report.warn_of_scene(&gaps);

@@ -4,18 +4,23 @@ use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press};
 use quasirigid::obstacle::Obstacle;
+use quasirigid::response::KernelSkin;
 use quasirigid::surface::Surface;
 
 use crate::common::Random;
-use crate::{UP, ball, half_space, lattice, press_up};
+use crate::{SHEAR_MODULUS, UP, ball, galerkin, half_space, lattice, press_up};
 
 /// Where the obstacles of a press begin.
 const BELOW: Vector3<f64> = Vector3::new(0.0, 0.0, -0.05);
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
+    pressed_on(surface, obstacle, &half_space(), depth)
+}
+
+fn pressed_on(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
     let upwards =
         Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
-    press(surface, obstacle, &half_space(), &upwards, &ContactOptions::default()).unwrap()
+    press(surface, obstacle, skin, &upwards, &ContactOptions::default()).unwrap()
 }
 
 /// A roof along x with its ridge on the x axis, upwards.
@@ -88,11 +93,15 @@ fn what_is_smaller_than_a_triangle_is_met_in_its_middle() {
 
 #[test]
 fn a_flat_pin_presses_like_the_flat_punch() {
-    // Sneddon: F = 4 G a d / (1 - nu), with nu = 1/2; a half-space under a pad much wider than the pin.
-    let (radius, depth) = (1e-3, 0.1e-3);
-    let contact = pressed(&flat(20, 1e-3), &pin(radius).translated(&BELOW), depth);
-    let punch = 8.0 * crate::SHEAR_MODULUS * radius * depth;
-    assert_relative_eq!(contact.resultant.force.z, punch, max_relative = 0.05);
+    // Sneddon: F = 4 G a d / (1 - nu), with nu = 1/2; the pad is much wider than the pin.
+    let depth = 0.1e-3;
+    for radius in [0.3e-3, 1e-3] {
+        let punch = 8.0 * SHEAR_MODULUS * radius * depth;
+        for skin in [half_space(), galerkin()] {
+            let contact = pressed_on(&flat(20, 1e-3), &pin(radius).translated(&BELOW), &skin, depth);
+            assert_relative_eq!(contact.resultant.force.z, punch, max_relative = 0.05);
+        }
+    }
 }
 
 #[test]

@@ -15,22 +15,26 @@ use crate::surface::checked::Surface;
 /// costs more force than all else in the Galerkin form.
 ///
 /// * `at_vertices`: the initial gap (m) of some vertices
+/// * `is_on_line`: whether the gap of a vertex is that to a plane through a line of the obstacle
 pub(crate) fn measure(
     surface: &Surface,
     scene: &Scene,
     basis: PressureBasis,
     nodes: &[usize],
     at_vertices: impl FnOnce(&[usize]) -> Result<Vec<f64>, ContactError>,
+    is_on_line: impl Fn(usize) -> bool,
 ) -> Result<Vec<f64>, ContactError> {
     let around = AveragePoints::around(surface, nodes);
     let at_vertices = at_vertices(&around.vertices)?;
+    let gap_at = |vertex: usize| {
+        at_vertices[around.vertices.binary_search(&vertex).expect("the edges join the vertices")]
+    };
     // A distance changes by no more than the way, so no middle is beyond the reach.
     let mut reach: f64 = 0.0;
     for &[a, b] in &around.edges {
         let [a, b] = [a as usize, b as usize];
         let length = (surface.vertices()[a] - surface.vertices()[b]).norm();
-        let row = around.vertices.binary_search(&a).expect("the edges join the vertices");
-        reach = reach.max(at_vertices[row].abs() + length);
+        reach = reach.max(gap_at(a).abs() + length);
     }
     let middles = around.middles(surface);
     let found = scene.obstacle.signed_distance(&middles, Some(reach))?;
@@ -42,5 +46,11 @@ pub(crate) fn measure(
     });
     let way_in = WayIn::new(scene, between, reach);
     measure_entries(&middles, |_| true, &scene.obstacle, &way_in, &mut at_middles)?;
+    for (&ends, gap) in around.edges.iter().zip(&mut at_middles.distance) {
+        let [a, b] = ends.map(|end| end as usize);
+        if is_on_line(a) && is_on_line(b) {
+            *gap = 0.5 * (gap_at(a) + gap_at(b));
+        }
+    }
     Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles.distance))
 }

@@ -48,13 +48,11 @@ impl<'a> Gaps<'a> {
     /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; back the way it came
     /// where the closest side is not the one that it came in through.
     ///
-    /// * `with_edges`: whether sharp edges between the vertices count
     /// * `search_distance`: (m); `None`: depth and two mean edge lengths
     pub fn measure(
         surface: &'a Surface,
         scene: &'a Scene,
         search_distance: Option<f64>,
-        with_edges: bool,
     ) -> Result<Self, ContactError> {
         let depth_bound = scene.depth_bound;
         let default = || depth_bound.unwrap_or(0.0) + SEARCH_EDGES * surface.mean_edge_length();
@@ -64,10 +62,7 @@ impl<'a> Gaps<'a> {
         let way_in = WayIn::new(scene, surface.vertex_normals().iter().copied(), reach);
         let entry = measure_entries(surface.vertices(), may_touch, &scene.obstacle, &way_in, &mut measured)?;
         let deepest = depth_bound.unwrap_or(reach);
-        let on_lines = match with_edges {
-            true => take_edges(surface, &scene.obstacle, deepest, &mut measured),
-            false => BTreeMap::new(),
-        };
+        let on_lines = take_edges(surface, &scene.obstacle, deepest, &mut measured);
         let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
         let penetrating: Vec<usize> = (0..measured.distance.len()).filter(is_inside).collect();
         Ok(Self {
@@ -162,7 +157,9 @@ impl<'a> Gaps<'a> {
         let missing: Vec<usize> = nodes.iter().copied().filter(|node| !known.contains_key(node)).collect();
         if !missing.is_empty() {
             let at_vertices = |vertices: &[usize]| Ok(self.at(vertices)?.distance);
-            let averages = averaged::measure(self.surface, self.scene, basis, &missing, at_vertices)?;
+            let is_on_line = |vertex: usize| self.line_at(vertex).is_some();
+            let averages =
+                averaged::measure(self.surface, self.scene, basis, &missing, at_vertices, is_on_line)?;
             known.extend(missing.into_iter().zip(averages));
         }
         Ok(nodes.iter().map(|node| known[node]).collect())

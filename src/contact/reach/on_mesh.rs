@@ -16,7 +16,6 @@ use crate::contact::scene::{Approach, Inherited, Scene};
 use crate::contact::tilt::axes::Turn;
 use crate::obstacle::posed::Obstacle;
 use crate::response::error::ResponseError;
-use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
 use crate::surface::checked::Surface;
@@ -217,9 +216,7 @@ impl OnMesh<'_> {
 
     /// The deepest penetration so far past the touch (m).
     fn overlap(&self, past: f64) -> Result<f64, ContactError> {
-        let with_edges = self.skin.traits(self.surface)?.discretization == Discretization::Collocation;
-        Ok(Gaps::measure(self.surface, &self.scene(past), self.options.search_distance, with_edges)?
-            .deepest())
+        Ok(Gaps::measure(self.surface, &self.scene(past), self.options.search_distance)?.deepest())
     }
 
     /// The way past the touch to an overlap (m); `None` where it is not reached.

@@ -183,14 +183,14 @@ impl Rounds<'_> {
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface: all under force, or those at the
     /// rim where the force is known well enough and the area is not.
     fn wanting(&self, is_for_area: bool) -> Vec<usize> {
-        let Some((part, contact)) = &self.last else { return self.given.active.clone() };
-        let active = contact.active.iter();
+        let Some((part, contact)) = &self.last else { return self.given.pressed() };
+        let active = contact.pressed();
         if !is_for_area {
-            return active.map(|&vertex| part.number(vertex)).collect();
+            return active.into_iter().map(|vertex| part.number(vertex)).collect();
         }
         let is_free = |&other: &u32| contact.node_force[other as usize] == 0.0;
-        let at_rim = |&&vertex: &&usize| part.surface.neighbours(vertex).iter().any(is_free);
-        active.filter(at_rim).map(|&vertex| part.number(vertex)).collect()
+        let at_rim = |&vertex: &usize| part.surface.neighbours(vertex).iter().any(is_free);
+        active.into_iter().filter(at_rim).map(|vertex| part.number(vertex)).collect()
     }
 
     /// Triangles to cut.
@@ -272,6 +272,15 @@ impl Rounds<'_> {
 }
 
 impl Contact {
+    /// Vertices under force; those that penetrate where averages over their triangles feel nothing of it.
+    fn pressed(&self) -> Vec<usize> {
+        if !self.active.is_empty() {
+            return self.active.clone();
+        }
+        let may_touch = self.surface().skin_mask();
+        (0..self.gap.len()).filter(|&vertex| may_touch[vertex] && self.gap[vertex] < 0.0).collect()
+    }
+
     /// Whether the mesh costs so little of the force that more of it is for the area alone.
     fn knows_force(&self, target: f64) -> bool {
         self.accuracy.mesh_error.is_some_and(|error| error < SMALL_SHARE * target)
