@@ -1,5 +1,6 @@
 //! Thin PyO3 layer: convert, detach, call, convert back. The typed facade in `python/quasirigid` builds on it.
 
+mod accuracy;
 mod contact;
 mod contact_options;
 mod convert;
@@ -24,7 +25,9 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::contact::{PyAccuracy, PyContact, PyDrawing, PyRefinement, PyResultant, press, solve_contact};
+    use super::accuracy::{PyAccuracy, PyRefinement};
+    #[pymodule_export]
+    use super::contact::{PyContact, PyDrawing, PyResultant, press, solve_contact};
     #[pymodule_export]
     use super::contact_options::PyContactOptions;
     #[pymodule_export]
