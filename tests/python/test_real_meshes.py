@@ -130,6 +130,7 @@ def test_a_scanned_finger_with_its_bone_keeps_its_volume_to_first_order() -> Non
 
 # The rim of the mug stands between vertices of the hand.
 @pytest.mark.filterwarnings("ignore:the deformed skin still penetrates:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the mesh around the contact costs:quasirigid.QuasirigidWarning")
 def test_a_mug_from_below_meets_the_palm_of_a_whole_hand() -> None:
     hand = qr.read_surface(DATA / "hands" / "libhand_right_13k.ply", unit="m")
     vertices, faces = qr.read_mesh(DATA / "products" / "tbm_mug.ply", unit="m")
