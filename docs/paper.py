@@ -198,7 +198,7 @@ def row(name: str, contact: qr.Contact, scene: Scene) -> str:
     towards = float(np.max(-moved @ scene.direction))
     outwards = float((moved * contact.surface.vertex_normals).sum(axis=1).max())
     figures = [
-        f"{contact.force @ scene.direction:.3g}",
+        f"{contact.force @ scene.direction:.2f}",
         f"{contact.contact_area * 1e6:.1f}",
         f"{contact.max_pressure * 1e-3:.0f}",
         f"{contact.max_penetration_after * 1e3:.3f}",
@@ -225,10 +225,19 @@ def figures(
     return "\n".join(lines), contacts
 
 
+def ray_reach(surface: qr.Surface, contact: qr.Contact) -> float:
+    """Return the largest distance between vertices that carry the ray a contact ended on (m)."""
+    ray = contact.lcp_solutions[0].ray
+    if ray is None:
+        return np.nan
+    points = surface.vertices[contact.candidates[ray.z > 0.0]]
+    return float(np.linalg.norm(points[:, None] - points, axis=2).max())
+
+
 def letter(scene: Scene, case: Case) -> str:
     """Return the endings of Lemke's method for the paper's kernel over the rings that are looked at."""
     rings = (0, 1, 2, 3, 6)
-    lines = ["| overlap (mm) | " + " | ".join(f"{ring} rings" for ring in rings) + " | half-space |"]
+    lines = ["| overlap (mm) | " + " | ".join(f"rings: {ring}" for ring in rings) + " | half-space |"]
     lines.append("|---" * (len(rings) + 2) + "|")
     half = Case(material(qr.HalfSpace()), AS_GIVEN)
     for overlap in (0.2e-3, 0.3e-3, 0.35e-3, 0.4e-3, 0.6e-3, DEPTH):
@@ -275,7 +284,7 @@ def timings(finger: Scene, on_finger: Mapping[str, Case], palm: Scene, on_palm: 
 
     def add(what: str, papers: float | None, seconds: float) -> None:
         ratio = "-" if papers is None else f"{papers / seconds:,.0f}"
-        shown = [f"{s:.3g} s" if s > 1.0 else f"{s * 1e3:.3g} ms" for s in (papers or np.nan, seconds)]
+        shown = [f"{s:.4g} s" if s > 1.0 else f"{s * 1e3:.3g} ms" for s in (papers or np.nan, seconds)]
         rows.append(f"| {what} | {shown[0] if papers else '-'} | {shown[1]} | {ratio} |")
         print(rows[-1], flush=True)
 
@@ -391,6 +400,7 @@ def main(with_times: bool) -> None:
         cores=os.cpu_count(),
         body_error=max(contact.accuracy.force_error or 0.0 for contact in bodies),
         depth=DEPTH * 1e3,
+        ray_reach=ray_reach(finger.surface, pressed[PRINTED, DEPTH]) * 1e3,
         at_depths="end with " + " or ".join(f'"{ending}"' for ending in sorted(printed_endings)),
         stiffer=max(
             np.linalg.norm(found[BODY, overlap].force) / np.linalg.norm(found[HALF, overlap].force)

@@ -17,9 +17,9 @@ What came out:
 - With the printed constants Lemke's method ends on a ray at every depth that the paper shows. On the finger
   the last depth of the sweep that solves is {last:.1f} mm.
 - The half-space solves everywhere, and everywhere loses volume. The body, with its bone inside, solves too,
-  keeps volume, and bulges at the sides.
+  keeps volume up to its mesh error, and bulges at the sides.
 - Where the paper needed 340 s, 4.8 s and 438 ms for set-up, collision and LCP, seconds, a millisecond and
-  0.1 ms (on a refined mesh some 20 ms) are enough here.
+  0.1 ms are enough here (tens of ms for the LCP of a body on a refined mesh).
 
 ## Responses (the paper's figure 5)
 
@@ -30,8 +30,8 @@ printed number, so 15 mm is taken to be meant.
 ![The kernel, and what it answers to waves of pressure](paper_kernel.png)
 
 Right: what a wave of pressure gets as displacement. Below zero the skin comes out where it is pushed in,
-and a contact that is wide enough has no equilibrium. Without a cutoff this is so for wavelengths of
-{endless_band} mm, with it from {cut_band} mm on. A height up to {highest:.2f} mm/N would be well posed
+and a contact that is wide enough need not have an equilibrium. Without a cutoff this is so for wavelengths
+of {endless_band} mm, with it from {cut_band} mm on. A height up to {highest:.2f} mm/N would be well posed
 without a cutoff, but gives back half of the volume only.
 
 ## Fingertip, {depth:.2f} mm (the paper's figure 7)
@@ -49,13 +49,15 @@ skin's normal, "volume" the change under the skin to first order.
 
 - The paper reports a solved contact at this depth, and here its kernel ends on a ray: Lemke's method finds
   forces z >= 0 with z'Rz < 0, so R is not copositive, and there may be no solution, one or several. Why the
-  paper's run ended cannot be told from its text. With and without cutoff the numbers are the same, as no
-  two vertices of this contact are 15 mm apart.
+  paper's run ended cannot be told from its text. Cutoff or none is the same ray: the vertices that carry it
+  are at most {ray_reach:.0f} mm apart.
 - The paper's bulges in front and behind come with its kernel: the balanced Gaussian and the printed
   constants at 0.3 mm (where they solve) move skin towards the product around the contact. The body does
   not: its tissue goes to the sides and to the back of the finger, where the bone does not hold it.
-- The half-space knows no volume and no bone, so it is softer than the body; the balanced Gaussian is
-  stiffer, because it brings all the volume back within 15 mm, and a finger moves it further.
+- The half-space knows no bone and keeps no volume, so it is softer than the body. Its skin moves along the
+  product's normal alone; what it has "outwards" is that movement on slanting skin.
+- The balanced Gaussian keeps volume on a plane only; on a finger narrower than its cutoff it loses some. It
+  is stiffer than the body because it lifts the skin right beside the force, where the body does not.
 
 Endings of Lemke's method on the printed kernel (cutoff 15 mm), by the rings around the penetrating
 vertices, and the sum of forces where it solves:
@@ -96,6 +98,8 @@ vertices{palm_setup}.
 
 - The printed constants {at_depths} at the six depths. The paper shows pictures without figures here, so
   there is no force to compare.
+- What moves towards the product on the palm is the fingers, which have no bones in this body and lean; the
+  bulge is at the hand's edge, in the close ups.
 - The body is stiffer than the half-space, up to {stiffer:.1f} times, because it has bone under it and no
   volume to give.
 - On the palm up to 0.03 mm of overlap is left after the contact, as the stop allows a share of the depth

@@ -25,7 +25,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
-LARGEST = 180_000  # bytes of a picture in full colours
+LARGEST = 195_000  # bytes of a picture in full colours
 X, Y, Z = np.eye(3)
 GREY = LinearSegmentedColormap.from_list("product", ["#aab2bd", "#aab2bd"])
 HALF_COLOUR = "#2f6f9f"
@@ -44,7 +44,7 @@ def save(figure: Figure, name: str) -> None:
     figure.savefig(drawn, dpi=100)
     plt.close(figure)
     picture = Image.open(drawn).convert("RGB")
-    if drawn.tell() > LARGEST:
+    if drawn.getbuffer().nbytes > LARGEST:
         picture = picture.quantize(256, dither=Image.Dither.NONE)
     picture.save(target, optimize=True)
 
@@ -105,13 +105,15 @@ def draw_finger(
     close_up(axes["along"], contacts, along)
     close_up(axes["across"], contacts, across, reach=8.0, label="across (mm)")
     close_up(axes["shallow"], {"printed constants": shallow}, across, reach=8.0, label="across (mm)")
+    for name in ("across", "shallow"):
+        axes[name].set(xlim=(1.0, 7.4), ylim=(-0.8, 2.2))
     titles = {
         "scene": "finger and product",
         "cut": "cut, body",
         "print": "pressure, body",
         "along": "close up, along the finger",
-        "across": "close up, across the finger",
-        "shallow": f"across, printed constants, {shallow.max_penetration_before * 1e3:.1f} mm",
+        "across": "close up, across, one rim",
+        "shallow": f"the same, printed constants, {shallow.max_penetration_before * 1e3:.1f} mm",
     }
     for name, title in titles.items():
         axes[name].set_title(title, fontsize=10, color=INK)
