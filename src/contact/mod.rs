@@ -8,9 +8,9 @@
 //!
 //! with g, g0 (m) along the obstacle's outward normal, R (m/N) the response matrix and f (N) the node forces
 //! (Xie, Kanai, Date 2011, eq. 9). An elastic product adds its response to the skin's, `R = R_H + R_P`: what is measured at
-//! the deformed skin is measured after `u_H - u_P`, against the product at rest. Where R has no negative entry, a vertex outside the obstacle can never touch and
-//! the problem on the penetrating vertices is exact. Otherwise their rings are added, and the set grows while a
-//! vertex outside gets pressed or the rim carries force.
+//! the deformed skin is measured after `u_H - u_P`, against the product at rest. Where R has no negative entry, a vertex
+//! outside the obstacle can never touch and the problem on the penetrating vertices is exact. Otherwise their rings are added, and the set grows while a
+//! vertex outside gets pressed or the rim carries force. Gaps and normals are then taken anew at the deformed skin.
 
 pub(crate) mod candidate;
 pub(crate) mod discretization;

@@ -1,8 +1,8 @@
 //! Initial gaps `g0` (m) along the obstacle's outward normal.
 //!
-//! [`initial`] measures them on demand: [`measured`], signed distance at points; [`entry`], back along the press where
-//! the closest side is not the one that the skin came in through; [`edge`], from a sharp edge between
-//! the vertices; [`averaged`], against the hats, for the Galerkin form. [`touch`] finds where the obstacle comes to touch there.
+//! [`initial`] measures them on demand: [`measured`], signed distance at points; [`entry`], back along the press or the
+//! skin's inward normal where the closest side is not the one that the skin came in through; [`edge`], from a sharp edge
+//! between the vertices; [`averaged`], against the hats, for the Galerkin form. [`touch`] finds where the obstacle comes to touch there.
 
 pub(crate) mod averaged;
 pub(crate) mod edge;
