@@ -20,6 +20,7 @@ _SEGMENTS = dict.fromkeys(DIGITS, ("proximal", "middle", "distal")) | {"thumb": 
 _NEIGHBOURS = (("thumb", "index"), ("index", "middle"), ("middle", "ring"), ("ring", "little"))
 _LEAST_WEIGHT = 0.15  # of a digit's joints, for a vertex to be the digit's
 _STUB = 0.2  # of the way from wrist to knuckle: a rig's metacarpal shorter than that stands for none
+_FARTHEST = 0.6  # of that way: a metacarpal that begins beyond is one too
 _BASE = 0.33  # of that way, where metacarpals begin
 _HEADS = 0.75  # of the way from wrist to knuckles, where the pads under the knuckles begin
 _HYPOTHENAR = 0.6  # of the way across the palm, from the index to the little finger
@@ -48,6 +49,20 @@ def regions_of(hand: Hand) -> NDArray[np.str_]:
     return in_one_piece(hand.surface.faces, labels)
 
 
+def metacarpal_base(hand: Hand, digit: str) -> Floats:
+    """Return where the metacarpal of a digit begins (3,) (m).
+
+    At its joint; of a finger whose rig has a stub there, a third of the way from the wrist to the knuckle.
+    """
+    base, knuckle = (hand.frame_of(JOINTS_OF[digit][link])[:3, 3] for link in (0, 1))
+    wrist = hand.frame_of("wrist")
+    way = knuckle - wrist[:3, 3]
+    is_stub = np.linalg.norm(knuckle - base) < _STUB * np.linalg.norm(way)
+    is_far = (base - wrist[:3, 3]) @ way > _FARTHEST * way @ way
+    place: Floats = wrist[:3, 3] + _BASE * way if digit != "thumb" and (is_stub or is_far) else base
+    return place
+
+
 class _Skin:
     """The skin beside its bones."""
 
@@ -71,12 +86,7 @@ class _Skin:
     def chain(self, digit: str) -> Floats:
         """Return the ends (k, 3) of a digit's bones, from the base of its metacarpal to its tip."""
         places = np.array([self.joint(digit, link) for link in range(len(JOINTS_OF[digit]))])
-        if digit != "thumb":
-            way = places[1] - self.wrist
-            if np.linalg.norm(places[1] - places[0]) < _STUB * np.linalg.norm(way) or places[
-                0
-            ] @ self.distal > (0.6 * places[1] @ self.distal):
-                places[0] = self.wrist + _BASE * way
+        places[0] = metacarpal_base(self.hand, digit)
         return places
 
     def past_knuckle(self, digit: str) -> NDArray[np.bool_]:
