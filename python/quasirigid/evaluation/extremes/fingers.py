@@ -98,6 +98,13 @@ def _pressed(
     )
 
 
+def _soft(depth: float, setting: Setting) -> Contact:
+    """Press a box as soft as the finger."""
+    skin = Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=HalfSpace())
+    box = _box(setting).with_material(shear_modulus=setting.modulus, poisson_ratio=0.4)
+    return press(_surface(setting, _finger()), box, skin, _UP, depth=depth * setting.length, options=AS_GIVEN)
+
+
 def _body(depth: float, setting: Setting) -> Contact:
     """Press a sphere of 8 mm with a core of 3 mm on a plate."""
     skin, prepared = _prepared(setting)
@@ -173,6 +180,7 @@ def finger_cases() -> Iterator[Case]:
             yield Case(
                 group="Poisson's ratio", name=f"{name}, nu = {_ratio_name(nu)}", judge=judge, quick=quick
             )
+    yield from scaled_cases("elastic product", "box", partial(_soft, _DEPTH), smallest=_DEPTH)
     for name, build in {"fingertip with its bone": _finger_body, "sphere with a core": _ball_body}.items():
         yield from scaled_cases("two levels", name, build, smallest=_DEPTH, quick=False)
     for name in _builds(_DEPTH):

@@ -43,8 +43,9 @@ def lcp_cases() -> Iterator[Case]:
                 judge=partial(_ray, problem, method),
                 quick=True,
             )
-    for count in (500, 5000):
-        for method in (LcpMethod.LEMKE, LcpMethod.BLOCK_PIVOTING, LcpMethod.PROJECTED_CG):
+    direct = (LcpMethod.LEMKE, LcpMethod.BLOCK_PIVOTING)
+    for count, methods in ((500, (*direct, LcpMethod.PROJECTED_CG)), (5000, direct)):
+        for method in methods:
             judge = partial(_judge_large, count, method)
             name = f"all in contact, n = {count}, {method}"
             yield Case(group="LCP", name=name, judge=judge, quick=count == 500)

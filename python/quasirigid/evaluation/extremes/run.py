@@ -13,6 +13,7 @@ from ..progress import TableProgress, table_reporter
 from ..table import Table
 from .alone import row_of_alone
 from .case import Case, row_of
+from .endings import ending_cases
 from .fingers import finger_cases
 from .flat import mesh_cases
 from .lcps import lcp_cases
@@ -52,7 +53,7 @@ def stress(*, quick: bool = False, progress: TableProgress | bool | None = None)
 
 def all_cases() -> Iterator[Case]:
     """Make every case."""
-    return chain(finger_cases(), mesh_cases(), touch_cases(), lcp_cases())
+    return chain(finger_cases(), mesh_cases(), touch_cases(), ending_cases(), lcp_cases())
 
 
 def run_cases(cases: Iterable[Case], progress: TableProgress | bool | None = None) -> Table:

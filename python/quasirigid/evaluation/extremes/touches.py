@@ -9,13 +9,13 @@ from typing import Any, Literal
 import numpy as np
 
 from ... import models
-from ...contact import Contact, ContactError, press, solve_contact
+from ...contact import Contact, press, solve_contact
 from ...matrix import response_matrix
 from ...obstacle import Obstacle
 from ...skin import Body, HalfSpace, Layer, PreparedSkin, Skin, cut_out
 from ...surface import Surface
 from ..meshes import Floats, Indices, ball, lattice_faces
-from .case import Case, Outcome, ends_with, holds, near
+from .case import Case, Outcome, holds, near
 from .flat import CELL, flat_skin
 from .scaling import AS_GIVEN, Build, Setting, off, rounding_limit, scaled_cases
 
@@ -49,7 +49,6 @@ def touch_cases() -> Iterator[Case]:
     yield from scaled_cases(
         "contact", "a thousand patches", _bumps, smallest=_DEPTH, lengths=(1e-3,), quick=False
     )
-    yield Case(group="contact", name="no vertex may touch", judge=_masked, quick=True)
     yield Case(group="contact", name="on the edge of a body's cut", judge=_on_a_cut, quick=True)
     for name, product in (("1,000 times coarser", _coarse_plate), ("1,000 times finer", _fine_plate)):
         judge = partial(_other_triangles, product)
@@ -153,17 +152,6 @@ def _thousand_patches() -> Outcome:
         f"{_BUMPS**2} patches, natural residual below 1e-8",
         f"{len(contact.patches)} patches, natural residual {residual:.1e}",
         len(contact.patches) == _BUMPS**2 and residual < 1e-8,
-    )
-
-
-def _masked() -> Outcome:
-    """Skin of which nothing may touch is never met."""
-    points, faces = _dome()
-    surface = Surface(points, faces, np.zeros(len(points), dtype=bool))
-    plate = Obstacle.half_space([0, 0, 0.01], _DOWN)
-    skin = _skin(Setting(), HalfSpace())
-    return ends_with(
-        lambda: press(surface, plate, skin, _DOWN, depth=_DEPTH, options=AS_GIVEN), ContactError, "mask"
     )
 
 
