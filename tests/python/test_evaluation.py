@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,14 @@ from quasirigid.evaluation.extremes.case import Case, ends_with, holds, near, ro
 from quasirigid.evaluation.extremes.lcps import natural_residual
 from quasirigid.evaluation.extremes.problems import problems
 from quasirigid.evaluation.extremes.run import all_cases, run_cases
-from quasirigid.evaluation.ladder import picture
+from quasirigid.evaluation.ladder import picture, run
 from quasirigid.evaluation.ladder.ellipse import EllipticHertz
+from quasirigid.evaluation.ladder.pixels import pixel_tasks
 from quasirigid.evaluation.ladder.rows import make_row, mark_knee
+
+
+class Panic(BaseException):
+    """As panics of the core are: no `Exception`."""
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +83,34 @@ def test_a_force_beyond_its_bound_is_off() -> None:
     assert make_row(scene="x", force_error=-0.01, limit=0.02)["ok"]
     assert not make_row(scene="x", force_error=-0.03, limit=0.02)["ok"]
     assert not make_row(scene="x", force_error=None, limit=0.02)["ok"]
+
+
+def test_what_a_row_of_the_ladder_raises_is_a_row_that_is_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails() -> None:
+        raise Panic("of a sudden")
+
+    monkeypatch.setattr(
+        run, "_PARTS", [lambda quick: [("first", fails), ("second", lambda: make_row(scene="x"))]]
+    )
+    calls: list[tuple[str, int, int]] = []
+    table = qr.accuracy(progress=lambda *words: calls.append(words))
+    assert [row["ok"] for row in table.rows] == [False, True]
+    assert table.rows[0]["note"] == "Panic: of a sudden"
+    assert "off: first, -, -: Panic: of a sudden" in str(table)
+    assert calls == [("first", 1, 2), ("second", 2, 2)]
+
+
+def test_a_table_can_be_pickled(accuracy: qr.Table) -> None:
+    there = pickle.loads(pickle.dumps(accuracy))
+    assert there.rows == accuracy.rows
+    assert repr(there) == repr(accuracy)
+
+
+def test_tamaas_is_measured_beside_it() -> None:
+    pytest.importorskip("tamaas")
+    errors = [work()["force_error"] for _, work in pixel_tasks(quick=True)]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 1e-3
 
 
 def test_rows_cannot_be_changed_through_the_table(accuracy: qr.Table) -> None:
@@ -146,10 +180,6 @@ def test_a_case_with_a_wrong_expectation_is_off(tmp_path: Path) -> None:
 def test_an_error_that_is_no_number_is_off() -> None:
     assert not near("a number", math.nan, 1.0).ok
     assert near("exact", 0.0, 0.0).ok
-
-
-class Panic(BaseException):
-    """As panics of the core are: no `Exception`."""
 
 
 @pytest.mark.parametrize("kind", [ZeroDivisionError, Panic, qr.SurfaceError])

@@ -61,7 +61,10 @@ def accuracy(*, quick: bool = False, progress: TableProgress | bool | None = Non
         for done, (name, work) in enumerate(tasks):
             try:
                 rows.append(work())
-            except Exception as error:
+            except (KeyboardInterrupt, SystemExit):
+                raise
+            except BaseException as error:
+                # A panic of the core is no `Exception`.
                 rows.append(refused(error, scene=name))
             report(name, done + 1, len(tasks))
     mark_knee([row for row in rows if row["scene"] == "sphere" and row["response"] == "half-space"])
