@@ -72,8 +72,6 @@ from .skin import (
 from .surface import Repair, Surface, repair, skin_without_caps
 
 if _TYPE_CHECKING:
-    from typing import Any as _Any
-
     from . import io, plot, reference
     from .evaluation import Table, accuracy, stress
 
@@ -152,13 +150,15 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> "_Any":
-    """Import what is used by some alone when it is first asked for."""
-    if name in ("io", "plot", "reference"):
-        return _import_module(f".{name}", __name__)
-    if name in ("Table", "accuracy", "stress"):
-        return getattr(_import_module(".evaluation", __name__), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+if not _TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        """Import what is used by some alone when it is first asked for."""
+        if name in ("io", "plot", "reference"):
+            return _import_module(f".{name}", __name__)
+        if name in ("Table", "accuracy", "stress"):
+            return getattr(_import_module(".evaluation", __name__), name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -21,6 +21,8 @@ from quasirigid.evaluation.ladder import picture, run
 from quasirigid.evaluation.ladder.ellipse import EllipticHertz
 from quasirigid.evaluation.ladder.pixels import pixel_tasks
 from quasirigid.evaluation.ladder.rows import make_row, mark_knee
+from quasirigid.evaluation.memo import remembered
+from quasirigid.evaluation.text import as_error
 
 
 class Panic(BaseException):
@@ -291,3 +293,23 @@ def test_the_pressure_of_the_ellipse_closes_the_gap(ratio: float) -> None:
         chords = 2 * np.cos(turn) / half_axis / curved
         end = peak * (np.sqrt(curved) * np.pi / 8 * chords**2).mean() / modulus
         assert end == pytest.approx(approach - half_axis**2 / (2 * radius), rel=1e-6)
+
+
+def test_a_run_leaves_nothing_for_the_next() -> None:
+    made = []
+
+    @remembered
+    def prepared() -> int:
+        made.append(1)
+        return len(made)
+
+    cases = [Case(group="test", name=name, judge=lambda: holds("", str(prepared()), True)) for name in "ab"]
+    assert [row["found"] for row in run_cases(cases).rows] == ["1", "1"]
+    assert [row["found"] for row in run_cases(cases).rows] == ["2", "2"]
+
+
+def test_errors_are_percents_of_two_figures() -> None:
+    words = [as_error(error) for error in (0.1234, -0.01234, 0.0996, None)]
+    assert words == ["12 %", "1.2 %", "10 %", "-"]
+    assert as_error(-0.0123, signed=True) == "-1.2 %"
+    assert as_error(0.123, signed=True) == "+12 %"

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 __all__ = ["as_error", "as_time", "markdown", "plain"]
 
 
-def as_error(error: float | None) -> str:
+def as_error(error: float | None, *, signed: bool = False) -> str:
     """Return a relative error in percent, two figures of it."""
     if error is None:
         return "-"
-    percent = 100 * abs(error)
-    return f"{percent:.0f} %" if percent >= 9.95 else f"{percent:.2g} %"
+    percent = 100 * (error if signed else abs(error))
+    sign = "+" if signed else ""
+    return f"{percent:{sign}.0f} %" if abs(percent) >= 9.95 else f"{percent:{sign}.2g} %"
 
 
 def as_time(seconds: float | None) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from ...errors import QuasirigidError, ResponseError, SurfaceError
 from ...obstacle import Obstacle
 from ...skin import Body, CombinedSkin, GaussianCorrected, HalfSpace, Layer, Skin, cut_out
 from ...surface import Surface, skin_without_caps
+from ..memo import remembered
 from .case import Case, ends_with
 from .flat import CELL, flat_skin
 from .scaling import AS_GIVEN
@@ -60,7 +61,7 @@ def _skin(response: Any, *, modulus: float = 60e3, nu: float = 0.5) -> Skin:
     return Skin(shear_modulus=modulus, poisson_ratio=nu, response=response)
 
 
-@cache
+@remembered
 def _finger() -> Surface:
     finger = models.fingertip(edge_length=2e-3)
     return finger.with_skin_mask(skin_without_caps(finger))

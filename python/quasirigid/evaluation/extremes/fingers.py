@@ -14,6 +14,7 @@ from ...contact import Contact, press
 from ...obstacle import Obstacle
 from ...skin import Body, GaussianCorrected, HalfSpace, Layer, PreparedSkin, Skin
 from ...surface import Surface, skin_without_caps
+from ..memo import remembered
 from ..meshes import ball
 from .case import Case, Outcome, holds, near
 from .scaling import (
@@ -42,13 +43,13 @@ _SHALLOW = (1e-12, 1e-10, 1e-8)
 _DEEP = (3e-3, 5e-3, 7e-3)
 
 
-@cache
+@remembered
 def _finger() -> Surface:
     tip = models.fingertip(edge_length=1.6e-3)
     return tip.with_skin_mask(skin_without_caps(tip))
 
 
-@cache
+@remembered
 def _phone() -> tuple[Any, Any]:
     triangles = models.rounded_box(size=(0.04, 0.04, 0.02), edge_radius=0.004, edge_length=4e-3).triangles()
     assert triangles is not None, "a box of triangles has some"
@@ -111,7 +112,7 @@ def _body(depth: float, setting: Setting) -> Contact:
     return press(skin, _plate(setting), prepared, _UP, depth=depth * setting.length, options=AS_GIVEN)
 
 
-@cache
+@remembered
 def _prepared(setting: Setting) -> tuple[Surface, PreparedSkin]:
     skin, core = _surface(setting, ball(8e-3, 2, 2.0)), _surface(setting, ball(3e-3, 1, 2.0))
     body = Body(bone=core, coarse_edge_length=0.0)
@@ -120,7 +121,7 @@ def _prepared(setting: Setting) -> tuple[Surface, PreparedSkin]:
     return skin, material.prepared(skin, nodes)
 
 
-@cache
+@remembered
 def _finger_bone() -> Surface:
     return models.bone_of(_finger())
 
@@ -145,7 +146,7 @@ def _ball_body(setting: Setting) -> Contact:
     return press(skin, _plate(setting), prepared, _UP, depth=0.6e-3 * setting.length, options=AS_GIVEN)
 
 
-@cache
+@remembered
 def _builds(depth: float) -> dict[str, Build]:
     """Return each way to press to a depth (m); each setting is pressed once."""
     builds: dict[str, Build] = {

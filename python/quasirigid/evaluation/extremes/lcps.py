@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 
 from ...lcp import LcpMethod, LcpStatus, solve_lcp
+from ..memo import remembered
 from ..meshes import Floats
 from .case import Case, Outcome, holds, near
 from .problems import Problem, all_in_contact, infeasible, problems
@@ -51,9 +52,9 @@ def lcp_cases() -> Iterator[Case]:
             yield Case(group="LCP", name=name, judge=judge, quick=count == 500)
 
 
-@lru_cache(maxsize=1)
+@remembered
 def _large(count: int) -> Problem:
-    # The matrix of the largest takes 200 MB; one is kept.
+    # The matrix of the largest takes 200 MB.
     return all_in_contact(count)
 
 

@@ -9,6 +9,7 @@ from itertools import chain
 from typing import Any
 
 from ...errors import QuasirigidWarning
+from ..memo import forget
 from ..progress import TableProgress, table_reporter
 from ..table import Table
 from .alone import row_of_alone
@@ -61,12 +62,15 @@ def run_cases(cases: Iterable[Case], progress: TableProgress | bool | None = Non
     report = table_reporter(progress)
     listed = list(cases)
     rows: list[dict[str, Any]] = []
-    with warnings.catch_warnings():
-        # Extreme questions are warned of; here the answers count.
-        warnings.simplefilter("ignore", QuasirigidWarning)
-        for case in listed:
-            rows.append(row_of(case) if case.alone is None else row_of_alone(case))
-            report(f"{case.group}: {case.name}", len(rows), len(listed))
+    try:
+        with warnings.catch_warnings():
+            # Extreme questions are warned of; here the answers count.
+            warnings.simplefilter("ignore", QuasirigidWarning)
+            for case in listed:
+                rows.append(row_of(case) if case.alone is None else row_of_alone(case))
+                report(f"{case.group}: {case.name}", len(rows), len(listed))
+    finally:
+        forget()
     return Table(name="stress", _rows=tuple(rows))
 
 

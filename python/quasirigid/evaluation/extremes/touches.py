@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cache, partial
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from ...matrix import response_matrix
 from ...obstacle import Obstacle
 from ...skin import Body, HalfSpace, Layer, PreparedSkin, Skin, cut_out
 from ...surface import Surface
+from ..memo import remembered
 from ..meshes import Floats, Indices, ball, lattice_faces
 from .case import Case, Outcome, holds, near
 from .flat import CELL, flat_skin
@@ -234,7 +235,7 @@ def _thin_body(setting: Setting) -> Contact:
     return press(surface, plate, prepared, _UP, depth=0.02e-3 * setting.length, options=AS_GIVEN)
 
 
-@cache
+@remembered
 def _thin_prepared(setting: Setting) -> tuple[Surface, PreparedSkin]:
     """Return a sphere of 8 mm with 0.2 mm of tissue on its core, on meshes drawn towards the pole."""
     shell, core = ball(8e-3, 2, 12.0), ball(7.8e-3, 2, 12.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from ...contact import Contact, ContactOptions, press
 from ...obstacle import Obstacle
 from ...skin import Body, PreparedSkin, Skin
 from ...surface import Surface, skin_without_caps
+from ..memo import remembered
 from ..meshes import ball
 from .kernels import AS_GIVEN, Task
 from .rows import limit_of, make_row, timed
@@ -43,7 +44,7 @@ def body_tasks(quick: bool) -> Iterator[Task]:
             yield f"fingertip, edges of {edge * 1e3:g} mm", partial(_fingertip, edge, target)
 
 
-@cache
+@remembered
 def _prepared_sphere(
     radius: float, core_radius: float, nu: float, length: float | None
 ) -> tuple[Surface, PreparedSkin, float]:
@@ -77,7 +78,7 @@ def _cored_sphere(
     )
 
 
-@cache
+@remembered
 def _prepared_finger(edge: float) -> tuple[Surface, PreparedSkin, float]:
     """Return fingertip, prepared body and the time that took (s)."""
     finger = models.fingertip(edge_length=edge)
@@ -90,7 +91,7 @@ def _prepared_finger(edge: float) -> tuple[Surface, PreparedSkin, float]:
     return finger, prepared, time.perf_counter() - started
 
 
-@cache
+@remembered
 def _finest_finger() -> tuple[float, float]:
     """Return force (N) on the finest fingertip, and how exact that is taken to be."""
     edge, target = _FINEST

@@ -119,7 +119,9 @@ def _cell(row: Row, name: str) -> str:
         case "nodes":
             return "-" if row["nodes"] is None else f"{row['nodes']:.0f}"
         case "force":
-            return as_error(row["force_error"]) + ("" if row["ok"] else " **off**")
+            # Of one contact, and not a mean over places.
+            is_single = row["depth"] is not None
+            return as_error(row["force_error"], signed=is_single) + ("" if row["ok"] else " **off**")
         case "area":
             return as_error(row["area_error"])
         case "peak":

@@ -6,6 +6,7 @@ import warnings
 from typing import Any
 
 from ...errors import QuasirigidWarning
+from ..memo import forget
 from ..progress import TableProgress, table_reporter
 from ..table import Table
 from .bodies import body_tasks
@@ -55,17 +56,20 @@ def accuracy(*, quick: bool = False, progress: TableProgress | bool | None = Non
     report = table_reporter(progress)
     rows: list[dict[str, Any]] = []
     tasks = [task for part in _PARTS for task in part(quick)]
-    with warnings.catch_warnings():
-        # The coarsest meshes say that they are coarse.
-        warnings.simplefilter("ignore", QuasirigidWarning)
-        for done, (name, work) in enumerate(tasks):
-            try:
-                rows.append(work())
-            except (KeyboardInterrupt, SystemExit):
-                raise
-            except BaseException as error:
-                # A panic of the core is no `Exception`.
-                rows.append(refused(error, scene=name))
-            report(name, done + 1, len(tasks))
+    try:
+        with warnings.catch_warnings():
+            # The coarsest meshes say that they are coarse.
+            warnings.simplefilter("ignore", QuasirigidWarning)
+            for done, (name, work) in enumerate(tasks):
+                try:
+                    rows.append(work())
+                except (KeyboardInterrupt, SystemExit):
+                    raise
+                except BaseException as error:
+                    # A panic of the core is no `Exception`.
+                    rows.append(refused(error, scene=name))
+                report(name, done + 1, len(tasks))
+    finally:
+        forget()
     mark_knee([row for row in rows if row["scene"] == "sphere" and row["response"] == "half-space"])
     return Table(name="accuracy", _rows=tuple(rows))
