@@ -67,12 +67,12 @@ def mesh_cases() -> Iterator[Case]:
         build: Build = partial(_on, change, "collocation")
         judge: Callable[[], Outcome] = partial(_as_without, build, "collocation")
         yield Case(group="mesh", name=f"{name}: as without", judge=judge, quick=True)
-        if change.args[0] == _NEARLY_EQUAL:
-            # How two points share the load depends on the way between them; far away they are one.
-            yield from scaled_cases("mesh", name, build, smallest=_NEARLY_EQUAL * CELL, far=False)
-        else:
-            yield from scaled_cases("mesh", name, build, smallest=_DEPTH)
-        judge = partial(_all_scaled, cache(partial(_on, change, "galerkin")))
+        # How two points share the load depends on the way between them; a kilometre away the nearest are one.
+        share = change.args[0]
+        smallest = _DEPTH if change.keywords["middle"] else share * CELL
+        far = share > _NEARLY_EQUAL
+        yield from scaled_cases("mesh", name, build, smallest=smallest, far=far)
+        judge = partial(_all_scaled, cache(partial(_on, change, "galerkin")), smallest, far=far)
         yield Case(group="mesh", name=f"{name}, galerkin", judge=judge, alone=_ALONE)
 
 
@@ -109,12 +109,13 @@ def _as_without(build: Build, form: Literal["collocation", "galerkin"]) -> Outco
     return near("the force of the mesh without them, to what its cells cost", error, mesh)
 
 
-def _all_scaled(build: Build) -> Outcome:
-    """Return the worst of the three scaled answers and of the one without these points."""
+def _all_scaled(build: Build, smallest: float, *, far: bool) -> Outcome:
+    """Return the worst of the scaled answers and of the one without these points."""
     outcomes = [
         _as_without(build, "galerkin"),
-        modulus_judge(build, _DEPTH, 60e9),
-        length_judge(build, _DEPTH, 1e-3),
-        place_judge(build, _DEPTH),
+        modulus_judge(build, smallest, 60e9),
+        length_judge(build, smallest, 1e-3),
     ]
+    if far:
+        outcomes.append(place_judge(build, smallest))
     return max(outcomes, key=lambda one: (one.error or 0.0) / (one.limit or 1.0))

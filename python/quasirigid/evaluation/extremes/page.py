@@ -15,8 +15,8 @@ _PAGE = """\
 # Extreme cases
 
 Each case expects the scaled answer on one mesh, to the larger of 1e-9 and 100 times the rounding of the
-coordinates over the depth, or an ending that is named. `quasirigid stress --out FOLDER` (`qr.stress`) writes
-this page. {verdict}
+coordinates over the depth (over the shortest edge where the pressures hang on that), or an ending that is
+named. `quasirigid stress --out FOLDER` (`qr.stress`) writes this page. {verdict}
 
 {table}
 """
