@@ -107,7 +107,7 @@ def _fingertip(edge: float, target: float | None) -> dict[str, Any]:
     return _row(
         contact,
         seconds,
-        scene="built-in fingertip with its bone",
+        scene=f"built-in fingertip, edges of {edge * 1e3:g} mm",
         response="body",
         depth=_FINGER_DEPTH,
         target=target,
@@ -115,7 +115,7 @@ def _fingertip(edge: float, target: float | None) -> dict[str, Any]:
         true=true,
         truth=f"the same on edges of {_FINEST[0] * 1e3:g} mm, target {_FINEST[1]:g}",
         accuracy=accuracy,
-        note=f"edges of {edge * 1e3:g} mm, {len(finger.vertices)} vertices",
+        note=f"{len(finger.vertices)} vertices",
     )
 
 
