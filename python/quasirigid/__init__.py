@@ -1,8 +1,8 @@
 """Quasi-rigid contact of hand skin with products.
 
 Press a posed hand (a triangle mesh) against a product (a triangle mesh or a primitive) and read off the
-deformed skin, the pressure map, area, force and moment, and how far each can be trusted. All numbers are
-SI: m, N, Pa, rad, s. `io`, `plot` and `reference` are imported when they are first used.
+deformed skin, the pressure map, area, force and moment, and how far each can be trusted. All numbers are SI:
+m, N, Pa, rad, s. `io`, `plot`, `reference`, `accuracy` and `stress` are imported when they are first used.
 """
 
 from importlib import import_module as _import_module
@@ -74,9 +74,8 @@ from .skin import (
 from .surface import Repair, Surface, repair, skin_without_caps
 
 if _TYPE_CHECKING:
-    from types import ModuleType as _ModuleType
-
     from . import io, plot, reference
+    from .evaluation import Table, accuracy, stress
 
 __all__ = [
     "Accuracy",
@@ -130,7 +129,9 @@ __all__ = [
     "Surface",
     "SurfaceError",
     "Sweep",
+    "Table",
     "__version__",
+    "accuracy",
     "cut_out",
     "definiteness",
     "hand",
@@ -151,15 +152,20 @@ __all__ = [
     "skin_without_caps",
     "solve_contact",
     "solve_lcp",
+    "stress",
     "sweep",
 ]
 
 
-def __getattr__(name: str) -> "_ModuleType":
-    """Import what is used by some alone when it is first asked for."""
-    if name in ("io", "plot", "reference"):
-        return _import_module(f".{name}", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+if not _TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        """Import what is used by some alone when it is first asked for."""
+        if name in ("io", "plot", "reference"):
+            return _import_module(f".{name}", __name__)
+        if name in ("Table", "accuracy", "stress"):
+            return getattr(_import_module(".evaluation", __name__), name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -20,7 +20,7 @@ from quasirigid.cli import run
 from quasirigid.cli.arguments import parse_response, rotation
 from quasirigid.io import patch_table
 
-COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"]]
+COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"], ["accuracy"], ["stress"]]
 
 
 DEMO = ["demo", "--quick", "--out", "demo-output"]

@@ -20,6 +20,7 @@ from ..io import compare_contacts, patch_table, refinement_table, save_contact
 from .arguments import file_unit, parse_target_error
 from .console import console, progress, refuse, show_warning
 from .demo import press_demo
+from .evaluation import ACCURACY_EXAMPLE, STRESS_EXAMPLE, accuracy, stress
 from .scene import (
     GOAL_UNITS,
     TARGET_ERROR,
@@ -246,6 +247,19 @@ def info(
     if no_skin and no_product:
         return refuse(f"{file}: neither skin nor product: {no_skin}")
     return 0
+
+
+app.command(
+    name="accuracy",
+    short_help="Measure error against run time on problems with known answers.",
+    epilog=f"Example:\n\n\b\n  {ACCURACY_EXAMPLE}",
+)(accuracy)
+
+app.command(
+    name="stress",
+    short_help="Try extreme cases, and say which are off.",
+    epilog=f"Example:\n\n\b\n  {STRESS_EXAMPLE}",
+)(stress)
 
 
 def _tried(make: Callable[[], Made]) -> tuple[Made | None, str]:
