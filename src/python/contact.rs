@@ -4,6 +4,7 @@ use super::accuracy::{PyAccuracy, PyRefinement};
 use super::contact_options::PyContactOptions;
 use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out, vectors, vectors_out};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
+use super::forked::released;
 use super::interrupt::detached_with;
 use super::lcp::PyLcpSolution;
 use super::loaded::PyLoadedVertices;
@@ -147,7 +148,7 @@ pub(super) struct PyDrawing {
 impl PyDrawing {
     /// The mesh that was solved; `None` where nothing was refined.
     fn surface(&self, py: Python<'_>) -> Option<PySurface> {
-        py.detach(|| self.contact.refined_surface().map(|mesh| mesh.surface.clone())).map(Into::into)
+        released(py, || self.contact.refined_surface().map(|mesh| mesh.surface.clone())).map(Into::into)
     }
 
     /// Displacement of the product (n, 3) in m and its mesh moved, None of a primitive; None of a rigid product.

@@ -1,5 +1,6 @@
 //! NumPy arrays in and out.
 
+use super::forked::released;
 use crate::geometry::rigid_motion;
 use faer::{Mat, MatRef};
 use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
@@ -289,7 +290,7 @@ pub(super) fn matrix_out<'py>(py: Python<'py>, matrix: &Mat<f64>) -> Bound<'py, 
         }
     };
     if columns > 0 {
-        py.detach(|| flat.par_chunks_mut(columns * ROWS_AT_ONCE).enumerate().for_each(fill));
+        released(py, || flat.par_chunks_mut(columns * ROWS_AT_ONCE).enumerate().for_each(fill));
     }
     PyArray1::from_vec(py, flat).reshape([rows, columns]).expect("as many numbers as entries")
 }

@@ -2,6 +2,7 @@
 
 use super::convert::{read_only, vector};
 use super::errors::{IntoPyErr, SurfaceError};
+use super::forked::released;
 use super::surface::PySurface;
 use crate::surface::{self, CutOutError};
 use numpy::PyArray1;
@@ -26,7 +27,7 @@ pub(super) fn cut_out(
     normal: &Bound<'_, PyAny>,
 ) -> PyResult<CutOutParts> {
     let (point, normal) = (vector(point, "point")?, vector(normal, "normal")?);
-    let part = py.detach(|| surface::cut_out(&surface.inner, tip, &point, &normal));
+    let part = released(py, || surface::cut_out(&surface.inner, tip, &point, &normal));
     let part = part.map_err(|error| match error {
         CutOutError::Surface(error) => error.into_py_err(),
         other => SurfaceError::new_err(other.to_string()),

@@ -7,6 +7,7 @@ mod convert;
 mod cut_out;
 mod elastic;
 mod errors;
+mod forked;
 mod gaps;
 mod hand;
 mod interrupt;
@@ -59,6 +60,7 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::forked::note_process();
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add(
             "__all__",

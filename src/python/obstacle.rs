@@ -4,6 +4,7 @@ use super::convert::{
     MatrixArgument, faces, faces_out, matrix3, mesh_arrays, nodes, vector, vector_out, vectors, vectors_out,
 };
 use super::errors::{IntoPyErr, ObstacleError};
+use super::forked::released;
 use super::material::{material_out, product_skin};
 use super::pickle::{Pose, Reduced, reduced, restored};
 use crate::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
@@ -67,7 +68,7 @@ impl PyObstacle {
     ) -> PyResult<Self> {
         let vertices = vectors(vertices, "vertices")?;
         let faces = self::faces(faces, "faces", ObstacleError::new_err)?;
-        made(py.detach(|| Obstacle::mesh(vertices, faces, &MeshObstacleOptions { check_crossings })))
+        made(released(py, || Obstacle::mesh(vertices, faces, &MeshObstacleOptions { check_crossings })))
     }
 
     /// A closed mesh object of another library.
@@ -271,8 +272,7 @@ impl PyObstacle {
         max_distance: Option<f64>,
     ) -> PyResult<Distances<'py>> {
         let points = vectors(points, "points")?;
-        let answer = py
-            .detach(|| self.inner.signed_distance(&points, max_distance))
+        let answer = released(py, || self.inner.signed_distance(&points, max_distance))
             .map_err(IntoPyErr::into_py_err)?;
         Ok((
             PyArray1::from_vec(py, answer.distance),
@@ -347,7 +347,7 @@ impl PyObstacle {
                 }
             }
         };
-        let made = py.detach(|| self.inner.with_material(constants.0, constants.1, response));
+        let made = released(py, || self.inner.with_material(constants.0, constants.1, response));
         made.map(Self::from).map_err(IntoPyErr::into_py_err)
     }
 }

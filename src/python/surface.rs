@@ -4,6 +4,7 @@ use super::convert::{
     faces, faces_out, mask, matrix3, mesh_arrays, nodes, nodes_out, vector, vectors, vectors_out,
 };
 use super::errors::{IntoPyErr, SurfaceError};
+use super::forked::released;
 use crate::geometry::rigid_motion;
 use crate::mesh::{self, RepairOptions};
 use crate::surface::Surface;
@@ -91,7 +92,7 @@ impl PySurface {
         let vertices = vectors(vertices, "vertices")?;
         let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
         let skin_mask = skin_mask.map(|value| mask(value, "skin_mask")).transpose()?;
-        let surface = py.detach(|| {
+        let surface = released(py, || {
             let surface = Surface::new(vertices, faces)?;
             match skin_mask {
                 Some(skin_mask) => surface.with_skin_mask(skin_mask),
@@ -214,7 +215,7 @@ impl PySurface {
     fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
         let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?);
         let motion = motion.map_err(|error| SurfaceError::new_err(error.to_string()))?;
-        Ok(self.inner.moved(&motion).into())
+        Ok(released(rotation.py(), || self.inner.moved(&motion)).into())
     }
 
     /// The vertices within some rings of neighbours, the nodes among them.
@@ -297,7 +298,7 @@ impl PySurface {
 #[pyfunction]
 #[pyo3(text_signature = "(surface)")]
 pub(super) fn skin_without_caps<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {
-    PyArray1::from_vec(py, py.detach(|| surface.inner.skin_without_caps()))
+    PyArray1::from_vec(py, released(py, || surface.inner.skin_without_caps()))
 }
 
 /// Repairs raw vertices and faces; returns vertices, faces, vertex map (-1: dropped) and a report.
@@ -317,8 +318,7 @@ pub(super) fn repair<'py>(
 )> {
     let vertices = vectors(vertices, "vertices")?;
     let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
-    let repaired = py
-        .detach(|| mesh::repair(&vertices, &faces, &RepairOptions { weld_tolerance }))
+    let repaired = released(py, || mesh::repair(&vertices, &faces, &RepairOptions { weld_tolerance }))
         .map_err(|error| SurfaceError::new_err(error.to_string()))?;
     let map: Vec<i64> =
         repaired.vertex_map.iter().map(|vertex| vertex.map_or(-1, |vertex| vertex as i64)).collect();

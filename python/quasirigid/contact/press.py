@@ -93,7 +93,7 @@ def solve_contact(
     >>> qr.solve_contact(tip, far, skin).status.value
     'no_contact'
     """
-    core_options = options_to_core(options or ContactOptions())
+    core_options = options_to_core(options)
     solved = _core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options)
     return _finish(solved, surface, throw)
 
@@ -213,7 +213,7 @@ def press(
     >>> bool(held.center_of_pressure[0] > contact.center_of_pressure[0] + 0.4e-3)
     True
     """
-    core_options = options_to_core(options or ContactOptions())
+    core_options = options_to_core(options)
     try:
         pressed = _core.press(
             surface,

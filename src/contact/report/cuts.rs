@@ -57,6 +57,9 @@ impl Report {
             ),
             ("the open border of the mesh", "take a mesh that goes on beyond it"),
         ];
+        if forces.active.is_empty() {
+            return;
+        }
         let total: f64 = forces.active.iter().map(|&vertex| forces.force[vertex]).sum();
         let mut carried = [0.0; 3];
         for &vertex in &forces.active {
