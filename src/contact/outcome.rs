@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::Drawing;
 use crate::contact::figures::resultant::LoadedVertices;
+use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::BodyDoubt;
@@ -186,8 +187,8 @@ pub struct Contact {
     pub timings: Vec<Timing>,
     /// What the scene did not need, and why.
     pub left_out: Vec<LeftOut>,
-    /// What the user should know, in sentences.
-    pub warnings: Vec<String>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
     /// What the figures of any of its vertices are summed from.
     pub(crate) loaded: LoadedVertices,
     pub(crate) drawing: Drawing,

@@ -16,6 +16,7 @@ mod edges;
 mod elastic_product;
 mod fingers;
 mod galerkin;
+mod guards;
 mod hertz;
 mod parts;
 mod press;

@@ -20,6 +20,9 @@ from quasirigid.cli import run
 from quasirigid.cli.arguments import parse_response, rotation
 from quasirigid.io import patch_table
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"]]
 
 

@@ -11,6 +11,9 @@ import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN, ball
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 SURFACE = qr.Surface(*ball(8e-3, 2))
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
@@ -195,7 +198,8 @@ def test_what_is_warned_of_is_kept() -> None:
     )
     with pytest.warns(qr.QuasirigidWarning, match="unit") as caught:
         contact = qr.solve_contact(SURFACE, huge, SKIN)
-    assert contact.warnings == tuple(str(one.message) for one in caught)
+    assert contact.warnings == tuple((one.category, str(one.message)) for one in caught)
+    assert contact.warnings[0].category is qr.SizeWarning
 
 
 def test_help_says_what_returns() -> None:

@@ -11,6 +11,9 @@ import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 SHEAR_MODULUS = 60e3
 UP = np.array([0.0, 0.0, 1.0])

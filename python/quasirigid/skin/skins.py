@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from .. import _core
-from ..errors import QuasirigidWarning, ResponseError
+from ..errors import ResponseError, ResponseRangeWarning
 from .core import Material, build_kernel, build_prepared, restore_prepared
 from .cut_out import CutOut
 from .given_mesh import forces_on_given_mesh
@@ -49,7 +49,7 @@ class Skin:
 
     Warns
     -----
-    QuasirigidWarning
+    ResponseRangeWarning
         If the response is not well posed, with the bound on its constants.
 
     Examples
@@ -69,7 +69,7 @@ class Skin:
         self.__setstate__(vars(self))
         why = None if self._kernel is None else self._kernel.ill_posedness()
         if why is not None:
-            warnings.warn(why, QuasirigidWarning, stacklevel=3)
+            warnings.warn(why, ResponseRangeWarning, stacklevel=3)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return all but the kernel, which is built again."""
