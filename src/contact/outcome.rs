@@ -49,8 +49,8 @@ pub struct Resultant {
     /// place between the vertices (m²). Under a sharp edge, where the gap opens with a step, that rim is up to a cell
     /// too far in.
     pub contact_area: f64,
-    /// Largest pressure at a vertex; in Galerkin form between vertices too, and never below the mean over the
-    /// contact area of a patch (Pa).
+    /// Largest pressure at a vertex; in Galerkin form between vertices too. There and with one-rings, never below the
+    /// mean over the contact area of a patch (Pa).
     pub max_pressure: f64,
     /// Largest mean pressure over a disc of 1 cm² around a vertex, of these vertices alone
     /// ([`Contact::mean_pressure`], Pa).

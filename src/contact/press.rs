@@ -8,7 +8,7 @@ use crate::contact::outcome::Contact;
 use crate::contact::reach::goal::{Target, reach};
 use crate::contact::reach::on_mesh::Quantity;
 use crate::contact::report::guards::Guarded;
-use crate::contact::scene::{Approach, Goal, Placement, Press, Start};
+use crate::contact::scene::{Approach, Goal, Placement, Press};
 use crate::contact::solve::solve;
 use crate::contact::tilt::axes::Balance;
 use crate::contact::tilt::goal::Tilted;
@@ -44,8 +44,7 @@ pub fn press(
     press: &Press,
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
-    let is_from_touch = press.start == Start::Infinity && press.balance == Balance::None;
-    let guarded = Guarded { surface, obstacle, skin, is_from_touch };
+    let guarded = Guarded { surface, obstacle, skin, press: Some(press) };
     guarded.check(pressed(surface, obstacle, skin, press, options))
 }
 

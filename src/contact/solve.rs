@@ -32,7 +32,7 @@ pub fn solve_contact(
     options.validate()?;
     let solved =
         with_threads(options, || solve(surface, &Placement { obstacle, press: None }, skin, options));
-    Guarded { surface, obstacle, skin, is_from_touch: false }.check(solved)
+    Guarded { surface, obstacle, skin, press: None }.check(solved)
 }
 
 /// Solves the contact on the skin's mesh, and on finer ones as far as the options ask for it.

@@ -50,7 +50,7 @@ def test_the_public_members_are_those_that_a_user_may_use(contact: qr.Contact) -
     public = {
         SKIN: {"shear_modulus", "poisson_ratio", "response", "prepared", "combined"},
         prepared: {"skin", "nodes", "bone_pressure", "moved", "save"},
-        SKIN.combined(SURFACE, {}): {"background", "parts", "without", "moved"},
+        SKIN.combined(SURFACE, {}): {"background", "parts", "without", "bone_pressure", "moved"},
     }
     for thing, names in public.items():
         assert {name for name in dir(thing) if not name.startswith("_")} == names

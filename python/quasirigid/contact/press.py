@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from .. import _core
 from ..lcp.solution import solution_from_core
+from ..scene import check_scene
 from ..skin.elastic import core_skin
 from .accuracy import Accuracy, Refinement
 from .drawn import Drawing
@@ -92,6 +93,7 @@ def solve_contact(
     >>> qr.solve_contact(tip, far, skin).status.value
     'no_contact'
     """
+    check_scene(surface, obstacle)
     core_options = options_to_core(options or ContactOptions())
     solved = _core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options)
     return _finish(solved, surface, throw)
@@ -213,6 +215,7 @@ def press(
     >>> bool(held.center_of_pressure[0] > contact.center_of_pressure[0] + 0.4e-3)
     True
     """
+    check_scene(surface, obstacle)
     core_options = options_to_core(options or ContactOptions())
     try:
         pressed = _core.press(

@@ -71,7 +71,7 @@ class Contact(Frozen):
         is up to a cell too far in.
     max_pressure : float
         Largest pressure at a vertex (Pa), ``pressure.max()``. In Galerkin form the largest between vertices
-        too, and never below the mean over a patch's contact area.
+        too; there and with ``pressure="one_ring"`` never below the mean over a patch's contact area.
     max_penetration_before, max_penetration_after : float
         Deepest penetration (m): of a skin vertex before; after, measured anew at the deformed skin against
         the deformed product, in the skin's triangles and of the product's sharp edges too.

@@ -5,6 +5,8 @@ use nalgebra::Vector3;
 use crate::contact::error::{ContactError, LargestContact};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::report::warning::{Warning, WarningKind};
+use crate::contact::scene::{Press, Start};
+use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
@@ -38,8 +40,8 @@ pub(crate) struct Guarded<'a> {
     pub surface: &'a Surface,
     pub obstacle: &'a Obstacle,
     pub skin: &'a dyn ElasticSkin,
-    /// Whether the depth of the contact is past its first touch.
-    pub is_from_touch: bool,
+    /// The press that brought the obstacle to its place.
+    pub press: Option<&'a Press>,
 }
 
 /// Where the skin is pressed in deepest.
@@ -138,7 +140,8 @@ impl Guarded<'_> {
             ),
         };
         let breadth = middle(&self.surface.bounding_box());
-        let depth = contact.depth.filter(|_| self.is_from_touch);
+        let is_from_touch = |press: &&Press| press.start == Start::Infinity && press.balance == Balance::None;
+        let depth = self.press.filter(is_from_touch).and(contact.depth);
         if let Some(depth) = depth.filter(|&depth| depth > breadth) {
             return Some(warn(depth, breadth, "the breadth of the whole skin".into()));
         }
@@ -154,7 +157,12 @@ impl Guarded<'_> {
         if *overlap < SHALLOW * largest(&self.surface.bounding_box()) {
             return None;
         }
-        let part = breadth_along(self.surface, *vertex, normal).unwrap_or(breadth);
+        // Beside an edge, or in a thin wall, the obstacle's normal runs along the skin.
+        let inward = -self.surface.vertex_normals()[*vertex];
+        let ways = [Some(*normal), Some(inward), self.press.map(|press| press.direction.normalize())];
+        let breadths =
+            ways.into_iter().flatten().filter_map(|way| breadth_along(self.surface, *vertex, &way));
+        let part = breadths.reduce(f64::max).unwrap_or(breadth);
         let most = BREADTH_SHARE * part;
         let of = || format!("half of the {part:.4e} m that the part is broad at vertex {vertex}");
         (*overlap > most).then(|| warn(*overlap, most, of()))
