@@ -8,6 +8,7 @@ SI: m, N, Pa, rad, s. `io`, `plot` and `reference` are imported when they are fi
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
+from . import _interrupt as _interrupt  # first: it hears Ctrl-C while the rest is imported
 from . import models
 from ._core import __version__
 from .contact import (

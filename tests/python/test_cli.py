@@ -23,7 +23,7 @@ from quasirigid.io import patch_table
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
-COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"]]
+COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"], ["repair"], ["completion"]]
 
 
 DEMO = ["demo", "--quick", "--out", "demo-output"]
