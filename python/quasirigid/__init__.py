@@ -8,6 +8,7 @@ m, N, Pa, rad, s. `io`, `plot`, `reference`, `accuracy` and `stress` are importe
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
+from . import _interrupt as _interrupt  # first: it hears Ctrl-C while the rest is imported
 from . import hand, models
 from ._core import __version__
 from .contact import (
@@ -28,13 +29,22 @@ from .contact import (
     sweep,
 )
 from .errors import (
+    CoarseMeshWarning,
+    CutWarning,
+    DepthWarning,
     HandError,
+    MaskWarning,
     MeshFileError,
     MissingExtraError,
+    ModulusWarning,
     ObstacleError,
+    PenetrationWarning,
     QuasirigidError,
     QuasirigidWarning,
+    RefinementWarning,
     ResponseError,
+    ResponseRangeWarning,
+    SizeWarning,
     SurfaceError,
 )
 from .hand import Hand, PosedHand, read_hand
@@ -82,13 +92,16 @@ __all__ = [
     "Balance",
     "Body",
     "Certificate",
+    "CoarseMeshWarning",
     "CombinedSkin",
     "Contact",
     "ContactError",
     "ContactOptions",
     "ContactStatus",
     "CutOut",
+    "CutWarning",
     "Definiteness",
+    "DepthWarning",
     "Discretization",
     "ElasticSkin",
     "GaussianCorrected",
@@ -106,14 +119,17 @@ __all__ = [
     "LcpSolution",
     "LcpStatus",
     "LeftOut",
+    "MaskWarning",
     "Material",
     "MeshFileError",
     "MissingExtraError",
+    "ModulusWarning",
     "NetVolume",
     "Obstacle",
     "ObstacleError",
     "Part",
     "Patch",
+    "PenetrationWarning",
     "PosedHand",
     "PreparedSkin",
     "PressureBasis",
@@ -121,9 +137,12 @@ __all__ = [
     "QuasirigidWarning",
     "RayConclusion",
     "Refinement",
+    "RefinementWarning",
     "Repair",
     "Response",
     "ResponseError",
+    "ResponseRangeWarning",
+    "SizeWarning",
     "Skin",
     "Start",
     "Surface",

@@ -92,6 +92,36 @@ pub(super) fn matrix3(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Matrix3<
     }
 }
 
+/// Rotation and translation of `moved`: either, both, or a (4, 4) matrix in the place of the first.
+pub(super) fn rotation_and_translation(
+    rotation: Option<&Bound<'_, PyAny>>,
+    translation: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Matrix3<f64>, Vector3<f64>)> {
+    let shift = translation.map(|translation| vector(translation, "translation")).transpose()?;
+    let Some(rotation) = rotation else {
+        return Ok((Matrix3::identity(), shift.unwrap_or_default()));
+    };
+    let array = float_array(rotation, "rotation")?;
+    let numbers = array.as_slice()?;
+    match array.shape() {
+        [3, 3] => Ok((Matrix3::from_row_slice(numbers), shift.unwrap_or_default())),
+        [4, 4] if shift.is_some() => Err(PyTypeError::new_err(
+            "`rotation` has shape [4, 4] and holds a translation: leave out `translation`",
+        )),
+        [4, 4] if numbers[12..] != [0.0, 0.0, 0.0, 1.0] => Err(PyValueError::new_err(format!(
+            "`rotation` is a (4, 4) matrix with last row {:?}, expected [0, 0, 0, 1]: rotation and translation in its \
+             columns",
+            &numbers[12..]
+        ))),
+        [4, 4] => {
+            let row = |row: usize| &numbers[4 * row..4 * row + 4];
+            let turn = Matrix3::from_fn(|i, j| row(i)[j]);
+            Ok((turn, Vector3::from_fn(|i, _| row(i)[3])))
+        }
+        shape => Err(shape_error("rotation", "(3, 3), or (4, 4) with the translation", shape)),
+    }
+}
+
 /// (n,) numbers.
 pub(super) fn scalars(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     // What needs no conversion need not ask NumPy for one.

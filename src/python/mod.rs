@@ -33,7 +33,7 @@ mod _core {
     #[pymodule_export]
     use super::contact_options::PyContactOptions;
     #[pymodule_export]
-    use super::cut_out::cut_out;
+    use super::cut_out::{cut_out, cut_out_marked};
     #[pymodule_export]
     use super::gaps::initial_gaps;
     #[pymodule_export]
@@ -54,7 +54,7 @@ mod _core {
     #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
-    use super::surface::{PySurface, repair, skin_without_caps};
+    use super::surface::{PySurface, find_crossings, repair, skin_without_caps};
 
     use pyo3::prelude::*;
 
@@ -84,7 +84,9 @@ mod _core {
                 "Surface",
                 "contact_modulus",
                 "cut_out",
+                "cut_out_marked",
                 "definiteness",
+                "find_crossings",
                 "initial_gaps",
                 "plate_on_cored_sphere",
                 "point_load_on_layer",

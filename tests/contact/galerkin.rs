@@ -75,7 +75,7 @@ fn a_press_too_shallow_for_the_mesh_keeps_its_penetration_and_says_so() {
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.resultant.force, Vector3::zeros());
     assert_relative_eq!(contact.max_penetration_after, 1e-5, max_relative = 1e-9);
-    assert!(contact.warnings[0].contains("refine the mesh"), "{:?}", contact.warnings);
+    assert!(contact.warnings[0].message.contains("refine the mesh"), "{:?}", contact.warnings);
 }
 
 #[test]
