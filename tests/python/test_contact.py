@@ -263,6 +263,7 @@ def test_options_of_another_kind_are_refused_by_name(fingertip: qr.Surface, opti
             qr.solve_lcp([[1.0]], [-1.0], options=options)
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 @pytest.mark.parametrize("away", [0.1, 1.0, 10.0, 1000.0])
 def test_a_small_ball_from_afar_touches_where_a_near_one_does(fingertip: qr.Surface, away: float) -> None:
     x, y, z = fingertip.vertices[fingertip.vertices[:, 2].argmin()]

@@ -11,6 +11,7 @@ import numpy as np
 
 from ... import models
 from ...contact import Contact, press
+from ...errors import PenetrationWarning
 from ...obstacle import Obstacle
 from ...skin import Body, GaussianCorrected, HalfSpace, Layer, PreparedSkin, Skin
 from ...surface import Surface, skin_without_caps
@@ -221,12 +222,17 @@ def _thick_ratio(build: Build, nu: float) -> Outcome:
 
 
 def _shallow(name: str, share: float) -> Outcome:
-    """So shallow that a single vertex or two of one height touch, the force is in proportion to the depth."""
+    """So shallow that a single vertex or two of one height touch, the force is in proportion to the depth.
+
+    In Galerkin form a contact smaller than the triangles is no contact, and a warning says what it leaves.
+    """
     depth, deeper = share * _RADIUS, 1e-7 * _RADIUS
     here, there = _builds(deeper)[name](Setting()), _builds(depth)[name](Setting())
     size = float(np.linalg.norm(here.force))
     if size == 0.0:
-        return holds("force in proportion to the depth", f"{here.status}, no force at {deeper:g} m", False)
+        warned = any(issubclass(one.category, PenetrationWarning) for one in here.warnings)
+        found = f"{here.status}, no force at {deeper:g} m, {'' if warned else 'not '}warned of"
+        return holds("force in proportion to the depth, or a warning of the penetration", found, warned)
     error = float(np.linalg.norm(there.force / (depth / deeper) - here.force)) / size
     return near("force in proportion to the depth", error, rounding_limit(here, depth))
 
