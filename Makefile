@@ -16,7 +16,7 @@ CARGO_PY := PYO3_BUILD_EXTENSION_MODULE=1 cargo
 
 RUST := Cargo.toml Cargo.lock pyproject.toml $(shell find src -type f)
 
-.PHONY: demo test test-rust test-python bench lint clean
+.PHONY: demo test test-rust test-python fuzz bench lint clean
 
 ## Press the built-in finger on two products: figures printed, files and pictures in demo-output/.
 demo: $(VENV)/installed
@@ -33,6 +33,11 @@ test-rust: $(VENV)/made
 test-python: $(VENV)/installed $(VENV)/tools
 	$(BIN)/python -m mypy.stubtest quasirigid._core
 	$(BIN)/pytest --numprocesses auto --dist worksteal
+
+## Random problems, meshes, files and presses with new seeds for that long.
+MINUTES ?= 10
+fuzz: $(VENV)/installed $(VENV)/tools
+	$(BIN)/python tests/fuzz/run.py $(MINUTES)
 
 ## Formatting, lints and types, warnings as errors.
 lint: $(VENV)/installed $(VENV)/tools
