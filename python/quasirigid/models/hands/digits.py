@@ -40,6 +40,8 @@ THUMB = np.array(
         (0.540, 0.580, -0.120),
     ]
 )
+THICKEST = 0.8  # no skin is farther from the bones than this, in breadths
+NEAR = 0.75  # from there on another body's join does not reach here, in breadths
 TIP_EXPONENT = 2.3  # of the superellipse that rounds the tip
 
 
@@ -54,6 +56,7 @@ class DigitSkin:
         self.breadth = across * BREADTHS[digit.name]
         bones = np.linalg.norm(np.diff(local, axis=0), axis=1)
         self.joints = np.concatenate([[0.0], np.cumsum(bones)])  # places along the digit (m)
+        self.end = digit.joints[-1]
         self.length = self.joints[-1] + digit.pulp
         self.round = 0.62 * self.breadth
         self._line(local)
@@ -62,7 +65,7 @@ class DigitSkin:
     def _line(self, local: Floats) -> None:
         """Tabulate the middle line, its corners rounded: place along the first bone -> height, slope, way."""
         step = 0.5e-3
-        y = np.arange(-0.04, local[-1, 1] + 0.04, step)
+        y = np.arange(-0.06, local[-1, 1] + 0.06, step)
         slopes = np.diff(local[:, 2]) / np.diff(local[:, 1])
         bone = np.clip(np.searchsorted(local[:, 1], y, side="right") - 1, 0, len(slopes) - 1)
         slope = _smoothed(slopes[bone], round(5e-3 / step))
@@ -70,7 +73,7 @@ class DigitSkin:
         height -= np.interp(0.0, y, height)
         way = np.cumsum(np.sqrt(1.0 + slope**2)) * step
         way -= np.interp(0.0, y, way)
-        self.line = (y, height, slope, way)
+        self.line = _Table(y[0], step, np.stack([height, slope, way], axis=1))
 
     def _profile(self) -> None:
         ends = self.joints
@@ -81,27 +84,36 @@ class DigitSkin:
             places += [ends[joint]] if joint == 0 else [ends[joint], middles[joint - 1]]
         table = (THUMB if self.name == "thumb" else FINGER) * self.breadth
         step = 0.5e-3
-        s = np.arange(-0.04, self.length + 0.03, step)
+        s = np.arange(-0.06, self.length + 0.06, step)
         columns = [np.interp(s, places[::-1], column[::-1]) for column in table.T]
-        self.profile = (s, [_smoothed(column, round(3.5e-3 / step)) for column in columns])
+        smooth = [_smoothed(column, round(3.5e-3 / step)) for column in columns]
+        self.profile = _Table(s[0], step, np.stack(smooth, axis=1))
 
     def local(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the place across, along the middle line and above it (m) of points (n, 3)."""
         x, y, z = ((points - self.origin) @ self.axes).T
-        ys, heights, slopes, ways = self.line
+        height, slope, _ = self.line.at(y)
         # One step towards the foot of the point on the line.
-        slope = np.interp(y, ys, slopes)
-        foot = y + (z - np.interp(y, ys, heights)) * slope / (1.0 + slope**2)
-        slope = np.interp(foot, ys, slopes)
+        foot = y + (z - height) * slope / (1.0 + slope**2)
+        height, slope, way = self.line.at(foot)
         scale = np.sqrt(1.0 + slope**2)
-        rise, run = z - np.interp(foot, ys, heights), y - foot
-        return x, np.interp(foot, ys, ways) + (run + rise * slope) / scale, (rise - run * slope) / scale
+        rise, run = z - height, y - foot
+        return x, way + (run + rise * slope) / scale, (rise - run * slope) / scale
 
     def distance(self, points: Floats) -> Floats:
-        """Return the distance (n,) in m to the skin, nearly, negative inside."""
+        """Return the distance (n,) in m to the skin, nearly, negative inside; far away a lower bound."""
+        start, end = self.origin, self.end
+        way = points - start
+        share = np.clip(way @ (end - start) / ((end - start) @ (end - start)), 0.0, 1.0)
+        way -= share[:, None] * (end - start)
+        distance: Floats = np.sqrt((way**2).sum(axis=1)) - THICKEST * self.breadth
+        near = np.flatnonzero(distance < NEAR * self.breadth)
+        distance[near] = self._near(points[near])
+        return distance
+
+    def _near(self, points: Floats) -> Floats:
         x, s, z = self.local(points)
-        stations, columns = self.profile
-        half_breadth, half_depth, middle = (np.interp(s, stations, column) for column in columns)
+        half_breadth, half_depth, middle = self.profile.at(s)
         # Flatter on the nail's side, rounder on the pad's.
         near_tip = np.exp(-(((self.length - 0.009 - s) / 0.011) ** 2))
         nail = half_depth * (0.06 + 0.17 * near_tip)
@@ -112,6 +124,21 @@ class DigitSkin:
         return superellipse(
             (x / half_breadth, z / half_depth, ends), (half_breadth, half_depth, self.round), TIP_EXPONENT
         )
+
+
+class _Table:
+    """Columns at even steps, read between them in straight lines and held beyond the ends."""
+
+    def __init__(self, first: float, step: float, values: Floats) -> None:
+        self.first, self.step, self.values = first, step, values
+
+    def at(self, places: Floats) -> Floats:
+        """Return the columns (k, n) at places (n,)."""
+        place = np.clip((places - self.first) / self.step, 0.0, len(self.values) - 1.001)
+        below = place.astype(np.int64)
+        share = (place - below)[:, None]
+        found: Floats = (1.0 - share) * self.values[below] + share * self.values[below + 1]
+        return found.T
 
 
 def _smoothed(values: Floats, width: int) -> Floats:

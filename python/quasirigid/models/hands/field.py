@@ -29,8 +29,11 @@ def superellipse(parts: tuple[Floats, ...], radii: tuple[Floats | float, ...], e
 
 def ellipsoid(points: Floats, middle: Floats, axes: Floats, radii: Floats) -> Floats:
     """Return the distance (m), to first order, to an ellipsoid with its axes in the columns of `axes`."""
-    parts = ((points - middle) @ axes) / radii
-    return superellipse((parts[:, 0], parts[:, 1], parts[:, 2]), tuple(radii), 2.0)
+    x, y, z = (axes / radii).T @ (points - middle).T
+    level = np.sqrt(x**2 + y**2 + z**2)
+    steepness = np.sqrt((x / radii[0]) ** 2 + (y / radii[1]) ** 2 + (z / radii[2]) ** 2)
+    distance: Floats = level * (level - 1.0) / np.maximum(steepness, 1e-9)
+    return distance
 
 
 def sheet(points: Floats, corners: Floats, thickness: float) -> Floats:

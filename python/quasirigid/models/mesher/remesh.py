@@ -19,6 +19,7 @@ __all__ = ["CUT", "RIM", "SKIN", "remeshed"]
 
 SKIN, RIM, CUT = 0, 1, 2  # what a vertex lies on
 LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0  # edges beyond these are split or collapsed, over the edge length
+SHARP = 0.75  # cosine: angles wider than this are left as they are
 FEW = 1e-3  # of all edges: fewer changes end a pass
 Mask = NDArray[np.bool_]
 
@@ -240,26 +241,25 @@ def _flip(mesh: _Mesh, by_valence: bool, tries: int = 8) -> None:
         a, b = edges.ends.T
         # c lies left of a -> b, d right.
         c, d = np.where(edges.forward, edges.across.T, edges.across.T[::-1])
-        gain = _valence_gain(mesh, a, b, c, d) if by_valence else _angle_gain(mesh.vertices, a, b, c, d)
-        allowed = (gain > 1e-9) & ~mesh.sharp()
-        allowed &= ~edges.has(c, d)
+        gain = _valence_gain(mesh, a, b, c, d) if by_valence else _angle_gain(mesh, a, b, c, d)
+        hopeful = np.flatnonzero((gain > 1e-9) & ~mesh.sharp() & ~edges.has(c, d))
+        a, b, c, d = a[hopeful], b[hopeful], c[hopeful], d[hopeful]
         v = mesh.vertices
+        allowed = np.ones(len(hopeful), dtype=bool)
         old = np.cross(v[b] - v[a], v[c] - v[a]) + np.cross(v[d] - v[a], v[b] - v[a])
         for one, other, third in ((a, d, c), (d, b, c)):
             new = np.cross(v[other] - v[one], v[third] - v[one])
             allowed &= (new * old).sum(axis=1) > 0.5 * np.linalg.norm(new, axis=1) * np.linalg.norm(
                 old, axis=1
             )
-        chosen = np.flatnonzero(allowed)
-        if len(chosen) <= FEW * len(gain):
+        if allowed.sum() <= FEW * len(gain):
             return
+        corners, chosen = np.stack([a, b, c, d], axis=1)[allowed], hopeful[allowed]
         ranks = _ranks(-gain[chosen])
-        corners = np.stack([a, b, c, d], axis=1)[chosen]
         free = (best_of_all(corners, ranks, edges.count)[corners] == ranks[:, None]).all(axis=1)
-        chosen = chosen[free]
-        pair = edges.faces[chosen]
-        mesh.faces[pair[:, 0]] = np.stack([a, d, c], axis=1)[chosen]
-        mesh.faces[pair[:, 1]] = np.stack([d, b, c], axis=1)[chosen]
+        pair, corners = edges.faces[chosen[free]], corners[free]
+        mesh.faces[pair[:, 0]] = corners[:, [0, 3, 2]]
+        mesh.faces[pair[:, 1]] = corners[:, [3, 1, 2]]
         mesh.renew()
 
 
@@ -270,11 +270,16 @@ def _valence_gain(mesh: _Mesh, a: Indices, b: Indices, c: Indices, d: Indices) -
     return gain
 
 
-def _angle_gain(vertices: Floats, a: Indices, b: Indices, c: Indices, d: Indices) -> Floats:
-    """Return by how much (cosine) a flip opens the smallest of the six angles."""
-    before = np.maximum(_sharpest(vertices, a, b, c), _sharpest(vertices, a, d, b))
-    after = np.maximum(_sharpest(vertices, a, d, c), _sharpest(vertices, d, b, c))
-    return before - after
+def _angle_gain(mesh: _Mesh, a: Indices, b: Indices, c: Indices, d: Indices) -> Floats:
+    """Return by how much (cosine) a flip opens the smallest of the six angles, where that is a sharp one."""
+    before = _sharpest(mesh.vertices, *mesh.faces.T)[mesh.edges.faces].max(axis=1)
+    sharp = np.flatnonzero(before > SHARP)
+    one, other, left, right = a[sharp], b[sharp], c[sharp], d[sharp]
+    after = _sharpest(mesh.vertices, one, right, left)
+    after = np.maximum(after, _sharpest(mesh.vertices, right, other, left))
+    gain = np.zeros(len(a))
+    gain[sharp] = before[sharp] - after
+    return gain
 
 
 def _sharpest(vertices: Floats, a: Indices, b: Indices, c: Indices) -> Floats:
