@@ -8,7 +8,7 @@ SI: m, N, Pa, rad, s. `io`, `plot` and `reference` are imported when they are fi
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-from . import models
+from . import hand, models
 from ._core import __version__
 from .contact import (
     Accuracy,
@@ -28,6 +28,7 @@ from .contact import (
     sweep,
 )
 from .errors import (
+    HandError,
     MeshFileError,
     MissingExtraError,
     ObstacleError,
@@ -36,6 +37,7 @@ from .errors import (
     ResponseError,
     SurfaceError,
 )
+from .hand import Hand, PosedHand, read_hand
 from .io.read import read_mesh, read_obstacle, read_surface
 from .lcp import (
     Certificate,
@@ -93,6 +95,8 @@ __all__ = [
     "GaussianCorrected",
     "GivenMatrix",
     "HalfSpace",
+    "Hand",
+    "HandError",
     "Layer",
     "LcpAttempt",
     "LcpDefiniteness",
@@ -111,6 +115,7 @@ __all__ = [
     "ObstacleError",
     "Part",
     "Patch",
+    "PosedHand",
     "PreparedSkin",
     "PressureBasis",
     "QuasirigidError",
@@ -128,6 +133,7 @@ __all__ = [
     "__version__",
     "cut_out",
     "definiteness",
+    "hand",
     "initial_gaps",
     "io",
     "load_prepared",
@@ -135,6 +141,7 @@ __all__ = [
     "net_volume",
     "plot",
     "press",
+    "read_hand",
     "read_mesh",
     "read_obstacle",
     "read_surface",

@@ -26,6 +26,7 @@ __all__ = [
     "Obstacle",
     "Resultant",
     "Skin",
+    "SkinWeights",
     "Surface",
     "contact_modulus",
     "cut_out",
@@ -44,6 +45,11 @@ __all__ = [
 ]
 
 __version__: str
+
+@final
+class SkinWeights:
+    def __new__(cls, joints: ArrayLike, weights: ArrayLike, *, joint_count: int) -> SkinWeights: ...
+    def posed(self, surface: Surface, motions: ArrayLike, *, linear: bool = False) -> Surface: ...
 
 @final
 class Surface:

@@ -20,6 +20,10 @@ class ResponseError(QuasirigidError, ValueError):
     """A response was rejected, or its matrix could not be built."""
 
 
+class HandError(QuasirigidError, ValueError):
+    """A hand, its pose or its file was rejected; the message names the joint, vertex or field at fault."""
+
+
 class MeshFileError(QuasirigidError, ValueError):
     """A mesh file could not be read as it stands; the message names the file, the defect and its place."""
 

@@ -47,6 +47,13 @@ pub(crate) fn solve_in_place(
     InPlace::solve(surface, scene, skin, None, options, report)?.contact(options)
 }
 
+impl Known {
+    /// Vertices that are expected to carry force, ascending, and nothing else.
+    pub fn of_active(active: Vec<usize>) -> Self {
+        Self { active, vertices: Vec::new(), displacement: Vec::new() }
+    }
+}
+
 impl<'a> InPlace<'a> {
     /// Finds the node forces.
     ///

@@ -1,7 +1,8 @@
 //! NumPy arrays in and out.
 
+use crate::geometry::rigid_motion;
 use faer::{Mat, MatRef};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
 use numpy::ndarray::Dimension;
 use numpy::{
     Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
@@ -103,6 +104,43 @@ pub(super) fn scalars(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>
         [_] => Ok(array.as_slice()?.to_vec()),
         shape => Err(shape_error(name, "(n,)", shape)),
     }
+}
+
+/// (n, k) numbers row by row, and k.
+pub(super) fn number_rows(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<f64>, usize)> {
+    let array = float_array(value, name)?;
+    match array.shape() {
+        [_, per_row] => Ok((array.as_slice()?.to_vec(), *per_row)),
+        shape => Err(shape_error(name, "(n, k)", shape)),
+    }
+}
+
+/// (n, k) indices row by row, and k; a negative one is none that exists.
+pub(super) fn index_rows(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, usize)> {
+    let array = integer_array(value, name)?;
+    match array.shape() {
+        [_, per_row] => {
+            let index = |&index: &i64| usize::try_from(index).unwrap_or(usize::MAX);
+            Ok((array.as_slice()?.iter().map(index).collect(), *per_row))
+        }
+        shape => Err(shape_error(name, "(n, k)", shape)),
+    }
+}
+
+/// (k, 4, 4) rigid motions.
+pub(super) fn motions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Isometry3<f64>>> {
+    let array = float_array(value, name)?;
+    let [_, 4, 4] = array.shape() else {
+        return Err(shape_error(name, "(k, 4, 4)", array.shape()));
+    };
+    let motion = |(row, entries): (usize, &[f64])| {
+        let matrix = Matrix4::from_row_slice(entries);
+        let (rotation, translation) =
+            (matrix.fixed_view::<3, 3>(0, 0).into_owned(), matrix.fixed_view::<3, 1>(0, 3).into_owned());
+        rigid_motion(&rotation, &translation)
+            .map_err(|error| PyValueError::new_err(format!("`{name}[{row}]`: {error}")))
+    };
+    array.as_slice()?.chunks_exact(16).enumerate().map(motion).collect()
 }
 
 /// (n,) booleans.

@@ -8,6 +8,7 @@ mod cut_out;
 mod elastic;
 mod errors;
 mod gaps;
+mod hand;
 mod interrupt;
 mod lcp;
 mod loaded;
@@ -34,6 +35,8 @@ mod _core {
     use super::cut_out::cut_out;
     #[pymodule_export]
     use super::gaps::initial_gaps;
+    #[pymodule_export]
+    use super::hand::PySkinWeights;
     #[pymodule_export]
     use super::lcp::{PyLcpOptions, PyLcpRay, PyLcpSolution, solve_lcp};
     #[pymodule_export]
@@ -75,6 +78,7 @@ mod _core {
                 "Obstacle",
                 "Resultant",
                 "Skin",
+                "SkinWeights",
                 "Surface",
                 "contact_modulus",
                 "cut_out",
