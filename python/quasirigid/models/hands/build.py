@@ -8,12 +8,13 @@ import numpy as np
 
 from ..._check import as_number
 from ...errors import SurfaceError
+from ...hand import Hand
+from ...hand.joints import PARENTS, WEBXR_25
 from ..loft import Floats, Indices
 from ..mesher import Body, contour, remeshed
-from .model import HandModel, Side
 from .shape import HandShape
 from .sizes import size_of
-from .skeleton import JOINT_NAMES, PARENTS, skeleton_of
+from .skeleton import skeleton_of
 from .weights import weights_of
 
 __all__ = ["hand"]
@@ -26,13 +27,13 @@ MARGIN = 0.03  # of the box around the joints, for a hand 85 mm broad (m)
 
 def hand(
     *,
-    side: Side = "right",
+    side: Literal["right", "left"] = "right",
     hand_length: float = 0.190,
     hand_breadth: float = 0.085,
     percentile: Literal[5, 50, 95] | None = None,
     sex: Literal["female", "male"] | None = None,
     edge_length: float = 2e-3,
-) -> HandModel:
+) -> Hand:
     """Return an open hand with its joints and weights.
 
     A drawn shape of human proportions: five digits, slightly bent and spread, the thumb opposed by some 45
@@ -57,7 +58,7 @@ def hand(
 
     Returns
     -------
-    HandModel
+    Hand
         Closed skin, the 25 joints of WebXR, up to four weights a vertex; about 13,000 vertices by default.
 
     Raises
@@ -75,10 +76,10 @@ def hand(
     --------
     >>> import quasirigid as qr
     >>> hand = qr.models.hand(percentile=5, sex="female", edge_length=4e-3)
-    >>> qr.Surface(hand.vertices, hand.faces).is_closed
+    >>> hand.surface.is_closed
     True
-    >>> hand.joint_names[9], round(float(hand.vertices[:, 1].max()), 2)
-    ('index-finger-tip', 0.16)
+    >>> hand.posed("fist").surface.is_closed
+    True
     """
     if side not in ("right", "left"):
         raise SurfaceError(f'side is {side!r}, expected "right" or "left"')
@@ -88,14 +89,21 @@ def hand(
     shape = HandShape(skeleton, length, breadth)
     vertices, faces = _skin(shape, edge)
     joints, weights = weights_of(vertices, shape)
-    rest = skeleton.rest()
-    if side == "left":
-        mirror = np.array([-1.0, 1.0, 1.0])
-        vertices, faces = vertices * mirror, np.ascontiguousarray(faces[:, ::-1])
-        rest[:, :3] *= mirror[:, None]
-        # +x turns round once more: flexion stays a negative turn about it.
-        rest[:, :3, 0] *= -1.0
-    return HandModel(vertices, faces, JOINT_NAMES, np.array(PARENTS), rest, joints, weights, side)
+    right = Hand(
+        vertices,
+        faces,
+        joint_names=WEBXR_25,
+        parents=_parents(),
+        rest=skeleton.rest(),
+        joints=joints,
+        weights=weights,
+    )
+    return right if side == "right" else right.mirrored()
+
+
+def _parents() -> list[int]:
+    above = [PARENTS[name] for name in WEBXR_25]
+    return [-1 if name is None else WEBXR_25.index(name) for name in above]
 
 
 def _skin(shape: HandShape, edge_length: float) -> tuple[Floats, Indices]:

@@ -15,7 +15,7 @@ from .skeleton import Digit
 __all__ = ["DigitSkin"]
 
 # Breadth at the last joint (m) of a hand of the reference breadth.
-BREADTHS = {"thumb": 21.0e-3, "index": 17.6e-3, "middle": 18.0e-3, "ring": 16.9e-3, "little": 15.2e-3}
+BREADTHS = {"thumb": 21.0e-3, "index": 17.6e-3, "middle": 18.0e-3, "ring": 16.6e-3, "little": 14.8e-3}
 # At the tip, the middle of the nail, then joint, mid-bone, joint ... to the base of the first bone drawn:
 # half breadth, half depth and place of the middle towards the back, in breadths at the last joint.
 FINGER = np.array(

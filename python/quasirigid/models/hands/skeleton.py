@@ -21,12 +21,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...hand.joints import DIGITS, JOINTS_OF, WEBXR_25
 from ..loft import Floats
 from ..phalanges import LENGTHS
 
-__all__ = ["DIGITS", "JOINT_NAMES", "PARENTS", "REFERENCE_BREADTH", "REFERENCE_LENGTH", "Digit", "Skeleton"]
+__all__ = ["REFERENCE_BREADTH", "REFERENCE_LENGTH", "Digit", "Skeleton", "skeleton_of"]
 
-DIGITS = ("thumb", "index", "middle", "ring", "little")
 METACARPALS = {"thumb": 46.22e-3, "index": 68.12e-3, "middle": 64.60e-3, "ring": 58.00e-3, "little": 53.69e-3}
 CARPUS = 0.54 * METACARPALS["middle"]
 REFERENCE_LENGTH = CARPUS + METACARPALS["middle"] + sum(LENGTHS["middle"])
@@ -43,37 +43,20 @@ BASES = {
 KNUCKLES = {
     "index": (-22.0e-3, -1.5e-3),
     "middle": (0.0, 0.0),
-    "ring": (20.0e-3, -1.5e-3),
-    "little": (38.0e-3, -5.5e-3),
+    "ring": (20.3e-3, -1.5e-3),
+    "little": (39.2e-3, -5.5e-3),
 }
 # Degrees: spread towards +x, roll of the back towards +x, slope of the first phalanx below the plane z = 0,
 # then the bend of the further joints.
 STANCES = {
-    "index": (-5.5, -5.0, 4.0, 9.0, 5.0),
+    "index": (-5.5, -3.0, 4.0, 9.0, 5.0),
     "middle": (1.0, 0.0, 5.0, 10.0, 6.0),
-    "ring": (7.5, 5.0, 7.0, 11.0, 6.0),
-    "little": (16.0, 12.0, 8.0, 11.0, 6.0),
+    "ring": (7.5, 1.0, 7.0, 11.0, 6.0),
+    "little": (16.0, 3.0, 8.0, 11.0, 6.0),
 }
 THUMB_ALONG = (-0.60, 0.70, -0.38)  # of the first metacarpal
 THUMB_BACK = (-0.70, -0.10, 0.60)  # roughly where the nail looks: opposed by some 45 degrees
 THUMB_BENDS = (10.0, 8.0)  # degrees
-
-
-def _joint_names() -> tuple[tuple[str, ...], tuple[int, ...]]:
-    names, parents = ["wrist"], [-1]
-    for digit in DIGITS:
-        if digit == "thumb":
-            words = [f"thumb-{word}" for word in ("metacarpal", "phalanx-proximal", "phalanx-distal", "tip")]
-        else:
-            finger = "pinky-finger" if digit == "little" else f"{digit}-finger"
-            phalanges = ("phalanx-proximal", "phalanx-intermediate", "phalanx-distal")
-            words = [f"{finger}-{word}" for word in ("metacarpal", *phalanges, "tip")]
-        parents += [0, *range(len(names), len(names) + len(words) - 1)]
-        names += words
-    return tuple(names), tuple(parents)
-
-
-JOINT_NAMES, PARENTS = _joint_names()
 
 
 @dataclass(frozen=True)
@@ -94,8 +77,8 @@ class Skeleton:
     digits: tuple[Digit, ...]
 
     def rest(self) -> Floats:
-        """Return the rest frames (25, 4, 4) in m, in the order of `JOINT_NAMES`."""
-        frames = np.tile(np.eye(4), (len(JOINT_NAMES), 1, 1))
+        """Return the rest frames (25, 4, 4) in m, in the order of WebXR."""
+        frames = np.tile(np.eye(4), (len(WEBXR_25), 1, 1))
         for digit in self.digits:
             own = slice(digit.first, digit.first + len(digit.joints))
             frames[own, :3, :3] = digit.frames
@@ -108,8 +91,7 @@ def skeleton_of(hand_length: float, hand_breadth: float) -> Skeleton:
     along, across = hand_length / REFERENCE_LENGTH, hand_breadth / REFERENCE_BREADTH
     digits = []
     for name in DIGITS:
-        finger = "pinky-finger" if name == "little" else f"{name}-finger"
-        first = JOINT_NAMES.index("thumb-metacarpal" if name == "thumb" else f"{finger}-metacarpal")
+        first = WEBXR_25.index(JOINTS_OF[name][0])
         bones = along * np.array(LENGTHS[name])[:0:-1]
         base = np.array(BASES[name]) * (across, along, across)
         chain = _thumb if name == "thumb" else _finger
