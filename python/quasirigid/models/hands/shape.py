@@ -36,8 +36,8 @@ RIM = np.array(
         (-11e-3, 0e-3),
         (9e-3, 3e-3),
         (28e-3, 13e-3),
-        (46e-3, 28e-3),
-        (70e-3, 50e-3),
+        (46e-3, 24e-3),
+        (70e-3, 44e-3),
     ]
 )
 RIM_END = 116.0e-3
@@ -72,8 +72,8 @@ class HandShape:
             ),
         ]
         for digit, inner in zip(self.skeleton.digits[1:], (1.5e-3, 0.0, -0.5e-3, -3.0e-3), strict=True):
-            place = digit.joints[1] + digit.frames[1] @ (np.array([inner, -1.0e-3, 2.5e-3]) * b)
-            self.bodies.append((place, digit.frames[1], np.array([6.5e-3, 9.5e-3, 9.0e-3]) * b, 8e-3))
+            place = digit.joints[1] + digit.frames[1] @ (np.array([inner, -5.0e-3, 2.5e-3]) * b)
+            self.bodies.append((place, digit.frames[1], np.array([6.0e-3, 17.0e-3, 8.5e-3]) * b, 8e-3))
         root = 0.7 * base + 0.3 * index.joints[0]
         self.web = np.stack(
             [

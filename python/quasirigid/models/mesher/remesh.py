@@ -98,11 +98,11 @@ def remeshed(
         _collapse(mesh, SHORT * edge_length, LONG * edge_length)
         _split(mesh, LONG * edge_length, body)
         _flip(mesh, by_valence=number < rounds - 1)
-        for _ in range(3):
+        for _ in range(2):
             _relax(mesh, body)
     # What is still short or sharp, most of it at the rim.
     _collapse(mesh, 0.6 * edge_length, 1.1 * LONG * edge_length)
-    for _ in range(3):
+    for _ in range(2):
         _flip(mesh, by_valence=False)
         _relax(mesh, body)
     mesh.vertices = body.project(mesh.vertices, mesh.kinds, steps=2)
@@ -235,7 +235,7 @@ def _merge(mesh: _Mesh, ends: Indices, places: Floats) -> None:
     mesh.renew()
 
 
-def _flip(mesh: _Mesh, by_valence: bool, tries: int = 8) -> None:
+def _flip(mesh: _Mesh, by_valence: bool, tries: int = 5) -> None:
     for _ in range(tries):
         edges = mesh.edges
         a, b = edges.ends.T
