@@ -911,9 +911,8 @@ fn extreme_numbers_end_without_panic() {
         let q: Vec<f64> = (0..n).map(|_| entry()).collect();
         for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
             let solution = run_with(&m, &q, method, &LcpOptions::default());
-            if method == LcpMethodName::BlockPivoting {
-                assert!(solution.z.iter().all(|&z| z >= 0.0), "{}", solution.advice());
-            }
+            assert!(solution.z.iter().all(|&z| z >= 0.0 && z.is_finite()), "{}", solution.advice());
+            assert!(solution.w.iter().all(|w| w.is_finite()), "{}", solution.advice());
             if solution.status == LcpStatus::Solved {
                 assert!(solution.z.iter().all(|&z| z >= 0.0 && z.is_finite()));
                 assert!(solution.natural_residual <= 1e-10);
@@ -1076,4 +1075,65 @@ fn malformed_options_are_named() {
     assert!(matches!(error, LcpError::OptionOutOfRange { name: "tolerance", .. }), "{error}");
     let error = solve(LcpMethodName::ProjectedCg.into(), default());
     assert_eq!(error, LcpError::NotSymmetric { row: 0, column: 1, difference: 0.5 });
+}
+
+#[test]
+fn gradients_do_not_solve_what_has_no_solution() {
+    // w_0 + w_1 = q_0 + q_1 < 0 whatever z is.
+    let m = mat![[9.0, -9.0], [-9.0, 9.0]];
+    let q = [-0.7856967730984913, -0.030340764541183937];
+    for method in LcpMethodName::ALL {
+        let solution = run_with(&m, &q, method, &LcpOptions::default());
+        assert_ne!(solution.status, LcpStatus::Solved, "{method:?}: {solution:?}");
+    }
+}
+
+#[test]
+fn an_answer_beyond_all_numbers_is_a_breakdown_at_finite_values() {
+    for (entry, q) in [(1e-150, -1e200), (1e-300, -1e10), (f64::MIN_POSITIVE, -1.0)] {
+        for method in LcpMethodName::ALL {
+            let solution = run_with(&mat![[entry]], &[q], method, &LcpOptions::default());
+            let representable = (-q / entry).is_finite();
+            assert_eq!(solution.status == LcpStatus::Solved, representable, "{method:?}: {solution:?}");
+            assert!(solution.z[0].is_finite() && solution.w[0].is_finite());
+        }
+    }
+}
+
+#[test]
+fn what_is_zero_to_rounding_is_no_active_unknown() {
+    // z = 1 on the first half solves; the others touch without force, so that rounding alone would press them.
+    let n = 24;
+    for seed in 0..20 {
+        let mut noise = Noise(seed);
+        let factor = Mat::from_fn(n, n, |_, _| noise.value());
+        let m = &factor * factor.transpose() + Mat::<f64>::identity(n, n);
+        let q: Vec<f64> = (0..n).map(|i| -(0..n / 2).map(|j| m[(i, j)]).sum::<f64>()).collect();
+        for scale in [1.0, 3.0] {
+            let scaled = Mat::from_fn(n, n, |i, j| scale * m[(i, j)]);
+            for method in LcpMethodName::ALL {
+                let solution = run_with(&scaled, &q, method, &LcpOptions::default());
+                assert_eq!(solution.status, LcpStatus::Solved, "{method:?} {seed}");
+                // Gradients stop at the tolerance, far from rounding.
+                if method != LcpMethodName::ProjectedCg {
+                    assert_eq!(solution.active(), (0..n / 2).collect::<Vec<_>>(), "{method:?} {seed}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn gradients_within_the_tolerance_are_solved_whatever_stopped_them() {
+    // They aim at a tenth of the tolerance; conditions of 1e4 to 1e8 leave them between.
+    let n = 12;
+    for seed in 0..100 {
+        let mut noise = Noise(seed);
+        let factor = Mat::from_fn(n, n, |_, j| noise.value() * 10f64.powf(-(j as f64) / 3.0));
+        let m = &factor * factor.transpose();
+        let q: Vec<f64> = (0..n).map(|_| noise.value() - 0.5).collect();
+        let solution = run_with(&m, &q, LcpMethodName::ProjectedCg, &LcpOptions::default());
+        let passed = solution.natural_residual <= LcpOptions::default().tolerance;
+        assert_eq!(solution.status == LcpStatus::Solved, passed, "{seed}: {solution:?}");
+    }
 }

@@ -24,7 +24,7 @@ def as_number(name: str, value: Any, refusal: Refusal, least: float = 0.0, most:
     """Return a finite number above 0, at least `least` and at most `most`."""
     try:
         number = float("nan") if isinstance(value, (str, bytes)) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = float("nan")
     if np.isfinite(number) and number > 0.0 and least <= number <= most:
         return number
@@ -32,11 +32,19 @@ def as_number(name: str, value: Any, refusal: Refusal, least: float = 0.0, most:
     raise refusal(f"{name} is {value!r}, expected a number {wanted}")
 
 
+def as_length(name: str, value: Any, refusal: Refusal) -> float:
+    """Return a finite length (m) above 0."""
+    try:
+        return as_number(name, value, refusal)
+    except refusal:
+        raise refusal(f"{name} is {short(value)} m, expected a length above 0") from None
+
+
 def as_vector(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]:
     """Return three finite numbers."""
     try:
         vector = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         vector = np.empty(0)
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise refusal(f"{name} is {short(value)}, expected three finite numbers")

@@ -19,7 +19,7 @@ KPA = 1e-3  # kilopascals in a pascal
 
 def metres_in(unit: LengthUnit, refusal: type[QuasirigidError]) -> float:
     """Return the metres in one of `unit`; a `refusal` names the units there are."""
-    if unit not in UNITS:
+    if not isinstance(unit, str) or unit not in UNITS:
         *others, last = map(repr, UNITS)
         raise refusal(f"unit is {unit!r}, expected {', '.join(others)} or {last}")
     return UNITS[unit]

@@ -76,7 +76,7 @@ impl<'a> InPlace<'a> {
         let mut gaps = Gaps::measure(surface, scene, options.search_distance)?;
         report.clock("signed_distance", started);
         report.note_gaps(&gaps);
-        report.warn_of_scene(&gaps);
+        report.warn_of_walls(&gaps);
 
         // 2-4. Candidates, response, complementarity.
         let response = Compliance::new(surface, skin, traits, options);

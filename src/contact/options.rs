@@ -3,6 +3,7 @@
 use crate::contact::error::ContactError;
 use crate::lcp::solution::LcpMethodName;
 use crate::lcp::solve::LcpMethod;
+use crate::linalg::threads::bounded_pool;
 
 /// Options of [`solve_contact`](crate::contact::solve_contact) and [`press`](crate::contact::press::press).
 #[derive(Clone)]
@@ -25,7 +26,8 @@ pub struct ContactOptions<'a> {
     pub rings: Option<usize>,
     /// Solver of the complementarity problem.
     pub method: LcpMethod,
-    /// Threads; `None`: all that the machine has. Results are the same to the bit for any number.
+    /// Threads, at most four for each processor; `None`: all that the machine has. Results are the same to the bit for any
+    /// number.
     pub num_threads: Option<usize>,
     /// Largest memory for response matrices (bytes); `None`: no limit.
     pub memory_limit: Option<usize>,
@@ -134,7 +136,7 @@ pub(crate) fn with_threads<T: Send>(
 ) -> Result<T, ContactError> {
     match options.num_threads {
         None => work(),
-        Some(threads) => match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Some(threads) => match bounded_pool(threads) {
             Ok(pool) => pool.install(work),
             Err(_) => Err(ContactError::Option {
                 option: "num_threads",

@@ -2,6 +2,14 @@
 
 use nalgebra::Vector3;
 
+/// Largest magnitude of a coordinate or a length (m), far below where products of five of them overflow.
+pub const LARGEST_COORDINATE: f64 = 1e60;
+
+/// Whether all coordinates are numbers and none is beyond [`LARGEST_COORDINATE`].
+pub(crate) fn is_within_range(point: &Vector3<f64>) -> bool {
+    point.iter().all(|x| x.abs() <= LARGEST_COORDINATE)
+}
+
 /// Axis-aligned box, its border included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {

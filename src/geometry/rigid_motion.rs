@@ -2,6 +2,8 @@
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use crate::geometry::bounds::is_within_range;
+
 /// Largest entry of `|RᵀR − I|` of a matrix that is taken for a rotation.
 const ROTATION_TOLERANCE: f64 = 1e-9;
 
@@ -28,8 +30,8 @@ pub enum RigidMotionError {
         /// Determinant, near -1.
         determinant: f64,
     },
-    /// The translation is not finite.
-    #[error("the translation must be finite, found {translation:?} (m)")]
+    /// The translation is not finite or too large.
+    #[error("the translation must be finite and at most 1e60, found {translation:?} (m)")]
     Translation {
         /// Its value (m).
         translation: [f64; 3],
@@ -48,7 +50,7 @@ pub fn rigid_motion(
     translation: &Vector3<f64>,
 ) -> Result<Isometry3<f64>, RigidMotionError> {
     check_rotation(rotation)?;
-    if !translation.iter().all(|x| x.is_finite()) {
+    if !is_within_range(translation) {
         return Err(RigidMotionError::Translation { translation: (*translation).into() });
     }
     let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation));

@@ -52,20 +52,23 @@ pub(super) fn add_row_products<'a>(
 }
 
 impl LcpProblem<'_> {
-    /// `M z + q`, with errors far below `tolerance · max(-q)`: where rounding could come near, with twice the digits.
+    /// `M z + q`, with errors far below `tolerance · max(-q)`: where rounding could come near, with twice the digits;
+    /// and whether these are enough.
     ///
     /// A huge z on singular columns would otherwise look like an answer once its terms cancel to zero.
-    pub(super) fn residual(&self, z: &[f64], tolerance: f64, interrupted: Interrupt) -> Vec<f64> {
+    pub(super) fn residual(&self, z: &[f64], tolerance: f64, interrupted: Interrupt) -> (Vec<f64>, bool) {
         let mut w = self.q.to_vec();
         let largest =
             add_product(self.m, z, &mut w, interrupted, kernels::add_column_measured, |_, magnitudes| {
                 magnitudes.iter().copied().fold(0.0, nan_max)
             });
-        if largest * f64::EPSILON > ROUNDING_MARGIN * tolerance * self.deficit() {
+        let bearable = ROUNDING_MARGIN * tolerance * self.deficit();
+        if largest * f64::EPSILON > bearable {
             w.copy_from_slice(self.q);
             add_product_compensated(self.m, z, &mut w, interrupted);
         }
-        w
+        // q alone, at z = 0, has no rounding.
+        (w, largest == 0.0 || largest * f64::EPSILON * f64::EPSILON <= bearable)
     }
 }
 
@@ -182,8 +185,11 @@ mod tests {
                     );
                     assert_eq!(product_compensated(view, &z, &|| false), expected);
                     let q = vec![-1.0; n];
-                    let residual = LcpProblem::new(view, &q).unwrap().residual(&z, 1e-10, &|| false);
-                    assert!(residual.iter().zip(&expected).all(|(w, product)| *w == product - 1.0));
+                    let (residual, is_known) =
+                        LcpProblem::new(view, &q).unwrap().residual(&z, 1e-10, &|| false);
+                    assert!(
+                        is_known && residual.iter().zip(&expected).all(|(w, product)| *w == product - 1.0)
+                    );
                 }
                 let mut sum = vec![1.0; n];
                 add_terms(&mut sum, n, |j| (m.col_as_slice(j), z[j]), &|| false);

@@ -1,5 +1,6 @@
 //! A solve under way: the rows it looks at, and how what a method found is certified and recorded.
 
+use crate::lcp::block_pivoting::ZERO_TOLERANCE;
 use crate::lcp::certificate::Certificate;
 use crate::lcp::options::{DefinitenessCheck, LcpOptions};
 use crate::lcp::outcome::Outcome;
@@ -7,6 +8,9 @@ use crate::lcp::problem::{Halt, LcpProblem};
 use crate::lcp::reduced::{ReducedProblem, rows_that_matter};
 use crate::lcp::solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus};
 use crate::linalg::definiteness::{Definiteness, examine};
+
+/// Share of the tolerance that unknowns may have which count as zero.
+const ROUNDING_SHARE: f64 = 0.01;
 
 /// A problem, the options of its solve and the runs so far.
 pub(super) struct Session<'a> {
@@ -77,14 +81,24 @@ impl<'a> Session<'a> {
         reduced: &ReducedProblem,
     ) -> LcpSolution {
         let interrupt = self.options.interrupt();
-        let z = reduced.expand(&outcome.z, reduced.unit);
-        let w = self.problem.residual(&z, self.options.tolerance, interrupt);
-        let certificate = Certificate::measure(self.problem, &z, &w);
+        let mut z = self.without_rounding(reduced.expand(&outcome.z, reduced.unit));
+        let (mut w, mut is_known) = self.problem.residual(&z, self.options.tolerance, interrupt);
+        if !z.iter().chain(&w).all(|value| value.is_finite()) {
+            z.fill(0.0);
+            w.copy_from_slice(self.problem.q);
+            is_known = true;
+        }
+        let mut certificate = Certificate::measure(self.problem, &z, &w);
+        if !is_known {
+            certificate.natural_residual = f64::INFINITY;
+        }
         let passed = certificate.natural_residual <= self.options.tolerance;
         let status = match outcome.status {
             // What was measured may be unfinished.
             _ if interrupt() => LcpStatus::Interrupted,
             LcpStatus::Solved if !passed => LcpStatus::Breakdown,
+            // A run that aimed lower than it had to.
+            LcpStatus::PivotLimit | LcpStatus::Breakdown if passed => LcpStatus::Solved,
             status => status,
         };
         LcpSolution {
@@ -100,6 +114,21 @@ impl<'a> Session<'a> {
             attempts: Vec::new(),
             candidates: self.candidates,
         }
+    }
+
+    /// z >= 0 without what is zero to rounding, which would count as active.
+    fn without_rounding(&self, mut z: Vec<f64>) -> Vec<f64> {
+        let deficit = self.problem.deficit();
+        let scaled = |(i, &z): (usize, &f64)| if z > 0.0 { self.problem.diagonal_scale(i) * z } else { 0.0 };
+        let size = z.iter().enumerate().map(scaled).fold(deficit, f64::max);
+        // Far below what the certificate bears.
+        let zero = (ZERO_TOLERANCE * size).min(ROUNDING_SHARE * self.options.tolerance * deficit);
+        for (i, z) in z.iter_mut().enumerate() {
+            if scaled((i, z)) <= zero {
+                *z = 0.0;
+            }
+        }
+        z
     }
 
     /// Notes a run that has ended.

@@ -92,7 +92,7 @@ pub struct LcpAttempt {
 pub struct LcpSolution {
     /// How the solve ended.
     pub status: LcpStatus,
-    /// Unknowns (n), never negative.
+    /// Unknowns (n), never negative; what is zero to rounding is zero. All zero where z or w would not be finite.
     pub z: Vec<f64>,
     /// `M z + q` (n) as recomputed from the M and q given.
     pub w: Vec<f64>,

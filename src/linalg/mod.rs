@@ -8,3 +8,4 @@ pub(crate) mod factor;
 pub(crate) mod kernels;
 pub(crate) mod lanczos;
 pub(crate) mod lu;
+pub(crate) mod threads;

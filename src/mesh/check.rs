@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::bounds::{LARGEST_COORDINATE, is_within_range};
 use crate::mesh::adjacency::{EdgePairs, NO_FACE, pair_edges};
 use crate::mesh::borders::check_borders;
 use crate::mesh::csr::Csr;
@@ -16,7 +17,7 @@ pub const DEGENERATE_HEIGHT: f64 = 1e-12;
 /// Checks a mesh and finds its neighbourhoods.
 ///
 /// The first defect in this order is reported, so that what is said is the cause and not its consequence: no
-/// vertex or face; coordinates that are not finite; indices out of range; repeated indices; degenerate faces;
+/// vertex or face; coordinates that are not finite or too large; indices out of range; repeated indices; degenerate faces;
 /// duplicate faces; edges with more than two faces; neighbours wound in opposite ways (or a surface that cannot
 /// be oriented); borders that run along each other unwelded; loose triangles; pinched vertices; unused
 /// vertices. Open meshes pass; [`check_nesting`](crate::mesh::check_nesting) asks whether closed components are
@@ -98,7 +99,7 @@ fn complete(
     }
 }
 
-/// Counts, finite coordinates, indices in range.
+/// Counts, coordinates finite and in range, indices in range.
 pub(super) fn check_elements(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), MeshError> {
     if vertices.is_empty() || faces.is_empty() {
         return Err(MeshError::Empty { vertex_count: vertices.len(), face_count: faces.len() });
@@ -107,6 +108,11 @@ pub(super) fn check_elements(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> R
     if let Some(((vertex, point), count)) = first_and_count(vertices.iter().enumerate().filter(not_finite)) {
         let k = point.iter().position(|value| !value.is_finite()).unwrap_or(0);
         return Err(MeshError::NonFinite { vertex, axis: ['x', 'y', 'z'][k], value: point[k], count });
+    }
+    let too_far = |(_, point): &(usize, &Vector3<f64>)| !is_within_range(point);
+    if let Some(((vertex, point), count)) = first_and_count(vertices.iter().enumerate().filter(too_far)) {
+        let k = point.iter().position(|value| value.abs() > LARGEST_COORDINATE).unwrap_or(0);
+        return Err(MeshError::OutOfRange { vertex, axis: ['x', 'y', 'z'][k], value: point[k], count });
     }
     let vertex_count = vertices.len();
     let stray = |(face, corners): (usize, &[u32; 3])| {

@@ -24,13 +24,13 @@ pub(super) struct ClosedComponent {
 }
 
 impl ClosedComponent {
-    fn is_flat(&self) -> bool {
+    pub(super) fn is_flat(&self) -> bool {
         self.volume.abs() <= FLAT_VOLUME * self.bounds.diagonal().powi(3)
     }
 
-    /// Turned against its place, or flat; a cavity turned outward is a nested shell instead.
+    /// Turned against its place; a cavity turned outward is a nested shell instead.
     pub(super) fn is_inside_out(&self, is_cavity: bool) -> bool {
-        self.is_flat() || (!is_cavity && self.volume < 0.0)
+        !is_cavity && self.volume < 0.0
     }
 
     /// Corners and centroids of faces spread over the component, `count` points at most.

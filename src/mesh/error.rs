@@ -27,6 +27,21 @@ pub enum MeshError {
         /// Number of vertices at fault.
         count: usize,
     },
+    /// A coordinate is too large to compute with.
+    #[error(
+        "vertex {vertex} has the coordinate {axis} = {value:e} m ({count} vertices have one beyond 1e60 m, of which \
+         areas and volumes overflow); check the unit, or remove the vertices and their faces"
+    )]
+    OutOfRange {
+        /// First vertex at fault.
+        vertex: usize,
+        /// Its first coordinate at fault: 'x', 'y' or 'z'.
+        axis: char,
+        /// The value found there (m).
+        value: f64,
+        /// Number of vertices at fault.
+        count: usize,
+    },
     /// A face names a vertex that does not exist.
     #[error(
         "face {face} refers to vertex {vertex}, but the mesh has {vertex_count} vertices ({count} such faces); \
@@ -191,7 +206,26 @@ pub enum MeshError {
         /// Number of faces in the mesh.
         face_count: usize,
     },
-    /// A closed component is inside out (or encloses nothing).
+    /// A closed component encloses nothing.
+    #[error(
+        "closed component {component} (from face {face} on) is flat: it encloses {volume:.3e} m^3, which is rounding next \
+         to its length of {length:.3e} m ({count} of {component_count} components); give it a thickness, or remove it"
+    )]
+    Flat {
+        /// First component at fault, numbered from 0 in the order of their first faces.
+        component: usize,
+        /// Its first face.
+        face: usize,
+        /// Volume by the divergence theorem (m³).
+        volume: f64,
+        /// Diagonal of its bounding box (m).
+        length: f64,
+        /// Number of components at fault.
+        count: usize,
+        /// Number of components in the mesh.
+        component_count: usize,
+    },
+    /// A closed component is inside out.
     #[error(
         "closed component {component} (from face {face} on) is inside out: it encloses {volume:.3e} m^3 where the \
          sign should be {expected} ({count} of {component_count} components); `repair` turns its faces"

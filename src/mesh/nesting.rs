@@ -34,7 +34,8 @@ pub fn component_volumes(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology
 /// * `vertices`, `faces`: the mesh (m), of which `topology` was made
 ///
 /// # Errors
-/// [`MeshError::CoincidentShell`], [`MeshError::InsideOut`] or [`MeshError::NestedShell`], in this order.
+/// [`MeshError::CoincidentShell`], [`MeshError::Flat`], [`MeshError::InsideOut`] or [`MeshError::NestedShell`], in
+/// this order.
 pub fn check_nesting(
     vertices: &[Vector3<f64>],
     faces: &[[u32; 3]],
@@ -55,6 +56,19 @@ pub fn check_nesting(
             other_face: closed[other].first_face,
             distance,
             count: coincident.len(),
+        });
+    }
+    let flat: Vec<&Surroundings> =
+        surroundings.iter().filter(|found| closed[found.component].is_flat()).collect();
+    if let Some(first) = flat.first() {
+        let component = closed[first.component];
+        return Err(MeshError::Flat {
+            component: component.label,
+            face: component.first_face,
+            volume: component.volume,
+            length: component.bounds.diagonal(),
+            count: flat.len(),
+            component_count: topology.component_count(),
         });
     }
     let inside_out: Vec<&Surroundings> = surroundings

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::geometry::bounds::is_within_range;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::nearest::Nearest;
 use crate::obstacle::posed::Obstacle;
@@ -67,9 +68,9 @@ impl Obstacle {
     }
 }
 
-/// Every coordinate is finite.
+/// Every coordinate is finite and in range.
 pub(super) fn check_points(points: &[Vector3<f64>]) -> Result<(), ObstacleError> {
-    let is_bad = |point: &Vector3<f64>| !point.iter().all(|x| x.is_finite());
+    let is_bad = |point: &Vector3<f64>| !is_within_range(point);
     match points.iter().position(is_bad) {
         None => Ok(()),
         Some(point) => Err(ObstacleError::NonFinitePoint {

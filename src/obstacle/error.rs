@@ -40,8 +40,8 @@ pub enum ObstacleError {
         /// Centre of the overlap of the two faces' boxes (m).
         location: [f64; 3],
     },
-    /// A coordinate of a primitive is not finite.
-    #[error("{kind}: {what} must be finite, found {value:?}")]
+    /// A coordinate of a primitive is not finite or too large.
+    #[error("{kind}: {what} must be finite and at most 1e60, found {value:?}")]
     NotFinite {
         /// The primitive.
         kind: &'static str,
@@ -50,8 +50,8 @@ pub enum ObstacleError {
         /// Its value.
         value: [f64; 3],
     },
-    /// A length of a primitive is not positive and finite.
-    #[error("{kind}: {what} must be positive and finite (m), found {value}")]
+    /// A length of a primitive is not positive, not finite or too large.
+    #[error("{kind}: {what} must be positive and at most 1e60 (m), found {value}")]
     NotPositive {
         /// The primitive.
         kind: &'static str,
@@ -72,8 +72,8 @@ pub enum ObstacleError {
     /// The matrix or the translation is no rigid motion.
     #[error(transparent)]
     Motion(#[from] RigidMotionError),
-    /// A point is not finite.
-    #[error("point {point} is {value:?}, but points must be finite ({count} are not)")]
+    /// A point is not finite or too far.
+    #[error("point {point} is {value:?}, but points must be finite and within 1e60 m ({count} are not)")]
     NonFinitePoint {
         /// The first such point.
         point: usize,

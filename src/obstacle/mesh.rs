@@ -22,6 +22,10 @@ use crate::surface::coarse::{CoarsePlace, barycentric};
 /// than [`SURFACE_TOLERANCE`] of the mesh's size and rounded by 1e-16 of it, so its direction is known to 1e-6.
 const AMBIGUOUS_COSINE: f64 = 1e-6;
 
+/// Where the weighted normals of the faces around a corner or edge cancel to less than this (rad), as at the tip of a
+/// needle, their sum is not known to [`AMBIGUOUS_COSINE`], and the solid angle decides as well.
+const AMBIGUOUS_NORMAL: f64 = 1e-5;
+
 /// Choices of [`Obstacle::mesh`](crate::obstacle::Obstacle::mesh).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MeshObstacleOptions {
@@ -136,6 +140,7 @@ impl MeshShape {
             Feature::Corner(i) => pseudo_normals.vertices_pseudo_normal[self.faces[face][i] as usize],
         };
         let pseudo_normal = Vector3::new(pseudo_normal.x, pseudo_normal.y, pseudo_normal.z);
+        let is_known = pseudo_normal.norm() > AMBIGUOUS_NORMAL;
         // A knife edge folded flat has none; its face's normal is as good as any.
         let pseudo_normal = pseudo_normal.try_normalize(0.0).unwrap_or(self.normals[face]);
 
@@ -149,7 +154,7 @@ impl MeshShape {
                 normal: pseudo_normal,
             };
         }
-        let outside = if height.abs() > AMBIGUOUS_COSINE * length {
+        let outside = if is_known && height.abs() > AMBIGUOUS_COSINE * length {
             height > 0.0
         } else {
             winding_number(p, &self.vertices, self.faces.iter().copied()) < 0.5

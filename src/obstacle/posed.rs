@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
-use crate::geometry::bounds::Bounds;
+use crate::geometry::bounds::{Bounds, LARGEST_COORDINATE, is_within_range};
 use crate::geometry::rigid_motion::rigid_motion;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::material::Material;
@@ -321,14 +321,14 @@ pub(super) fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 fn check_finite(kind: &'static str, what: &'static str, value: &Vector3<f64>) -> Result<(), ObstacleError> {
-    if value.iter().all(|x| x.is_finite()) {
+    if is_within_range(value) {
         return Ok(());
     }
     Err(ObstacleError::NotFinite { kind, what, value: (*value).into() })
 }
 
 fn check_positive(kind: &'static str, what: &'static str, value: f64) -> Result<(), ObstacleError> {
-    if value > 0.0 && value.is_finite() {
+    if value > 0.0 && value <= LARGEST_COORDINATE {
         return Ok(());
     }
     Err(ObstacleError::NotPositive { kind, what, value })

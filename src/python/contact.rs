@@ -4,6 +4,7 @@ use super::accuracy::{PyAccuracy, PyRefinement};
 use super::contact_options::PyContactOptions;
 use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out, vectors, vectors_out};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
+use super::forked::released;
 use super::interrupt::detached_with;
 use super::lcp::PyLcpSolution;
 use super::loaded::PyLoadedVertices;
@@ -86,7 +87,8 @@ pub(super) struct PyContact {
     timings: Vec<(&'static str, f64)>,
     /// What the scene did not need, and why.
     left_out: Vec<(&'static str, String)>,
-    warnings: Vec<String>,
+    /// What each is about, and its message.
+    warnings: Vec<(&'static str, String)>,
     drawing: Py<PyDrawing>,
 }
 
@@ -126,7 +128,10 @@ impl PyContact {
             accuracy: Py::new(py, PyAccuracy::from(&contact.accuracy))?,
             timings: contact.timings.iter().map(|timing| (timing.stage, timing.seconds)).collect(),
             left_out: take(&mut contact.left_out).into_iter().map(|one| (one.what, one.why)).collect(),
-            warnings: take(&mut contact.warnings),
+            warnings: take(&mut contact.warnings)
+                .into_iter()
+                .map(|one| (one.kind.as_str(), one.message))
+                .collect(),
             drawing: Py::new(py, PyDrawing { contact, skin: PySkin::for_drawing(skin)?, options })?,
         })
     }
@@ -147,7 +152,7 @@ pub(super) struct PyDrawing {
 impl PyDrawing {
     /// The mesh that was solved; `None` where nothing was refined.
     fn surface(&self, py: Python<'_>) -> Option<PySurface> {
-        py.detach(|| self.contact.refined_surface().map(|mesh| mesh.surface.clone())).map(Into::into)
+        released(py, || self.contact.refined_surface().map(|mesh| mesh.surface.clone())).map(Into::into)
     }
 
     /// Displacement of the product (n, 3) in m and its mesh moved, None of a primitive; None of a rigid product.

@@ -1,5 +1,6 @@
 //! NumPy arrays in and out.
 
+use super::forked::released;
 use crate::geometry::rigid_motion;
 use faer::{Mat, MatRef};
 use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
@@ -88,6 +89,36 @@ pub(super) fn matrix3(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Matrix3<
     match array.shape() {
         [3, 3] => Ok(Matrix3::from_row_slice(array.as_slice()?)),
         shape => Err(shape_error(name, "(3, 3)", shape)),
+    }
+}
+
+/// Rotation and translation of `moved`: either, both, or a (4, 4) matrix in the place of the first.
+pub(super) fn rotation_and_translation(
+    rotation: Option<&Bound<'_, PyAny>>,
+    translation: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Matrix3<f64>, Vector3<f64>)> {
+    let shift = translation.map(|translation| vector(translation, "translation")).transpose()?;
+    let Some(rotation) = rotation else {
+        return Ok((Matrix3::identity(), shift.unwrap_or_default()));
+    };
+    let array = float_array(rotation, "rotation")?;
+    let numbers = array.as_slice()?;
+    match array.shape() {
+        [3, 3] => Ok((Matrix3::from_row_slice(numbers), shift.unwrap_or_default())),
+        [4, 4] if shift.is_some() => Err(PyTypeError::new_err(
+            "`rotation` has shape [4, 4] and holds a translation: leave out `translation`",
+        )),
+        [4, 4] if numbers[12..] != [0.0, 0.0, 0.0, 1.0] => Err(PyValueError::new_err(format!(
+            "`rotation` is a (4, 4) matrix with last row {:?}, expected [0, 0, 0, 1]: rotation and translation in its \
+             columns",
+            &numbers[12..]
+        ))),
+        [4, 4] => {
+            let row = |row: usize| &numbers[4 * row..4 * row + 4];
+            let turn = Matrix3::from_fn(|i, j| row(i)[j]);
+            Ok((turn, Vector3::from_fn(|i, _| row(i)[3])))
+        }
+        shape => Err(shape_error("rotation", "(3, 3), or (4, 4) with the translation", shape)),
     }
 }
 
@@ -289,7 +320,7 @@ pub(super) fn matrix_out<'py>(py: Python<'py>, matrix: &Mat<f64>) -> Bound<'py, 
         }
     };
     if columns > 0 {
-        py.detach(|| flat.par_chunks_mut(columns * ROWS_AT_ONCE).enumerate().for_each(fill));
+        released(py, || flat.par_chunks_mut(columns * ROWS_AT_ONCE).enumerate().for_each(fill));
     }
     PyArray1::from_vec(py, flat).reshape([rows, columns]).expect("as many numbers as entries")
 }

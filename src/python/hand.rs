@@ -2,6 +2,7 @@
 
 use super::convert::{index_rows, motions, number_rows};
 use super::errors::IntoPyErr;
+use super::forked::released;
 use super::surface::PySurface;
 use crate::hand::{Blending, SkinWeights, SkinningError};
 use pyo3::prelude::*;
@@ -37,7 +38,7 @@ impl PySkinWeights {
         let motions = self::motions(motions, "motions")?;
         let blending = if linear { Blending::Linear } else { Blending::DualQuaternion };
         let surface = &surface.inner;
-        let posed = py.detach(|| {
+        let posed = released(py, || {
             let moved = self.0.move_vertices(surface.vertices(), &motions, blending)?;
             Ok::<_, SkinningError>(surface.with_vertices(moved))
         });

@@ -1,5 +1,6 @@
 //! Long work outside the interpreter that Ctrl-C still ends.
 
+use super::forked::own_pool;
 use pyo3::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,6 +28,9 @@ pub(super) fn detached<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
 ) -> PyResult<T> {
+    if own_pool().is_some() {
+        return detached_on_thread(py, work);
+    }
     let signal: Mutex<Option<PyErr>> = Mutex::new(None);
     let last_look = Mutex::new(Instant::now());
     let result = py.detach(|| {
@@ -56,7 +60,13 @@ pub(super) fn detached_on_thread<T: Send>(
     let stop = AtomicBool::new(false);
     let (result, signal) = py.detach(|| {
         thread::scope(|scope| {
-            let worker = scope.spawn(|| work(&|| stop.load(Ordering::Relaxed)));
+            let worker = scope.spawn(|| {
+                let work = || work(&|| stop.load(Ordering::Relaxed));
+                match own_pool() {
+                    None => work(),
+                    Some(pool) => pool.install(work),
+                }
+            });
             let mut signal = None;
             let mut wait = Duration::from_micros(50);
             while !worker.is_finished() {

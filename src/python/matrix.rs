@@ -2,6 +2,7 @@
 
 use super::convert::{MatrixArgument, matrix_out, nodes, vectors};
 use super::errors::IntoPyErr;
+use super::forked::released;
 use super::interrupt::detached_with;
 use super::skin::PySkin;
 use super::surface::PySurface;
@@ -64,7 +65,7 @@ pub(super) fn definiteness(py: Python<'_>, matrix: &Bound<'_, PyAny>) -> PyResul
     if !view.is_all_finite() {
         return Err(PyValueError::new_err("`matrix` has entries that are not finite"));
     }
-    let found = py.detach(|| response::spectrum(view));
+    let found = released(py, || response::spectrum(view));
     Ok(PyDefiniteness {
         positive_definite: found.is_positive_definite(),
         smallest: found.smallest,

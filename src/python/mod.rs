@@ -7,6 +7,7 @@ mod convert;
 mod cut_out;
 mod elastic;
 mod errors;
+mod forked;
 mod gaps;
 mod hand;
 mod interrupt;
@@ -32,7 +33,7 @@ mod _core {
     #[pymodule_export]
     use super::contact_options::PyContactOptions;
     #[pymodule_export]
-    use super::cut_out::cut_out;
+    use super::cut_out::{cut_out, cut_out_marked};
     #[pymodule_export]
     use super::gaps::initial_gaps;
     #[pymodule_export]
@@ -53,12 +54,13 @@ mod _core {
     #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
-    use super::surface::{PySurface, repair, skin_without_caps};
+    use super::surface::{PySurface, find_crossings, repair, skin_without_caps};
 
     use pyo3::prelude::*;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        super::forked::note_process();
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add(
             "__all__",
@@ -82,7 +84,9 @@ mod _core {
                 "Surface",
                 "contact_modulus",
                 "cut_out",
+                "cut_out_marked",
                 "definiteness",
+                "find_crossings",
                 "initial_gaps",
                 "plate_on_cored_sphere",
                 "point_load_on_layer",

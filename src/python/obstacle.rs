@@ -1,9 +1,11 @@
 //! `quasirigid.Obstacle`.
 
 use super::convert::{
-    MatrixArgument, faces, faces_out, matrix3, mesh_arrays, nodes, vector, vector_out, vectors, vectors_out,
+    MatrixArgument, faces, faces_out, mesh_arrays, nodes, rotation_and_translation, vector, vector_out,
+    vectors, vectors_out,
 };
 use super::errors::{IntoPyErr, ObstacleError};
+use super::forked::released;
 use super::material::{material_out, product_skin};
 use super::pickle::{Pose, Reduced, reduced, restored};
 use crate::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
@@ -67,7 +69,7 @@ impl PyObstacle {
     ) -> PyResult<Self> {
         let vertices = vectors(vertices, "vertices")?;
         let faces = self::faces(faces, "faces", ObstacleError::new_err)?;
-        made(py.detach(|| Obstacle::mesh(vertices, faces, &MeshObstacleOptions { check_crossings })))
+        made(released(py, || Obstacle::mesh(vertices, faces, &MeshObstacleOptions { check_crossings })))
     }
 
     /// A closed mesh object of another library.
@@ -169,18 +171,23 @@ impl PyObstacle {
     ///
     /// Parameters
     /// ----------
-    /// rotation : (3, 3) array_like
-    ///     Proper rotation, orthonormal to 1e-9.
-    /// translation : (3,) array_like
+    /// rotation : (3, 3) or (4, 4) array_like, optional
+    ///     Proper rotation, orthonormal to 1e-9; a (4, 4) matrix holds the shift too.
+    /// translation : (3,) array_like, optional
     ///     Shift (m).
     ///
     /// Returns
     /// -------
     /// Obstacle
     ///     The copy; it shares the shape, so it costs next to nothing.
-    #[pyo3(text_signature = "(self, rotation, translation)")]
-    fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
-        made(self.inner.moved(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?))
+    #[pyo3(signature = (rotation=None, translation=None), text_signature = "(self, rotation=None, translation=None)")]
+    fn moved(
+        &self,
+        rotation: Option<&Bound<'_, PyAny>>,
+        translation: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (rotation, translation) = rotation_and_translation(rotation, translation)?;
+        made(self.inner.moved(&rotation, &translation))
     }
 
     /// A copy that gives way under the contact's forces.
@@ -212,7 +219,7 @@ impl PyObstacle {
     ///
     /// Warns
     /// -----
-    /// QuasirigidWarning
+    /// ResponseRangeWarning
     ///     If the response is not well posed.
     ///
     /// References
@@ -271,8 +278,7 @@ impl PyObstacle {
         max_distance: Option<f64>,
     ) -> PyResult<Distances<'py>> {
         let points = vectors(points, "points")?;
-        let answer = py
-            .detach(|| self.inner.signed_distance(&points, max_distance))
+        let answer = released(py, || self.inner.signed_distance(&points, max_distance))
             .map_err(IntoPyErr::into_py_err)?;
         Ok((
             PyArray1::from_vec(py, answer.distance),
@@ -347,7 +353,7 @@ impl PyObstacle {
                 }
             }
         };
-        let made = py.detach(|| self.inner.with_material(constants.0, constants.1, response));
+        let made = released(py, || self.inner.with_material(constants.0, constants.1, response));
         made.map(Self::from).map_err(IntoPyErr::into_py_err)
     }
 }

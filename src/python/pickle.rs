@@ -2,6 +2,7 @@
 
 use super::convert::{faces, faces_out, vectors, vectors_out};
 use super::errors::{IntoPyErr, ObstacleError};
+use super::forked::released;
 use super::material::material_out;
 use crate::obstacle::{MeshObstacleOptions, Obstacle, Primitive};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -52,7 +53,8 @@ pub(super) fn restored(kind: &str, shape: &Bound<'_, PyAny>, pose: Pose) -> PyRe
         let vertices = vectors(&vertices, "vertices")?;
         let triangles = faces(&triangles, "faces", ObstacleError::new_err)?;
         let unchecked = MeshObstacleOptions { check_crossings: false };
-        Obstacle::mesh(vertices, triangles, &unchecked).map_err(IntoPyErr::into_py_err)?
+        released(shape.py(), || Obstacle::mesh(vertices, triangles, &unchecked))
+            .map_err(IntoPyErr::into_py_err)?
     } else {
         let numbers: Vec<f64> = shape.extract()?;
         let primitive = primitive(kind, &numbers).ok_or_else(|| {

@@ -1,11 +1,12 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
 use super::convert::{
-    MatrixArgument, faces, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors,
-    vectors_out,
+    MatrixArgument, faces, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, rotation_and_translation,
+    scalars, vectors, vectors_out,
 };
 use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
+use super::forked::released;
 use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
 use crate::geometry::rigid_motion;
@@ -129,10 +130,11 @@ impl PySkin {
     }
 
     /// Net and gross volume that the mesh moves per newton at a vertex (m^3/N).
-    fn net_volume(&self, surface: &PySurface, node: usize) -> PyResult<(f64, f64)> {
+    fn net_volume(&self, py: Python<'_>, surface: &PySurface, node: usize) -> PyResult<(f64, f64)> {
         // a sum of both signs over the whole mesh asks for more digits than a matrix does, and takes one column
         let options = AssemblyOptions { tolerance: 1e-9, ..AssemblyOptions::default() };
-        let volume = response::net_volume(&surface.inner, self.inner.kernel()?, node, &options);
+        let skin = self.inner.kernel()?;
+        let volume = released(py, || response::net_volume(&surface.inner, skin, node, &options));
         volume.map(|volume| (volume.net, volume.gross)).map_err(IntoPyErr::into_py_err)
     }
 
@@ -154,19 +156,25 @@ impl PySkin {
         nodes: &Bound<'_, PyAny>,
         matrix: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
+        let py = matrix.py();
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let matrix = MatrixArgument::new(matrix, "matrix")?.view().to_owned();
-        let prepared =
-            PreparedKernel::from_matrix(&surface.inner, self.inner.kernel()?.clone(), &nodes, matrix);
+        let skin = self.inner.kernel()?.clone();
+        let prepared = released(py, || PreparedKernel::from_matrix(&surface.inner, skin, &nodes, matrix));
         Ok(Elastic::PreparedKernel(prepared.map_err(IntoPyErr::into_py_err)?).into())
     }
 
     /// A matrix that somebody else computed or measured.
     #[staticmethod]
-    fn given(surface: &PySurface, nodes: &Bound<'_, PyAny>, matrix: &Bound<'_, PyAny>) -> PyResult<Self> {
+    fn given(
+        py: Python<'_>,
+        surface: &PySurface,
+        nodes: &Bound<'_, PyAny>,
+        matrix: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let matrix = MatrixArgument::new(matrix, "compliance")?.view().to_owned();
-        let given = GivenMatrix::new(&surface.inner, &nodes, matrix);
+        let given = released(py, || GivenMatrix::new(&surface.inner, &nodes, matrix));
         Ok(Elastic::Given(given.map_err(IntoPyErr::into_py_err)?).into())
     }
 
@@ -247,6 +255,7 @@ impl PySkin {
         levels: Option<LevelsArgument<'_>>,
         solved: bool,
     ) -> PyResult<Self> {
+        let py = nodes.py();
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
         let bone_pressure = bone_pressure
             .map(|value| Ok::<_, PyErr>(MatrixArgument::new(value, "bone_pressure")?.view().to_owned()));
@@ -280,18 +289,23 @@ impl PySkin {
                 let places = corners.into_iter().zip(weights).map(place).collect();
                 let edges = scalars(&edges, "coarse_edges")?.into();
                 let fixed = mask(&fixed, "fixed")?.into();
-                let two = TwoLevels::from_parts(compliance, places, thickness, edges, fixed);
+                let two = released(py, || TwoLevels::from_parts(compliance, places, thickness, edges, fixed));
                 Levels::Two(two.map_err(IntoPyErr::into_py_err)?)
             }
         };
-        let body = PreparedBody::from_levels(&surface.inner, &nodes, levels);
+        let body = released(py, || PreparedBody::from_levels(&surface.inner, &nodes, levels));
         let body = body.map_err(IntoPyErr::into_py_err)?;
         Ok(if solved { Elastic::Body(body) } else { Elastic::GivenBlocks(body) }.into())
     }
 
     /// Prepared bodies on parts of a surface, a kernel off them.
     #[staticmethod]
-    fn combined(surface: &PySurface, background: &PySkin, parts: Vec<PartArgument<'_>>) -> PyResult<Self> {
+    fn combined(
+        py: Python<'_>,
+        surface: &PySurface,
+        background: &PySkin,
+        parts: Vec<PartArgument<'_>>,
+    ) -> PyResult<Self> {
         let part = |(name, prepared, part_vertices, fixed): PartArgument<'_>| {
             Ok(Part {
                 prepared: prepared.get().inner.body_part(&name)?.clone(),
@@ -301,7 +315,8 @@ impl PySkin {
             })
         };
         let parts = parts.into_iter().map(part).collect::<PyResult<_>>()?;
-        let skin = CombinedSkin::new(&surface.inner, background.inner.kernel()?.clone(), parts);
+        let background = background.inner.kernel()?.clone();
+        let skin = released(py, || CombinedSkin::new(&surface.inner, background, parts));
         Ok(Elastic::Combined(skin.map_err(IntoPyErr::into_py_err)?).into())
     }
 
@@ -315,7 +330,7 @@ impl PySkin {
         let (Elastic::Body(body) | Elastic::GivenBlocks(body)) = &self.inner else {
             return self.inner.nodes().map(|_| None);
         };
-        let pressures = body.bone_pressures(&forces).map_err(IntoPyErr::into_py_err)?;
+        let pressures = released(py, || body.bone_pressures(&forces)).map_err(IntoPyErr::into_py_err)?;
         Ok(pressures.map(|pressures| PyArray1::from_vec(py, pressures)))
     }
 
@@ -325,10 +340,17 @@ impl PySkin {
     }
 
     /// The prepared or combined skin after a rigid motion of its surface.
-    fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)
+    #[pyo3(signature = (rotation=None, translation=None))]
+    fn moved(
+        &self,
+        py: Python<'_>,
+        rotation: Option<&Bound<'_, PyAny>>,
+        translation: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (rotation, translation) = rotation_and_translation(rotation, translation)?;
+        let motion = rigid_motion(&rotation, &translation)
             .map_err(|error| ResponseError::new_err(error.to_string()))?;
-        Ok(self.inner.moved(&motion)?.into())
+        Ok(released(py, || self.inner.moved(&motion))?.into())
     }
 
     /// Whether the surface is the one that this skin fits.

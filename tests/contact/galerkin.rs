@@ -75,5 +75,22 @@ fn a_press_too_shallow_for_the_mesh_keeps_its_penetration_and_says_so() {
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.resultant.force, Vector3::zeros());
     assert_relative_eq!(contact.max_penetration_after, 1e-5, max_relative = 1e-9);
-    assert!(contact.warnings[0].contains("refine the mesh"), "{:?}", contact.warnings);
+    assert!(contact.warnings[0].message.contains("refine the mesh"), "{:?}", contact.warnings);
+}
+
+#[test]
+fn an_obstacle_between_the_vertices_leaves_its_depth_and_a_word() {
+    let h = 1e-3;
+    let mut random = Random(5);
+    let surface = lattice(12, [h * Vector3::x(), h * Vector3::y()], Vector3::zeros(), 0.0, &mut random);
+    // In the middle of a triangle, a quarter of an edge deep and wide: averaged gaps stay open.
+    let depth = 0.1 * h;
+    let center = Vector3::new(h / 3.0, 2.0 * h / 3.0, 0.2 * h - depth);
+    let ball = Obstacle::sphere(center, 0.2 * h).expect("a valid obstacle");
+    let contact = solve(&surface, &ball, &galerkin());
+    assert!(contact.active.is_empty());
+    assert!(contact.max_penetration_before > 0.0);
+    assert_relative_eq!(contact.max_penetration_after, depth, max_relative = 0.05);
+    let [warning] = &contact.warnings[..] else { panic!("{:?}", contact.warnings) };
+    assert!(warning.contains("still penetrates") && !warning.contains("NaN"), "{warning}");
 }

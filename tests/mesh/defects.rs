@@ -228,3 +228,16 @@ fn verdicts_are_the_same_in_millimetres_and_metres_and_after_a_translation() {
         assert_eq!(verdict(&mesh), verdict(&shifted(&mesh, Vector3::new(8.0, -4.0, 2.0))));
     }
 }
+
+#[test]
+fn coordinates_of_which_areas_overflow_are_named() {
+    for factor in [1e61, 1e95, 1e103, 1e300] {
+        let mut mesh = tetrahedron();
+        mesh.0.iter_mut().for_each(|vertex| *vertex *= factor);
+        let expected = MeshError::OutOfRange { vertex: 1, axis: 'x', value: factor, count: 3 };
+        assert_eq!(error_of(&mesh), expected);
+    }
+    let mut mesh = tetrahedron();
+    mesh.0.iter_mut().for_each(|vertex| *vertex *= 1e60);
+    assert!(check(&mesh.0, &mesh.1).is_ok());
+}

@@ -41,7 +41,7 @@ fn a_flat_pillow_encloses_nothing() {
     let faces = faces.into_iter().filter(|face| face.contains(&4) || face.contains(&9)).collect::<Vec<_>>();
     let pillow = (vertices, faces);
     let error = nesting(&pillow).unwrap_err();
-    assert!(matches!(error, MeshError::InsideOut { volume: 0.0, .. }), "{error}");
+    assert!(matches!(error, MeshError::Flat { volume: 0.0, count: 1, .. }), "{error}");
     let both_sides_are_one = MeshError::NothingLeft {
         face_count: 16,
         collapsed: 0,

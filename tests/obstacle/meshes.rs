@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use quasirigid::geometry::winding_number;
 use quasirigid::obstacle::Obstacle;
 use rayon::prelude::*;
@@ -155,4 +155,26 @@ fn normals_close_to_the_surface_are_those_of_the_feature() {
     let (distance, _, normal) = ask(&obstacle, v(0.03, 0.02, 0.05));
     assert_eq!(distance, 0.0);
     assert_near(normal, v(1.0, 1.0, 1.0).normalize(), 1e-7);
+}
+
+#[test]
+fn no_point_beyond_the_tip_of_a_needle_is_inside_it() {
+    let mut random = Random(11);
+    let turn = Rotation3::from_euler_angles(0.4, -1.1, 2.3);
+    let place = v(0.1, 0.2, 0.3);
+    for apex in [1e-3, 1e-4, 1e-5] {
+        let ring = (0..5).map(|k| {
+            let (sine, cosine) = (std::f64::consts::TAU * f64::from(k) / 5.0).sin_cos();
+            v(apex * cosine, apex * sine, -1.0)
+        });
+        let vertices = ring.chain([v(0.0, 0.0, 0.0), v(0.0, 0.0, -1.0)]).map(|x| turn * (0.01 * x) + place);
+        let faces = (0..5).flat_map(|k| [[k, (k + 1) % 5, 5], [(k + 1) % 5, k, 6]]).collect();
+        let needle = mesh_obstacle((vertices.collect(), faces));
+        let beyond: Vec<_> = random_points(&mut random, 2000, 1e-5)
+            .into_iter()
+            .map(|x| turn * v(x.x, x.y, x.z.abs()) + place)
+            .collect();
+        let found = needle.signed_distance(&beyond, None).expect("finite points");
+        assert!(found.distance.iter().all(|&distance| distance > 0.0), "apex {apex}");
+    }
 }

@@ -31,7 +31,10 @@ fn primitives_refuse_lengths_and_points_that_make_no_shape() {
     assert_eq!(Obstacle::cylinder(0.0, 1.0).unwrap_err(), not_positive("cylinder", "the half height", 0.0));
     let error = Obstacle::sphere(v(f64::NAN, 0.0, 1.0), 1.0).unwrap_err();
     assert!(matches!(&error, NotFinite { kind: "sphere", what: "the center", value } if value[0].is_nan()));
-    assert_eq!(error.to_string(), "sphere: the center must be finite, found [NaN, 0.0, 1.0]");
+    assert_eq!(
+        error.to_string(),
+        "sphere: the center must be finite and at most 1e60, found [NaN, 0.0, 1.0]"
+    );
     assert!(matches!(Obstacle::cylinder(1.0, f64::NAN), Err(NotPositive { what: "the radius", .. })));
 }
 
@@ -122,4 +125,15 @@ fn defective_products_are_refused_for_what_is_wrong_with_them() {
     assert!(matches!(refuse("mug_inverted"), ObstacleError::Mesh(MeshError::InsideOut { .. })));
     assert!(matches!(refuse("ball_nested_same_winding"), ObstacleError::Mesh(MeshError::NestedShell { .. })));
     assert!(matches!(refuse("finger_double_shell"), ObstacleError::Mesh(MeshError::CoincidentShell { .. })));
+}
+
+#[test]
+fn lengths_that_overflow_when_squared_are_refused() {
+    assert!(matches!(Obstacle::sphere(v(0.0, 1e61, 0.0), 1.0), Err(ObstacleError::NotFinite { .. })));
+    assert!(matches!(Obstacle::sphere(v(0.0, 0.0, 0.0), 1e200), Err(ObstacleError::NotPositive { .. })));
+    assert!(matches!(Obstacle::cuboid(v(1.0, 1e200, 1.0)), Err(ObstacleError::NotPositive { .. })));
+    let ball = Obstacle::sphere(v(0.0, 0.0, 0.0), 1.0).expect("a ball");
+    let far = ball.signed_distance(&[v(1.0, 0.0, 0.0), v(0.0, -1e200, 0.0)], None);
+    assert!(matches!(far, Err(ObstacleError::NonFinitePoint { point: 1, count: 1, .. })));
+    assert!(matches!(ball.moved(&Matrix3::identity(), &v(0.0, 0.0, 1e200)), Err(ObstacleError::Motion(_))));
 }

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -130,7 +132,7 @@ def test_bad_questions_raise_and_name_the_fault() -> None:
 def test_a_product_in_another_unit_is_warned_about() -> None:
     vertices, faces = ball(8e-3, 2)
     huge = qr.Obstacle.mesh(vertices * 1e3 - [0, 0, 17], faces)
-    with pytest.warns(qr.QuasirigidWarning, match="unit"):
+    with pytest.warns(qr.SizeWarning, match="unit"):
         qr.solve_contact(qr.Surface(vertices, faces), huge, SKIN)
 
 
@@ -141,9 +143,10 @@ def test_a_contact_that_the_skin_mask_cuts_is_warned_about_once() -> None:
         qr.QuasirigidWarning, match="reaches the rim of the skin mask, with .* N there"
     ) as told:
         contact = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.5e-3)
-    assert [str(one.message) for one in told] == list(contact.warnings)
+    assert [(one.category, str(one.message)) for one in told] == list(contact.warnings)
     assert len(told) == 1
-    assert "skin_mask=" in contact.warnings[0]
+    assert contact.warnings[0].category is qr.CutWarning
+    assert "skin_mask=" in contact.warnings[0].message
 
 
 def test_the_response_matrix_is_what_the_contact_uses() -> None:
@@ -243,3 +246,61 @@ def test_a_bare_response_is_no_skin() -> None:
         qr.press(finger, ball, qr.HalfSpace(), (0, 0, 1), depth=1e-3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="skin is a NoneType"):
         qr.response_matrix(finger, None, [0, 1])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("options", [{}, 5, "auto", [], qr.LcpOptions()])
+def test_options_of_another_kind_are_refused_by_name(fingertip: qr.Surface, options: Any) -> None:
+    plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
+    for solve in (
+        partial(qr.solve_contact, fingertip, plate, SKIN),
+        partial(qr.press, fingertip, plate, SKIN, [0, 0, 1], depth=1e-3),
+        partial(qr.sweep, fingertip, plate, SKIN, [0, 0, 1], depths=[1e-3]),
+    ):
+        with pytest.raises(TypeError, match=r"options is .*, expected a ContactOptions"):
+            solve(options=options)
+    if not isinstance(options, qr.LcpOptions):
+        with pytest.raises(TypeError, match=r"options is .*, expected an LcpOptions"):
+            qr.solve_lcp([[1.0]], [-1.0], options=options)
+
+
+@pytest.mark.parametrize("away", [0.1, 1.0, 10.0, 1000.0])
+def test_a_small_ball_from_afar_touches_where_a_near_one_does(fingertip: qr.Surface, away: float) -> None:
+    x, y, z = fingertip.vertices[fingertip.vertices[:, 2].argmin()]
+    near, far = (
+        qr.press(
+            fingertip,
+            qr.Obstacle.sphere([x, y, z - start], 1e-5),
+            SKIN,
+            [0, 0, 1],
+            depth=5e-6,
+            options=AS_GIVEN,
+        )
+        for start in (1e-3, away)
+    )
+    # Coordinates are rounded by 1e-16 of the way, a share of the depth.
+    share = 1e-15 * (1.0 + away) / 5e-6
+    np.testing.assert_allclose(far.force, near.force, rtol=10 * share, atol=10 * share * near.force[2])
+    np.testing.assert_allclose(far.travel - away, near.travel - 1e-3, atol=1e-15 * (1 + away))
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_a_thin_box_from_afar_presses_as_hard(fingertip: qr.Surface) -> None:
+    forces = []
+    for away in (0.1, 100.0):
+        box = qr.Obstacle.box([0.02, 0.02, 1e-4]).moved(np.eye(3), [0, 0, -away])
+        forces.append(qr.press(fingertip, box, SKIN, [0, 0, 1], depth=1e-3, options=AS_GIVEN).force[2])
+    assert forces[1] == pytest.approx(forces[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("num_threads", [5_000, 2**40])
+def test_no_number_of_threads_is_more_than_the_machine_can_start(
+    fingertip: qr.Surface, num_threads: int
+) -> None:
+    plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
+    one, many = (
+        qr.press(fingertip, plate, SKIN, [0, 0, 1], depth=1e-3, options=qr.ContactOptions(num_threads=count))
+        for count in (1, num_threads)
+    )
+    np.testing.assert_array_equal(one.node_force, many.node_force)
+    threads = qr.response_matrix(fingertip, SKIN, [0, 1, 2], num_threads=num_threads)
+    np.testing.assert_array_equal(threads, qr.response_matrix(fingertip, SKIN, [0, 1, 2]))

@@ -228,6 +228,30 @@ def test_phalanges_end_at_their_joints(rigged: qr.Hand) -> None:
             assert np.abs(along[faces[border]].mean()) < 4e-3
 
 
+def test_bones_lie_inside_the_skin_and_clear_of_each_other(rigged: qr.Hand) -> None:
+    names = [bone.name for bone in rigged.bones]
+    assert len(names) == 20
+    assert {"carpals", "thumb-metacarpal", "thumb-distal", "little-middle"} < set(names)
+    for pose in ("flat", "relaxed"):
+        posed = rigged.posed(pose)
+        bones = posed.bones
+        # A product is refused where its faces cross.
+        qr.Obstacle.mesh(bones.vertices, bones.faces)
+        skin = qr.Obstacle.mesh(posed.surface.vertices, posed.surface.faces, check_crossings=False)
+        assert skin.signed_distance(bones.vertices)[0].max() < -0.3e-3
+
+
+def test_bones_move_rigidly_with_their_joints(hand: qr.Hand) -> None:
+    bent = hand.posed({f"{INDEX}distal": 0.8})
+    start = 0
+    for bone in hand.bones:
+        moved = bent.bones.vertices[start : start + len(bone.vertices)]
+        start += len(bone.vertices)
+        lengths = [np.linalg.norm(np.diff(one, axis=0), axis=1) for one in (moved, bone.vertices)]
+        np.testing.assert_allclose(lengths[0], lengths[1], atol=1e-12)
+        assert (np.abs(moved - bone.vertices).max() > 1e-3) == (bone.name == "index-distal")
+
+
 def test_the_other_hand_is_the_mirror_image(hand: qr.Hand) -> None:
     other = hand.mirrored()
     assert other.side == "left"

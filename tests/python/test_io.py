@@ -365,3 +365,39 @@ def test_real_broken_files_are_refused(shared_files: list[Path], name: str, mess
     path = next(path for path in shared_files if path.name == name)
     with pytest.raises(MeshFileError, match=message):
         qr.read_mesh(path, unit="m")
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_a_cloud_of_points_has_no_faces(tmp_path: Path, order: str) -> None:
+    rows = (
+        b"0 0 0\n1 0 0\n"
+        if order == "ascii"
+        else struct.pack(f"{'<>'[order.endswith('big_endian')]}6f", *range(6))
+    )
+    (tmp_path / "cloud.ply").write_bytes(PLY_HEADER.format(order=order, vertices=2, faces=0).encode() + rows)
+    with pytest.raises(MeshFileError, match=r"cloud\.ply: has 2 vertices but no faces"):
+        qr.read_mesh(tmp_path / "cloud.ply", unit="m")
+
+
+@pytest.mark.parametrize("count", [str(2**40), "9" * 18, "9" * 5000, "\u00b2", "-1"])
+def test_a_header_that_promises_more_than_the_file_holds_is_refused_at_once(
+    tmp_path: Path, count: str
+) -> None:
+    for order in ("ascii", "binary_little_endian"):
+        header = PLY_HEADER.format(order=order, vertices=count, faces=1)
+        (tmp_path / "vast.ply").write_bytes(header.encode("latin-1") + b"0 0 0\n" * 4)
+        with pytest.raises(MeshFileError, match=r"vast\.ply: (ends in vertex|line 4 of the header)"):
+            qr.read_mesh(tmp_path / "vast.ply", unit="m")
+
+
+@pytest.mark.parametrize("unit", [np.zeros(3), [], None, 10**400])
+def test_a_unit_that_is_no_word_is_named(unit: Any) -> None:
+    with pytest.raises(MeshFileError, match=r"unit is .*, expected 'm'"):
+        qr.read_mesh("any.ply", unit=unit)
+
+
+@pytest.mark.parametrize("length", [0, 5, 33, 34, 83])
+def test_an_stl_file_shorter_than_its_header_is_refused(tmp_path: Path, length: int) -> None:
+    (tmp_path / "short.stl").write_bytes(b"\x01" * length)
+    with pytest.raises(MeshFileError, match=f"short.stl: is {length} bytes long, too short"):
+        qr.read_mesh(tmp_path / "short.stl", unit="m")

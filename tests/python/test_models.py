@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -188,9 +189,30 @@ def test_a_product_that_cannot_be_is_refused() -> None:
         cylinder_handle(edge_radius=0.020)
     with pytest.raises(ObstacleError, match=r"edge_length is 0\.01 m"):
         rounded_box(edge_length=0.010)
-    with pytest.raises(ObstacleError, match="size has shape"):
+    with pytest.raises(ObstacleError, match=r"size is \(0\.075, 0\.15\), expected three"):
         rounded_box(size=(0.075, 0.150))
     with pytest.raises(ObstacleError, match=r"neck_radius is 0\.04 m"):
         bottle(neck_radius=0.04)
     with pytest.raises(ObstacleError, match=r"height is 0\.05 m"):
         bottle(height=0.05)
+
+
+def test_lengths_in_millimetres_ask_for_no_memory() -> None:
+    with pytest.raises(qr.ObstacleError, match=r"edge_length is 0\.0025 m, which makes some .* vertices"):
+        qr.models.rounded_box(size=(75, 150, 9))
+    with pytest.raises(qr.ObstacleError, match="check that every length is in m"):
+        qr.models.cylinder_handle(radius=16, length=110)
+    with pytest.raises(qr.ObstacleError, match="check that every length is in m"):
+        qr.models.bottle(radius=32, height=215)
+    with pytest.raises(qr.SurfaceError, match="check that every length is in m"):
+        qr.models.finger(length=76, breadth=18)
+
+
+@pytest.mark.parametrize("value", ["x", [1, 2], 10**400, np.nan, -1.0])
+def test_what_is_no_length_is_named(value: Any) -> None:
+    with pytest.raises(qr.SurfaceError, match=r"edge_length is .*, expected a length above 0"):
+        qr.models.fingertip(edge_length=value)
+    with pytest.raises(qr.ObstacleError, match=r"edge_radius is .*, expected a length above 0"):
+        qr.models.cylinder_handle(edge_radius=value)
+    with pytest.raises(qr.ObstacleError, match=r"size.* is .*, expected"):
+        qr.models.rounded_box(size=(0.01, 0.01, value))

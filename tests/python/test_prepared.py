@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN, ball
+
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
 SHEAR_MODULUS = 60e3
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
@@ -182,3 +190,112 @@ def test_a_body_on_its_bone_is_right_against_finite_elements(surface: qr.Surface
 def test_a_body_that_nothing_holds_is_refused(surface: qr.Surface) -> None:
     with pytest.raises(qr.ResponseError, match="bone"):
         skin_of(qr.Body()).prepared(surface)
+
+
+def saved(tmp_path: Path, surface: qr.Surface, name: str = "half_space") -> Path:
+    low = np.flatnonzero(surface.vertices[:, 2] < 1e-3)
+    path = tmp_path / f"{name}.npz"
+    skin_of(RESPONSES[name]).prepared(surface, low).save(path)
+    return path
+
+
+def rewritten(path: Path, **changed: np.ndarray) -> Path:
+    with np.load(path) as stored:
+        arrays = {key: stored[key] for key in stored.files}
+    np.savez(path, **(arrays | changed))
+    return path
+
+
+def test_a_file_cut_off_anywhere_is_refused_by_name(surface: qr.Surface, tmp_path: Path) -> None:
+    path = saved(tmp_path, surface)
+    data = path.read_bytes()
+    for length in np.linspace(0, len(data) - 1, 60).astype(int):
+        path.write_bytes(data[:length])
+        with pytest.raises(qr.ResponseError, match=r"half_space\.npz cannot be read as a prepared skin"):
+            qr.load_prepared(path)
+
+
+@pytest.mark.parametrize("name", ["half_space", "body"])
+def test_a_file_with_flipped_bits_is_read_or_refused(name: str, surface: qr.Surface, tmp_path: Path) -> None:
+    path = saved(tmp_path, surface, name)
+    data = np.frombuffer(path.read_bytes(), np.uint8)
+    random = np.random.default_rng(1)
+    for _ in range(60):
+        damaged = data.copy()
+        # Headers of the parts and the directory at the end are where most damage shows.
+        places = np.concatenate([random.integers(0, len(data), 3), len(data) - random.integers(1, 900, 2)])
+        damaged[places] ^= random.integers(1, 256, 5).astype(np.uint8)
+        path.write_bytes(damaged.tobytes())
+        with contextlib.suppress(qr.ResponseError):
+            qr.load_prepared(path)
+
+
+def test_what_is_zipped_or_longer_than_its_file_is_refused_before_memory_is_taken(
+    surface: qr.Surface, tmp_path: Path
+) -> None:
+    path = tmp_path / "bomb.npz"
+    np.savez_compressed(path, header=np.zeros(10_000_000))
+    with pytest.raises(qr.ResponseError, match="its parts are longer than itself"):
+        qr.load_prepared(path)
+    np.savez_compressed(path, header=np.zeros(3))
+    with pytest.raises(qr.ResponseError, match=r"header\.npy is compressed"):
+        qr.load_prepared(path)
+    vast = io.BytesIO()
+    np.lib.format.write_array_header_1_0(vast, {"descr": "<f8", "fortran_order": False, "shape": (2**40,)})
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("header.npy", vast.getvalue())
+    with pytest.raises(qr.ResponseError, match=r"header\.npy promises \(1099511627776,\) entries"):
+        qr.load_prepared(path)
+
+
+def test_nothing_is_unpickled(tmp_path: Path) -> None:
+    path = tmp_path / "pickled.npz"
+    np.savez(path, header=np.array([Witness()], dtype=object))
+    with pytest.raises(qr.ResponseError, match="holds no numbers"):
+        qr.load_prepared(path)
+    assert not Witness.called
+
+
+class Witness:
+    called = False
+
+    def __reduce__(self) -> tuple[Callable[[], None], tuple[()]]:
+        return Witness.call, ()
+
+    @staticmethod
+    def call() -> None:
+        Witness.called = True
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"nodes": np.array([-1])},
+        {"nodes": np.array([10**6])},
+        {"nodes": np.array([0.5])},
+        {"matrix": np.zeros((2, 3))},
+        {"matrix": np.array([["x"]])},
+        {"vertices": np.full((642, 3), np.nan)},
+        {"vertices": np.zeros((0, 3))},
+        {"faces": np.array([[0, 1, 2**40]])},
+        {"header": np.array("{")},
+        {"header": np.array("[" * 100_000)},
+        {"header": np.array(7)},
+    ],
+)
+def test_a_part_that_does_not_fit_is_named_with_the_file(
+    changed: dict[str, np.ndarray], surface: qr.Surface, tmp_path: Path
+) -> None:
+    path = rewritten(saved(tmp_path, surface), **changed)
+    with pytest.raises(
+        qr.ResponseError, match=r"half_space\.npz (cannot be read|holds no sound|lacks|is no) "
+    ):
+        qr.load_prepared(path)
+
+
+@pytest.mark.parametrize("value", ["finger.ply", (1, 2), 5])
+def test_what_is_no_surface_is_refused_by_name(value: Any, surface: qr.Surface) -> None:
+    with pytest.raises(TypeError, match=r"surface is .*, expected a Surface"):
+        skin_of(qr.HalfSpace()).prepared(value)
+    with pytest.raises(TypeError, match=r"bone is .*, expected a Surface"):
+        skin_of(qr.Body(bone=value)).prepared(surface)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import doctest
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -26,3 +28,15 @@ def test_the_python_in_the_readme_runs(tmp_path: Path, monkeypatch: pytest.Monke
             names |= test.globs
         else:
             exec(compile(block, str(README), "exec"), names)
+
+
+PIPELINES = README.parent / "docs" / "pipelines.md"
+
+
+@pytest.mark.parametrize("place", [0, 1])
+def test_the_python_about_threads_and_processes_runs(place: int, tmp_path: Path) -> None:
+    text = PIPELINES.read_text(encoding="utf-8")
+    block = re.findall(r"^```python\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)[place]
+    script = tmp_path / "pipeline.py"
+    script.write_text(block)
+    subprocess.run([sys.executable, script], cwd=tmp_path, timeout=120, check=True)

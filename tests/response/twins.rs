@@ -62,3 +62,42 @@ fn a_subset_of_nodes_gives_the_block_of_the_full_matrix() {
     let none = assemble(&surface, &skin(HALF_SPACE), &[], None, &options).expect("no nodes is no error");
     assert_eq!((none.nrows(), none.ncols()), (0, 0));
 }
+
+#[test]
+fn slivers_and_spikes_keep_the_tolerance() {
+    let skin = skin(HALF_SPACE);
+    for (height, spike) in [(1e-3, 1.0), (1e-5, 1.0), (1e-8, 1.0), (1.0, 1e2), (1.0, 1e4), (1e-6, 1e3)] {
+        let plain = grid(5, 5e-3, 1e-3, 0.2);
+        let mut vertices = plain.vertices().to_vec();
+        // One triangle of that height over its edge, one vertex drawn out by so many edges.
+        let (at, near) = (14, 13);
+        vertices[at] = vertices[near] + height * (vertices[at] - vertices[near]);
+        vertices[28].z += spike * 1e-3;
+        let surface = Surface::new(vertices, plain.faces().to_vec()).expect("slivers are welcome");
+        let exact = naive_half_space(&surface, &skin, &all(&surface));
+        for tolerance in [1e-4, 1e-6, 1e-9] {
+            let found = matrix(&surface, &skin, tolerance);
+            for j in 0..found.ncols() {
+                for i in 0..found.nrows() {
+                    let error = (found[(i, j)] / exact[(i, j)] - 1.0).abs();
+                    assert!(error < tolerance, "{height} {spike} ({i}, {j}): {error:e} of {tolerance:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sliver_takes_no_longer_in_galerkin_form() {
+    let plain = grid(5, 5e-3, 0.0, 0.0);
+    for height in [1e-4, 1e-6, 1e-8] {
+        let mut vertices = plain.vertices().to_vec();
+        vertices[14] = vertices[13] + height * (vertices[14] - vertices[13]);
+        let surface = Surface::new(vertices, plain.faces().to_vec()).expect("slivers are welcome");
+        let start = std::time::Instant::now();
+        let r = matrix(&surface, &galerkin(), 1e-6);
+        // Where each point was integrated to the last digit this took minutes.
+        assert!(start.elapsed().as_secs() < 20);
+        assert!((0..r.ncols()).all(|j| (0..=j).all(|i| r[(i, j)] == r[(j, i)] && r[(i, j)] > 0.0)));
+    }
+}

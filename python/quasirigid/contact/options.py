@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import _core
-from .._check import as_integer, as_integer_or_none
+from .._check import as_integer, as_integer_or_none, short
 from ..lcp import LcpMethod, LcpMethodName
 
 __all__ = ["ContactOptions"]
@@ -38,7 +38,7 @@ class ContactOptions:
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
         Solver of the complementarity problem.
     num_threads : int or None
-        Threads; None for all. Results are equal to the bit for any number.
+        Threads, at most four for each processor; None for all. Results are equal to the bit for any number.
     memory_limit : int or None
         Largest memory for response matrices (bytes); None for no limit.
     search_distance : float or None
@@ -68,8 +68,12 @@ class ContactOptions:
     max_growths: int = _DEFAULTS.max_growths
 
 
-def options_to_core(options: ContactOptions) -> _core.ContactOptions:
-    """Return the core's options; refuse what is no integer where one is due."""
+def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
+    """Return the core's options, or its defaults; refuse what is no integer where one is due."""
+    if options is None:
+        options = ContactOptions()
+    elif not isinstance(options, ContactOptions):
+        raise TypeError(f"options is {short(options)}, expected a ContactOptions")
     return _core.ContactOptions(
         tolerance=options.tolerance,
         target_error=options.target_error,

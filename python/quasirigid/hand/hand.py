@@ -11,7 +11,8 @@ from .. import _core
 from .._check import as_number, as_vector, short
 from ..errors import HandError
 from ..obstacle import Obstacle
-from ..surface import Surface
+from ..surface import Surface, skin_without_caps
+from .bones import Bone, bones_of
 from .joints import JOINTS_OF, WEBXR_25, index_of
 from .kinematics import mirrored_frames, motions_of, moved_frames, pivots_of
 from .pose import turns_of
@@ -66,7 +67,7 @@ class Hand:
     Attributes
     ----------
     surface : Surface
-        The skin at rest.
+        The skin at rest; its flat cut at the wrist may not touch.
     joint_names : tuple of str
     parents : (J,) int64
     rest : (J, 4, 4) float64
@@ -105,7 +106,8 @@ class Hand:
         surface = Surface(vertices, faces)
         if not surface.is_closed:
             raise HandError("the skin is open: a hand needs a closed one, its cut at the wrist capped")
-        self.surface = surface
+        # The flat cut at the wrist is no skin.
+        self.surface = surface.with_skin_mask(skin_without_caps(surface))
         self._influence = _core.SkinWeights(joints, weights, joint_count=len(self.joint_names))
         self.joints = _read_only(np.array(joints, dtype=np.int64))
         self.weights = _read_only(np.array(weights, dtype=np.float64))
@@ -219,6 +221,16 @@ class Hand:
         """Return the frame (4, 4) of a joint at rest (m), by its name."""
         frame: Floats = self.rest[index_of(joint, self.joint_names, "the joint")]
         return frame
+
+    def pivot_of(self, joint: str) -> Floats:
+        """Return the point (3,) that a joint turns about at rest (m), by its name."""
+        pivot: Floats = self._pivots[index_of(joint, self.joint_names, "the joint")]
+        return pivot
+
+    @cached_property
+    def bones(self) -> tuple[Bone, ...]:
+        """Phalanges, metacarpals and carpals at rest; one that the skin leaves no room for is missing."""
+        return bones_of(self)
 
     def save(self, path: str | PathLike[str], contact: Contact | None = None) -> None:
         """Write the hand at rest as GLB with skin and joints.

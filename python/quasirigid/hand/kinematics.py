@@ -23,17 +23,22 @@ _OFF_CENTRE = 0.3
 def pivots_of(hand: Hand) -> Floats:
     """Return the points (J, 3) (m) about which the joints of a hand turn at rest.
 
-    The joints themselves; of a hinge joint that lies nearer to the skin before or behind it than
-    `_OFF_CENTRE` of the thickness there, the middle between: a finger that bends about a line under its back
-    would lose volume, and its pad would fold.
+    The joints themselves, but where a rig has them just under the back of a digit: there a finger that bends
+    would lose volume, and its pad would fold. Such hinges turn about the middle of the digit, such knuckles
+    as deep below the back as the next joint.
     """
     pivots = hand.rest[:, :3, 3].copy()
-    for name in (name for digit in DIGITS for name in JOINTS_OF[digit][2:-1]):
-        joint = hand.joint_names.index(name)
-        dorsal = hand.rest[joint, :3, 2]
-        above, below = (way_out(hand.surface, pivots[joint], sign * dorsal) for sign in (1.0, -1.0))
-        if min(above, below) < _OFF_CENTRE * (above + below):
-            pivots[joint] += 0.5 * (above - below) * dorsal
+    for digit in DIGITS:
+        depth = 0.0
+        for name in reversed(JOINTS_OF[digit][1:-1]):
+            joint = hand.joint_names.index(name)
+            dorsal = hand.rest[joint, :3, 2]
+            above, below = (way_out(hand.surface, pivots[joint], sign * dorsal) for sign in (1.0, -1.0))
+            # Below a knuckle lies the palm.
+            if name != JOINTS_OF[digit][1]:
+                depth = 0.5 * (above + below)
+            if above < 2.0 * _OFF_CENTRE * depth:
+                pivots[joint] -= (depth - above) * dorsal
     return pivots
 
 

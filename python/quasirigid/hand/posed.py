@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import HandError, ObstacleError
+from ..obstacle import Obstacle
+from ..skin import Body, Skin
+from ..surface import Surface
 from .joints import index_of
 from .rays import way_out
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ..surface import Surface
+    from ..skin import PreparedSkin, Response
     from .hand import Hand
     from .rotations import Floats
 
@@ -47,6 +52,51 @@ class PosedHand:
     def labels(self) -> NDArray[np.str_]:
         """(n,) str: the region of each vertex."""
         return self.hand.labels
+
+    @cached_property
+    def bones(self) -> Surface:
+        """Bones of the hand where their joints are, one component each."""
+        vertices, faces, start = [], [], 0
+        for bone in self.hand.bones:
+            motion = self.motions[bone.joint]
+            vertices.append(bone.vertices @ motion[:3, :3].T + motion[:3, 3])
+            faces.append(bone.faces + start)
+            start += len(bone.vertices)
+        return Surface(np.concatenate(vertices), np.concatenate(faces))
+
+    def skin(
+        self, *, shear_modulus: float, poisson_ratio: float, response: Response | None = None
+    ) -> Skin | PreparedSkin:
+        """Return material and response of this skin in this pose.
+
+        Parameters
+        ----------
+        shear_modulus : float
+            G (Pa).
+        poisson_ratio : float
+            nu, from 0 to 0.5.
+        response : Response, optional
+            A body when left out; one that has neither bone nor fixed vertices gets the hand's bones and is
+            held at the cut at the wrist. It is prepared for all of the skin, which takes seconds.
+
+        Raises
+        ------
+        HandError
+            The skin of a body crosses itself in this pose, or its bones cross the skin.
+        ResponseError
+            As `Skin` and `Skin.prepared` say.
+        """
+        response = Body() if response is None else response
+        if not isinstance(response, Body):
+            return Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
+        if response.bone is None and response.fixed is None:
+            response = replace(response, bone=self.bones, fixed=~self.surface.skin_mask)
+        try:
+            Obstacle.mesh(self.surface.vertices, self.surface.faces)
+        except ObstacleError as error:
+            raise HandError(f"the skin crosses itself in this pose and encloses no body: {error}") from None
+        skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
+        return skin.prepared(self.surface)
 
     @property
     def palm(self) -> Floats:

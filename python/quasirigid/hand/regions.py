@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 _SEGMENTS = dict.fromkeys(DIGITS, ("proximal", "middle", "distal")) | {"thumb": ("proximal", "distal")}
 _NEIGHBOURS = (("thumb", "index"), ("index", "middle"), ("middle", "ring"), ("ring", "little"))
 _LEAST_WEIGHT = 0.15  # of a digit's joints, for a vertex to be the digit's
-_STUB = 0.2  # of the way from wrist to knuckle: a rig's metacarpal shorter than that stands for none
-_FARTHEST = 0.6  # of that way: a metacarpal that begins beyond is one too
-_BASE = 0.33  # of that way, where metacarpals begin
+_BASES = (0.65, 0.35, 0.35)  # of the way to the knuckle across, along and out, where metacarpals begin
 _HEADS = 0.75  # of the way from wrist to knuckles, where the pads under the knuckles begin
 _HYPOTHENAR = 0.6  # of the way across the palm, from the index to the little finger
 _THENAR = (0.35, 0.55)  # across the palm and from wrist to knuckles, where the ball of the thumb ends
@@ -52,14 +50,13 @@ def regions_of(hand: Hand) -> NDArray[np.str_]:
 def metacarpal_base(hand: Hand, digit: str) -> Floats:
     """Return where the metacarpal of a digit begins (3,) (m).
 
-    At its joint; of a finger whose rig has a stub there, a third of the way from the wrist to the knuckle.
+    The thumb's at its joint. Those of fingers between wrist and knuckles: rigs place them anywhere.
     """
-    base, knuckle = (hand.frame_of(JOINTS_OF[digit][link])[:3, 3] for link in (0, 1))
+    if digit == "thumb":
+        return hand.frame_of(JOINTS_OF[digit][0])[:3, 3]
     wrist = hand.frame_of("wrist")
-    way = knuckle - wrist[:3, 3]
-    is_stub = np.linalg.norm(knuckle - base) < _STUB * np.linalg.norm(way)
-    is_far = (base - wrist[:3, 3]) @ way > _FARTHEST * way @ way
-    place: Floats = wrist[:3, 3] + _BASE * way if digit != "thumb" and (is_stub or is_far) else base
+    way = hand.frame_of(JOINTS_OF[digit][1])[:3, 3] - wrist[:3, 3]
+    place: Floats = wrist[:3, 3] + wrist[:3, :3] @ (np.array(_BASES) * (wrist[:3, :3].T @ way))
     return place
 
 

@@ -71,7 +71,7 @@ def _header(data: bytes, name: str) -> tuple[str, list[_Element], int]:
                 pass
             case ["format", kind, "1.0"] if kind in _FORMATS:
                 order = _FORMATS[kind]
-            case ["element", element, count] if count.isdigit():
+            case ["element", element, count] if count.isdecimal() and len(count) < 19:
                 elements.append(_Element(element, int(count), []))
             case ["property", "list", counter, kind, prop] if (
                 elements and counter in _COUNTERS and kind in _TYPES
@@ -116,6 +116,9 @@ def _binary(
     columns: dict[str, dict[str, Any]] = {}
     at = start
     for element in elements:
+        if element.count == 0:
+            columns[element.name] = {prop.name: [] for prop in element.properties}
+            continue
         dtype = _row_type(data, at, order, element)
         if dtype is not None and at + dtype.itemsize * element.count <= len(data):
             table = np.frombuffer(data, dtype, element.count, at)
@@ -139,8 +142,8 @@ def _row_type(data: bytes, at: int, order: str, element: _Element) -> np.dtype[A
             at += np.dtype(prop.kind).itemsize
         else:
             counter = np.dtype(order + prop.counter)
-            if element.count == 0 or at + counter.itemsize > len(data):
-                return np.dtype(fields) if element.count == 0 else None
+            if at + counter.itemsize > len(data):
+                return None
             length = max(0, int(np.frombuffer(data, counter, 1, at)[0]))
             if at + length * np.dtype(prop.kind).itemsize > len(data):
                 return None

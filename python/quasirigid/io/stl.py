@@ -14,7 +14,7 @@ def read_stl(data: bytes, name: str) -> tuple[Floats, Indices]:
     """Return vertices (n, 3), equal ones joined, and faces (m, 3), as in the file; normals are not read."""
     promised = int(np.frombuffer(data, "<u4", 1, 80)[0]) if len(data) >= 84 else -1
     # Binary files may start with "solid" too, so the length decides.
-    if len(data) == 84 + _ROW.itemsize * promised:
+    if promised >= 0 and len(data) == 84 + _ROW.itemsize * promised:
         corners = np.frombuffer(data, _ROW, promised, 84)["corners"].astype(np.float64)
     elif data.lstrip()[:5].lower() == b"solid" and b"\0" not in data[:512]:
         corners = _ascii(data, name)

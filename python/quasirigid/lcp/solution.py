@@ -117,7 +117,7 @@ class LcpSolution(Frozen):
     status : LcpStatus
         How it ended.
     z : (n,) float64
-        Unknowns, never negative.
+        Unknowns, never negative; what is zero to rounding is zero. All zero where z or w would not be finite.
     w : (n,) float64
         ``M z + q``, computed anew from the M and q given.
     active : (a,) int64

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .. import _core
+from .._check import short
 from .error import LcpError
 from .options import DEFAULTS, LcpMethod, LcpOptions
 from .solution import LcpStatus, solution_from_core
@@ -31,6 +32,8 @@ def _core_options(options: LcpOptions | None, method: str) -> _core.LcpOptions:
     """Return the core's options; refuse one that the method does not know, set to other than its default."""
     if options is None:
         return _DEFAULT_OPTIONS
+    if not isinstance(options, LcpOptions):
+        raise TypeError(f"options is {short(options)}, expected an LcpOptions")
     for name, methods in _KNOWN_BY.items():
         value = getattr(options, name)
         is_default = value is None if name == "covering" else value == DEFAULTS[name]

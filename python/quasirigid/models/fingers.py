@@ -21,9 +21,19 @@ from functools import partial
 
 import numpy as np
 
+from .._check import as_length
 from ..errors import SurfaceError
 from ..surface import Surface
-from .loft import Floats, Indices, loft, perimeter, ring_size, rows_along, spread_on_curve
+from .loft import (
+    Floats,
+    Indices,
+    check_vertex_count,
+    loft,
+    perimeter,
+    ring_size,
+    rows_along,
+    spread_on_curve,
+)
 
 __all__ = ["REFERENCE_BREADTH", "finger", "fingertip"]
 
@@ -117,6 +127,7 @@ def _build(
 ) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) in m and faces (m, 3); `stretch`: the phalanges' length over the reference's."""
     _check(length, breadth, depth, edge_length)
+    check_vertex_count(np.pi * breadth * length, edge_length, SurfaceError)
     shape = _Shape(length, breadth, 0.86 * breadth if depth is None else depth, stretch)
     # Rows at equal steps of the mean meridian, from the tip to the rim of the cut.
     parameters = np.concatenate([np.linspace(0.0, 1.0, 400), np.linspace(1.0, 2.0, 400)[1:]])
@@ -201,8 +212,8 @@ class _Shape:
 def _check(length: float, breadth: float, depth: float | None, edge_length: float) -> None:
     given = {"length": length, "breadth": breadth, "depth": depth, "edge_length": edge_length}
     for name, value in given.items():
-        if value is not None and not (np.isfinite(value) and value > 0.0):
-            raise SurfaceError(f"{name} is {value} m, expected a length above 0")
+        if value is not None:
+            as_length(name, value, SurfaceError)
     if length < 0.8 * breadth:
         raise SurfaceError(f"length is {length} m, expected at least 0.8 times the breadth of {breadth} m")
     if edge_length > 0.25 * min(breadth, breadth if depth is None else depth):

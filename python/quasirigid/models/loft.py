@@ -7,11 +7,27 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import QuasirigidError
+
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Height of an equilateral triangle over its edge: strips of this height carry near-equilateral triangles.
 ROW = 3.0**0.5 / 2.0
+
+
+# More than any product needs, and a second's work.
+MOST_VERTICES = 2_000_000
+
+
+def check_vertex_count(area: float, edge_length: float, refusal: type[QuasirigidError]) -> None:
+    """Raise a `refusal` where a mesh of `area` (m^2) would have more vertices than can be meant."""
+    count = area / (ROW * edge_length**2)
+    if not count <= MOST_VERTICES:
+        raise refusal(
+            f"edge_length is {edge_length} m, which makes some {count:.1e} vertices of {area:.3g} m^2, "
+            f"expected at most {MOST_VERTICES:.0e}: raise it, or check that every length is in m"
+        )
 
 
 def rows_along(length: float, edge_length: float) -> int:

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .._check import as_length, as_vector
 from ..errors import ObstacleError
 from ..obstacle import Obstacle
-from .loft import Floats, Indices, loft, ring_size, rows_along, spread_on_curve
+from .loft import Floats, Indices, check_vertex_count, loft, ring_size, rows_along, spread_on_curve
 
 
 def cylinder_handle(
@@ -170,6 +171,7 @@ def _revolve(profile: Floats, edge_length: float) -> tuple[Floats, Indices]:
         Wanted length of the edges (m).
     """
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
+    check_vertex_count(2.0 * np.pi * float(profile[:, 0].max() * way[-1]), edge_length, ObstacleError)
     rows = max(2, rows_along(way[-1], edge_length))
     stations = np.arange(1, rows) / rows * way[-1]
     radii, heights = np.interp(stations, way, profile[:, 0]), np.interp(stations, way, profile[:, 1])
@@ -220,9 +222,7 @@ def rounded_box(
     >>> round(float(distance[0]), 6)
     0.005
     """
-    sides = np.asarray(size, dtype=np.float64)
-    if sides.shape != (3,):
-        raise ObstacleError(f"size has shape {sides.shape}, expected three lengths")
+    sides = as_vector("size", size, ObstacleError)
     _check_lengths(
         size_x=float(sides[0]), size_y=float(sides[1]), size_z=float(sides[2]), edge_radius=edge_radius,
         edge_length=edge_length,
@@ -232,6 +232,8 @@ def rounded_box(
             f"edge_radius is {edge_radius} m, expected at most half the shortest side, {sides.min()} m"
         )
     _check_edge_length(edge_length, edge_radius)
+    area = 2.0 * float(sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0])
+    check_vertex_count(area, edge_length, ObstacleError)
     inner = 0.5 * sides - edge_radius
     # Each face is a grid; a grid point past the inner box is drawn back onto the rounding around it.
     axes = [_grid_line(float(half), edge_radius, edge_length) for half in inner]
@@ -288,8 +290,7 @@ def _grid_faces(columns: int, rows: int, turned: bool) -> Indices:
 
 def _check_lengths(**lengths: float) -> None:
     for name, value in lengths.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise ObstacleError(f"{name} is {value} m, expected a length above 0")
+        as_length(name, value, ObstacleError)
 
 
 def _check_edge_length(edge_length: float, edge_radius: float) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from .._check import as_integer_or_none, as_mask
+from .._check import as_integer_or_none, as_mask, short
 from ..errors import ResponseError
 from .progress import Progress, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
@@ -51,6 +51,7 @@ def build_prepared(
     progress: Progress | None = None,
 ) -> _core.Skin:
     """Return the response computed once at nodes; None: the skin mask, less the fixed vertices of a body."""
+    _check_surface("surface", surface)
     chosen = None if nodes is None else np.asarray(nodes)
     if isinstance(response, GivenMatrix):
         return _build_given(material, response, surface)
@@ -61,6 +62,11 @@ def build_prepared(
     return kernel.prepare(surface, np.flatnonzero(surface.skin_mask) if chosen is None else chosen)
 
 
+def _check_surface(name: str, value: object) -> None:
+    if not isinstance(value, _core.Surface):
+        raise TypeError(f"{name} is {short(value)}, expected a Surface")
+
+
 def _build_body(
     material: Material,
     body: Body,
@@ -68,6 +74,8 @@ def _build_body(
     nodes: NDArray[np.int64] | None,
     progress: Progress | None,
 ) -> _core.Skin:
+    if body.bone is not None:
+        _check_surface("bone", body.bone)
     fixed = body.fixed
     if fixed is not None:
         fixed = as_mask("fixed", fixed, len(surface.vertices), ResponseError)

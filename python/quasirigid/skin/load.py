@@ -30,7 +30,8 @@ def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
     Raises
     ------
     ResponseError
-        If the file is no prepared skin, is damaged or from a later version.
+        If the file is no prepared skin, is damaged or from a later version. Nothing in it is unpickled, and
+        no more memory is taken than a sound file of its length needs.
     """
     header, stored = read_prepared(path)
     try:
@@ -40,5 +41,8 @@ def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
             response=restored_response(header, stored),
         )
         return restore_skin(skin, stored)
-    except (KeyError, TypeError) as error:
+    except KeyError as error:
         raise ResponseError(f"{path} lacks or misnames a part of a prepared skin: {error}") from error
+    except Exception as error:
+        # Whatever a damaged part leads to.
+        raise ResponseError(f"{path} holds no sound prepared skin: {error}") from error

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import errno
+import io
 import json
+import math
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -95,7 +97,9 @@ def _fields(response: Response) -> dict[str, NDArray[Any]]:
 
 
 def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Read the header and the arrays that `write_prepared` wrote.
+    """Read the header and the arrays that `write_prepared` wrote; nothing in the file is unpickled.
+
+    No more is read than the file is long: what is compressed, or promises more than it holds, is refused.
 
     Raises
     ------
@@ -103,23 +107,52 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
         If the file is no prepared skin, is damaged or from a later version.
     """
     try:
-        loaded = np.load(path, allow_pickle=False)
-        if not isinstance(loaded, np.lib.npyio.NpzFile):
-            raise ValueError("it holds a single array, expected a .npz file")
-        with loaded as file:
-            stored = {name: file[name] for name in file.files}
+        with open(path, "rb") as file:
+            if file.read(len(np.lib.format.MAGIC_PREFIX)) == np.lib.format.MAGIC_PREFIX:
+                raise ValueError("it holds a single array, expected a .npz file")
+        with zipfile.ZipFile(path) as archive:
+            members = archive.infolist()
+            names = [member.filename.removesuffix(".npy") for member in members]
+            if len(set(names)) < len(names):
+                raise ValueError("it holds a part twice")
+            if sum(member.file_size for member in members) > Path(path).stat().st_size:
+                raise ValueError("its parts are longer than itself")
+            stored = {name: _array_of(archive, member) for name, member in zip(names, members, strict=True)}
         header = json.loads(str(stored["header"]))
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-        if isinstance(error, FileNotFoundError):
-            raise
-        raise ResponseError(f"{path} cannot be read as a prepared skin: {error}") from error
+    except FileNotFoundError:
+        raise
+    except Exception as error:
+        reason = f"it has no part {error}" if isinstance(error, KeyError) else error
+        raise ResponseError(f"{path} cannot be read as a prepared skin: {reason}") from error
     if not isinstance(header, dict) or header.get("format") != _FORMAT or header.get("version") != _VERSION:
         raise ResponseError(f"{path} is no prepared skin of version {_VERSION}")
     return header, stored
 
 
+def _array_of(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
+    """Return a member's array, as NumPy writes it; a ValueError where it is not as long as it says."""
+    if member.compress_type != zipfile.ZIP_STORED:
+        raise ValueError(f"{member.filename} is compressed, which a saved skin never is")
+    data = io.BytesIO(archive.read(member))
+    version = np.lib.format.read_magic(data)
+    read = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+    }.get(version)
+    if read is None:
+        raise ValueError(f"{member.filename} has format {version}")
+    shape, by_columns, dtype = read(data)
+    if dtype.hasobject or min(shape, default=0) < 0:
+        raise ValueError(f"{member.filename} holds no numbers")
+    held = len(data.getbuffer()) - data.tell()
+    if math.prod(shape) * dtype.itemsize != held:
+        raise ValueError(f"{member.filename} promises {shape} entries of {dtype}, but holds {held} bytes")
+    flat = np.frombuffer(data.getvalue(), dtype, math.prod(shape), data.tell())
+    return flat.reshape(shape, order="F" if by_columns else "C")
+
+
 def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[Any]]) -> Response:
-    """Return the response that `write_prepared` wrote; KeyError or TypeError where it lacks a part."""
+    """Return the response that `write_prepared` wrote; an exception of any kind where it lacks a part."""
     kind = header["response"]
     if kind == "Body":
         return _restored_body(stored, header["numbers"])

@@ -32,6 +32,9 @@ pub(crate) fn solve(
     let is_first = gaps.scene.inherited.is_none();
     let rings = options.rings.unwrap_or(if traits.negative_entries && is_first { DEFAULT_RINGS } else { 0 });
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
+    if is_first {
+        check_free(&candidates, response)?;
+    }
     for growth in 0.. {
         let forces = solve_on(candidates, gaps, response, guess, options, report)?;
         if forces.failure.is_some() || rings == 0 && !traits.negative_entries {
@@ -43,20 +46,35 @@ pub(crate) fn solve(
         if wanting.is_empty() {
             return Ok(forces);
         }
+        let mut grown = prepared(gaps, response, with_rings(gaps.surface, &wanting, rings.max(1)));
+        grown.extend(wanting.iter().chain(&forces.candidates));
+        grown.sort_unstable();
+        grown.dedup();
+        if grown == forces.candidates {
+            // The rest is held, or not prepared and not pressed.
+            return Ok(forces);
+        }
         if growth == options.max_growths {
             let skin_vertices = gaps.surface.skin_mask().iter().filter(|&&may_touch| may_touch).count();
             let candidates = forces.candidates.len();
             return Err(ContactError::Growth { growths: growth, candidates, skin_vertices });
         }
-        candidates = prepared(gaps, response, with_rings(gaps.surface, &wanting, rings.max(1)));
-        candidates.extend(wanting.iter().chain(&forces.candidates));
-        candidates.sort_unstable();
-        candidates.dedup();
+        candidates = grown;
         if options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "candidates" });
         }
     }
     unreachable!("the loop ends by a return")
+}
+
+/// Refuses candidates that a body holds in place.
+fn check_free(candidates: &[usize], response: &Compliance) -> Result<(), ContactError> {
+    let is_held = |vertex: &usize| response.skin.is_held(*vertex) && !response.is_prepared(*vertex);
+    let held: Vec<usize> = candidates.iter().copied().filter(is_held).collect();
+    match held.first() {
+        Some(&vertex) => Err(ContactError::Held { vertex, count: held.len() }),
+        None => Ok(()),
+    }
 }
 
 /// Solves the complementarity problems of `candidates`, one for each group that feels no other.

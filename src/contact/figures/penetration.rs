@@ -29,7 +29,8 @@ pub(crate) struct Penetration {
 
 /// Deepest penetration of skin and obstacle into one another, where the forces put the skin.
 ///
-/// Beside the candidates a vertex can penetrate where its gap was less than the largest displacement of any.
+/// Beside the candidates a vertex can penetrate where its gap was less than the largest displacement of any. Without
+/// candidates an obstacle that is finer than the mesh can stand between vertices.
 pub(crate) fn penetration_after(
     gaps: &Gaps,
     response: &Compliance,
@@ -37,11 +38,14 @@ pub(crate) fn penetration_after(
     motion: &CandidateMotion,
 ) -> Result<Penetration, ContactError> {
     let surface = gaps.surface;
-    let largest = motion.displacement.iter().map(Vector3::norm).fold(0.0, f64::max);
+    let reach = match &motion.displacement[..] {
+        [] => surface.mean_edge_length(),
+        displacement => displacement.iter().map(Vector3::norm).fold(0.0, f64::max),
+    };
     let mut others = surface.k_ring(&forces.candidates, 1);
     {
         let distance = gaps.distances();
-        others.extend((0..distance.len()).filter(|&vertex| distance[vertex] < largest));
+        others.extend((0..distance.len()).filter(|&vertex| distance[vertex] < reach));
     }
     others.retain(|vertex| surface.skin_mask()[*vertex] && forces.candidates.binary_search(vertex).is_err());
     others.sort_unstable();

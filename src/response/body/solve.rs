@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::NoFactor;
 use crate::linalg::lu::{Cuts, Lu};
+use crate::linalg::threads::bounded_pool;
 use crate::response::body::check::tissue::{
     TissueReport, area_vectors, check_fixed, check_nodes, check_tissue,
 };
@@ -192,8 +193,8 @@ impl Body {
             None => solve(),
             Some(0) => Err(BodyError::Threads { threads: 0, reason: "at least 1 is needed".to_string() }),
             Some(threads) => {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-                let pool = pool.map_err(|error| BodyError::Threads { threads, reason: error.to_string() })?;
+                let pool = bounded_pool(threads)
+                    .map_err(|error| BodyError::Threads { threads, reason: error.to_string() })?;
                 pool.install(solve)
             }
         }

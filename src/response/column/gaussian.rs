@@ -11,7 +11,7 @@ use crate::response::integral::hat::hat_integrals;
 use crate::response::simd::points::Targets;
 
 /// Widths beyond which the Gaussian is below 1e-17.
-const SILENT_WIDTHS: f64 = 9.0;
+pub(crate) const SILENT_WIDTHS: f64 = 9.0;
 /// Share of the cutoff from which on a triangle that it leaves whole is far enough for a rule.
 const FAR_SHARE: f64 = 0.5;
 /// Most points of a rule in each direction; beyond, the closed form costs less.

@@ -6,7 +6,7 @@ use pulp::{Simd, WithSimd};
 use crate::response::column::load::{LoadedFace, weighted};
 use crate::response::integral::edge_quadrature::EdgeRule;
 use crate::response::integral::gauss::triangle_rule;
-use crate::response::integral::hat::hat_integrals;
+use crate::response::integral::hat::hat_integrals_within;
 use crate::response::integral::hat_simd::NearFace;
 use crate::response::series::multipole::{MultipoleSeries, order_for};
 use crate::response::series::point_loads::{LoadBall, PointLoads, VECTORS_AT_ONCE};
@@ -166,10 +166,10 @@ impl HalfSpaceColumn<'_> {
         near.gather(targets);
         let reach = scratch.multipoles.near_squared().sqrt() + scratch.multipoles.ball.radius;
         for face in &scratch.faces {
-            if face.loses_digits(reach, tolerance) {
+            if let Some(allowed) = face.error_beyond_closed_form(reach, tolerance) {
                 for k in 0..near.index.len() {
                     let point = Vector3::new(near.x[k], near.y[k], near.z[k]);
-                    let hats = hat_integrals(&point, &face.frame.vertices);
+                    let hats = hat_integrals_within(&point, &face.frame.vertices, allowed);
                     near.values[k] += amplitude * weighted(&face.density, &hats);
                 }
             } else {

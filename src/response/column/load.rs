@@ -20,12 +20,19 @@ pub(crate) struct LoadedFace {
 }
 
 impl LoadedFace {
-    /// Whether the closed form would err by more than `tolerance` within `reach` (m) of the triangle.
-    pub(crate) fn loses_digits(&self, reach: f64, tolerance: f64) -> bool {
+    /// Relative error that an integral over this triangle may have within `reach` (m) of it, such that a column, to
+    /// which it adds at most `force 2 (1 + ln(length / height)) reach / length`, keeps the tolerance; `None` where the
+    /// closed form does.
+    ///
+    /// A sliver carries next to no force, so little is asked of it.
+    pub(crate) fn error_beyond_closed_form(&self, reach: f64, tolerance: f64) -> Option<f64> {
         let height = self.frame.heights.into_iter().fold(f64::INFINITY, f64::min);
         let length = 2.0 * self.frame.area / height;
         let loss = 40.0 * f64::EPSILON * (length / height).powi(2) * (reach / length).max(1.0).powi(3);
-        loss > tolerance.max(2e-11)
+        let force = self.frame.area * self.density.iter().sum::<f64>() / 3.0;
+        let share = force * 2.0 * (1.0 + (length / height).ln()) * (reach / length).max(1.0);
+        let allowed = tolerance.max(2e-11) / share.min(1.0);
+        (loss > allowed).then_some(allowed)
     }
 }
 

@@ -6,15 +6,17 @@ use crate::response::integral::cutoff::{Inverse, hats_within};
 use crate::response::integral::frame::TriangleFrame;
 use crate::response::integral::gauss::triangle_rule;
 
-/// Largest (length / height)² (distance / length)³ of a piece, times its share of the whole triangle's
-/// length, at which it is integrated by the closed form: that is its loss of digits. The share counts because
-/// at a sharp corner no cut makes the pieces rounder, only smaller.
+/// Least (length / height)² (distance / length)³ of a piece, times its share of the whole triangle's
+/// length, up to which it is integrated by the closed form: 40 ε times that is its loss of digits. The share counts
+/// because at a sharp corner no cut makes the pieces rounder, only smaller.
 const PLAIN_LOSS: f64 = 20.0;
 /// Distance / longest edge beyond which a piece is integrated by quadrature: the ball around a triangle has
-/// at most 0.58 of that edge as radius, so 2n = 28 makes the error some (0.58/2)²⁸ < 1e-14.
+/// at most 0.58 of that edge as radius, so that n points in each direction err by some (0.58/2)²ⁿ.
 const FAR_DISTANCE: f64 = 2.0;
-/// Points of that rule in each direction.
+/// Most points of that rule in each direction, for an error below 1e-14.
 const FAR_POINTS: usize = 14;
+/// Share of a tolerance that each of the two ways may use up.
+const TOLERANCE_SHARE: f64 = 0.1;
 
 /// A part of the triangle, relative to the point, and the weights of the whole triangle's corners in each
 /// of its own.
@@ -36,6 +38,19 @@ struct Piece {
 ///
 /// The longest edge is halved until a piece is either well shaped or far from the point.
 pub fn hat_integrals(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> [f64; 3] {
+    hat_integrals_within(point, triangle, 0.0)
+}
+
+/// [`hat_integrals`] with a relative error of at most `tolerance`, or of 1e-13.
+pub(crate) fn hat_integrals_within(
+    point: &Vector3<f64>,
+    triangle: &[Vector3<f64>; 3],
+    tolerance: f64,
+) -> [f64; 3] {
+    let allowed = TOLERANCE_SHARE * tolerance;
+    let plain_loss = (allowed / (40.0 * f64::EPSILON)).max(PLAIN_LOSS);
+    let far_points = (0.5 * allowed.max(1e-300).ln() / (0.29_f64).ln()).ceil() as usize;
+    let far_rule = triangle_rule(far_points.clamp(4, FAR_POINTS));
     let whole = Piece {
         corners: triangle.map(|v| v - point),
         weights: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -55,7 +70,7 @@ pub fn hat_integrals(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> [f64
         let share = longest / *size.get_or_insert(longest);
         let loss = (longest / height).powi(2) * distance.max(1.0).powi(3) * share;
         if distance > FAR_DISTANCE {
-            for (l, w) in triangle_rule(FAR_POINTS) {
+            for (l, w) in far_rule {
                 let y = corners[0] * l[0] + corners[1] * l[1] + corners[2] * l[2];
                 let inverse = w * frame.area / y.norm();
                 for k in 0..3 {
@@ -63,7 +78,7 @@ pub fn hat_integrals(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> [f64
                     integrals[k] += inverse * hat;
                 }
             }
-        } else if loss > PLAIN_LOSS {
+        } else if loss > plain_loss {
             // Halve the longest edge, opposite to `apex`
             let (b, c) = ((apex + 1) % 3, (apex + 2) % 3);
             let middle = (corners[b] + corners[c]) * 0.5;

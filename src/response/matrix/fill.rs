@@ -3,6 +3,7 @@
 use faer::Mat;
 use rayon::prelude::*;
 
+use crate::linalg::threads::bounded_pool;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
 
@@ -24,7 +25,11 @@ pub(crate) fn fill_columns<S>(
         return Ok(());
     }
     let pool = pool(options)?;
-    let threads = options.num_threads.unwrap_or_else(rayon::current_num_threads);
+    let threads = match (&pool, options.num_threads) {
+        (Some(pool), _) => pool.current_num_threads(),
+        (None, Some(one)) => one,
+        (None, None) => rayon::current_num_threads(),
+    };
     let batch = if options.interrupt.is_some() { BATCH_COLUMNS * threads } else { nodes };
     let mut columns: Vec<(usize, &mut [f64])> = matrix
         .col_iter_mut()
@@ -55,6 +60,7 @@ pub(crate) fn fill_columns<S>(
 /// The local pool that the options ask for; `None` for the global one, or for a single thread.
 fn pool(options: &AssemblyOptions) -> Result<Option<rayon::ThreadPool>, ResponseError> {
     let Some(threads) = options.num_threads.filter(|&threads| threads > 1) else { return Ok(None) };
-    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    built.map(Some).map_err(|error| ResponseError::Threads { threads, reason: error.to_string() })
+    bounded_pool(threads)
+        .map(Some)
+        .map_err(|error| ResponseError::Threads { threads, reason: error.to_string() })
 }

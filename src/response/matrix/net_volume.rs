@@ -2,14 +2,18 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::response::column::gaussian::SILENT_WIDTHS;
 use crate::response::error::ResponseError;
-use crate::response::integral::gauss::gauss;
+use crate::response::integral::gauss::gauss_interval;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::layer::LayerKernel;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::matrix::collocation::assemble_block;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
+
+/// From here on the integral of J0 has an asymptotic series (dimensionless).
+const ASYMPTOTIC: f64 = 50.0;
 
 /// Volume under the displacement of a unit force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +72,27 @@ pub fn balanced_height(kernel_constant: f64, width: f64, cutoff: f64) -> Result<
     Ok(kernel_constant * cutoff / taken)
 }
 
+/// `∫ f(r) dr` from 0 to `end` by a Gauss rule on each of `panels` parts.
+fn in_panels(end: f64, panels: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (step, rule) = (end / panels, gauss_interval(20));
+    let panel = |p: usize| rule.iter().map(move |(u, w)| (step * (p as f64 + u), w * step));
+    (0..panels as usize).flat_map(panel).map(|(r, w)| w * f(r)).sum()
+}
+
+/// `∫ J0(t) dt` from 0 to x. From [`ASYMPTOTIC`] on what is missing to 1 comes from integration by parts,
+/// `A_n = ∫ J0 / t²ⁿ dt from x on = -J1 / x²ⁿ + (2n+1) (J0 / x²ⁿ⁺¹ - (2n+1) A_(n+1))`, to 3e-15.
+fn bessel_integral(x: f64) -> f64 {
+    if x < ASYMPTOTIC {
+        return in_panels(x, (x / 12.0).ceil().max(1.0), libm::j0);
+    }
+    let (j0, j1) = (libm::j0(x), libm::j1(x));
+    let step = |next: f64, n: i32| {
+        let odd = f64::from(2 * n + 1);
+        -j1 * x.powi(-2 * n) + odd * (j0 * x.powi(-2 * n - 1) - odd * next)
+    };
+    1.0 - (0..8).rev().fold(0.0, step)
+}
+
 impl KernelSkin {
     /// Volume moved per newton on a wide flat surface (m³/N); infinite for a half-space and for a Gaussian
     /// without cutoff.
@@ -97,17 +122,11 @@ impl KernelSkin {
                         * (constant / k - height * width * width * (-0.5 * (k * width).powi(2)).exp());
                 }
                 // panels of at most two turns of J0 or a width of the Gaussian
-                let panels = (cutoff * k / 12.0).max(cutoff / width).ceil().max(1.0);
-                let (step, rule) = (cutoff / panels, gauss(20, 0.0));
-                let mut sum = 0.0;
-                for p in 0..panels as usize {
-                    for (u, w) in &rule {
-                        let r = step * (p as f64 + u);
-                        let kernel = constant - height * r * (-0.5 * (r / width).powi(2)).exp();
-                        sum += w * step * kernel * libm::j0(k * r);
-                    }
-                }
-                TAU * sum
+                let felt = cutoff.min(SILENT_WIDTHS * width);
+                let panels = (felt * k / 12.0).max(felt / width).ceil().max(1.0);
+                let gaussian =
+                    in_panels(felt, panels, |r| r * (-0.5 * (r / width).powi(2)).exp() * libm::j0(k * r));
+                TAU * (constant * bessel_integral(k * cutoff) / k - height * gaussian)
             }
             Kernel::Layer { thickness } => {
                 TAU * constant / k * LayerKernel::symbol(k * thickness.largest(), self.poisson_ratio())
@@ -157,5 +176,33 @@ impl KernelSkin {
              width can end on a ray. Without cutoff a height up to K exp(1/2) / width = {bound:.3e} m/N is well \
              posed; balanced and cut off at L, a width from about L / 2; or take a layer or half-space"
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_integral_of_j0_goes_on_in_its_asymptotic_series() {
+        for x in [50.0, 51.3, 80.0, 400.0] {
+            let quadrature = in_panels(x, (x / 4.0_f64).ceil(), libm::j0);
+            assert!((bessel_integral(x) - quadrature).abs() < 1e-13, "at {x}");
+        }
+        assert!((bessel_integral(1e300) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_answer_to_a_wave_does_not_know_how_far_the_cutoff_is() {
+        let symbol = |cutoff| {
+            let kernel = Kernel::GaussianCorrected { height: 1e-4, width: 5e-3, cutoff };
+            KernelSkin::new(60e3, 0.5, kernel).expect("valid constants").symbol(700.0)
+        };
+        // What is missing of the half-space falls with the root of the cutoff.
+        let whole = symbol(f64::INFINITY);
+        for cutoff in [1.0, 1e3, 1e9, 1e30] {
+            let missing = (2.0 / (PI * 700.0 * cutoff)).sqrt();
+            assert!((symbol(cutoff) / whole - 1.0).abs() < 2.0 * missing + 1e-13, "cutoff {cutoff}");
+        }
     }
 }

@@ -12,7 +12,7 @@ pub struct AssemblyOptions<'a> {
     /// half-space's entry. Entries of fading kernels are smaller, so their relative error is larger. 0 means as exact as
     /// double precision allows.
     pub tolerance: f64,
-    /// Threads (>= 1); `None` means rayon's global pool. The result is equal to the bit for any number.
+    /// Threads (>= 1), at most four for each processor; `None` means rayon's global pool. The result is equal to the bit for any number.
     pub num_threads: Option<usize>,
     /// Largest size of the matrix (bytes); `None` means no limit.
     pub memory_limit: Option<usize>,

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from ..._check import as_number
 from ...errors import SurfaceError
-from ...hand import Hand
 from ...hand.joints import PARENTS, WEBXR_25
 from ..loft import Floats, Indices
 from ..mesher import Body, contour, remeshed
@@ -16,6 +15,9 @@ from .shape import HandShape
 from .sizes import size_of
 from .skeleton import skeleton_of
 from .weights import weights_of
+
+if TYPE_CHECKING:
+    from ...hand import Hand
 
 __all__ = ["hand"]
 
@@ -81,6 +83,9 @@ def hand(
     >>> hand.posed("fist").surface.is_closed
     True
     """
+    # Hands draw on this package for their bones, so they are there only when it is.
+    from ...hand import Hand
+
     if side not in ("right", "left"):
         raise SurfaceError(f'side is {side!r}, expected "right" or "left"')
     length, breadth = size_of(hand_length, hand_breadth, percentile, sex)
