@@ -335,3 +335,10 @@ def test_every_region_of_a_hand_is_there() -> None:
         for side in ("palmar", "dorsal", "radial", "ulnar"):
             assert f"{digit}-distal-{side}" in regions
     assert {"thenar", "hypothenar", "palm-center", "back", "wrist", "web-thumb-index"} <= regions
+
+
+@pytest.mark.parametrize("name", ["default", "slender", "broad", "child", "small woman"])
+def test_bones_of_the_published_section_fit_inside(name: str) -> None:
+    shares = [bone.share for bone in built(**SHAPES[name]).bones]
+    # The carpals and 19 metacarpals and phalanges.
+    assert shares == [1.0] * 20

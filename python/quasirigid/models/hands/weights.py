@@ -18,16 +18,14 @@ from .shape import HandShape
 __all__ = ["MOST", "weights_of"]
 
 MOST = 4  # joints a vertex
-BLENDS = (
-    1.30,
-    0.95,
-    0.75,
-)  # breadths of the digit, from knuckle to last joint, in which two bones share the skin
+# Where two bones share the skin, from the knuckle to the last joint, in breadths of the digit.
+BLENDS = (1.30, 0.95, 0.75)
 WRIST = (0.0, 34.0e-3)  # between these the metacarpals take over from the wrist (m)
 BELONGS = (2.0e-3, 8.0e-3)  # skin farther from a digit than this is the palm's (m)
 FADE = 8.0e-3  # at a web, by as much must a digit be nearer than the next to carry the skin alone (m)
 WEB = 8.0e-3  # beyond the bottom of a web, the way in which neighbours cease to share (m)
-REACH = 9.0e-3  # over which one metacarpal yields to the next (m)
+REACH = 3.0e-3  # over which one finger's metacarpal yields to the next (m)
+BALL = 30.0e-3  # by as much must skin be nearer to the thumb's metacarpal to be its alone (m)
 
 
 def weights_of(points: Floats, shape: HandShape) -> tuple[Indices, Floats]:
@@ -84,10 +82,12 @@ def _shares(points: Floats, shape: HandShape) -> Floats:
         bone, way = knuckle - base, points - base
         share = np.clip(way @ bone / (bone @ bone), 0.0, 1.0)
         distances.append(np.linalg.norm(way - share[:, None] * bone, axis=1))
-    table = np.stack(distances, axis=1)
-    shares: Floats = np.exp(-(table - table.min(axis=1, keepdims=True)) / (REACH * shape.across))
+    thumb, fingers = distances[0], np.stack(distances[1:], axis=1)
+    nearest = fingers.min(axis=1)
+    shares: Floats = np.exp(-(fingers - nearest[:, None]) / (REACH * shape.across))
     shares /= shares.sum(axis=1, keepdims=True)
-    return shares
+    ball = _step(nearest - thumb, -BALL * shape.across, BALL * shape.across)[:, None]
+    return np.concatenate([ball, (1.0 - ball) * shares], axis=1)
 
 
 def _step(values: Floats, low: float, high: float) -> Floats:
