@@ -307,6 +307,7 @@ def test_the_same_hand_comes_twice_and_cannot_be_changed() -> None:
         ({"hand_breadth": float("nan")}, "hand_breadth is nan"),
         ({"hand_breadth": 0.05}, r"hand_breadth is 0\.05 m, expected 0\.063 to 0\.112 m"),
         ({"edge_length": 0.5e-3}, r"edge_length is 0\.0005, expected a number from 0\.001 to 0\.005"),
+        ({"hand_length": 0.12, "hand_breadth": 0.05, "edge_length": 4e-3}, r"expected at most 0\.0030 m"),
         ({"edge_length": "fine"}, "edge_length is 'fine'"),
         ({"percentile": 50}, "sex is None"),
         ({"sex": "male"}, "percentile is None"),

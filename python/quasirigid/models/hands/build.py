@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["hand"]
 
 EDGES = (1e-3, 5e-3)  # edge lengths that show a hand and fit a machine (m)
+COARSEST = 0.06  # edge length over the hand's breadth: about a third of the little finger's
 CELL = 1.2  # of the grid, over the edge length: as many cells are crossed as the mesh has vertices, about
 COARSEST_CELL = 2.5e-3  # a coarser grid may bridge the gap between two fingers (m)
 MARGIN = 0.03  # of the box around the joints, for a hand 85 mm broad (m)
@@ -56,7 +57,7 @@ def hand(
     sex : {"female", "male"}, optional
         Whose percentile.
     edge_length : float
-        Mean edge of the mesh (m), 1e-3 to 5e-3.
+        Mean edge of the mesh (m), 1e-3 to 5e-3, at most 0.06 of the breadth.
 
     Returns
     -------
@@ -90,6 +91,11 @@ def hand(
         raise SurfaceError(f'side is {side!r}, expected "right" or "left"')
     length, breadth = size_of(hand_length, hand_breadth, percentile, sex)
     edge = as_number("edge_length", edge_length, SurfaceError, *EDGES)
+    if edge > COARSEST * breadth:
+        raise SurfaceError(
+            f"edge_length is {edge:g} m, expected at most {COARSEST * breadth:.4f} m, {COARSEST:g} of the "
+            "hand's breadth"
+        )
     skeleton = skeleton_of(length, breadth)
     shape = HandShape(skeleton, length, breadth)
     vertices, faces = _skin(shape, edge)
