@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 import quasirigid as qr
 from numpy.typing import NDArray
+from quasirigid.evaluation.meshes import ball, lattice
 
 G = 60e3
 UP = np.array([0.0, 0.0, 1.0])
 PLATE = qr.Obstacle.half_space([0, 0, -0.2], UP)
-Floats = NDArray[np.float64]
 # What the mesh itself costs is measured here.
 AS_GIVEN = qr.ContactOptions(target_error=None)
 
@@ -21,36 +21,6 @@ CONTACT_MODULUS = qr.reference.contact_modulus(shear_modulus=G, poisson_ratio=0.
 FORMS: tuple[Literal["collocation", "galerkin"], ...] = ("collocation", "galerkin")
 # h u / K of a flat incompressible layer at r / h.
 LAYER = {r: u for r, u in qr.reference.point_load_on_layer().items() if r >= 1.0}
-
-
-def drawn_sphere(radius: float, subdivisions: int, draw: float) -> qr.Surface:
-    """Return an icosphere about the origin, `draw` times finer at its lowest point than on average."""
-    g = (1 + 5**0.5) / 2
-    corners = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g)]
-    corners += [(0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
-    points = [np.array(corner) / np.linalg.norm(corner) for corner in corners]
-    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2)]
-    faces += [(10, 7, 6), (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5)]
-    faces += [(2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
-    for _ in range(subdivisions):
-        middles: dict[tuple[int, int], int] = {}
-        finer = []
-        for a, b, c in faces:
-            ends = [(a, b), (b, c), (c, a)]
-            for one, other in ends:
-                edge = (min(one, other), max(one, other))
-                if edge not in middles:
-                    middles[edge] = len(points)
-                    middle = points[one] + points[other]
-                    points.append(middle / np.linalg.norm(middle))
-            ab, bc, ca = (middles[(min(end), max(end))] for end in ends)
-            finer += [(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)]
-        faces = finer
-    x, y, z = np.array(points).T
-    polar = 2 * np.arctan(np.tan(0.5 * np.arctan2(np.hypot(x, y), -z)) / draw)
-    around = np.arctan2(y, x)
-    drawn = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), -np.cos(polar)], 1)
-    return qr.Surface(radius * drawn, np.array(faces))
 
 
 def body(
@@ -73,17 +43,6 @@ def body(
 def near_pole(skin: qr.Surface, height: float) -> NDArray[np.int64]:
     """Return the vertices less than `height` (m) above the lowest point."""
     return np.flatnonzero(skin.vertices[:, 2] < skin.vertices[:, 2].min() + height)
-
-
-def lattice(cells: int, edges: Floats, shift: Floats, jitter: Floats) -> qr.Surface:
-    """Return a flat mesh of `cells` x `cells` parallelograms on `edges` (2, 2), each cut by one diagonal."""
-    steps = np.arange(cells + 1) - cells / 2
-    i, j = (part.ravel() for part in np.meshgrid(steps, steps, indexing="ij"))
-    plane = i[:, None] * edges[0] + j[:, None] * edges[1] + shift + jitter
-    index = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
-    a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]))
-    faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
-    return qr.Surface(np.column_stack([plane, np.zeros(len(plane))]), faces)
 
 
 def against_hertz() -> list[str]:
@@ -109,7 +68,7 @@ def against_hertz() -> list[str]:
                 h = touching / (cells * random.uniform(0.94, 1.06))
                 edges = h * np.array([[1.0, 0.0], second])
                 moved = random.uniform(-jitter * h, jitter * h, ((4 * cells + 1) ** 2, 2))
-                surface = lattice(4 * cells, edges, random.uniform(-0.5, 0.5, 2) @ edges, moved)
+                surface = lattice(4 * cells, 4 * cells, edges, random.uniform(-0.5, 0.5, 2) @ edges, moved)
                 for form, skin in enumerate(skins):
                     contact = qr.solve_contact(surface, sphere, skin, options=AS_GIVEN)
                     found = [-contact.force[2], contact.max_pressure, contact.contact_area]
@@ -122,7 +81,7 @@ def against_hertz() -> list[str]:
 
 def sphere_with_core() -> list[str]:
     """Measure forces against finite elements, and how the error falls under refinement."""
-    skin, bone = drawn_sphere(8e-3, 3, 4.0), drawn_sphere(3e-3, 2, 2.0)
+    skin, bone = ball(8e-3, 3, 4.0), ball(3e-3, 2, 2.0)
     known = qr.reference.plate_on_cored_sphere()
     depths = known[0].indentations
     lines = ["| nu | " + " | ".join(f"{depth * 1e3:g} mm" for depth in depths) + " |"]
@@ -139,7 +98,7 @@ def sphere_with_core() -> list[str]:
     lines += ["| skin vertices | force (N) | error | rate in the edge length |", "|---|---|---|---|"]
     last = 0.0
     for subdivisions in (1, 2, 3):
-        skin, bone = drawn_sphere(8e-3, subdivisions, 3.0), drawn_sphere(3e-3, subdivisions, 1.0)
+        skin, bone = ball(8e-3, subdivisions, 3.0), ball(3e-3, subdivisions, 1.0)
         prepared = body(skin, 0.5, near_pole(skin, 1.8e-3), bone=bone)
         force = qr.press(skin, PLATE, prepared, UP, depth=1.12e-3, options=AS_GIVEN).force[2]
         error = force / known[0].indentations[1.12e-3] - 1
@@ -151,7 +110,7 @@ def sphere_with_core() -> list[str]:
 
 def on_two_levels() -> list[str]:
     """Measure forces against finite elements for coarse skins of three densities."""
-    skin, bone = drawn_sphere(8e-3, 4, 4.0), drawn_sphere(3e-3, 3, 1.0)
+    skin, bone = ball(8e-3, 4, 4.0), ball(3e-3, 3, 1.0)
     known = qr.reference.plate_on_cored_sphere()
     depths = known[0].indentations
     lines = ["| nu | coarse edges | " + " | ".join(f"{depth * 1e3:g} mm" for depth in depths) + " |"]
@@ -175,7 +134,7 @@ def thin_shell() -> list[str]:
     lines = ["| edges per h at the pole | " + " | ".join(f"r/h = {r:g}" for r in LAYER) + " |"]
     lines.append("|---|" + "---|" * len(LAYER))
     for draw in (8.0, 14.0):
-        skin, bone = drawn_sphere(radius, 3, draw), drawn_sphere(radius - h, 3, draw)
+        skin, bone = ball(radius, 3, draw), ball(radius - h, 3, draw)
         nodes = near_pole(skin, 0.8e-3)
         pole = int(np.argmin(skin.vertices[:, 2]))
         order = np.concatenate([[pole], nodes[nodes != pole]])
@@ -197,7 +156,7 @@ def thin_shell() -> list[str]:
 
 def near_field() -> list[str]:
     """Measure a solid sphere held far away: Boussinesq near the force, Hertz for small contacts."""
-    skin = drawn_sphere(8e-3, 3, 8.0)
+    skin = ball(8e-3, 3, 8.0)
     fixed = skin.vertices[:, 2] > -3e-3
     pole = int(np.argmin(skin.vertices[:, 2]))
     nodes = near_pole(skin, 0.5e-3)
@@ -215,7 +174,7 @@ def near_field() -> list[str]:
         lines.append(f"| {nu} | " + " | ".join(cells) + " |")
     lines += ["", "Plate on the same sphere against Hertz, F = 4/3 E* R^0.5 d^1.5, at nu = 0.5:", ""]
     lines += ["| contact radius / R | force off Hertz |", "|---|---|"]
-    skin = drawn_sphere(8e-3, 3, 16.0)
+    skin = ball(8e-3, 3, 16.0)
     prepared = body(skin, 0.5, near_pole(skin, 0.3e-3), fixed=skin.vertices[:, 2] > -3e-3)
     hertz = qr.reference.Hertz(radius=8e-3, contact_modulus=CONTACT_MODULUS)
     for depth in (160e-6, 80e-6, 40e-6):
@@ -229,9 +188,9 @@ def reciprocity() -> list[str]:
     lines = ["| vertices | works differ by | rate in the edge length |", "|---|---|---|"]
     last = 0.0
     for subdivisions in (1, 2, 3):
-        skin = drawn_sphere(8e-3, subdivisions, 1.0)
+        skin = ball(8e-3, subdivisions, 1.0)
         everything = np.arange(len(skin.vertices))
-        prepared = body(skin, 0.45, everything, bone=drawn_sphere(4e-3, subdivisions, 1.0))
+        prepared = body(skin, 0.45, everything, bone=ball(4e-3, subdivisions, 1.0))
         inward = -skin.vertices / np.linalg.norm(skin.vertices, axis=1)[:, None]
         matrix = qr.response_matrix(skin, prepared, everything, directions=inward)
         low, side = np.array([0, 0, -1.0]), np.array([0.8, 0, 0.6])
@@ -245,7 +204,7 @@ def reciprocity() -> list[str]:
 
 def identities() -> list[str]:
     """Measure what must hold to rounding, or to the tolerance of the integrals."""
-    skin, bone = drawn_sphere(8e-3, 2, 3.0), drawn_sphere(3e-3, 2, 1.0)
+    skin, bone = ball(8e-3, 2, 3.0), ball(3e-3, 2, 1.0)
     nodes = near_pole(skin, 2e-3)
 
     def force(nu: float = 0.5, length: float = 1.0, modulus: float = 1.0) -> float:
@@ -276,9 +235,9 @@ def identities() -> list[str]:
         ).force
         for stuff in (prepared.moved(turn, shift), anew)
     ]
-    ball = drawn_sphere(8e-3, 2, 1.0)
-    on_bone = body(ball, 0.5, bone=drawn_sphere(3e-3, 2, 1.0), bone_pressure=True)
-    uniform = on_bone.bone_pressure(-1e4 * ball.vertex_areas[:, None] * ball.vertex_normals)
+    whole = ball(8e-3, 2, 1.0)
+    on_bone = body(whole, 0.5, bone=ball(3e-3, 2, 1.0), bone_pressure=True)
+    uniform = on_bone.bone_pressure(-1e4 * whole.vertex_areas[:, None] * whole.vertex_normals)
     lines = ["| identity | deviation |", "|---|---|"]
     lines += [f"| force at nu = 0.499999 against nu = 0.5 | {abs(force(0.499999) / there - 1):.1e} |"]
     lines += [f"| force in other units (lengths x 1e-3, 1e3; G x 1e-6, 1e6) | {worst:.1e} |"]
@@ -286,7 +245,7 @@ def identities() -> list[str]:
     lines += [f"| force after a rigid motion, moved against prepared anew | {motion:.1e} |"]
     off = np.abs(uniform / 1e4 - 1).max()
     lines += [
-        f"| bone pressure under a uniform pressure, nu = 0.5, {len(ball.vertices)} vertices | {off:.1e} |"
+        f"| bone pressure under a uniform pressure, nu = 0.5, {len(whole.vertices)} vertices | {off:.1e} |"
     ]
     return lines
 

@@ -30,6 +30,7 @@
 
 pub mod contact;
 pub mod geometry;
+pub mod hand;
 pub mod lcp;
 pub(crate) mod linalg;
 pub mod mesh;

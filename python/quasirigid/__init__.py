@@ -1,14 +1,15 @@
 """Quasi-rigid contact of hand skin with products.
 
 Press a posed hand (a triangle mesh) against a product (a triangle mesh or a primitive) and read off the
-deformed skin, the pressure map, area, force and moment, and how far each can be trusted. All numbers are
-SI: m, N, Pa, rad, s. `io`, `plot` and `reference` are imported when they are first used.
+deformed skin, the pressure map, area, force and moment, and how far each can be trusted. All numbers are SI:
+m, N, Pa, rad, s. `io`, `plot`, `reference`, `accuracy` and `stress` are imported when they are first used.
 """
 
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-from . import models
+from . import _interrupt as _interrupt  # first: it hears Ctrl-C while the rest is imported
+from . import hand, models
 from ._core import __version__
 from .contact import (
     Accuracy,
@@ -28,14 +29,25 @@ from .contact import (
     sweep,
 )
 from .errors import (
+    CoarseMeshWarning,
+    CutWarning,
+    DepthWarning,
+    HandError,
+    MaskWarning,
     MeshFileError,
     MissingExtraError,
+    ModulusWarning,
     ObstacleError,
+    PenetrationWarning,
     QuasirigidError,
     QuasirigidWarning,
+    RefinementWarning,
     ResponseError,
+    ResponseRangeWarning,
+    SizeWarning,
     SurfaceError,
 )
+from .hand import Hand, PosedHand, read_hand
 from .io.read import read_mesh, read_obstacle, read_surface
 from .lcp import (
     Certificate,
@@ -72,27 +84,31 @@ from .skin import (
 from .surface import Repair, Surface, repair, skin_without_caps
 
 if _TYPE_CHECKING:
-    from types import ModuleType as _ModuleType
-
     from . import io, plot, reference
+    from .evaluation import Table, accuracy, stress
 
 __all__ = [
     "Accuracy",
     "Balance",
     "Body",
     "Certificate",
+    "CoarseMeshWarning",
     "CombinedSkin",
     "Contact",
     "ContactError",
     "ContactOptions",
     "ContactStatus",
     "CutOut",
+    "CutWarning",
     "Definiteness",
+    "DepthWarning",
     "Discretization",
     "ElasticSkin",
     "GaussianCorrected",
     "GivenMatrix",
     "HalfSpace",
+    "Hand",
+    "HandError",
     "Layer",
     "LcpAttempt",
     "LcpDefiniteness",
@@ -103,31 +119,41 @@ __all__ = [
     "LcpSolution",
     "LcpStatus",
     "LeftOut",
+    "MaskWarning",
     "Material",
     "MeshFileError",
     "MissingExtraError",
+    "ModulusWarning",
     "NetVolume",
     "Obstacle",
     "ObstacleError",
     "Part",
     "Patch",
+    "PenetrationWarning",
+    "PosedHand",
     "PreparedSkin",
     "PressureBasis",
     "QuasirigidError",
     "QuasirigidWarning",
     "RayConclusion",
     "Refinement",
+    "RefinementWarning",
     "Repair",
     "Response",
     "ResponseError",
+    "ResponseRangeWarning",
+    "SizeWarning",
     "Skin",
     "Start",
     "Surface",
     "SurfaceError",
     "Sweep",
+    "Table",
     "__version__",
+    "accuracy",
     "cut_out",
     "definiteness",
+    "hand",
     "initial_gaps",
     "io",
     "load_prepared",
@@ -135,6 +161,7 @@ __all__ = [
     "net_volume",
     "plot",
     "press",
+    "read_hand",
     "read_mesh",
     "read_obstacle",
     "read_surface",
@@ -144,15 +171,20 @@ __all__ = [
     "skin_without_caps",
     "solve_contact",
     "solve_lcp",
+    "stress",
     "sweep",
 ]
 
 
-def __getattr__(name: str) -> "_ModuleType":
-    """Import what is used by some alone when it is first asked for."""
-    if name in ("io", "plot", "reference"):
-        return _import_module(f".{name}", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+if not _TYPE_CHECKING:
+
+    def __getattr__(name: str) -> object:
+        """Import what is used by some alone when it is first asked for."""
+        if name in ("io", "plot", "reference"):
+            return _import_module(f".{name}", __name__)
+        if name in ("Table", "accuracy", "stress"):
+            return getattr(_import_module(".evaluation", __name__), name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

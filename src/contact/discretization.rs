@@ -84,7 +84,7 @@ pub(crate) fn areas_within_rim(
 }
 
 /// `g0 + R f` (m) at vertices.
-fn gap_at(
+pub(crate) fn gap_at(
     gaps: &Gaps,
     response: &Compliance,
     forces: &NodeForces,

@@ -152,6 +152,17 @@ pub enum ContactError {
         /// Penetrating vertices.
         count: usize,
     },
+    /// A vertex inside the obstacle is one that a body holds in place.
+    #[error(
+        "vertex {vertex} comes to lie inside the obstacle, and the body holds it fixed ({count} such vertices): mask them \
+         out (`skin_mask`), fix fewer (`Body(fixed=)`), cut farther from the contact, or press less deep"
+    )]
+    Held {
+        /// First such vertex.
+        vertex: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// Candidates were still being added when the limit was reached.
     #[error(
         "the candidate set still grew after {growths} rounds ({candidates} of {skin_vertices} skin vertices): raise `max_growths`, or take a response without negative entries"

@@ -20,7 +20,7 @@ use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Inherited;
 use crate::lcp::solution::LcpStatus;
-use crate::response::kernel::basis::Discretization;
+use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::skin::elastic::Traits;
 use crate::surface::checked::Surface;
 
@@ -84,7 +84,7 @@ impl Contact {
         // In collocation on a mesh that was given the area is that of its vertices.
         let is_given = discretization == Discretization::Collocation && gaps.scene.inherited.is_none();
         let areas = if is_given { surface.vertex_areas() } else { &within_rim };
-        if discretization == Discretization::Galerkin {
+        if discretization == Discretization::Galerkin || traits.basis == PressureBasis::OneRing {
             pressure.raise_to_means(surface, &forces, areas);
         }
         let (motion, obstacle_share) = motion.with_product(response, &forces)?;

@@ -47,6 +47,13 @@ pub(crate) fn solve_in_place(
     InPlace::solve(surface, scene, skin, None, options, report)?.contact(options)
 }
 
+impl Known {
+    /// Vertices that are expected to carry force, ascending, and nothing else.
+    pub fn of_active(active: Vec<usize>) -> Self {
+        Self { active, vertices: Vec::new(), displacement: Vec::new() }
+    }
+}
+
 impl<'a> InPlace<'a> {
     /// Finds the node forces.
     ///
@@ -69,7 +76,7 @@ impl<'a> InPlace<'a> {
         let mut gaps = Gaps::measure(surface, scene, options.search_distance)?;
         report.clock("signed_distance", started);
         report.note_gaps(&gaps);
-        report.warn_of_scene(&gaps);
+        report.warn_of_walls(&gaps);
 
         // 2-4. Candidates, response, complementarity.
         let response = Compliance::new(surface, skin, traits, options);

@@ -36,6 +36,7 @@ pub use figures::drawn::DrawnSkin;
 pub use options::ContactOptions;
 pub use outcome::{Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, Resultant, Timing};
 pub use press::press;
+pub use report::warning::{Warning, WarningKind};
 pub use scene::{Goal, Press, Start};
 pub use solve::solve_contact;
 pub use tilt::axes::{Balance, Tilt, TiltAxes};

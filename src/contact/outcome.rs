@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::Drawing;
 use crate::contact::figures::resultant::LoadedVertices;
+use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::BodyDoubt;
@@ -48,8 +49,8 @@ pub struct Resultant {
     /// place between the vertices (m²). Under a sharp edge, where the gap opens with a step, that rim is up to a cell
     /// too far in.
     pub contact_area: f64,
-    /// Largest pressure at a vertex; in Galerkin form between vertices too, and never below the mean over the
-    /// contact area of a patch (Pa).
+    /// Largest pressure at a vertex; in Galerkin form between vertices too. There and with one-rings, never below the
+    /// mean over the contact area of a patch (Pa).
     pub max_pressure: f64,
     /// Largest mean pressure over a disc of 1 cm² around a vertex, of these vertices alone
     /// ([`Contact::mean_pressure`], Pa).
@@ -186,8 +187,8 @@ pub struct Contact {
     pub timings: Vec<Timing>,
     /// What the scene did not need, and why.
     pub left_out: Vec<LeftOut>,
-    /// What the user should know, in sentences.
-    pub warnings: Vec<String>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
     /// What the figures of any of its vertices are summed from.
     pub(crate) loaded: LoadedVertices,
     pub(crate) drawing: Drawing,

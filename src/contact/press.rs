@@ -7,6 +7,7 @@ use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::Contact;
 use crate::contact::reach::goal::{Target, reach};
 use crate::contact::reach::on_mesh::Quantity;
+use crate::contact::report::guards::Guarded;
 use crate::contact::scene::{Approach, Goal, Placement, Press};
 use crate::contact::solve::solve;
 use crate::contact::tilt::axes::Balance;
@@ -37,6 +38,17 @@ use crate::surface::checked::Surface;
 /// overlap that is not positive or cannot be reached (with the largest contact found), an obstacle that never meets
 /// the skin or finds no balance, and a current position that already penetrates.
 pub fn press(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    skin: &dyn ElasticSkin,
+    press: &Press,
+    options: &ContactOptions,
+) -> Result<Contact, ContactError> {
+    let guarded = Guarded { surface, obstacle, skin, press: Some(press) };
+    guarded.check(pressed(surface, obstacle, skin, press, options))
+}
+
+fn pressed(
     surface: &Surface,
     obstacle: &Obstacle,
     skin: &dyn ElasticSkin,

@@ -7,6 +7,7 @@ use crate::contact::in_place::solve_in_place;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::Contact;
 use crate::contact::refine::rounds::refine;
+use crate::contact::report::guards::Guarded;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
 use crate::obstacle::posed::Obstacle;
@@ -29,7 +30,9 @@ pub fn solve_contact(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     options.validate()?;
-    with_threads(options, || solve(surface, &Placement { obstacle, press: None }, skin, options))
+    let solved =
+        with_threads(options, || solve(surface, &Placement { obstacle, press: None }, skin, options));
+    Guarded { surface, obstacle, skin, press: None }.check(solved)
 }
 
 /// Solves the contact on the skin's mesh, and on finer ones as far as the options ask for it.

@@ -71,11 +71,12 @@ impl Session<'_> {
         Ok(Answer { solution: self.with_attempts(best.solution), work })
     }
 
-    /// Lemke's method, from a crash basis where that may be tried and leads to an answer.
+    /// Lemke's method, from a crash basis where that may be tried and leads to an answer; the guess, if there is one, leads
+    /// to the crash basis.
     ///
     /// Where the crash basis has no wrong sign, z0 is zero on it and the path has no length.
     pub(super) fn lemke(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
-        let may_crash = options.crash && options.covering.is_none() && self.options.initial_active.is_none();
+        let may_crash = options.crash && options.covering.is_none();
         let mut work = 0.0;
         if may_crash && self.problem.has_positive_diagonal() && self.rows_to_begin_with().len() > FEW_UNKNOWNS
         {

@@ -87,7 +87,8 @@ pub(super) struct PyContact {
     timings: Vec<(&'static str, f64)>,
     /// What the scene did not need, and why.
     left_out: Vec<(&'static str, String)>,
-    warnings: Vec<String>,
+    /// What each is about, and its message.
+    warnings: Vec<(&'static str, String)>,
     drawing: Py<PyDrawing>,
 }
 
@@ -127,7 +128,10 @@ impl PyContact {
             accuracy: Py::new(py, PyAccuracy::from(&contact.accuracy))?,
             timings: contact.timings.iter().map(|timing| (timing.stage, timing.seconds)).collect(),
             left_out: take(&mut contact.left_out).into_iter().map(|one| (one.what, one.why)).collect(),
-            warnings: take(&mut contact.warnings),
+            warnings: take(&mut contact.warnings)
+                .into_iter()
+                .map(|one| (one.kind.as_str(), one.message))
+                .collect(),
             drawing: Py::new(py, PyDrawing { contact, skin: PySkin::for_drawing(skin)?, options })?,
         })
     }

@@ -1,8 +1,9 @@
 //! NumPy arrays in and out.
 
 use super::forked::released;
+use crate::geometry::rigid_motion;
 use faer::{Mat, MatRef};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
 use numpy::ndarray::Dimension;
 use numpy::{
     Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
@@ -91,6 +92,36 @@ pub(super) fn matrix3(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Matrix3<
     }
 }
 
+/// Rotation and translation of `moved`: either, both, or a (4, 4) matrix in the place of the first.
+pub(super) fn rotation_and_translation(
+    rotation: Option<&Bound<'_, PyAny>>,
+    translation: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Matrix3<f64>, Vector3<f64>)> {
+    let shift = translation.map(|translation| vector(translation, "translation")).transpose()?;
+    let Some(rotation) = rotation else {
+        return Ok((Matrix3::identity(), shift.unwrap_or_default()));
+    };
+    let array = float_array(rotation, "rotation")?;
+    let numbers = array.as_slice()?;
+    match array.shape() {
+        [3, 3] => Ok((Matrix3::from_row_slice(numbers), shift.unwrap_or_default())),
+        [4, 4] if shift.is_some() => Err(PyTypeError::new_err(
+            "`rotation` has shape [4, 4] and holds a translation: leave out `translation`",
+        )),
+        [4, 4] if numbers[12..] != [0.0, 0.0, 0.0, 1.0] => Err(PyValueError::new_err(format!(
+            "`rotation` is a (4, 4) matrix with last row {:?}, expected [0, 0, 0, 1]: rotation and translation in its \
+             columns",
+            &numbers[12..]
+        ))),
+        [4, 4] => {
+            let row = |row: usize| &numbers[4 * row..4 * row + 4];
+            let turn = Matrix3::from_fn(|i, j| row(i)[j]);
+            Ok((turn, Vector3::from_fn(|i, _| row(i)[3])))
+        }
+        shape => Err(shape_error("rotation", "(3, 3), or (4, 4) with the translation", shape)),
+    }
+}
+
 /// (n,) numbers.
 pub(super) fn scalars(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     // What needs no conversion need not ask NumPy for one.
@@ -104,6 +135,43 @@ pub(super) fn scalars(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>
         [_] => Ok(array.as_slice()?.to_vec()),
         shape => Err(shape_error(name, "(n,)", shape)),
     }
+}
+
+/// (n, k) numbers row by row, and k.
+pub(super) fn number_rows(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<f64>, usize)> {
+    let array = float_array(value, name)?;
+    match array.shape() {
+        [_, per_row] => Ok((array.as_slice()?.to_vec(), *per_row)),
+        shape => Err(shape_error(name, "(n, k)", shape)),
+    }
+}
+
+/// (n, k) indices row by row, and k; a negative one is none that exists.
+pub(super) fn index_rows(value: &Bound<'_, PyAny>, name: &str) -> PyResult<(Vec<usize>, usize)> {
+    let array = integer_array(value, name)?;
+    match array.shape() {
+        [_, per_row] => {
+            let index = |&index: &i64| usize::try_from(index).unwrap_or(usize::MAX);
+            Ok((array.as_slice()?.iter().map(index).collect(), *per_row))
+        }
+        shape => Err(shape_error(name, "(n, k)", shape)),
+    }
+}
+
+/// (k, 4, 4) rigid motions.
+pub(super) fn motions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Isometry3<f64>>> {
+    let array = float_array(value, name)?;
+    let [_, 4, 4] = array.shape() else {
+        return Err(shape_error(name, "(k, 4, 4)", array.shape()));
+    };
+    let motion = |(row, entries): (usize, &[f64])| {
+        let matrix = Matrix4::from_row_slice(entries);
+        let (rotation, translation) =
+            (matrix.fixed_view::<3, 3>(0, 0).into_owned(), matrix.fixed_view::<3, 1>(0, 3).into_owned());
+        rigid_motion(&rotation, &translation)
+            .map_err(|error| PyValueError::new_err(format!("`{name}[{row}]`: {error}")))
+    };
+    array.as_slice()?.chunks_exact(16).enumerate().map(motion).collect()
 }
 
 /// (n,) booleans.

@@ -1,10 +1,10 @@
 //! Parts of a skin, cut out for a body of their own.
 
-use super::convert::{read_only, vector};
+use super::convert::{mask, read_only, vector};
 use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
 use super::surface::PySurface;
-use crate::surface::{self, CutOutError};
+use crate::surface::{self, CutOut, CutOutError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -27,7 +27,22 @@ pub(super) fn cut_out(
     normal: &Bound<'_, PyAny>,
 ) -> PyResult<CutOutParts> {
     let (point, normal) = (vector(point, "point")?, vector(normal, "normal")?);
-    let part = released(py, || surface::cut_out(&surface.inner, tip, &point, &normal));
+    parts_out(released(py, || surface::cut_out(&surface.inner, tip, &point, &normal)), py)
+}
+
+/// The part of a surface that a mask marks, closed.
+#[pyfunction]
+#[pyo3(signature = (surface, keep))]
+pub(super) fn cut_out_marked(
+    py: Python<'_>,
+    surface: &PySurface,
+    keep: &Bound<'_, PyAny>,
+) -> PyResult<CutOutParts> {
+    let keep = mask(keep, "keep")?;
+    parts_out(released(py, || surface::cut_out_marked(&surface.inner, &keep)), py)
+}
+
+fn parts_out(part: Result<CutOut, CutOutError>, py: Python<'_>) -> PyResult<CutOutParts> {
     let part = part.map_err(|error| match error {
         CutOutError::Surface(error) => error.into_py_err(),
         other => SurfaceError::new_err(other.to_string()),

@@ -9,6 +9,7 @@ mod elastic;
 mod errors;
 mod forked;
 mod gaps;
+mod hand;
 mod interrupt;
 mod lcp;
 mod loaded;
@@ -32,9 +33,11 @@ mod _core {
     #[pymodule_export]
     use super::contact_options::PyContactOptions;
     #[pymodule_export]
-    use super::cut_out::cut_out;
+    use super::cut_out::{cut_out, cut_out_marked};
     #[pymodule_export]
     use super::gaps::initial_gaps;
+    #[pymodule_export]
+    use super::hand::PySkinWeights;
     #[pymodule_export]
     use super::lcp::{PyLcpOptions, PyLcpRay, PyLcpSolution, solve_lcp};
     #[pymodule_export]
@@ -51,7 +54,7 @@ mod _core {
     #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
-    use super::surface::{PySurface, repair, skin_without_caps};
+    use super::surface::{PySurface, find_crossings, repair, skin_without_caps};
 
     use pyo3::prelude::*;
 
@@ -77,10 +80,13 @@ mod _core {
                 "Obstacle",
                 "Resultant",
                 "Skin",
+                "SkinWeights",
                 "Surface",
                 "contact_modulus",
                 "cut_out",
+                "cut_out_marked",
                 "definiteness",
+                "find_crossings",
                 "initial_gaps",
                 "plate_on_cored_sphere",
                 "point_load_on_layer",

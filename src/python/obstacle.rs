@@ -1,7 +1,8 @@
 //! `quasirigid.Obstacle`.
 
 use super::convert::{
-    MatrixArgument, faces, faces_out, matrix3, mesh_arrays, nodes, vector, vector_out, vectors, vectors_out,
+    MatrixArgument, faces, faces_out, mesh_arrays, nodes, rotation_and_translation, vector, vector_out,
+    vectors, vectors_out,
 };
 use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
@@ -170,18 +171,23 @@ impl PyObstacle {
     ///
     /// Parameters
     /// ----------
-    /// rotation : (3, 3) array_like
-    ///     Proper rotation, orthonormal to 1e-9.
-    /// translation : (3,) array_like
+    /// rotation : (3, 3) or (4, 4) array_like, optional
+    ///     Proper rotation, orthonormal to 1e-9; a (4, 4) matrix holds the shift too.
+    /// translation : (3,) array_like, optional
     ///     Shift (m).
     ///
     /// Returns
     /// -------
     /// Obstacle
     ///     The copy; it shares the shape, so it costs next to nothing.
-    #[pyo3(text_signature = "(self, rotation, translation)")]
-    fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
-        made(self.inner.moved(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?))
+    #[pyo3(signature = (rotation=None, translation=None), text_signature = "(self, rotation=None, translation=None)")]
+    fn moved(
+        &self,
+        rotation: Option<&Bound<'_, PyAny>>,
+        translation: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (rotation, translation) = rotation_and_translation(rotation, translation)?;
+        made(self.inner.moved(&rotation, &translation))
     }
 
     /// A copy that gives way under the contact's forces.
@@ -213,7 +219,7 @@ impl PyObstacle {
     ///
     /// Warns
     /// -----
-    /// QuasirigidWarning
+    /// ResponseRangeWarning
     ///     If the response is not well posed.
     ///
     /// References

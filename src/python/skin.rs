@@ -1,8 +1,8 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
 use super::convert::{
-    MatrixArgument, faces, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vector, vectors,
-    vectors_out,
+    MatrixArgument, faces, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, rotation_and_translation,
+    scalars, vectors, vectors_out,
 };
 use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
@@ -340,10 +340,17 @@ impl PySkin {
     }
 
     /// The prepared or combined skin after a rigid motion of its surface.
-    fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?)
+    #[pyo3(signature = (rotation=None, translation=None))]
+    fn moved(
+        &self,
+        py: Python<'_>,
+        rotation: Option<&Bound<'_, PyAny>>,
+        translation: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (rotation, translation) = rotation_and_translation(rotation, translation)?;
+        let motion = rigid_motion(&rotation, &translation)
             .map_err(|error| ResponseError::new_err(error.to_string()))?;
-        Ok(released(rotation.py(), || self.inner.moved(&motion))?.into())
+        Ok(released(py, || self.inner.moved(&motion))?.into())
     }
 
     /// Whether the surface is the one that this skin fits.

@@ -1,10 +1,12 @@
 //! `quasirigid.Surface` and what works on raw vertices and faces.
 
 use super::convert::{
-    faces, faces_out, mask, matrix3, mesh_arrays, nodes, nodes_out, vector, vectors, vectors_out,
+    faces, faces_out, mask, mesh_arrays, nodes, nodes_out, pairs_out, rotation_and_translation, vectors,
+    vectors_out,
 };
 use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
+use crate::geometry::bounds::is_within_range;
 use crate::geometry::rigid_motion;
 use crate::mesh::{self, RepairOptions};
 use crate::surface::Surface;
@@ -207,15 +209,21 @@ impl PySurface {
     ///
     /// Parameters
     /// ----------
-    /// rotation : (3, 3) array_like
-    ///     Proper rotation, orthonormal to 1e-9.
-    /// translation : (3,) array_like
+    /// rotation : (3, 3) or (4, 4) array_like, optional
+    ///     Proper rotation, orthonormal to 1e-9; a (4, 4) matrix holds the shift too.
+    /// translation : (3,) array_like, optional
     ///     Shift (m).
-    #[pyo3(text_signature = "(self, rotation, translation)")]
-    fn moved(&self, rotation: &Bound<'_, PyAny>, translation: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let motion = rigid_motion(&matrix3(rotation, "rotation")?, &vector(translation, "translation")?);
+    #[pyo3(signature = (rotation=None, translation=None), text_signature = "(self, rotation=None, translation=None)")]
+    fn moved(
+        &self,
+        py: Python<'_>,
+        rotation: Option<&Bound<'_, PyAny>>,
+        translation: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (rotation, translation) = rotation_and_translation(rotation, translation)?;
+        let motion = rigid_motion(&rotation, &translation);
         let motion = motion.map_err(|error| SurfaceError::new_err(error.to_string()))?;
-        Ok(released(rotation.py(), || self.inner.moved(&motion)).into())
+        Ok(released(py, || self.inner.moved(&motion)).into())
     }
 
     /// The vertices within some rings of neighbours, the nodes among them.
@@ -299,6 +307,31 @@ impl PySurface {
 #[pyo3(text_signature = "(surface)")]
 pub(super) fn skin_without_caps<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {
     PyArray1::from_vec(py, released(py, || surface.inner.skin_without_caps()))
+}
+
+/// Pairs of faces (k, 2) that cross beyond what they share.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces))]
+pub(super) fn find_crossings<'py>(
+    py: Python<'py>,
+    vertices: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyArray2<i64>>> {
+    let vertices = vectors(vertices, "vertices")?;
+    let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
+    let count = vertices.len();
+    if let Some(vertex) = faces.iter().flatten().find(|&&vertex| vertex as usize >= count) {
+        return Err(SurfaceError::new_err(format!("a face refers to vertex {vertex} of {count}")));
+    }
+    if let Some(vertex) = vertices.iter().position(|point| !is_within_range(point)) {
+        let point = vertices[vertex];
+        return Err(SurfaceError::new_err(format!(
+            "vertex {vertex} is at ({:e}, {:e}, {:e}) m, expected finite coordinates within 1e60 m",
+            point.x, point.y, point.z
+        )));
+    }
+    let pairs = released(py, || crate::geometry::find_crossings(&vertices, &faces));
+    Ok(pairs_out(py, &pairs))
 }
 
 /// Repairs raw vertices and faces; returns vertices, faces, vertex map (-1: dropped) and a report.

@@ -52,6 +52,25 @@ pub enum CutOutError {
         /// The vertex named.
         tip: usize,
     },
+    /// There is not one entry a vertex in the mask of what to keep.
+    #[error("`keep` has {found} entries, but the skin has {vertex_count} vertices")]
+    KeepLength {
+        /// Its length.
+        found: usize,
+        /// Number of skin vertices.
+        vertex_count: usize,
+    },
+    /// The mask marks no face, or a whole closed surface.
+    #[error(
+        "`keep` marks {marked} of {vertex_count} vertices, expected those of a part: some whole faces, and not all that \
+         hang together"
+    )]
+    KeepNothing {
+        /// Vertices marked.
+        marked: usize,
+        /// Number of skin vertices.
+        vertex_count: usize,
+    },
     /// The closed part is no sound surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
@@ -89,13 +108,42 @@ pub fn cut_out(
     if !kept.contains(&true) {
         return Err(CutOutError::TipCutOff { tip, distance: (skin.vertices()[tip] - point).dot(&normal) });
     }
-    let loops = border_loops(skin, &kept);
-    if loops.is_empty() {
-        return Err(CutOutError::NothingCut { tip });
+    closed(skin, &kept)?.ok_or(CutOutError::NothingCut { tip })
+}
+
+/// The part of a skin that a mask marks, as a closed surface: [`cut_out`] with the faces whose corners are all marked.
+///
+/// Of several pieces that do not hang together, the one with the most faces.
+///
+/// * `keep`: one entry a vertex of the skin
+///
+/// # Errors
+/// [`CutOutError`] by variant; [`CutOutError::Surface`] if the border is so crooked that its cap folds.
+pub fn cut_out_marked(skin: &Surface, keep: &[bool]) -> Result<CutOut, CutOutError> {
+    let (found, vertex_count) = (keep.len(), skin.vertices().len());
+    if found != vertex_count {
+        return Err(CutOutError::KeepLength { found, vertex_count });
     }
+    let marked = keep.iter().filter(|&&marked| marked).count();
+    let is_marked = |face: &[u32; 3]| face.iter().all(|&vertex| keep[vertex as usize]);
+    let kept = largest_piece(skin, skin.faces().iter().map(is_marked).collect());
+    let nothing = || CutOutError::KeepNothing { marked, vertex_count };
+    if !kept.contains(&true) {
+        return Err(nothing());
+    }
+    closed(skin, &kept)?.ok_or_else(nothing)
+}
+
+/// The kept faces closed by caps; `None` where they have no border.
+fn closed(skin: &Surface, kept: &[bool]) -> Result<Option<CutOut>, CutOutError> {
+    let loops = border_loops(skin, kept);
+    if loops.is_empty() {
+        return Ok(None);
+    }
+    let vertex_count = skin.vertices().len();
 
     let mut part_vertices = vec![None; vertex_count];
-    let kept_faces = || skin.faces().iter().zip(&kept).filter(|(_, kept)| **kept).map(|(face, _)| face);
+    let kept_faces = || skin.faces().iter().zip(kept).filter(|(_, kept)| **kept).map(|(face, _)| face);
     kept_faces().flatten().for_each(|&v| part_vertices[v as usize] = Some(0));
     let mut source_vertices = Vec::new();
     for (vertex, part) in part_vertices.iter_mut().enumerate().filter(|(_, part)| part.is_some()) {
@@ -119,25 +167,44 @@ pub fn cut_out(
     };
     let skin_mask = source_vertices.iter().zip(&fixed).map(may_touch).collect();
     let surface = Surface::new(vertices, faces)?.with_skin_mask(skin_mask)?;
-    Ok(CutOut { surface, fixed, source_vertices, part_vertices })
+    Ok(Some(CutOut { surface, fixed, source_vertices, part_vertices }))
 }
 
 /// The faces in front of the plane that are connected to `tip`, less those that meet others in a vertex alone.
 fn keep_faces(skin: &Surface, tip: usize, point: &Vector3<f64>, normal: &Vector3<f64>) -> Vec<bool> {
     let in_front = |v: u32| (skin.vertices()[v as usize] - point).dot(normal) > 0.0;
-    let mut allowed: Vec<bool> = skin.faces().iter().map(|face| face.iter().all(|&v| in_front(v))).collect();
-    loop {
-        let mut kept = vec![false; allowed.len()];
-        let mut waiting: Vec<usize> = skin.faces_around(tip).iter().map(|&face| face as usize).collect();
-        waiting.truncate(waiting.iter().position(|&face| allowed[face]).map_or(0, |first| first + 1));
-        waiting.drain(..waiting.len().saturating_sub(1));
-        while let Some(face) = waiting.pop() {
-            if std::mem::replace(&mut kept[face], true) {
-                continue;
+    let allowed = skin.faces().iter().map(|face| face.iter().all(|&v| in_front(v))).collect();
+    without_pinches(skin, allowed, |allowed| {
+        let first = skin.faces_around(tip).iter().map(|&face| face as usize).find(|&face| allowed[face]);
+        first.map_or_else(|| vec![false; allowed.len()], |first| connected(skin, allowed, first))
+    })
+}
+
+/// The largest connected piece of some faces, less those that meet others in a vertex alone.
+fn largest_piece(skin: &Surface, allowed: Vec<bool>) -> Vec<bool> {
+    without_pinches(skin, allowed, |allowed| {
+        let mut left = allowed.to_vec();
+        let (mut largest, mut most) = (vec![false; allowed.len()], 0);
+        while let Some(first) = left.iter().position(|&is_left| is_left) {
+            let piece = connected(skin, allowed, first);
+            let count = piece
+                .iter()
+                .zip(&mut left)
+                .filter(|(is_in, _)| **is_in)
+                .map(|(_, left)| *left = false)
+                .count();
+            if count > most {
+                (largest, most) = (piece, count);
             }
-            let across = (0..3).filter_map(|edge| skin.topology().across(face, edge));
-            waiting.extend(across.filter(|&next| allowed[next] && !kept[next]));
         }
+        largest
+    })
+}
+
+/// What `pick` keeps of the allowed faces, once no two of its borders meet in a vertex.
+fn without_pinches(skin: &Surface, mut allowed: Vec<bool>, pick: impl Fn(&[bool]) -> Vec<bool>) -> Vec<bool> {
+    loop {
+        let kept = pick(&allowed);
         let mut starts: HashMap<u32, usize> = HashMap::new();
         border_edges(skin, &kept).for_each(|[a, _]| *starts.entry(a).or_default() += 1);
         let pinched: Vec<u32> =
@@ -149,6 +216,20 @@ fn keep_faces(skin: &Surface, tip: usize, point: &Vector3<f64>, normal: &Vector3
             skin.faces_around(vertex as usize).iter().for_each(|&face| allowed[face as usize] = false);
         }
     }
+}
+
+/// The allowed faces that hang together with one of them.
+fn connected(skin: &Surface, allowed: &[bool], first: usize) -> Vec<bool> {
+    let mut kept = vec![false; allowed.len()];
+    let mut waiting = vec![first];
+    while let Some(face) = waiting.pop() {
+        if std::mem::replace(&mut kept[face], true) {
+            continue;
+        }
+        let across = (0..3).filter_map(|edge| skin.topology().across(face, edge));
+        waiting.extend(across.filter(|&next| allowed[next] && !kept[next]));
+    }
+    kept
 }
 
 /// Directed edges of kept faces without a kept face across.

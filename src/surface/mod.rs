@@ -19,6 +19,6 @@ pub(crate) mod shortest_paths;
 
 pub use checked::{Surface, SurfaceError};
 pub use coarse::{CoarsePlace, CoarseSkin};
-pub use cut_out::{CutOut, CutOutError, cut_out};
+pub use cut_out::{CutOut, CutOutError, cut_out, cut_out_marked};
 pub use refined::RefinedSurface;
 pub use shortest_paths::{LONGEST_DETOUR, NearestAlongSkin, shares_tissue};

@@ -1,7 +1,7 @@
 //! Contacts that reach where the skin is cut, and the warning of it.
 
 use nalgebra::Vector3;
-use quasirigid::contact::{Contact, ContactOptions, solve_contact};
+use quasirigid::contact::{Contact, ContactOptions, WarningKind, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::response::{ElasticSkin, PreparedBody};
@@ -29,7 +29,8 @@ fn both(surface: &Surface, obstacle: &Obstacle, skin: &dyn ElasticSkin) -> [Cont
 
 /// The warnings of cuts.
 fn cuts(contact: &Contact) -> Vec<&String> {
-    contact.warnings.iter().filter(|warning| warning.contains("reaches")).collect()
+    let of_cuts = contact.warnings.iter().filter(|warning| warning.kind == WarningKind::Cut);
+    of_cuts.map(|warning| &warning.message).collect()
 }
 
 /// Asserts one warning, of `place`, with the force at the active vertices that `is_at` names.

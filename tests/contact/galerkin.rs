@@ -75,7 +75,7 @@ fn a_press_too_shallow_for_the_mesh_keeps_its_penetration_and_says_so() {
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.resultant.force, Vector3::zeros());
     assert_relative_eq!(contact.max_penetration_after, 1e-5, max_relative = 1e-9);
-    assert!(contact.warnings[0].contains("refine the mesh"), "{:?}", contact.warnings);
+    assert!(contact.warnings[0].message.contains("refine the mesh"), "{:?}", contact.warnings);
 }
 
 #[test]
@@ -91,6 +91,6 @@ fn an_obstacle_between_the_vertices_leaves_its_depth_and_a_word() {
     assert!(contact.active.is_empty());
     assert!(contact.max_penetration_before > 0.0);
     assert_relative_eq!(contact.max_penetration_after, depth, max_relative = 0.05);
-    let [warning] = &contact.warnings[..] else { panic!("{:?}", contact.warnings) };
-    assert!(warning.contains("still penetrates") && !warning.contains("NaN"), "{warning}");
+    let says = |words: &str| contact.warnings.iter().any(|warning| warning.message.contains(words));
+    assert!(says("still penetrates") && !says("NaN"), "{:?}", contact.warnings);
 }

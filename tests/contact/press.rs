@@ -205,7 +205,7 @@ fn an_obstacle_in_another_unit_is_warned_about() {
     let (vertices, faces) = icosphere(8.0, 2);
     let huge = Obstacle::mesh(vertices, faces, &Default::default()).expect("a valid obstacle");
     let contact = solve(&ball(8e-3, 2), &huge.translated(&Vector3::new(0.0, 0.0, -9.0)), &half_space());
-    assert!(contact.warnings[0].contains("unit"), "{:?}", contact.warnings);
+    assert!(contact.warnings[0].message.contains("unit"), "{:?}", contact.warnings);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use quasirigid::geometry::Bounds;
 use quasirigid::response::body::{Body, BodyOptions};
-use quasirigid::surface::{CutOut, CutOutError, Surface, cut_out};
+use quasirigid::surface::{CutOut, CutOutError, Surface, cut_out, cut_out_marked};
 
 use crate::common::{data_dir, icosphere, read_ply};
 use crate::surface;
@@ -114,4 +114,37 @@ fn a_cut_that_leaves_nothing_or_everything_is_named() {
         CutOutError::TipCutOff { tip, distance: -1.0 + skin.vertices()[tip].z.abs() }
     );
     assert_eq!(error(tip, -z, z), CutOutError::NothingCut { tip });
+}
+
+#[test]
+fn a_mask_cuts_what_the_plane_between_its_vertices_cuts() {
+    let skin = sphere(3);
+    let normal = Vector3::new(0.0, 0.0, -1.0);
+    let by_plane = cut_out(&skin, lowest(&skin), &Vector3::new(0.0, 0.0, -1e-3), &normal).expect("a cap");
+    let keep: Vec<bool> = skin.vertices().iter().map(|vertex| vertex.z < -1e-3).collect();
+    let by_mask = cut_out_marked(&skin, &keep).expect("a cap");
+    check_part(&skin, &by_mask);
+    assert_eq!(by_mask.part_vertices, by_plane.part_vertices);
+    assert_eq!(by_mask.surface.faces(), by_plane.surface.faces());
+}
+
+#[test]
+fn of_two_pieces_the_larger_is_kept() {
+    let skin = sphere(3);
+    let keep: Vec<bool> = skin.vertices().iter().map(|vertex| vertex.z < -4e-3 || vertex.z > 2e-3).collect();
+    let part = cut_out_marked(&skin, &keep).expect("a cap");
+    check_part(&skin, &part);
+    assert!(part.source_vertices.iter().flatten().all(|&source| skin.vertices()[source].z > 2e-3));
+}
+
+#[test]
+fn a_mask_of_no_part_is_refused() {
+    let skin = sphere(1);
+    let vertex_count = skin.vertices().len();
+    let refused = |keep: &[bool]| cut_out_marked(&skin, keep).unwrap_err();
+    assert_eq!(refused(&[true; 3]), CutOutError::KeepLength { found: 3, vertex_count });
+    for marked in [0, vertex_count] {
+        let keep = vec![marked > 0; vertex_count];
+        assert_eq!(refused(&keep), CutOutError::KeepNothing { marked, vertex_count });
+    }
 }

@@ -10,6 +10,13 @@ import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN, ball
 
+# Scenes are coarse on purpose, and taken as they are; some are in other units.
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning"),
+    pytest.mark.filterwarnings("ignore::quasirigid.ModulusWarning"),
+    pytest.mark.filterwarnings("ignore::quasirigid.SizeWarning"),
+]
+
 SHEAR_MODULUS = 60e3
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 UP = [0, 0, 1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -179,3 +180,56 @@ def test_a_body_takes_it_and_coarser_elements_cost_little() -> None:
         skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response).prepared(tip, pad)
         forces.append(qr.press(tip, plate, skin, [0, 0, 1], depth=1.12e-3).force[2])
     assert forces[0] == pytest.approx(forces[1], rel=0.02)
+
+
+def test_a_cut_out_finger_knows_its_cut() -> None:
+    finger = qr.models.finger(edge_length=2e-3)
+    part = qr.cut_out(finger, keep=finger.vertices[:, 1] > 0.045)
+    bone = qr.models.bone_of(part)
+    same = qr.models.bone_of(part.surface, cut=part.fixed)
+    np.testing.assert_array_equal(bone.vertices, same.vertices)
+
+
+def test_bones_end_at_the_joints_that_are_given() -> None:
+    finger = qr.models.finger(edge_length=1.5e-3)
+    tip = finger.vertices[:, 1].max()
+    joints = [[0.0, tip - 0.041, 0.0], [0.0, tip - 0.020, 0.0], [0.0, tip, 0.0]]
+    bones = bones_in(qr.models.bone_of(finger, joints=joints))
+    assert len(bones) == 2
+    # Half a millimetre of cartilage on either side of a joint.
+    ends = [(tip - bone[:, 1]).max() for bone in bones], [(tip - bone[:, 1]).min() for bone in bones]
+    np.testing.assert_allclose(ends[0], [0.0195, 0.0405], atol=1e-6)
+    np.testing.assert_allclose(ends[1], [LENGTHS["middle"][0], 0.0205], atol=1e-6)
+    turned = qr.models.bone_of(
+        finger.moved(TURN, [0.1, 0.2, 0.3]),
+        joints=joints @ TURN.T + [0.1, 0.2, 0.3],
+        palmar=TURN @ [0, 0, -1],
+    )
+    expected = qr.models.bone_of(finger, joints=joints).vertices @ TURN.T + [0.1, 0.2, 0.3]
+    np.testing.assert_allclose(turned.vertices, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("joints", "message"),
+    [
+        ([[0, 0.05, 0]], r"joints is .*, expected \(k, 3\)"),
+        ([0.05, 0.07], r"joints is .*, expected \(k, 3\)"),
+        ([[0, np.nan, 0], [0, 0.07, 0]], "finite numbers"),
+        ("tip", "joints is 'tip'"),
+        ([[0, 0.03, 0], [0, 0.01, 0], [0, 0.07, 0]], "expected rising numbers, the joints from the root"),
+    ],
+)
+def test_joints_that_are_none_are_refused(joints: object, message: str) -> None:
+    with pytest.raises(qr.SurfaceError, match=message):
+        qr.models.bone_of(qr.models.finger(edge_length=3e-3), joints=joints)  # type: ignore[arg-type]
+
+
+def test_a_bone_too_near_to_the_skin_says_what_would_pass() -> None:
+    finger = qr.models.fingertip(edge_length=2e-3)
+    with pytest.raises(qr.SurfaceError, match=r"expected at least 2\.30 mm") as refused:
+        qr.models.bone_of(finger, min_thickness=2.3e-3)
+    remedies = re.findall(r"(scale|min_thickness)=([\d.e-]+)", str(refused.value))
+    assert "min_thickness" in dict(remedies)
+    for name, value in remedies:
+        asked = {"min_thickness": 2.3e-3, name: float(value)}
+        assert qr.models.bone_of(finger, **asked).is_closed

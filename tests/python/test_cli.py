@@ -20,7 +20,13 @@ from quasirigid.cli import run
 from quasirigid.cli.arguments import parse_response, rotation
 from quasirigid.io import patch_table
 
-COMMANDS = [[], ["demo"], ["press"], ["sweep"], ["info"]]
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
+COMMANDS = [
+    [],
+    *([name] for name in ("demo", "press", "sweep", "info", "repair", "accuracy", "stress", "completion")),
+]
 
 
 DEMO = ["demo", "--quick", "--out", "demo-output"]

@@ -12,6 +12,9 @@ import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN, ball, grid
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 G, NU = 60e3, 0.5
 SKIN = qr.Skin(shear_modulus=G, poisson_ratio=NU, response=qr.HalfSpace())
 UP = [0.0, 0.0, 1.0]

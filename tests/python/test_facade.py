@@ -11,6 +11,9 @@ import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN, ball
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 SURFACE = qr.Surface(*ball(8e-3, 2))
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
@@ -47,7 +50,7 @@ def test_the_public_members_are_those_that_a_user_may_use(contact: qr.Contact) -
     public = {
         SKIN: {"shear_modulus", "poisson_ratio", "response", "prepared", "combined"},
         prepared: {"skin", "nodes", "bone_pressure", "moved", "save"},
-        SKIN.combined(SURFACE, {}): {"background", "parts", "without", "moved"},
+        SKIN.combined(SURFACE, {}): {"background", "parts", "without", "bone_pressure", "moved"},
     }
     for thing, names in public.items():
         assert {name for name in dir(thing) if not name.startswith("_")} == names
@@ -195,7 +198,8 @@ def test_what_is_warned_of_is_kept() -> None:
     )
     with pytest.warns(qr.QuasirigidWarning, match="unit") as caught:
         contact = qr.solve_contact(SURFACE, huge, SKIN)
-    assert contact.warnings == tuple(str(one.message) for one in caught)
+    assert contact.warnings == tuple((one.category, str(one.message)) for one in caught)
+    assert contact.warnings[0].category is qr.SizeWarning
 
 
 def test_help_says_what_returns() -> None:

@@ -11,6 +11,9 @@ import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 SHEAR_MODULUS = 60e3
 UP = np.array([0.0, 0.0, 1.0])
@@ -247,3 +250,73 @@ def test_a_finger_cut_out_of_a_hand_presses_with_the_palm() -> None:
     given = contact.active[contact.active < contact.given_vertex_count]
     assert (part.part_vertices[given] >= 0).all()
     assert 0 < contact.force[2] < 3 * kernel.force[2]
+
+
+def test_a_mask_cuts_out_as_a_plane_does_and_the_count_is_known(finger: qr.Surface, part: qr.CutOut) -> None:
+    same = qr.cut_out(finger, keep=finger.vertices[:, 1] > 0.040)
+    np.testing.assert_array_equal(same.part_vertices, part.part_vertices)
+    np.testing.assert_array_equal(same.surface.vertices, part.surface.vertices)
+    assert same.kept_count == np.count_nonzero(finger.vertices[:, 1] > 0.040)
+
+
+def test_a_plane_that_leaves_most_of_the_skin_says_so(finger: qr.Surface) -> None:
+    tip = int(np.argmax(finger.vertices[:, 1]))
+    with pytest.warns(qr.CutWarning, match=r"leaves \d+ of \d+ vertices") as told:
+        part = qr.cut_out(finger, tip=tip, point=[0, 0.01, 0], normal=[0, 1, 0])
+    assert f"leaves {part.kept_count} of {len(finger.vertices)}" in str(told[0].message)
+    # Who marks the vertices knows them.
+    assert qr.cut_out(finger, keep=finger.vertices[:, 1] > 0.01).kept_count == part.kept_count
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "given: none of them"),
+        ({"tip": 0}, "given: tip$"),
+        ({"tip": 0, "point": [0, 0, 0]}, "given: tip, point$"),
+        ({"keep": [True], "tip": 0}, "given: tip, keep$"),
+    ],
+)
+def test_a_cut_takes_a_plane_or_a_mask(
+    arguments: dict[str, object], message: str, finger: qr.Surface
+) -> None:
+    with pytest.raises(TypeError, match=message):
+        qr.cut_out(finger, **arguments)  # type: ignore[call-overload]
+
+
+def test_a_mask_of_no_part_is_refused(finger: qr.Surface) -> None:
+    count = len(finger.vertices)
+    with pytest.raises(qr.SurfaceError, match=f"`keep` marks 0 of {count} vertices"):
+        qr.cut_out(finger, keep=np.zeros(count, dtype=bool))
+    with pytest.raises(qr.SurfaceError, match=f"`keep` marks {count} of {count} vertices"):
+        qr.cut_out(finger, keep=np.ones(count, dtype=bool))
+    with pytest.raises(qr.SurfaceError, match=f"`keep` has 1 entries, but the skin has {count} vertices"):
+        qr.cut_out(finger, keep=[True])
+    with pytest.raises(TypeError, match="`keep` has dtype int64"):
+        qr.cut_out(finger, keep=np.arange(5))
+
+
+# Small bumps on a mesh taken as it is.
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+def test_a_combined_contact_presses_on_the_bones_of_its_parts(finger: qr.Surface, part: qr.CutOut) -> None:
+    response = part.body(bone=qr.models.bone_of(part), bone_pressure=True)
+    pad = part.surface.skin_mask & (part.surface.vertices[:, 2] < 2e-3)
+    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=response)
+    prepared = skin.prepared(part.surface, np.flatnonzero(pad))
+    combined = HALF_SPACE.combined(finger, {"tip": (part, prepared)})
+    bump = ball_below(0.066, finger)
+    whole = qr.press(finger, bump, combined, UP, depth=0.8e-3, options=AS_GIVEN)
+    alone = qr.press(part.surface, bump, prepared, UP, depth=0.8e-3, options=AS_GIVEN)
+    found = combined.bone_pressure(whole)
+    assert list(found) == ["tip"]
+    expected = prepared.bone_pressure(alone)
+    np.testing.assert_allclose(found["tip"], expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max())
+    assert found["tip"].max() > 0.0
+    # Refined meshes hand the forces of added vertices to the given ones.
+    refined = combined.bone_pressure(qr.press(finger, bump, combined, UP, depth=0.8e-3))
+    assert refined["tip"].max() > 0.0
+    with pytest.raises(qr.ResponseError, match=r"the forces have shape \(3, 3\)"):
+        combined.bone_pressure(np.zeros((3, 3)))
+    with pytest.raises(qr.ResponseError, match="bone_pressure=True"):
+        HALF_SPACE.combined(finger, {"tip": (part, prepared_part(part))}).bone_pressure(whole)

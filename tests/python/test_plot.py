@@ -13,11 +13,13 @@ pytest.importorskip("matplotlib")
 
 from quasirigid import plot
 from quasirigid.errors import MissingExtraError
+from quasirigid.plot import section
 from quasirigid.plot.outline import contact_side
 from quasirigid.plot.raster import rasterise
 from quasirigid.plot.section import cut_lines, joined
 from quasirigid.plot.style import round_steps
 from quasirigid.plot.view import View
+from shapes import ball
 
 FRONT = View.along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
 
@@ -146,3 +148,25 @@ def test_a_missing_matplotlib_is_named_with_its_remedy(
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'quasirigid\[plot\]'"):
         plot.footprint_figure(pressed)
+
+
+def test_the_cut_goes_through_the_patch_with_the_largest_force(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Two balls side by side, the one at +x 0.5 mm deeper.
+    vertices, faces = ball(8e-3, 3)
+    apart = np.array([[-0.02, 0, 0], [0.02, 0, -0.5e-3]])
+    both = (vertices + apart[:, None]).reshape(-1, 3)
+    surface = qr.Surface(both, np.concatenate([faces, faces + len(vertices)]))
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    contact = qr.press(surface, qr.Obstacle.half_space([0, 0, -1], [0, 0, 1]), skin, [0, 0, 1], depth=1e-3)
+    assert len(contact.patches) == 2
+    centers = []
+    cut = section._cut
+
+    def noted(vertices: object, faces: object, center: np.ndarray, view: object) -> object:
+        centers.append(center)
+        return cut(vertices, faces, center, view)
+
+    monkeypatch.setattr(section, "_cut", noted)
+    lines = plot.plot_section(contact, view=FRONT).lines
+    assert all(center[0] == pytest.approx(0.02, abs=1e-4) for center in centers)
+    assert any(len(line.get_xdata()) > 2 for line in lines)

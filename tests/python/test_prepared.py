@@ -14,6 +14,9 @@ import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN, ball
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 SHEAR_MODULUS = 60e3
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])

@@ -11,6 +11,9 @@ import pytest
 import quasirigid as qr
 from shapes import ball
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.5}
 SKIN = qr.Skin(**MATERIAL, response=qr.HalfSpace())
 UP = [0.0, 0.0, 1.0]
@@ -112,6 +115,7 @@ def test_none_or_several_goals_are_named(fingertip: qr.Surface) -> None:
     "ignore:the obstacle's normal points out of the skin:quasirigid.QuasirigidWarning"
 )
 @pytest.mark.filterwarnings("ignore:.*went through a wall:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.DepthWarning")
 def test_a_force_out_of_reach_carries_the_largest_contact() -> None:
     # A ball of 1 mm that passes through the skin of one of 8 mm.
     surface = qr.Surface(*ball(8e-3, 2))

@@ -104,6 +104,8 @@ def test_a_real_press_does_not_depend_on_place_numbering_or_scale() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
+# On the mesh as it is.
+@pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 def test_a_scanned_finger_with_its_bone_keeps_its_volume_to_first_order() -> None:
     surface = finger(FINGERS[0])
     bone = qr.models.bone_of(surface)

@@ -9,6 +9,9 @@ import pytest
 import quasirigid as qr
 from shapes import ball
 
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 UP = [0.0, 0.0, 1.0]
 PLATE = qr.Obstacle.half_space([0.0, 0.0, -0.05], UP)

@@ -1,21 +1,56 @@
-"""What the command line prints beside results: progress, warnings and refusals."""
+"""What the command line prints: results on stdout; progress, warnings and refusals on stderr."""
 
 from __future__ import annotations
 
+import json
+import os
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated, Any
 
-from rich.console import Console
+import typer
+from rich.console import Console, RenderableType
 
-__all__ = ["console", "progress", "refuse", "show_warning"]
+__all__ = ["Talk", "progress", "refuse", "render", "say", "show_warning"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Talk:
+    """How much is said, and in which form."""
+
+    json: Annotated[bool, typer.Option("--json", help="Print the results as JSON, in SI.")] = False
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="Print results and errors alone: no progress, no warnings.")
+    ] = False
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Say why each thing was left out.")] = False
+
+    def __post_init__(self) -> None:
+        """Hold back progress and warnings from now on, or let them through."""
+        global _is_quiet
+        _is_quiet = self.quiet
+
+    @property
+    def progress(self) -> bool:
+        """Whether to report progress."""
+        return not self.quiet
+
+    def tell(self, text: str, record: Mapping[str, Any]) -> None:
+        """Print results as text, or as JSON where that was asked for."""
+        say(json.dumps(record, indent=2, allow_nan=False) if self.json else text)
+
+
+_is_quiet = False
 
 
 @contextmanager
 def progress(what: str) -> Iterator[None]:
     """Report on stderr what is going on, once it takes more than a second."""
+    if _is_quiet:
+        yield
+        return
     terminal = Console(stderr=True)
     if terminal.is_terminal:
         with terminal.status(f"{what} ..."):
@@ -30,15 +65,35 @@ def progress(what: str) -> Iterator[None]:
         timer.cancel()
 
 
-def console() -> Console:
-    """Return standard output; wide where it is no terminal, so that no line is cut."""
+def say(text: str) -> None:
+    """Print results on stdout; whoever has read enough may close it."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        close_stdout()
+
+
+def close_stdout() -> None:
+    """Send what is still to come nowhere, so that the interpreter's last flush meets no closed pipe."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+
+
+def render(table: RenderableType) -> str:
+    """Return what rich draws; wide where stdout is no terminal, so that no line is cut."""
     terminal = Console(highlight=False)
-    return terminal if terminal.is_terminal else Console(highlight=False, width=160)
+    if not terminal.is_terminal:
+        terminal = Console(highlight=False, width=160)
+    with terminal.capture() as drawn:
+        terminal.print(table)
+    return drawn.get().rstrip("\n")
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     """Print a warning as one line on stderr."""
-    print(f"warning: {message}", file=sys.stderr)
+    if not _is_quiet:
+        print(f"warning: {message}", file=sys.stderr)
 
 
 def refuse(message: str, *, status: int = 2) -> int:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import typer
 
 from .. import models
 from ..contact import Contact, ContactOptions, press
 from ..io import compare_contacts, save_contact, write_mesh
 from ..io.atomic import atomic_write
+from ..io.record import contact_record
 from ..plot import comparison_figure
 from ..skin import Body, HalfSpace, Skin
 from ..surface import skin_without_caps
-from .console import progress
+from .console import Talk, progress
 from .nodes import may_touch
 
 __all__ = ["press_demo"]
@@ -32,7 +32,7 @@ _INPUTS = {
 }
 
 
-def press_demo(out: Path, edge_length: float, options: ContactOptions) -> None:
+def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Talk) -> None:
     """Press finger and products, print the figures and write the files.
 
     Parameters
@@ -43,6 +43,8 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions) -> None:
         Mean edge of finger and handle (m).
     options : ContactOptions
         How each contact is solved.
+    talk : Talk
+        How much is said, and in which form.
     """
     with progress("building finger, bone and products"):
         finger = models.fingertip(edge_length=edge_length)
@@ -63,7 +65,7 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions) -> None:
     }
     near = [may_touch(finger, contact.obstacle, _DEPTH) for contact in first.values()]
     nodes = np.unique(np.concatenate(near))
-    body = _skin(held).prepared(finger, nodes, progress=True)
+    body = _skin(held).prepared(finger, nodes, progress=talk.progress)
     inputs = _INPUTS | {"target_error": {"value": options.target_error, "unit": "1"}}
     contacts: dict[str, Contact] = {}
     for name, product in products.items():
@@ -79,10 +81,12 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions) -> None:
     write_mesh(bone.vertices, bone.faces, out / "bone.ply", unit="m")
     if triangles := handle.triangles():
         write_mesh(*triangles, out / "handle.stl", unit="mm")
-    typer.echo(compare_contacts(contacts))
+    record = {name: contact_record(contact) for name, contact in contacts.items()}
+    lines = [compare_contacts(contacts, verbose=talk.verbose)]
     for name in products:
         pictures = ("skin.png", "footprint.png", "responses.png")
-        typer.echo(f"{name}: " + ", ".join(str(out / name / picture) for picture in pictures))
+        lines.append(f"{name}: " + ", ".join(str(out / name / picture) for picture in pictures))
+    talk.tell("\n".join(lines), record)
 
 
 def _skin(response: HalfSpace | Body) -> Skin:

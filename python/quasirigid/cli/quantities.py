@@ -10,7 +10,7 @@ from ..errors import QuasirigidError
 __all__ = ["QuantityError", "parse_numbers", "parse_quantities", "parse_quantity", "parse_steps"]
 
 # One of each unit, in SI.
-LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
+LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "inch": 0.0254}
 FORCE = {"N": 1.0, "kN": 1e3, "mN": 1e-3}
 STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 ANGLE = {"rad": 1.0, "deg": math.pi / 180.0}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,7 +22,9 @@ from .arguments import (
     rotation,
     with_skin_mask,
 )
-from .console import progress
+from .console import Talk, progress
+from .folder import OutFolder, check_folder
+from .kept import kept_body
 from .nodes import free_nodes, may_touch
 from .quantities import (
     ANGLE,
@@ -34,7 +37,17 @@ from .quantities import (
     parse_quantity,
 )
 
-__all__ = ["GOAL_UNITS", "TARGET_ERROR", "UNIT_NAMES", "Scene", "parse_goal", "prepared_skin", "read_scene"]
+__all__ = [
+    "GOAL_UNITS",
+    "TARGET_ERROR",
+    "UNIT_NAMES",
+    "Scene",
+    "SceneWords",
+    "TargetError",
+    "parse_goal",
+    "prepared_skin",
+    "read_scene",
+]
 
 UNIT_NAMES = f"{', '.join(list(UNITS)[:-1])} or {list(UNITS)[-1]}"
 TARGET_ERROR = "none" if (_target := qr.ContactOptions().target_error) is None else f"{_target:g}"
@@ -74,6 +87,14 @@ Fixed = Annotated[
         " each vertex. [default: caps]"
     ),
 ]
+PreparedFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Of a body, the file that keeps its response: read where it is there and holds enough, else"
+        " computed and written.",
+        metavar="FILE.npz",
+    ),
+]
 SkinMask = Annotated[
     str,
     typer.Option(
@@ -94,6 +115,29 @@ TargetError = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
+class SceneWords:
+    """What is pressed on what, and how, as it is asked for."""
+
+    skin_file: SkinFile
+    product_file: ProductFile
+    unit: Unit
+    direction: Direction
+    shear_modulus: ShearModulus
+    poisson_ratio: PoissonRatio
+    product_unit: ProductUnit = None
+    translate: Translate = "0,0,0mm"
+    rotate: Rotate = "0,0,0deg"
+    response: ResponseName = "half-space"
+    bone: Bone = None
+    fixed: Fixed = None
+    prepared: PreparedFile = None
+    skin_mask: SkinMask = "caps"
+    start: StartName = "infinity"
+    target_error: TargetError = TARGET_ERROR
+    out: OutFolder = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Scene:
     """What is pressed on what, and how."""
 
@@ -101,61 +145,51 @@ class Scene:
     obstacle: qr.Obstacle
     skin: qr.Skin
     body: qr.Body | None
+    prepared: Path | None
     motion: Mapping[str, Any]
     options: qr.ContactOptions
     inputs: Mapping[str, Any]
 
 
-def read_scene(
-    skin_file: Path,
-    product_file: Path,
-    *,
-    unit: str,
-    product_unit: str | None,
-    translate: str,
-    rotate: str,
-    direction: str,
-    start: str,
-    shear_modulus: str,
-    poisson_ratio: float,
-    response: str,
-    bone: str | None,
-    fixed: str | None,
-    skin_mask: str,
-    target_error: str,
-) -> Scene:
+def read_scene(words: SceneWords) -> Scene:
     """Return the scene; everything is checked before a file is read."""
+    check_folder(words.out)
     motion: dict[str, Any] = {
-        "direction": parse_numbers(direction, 3, "--direction"),
-        "start": choice(start, ("infinity", "current"), "--start"),
+        "direction": parse_numbers(words.direction, 3, "--direction"),
+        "start": choice(words.start, ("infinity", "current"), "--start"),
     }
-    options = qr.ContactOptions(target_error=parse_target_error(target_error))
-    shift = parse_quantities(translate, 3, LENGTH, "--translate")
-    angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
-    kernel = parse_response(response)
+    options = qr.ContactOptions(target_error=parse_target_error(words.target_error))
+    shift = parse_quantities(words.translate, 3, LENGTH, "--translate")
+    angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
+    kernel = parse_response(words.response)
     if kernel is not None:
-        _only_for_a_body(bone, "--bone")
-        _only_for_a_body(fixed, "--fixed")
-    modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
-    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=kernel or qr.HalfSpace())
-    units = file_unit(unit, "--unit"), file_unit(product_unit or unit, "--product-unit")
-    with progress(f"reading {skin_file} and {product_file}"):
-        surface = with_skin_mask(qr.read_surface(skin_file, unit=units[0]), skin_mask)
-        obstacle = qr.read_obstacle(product_file, unit=units[1]).moved(rotation(angles), shift)
-    body = None if kernel else parse_body(surface, bone or "auto", fixed or "caps", units[0])
+        _only_for_a_body(words.bone, "--bone")
+        _only_for_a_body(words.fixed, "--fixed")
+        _only_for_a_body(words.prepared, "--prepared")
+    modulus = parse_quantity(words.shear_modulus, STRESS, "--shear-modulus")
+    skin = qr.Skin(
+        shear_modulus=modulus, poisson_ratio=words.poisson_ratio, response=kernel or qr.HalfSpace()
+    )
+    unit = file_unit(words.unit, "--unit")
+    product_unit = file_unit(words.product_unit or words.unit, "--product-unit")
+    with progress(f"reading {words.skin_file} and {words.product_file}"):
+        surface = with_skin_mask(qr.read_surface(words.skin_file, unit=unit), words.skin_mask)
+        obstacle = qr.read_obstacle(words.product_file, unit=product_unit).moved(rotation(angles), shift)
+    body = None if kernel else parse_body(surface, words.bone or "auto", words.fixed or "caps", unit)
+    held = {"bone": words.bone or "auto", "fixed": words.fixed or "caps"} if body else {}
     inputs = {
-        "skin": str(skin_file),
-        "product": str(product_file),
-        "unit": units[0],
-        "product_unit": units[1],
+        "skin": str(words.skin_file),
+        "product": str(words.product_file),
+        "unit": unit,
+        "product_unit": product_unit,
         "translate": {"value": shift, "unit": "m"},
         "rotate": {"value": angles, "unit": "rad"},
         **motion,
         "shear_modulus": {"value": modulus, "unit": "Pa"},
-        "poisson_ratio": {"value": poisson_ratio, "unit": "1"},
-        "response": response,
-        **({"bone": bone or "auto", "fixed": fixed or "caps"} if body else {}),
-        "skin_mask": skin_mask,
+        "poisson_ratio": {"value": words.poisson_ratio, "unit": "1"},
+        "response": words.response,
+        **held,
+        "skin_mask": words.skin_mask,
         "target_error": {"value": options.target_error, "unit": "1"},
         "quasirigid": qr.__version__,
     }
@@ -164,6 +198,7 @@ def read_scene(
         obstacle=obstacle,
         skin=skin,
         body=body,
+        prepared=words.prepared,
         motion=motion,
         options=options,
         inputs=inputs,
@@ -181,17 +216,15 @@ def parse_goal(depth: str | None, force: str | None, overlap: str | None) -> dic
     return {name: parse_quantity(text, FORCE if name == "force" else LENGTH, f"--{name}")}
 
 
-def prepared_skin(scene: Scene, goal: Mapping[str, float]) -> qr.Skin | qr.PreparedSkin | None:
-    """Return the skin that is pressed: a body is prepared where a press to `goal` may touch it.
-
-    None where it touches nowhere.
-    """
+def prepared_skin(scene: Scene, goal: Mapping[str, float], talk: Talk) -> qr.Skin | qr.PreparedSkin:
+    """Return the skin that is pressed: a body is prepared where a press to `goal` may touch it."""
     if scene.body is None:
         return scene.skin
     # Of the press before a body only counts where the product ends.
     first = replace(scene.options, target_error=None)
     asked: dict[str, Any] = {**scene.motion, **goal}
-    with progress("pressing"):
+    with progress("pressing"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", qr.QuasirigidWarning)
         try:
             contact = qr.press(scene.surface, scene.obstacle, scene.skin, options=first, throw=False, **asked)
         except qr.ContactError as error:
@@ -205,11 +238,15 @@ def prepared_skin(scene: Scene, goal: Mapping[str, float]) -> qr.Skin | qr.Prepa
         depth *= 2.0
     nodes = may_touch(scene.surface, contact.obstacle, depth)
     if len(nodes) == 0:
-        return None
+        # It touches nowhere.
+        return scene.skin
     body = replace(scene.skin, response=scene.body)
-    return body.prepared(scene.surface, free_nodes(nodes, scene.body), progress=True)
+    nodes = free_nodes(nodes, scene.body)
+    if scene.prepared is None:
+        return body.prepared(scene.surface, nodes, progress=talk.progress)
+    return kept_body(scene.prepared, body, scene.surface, nodes, progress=talk.progress)
 
 
-def _only_for_a_body(text: str | None, option: str) -> None:
+def _only_for_a_body(text: object, option: str) -> None:
     if text is not None:
         raise QuantityError(f"{option}: '{text}' is of use to --response body alone")

@@ -14,28 +14,9 @@ import quasirigid as qr
 
 from ..io import as_plain, sweep_columns, sweep_table
 from ..io.atomic import atomic_write
-from .console import refuse
+from .console import Talk, refuse, say
 from .quantities import FORCE, LENGTH, QuantityError, parse_steps
-from .scene import (
-    TARGET_ERROR,
-    Bone,
-    Direction,
-    Fixed,
-    PoissonRatio,
-    ProductFile,
-    ProductUnit,
-    ResponseName,
-    Rotate,
-    ShearModulus,
-    SkinFile,
-    SkinMask,
-    StartName,
-    TargetError,
-    Translate,
-    Unit,
-    prepared_skin,
-    read_scene,
-)
+from .scene import SceneWords, prepared_skin, read_scene
 
 __all__ = ["EXAMPLE", "sweep"]
 
@@ -47,12 +28,8 @@ EXAMPLE = (
 
 
 def sweep(
-    skin_file: SkinFile,
-    product_file: ProductFile,
-    unit: Unit,
-    direction: Direction,
-    shear_modulus: ShearModulus,
-    poisson_ratio: PoissonRatio,
+    scene: SceneWords,
+    talk: Talk,
     depths: Annotated[
         str | None,
         typer.Option(
@@ -61,19 +38,10 @@ def sweep(
         ),
     ] = None,
     forces: Annotated[str | None, typer.Option(help="Forces along the direction, likewise.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for sweep.csv and sweep.json.")] = None,
-    product_unit: ProductUnit = None,
-    translate: Translate = "0,0,0mm",
-    rotate: Rotate = "0,0,0deg",
-    response: ResponseName = "half-space",
-    bone: Bone = None,
-    fixed: Fixed = None,
-    skin_mask: SkinMask = "caps",
-    start: StartName = "infinity",
-    target_error: TargetError = TARGET_ERROR,
 ) -> int:
     """Press a product against a skin mesh to several depths or forces, and print a table.
 
+    Writes sweep.csv and sweep.json.
     Leaves with 0 when every press is solved or without contact, 1 when one is not, 2 on bad input.
     """
     if (depths is None) == (forces is None):
@@ -84,46 +52,36 @@ def sweep(
         goal, values = "depth", parse_steps(depths, LENGTH, "--depths")
     else:
         goal, values = "force", parse_steps(forces or "", FORCE, "--forces")
-    if out is not None and out.exists() and not out.is_dir():
-        raise NotADirectoryError(f"--out: {out} is a file, expected a folder")
-    scene = read_scene(
-        skin_file,
-        product_file,
-        unit=unit,
-        product_unit=product_unit,
-        translate=translate,
-        rotate=rotate,
-        direction=direction,
-        start=start,
-        shear_modulus=shear_modulus,
-        poisson_ratio=poisson_ratio,
-        response=response,
-        bone=bone,
-        fixed=fixed,
-        skin_mask=skin_mask,
-        target_error=target_error,
-    )
-    skin = prepared_skin(scene, {goal: max(values)}) or scene.skin
+    read = read_scene(scene)
+    skin = prepared_skin(read, {goal: max(values)}, talk)
     steps: dict[str, Any] = {f"{goal}s": values}
     curve = qr.sweep(
-        scene.surface, scene.obstacle, skin, options=scene.options, progress=True, **scene.motion, **steps
+        read.surface,
+        read.obstacle,
+        skin,
+        options=read.options,
+        progress=talk.progress,
+        **read.motion,
+        **steps,
     )
-    typer.echo(sweep_table(curve))
-    if out is not None:
-        inputs = dict(scene.inputs) | {f"{goal}s": {"value": values, "unit": "m" if goal == "depth" else "N"}}
-        typer.echo("wrote " + ", ".join(map(str, _save(curve, out, inputs))))
+    inputs = dict(read.inputs) | {f"{goal}s": {"value": values, "unit": "m" if goal == "depth" else "N"}}
+    record = {"columns": as_plain(sweep_columns(curve)), "inputs": as_plain(inputs)}
+    talk.tell(sweep_table(curve), record)
+    if scene.out is not None:
+        files = _save(record, scene.out)
+        if not talk.json:
+            say("wrote " + ", ".join(map(str, files)))
     bad = [status for status in curve.status if status not in ("solved", "no_contact")]
     return refuse(f"{len(bad)} of {len(curve)} presses ended with {bad[0]!r}", status=1) if bad else 0
 
 
-def _save(curve: qr.Sweep, folder: Path, inputs: dict[str, Any]) -> tuple[Path, ...]:
+def _save(record: dict[str, Any], folder: Path) -> tuple[Path, ...]:
     """Write the table as CSV, and with its inputs as JSON; both in SI."""
-    columns = sweep_columns(curve)
+    columns = record["columns"]
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows(zip(*columns.values(), strict=True))
-    record = {"columns": as_plain(columns), "inputs": as_plain(inputs)}
     contents = {
         "sweep.csv": text.getvalue(),
         "sweep.json": json.dumps(record, indent=2, allow_nan=False) + "\n",

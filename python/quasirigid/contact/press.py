@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from enum import StrEnum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal
 
 from .. import _core
-from ..errors import QuasirigidWarning
 from ..lcp.solution import solution_from_core
+from ..scene import check_scene
 from ..skin.elastic import core_skin
 from .accuracy import Accuracy, Refinement
 from .drawn import Drawing
@@ -17,6 +16,7 @@ from .ending import ContactStatus, LeftOut
 from .options import ContactOptions, options_to_core
 from .parts import patches_of
 from .result import Contact, ContactError
+from .warned import warn_of, warned
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -93,6 +93,7 @@ def solve_contact(
     >>> qr.solve_contact(tip, far, skin).status.value
     'no_contact'
     """
+    check_scene(surface, obstacle)
     core_options = options_to_core(options)
     solved = _core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options)
     return _finish(solved, surface, throw)
@@ -171,9 +172,10 @@ def press(
 
     Warns
     -----
-    QuasirigidWarning
-        Where vertices went through a wall of the obstacle that is thinner than their depth (the rim of a can
-        or mug).
+    SizeWarning, DepthWarning, ModulusWarning, MaskWarning, ResponseRangeWarning
+        Where the question is probably not meant: a wrong unit, a depth that no tissue has, an inverted mask.
+    CoarseMeshWarning, CutWarning, PenetrationWarning, RefinementWarning
+        Where the figures lack something. `Contact.warnings` keeps them all, whatever Python's filter shows.
 
     Notes
     -----
@@ -213,6 +215,7 @@ def press(
     >>> bool(held.center_of_pressure[0] > contact.center_of_pressure[0] + 0.4e-3)
     True
     """
+    check_scene(surface, obstacle)
     core_options = options_to_core(options)
     try:
         pressed = _core.press(
@@ -238,9 +241,8 @@ def press(
 
 def _finish(core: _core.Contact, surface: Surface, throw: bool) -> Contact:
     """Return the facade's contact; warn, and raise a bad ending where asked."""
-    for message in core.warnings:
-        warnings.warn(message, QuasirigidWarning, stacklevel=3)
     contact = _from_core(core, surface)
+    warn_of(contact.warnings, stacklevel=3)
     if throw and contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
         error = ContactError(f"the contact ended with status {contact.status.value!r}: {contact.advice}")
         error.contact = contact
@@ -291,7 +293,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         ),
         timings=MappingProxyType(dict(core.timings)),
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
-        warnings=tuple(core.warnings),
+        warnings=warned(core.warnings),
         advice=core.advice,
         _loaded=core.loaded,
         _drawing=Drawing(core.drawing, None if len(core.parents) else surface),

@@ -12,6 +12,7 @@ from .accuracy import Accuracy, Refinement
 from .drawn import Drawing
 from .ending import ContactStatus, LeftOut
 from .parts import Part, Patch, figures_text, part_of, parts_by_label
+from .warned import Warned
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -70,7 +71,7 @@ class Contact(Frozen):
         is up to a cell too far in.
     max_pressure : float
         Largest pressure at a vertex (Pa), ``pressure.max()``. In Galerkin form the largest between vertices
-        too, and never below the mean over a patch's contact area.
+        too; there and with ``pressure="one_ring"`` never below the mean over a patch's contact area.
     max_penetration_before, max_penetration_after : float
         Deepest penetration (m): of a skin vertex before; after, measured anew at the deformed skin against
         the deformed product, in the skin's triangles and of the product's sharp edges too.
@@ -102,8 +103,9 @@ class Contact(Frozen):
         Seconds per stage of the solve; the drawn skin is none of them.
     left_out : tuple of LeftOut
         What the scene did not need, and why.
-    warnings : tuple of str
-        What was warned of.
+    warnings : tuple of (category, message)
+        What was warned of, also where Python's filter hides it: each a `QuasirigidWarning`, such as
+        `DepthWarning`, and its words.
     advice : str
         What happened and what to try, where the contact did not solve; else empty.
     """
@@ -135,7 +137,7 @@ class Contact(Frozen):
     accuracy: Accuracy
     timings: Mapping[str, float]
     left_out: tuple[LeftOut, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[Warned, ...]
     advice: str
     _loaded: _core.LoadedVertices
     _drawing: Drawing

@@ -13,6 +13,7 @@ import numpy as np
 from .._check import as_direction, short
 from .._frozen import Frozen
 from ..errors import QuasirigidError, ResponseError
+from ..scene import check_scene
 from .ending import ContactStatus
 from .options import ContactOptions
 from .press import Start, press
@@ -204,6 +205,7 @@ def sweep(
     if (depths is None) == (forces is None):
         given = "neither" if depths is None else "both"
         raise ContactError(f"a sweep takes depths or forces; given: {given}")
+    check_scene(surface, obstacle)
     goal = "force" if depths is None else "depth"
     values = _values(f"{goal}s", forces if depths is None else depths, zero=goal == "depth")
     question = _Question(

@@ -79,6 +79,9 @@ def contact_record(contact: Contact) -> dict[str, Any]:
             for name, value in as_plain(contact.accuracy).items()
         },
         "timings": {stage: _figure(seconds, "s") for stage, seconds in contact.timings.items()},
+        "warnings": [
+            {"category": category.__name__, "message": message} for category, message in contact.warnings
+        ],
         "left_out": [{"what": what, "why": why} for what, why in contact.left_out],
         "product": _product(contact),
     }

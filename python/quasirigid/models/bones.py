@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import as_direction, as_mask, as_number, as_vector
+from .._check import as_direction, as_mask, as_number, as_vector, short
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
+from ..scene import as_surface
+from ..skin.cut_out import CutOut
 from ..surface import Surface, skin_without_caps
 from .loft import Floats
-from .phalanges import LENGTHS, Frame, as_text, phalanges_in
+from .phalanges import LENGTHS, Frame, Phalanx, as_text, lengths_between, phalanges_in
 
 __all__ = ["bone_of"]
 
@@ -21,9 +25,10 @@ _COARSER = (1.0, 1.3, 1.8)  # elements of each phalanx over the first's: the pad
 
 
 def bone_of(
-    finger: Surface,
+    finger: Surface | CutOut,
     *,
     digit: str = "middle",
+    joints: ArrayLike | None = None,
     scale: float = 1.0,
     cut: ArrayLike | None = None,
     tip: ArrayLike | None = None,
@@ -41,14 +46,18 @@ def bone_of(
 
     Parameters
     ----------
-    finger : Surface
-        A closed finger, built in or scanned, its root cut off flat; fairly straight.
+    finger : Surface or CutOut
+        A closed finger, built in or scanned, its root cut off flat; fairly straight. A `CutOut` knows its
+        cut.
     digit : {"thumb", "index", "middle", "ring", "little"}
         Whose lengths to take.
+    joints : (k, 3) array_like, optional
+        Centers of the joints (m), two or more, from the root to the tip, the fingertip last, as in a rig:
+        the bones end there, and `axis` runs from the first to the last.
     scale : float
-        Factor on all lengths along the finger, 1 for the mean of adults; from 0.3 to 2.
+        Factor on all published lengths along the finger, 1 for the mean of adults; from 0.3 to 2.
     cut : (n,) array_like of bool, optional
-        Vertices of the cut at the root, such as `CutOut.fixed`; those of flat cuts when left out.
+        Vertices of the cut at the root; those of the `CutOut`, or of flat cuts, when left out.
     tip : (3,) array_like, optional
         Foremost point of the fingertip (m); the vertex farthest along the axis when left out.
     axis : (3,) array_like, optional
@@ -91,12 +100,19 @@ def bone_of(
     >>> bone.is_closed, 0.08 < bone.volume / finger.volume < 0.25
     (True, True)
     """
+    if isinstance(finger, CutOut):
+        cut = finger.fixed if cut is None else cut
+        finger = finger.surface
+    finger = as_surface("finger", finger)
     if not finger.is_closed:
         raise SurfaceError("the finger is open: a bone needs a closed skin around it, cut face included")
     if not isinstance(digit, str) or digit not in LENGTHS:
         raise SurfaceError(f"digit is {digit!r}, expected one of {', '.join(LENGTHS)}")
     scale = as_number("scale", scale, SurfaceError, *_SCALES)
     min_thickness = as_number("min_thickness", min_thickness, SurfaceError)
+    places = None if joints is None else _as_joints(joints)
+    if places is not None and axis is None:
+        axis = places[-1] - places[0]
     frame = _find_frame(
         finger,
         None if cut is None else _as_cut(cut, len(finger.vertices)),
@@ -104,9 +120,29 @@ def bone_of(
         None if axis is None else as_direction("axis", axis, SurfaceError),
         as_direction("palmar", palmar, SurfaceError),
     )
-    phalanges = phalanges_in(frame, LENGTHS[digit], scale, max(1.5e-3, finger.mean_edge_length))
+    from_cut = max(1.5e-3, finger.mean_edge_length)
+
+    def phalanges_at(scale: float) -> list[Phalanx]:
+        lengths = LENGTHS[digit]
+        if places is not None:
+            lengths = lengths_between(frame, places, lengths[0], scale)
+        return phalanges_in(frame, lengths, scale, from_cut, is_thumb=digit == "thumb")
+
+    phalanges = phalanges_at(scale)
     if not phalanges:
         raise SurfaceError(_nothing_fits(frame))
+    bone = _meshed(phalanges, element_size)
+    thinnest, place = _thinnest(finger, bone)
+    if thinnest < min_thickness:
+        smaller = None
+        if places is None:
+            smaller = _scale_that_fits(finger, phalanges_at, scale, min_thickness)
+        raise SurfaceError(_too_thin(thinnest, place, min_thickness, smaller))
+    return bone
+
+
+def _meshed(phalanges: list[Phalanx], element_size: float | None) -> Surface:
+    """Return the phalanges as one surface, with edges of about `element_size` (m)."""
     area = sum(bone.area / _COARSER[bone.number] ** 2 for bone in phalanges)
     # A vertex of an equilateral mesh has 2 / sqrt(3) of an edge squared less the area of one: 0.866 h^2.
     if element_size is None:
@@ -125,7 +161,6 @@ def bone_of(
         np.concatenate([vertices for vertices, _ in meshes]),
         np.concatenate([faces + start for (_, faces), start in zip(meshes, starts[:-1], strict=True)]),
     )
-    _check_thickness(finger, bone, min_thickness)
     return bone
 
 
@@ -201,26 +236,53 @@ def _nothing_fits(frame: Frame) -> str:
     )
 
 
-def _check_thickness(finger: Surface, bone: Surface, min_thickness: float) -> None:
-    """Refuse a bone that comes closer to the skin than `min_thickness` (m) at a vertex of either."""
+def _as_joints(joints: ArrayLike) -> Floats:
+    try:
+        places = np.array(joints, dtype=np.float64)
+    except (TypeError, ValueError):
+        places = np.empty(0)
+    if places.ndim != 2 or places.shape[1] != 3 or len(places) < 2 or not np.isfinite(places).all():
+        raise SurfaceError(
+            f"joints is {short(joints)}, expected (k, 3) finite numbers of two or more joints, the tip last"
+        )
+    return places
+
+
+def _thinnest(finger: Surface, bone: Surface) -> tuple[float, Floats]:
+    """Return the least tissue (m) at a vertex of bone or skin, negative outside; and where."""
     skin, core = (
         Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False) for surface in (finger, bone)
     )
     inside, around = -skin.signed_distance(bone.vertices)[0], core.signed_distance(finger.vertices)[0]
-    thinnest, place = min(
+    return min(
         (float(inside.min()), bone.vertices[int(np.argmin(inside))]),
         (float(around.min()), finger.vertices[int(np.argmin(around))]),
         key=lambda found: found[0],
     )
-    if thinnest < min_thickness:
-        where = ", ".join(f"{value:.4f}" for value in place)
-        state = (
-            f"lies {thinnest * 1e3:.2f} mm below"
-            if thinnest > 0.0
-            else f"sticks {-thinnest * 1e3:.2f} mm out of"
-        )
-        raise SurfaceError(
-            f"the bone {state} the skin near ({where}) m, expected at least {min_thickness * 1e3:.2f} mm of "
-            "tissue: check the finger's unit, `palmar` and `tip`, or take a smaller `scale` or "
-            "`min_thickness`"
-        )
+
+
+def _scale_that_fits(
+    finger: Surface, phalanges_at: Callable[[float], list[Phalanx]], scale: float, min_thickness: float
+) -> float | None:
+    """Return a smaller scale at which the tissue is as thick as asked; None where there is none."""
+    for smaller in np.arange(np.ceil(20.0 * scale) - 1.0, 20.0 * _SCALES[0] - 0.5, -1.0) / 20.0:
+        phalanges = phalanges_at(float(smaller))
+        if phalanges and _thinnest(finger, _meshed(phalanges, None))[0] >= min_thickness:
+            return float(smaller)
+    return None
+
+
+def _too_thin(thinnest: float, place: Floats, min_thickness: float, smaller: float | None) -> str:
+    where = ", ".join(f"{value:.4f}" for value in place)
+    least = np.floor(thinnest * 2e4) / 2e4  # to 0.05 mm below
+    remedies = [] if smaller is None else [f"scale={smaller:.4g}"]
+    if least > 0.0:
+        state = f"lies {thinnest * 1e3:.2f} mm below"
+        remedies.append(f"min_thickness={least:.2g}")
+    else:
+        state = f"sticks {-thinnest * 1e3:.2f} mm out of"
+    passes = f"{' or '.join(remedies)} would pass; " if remedies else ""
+    return (
+        f"the bone {state} the skin near ({where}) m, expected at least {min_thickness * 1e3:.2f} mm of "
+        f"tissue: {passes}check the finger's unit, `palmar`, `tip` and `digit`"
+    )

@@ -28,7 +28,7 @@ from ..errors import SurfaceError
 from .fingers import REFERENCE_BREADTH
 from .loft import Floats, Indices, loft, perimeter, ring_size, rows_along, spread_on_curve
 
-__all__ = ["LENGTHS", "Frame", "Phalanx", "as_text", "phalanges_in"]
+__all__ = ["LENGTHS", "Frame", "Phalanx", "as_text", "lengths_between", "phalanges_in"]
 
 # Lengths (m) from the tip on: soft tissue, then the phalanges.
 LENGTHS = {
@@ -153,7 +153,26 @@ class Phalanx:
         return loft(rings, poles[0], poles[1])
 
 
-def phalanges_in(frame: Frame, lengths: tuple[float, ...], scale: float, from_cut: float) -> list[Phalanx]:
+def lengths_between(frame: Frame, joints: Floats, beyond: float, scale: float) -> tuple[float, ...]:
+    """Return what `LENGTHS` has (m, over `scale`), for bones between joints (k, 3) in m, the fingertip last.
+
+    * `beyond`: soft tissue beyond the last bone (m)
+    """
+    stations = ((frame.tip - joints[:-1]) @ frame.axis)[::-1] / scale
+    ends = np.concatenate([[beyond - 0.5 * JOINT_GAP], stations])
+    lengths = np.diff(ends) - JOINT_GAP
+    if (lengths <= 0.0).any():
+        places = ", ".join(f"{station * scale * 1e3:.1f}" for station in stations)
+        raise SurfaceError(
+            f"the joints lie {places} mm behind the tip, from the last to the first: expected rising "
+            "numbers, the joints from the root to the tip, the fingertip last"
+        )
+    return (beyond, *(float(length) for length in lengths[: len(SECTIONS)]))
+
+
+def phalanges_in(
+    frame: Frame, lengths: tuple[float, ...], scale: float, from_cut: float, *, is_thumb: bool
+) -> list[Phalanx]:
     if frame.length < SHORTEST:
         return []
     joint = min((lengths[0] + lengths[1]) * scale, 0.75 * frame.length)
@@ -163,7 +182,7 @@ def phalanges_in(frame: Frame, lengths: tuple[float, ...], scale: float, from_cu
     start = lengths[0] * scale
     for number, length in enumerate(lengths[1:]):
         # The thumb has no middle phalanx.
-        kind = number if len(lengths) > 3 or number == 0 else 2
+        kind = 2 if is_thumb and number > 0 else number
         end = min(start + length * scale, frame.length - from_cut)
         if end - start < SHORTEST:
             break

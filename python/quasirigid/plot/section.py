@@ -29,7 +29,9 @@ def plot_section(
     ax: Axes | None = None,
     view: View | None = None,
 ) -> Axes:
-    """Draw a cut through the center of pressure, along the finger: skin before and after, and the product.
+    """Draw a cut through the contact, along the finger: skin before and after, and the product.
+
+    It goes through the center of pressure, of several patches that of the one with the largest force.
 
     A product with a material is filled as it was before, with a line where its mesh lies after.
 
@@ -52,7 +54,7 @@ def plot_section(
     view = pad_view(contact) if view is None else view
     ax = axes_or_new(ax, (4.4, 6.0))
     before, after = contact.surface.vertices, contact.deformed.vertices
-    center = contact.center_of_pressure
+    center = _center(contact)
     if not np.isfinite(center).all():
         center = after.mean(axis=0)
     cuts = [_cut(points, contact.deformed.faces, center, view) for points in (before, after)]
@@ -80,6 +82,14 @@ def plot_section(
         fontsize=8.5, labelcolor=INK, handlelength=1.8, columnspacing=1.4,
     )  # fmt: skip
     return ax
+
+
+def _center(contact: Contact) -> Floats:
+    """Return where to cut (m): between several patches there may be no skin at all."""
+    if len(contact.patches) < 2:
+        return contact.center_of_pressure
+    largest = max(contact.patches, key=lambda patch: float(np.linalg.norm(patch.force)))
+    return largest.center_of_pressure
 
 
 def _draw_product(ax: Axes, obstacle: Obstacle, center: Floats, view: View, window: Window) -> None:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from .. import _core
-from .._check import as_index, as_vector
+from .._check import as_index, as_mask, as_vector
 from .._frozen import Frozen
-from ..errors import SurfaceError
+from ..errors import CutWarning, SurfaceError
+from ..scene import as_surface
 from .response import Body
 
 if TYPE_CHECKING:
@@ -36,12 +38,19 @@ class CutOut(Frozen):
         For each vertex of the part the vertex of the whole skin, -1 inside a cap.
     part_vertices : (n,) int64
         For each vertex of the whole skin its vertex in the part, -1 if it is not kept.
+    kept_count : int
+        Number of vertices of the whole skin that it keeps.
     """
 
     surface: Surface
     fixed: NDArray[np.bool_]
     source_vertices: NDArray[np.int64]
     part_vertices: NDArray[np.int64]
+
+    @property
+    def kept_count(self) -> int:
+        """Number of vertices of the whole skin that it keeps."""
+        return int(np.count_nonzero(self.source_vertices >= 0))
 
     def body(self, *, bone: Surface | None = None, bone_pressure: bool = False) -> Body:
         """Return the body held at the cut, with `bone` inside if there is one."""
@@ -53,12 +62,23 @@ class CutOut(Frozen):
         return f"CutOut({count} vertices, {fixed} of them fixed, of a skin of {len(self.part_vertices)})"
 
 
-def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) -> CutOut:
+@overload
+def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) -> CutOut: ...
+@overload
+def cut_out(surface: Surface, *, keep: ArrayLike) -> CutOut: ...
+def cut_out(
+    surface: Surface,
+    *,
+    tip: int | None = None,
+    point: ArrayLike | None = None,
+    normal: ArrayLike | None = None,
+    keep: ArrayLike | None = None,
+) -> CutOut:
     """Take one finger out of a hand, as a closed surface.
 
-    Keeps the faces in front of a plane that hang together with `tip`, cutting along existing edges, and
-    closes every border by a flat cap. What the cut leaves out is taken as immobile, so cut a finger's width
-    or more away from the contact.
+    Keeps the faces in front of a plane that hang together with `tip`, or those whose corners `keep` marks,
+    cutting along existing edges, and closes every border by a flat cap. What the cut leaves out is taken as
+    immobile, so cut a finger's width or more away from the contact.
 
     Parameters
     ----------
@@ -67,9 +87,12 @@ def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) 
     tip : int
         A vertex of the part to keep, such as a fingertip.
     point : (3,) array_like
-        A point of the plane (m).
+        A point of the plane (m). The plane has no end: it cuts other fingers too.
     normal : (3,) array_like
         The plane's normal, towards the part to keep; of any length.
+    keep : (n,) array_like of bool
+        In the place of these three: vertices to keep, such as those of a finger's label. Of several pieces
+        that do not hang together, the one with the most faces is kept.
 
     Returns
     -------
@@ -79,8 +102,14 @@ def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) 
     Raises
     ------
     SurfaceError
-        If the tip is no vertex or lies behind the plane, the plane is not finite or cuts nothing off, or the
-        border is so crooked that its cap folds.
+        If the tip is no vertex or lies behind the plane, the plane is not finite or cuts nothing off, `keep`
+        marks no part, or the border is so crooked that its cap folds; a TypeError for another set of
+        arguments.
+
+    Warns
+    -----
+    CutWarning
+        If a plane leaves more than half of the vertices.
 
     Examples
     --------
@@ -88,14 +117,44 @@ def cut_out(surface: Surface, *, tip: int, point: ArrayLike, normal: ArrayLike) 
     >>> import quasirigid as qr
     >>> finger = qr.models.finger(edge_length=2.5e-3)
     >>> tip = int(np.argmax(finger.vertices[:, 1]))
-    >>> part = qr.cut_out(finger, tip=tip, point=[0, 0.04, 0], normal=[0, 1, 0])
+    >>> part = qr.cut_out(finger, tip=tip, point=[0, 0.05, 0], normal=[0, 1, 0])
     >>> part.surface.is_closed, bool(part.surface.volume < finger.volume)
     (True, True)
+    >>> same = qr.cut_out(finger, keep=finger.vertices[:, 1] > 0.05)
+    >>> same.kept_count == part.kept_count
+    True
     """
-    part, fixed, source_vertices, part_vertices = _core.cut_out(
-        surface,
-        as_index("tip", tip, len(surface.vertices), SurfaceError),
-        as_vector("point", point, SurfaceError),
-        as_vector("normal", normal, SurfaceError),
+    surface = as_surface("surface", surface)
+    plane = {"tip": tip, "point": point, "normal": normal}
+    given = [name for name, value in plane.items() if value is not None]
+    if (keep is None) == (not given) or (keep is None and len(given) < 3):
+        found = ", ".join(given + ["keep"] * (keep is not None)) or "none of them"
+        raise TypeError(f"cut_out takes tip, point and normal, or keep; given: {found}")
+    count = len(surface.vertices)
+    if keep is not None:
+        parts = _core.cut_out_marked(surface, as_mask("keep", keep, count, SurfaceError))
+        return _part(*parts)
+    part = _part(
+        *_core.cut_out(
+            surface,
+            as_index("tip", tip, count, SurfaceError),
+            as_vector("point", point, SurfaceError),
+            as_vector("normal", normal, SurfaceError),
+        )
     )
-    return CutOut(surface=part, fixed=fixed, source_vertices=source_vertices, part_vertices=part_vertices)
+    if 2 * part.kept_count > count:
+        why = (
+            f"the plane leaves {part.kept_count} of {count} vertices around the tip: it has no end, so what "
+            "lies beside the finger in front of it stays; move or turn it, or take keep="
+        )
+        warnings.warn(why, CutWarning, stacklevel=2)
+    return part
+
+
+def _part(
+    surface: Surface,
+    fixed: NDArray[np.bool_],
+    source_vertices: NDArray[np.int64],
+    part_vertices: NDArray[np.int64],
+) -> CutOut:
+    return CutOut(surface=surface, fixed=fixed, source_vertices=source_vertices, part_vertices=part_vertices)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..errors import QuasirigidWarning, ResponseError
+from ..errors import ResponseError, ResponseRangeWarning
 from .core import Material as Constants
 from .core import build_kernel
 from .response import Body, GivenMatrix, HalfSpace, Layer, PressureBasis, Response
@@ -55,7 +55,7 @@ def product_skin(
         _check_kernel(response)
         why = kernel.ill_posedness()
         if is_new and why is not None:
-            warnings.warn(why, QuasirigidWarning, stacklevel=2)
+            warnings.warn(why, ResponseRangeWarning, stacklevel=2)
         return kernel, None
     if isinstance(response, Body):
         raise ResponseError(

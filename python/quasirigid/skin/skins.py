@@ -8,8 +8,11 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .. import _core
-from ..errors import QuasirigidWarning, ResponseError
+from ..errors import ResponseError, ResponseRangeWarning
+from ..scene import as_surface
 from .core import Material, build_kernel, build_prepared, restore_prepared
 from .cut_out import CutOut
 from .given_mesh import forces_on_given_mesh
@@ -20,7 +23,6 @@ from .storage import write_prepared
 if TYPE_CHECKING:
     from os import PathLike
 
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     from ..contact.result import Contact
@@ -49,7 +51,7 @@ class Skin:
 
     Warns
     -----
-    QuasirigidWarning
+    ResponseRangeWarning
         If the response is not well posed, with the bound on its constants.
 
     Examples
@@ -69,7 +71,7 @@ class Skin:
         self.__setstate__(vars(self))
         why = None if self._kernel is None else self._kernel.ill_posedness()
         if why is not None:
-            warnings.warn(why, QuasirigidWarning, stacklevel=3)
+            warnings.warn(why, ResponseRangeWarning, stacklevel=3)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return all but the kernel, which is built again."""
@@ -114,6 +116,7 @@ class Skin:
         TypeError
             If `progress` cannot be called or the fixed vertices of a body are no booleans.
         """
+        surface = as_surface("surface", surface)
         response = build_prepared(
             self._material, self.response, surface, nodes=nodes, progress=as_progress(progress)
         )
@@ -202,14 +205,14 @@ class PreparedSkin:
             raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
         return pressures
 
-    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> PreparedSkin:
+    def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> PreparedSkin:
         """Return the response of the surface after a rigid motion, ``rotation @ x + translation``.
 
         Parameters
         ----------
-        rotation : (3, 3) array_like
-            Proper rotation.
-        translation : (3,) array_like
+        rotation : (3, 3) or (4, 4) array_like, optional
+            Proper rotation; a (4, 4) matrix holds the shift too.
+        translation : (3,) array_like, optional
             Shift (m).
 
         Returns
@@ -289,7 +292,40 @@ class CombinedSkin:
         kept = {name: part for name, part in self.parts.items() if name not in names}
         return _combine(self.background, self._surface, kept)
 
-    def moved(self, rotation: ArrayLike, translation: ArrayLike) -> CombinedSkin:
+    def bone_pressure(self, load: Contact | ArrayLike) -> dict[str, NDArray[np.float64]]:
+        """Return the pressure on the bones of the parts.
+
+        Parameters
+        ----------
+        load : Contact or (n, 3) array_like
+            A contact solved with this skin, or forces (N) at the vertices of the whole skin.
+
+        Returns
+        -------
+        dict of str to (m,) float64
+            For each part that knows it, the pressure (Pa) at each vertex of its bone, as
+            `PreparedSkin.bone_pressure`: under the forces on that part alone, its cut excepted.
+
+        Raises
+        ------
+        ResponseError
+            If no part was asked for it (``Body(..., bone_pressure=True)``).
+        """
+        forces = np.asarray(forces_on_given_mesh(load), dtype=np.float64)
+        count = len(self._surface.vertices)
+        if forces.shape != (count, 3):
+            raise ResponseError(f"the forces have shape {forces.shape}, expected ({count}, 3)")
+        found = {}
+        for name, (cut, prepared) in self.parts.items():
+            on_part = np.where(cut.fixed[:, None], 0.0, forces[cut.source_vertices])
+            pressures = prepared._response.bone_pressures(on_part)
+            if pressures is not None:
+                found[name] = pressures
+        if not found:
+            raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
+        return found
+
+    def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> CombinedSkin:
         """Return the response of the surface after a rigid motion, as `PreparedSkin.moved`."""
         motion = (rotation, translation)
         response = self._response.moved(*motion)

@@ -78,27 +78,25 @@ impl NodeForces {
         self.active.iter().map(|&vertex| self.vectors[vertex]).collect()
     }
 
-    /// Takes over the solution of one group.
-    pub fn adopt(&mut self, group: &[usize], solution: LcpSolution) {
+    /// Takes over forces and gaps of the nodes of one problem.
+    pub fn adopt(&mut self, nodes: &[usize], solution: &LcpSolution) {
         let solved = solution.status == LcpStatus::Solved;
-        for (node, &vertex) in group.iter().enumerate() {
+        for (node, &vertex) in nodes.iter().enumerate() {
             self.force[vertex] = if solved { solution.z[node] } else { f64::NAN };
             self.gap[vertex] = if solved { solution.w[node] } else { f64::NAN };
         }
         if !solved {
             self.failure.get_or_insert(solution.status);
         }
-        self.solutions.push(solution);
     }
 
-    /// Sets the active vertices and the force vectors, once all groups are solved.
+    /// Sets the active vertices and the force vectors.
     pub fn settle(&mut self) {
         self.active = self.candidates.iter().copied().filter(|&vertex| self.force[vertex] > 0.0).collect();
         for (&vertex, normal) in self.candidates.iter().zip(&self.normal) {
+            let force = self.force[vertex];
             // Zero where there is no force, whatever the normal.
-            if self.force[vertex] != 0.0 {
-                self.vectors[vertex] = self.force[vertex] * normal;
-            }
+            self.vectors[vertex] = if force == 0.0 { Vector3::zeros() } else { force * normal };
         }
     }
 

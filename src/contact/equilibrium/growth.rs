@@ -8,7 +8,7 @@ use crate::contact::gap::initial::Gaps;
 
 /// A vertex outside the candidates counts as pressed when its gap falls below this share of the deepest
 /// penetration; well above the rounding of `g0 + R f`, well below anything visible.
-const PRESSED_SHARE: f64 = 1e-9;
+pub(crate) const PRESSED_SHARE: f64 = 1e-9;
 
 /// Vertices that ask for a larger set of candidates: the loaded rim, and what the forces press into the obstacle.
 pub(crate) fn wanting(

@@ -2,6 +2,7 @@
 
 pub(crate) mod compliance;
 pub(crate) mod forces;
+pub(crate) mod group;
 pub(crate) mod growth;
 pub(crate) mod linearization;
 pub(crate) mod product;

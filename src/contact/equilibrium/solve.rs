@@ -7,23 +7,15 @@ use crate::contact::candidate::groups::{uncoupled_groups, with_rings};
 use crate::contact::discretization::prepared;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::equilibrium::group::GroupProblem;
 use crate::contact::equilibrium::growth::wanting;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
-use crate::lcp::options::LcpOptions;
-use crate::lcp::problem::LcpProblem;
-use crate::lcp::solution::LcpStatus;
-use crate::lcp::solve as lcp;
-use crate::linalg::definiteness::{Definiteness, spectrum};
 
 /// Rings added to the penetrating vertices where a response has negative entries (Xie, Kanai, Date 2011, §2.5).
 const DEFAULT_RINGS: usize = 3;
-
-/// Response matrices up to this size are examined for definiteness and condition unasked: it costs less there
-/// than their assembly.
-const EXAMINED_SIZE: usize = 64;
 
 /// Finds the node forces.
 ///
@@ -40,6 +32,9 @@ pub(crate) fn solve(
     let is_first = gaps.scene.inherited.is_none();
     let rings = options.rings.unwrap_or(if traits.negative_entries && is_first { DEFAULT_RINGS } else { 0 });
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
+    if is_first {
+        check_free(&candidates, response)?;
+    }
     for growth in 0.. {
         let forces = solve_on(candidates, gaps, response, guess, options, report)?;
         if forces.failure.is_some() || rings == 0 && !traits.negative_entries {
@@ -51,20 +46,35 @@ pub(crate) fn solve(
         if wanting.is_empty() {
             return Ok(forces);
         }
+        let mut grown = prepared(gaps, response, with_rings(gaps.surface, &wanting, rings.max(1)));
+        grown.extend(wanting.iter().chain(&forces.candidates));
+        grown.sort_unstable();
+        grown.dedup();
+        if grown == forces.candidates {
+            // The rest is held, or not prepared and not pressed.
+            return Ok(forces);
+        }
         if growth == options.max_growths {
             let skin_vertices = gaps.surface.skin_mask().iter().filter(|&&may_touch| may_touch).count();
             let candidates = forces.candidates.len();
             return Err(ContactError::Growth { growths: growth, candidates, skin_vertices });
         }
-        candidates = prepared(gaps, response, with_rings(gaps.surface, &wanting, rings.max(1)));
-        candidates.extend(wanting.iter().chain(&forces.candidates));
-        candidates.sort_unstable();
-        candidates.dedup();
+        candidates = grown;
         if options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "candidates" });
         }
     }
     unreachable!("the loop ends by a return")
+}
+
+/// Refuses candidates that a body holds in place.
+fn check_free(candidates: &[usize], response: &Compliance) -> Result<(), ContactError> {
+    let is_held = |vertex: &usize| response.skin.is_held(*vertex) && !response.is_prepared(*vertex);
+    let held: Vec<usize> = candidates.iter().copied().filter(is_held).collect();
+    match held.first() {
+        Some(&vertex) => Err(ContactError::Held { vertex, count: held.len() }),
+        None => Ok(()),
+    }
 }
 
 /// Solves the complementarity problems of `candidates`, one for each group that feels no other.
@@ -82,40 +92,16 @@ fn solve_on(
         Some(known) => Fingers::as_before(gaps.surface, &candidates, &known.finger_of),
         None => Fingers::split_by_tissue(gaps.surface, &candidates),
     };
-    let initial_gap = traits.discretization.initial_gap(gaps, response, &candidates)?;
     let at_candidates = gaps.at(&candidates)?;
     let mut forces = NodeForces::none(gaps, candidates, fingers, at_candidates);
     let groups = match response.joins_fingers() {
         true => vec![forces.candidates.clone()],
         false => uncoupled_groups(gaps.surface, &forces.fingers, traits.reach),
     };
+    let problem = GroupProblem { gaps, response, guess, options };
     for group in groups {
-        let started = Instant::now();
-        let matrix = response.matrix(&group, &gaps.at(&group)?.normal, &forces.fingers)?;
-        report.clock("response", started);
-        let examined = options.condition || group.len() <= EXAMINED_SIZE;
-        let spectrum = examined.then(|| spectrum(matrix.as_ref()));
-        let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
-        forces.spectra.push(spectrum);
-        let started = Instant::now();
-        let row = |vertex: &usize| forces.candidates.binary_search(vertex).expect("groups are of candidates");
-        let q: Vec<f64> = group.iter().map(|vertex| initial_gap[row(vertex)]).collect();
-        let problem = LcpProblem::new(matrix.as_ref(), &q)?.with_known_definiteness(definiteness);
-        let is_guessed = |vertex: &usize| guess.is_some_and(|guess| guess.binary_search(vertex).is_ok());
-        let guessed = (0..group.len()).filter(|&node| is_guessed(&group[node]));
-        let lcp_options = LcpOptions {
-            interrupt: options.interrupt,
-            initial_active: guess.map(|_| guessed.collect()),
-            ..LcpOptions::default()
-        };
-        let solution = lcp::solve(&problem, &options.method, &lcp_options)?;
-        report.clock("lcp", started);
-        if solution.status == LcpStatus::Interrupted {
-            return Err(ContactError::Interrupted { stage: "lcp" });
-        }
-        forces.adopt(&group, solution);
+        problem.solve(&group, &mut forces, report)?;
     }
-    forces.settle();
     if forces.failure.is_none() {
         traits.discretization.vertex_gap(gaps, response, &mut forces)?;
     }

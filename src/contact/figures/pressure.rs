@@ -37,7 +37,8 @@ impl VertexPressure {
         }
     }
 
-    /// Raises a patch's peak to its mean pressure F/A where recovery left it lower (patches of a few vertices).
+    /// Raises a patch's peak to its mean pressure F/A where recovery or one-rings left it lower (patches of a few
+    /// vertices).
     ///
     /// * `areas`: the contact's share of each vertex (n, m²)
     pub fn raise_to_means(&mut self, surface: &Surface, forces: &NodeForces, areas: &[f64]) {

@@ -12,6 +12,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::report::record::{Report, add_timings};
+use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Inherited, Scene};
 use crate::contact::tilt::axes::Turn;
 use crate::obstacle::posed::Obstacle;
@@ -150,9 +151,10 @@ impl OnMesh<'_> {
         let found = quantity.of(contact, &self.press.direction);
         if (found / value - 1.0).abs() > Search::CLOSE {
             let (name, unit) = quantity.name_and_unit();
-            contact.warnings.push(format!(
+            let message = format!(
                 "the {name} jumps there as the depth rises, and {found:.6e} {unit} is the nearest to {value:.6e} {unit} that was found: a smaller `gap_tolerance` makes the jumps smaller"
-            ));
+            );
+            contact.warn(WarningKind::Refinement, message);
         }
     }
 

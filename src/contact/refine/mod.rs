@@ -5,5 +5,6 @@
 
 pub(crate) mod estimate;
 pub(crate) mod mark;
+pub(crate) mod round;
 pub(crate) mod rounds;
 pub(crate) mod whole;

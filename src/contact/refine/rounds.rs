@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use crate::contact::error::ContactError;
-use crate::contact::in_place::solve_in_place;
+use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Contact, ContactStatus, Refinement};
+use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::refine::estimate::MeshError;
 use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
 use crate::contact::refine::whole::into_whole;
@@ -13,7 +13,6 @@ use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::contact::scene::{Inherited, Placement};
 use crate::response::error::ResponseError;
-use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
@@ -28,10 +27,6 @@ const FEW_VERTICES: usize = 12;
 const FEW_NODES: usize = 300;
 /// A figure that keeps more than this share from one round to the next does not settle.
 const SETTLING: f64 = 0.8;
-/// Penetration left on a mesh that is fine enough, as a share of that before.
-const SMALL_PENETRATION: f64 = 0.02;
-/// Share of the target below which the force needs no finer mesh.
-const SMALL_SHARE: f64 = 0.6;
 /// Rounds at the most: each halves the edges.
 const MAX_ROUNDS: usize = 12;
 
@@ -226,7 +221,33 @@ impl Rounds<'_> {
             report.clock("first_touch", started);
         }
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        solve_in_place(&part.surface, &scene, &*skin, self.options, report)
+        let known = Known::of_active(self.expected(part));
+        InPlace::solve(&part.surface, &scene, &*skin, Some(&known), self.options, report)?
+            .contact(self.options)
+    }
+
+    /// Vertices of a finer part that are expected to carry force: those that do, and those between two of them.
+    fn expected(&self, part: &RefinedSurface) -> Vec<usize> {
+        let given_count = self.given.surface().vertices().len();
+        let (mut active, known) = match &self.last {
+            None => (self.given.active.clone(), given_count),
+            Some((last, contact)) => {
+                let active = contact.active.iter().map(|&vertex| last.number(vertex)).collect();
+                (active, given_count + last.parents().len())
+            }
+        };
+        active.sort_unstable();
+        let mut is_active: Vec<bool> = Vec::with_capacity(part.surface.vertices().len());
+        for vertex in 0..part.surface.vertices().len() {
+            let number = part.number(vertex);
+            is_active.push(if number < known {
+                active.binary_search(&number).is_ok()
+            } else {
+                let [a, b] = part.parents()[vertex - part.given_vertices().len()];
+                is_active[a] && is_active[b]
+            });
+        }
+        (0..is_active.len()).filter(|&vertex| is_active[vertex]).collect()
     }
 
     /// What a refined part takes over from the given mesh.
@@ -268,82 +289,5 @@ impl Rounds<'_> {
         };
         contact.warn_of_refinement(reason, self.target);
         Ok(contact.concluded(reason))
-    }
-}
-
-impl Contact {
-    /// Vertices under force; those that penetrate where averages over their triangles feel nothing of it.
-    fn pressed(&self) -> Vec<usize> {
-        if !self.active.is_empty() {
-            return self.active.clone();
-        }
-        let may_touch = self.surface().skin_mask();
-        (0..self.gap.len()).filter(|&vertex| may_touch[vertex] && self.gap[vertex] < 0.0).collect()
-    }
-
-    /// Whether the mesh costs so little of the force that more of it is for the area alone.
-    fn knows_force(&self, target: f64) -> bool {
-        self.accuracy.mesh_error.is_some_and(|error| error < SMALL_SHARE * target)
-    }
-
-    /// Whether the mesh is so fine that between its vertices next to no penetration is left; more may stay on sharp edges
-    /// and in Galerkin form.
-    pub(crate) fn is_free_of_penetration(&self) -> bool {
-        self.clues.edge.is_some()
-            || self.accuracy.discretization == Discretization::Galerkin
-            || self.max_penetration_after <= SMALL_PENETRATION * self.max_penetration_before
-    }
-
-    /// What the mesh is estimated to cost after `previous`; `None` without contact.
-    ///
-    /// * `is_for_area`: whether the rim alone was refined since
-    fn error_after(&self, previous: &Contact, is_for_area: bool) -> Option<MeshError> {
-        if self.status != ContactStatus::Solved {
-            return None;
-        }
-        if previous.status != ContactStatus::Solved {
-            return Some(MeshError::of_cells(self));
-        }
-        let mut error = MeshError::of_rounds(previous, self);
-        if is_for_area {
-            // Nothing but the rim was refined.
-            let known = &previous.accuracy;
-            error.force = error.force.max(known.mesh_error.unwrap_or(0.0));
-            error.pressure = error.pressure.max(known.max_pressure_error.unwrap_or(0.0));
-        }
-        Some(error)
-    }
-
-    /// Adds what this round found.
-    fn note_round(&mut self, error: Option<MeshError>, started: Instant) {
-        let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
-        self.accuracy.mesh_error = error.map(|error| error.force);
-        self.accuracy.body_error = error.map(|_| body);
-        self.accuracy.force_error = error.map(|error| error.force + body);
-        self.accuracy.area_error = error.map(|error| error.area);
-        let is_infinite = self.clues.edge.is_some();
-        self.accuracy.max_pressure_error =
-            error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
-        self.refinements.push(Refinement {
-            kind: "mesh",
-            nodes: self.candidates.len(),
-            force: self.resultant.force,
-            contact_area: Some(self.resultant.contact_area),
-            max_pressure: Some(self.resultant.max_pressure),
-            force_error: self.accuracy.force_error,
-            area_error: self.accuracy.area_error,
-            max_penetration: self.max_penetration_after,
-            seconds: started.elapsed().as_secs_f64(),
-            reason: "",
-        });
-    }
-
-    /// Says why no further round followed.
-    fn concluded(mut self, reason: &'static str) -> Self {
-        if self.status == ContactStatus::NoContact {
-            self.leave_out("estimates of error", "there is no contact");
-        }
-        self.refinements.last_mut().expect("a round was noted").reason = reason;
-        self
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::report::record::Report;
+use crate::contact::report::warning::WarningKind;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -82,11 +83,10 @@ impl Report {
             remedies.push(*remedy);
         }
         if !places.is_empty() {
-            self.warnings.push(format!(
-                "the contact reaches {}: the figures lack what lies beyond; {}",
-                places.join(", and "),
-                remedies.join("; ")
-            ));
+            let (places, remedies) = (places.join(", and "), remedies.join("; "));
+            let message =
+                format!("the contact reaches {places}: the figures lack what lies beyond; {remedies}");
+            self.warn(WarningKind::Cut, message);
         }
     }
 }

@@ -3,13 +3,14 @@
 use std::time::Instant;
 
 use crate::contact::outcome::{Contact, LeftOut, Refinement, Timing};
+use crate::contact::report::warning::{Warning, WarningKind};
 
 /// Timings, omissions and warnings of a contact under way.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     pub timings: Vec<Timing>,
     pub left_out: Vec<LeftOut>,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     /// Rounds in which gaps were taken anew at the deformed skin.
     pub linearizations: Vec<Refinement>,
 }
@@ -27,6 +28,10 @@ impl Report {
     pub fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
         self.left_out.push(LeftOut { what, why: why.into() });
     }
+
+    pub fn warn(&mut self, kind: WarningKind, message: String) {
+        self.warnings.push(Warning { kind, message });
+    }
 }
 
 /// Adds seconds to those known, stage by stage.
@@ -43,5 +48,9 @@ impl Contact {
     /// Notes what was left out once the contact is solved.
     pub(crate) fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
         self.left_out.push(LeftOut { what, why: why.into() });
+    }
+
+    pub(crate) fn warn(&mut self, kind: WarningKind, message: String) {
+        self.warnings.push(Warning { kind, message });
     }
 }

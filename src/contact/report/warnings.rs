@@ -7,6 +7,7 @@ use crate::contact::figures::penetration::Penetration;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
+use crate::contact::report::warning::WarningKind;
 use crate::response::kernel::basis::Discretization;
 
 /// Penetration left at the deformed skin, as a share of that before, from which the user is warned.
@@ -18,18 +19,15 @@ const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarse
 /// Cosine between force and outward normal of the skin from which a vertex is pulled.
 const PULL: f64 = 0.5;
 
-/// Skin and obstacle differing in size by this factor suggest that one is in another unit.
-const SUSPICIOUS_SIZE_RATIO: f64 = 100.0;
-
 impl Report {
-    /// Warns where skin and obstacle look as if they were in different units, and where skin went through a wall.
-    pub fn warn_of_scene(&mut self, gaps: &Gaps) {
-        self.warnings.extend(size_warning(gaps));
+    /// Warns where skin went through a wall.
+    pub fn warn_of_walls(&mut self, gaps: &Gaps) {
         let went_through = gaps.entry.through_walls;
         if went_through > 0 {
-            self.warnings.push(format!(
+            let message = format!(
                 "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back the way they came, to where they met it, as gaps along the closest normal would push them out at its sides"
-            ));
+            );
+            self.warn(WarningKind::Penetration, message);
         }
     }
 
@@ -41,10 +39,11 @@ impl Report {
         };
         let pulled = forces.active.iter().filter(is_pulled).count();
         if pulled > 0 {
-            self.warnings.push(format!(
+            let message = format!(
                 "the obstacle's normal points out of the skin at {pulled} of {} vertices under force, which are pulled and not pressed: the obstacle stands in the skin farther than the gaps are followed; bring it there by a press, or overlap it less",
                 forces.active.len()
-            ));
+            );
+            self.warn(WarningKind::Penetration, message);
         }
     }
 
@@ -74,7 +73,7 @@ impl Report {
                 "gaps are averaged over triangles as large as the features of this contact; refine the mesh there, or take the gap at the nodes"
             }
         };
-        self.warnings.push(still_penetrates(left.depth, before, cause));
+        self.warn(WarningKind::Penetration, still_penetrates(left.depth, before, cause));
     }
 }
 
@@ -90,35 +89,24 @@ impl Contact {
             && force.max(area) > target
         {
             let (force, area, target) = (percent(force), percent(area), percent(target));
-            self.warnings.push(format!(
+            let message = format!(
                 "the mesh around the contact costs about {force} of the force and {area} of the area, more than the target of {target}: the refinement ended by {reason}"
-            ));
+            );
+            self.warn(WarningKind::Refinement, message);
         }
         let (before, after) = (self.max_penetration_before, self.max_penetration_after);
         if !self.is_free_of_penetration() && after <= UNRESOLVED_SHARE * before {
-            self.warnings.push(still_penetrates(after, before, COARSE_MESH));
+            self.warn(WarningKind::Penetration, still_penetrates(after, before, COARSE_MESH));
         }
         if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {
             let (cost, target) = (doubt.force_error, target);
             let length = doubt.edge_length * (target / cost).sqrt();
-            self.warnings.push(format!(
+            let message = format!(
                 "the coarse mesh of the body costs about {} of the force, more than the target of {}: prepare it with coarse_edge_length = {length:.2e} m",
                 percent(cost),
                 percent(target)
-            ));
+            );
+            self.warn(WarningKind::CoarseMesh, message);
         }
     }
-}
-
-fn size_warning(gaps: &Gaps) -> Option<String> {
-    let skin = gaps.surface.bounding_box().diagonal();
-    let product = gaps.scene.obstacle.bounding_box()?.diagonal();
-    let ratio = product / skin;
-    let suspicious = gaps.scene.obstacle.kind() == "mesh"
-        && !(1.0 / SUSPICIOUS_SIZE_RATIO..SUSPICIOUS_SIZE_RATIO).contains(&ratio);
-    suspicious.then(|| {
-        format!(
-            "the obstacle's diagonal ({product:.4e} m) is {ratio:.3e} times the skin's ({skin:.4e} m): is one of them in another unit? Lengths are metres; `unit=\"mm\"` converts a file when it is read"
-        )
-    })
 }

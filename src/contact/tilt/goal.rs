@@ -11,6 +11,7 @@ use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
 use crate::contact::refine::rounds::{Begun, Rounds, begin};
 use crate::contact::report::record::add_timings;
+use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Placement};
 use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
 use crate::contact::tilt::rest::{Ended, Place, Start, find};
@@ -194,10 +195,11 @@ impl Tilted<'_> {
             && self.off(&contact) <= UNEVEN / CLOSE
         {
             why = None;
-            contact.warnings.push(format!(
+            let message = format!(
                 "the moment about the tilt axes is balanced to {:.1e} of force times lever and no better: {reason}",
                 CLOSE * self.off(&contact)
-            ));
+            );
+            contact.warn(WarningKind::Refinement, message);
         }
         add_timings(&mut timings, &trials.timings());
         contact.timings = timings;

@@ -136,6 +136,14 @@ impl KernelSkin {
         (self.basis == PressureBasis::Linear).then(|| Self { kernel, ..self.clone() })
     }
 
+    /// Thickness of the layer at a vertex (m); `None` of other kernels.
+    pub(crate) fn layer_at(&self, vertex: usize) -> Option<f64> {
+        match &self.kernel {
+            Kernel::Layer { thickness } => Some(thickness.at(vertex)),
+            _ => None,
+        }
+    }
+
     /// Shear modulus G (Pa).
     pub fn shear_modulus(&self) -> f64 {
         self.shear_modulus

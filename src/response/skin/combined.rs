@@ -126,6 +126,12 @@ impl CombinedSkin {
         Ok(Self { parts, ..self.clone() })
     }
 
+    /// The body that a vertex moves with, and its vertex there.
+    fn body_at(&self, vertex: usize) -> Option<(&PreparedBody, usize)> {
+        let part = &self.parts[self.owner[vertex]?];
+        Some((&part.prepared, part.moving(vertex)?))
+    }
+
     fn pieces(&self) -> Pieces<'_> {
         fn piece(part: &Part) -> Piece<'_> {
             (&part.name, &part.prepared, Box::new(|vertex| part.moving(vertex)))
@@ -167,6 +173,22 @@ impl ElasticSkin for CombinedSkin {
 
     fn is_held(&self, vertex: usize) -> bool {
         self.parts.iter().any(|part| part.part_vertices[vertex].is_some_and(|own| part.fixed[own]))
+    }
+
+    fn kernel_at(&self, vertex: usize) -> Option<&KernelSkin> {
+        self.owner[vertex].is_none().then_some(&self.background)
+    }
+
+    fn shear_modulus_at(&self, vertex: usize) -> Option<f64> {
+        self.body_at(vertex)
+            .map_or(Some(self.background.shear_modulus()), |(body, own)| body.shear_modulus_at(own))
+    }
+
+    fn tissue_at(&self, vertex: usize) -> Option<f64> {
+        match self.body_at(vertex) {
+            Some((body, own)) => body.tissue_at(own),
+            None => self.background.layer_at(vertex),
+        }
     }
 
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
+use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -126,6 +127,21 @@ pub trait ElasticSkin: Sync {
     /// Whether a body holds `vertex` in place; asked on the given mesh alone.
     fn is_held(&self, _vertex: usize) -> bool {
         false
+    }
+
+    /// The kernel that answers at `vertex`; asked on the given mesh alone.
+    fn kernel_at(&self, _vertex: usize) -> Option<&KernelSkin> {
+        None
+    }
+
+    /// Shear modulus at `vertex` (Pa), where one is known; asked on the given mesh alone.
+    fn shear_modulus_at(&self, vertex: usize) -> Option<f64> {
+        self.kernel_at(vertex).map(KernelSkin::shear_modulus)
+    }
+
+    /// Tissue between `vertex` and the bone (m), where a bone or a layer is known; asked on the given mesh alone.
+    fn tissue_at(&self, vertex: usize) -> Option<f64> {
+        self.kernel_at(vertex)?.layer_at(vertex)
     }
 
     /// The same skin on a refinement of its surface; `None` where it takes the mesh as it is.

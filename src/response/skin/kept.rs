@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
+use crate::response::kernel::skin::KernelSkin;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -97,6 +98,18 @@ impl ElasticSkin for KeptSkin<'_> {
         self.skin.is_held(vertex)
     }
 
+    fn kernel_at(&self, vertex: usize) -> Option<&KernelSkin> {
+        self.skin.kernel_at(vertex)
+    }
+
+    fn shear_modulus_at(&self, vertex: usize) -> Option<f64> {
+        self.skin.shear_modulus_at(vertex)
+    }
+
+    fn tissue_at(&self, vertex: usize) -> Option<f64> {
+        self.skin.tissue_at(vertex)
+    }
+
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         self.skin.refined(mesh)
     }
@@ -154,7 +167,7 @@ fn is_same(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::response::kernel::skin::{Kernel, KernelSkin};
+    use crate::response::kernel::skin::Kernel;
     use crate::response::matrix::options::AssemblyOptions;
 
     /// Flat skin of cells of 1 mm.

@@ -31,6 +31,10 @@ impl ElasticSkin for KernelSkin {
         true
     }
 
+    fn kernel_at(&self, _: usize) -> Option<&KernelSkin> {
+        Some(self)
+    }
+
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         Ok(self.on_refined(mesh).map(|skin| Box::new(skin) as Box<dyn ElasticSkin>))
     }

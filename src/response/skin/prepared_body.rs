@@ -39,6 +39,25 @@ pub enum Levels {
     Two(TwoLevels),
 }
 
+impl Levels {
+    /// The blocks of it.
+    fn compliance(&self) -> &BodyCompliance {
+        match self {
+            Self::Given(compliance) | Self::One(OneLevel { compliance, .. }) => compliance,
+            Self::Two(two) => &two.remainder,
+        }
+    }
+
+    /// Thickness of the tissue at each vertex of the skin (n, m), where a bone is known.
+    fn thickness(&self) -> Option<&Arc<[f64]>> {
+        match self {
+            Self::Given(_) => None,
+            Self::One(one) => one.thickness.as_ref(),
+            Self::Two(two) => two.thickness.as_ref(),
+        }
+    }
+}
+
 impl PreparedBody {
     /// Solves `body` for unit forces at `nodes`, on the coarse skin that it asks for.
     ///
@@ -171,6 +190,14 @@ impl ElasticSkin for PreparedBody {
             Levels::One(one) => one.is_still(vertex),
             Levels::Two(two) => two.fixed[vertex],
         }
+    }
+
+    fn shear_modulus_at(&self, _: usize) -> Option<f64> {
+        Some(self.levels.compliance().parts().shear_modulus)
+    }
+
+    fn tissue_at(&self, vertex: usize) -> Option<f64> {
+        Some(self.levels.thickness()?[vertex])
     }
 
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {

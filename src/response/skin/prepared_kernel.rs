@@ -79,6 +79,10 @@ impl ElasticSkin for PreparedKernel {
         self.given.is_prepared(vertex)
     }
 
+    fn kernel_at(&self, _: usize) -> Option<&KernelSkin> {
+        Some(&self.skin)
+    }
+
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         self.skin.refined(mesh)
     }

@@ -1,0 +1,66 @@
+"""`quasirigid accuracy` and `quasirigid stress`: tables that are computed here and now."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import quasirigid as qr
+
+from .console import refuse
+
+__all__ = ["ACCURACY_EXAMPLE", "STRESS_EXAMPLE", "accuracy", "stress"]
+
+ACCURACY_EXAMPLE = "quasirigid accuracy --quick --out accuracy-output"
+STRESS_EXAMPLE = "quasirigid stress --quick --out stress-output"
+
+_Out = Annotated[Path | None, typer.Option(help="Folder for the page, the rows as JSON and the picture.")]
+
+
+def accuracy(
+    quick: Annotated[bool, typer.Option("--quick", help="A small part, in some seconds.")] = False,
+    out: _Out = None,
+) -> int:
+    """Measure error against run time on problems with known answers, and print a table.
+
+    Mesh size, discretization, response, target error and solver; tamaas beside it where it is installed.
+    Times are those of this machine as it is now. Leaves with 0 when every force keeps to its bound, 1 when
+    one does not.
+    """
+    _check(out)
+    table = qr.accuracy(quick=quick, progress=_progress())
+    return _finish(table, out)
+
+
+def stress(
+    quick: Annotated[bool, typer.Option("--quick", help="A part of the cases, in some seconds.")] = False,
+    out: _Out = None,
+) -> int:
+    """Try extreme cases, and print what each gave beside what it should give.
+
+    Leaves with 0 when every case gave that, 1 when one is off.
+    """
+    _check(out)
+    table = qr.stress(quick=quick, progress=_progress())
+    return _finish(table, out)
+
+
+def _check(out: Path | None) -> None:
+    if out is not None and out.exists() and not out.is_dir():
+        raise NotADirectoryError(f"--out: {out} is a file, expected a folder")
+
+
+def _progress() -> bool:
+    """Return whether to print how far it is: one line on a terminal, nothing into a file."""
+    return sys.stderr.isatty()
+
+
+def _finish(table: qr.Table, out: Path | None) -> int:
+    typer.echo(str(table))
+    if out is not None:
+        typer.echo("wrote " + ", ".join(map(str, table.save(out))))
+    off = sum(not row["ok"] for row in table.rows)
+    return refuse(f"{off} of {len(table)} rows are off", status=1) if off else 0

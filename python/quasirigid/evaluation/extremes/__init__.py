@@ -1,0 +1,1 @@
+"""Extreme cases: scaled answers on one mesh, and endings that are named."""

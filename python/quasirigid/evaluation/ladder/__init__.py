@@ -1,0 +1,1 @@
+"""Error against run time on problems with known answers."""

@@ -1,0 +1,125 @@
+"""What a run of `accuracy` or `stress` gave."""
+
+from __future__ import annotations
+
+import io
+import json
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from .. import _core
+from .._extras import import_extra
+from .._frozen import Frozen
+from ..errors import MissingExtraError
+from ..io.atomic import atomic_write
+from ..io.record import as_plain
+from .page import page_of, summary_of
+
+__all__ = ["Row", "Table"]
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Table(Frozen):
+    """Rows that were measured, each with the bound that it was held to.
+
+    Attributes
+    ----------
+    name : str
+        "accuracy" or "stress".
+    """
+
+    name: str
+    _rows: tuple[Row, ...]
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """Return every row as a dict in SI (m, N, Pa, s; errors relative); ``row["ok"]`` is its verdict."""
+        return tuple(dict(row) for row in self._rows)
+
+    @property
+    def ok(self) -> bool:
+        """Return whether no row is off."""
+        return all(row["ok"] for row in self._rows)
+
+    def to_dataframe(self) -> Any:
+        """Return a pandas DataFrame with one row a case.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
+        return import_extra("pandas", "data frames", "pandas").DataFrame(list(self._rows))
+
+    def save(self, folder: str | PathLike[str]) -> tuple[Path, ...]:
+        """Write the table into a folder, which is made where it is missing.
+
+        ``<name>.json`` has all rows in SI, ``<name>.md`` the page for people, ``accuracy.png`` error against
+        time; without matplotlib (the extra `plot`) there is no picture.
+
+        Parameters
+        ----------
+        folder : path
+            Files of the same names are replaced, each of them whole; others stay.
+
+        Returns
+        -------
+        tuple of Path
+            The files.
+
+        Raises
+        ------
+        OSError
+            If the folder cannot be written to.
+        """
+        folder = Path(folder)
+        if folder.exists() and not folder.is_dir():
+            raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
+        record = {
+            "table": self.name,
+            "version": _core.__version__,
+            "ok": self.ok,
+            "rows": as_plain(self._rows),
+        }
+        contents = {f"{self.name}.json": (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()}
+        picture = self._picture()
+        if picture is not None:
+            contents[f"{self.name}.png"] = picture
+        page = page_of(self.name, self._rows, has_picture=picture is not None)
+        contents[f"{self.name}.md"] = page.encode()
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, content in contents.items():
+            with atomic_write(folder / name) as file:
+                file.write(content)
+        return tuple(folder / name for name in contents)
+
+    def _picture(self) -> bytes | None:
+        """Return the picture of error against time as PNG; None where there is none to draw."""
+        if self.name != "accuracy":
+            return None
+        from .ladder.picture import accuracy_figure
+
+        try:
+            figure = accuracy_figure(self._rows)
+        except MissingExtraError:
+            return None
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        return file.getvalue()
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self._rows)
+
+    def __str__(self) -> str:
+        """Return the rows as a table of text, the ones that are off named last."""
+        return summary_of(self.name, self._rows)
+
+    def __repr__(self) -> str:
+        """Return the counts on one line."""
+        off = sum(not row["ok"] for row in self._rows)
+        return f"Table({self.name}: {len(self._rows)} rows, {off or 'none'} off)"

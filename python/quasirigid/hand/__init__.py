@@ -1,0 +1,25 @@
+"""Hands: skin that follows joints, poses, and the regions of the skin."""
+
+from .hand import Hand as Hand
+from .joints import DIGITS as DIGITS
+from .joints import JOINTS_16 as JOINTS_16
+from .joints import JOINTS_21 as JOINTS_21
+from .joints import OPENXR_26 as OPENXR_26
+from .joints import WEBXR_25 as WEBXR_25
+from .pose import Mixed as Mixed
+from .pose import mix as mix
+from .posed import PosedHand as PosedHand
+from .read import read_hand as read_hand
+
+__all__ = [
+    "DIGITS",
+    "JOINTS_16",
+    "JOINTS_21",
+    "OPENXR_26",
+    "WEBXR_25",
+    "Hand",
+    "Mixed",
+    "PosedHand",
+    "mix",
+    "read_hand",
+]

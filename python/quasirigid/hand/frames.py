@@ -1,0 +1,87 @@
+"""Frames of joints as this package has them, from those of a file."""
+
+from __future__ import annotations
+
+from itertools import pairwise, permutations, product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .joints import DIGITS, JOINTS_OF, PARENTS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from .hand import Side
+    from .rotations import Floats
+
+
+def uniform_frames(names: Sequence[str], frames: Floats) -> tuple[Floats, Side]:
+    """Return frames (J, 4, 4) with +y along the bone and +z dorsal, and which hand it is.
+
+    Bones lead from joint to joint. Which axes of the file's frames are dorsal is what fits all fingers best;
+    the thumb's follow the same axes.
+
+    Parameters
+    ----------
+    names : sequence of str
+        WebXR's 25 among them.
+    frames : (J, 4, 4) float64
+        As the file has them (m).
+    """
+    place = {name: frames[names.index(name), :3, 3] for name in PARENTS}
+    bones = _bones(place)
+    distal = _unit(place[JOINTS_OF["middle"][1]] - place["wrist"])
+    across = place[JOINTS_OF["little"][1]] - place[JOINTS_OF["index"][1]]
+    dorsal = _unit(np.cross(across - (across @ distal) * distal, distal))
+    # The thumb lies on the palm's side of the knuckles.
+    thumb = np.mean([place[name] for name in JOINTS_OF["thumb"]], axis=0)
+    side: Side = "right"
+    if (thumb - place["wrist"]) @ dorsal > 0.0:
+        side, dorsal = "left", -dorsal
+    fingers = [name for digit in DIGITS[1:] for name in JOINTS_OF[digit][1:-1]]
+    turns = {name: frames[names.index(name), :3, :3] for name in PARENTS}
+
+    def fit(axes: Floats) -> float:
+        return sum(
+            float(turns[one] @ axes[:, 1] @ bones[one] + turns[one] @ axes[:, 2] @ dorsal) for one in fingers
+        )
+
+    axes = max(_quarter_turns(), key=fit)
+    made = frames.copy()
+    for name in PARENTS:
+        along = bones[name]
+        up = dorsal if name == "wrist" else turns[name] @ axes[:, 2]
+        sideways = np.cross(along, up)
+        if np.linalg.norm(sideways) < 0.2:
+            sideways = np.cross(along, dorsal)
+        sideways = _unit(sideways)
+        made[names.index(name), :3, :3] = np.column_stack([sideways, along, np.cross(sideways, along)])
+    return made, side
+
+
+def _bones(place: dict[str, Floats]) -> dict[str, Floats]:
+    """Return the direction of each bone; of a tip that of the phalanx before it."""
+    bones = {"wrist": _unit(place[JOINTS_OF["middle"][1]] - place["wrist"])}
+    for digit in DIGITS:
+        chain = JOINTS_OF[digit]
+        for name, after in pairwise(chain):
+            bones[name] = _unit(place[after] - place[name])
+        bones[chain[-1]] = bones[chain[-2]]
+    return bones
+
+
+def _quarter_turns() -> list[Floats]:
+    """Return the 24 rotations that lead axes to axes."""
+    found = []
+    for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
+        turn = np.eye(3)[list(order)] * np.array(signs)[:, None]
+        if np.linalg.det(turn) > 0.0:
+            found.append(turn)
+    return found
+
+
+def _unit(vector: Floats) -> Floats:
+    length = np.linalg.norm(vector)
+    unit: Floats = vector / length if length > 0.0 else np.array([0.0, 1.0, 0.0])
+    return unit

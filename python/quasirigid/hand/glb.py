@@ -1,0 +1,160 @@
+"""A hand from a GLB file with a skin."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import HandError
+from .frames import uniform_frames
+from .gltf import Gltf
+from .hand import Hand
+from .joints import PARENTS, WEBXR_25
+from .kinematics import inverse_motions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from .rotations import Floats
+
+_SCALE_TOLERANCE = 1e-3  # of the entries of R'R - I: files store frames as float32
+
+
+def read_glb(path: Path) -> Hand:
+    """Return the hand of a GLB file at rest, where its inverse bind matrices place the joints."""
+    file = Gltf(path)
+    skins = file.description.get("skins", [])
+    if len(skins) != 1:
+        raise HandError(f"{path}: it has {len(skins)} skins, expected one")
+    vertices, faces, joints, weights = _mesh(file)
+    vertices, faces, joints, weights = _welded(path, vertices, faces, joints, weights)
+    names = [str(file.description["nodes"][node].get("name", f"joint-{node}")) for node in _nodes(file)]
+    missing = [name for name in WEBXR_25 if name not in names]
+    if missing:
+        raise HandError(f"{path}: it has no joint {missing[0]!r} ({len(missing)} of WebXR's 25 are missing)")
+    frames = _bind_frames(file, len(names))
+    parents = _parents(file, names)
+    rest, side = uniform_frames(names, frames)
+    return Hand(
+        vertices,
+        faces,
+        joint_names=names,
+        parents=parents,
+        rest=rest,
+        joints=joints,
+        weights=weights,
+        side=side,
+    )
+
+
+def _nodes(file: Gltf) -> list[int]:
+    """Return the nodes that are joints, each of them there."""
+    nodes: list[int] = file.entry("skins", 0, "joints")
+    for node in nodes:
+        file.entry("nodes", node)
+    return nodes
+
+
+def _mesh(file: Gltf) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Return vertices, faces, joints and weights of the one mesh that the skin moves."""
+    path = file.path
+    skinned = [node for node in file.entry("nodes") if "skin" in node and "mesh" in node]
+    if len(skinned) != 1:
+        raise HandError(f"{path}: its skin moves {len(skinned)} meshes, expected one")
+    primitives = file.entry("meshes", skinned[0]["mesh"], "primitives")
+    parts, start = [], 0
+    for number, primitive in enumerate(primitives):
+        if primitive.get("mode", 4) != 4 or "indices" not in primitive:
+            raise HandError(f"{path}: part {number} of its mesh is no indexed triangles")
+        attributes = primitive.get("attributes", {})
+        for name in ("POSITION", "JOINTS_0", "WEIGHTS_0"):
+            if name not in attributes:
+                raise HandError(f"{path}: part {number} of its mesh has no {name}")
+        sets = [at for at in range(8) if f"JOINTS_{at}" in attributes and f"WEIGHTS_{at}" in attributes]
+        points = file.rows(attributes["POSITION"]).astype(np.float64)
+        corners = file.rows(primitive["indices"]).astype(np.int64).ravel()
+        if len(corners) % 3 or (len(corners) and corners.max() >= len(points)):
+            raise HandError(f"{path}: part {number} of its mesh has faces of vertices that it has not")
+        joints = np.hstack([file.rows(attributes[f"JOINTS_{at}"]) for at in sets]).astype(np.int64)
+        weights = np.hstack([file.rows(attributes[f"WEIGHTS_{at}"]) for at in sets]).astype(np.float64)
+        if not len(points) == len(joints) == len(weights):
+            raise HandError(
+                f"{path}: part {number} of its mesh has {len(points)} points, {len(joints)} rows of joints"
+            )
+        parts.append((points, corners.reshape(-1, 3) + start, joints, weights))
+        start += len(points)
+    if len({part[2].shape[1] for part in parts}) != 1:
+        raise HandError(f"{path}: the parts of its mesh have different numbers of weights a point")
+    points, faces, joints, weights = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return points, faces, joints, weights
+
+
+def _welded(
+    path: Path, vertices: Floats, faces: NDArray[np.int64], joints: NDArray[np.int64], weights: Floats
+) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Return the mesh with bit-equal points as one, in the order of the first of each."""
+    _, first, number = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
+    number = number.ravel()
+    count = int(joints.max(initial=0)) + 1
+    dense = np.zeros((len(vertices), count))
+    np.add.at(dense, (np.arange(len(vertices))[:, None], joints), weights)
+    differ = np.abs(dense - dense[first[number]]).max(axis=1) > _SCALE_TOLERANCE
+    if differ.any():
+        vertex = int(np.flatnonzero(differ)[0])
+        place = ", ".join(f"{value:.6g}" for value in vertices[vertex])
+        raise HandError(
+            f"{path}: the points {int(first[number[vertex]])} and {vertex} at ({place}) m are one, but their "
+            f"weights differ ({np.count_nonzero(differ)} such points)"
+        )
+    order = np.argsort(first)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[order] = np.arange(len(first))
+    kept = first[order]
+    corners = rank[number][faces]
+    thin = (corners == np.roll(corners, 1, axis=1)).any(axis=1)
+    used, corners = np.unique(corners[~thin], return_inverse=True)
+    kept = kept[used]
+    return vertices[kept], corners.reshape(-1, 3), joints[kept], weights[kept]
+
+
+def _bind_frames(file: Gltf, count: int) -> Floats:
+    """Return the frames (J, 4, 4) of the joints where the mesh was bound to them (m)."""
+    path = file.path
+    matrices = file.rows(file.entry("skins", 0, "inverseBindMatrices")).astype(np.float64)
+    if matrices.shape != (count, 16) or not np.isfinite(matrices).all():
+        raise HandError(
+            f"{path}: its inverse bind matrices are {matrices.shape}, expected ({count}, 16), finite"
+        )
+    # Column by column in the file.
+    inverse = matrices.reshape(count, 4, 4).transpose(0, 2, 1)
+    scale = np.cbrt(np.abs(np.linalg.det(inverse[:, :3, :3])))
+    turns = inverse[:, :3, :3] / scale[:, None, None]
+    excess = np.abs(turns.transpose(0, 2, 1) @ turns - np.eye(3)).max(axis=(1, 2))
+    if not (excess < _SCALE_TOLERANCE).all():
+        joint = int(np.argmax(~(excess < _SCALE_TOLERANCE)))
+        raise HandError(f"{path}: the bind matrix of joint {joint} shears or flattens")
+    left, _, right = np.linalg.svd(turns)
+    frames = np.tile(np.eye(4), (count, 1, 1))
+    frames[:, :3, :3] = left @ right
+    frames[:, :3, 3] = inverse[:, :3, 3] / scale[:, None]
+    return inverse_motions(frames) * 1.0
+
+
+def _parents(file: Gltf, names: list[str]) -> list[int]:
+    """Return the parent of each joint: WebXR's for its joints, that of the file for others."""
+    nodes = _nodes(file)
+    above: dict[int, int] = {}
+    for number, node in enumerate(file.entry("nodes")):
+        above |= dict.fromkeys(node.get("children", []), number)
+    parents = []
+    for name, node in zip(names, nodes, strict=True):
+        known: Any = PARENTS.get(name, name)
+        if known is None or known == name:
+            holder = above.get(node)
+            parents.append(nodes.index(holder) if holder in nodes else -1)
+        else:
+            parents.append(names.index(known))
+    return parents

@@ -1,0 +1,352 @@
+"""A hand that can be posed: skin, joints, and by which joints each vertex is moved."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
+
+import numpy as np
+
+from .. import _core
+from .._check import as_number, as_vector, short
+from ..errors import HandError
+from ..obstacle import Obstacle
+from ..surface import Surface, skin_without_caps
+from .bones import Bone, bones_of
+from .joints import JOINTS_OF, WEBXR_25, index_of
+from .kinematics import mirrored_frames, motions_of, moved_frames, pivots_of
+from .pose import turns_of
+from .posed import PosedHand
+from .regions import regions_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from os import PathLike
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..contact import Contact
+    from .pose import Pose
+    from .rotations import Floats
+
+__all__ = ["Hand", "Side"]
+
+Side = Literal["right", "left"]
+_Array = TypeVar("_Array", bound="NDArray[Any]")
+
+_FRAME_TOLERANCE = 1e-6  # of the entries of R'R - I
+_OUTSIDE = 5e-3  # m, of a tip of a hand of 0.19 m: rigs end some digits just beyond the skin
+_HAND_LENGTH = 0.19
+
+
+class Hand:
+    """A hand: its skin at rest, its joints, and the weights by which the skin follows them.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array_like
+        Skin at rest (m).
+    faces : (m, 3) array_like of int
+        Corners of each triangle, counter-clockwise seen from outside.
+    joint_names : sequence of str
+        J names, WebXR's 25 among them (`quasirigid.hand.WEBXR_25`); others are kept as they are.
+    parents : (J,) array_like of int
+        The joint that each hangs on, -1 for the root.
+    rest : (J, 4, 4) array_like
+        Frames of the joints at rest (m): +y along the bone, +x the axis of flexion (which is a negative turn
+        about it), +z dorsal.
+    joints : (n, k) array_like of int
+        The joints that move each vertex.
+    weights : (n, k) array_like
+        How much each does, >= 0; sums within 1e-3 of 1 are normalised.
+    labels : (n,) sequence of str, optional
+        Region of each vertex; found from joints and normals when left out.
+    side : {"right", "left"}
+        Which hand it is.
+
+    Attributes
+    ----------
+    surface : Surface
+        The skin at rest; its flat cut at the wrist may not touch.
+    joint_names : tuple of str
+    parents : (J,) int64
+    rest : (J, 4, 4) float64
+    joints : (n, k) int64
+    weights : (n, k) float64
+    side : str
+
+    Raises
+    ------
+    HandError
+        Naming the joint or vertex at fault: names that are missing or double, parents in a circle, frames
+        that are no rigid motion, a joint outside the skin, weights that do not sum to 1.
+    SurfaceError
+        The skin is no surface.
+    """
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        joint_names: Sequence[str],
+        parents: ArrayLike,
+        rest: ArrayLike,
+        joints: ArrayLike,
+        weights: ArrayLike,
+        labels: ArrayLike | None = None,
+        side: Side = "right",
+    ) -> None:
+        if side not in ("right", "left"):
+            raise HandError(f'side is {side!r}, expected "right" or "left"')
+        self.side: Side = side
+        self.joint_names = _as_names(joint_names)
+        self.parents = _as_parents(parents, self.joint_names)
+        self.rest = _as_frames(rest, self.joint_names)
+        surface = Surface(vertices, faces)
+        if not surface.is_closed:
+            raise HandError("the skin is open: a hand needs a closed one, its cut at the wrist capped")
+        # The flat cut at the wrist is no skin.
+        self.surface = surface.with_skin_mask(skin_without_caps(surface))
+        self._influence = _core.SkinWeights(joints, weights, joint_count=len(self.joint_names))
+        self.joints = _read_only(np.array(joints, dtype=np.int64))
+        self.weights = _read_only(np.array(weights, dtype=np.float64))
+        if len(self.joints) != len(surface.vertices):
+            raise HandError(
+                f"joints has {len(self.joints)} rows, but the skin has {len(surface.vertices)} vertices"
+            )
+        _check_inside(surface, self.rest, self.joint_names)
+        self._labels = None if labels is None else _as_labels(labels, len(surface.vertices))
+
+    @property
+    def labels(self) -> NDArray[np.str_]:
+        """(n,) str: the region of each vertex, such as ``"index-distal-palmar"``."""
+        if self._labels is None:
+            self._labels = _read_only(regions_of(self))
+        return self._labels
+
+    @property
+    def length(self) -> float:
+        """Way along the joints from the wrist to the tip of the middle finger (m)."""
+        way = self._places(("wrist", *JOINTS_OF["middle"][1:]))
+        return float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+
+    @cached_property
+    def _pivots(self) -> Floats:
+        return pivots_of(self)
+
+    def posed(
+        self,
+        pose: Pose,
+        *,
+        rotation: ArrayLike | None = None,
+        translation: ArrayLike = (0.0, 0.0, 0.0),
+        linear: bool = False,
+    ) -> PosedHand:
+        """Return the hand in a pose.
+
+        Parameters
+        ----------
+        pose : str, mapping, array_like or Mixed
+            A preset ("flat", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"); a mapping of joint
+            names to flexion (rad) or to a mapping of "flexion", "abduction" and "twist" (rad), joints not
+            named at rest; or an array in the order of `joint_names`, relative to the rest frames: (J, 3)
+            rotation vectors (rad) or (J, 4) quaternions x, y, z, w. Flexion is positive towards the palm,
+            abduction away from the middle finger (of that itself: towards the thumb), twist where it turns
+            the thumb's pad to the fingers.
+        rotation : (3, 3) array_like, optional
+            Of the whole hand about the origin, after it was posed.
+        translation : (3,) array_like
+            Of the whole hand (m), after that.
+        linear : bool
+            Blend the motions of joints as matrices, not as dual quaternions: the skin collapses at bent
+            joints.
+
+        Returns
+        -------
+        PosedHand
+            Skin, joints and labels.
+
+        Raises
+        ------
+        HandError
+            Unknown names (the nearest known one is offered), angles that are not finite, an array of another
+            shape.
+
+        Warns
+        -----
+        QuasirigidWarning
+            Angles of a mapping that are beyond the range of a joint are taken at its end. Arrays are taken as
+            they are.
+
+        Notes
+        -----
+        Joints turn about themselves; hinges of a digit that a rig has just under the skin, about the middle
+        of the digit there.
+        """
+        placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
+        motions, frames = motions_of(self.rest, self._pivots, self.parents, turns_of(pose, self), placed)
+        surface = self._influence.posed(self.surface, motions, linear=linear)
+        return PosedHand(hand=self, surface=surface, joints=_read_only(frames), motions=_read_only(motions))
+
+    def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Hand:
+        """Return the hand after a rigid motion of all of it, at rest there.
+
+        Parameters
+        ----------
+        rotation : (3, 3) array_like, optional
+            About the origin.
+        translation : (3,) array_like
+            After the rotation (m).
+        """
+        frames = moved_frames(self.rest, rotation, translation, HandError)
+        # The motion of every joint is that of the first.
+        motion = frames[0] @ np.linalg.inv(self.rest[0])
+        return self._with(self.surface.vertices @ motion[:3, :3].T + motion[:3, 3], frames)
+
+    def scaled(self, factor: float) -> Hand:
+        """Return the hand with all lengths times a factor, about the origin."""
+        factor = as_number("factor", factor, HandError)
+        frames = self.rest.copy()
+        frames[:, :3, 3] *= factor
+        return self._with(self.surface.vertices * factor, frames)
+
+    def mirrored(self) -> Hand:
+        """Return the other hand: the mirror image in the plane x = 0."""
+        vertices = self.surface.vertices * [-1.0, 1.0, 1.0]
+        side: Side = "left" if self.side == "right" else "right"
+        return self._with(vertices, mirrored_frames(self.rest), faces=self.surface.faces[:, ::-1], side=side)
+
+    def frame_of(self, joint: str) -> Floats:
+        """Return the frame (4, 4) of a joint at rest (m), by its name."""
+        frame: Floats = self.rest[index_of(joint, self.joint_names, "the joint")]
+        return frame
+
+    def pivot_of(self, joint: str) -> Floats:
+        """Return the point (3,) that a joint turns about at rest (m), by its name."""
+        pivot: Floats = self._pivots[index_of(joint, self.joint_names, "the joint")]
+        return pivot
+
+    @cached_property
+    def bones(self) -> tuple[Bone, ...]:
+        """Phalanges, metacarpals and carpals at rest; one that the skin leaves no room for is missing."""
+        return bones_of(self)
+
+    def save(self, path: str | PathLike[str], contact: Contact | None = None) -> None:
+        """Write the hand at rest as GLB with skin and joints.
+
+        Parameters
+        ----------
+        path : path
+            A file that ends in .glb.
+        contact : Contact, optional
+            One of this hand's skin, posed or not: the mesh that was solved, with pressure as colour and as
+            the attribute ``_PRESSURE`` (Pa), and the deformed skin as a morph target.
+        """
+        from .save import save_glb
+
+        save_glb(self, path, contact)
+
+    def __repr__(self) -> str:
+        """Return side, counts and length on one line."""
+        counts = f"{len(self.surface.vertices)} vertices, {len(self.joint_names)} joints"
+        return f"Hand({self.side}, {counts}, {self.length * 1e3:.0f} mm from wrist to tip)"
+
+    def _with(self, vertices: Floats, rest: Floats, **changed: Any) -> Hand:
+        """Return the same hand with other places of skin and joints."""
+        known: dict[str, Any] = {
+            "faces": self.surface.faces,
+            "joint_names": self.joint_names,
+            "parents": self.parents,
+            "joints": self.joints,
+            "weights": self.weights,
+            "labels": self._labels,
+            "side": self.side,
+        }
+        return Hand(vertices, rest=rest, **(known | changed))
+
+    def _places(self, names: Sequence[str]) -> Floats:
+        return self.rest[[self.joint_names.index(name) for name in names], :3, 3]
+
+
+def _as_names(names: Sequence[str]) -> tuple[str, ...]:
+    known = tuple(str(name) for name in names)
+    double = sorted({name for name in known if known.count(name) > 1})
+    if double:
+        raise HandError(f"joint_names holds {double[0]!r} {known.count(double[0])} times")
+    missing = [name for name in WEBXR_25 if name not in known]
+    if missing:
+        raise HandError(f"joint_names lacks {missing[0]!r} ({len(missing)} of WebXR's 25 are missing)")
+    return known
+
+
+def _as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
+    try:
+        rows = np.array(parents)
+    except ValueError:
+        rows = np.empty(0)
+    if rows.shape != (len(names),) or rows.dtype.kind not in "iu":
+        raise HandError(f"parents is {short(parents)}, expected {len(names)} integers, -1 for the root")
+    wrong = np.flatnonzero((rows < -1) | (rows >= len(names)))
+    if len(wrong):
+        raise HandError(f"parents[{wrong[0]}] is {rows[wrong[0]]}, expected -1 or a joint below {len(names)}")
+    for joint in range(len(names)):
+        seen, at = set(), joint
+        while at >= 0:
+            if at in seen:
+                raise HandError(f"the parents of {names[joint]!r} run in a circle through {names[at]!r}")
+            seen.add(at)
+            at = int(rows[at])
+    return _read_only(rows.astype(np.int64))
+
+
+def _as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
+    try:
+        frames = np.array(rest, dtype=np.float64)
+    except (TypeError, ValueError):
+        frames = np.empty(0)
+    if frames.shape != (len(names), 4, 4):
+        raise HandError(f"rest has shape {frames.shape}, expected ({len(names)}, 4, 4)")
+    rotations = frames[:, :3, :3]
+    excess = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(axis=(1, 2))
+    good = (
+        np.isfinite(frames).all(axis=(1, 2)) & (excess < _FRAME_TOLERANCE) & (np.linalg.det(rotations) > 0.0)
+    )
+    good &= (frames[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1)
+    if not good.all():
+        joint = int(np.flatnonzero(~good)[0])
+        raise HandError(f"rest[{joint}] ({names[joint]}) is no rigid motion: {frames[joint].tolist()}")
+    # To the last digit, so that poses are rigid motions too.
+    left, _, right = np.linalg.svd(rotations)
+    frames[:, :3, :3] = left @ right
+    return _read_only(frames)
+
+
+def _as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:
+    words = np.asarray(labels)
+    if words.shape != (count,) or words.dtype.kind not in "UO":
+        raise HandError(f"labels is {short(labels)}, expected one word for each of {count} vertices")
+    return _read_only(words.astype(np.str_))
+
+
+def _check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None:
+    """Refuse joints of the hand outside its skin; digits may end just beyond it."""
+    known = [names.index(name) for name in WEBXR_25]
+    skin = Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False)
+    distance = skin.signed_distance(rest[known, :3, 3])[0]
+    way = [names.index(name) for name in ("wrist", *JOINTS_OF["middle"][1:])]
+    length = np.linalg.norm(np.diff(rest[way, :3, 3], axis=0), axis=1).sum()
+    is_tip = np.array([name.endswith("-tip") for name in WEBXR_25])
+    outside = np.flatnonzero(distance > np.where(is_tip, _OUTSIDE * length / _HAND_LENGTH, 0.0))
+    if len(outside):
+        worst = outside[np.argmax(distance[outside])]
+        place = as_vector("joint", rest[known[worst], :3, 3], HandError)
+        raise HandError(
+            f"the joint {WEBXR_25[worst]!r} at {short(place)} m lies {distance[worst] * 1e3:.2f} mm outside "
+            f"the skin ({len(outside)} joints do): check that skin and joints have the same unit and frame"
+        )
+
+
+def _read_only(array: _Array) -> _Array:
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,73 @@
+"""Joints of a hand: their names, their order, and the names that others give them."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+from ..errors import HandError
+
+__all__ = ["DIGITS", "JOINTS_16", "JOINTS_21", "OPENXR_26", "PARENTS", "WEBXR_25"]
+
+DIGITS = ("thumb", "index", "middle", "ring", "little")
+"""The digits, radial to ulnar."""
+
+_STEMS = {
+    "thumb": "thumb",
+    "index": "index-finger",
+    "middle": "middle-finger",
+    "ring": "ring-finger",
+    "little": "pinky-finger",
+}
+_FINGER = ("metacarpal", "proximal", "intermediate", "distal", "tip")
+_LINKS: dict[str, tuple[str, ...]] = dict.fromkeys(DIGITS, _FINGER)
+_LINKS["thumb"] = ("metacarpal", "proximal", "distal", "tip")
+
+
+def _name(digit: str, link: str) -> str:
+    is_phalanx = link not in ("metacarpal", "tip")
+    return f"{_STEMS[digit]}-{'phalanx-' if is_phalanx else ''}{link}"
+
+
+JOINTS_OF: dict[str, tuple[str, ...]] = {
+    digit: tuple(_name(digit, link) for link in _LINKS[digit]) for digit in DIGITS
+}
+"""WebXR names of the joints of each digit, from its metacarpal to its tip."""
+
+WEBXR_25: tuple[str, ...] = ("wrist", *(name for digit in DIGITS for name in JOINTS_OF[digit]))
+"""The joints of WebXR Hand Input, in its order (W3C, WebXR Hand Input Module - Level 1)."""
+
+OPENXR_26: tuple[str | None, ...] = (None, *WEBXR_25)
+"""WebXR names in the order of ``XrHandJointEXT`` (OpenXR 1.0, XR_EXT_hand_tracking); None is its palm."""
+
+JOINTS_16: tuple[str, ...] = (
+    "wrist",
+    *(name for digit in ("index", "middle", "little", "ring") for name in JOINTS_OF[digit][1:4]),
+    *JOINTS_OF["thumb"][:3],
+)
+"""WebXR names in the order of MANO's 16 joints (Romero, Tzionas, Black 2017, ACM Trans. Graph. 36(6),
+245)."""
+
+JOINTS_21: tuple[str, ...] = (
+    "wrist",
+    *JOINTS_OF["thumb"],
+    *(name for digit in DIGITS[1:] for name in JOINTS_OF[digit][1:]),
+)
+"""WebXR names in the order of 21 key points (Simon, Joo, Matthews, Sheikh 2017, CVPR, 1145-1153)."""
+
+PARENTS: dict[str, str | None] = {"wrist": None}
+"""The joint that each joint of WebXR hangs on."""
+for _chain in JOINTS_OF.values():
+    PARENTS |= zip(_chain, ("wrist", *_chain), strict=False)
+
+DIGIT_OF: dict[str, str] = {name: digit for digit in DIGITS for name in JOINTS_OF[digit]}
+"""The digit of each joint but the wrist."""
+
+
+def index_of(name: str, known: Iterable[str], what: str) -> int:
+    """Return the place of a name among those known; a refusal offers the nearest one."""
+    names = list(known)
+    if name in names:
+        return names.index(name)
+    near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.0)
+    raise HandError(f"{what} {name!r} is not known; the nearest is {near[0]!r}")

@@ -1,0 +1,122 @@
+"""Where the joints are, once they have turned."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .._check import Refusal, as_vector, short
+from .joints import DIGITS, JOINTS_OF
+from .rays import way_out
+from .rotations import Floats, to_matrices
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from .hand import Hand
+
+_ROTATION_TOLERANCE = 1e-9
+_OFF_CENTRE = 0.3
+
+
+def pivots_of(hand: Hand) -> Floats:
+    """Return the points (J, 3) (m) about which the joints of a hand turn at rest.
+
+    The joints themselves, but where a rig has them just under the back of a digit: there a finger that bends
+    would lose volume, and its pad would fold. Such hinges turn about the middle of the digit, such knuckles
+    as deep below the back as the next joint.
+    """
+    pivots = hand.rest[:, :3, 3].copy()
+    for digit in DIGITS:
+        depth = 0.0
+        for name in reversed(JOINTS_OF[digit][1:-1]):
+            joint = hand.joint_names.index(name)
+            dorsal = hand.rest[joint, :3, 2]
+            above, below = (way_out(hand.surface, pivots[joint], sign * dorsal) for sign in (1.0, -1.0))
+            # Below a knuckle lies the palm.
+            if name != JOINTS_OF[digit][1]:
+                depth = 0.5 * (above + below)
+            if above < 2.0 * _OFF_CENTRE * depth:
+                pivots[joint] -= (depth - above) * dorsal
+    return pivots
+
+
+def motions_of(
+    rest: Floats, pivots: Floats, parents: NDArray[np.int64], turns: Floats, placed: Floats
+) -> tuple[Floats, Floats]:
+    """Return the motion of each joint (J, 4, 4) from rest, and its frame (J, 4, 4) (m).
+
+    Parameters
+    ----------
+    rest : (J, 4, 4) float64
+        Frames at rest (m).
+    pivots : (J, 3) float64
+        The points about which they turn there (m).
+    parents : (J,) int64
+        -1 for the root.
+    turns : (J, 4) float64
+        Turn of each joint in its frame at rest.
+    placed : (4, 4) float64
+        Motion of the whole hand.
+    """
+    about = rest.copy()
+    about[:, :3, 3] = pivots
+    turned = np.tile(np.eye(4), (len(rest), 1, 1))
+    turned[:, :3, :3] = to_matrices(turns)
+    # The motion that a joint alone would make, from rest.
+    own = about @ turned @ inverse_motions(about)
+    own[(turns[:, :3] == 0.0).all(axis=1)] = np.eye(4)
+    motions = np.empty_like(own)
+    done = np.zeros(len(rest), dtype=bool)
+
+    def finish(joint: int) -> Floats:
+        if not done[joint]:
+            before = finish(int(parents[joint])) if parents[joint] >= 0 else placed
+            motions[joint], done[joint] = before @ own[joint], True
+        motion: Floats = motions[joint]
+        return motion
+
+    for joint in range(len(rest)):
+        finish(joint)
+    return motions, motions @ rest
+
+
+def inverse_motions(motions: Floats) -> Floats:
+    """Return the inverse of rigid motions (k, 4, 4)."""
+    inverse = np.tile(np.eye(4), (len(motions), 1, 1))
+    inverse[:, :3, :3] = motions[:, :3, :3].transpose(0, 2, 1)
+    inverse[:, :3, 3] = -np.einsum("kij,kj->ki", inverse[:, :3, :3], motions[:, :3, 3])
+    return inverse
+
+
+def moved_frames(
+    frames: Floats, rotation: ArrayLike | None, translation: ArrayLike, refusal: Refusal
+) -> Floats:
+    """Return frames (k, 4, 4) after a rotation (3, 3) and a translation (3,) (m)."""
+    motion = np.eye(4)
+    if rotation is not None:
+        try:
+            matrix = np.array(rotation, dtype=np.float64)
+        except (TypeError, ValueError):
+            matrix = np.empty(0)
+        is_rotation = (
+            matrix.shape == (3, 3)
+            and np.isfinite(matrix).all()
+            and np.abs(matrix.T @ matrix - np.eye(3)).max() <= _ROTATION_TOLERANCE
+            and np.linalg.det(matrix) > 0.0
+        )
+        if not is_rotation:
+            raise refusal(f"rotation is {short(rotation)}, expected a (3, 3) rotation matrix")
+        motion[:3, :3] = matrix
+    motion[:3, 3] = as_vector("translation", translation, refusal)
+    return motion @ frames
+
+
+def mirrored_frames(frames: Floats) -> Floats:
+    """Return the frames (k, 4, 4) of the mirror image in the plane x = 0.
+
+    The axis of flexion changes sense once more, so that flexion stays a negative turn about it.
+    """
+    mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
+    return mirror @ frames @ mirror

@@ -1,0 +1,59 @@
+"""Regions of a mesh that hang together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST_ROUNDS = 20
+
+
+def in_one_piece(faces: NDArray[np.int64], labels: NDArray[np.str_]) -> NDArray[np.str_]:
+    """Return labels (n,) of which each holds its largest connected piece alone.
+
+    Other pieces take the label that most of the edges around them lead to, the smallest pieces first.
+    """
+    words, label = np.unique(labels, return_inverse=True)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    for _ in range(_MOST_ROUNDS):
+        piece = _pieces(edges, label)
+        size = np.bincount(piece, minlength=len(label))
+        largest = np.zeros(len(words), dtype=np.int64)
+        np.maximum.at(largest, label, size[piece])
+        # Of two as large, the one found first.
+        first = np.full(len(words), len(label))
+        is_largest = size[piece] == largest[label]
+        np.minimum.at(first, label[is_largest], piece[is_largest])
+        is_loose = piece != first[label]
+        if not is_loose.any():
+            break
+        leaving = edges[is_loose[edges[:, 0]] & (piece[edges[:, 0]] != piece[edges[:, 1]])]
+        pairs, counts = np.unique(
+            np.column_stack([piece[leaving[:, 0]], label[leaving[:, 1]]]), axis=0, return_counts=True
+        )
+        taken = label.copy()
+        order = np.lexsort((counts, pairs[:, 0]))
+        target = dict(zip(pairs[order, 0].tolist(), pairs[order, 1].tolist(), strict=True))
+        for number, wanted in target.items():
+            taken[piece == number] = wanted
+        label = taken
+    return words[label]
+
+
+def _pieces(edges: NDArray[np.int64], label: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the lowest vertex (n,) that each vertex hangs together with through its own label."""
+    inner = edges[label[edges[:, 0]] == label[edges[:, 1]]]
+    lowest = np.arange(len(label))
+    while True:
+        before = lowest.copy()
+        least = np.minimum(lowest[inner[:, 0]], lowest[inner[:, 1]])
+        for end in (0, 1):
+            np.minimum.at(lowest, lowest[inner[:, end]], least)
+            np.minimum.at(lowest, inner[:, end], least)
+        lowest = lowest[lowest]
+        if (lowest == before).all():
+            return lowest

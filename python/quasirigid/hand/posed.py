@@ -1,0 +1,121 @@
+"""A hand in a pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import HandError, ObstacleError
+from ..obstacle import Obstacle
+from ..skin import Body, Skin
+from ..surface import Surface
+from .joints import index_of
+from .rays import way_out
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ..skin import PreparedSkin, Response
+    from .hand import Hand
+    from .rotations import Floats
+
+__all__ = ["PosedHand"]
+
+_BELOW = 5e-3  # m, below the mean of the palm's centre: inside the hand
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PosedHand:
+    """A hand in a pose, ready to press.
+
+    Attributes
+    ----------
+    hand : Hand
+        The hand at rest.
+    surface : Surface
+        The skin; its faces were checked at rest.
+    joints : (J, 4, 4) float64
+        Frames of the joints (m), in the order of `Hand.joint_names`.
+    motions : (J, 4, 4) float64
+        Motion of each joint from rest (m).
+    """
+
+    hand: Hand
+    surface: Surface = field(repr=False)
+    joints: Floats = field(repr=False)
+    motions: Floats = field(repr=False)
+
+    @property
+    def labels(self) -> NDArray[np.str_]:
+        """(n,) str: the region of each vertex."""
+        return self.hand.labels
+
+    @cached_property
+    def bones(self) -> Surface:
+        """Bones of the hand where their joints are, one component each."""
+        vertices, faces, start = [], [], 0
+        for bone in self.hand.bones:
+            motion = self.motions[bone.joint]
+            vertices.append(bone.vertices @ motion[:3, :3].T + motion[:3, 3])
+            faces.append(bone.faces + start)
+            start += len(bone.vertices)
+        return Surface(np.concatenate(vertices), np.concatenate(faces))
+
+    def skin(
+        self, *, shear_modulus: float, poisson_ratio: float, response: Response | None = None
+    ) -> Skin | PreparedSkin:
+        """Return material and response of this skin in this pose.
+
+        Parameters
+        ----------
+        shear_modulus : float
+            G (Pa).
+        poisson_ratio : float
+            nu, from 0 to 0.5.
+        response : Response, optional
+            A body when left out; one that has neither bone nor fixed vertices gets the hand's bones and is
+            held at the cut at the wrist. It is prepared for all of the skin, which takes seconds.
+
+        Raises
+        ------
+        HandError
+            The skin of a body crosses itself in this pose, or its bones cross the skin.
+        ResponseError
+            As `Skin` and `Skin.prepared` say.
+        """
+        response = Body() if response is None else response
+        if not isinstance(response, Body):
+            return Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
+        if response.bone is None and response.fixed is None:
+            response = replace(response, bone=self.bones, fixed=~self.surface.skin_mask)
+        try:
+            Obstacle.mesh(self.surface.vertices, self.surface.faces)
+        except ObstacleError as error:
+            raise HandError(f"the skin crosses itself in this pose and encloses no body: {error}") from None
+        skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
+        return skin.prepared(self.surface)
+
+    @property
+    def palm(self) -> Floats:
+        """(4, 4) float64: frame of the palm (m).
+
+        Origin at the palm's centre on the skin, +y distal, +z out of the palm, +x = y x z.
+        """
+        wrist, knuckle = (self.frame_of(name)[:3, 3] for name in ("wrist", "middle-finger-phalanx-proximal"))
+        dorsal = self.frame_of("wrist")[:3, 2]
+        distal = (knuckle - wrist) / np.linalg.norm(knuckle - wrist)
+        out = -(dorsal - (dorsal @ distal) * distal)
+        out /= np.linalg.norm(out)
+        middle = self.surface.vertices[self.labels == "palm-center"].mean(axis=0) - _BELOW * out
+        frame = np.eye(4)
+        frame[:3, :3] = np.column_stack([np.cross(distal, out), distal, out])
+        frame[:3, 3] = middle + way_out(self.surface, middle, out) * out
+        return frame
+
+    def frame_of(self, joint: str) -> Floats:
+        """Return the frame (4, 4) of a joint (m), by its name."""
+        frame: Floats = self.joints[index_of(joint, self.hand.joint_names, "the joint")]
+        return frame

@@ -1,0 +1,135 @@
+//! The complementarity problem of one group of candidates that feels no other.
+
+use std::time::Instant;
+
+use crate::contact::candidate::groups::with_rings;
+use crate::contact::discretization::gap_at;
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::equilibrium::growth::PRESSED_SHARE;
+use crate::contact::error::ContactError;
+use crate::contact::gap::initial::Gaps;
+use crate::contact::options::ContactOptions;
+use crate::contact::report::record::Report;
+use crate::lcp::options::LcpOptions;
+use crate::lcp::problem::LcpProblem;
+use crate::lcp::solution::{LcpSolution, LcpStatus};
+use crate::lcp::solve as lcp;
+use crate::linalg::definiteness::{Definiteness, Spectrum, spectrum};
+use crate::response::kernel::basis::Discretization;
+
+/// Response matrices up to this size are examined for definiteness and condition unasked: it costs less there
+/// than their assembly.
+const EXAMINED_SIZE: usize = 64;
+/// Rings around the vertices that are expected to carry force which enter the problem with them.
+const EXPECTED_RINGS: usize = 2;
+/// Share of a group from which all of it enters at once.
+const MOST_OF_A_GROUP: f64 = 0.8;
+
+/// What the problems of all groups have in common.
+pub(crate) struct GroupProblem<'a> {
+    pub gaps: &'a Gaps<'a>,
+    pub response: &'a Compliance<'a>,
+    /// Vertices that are expected to carry force, ascending.
+    pub guess: Option<&'a [usize]>,
+    pub options: &'a ContactOptions<'a>,
+}
+
+impl GroupProblem<'_> {
+    /// Finds the forces of a group and the gaps that they leave.
+    ///
+    /// Where a guess is good, the vertices far from it stay clear of the obstacle once the others are pushed out. They
+    /// enter the problem only where they do not: the answer is that of the whole group.
+    pub fn solve(
+        &self,
+        group: &[usize],
+        forces: &mut NodeForces,
+        report: &mut Report,
+    ) -> Result<(), ContactError> {
+        let mut nodes = self.expected(group);
+        loop {
+            let (solution, spectrum) = self.solve_on(&nodes, forces, report)?;
+            forces.adopt(&nodes, &solution);
+            forces.settle();
+            let started = Instant::now();
+            let pressed = match solution.status {
+                LcpStatus::Solved if nodes.len() < group.len() => self.pressed(group, &nodes, forces)?,
+                _ => Vec::new(),
+            };
+            report.clock("response", started);
+            if pressed.is_empty() {
+                forces.solutions.push(solution);
+                forces.spectra.push(spectrum);
+                return Ok(());
+            }
+            nodes = self.around(group, &[nodes, pressed].concat(), 1);
+        }
+    }
+
+    /// The nodes to begin with.
+    fn expected(&self, group: &[usize]) -> Vec<usize> {
+        let is_refined = self.gaps.scene.inherited.is_some();
+        let is_collocation = self.response.traits.discretization == Discretization::Collocation;
+        match self.guess {
+            Some(guess) if is_refined && is_collocation => self.around(group, guess, EXPECTED_RINGS),
+            _ => group.to_vec(),
+        }
+    }
+
+    /// Those of a group within so many rings of `nodes`; all of it where few are left out.
+    fn around(&self, group: &[usize], nodes: &[usize], rings: usize) -> Vec<usize> {
+        let mut around = with_rings(self.gaps.surface, nodes, rings);
+        around.retain(|vertex| group.binary_search(vertex).is_ok());
+        let is_enough = !around.is_empty() && (around.len() as f64) < MOST_OF_A_GROUP * group.len() as f64;
+        if is_enough { around } else { group.to_vec() }
+    }
+
+    /// The rest of a group that `forces` leave inside the obstacle; the gaps of all of the rest are noted.
+    fn pressed(
+        &self,
+        group: &[usize],
+        nodes: &[usize],
+        forces: &mut NodeForces,
+    ) -> Result<Vec<usize>, ContactError> {
+        let is_rest = |vertex: &usize| nodes.binary_search(vertex).is_err();
+        let rest: Vec<usize> = group.iter().copied().filter(is_rest).collect();
+        let gap = gap_at(self.gaps, self.response, forces, &rest)?;
+        let pressed = -PRESSED_SHARE * self.gaps.deepest();
+        for (&vertex, &gap) in rest.iter().zip(&gap) {
+            forces.gap[vertex] = gap;
+        }
+        Ok(rest.into_iter().filter(|&vertex| forces.gap[vertex] < pressed).collect())
+    }
+
+    fn solve_on(
+        &self,
+        nodes: &[usize],
+        forces: &NodeForces,
+        report: &mut Report,
+    ) -> Result<(LcpSolution, Option<Spectrum>), ContactError> {
+        let Self { gaps, response, guess, options } = *self;
+        let started = Instant::now();
+        let matrix = response.matrix(nodes, &gaps.at(nodes)?.normal, &forces.fingers)?;
+        report.clock("response", started);
+        let is_examined = options.condition || nodes.len() <= EXAMINED_SIZE;
+        let spectrum = is_examined.then(|| spectrum(matrix.as_ref()));
+        let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
+        let started = Instant::now();
+        let q = response.traits.discretization.initial_gap(gaps, response, nodes)?;
+        let problem = LcpProblem::new(matrix.as_ref(), &q)?.with_known_definiteness(definiteness);
+        let is_guessed = |guess: &[usize]| {
+            (0..nodes.len()).filter(|&node| guess.binary_search(&nodes[node]).is_ok()).collect()
+        };
+        let lcp_options = LcpOptions {
+            interrupt: options.interrupt,
+            initial_active: guess.map(is_guessed),
+            ..LcpOptions::default()
+        };
+        let solution = lcp::solve(&problem, &options.method, &lcp_options)?;
+        report.clock("lcp", started);
+        if solution.status == LcpStatus::Interrupted {
+            return Err(ContactError::Interrupted { stage: "lcp" });
+        }
+        Ok((solution, spectrum))
+    }
+}

@@ -1,0 +1,89 @@
+//! What a contact says of the mesh that it was solved on, and what it notes of a round of refinement.
+
+use std::time::Instant;
+
+use crate::contact::outcome::{Contact, ContactStatus, Refinement};
+use crate::contact::refine::estimate::MeshError;
+use crate::response::kernel::basis::Discretization;
+
+/// Penetration left on a mesh that is fine enough, as a share of that before.
+const SMALL_PENETRATION: f64 = 0.02;
+/// Share of the target below which the force needs no finer mesh.
+const SMALL_SHARE: f64 = 0.6;
+
+impl Contact {
+    /// Vertices under force; those that penetrate where averages over their triangles feel nothing of it.
+    pub(crate) fn pressed(&self) -> Vec<usize> {
+        if !self.active.is_empty() {
+            return self.active.clone();
+        }
+        let may_touch = self.surface().skin_mask();
+        (0..self.gap.len()).filter(|&vertex| may_touch[vertex] && self.gap[vertex] < 0.0).collect()
+    }
+
+    /// Whether the mesh costs so little of the force that more of it is for the area alone.
+    pub(crate) fn knows_force(&self, target: f64) -> bool {
+        self.accuracy.mesh_error.is_some_and(|error| error < SMALL_SHARE * target)
+    }
+
+    /// Whether the mesh is so fine that between its vertices next to no penetration is left; more may stay on sharp edges
+    /// and in Galerkin form.
+    pub(crate) fn is_free_of_penetration(&self) -> bool {
+        self.clues.edge.is_some()
+            || self.accuracy.discretization == Discretization::Galerkin
+            || self.max_penetration_after <= SMALL_PENETRATION * self.max_penetration_before
+    }
+
+    /// What the mesh is estimated to cost after `previous`; `None` without contact.
+    ///
+    /// * `is_for_area`: whether the rim alone was refined since
+    pub(crate) fn error_after(&self, previous: &Contact, is_for_area: bool) -> Option<MeshError> {
+        if self.status != ContactStatus::Solved {
+            return None;
+        }
+        if previous.status != ContactStatus::Solved {
+            return Some(MeshError::of_cells(self));
+        }
+        let mut error = MeshError::of_rounds(previous, self);
+        if is_for_area {
+            // Nothing but the rim was refined.
+            let known = &previous.accuracy;
+            error.force = error.force.max(known.mesh_error.unwrap_or(0.0));
+            error.pressure = error.pressure.max(known.max_pressure_error.unwrap_or(0.0));
+        }
+        Some(error)
+    }
+
+    /// Adds what this round found.
+    pub(crate) fn note_round(&mut self, error: Option<MeshError>, started: Instant) {
+        let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
+        self.accuracy.mesh_error = error.map(|error| error.force);
+        self.accuracy.body_error = error.map(|_| body);
+        self.accuracy.force_error = error.map(|error| error.force + body);
+        self.accuracy.area_error = error.map(|error| error.area);
+        let is_infinite = self.clues.edge.is_some();
+        self.accuracy.max_pressure_error =
+            error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
+        self.refinements.push(Refinement {
+            kind: "mesh",
+            nodes: self.candidates.len(),
+            force: self.resultant.force,
+            contact_area: Some(self.resultant.contact_area),
+            max_pressure: Some(self.resultant.max_pressure),
+            force_error: self.accuracy.force_error,
+            area_error: self.accuracy.area_error,
+            max_penetration: self.max_penetration_after,
+            seconds: started.elapsed().as_secs_f64(),
+            reason: "",
+        });
+    }
+
+    /// Says why no further round followed.
+    pub(crate) fn concluded(mut self, reason: &'static str) -> Self {
+        if self.status == ContactStatus::NoContact {
+            self.leave_out("estimates of error", "there is no contact");
+        }
+        self.refinements.last_mut().expect("a round was noted").reason = reason;
+        self
+    }
+}

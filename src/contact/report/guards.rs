@@ -1,0 +1,274 @@
+//! Questions that are posed well and are probably not meant: a wrong unit, a depth that no tissue has, an inverted mask.
+
+use nalgebra::Vector3;
+
+use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::report::warning::{Warning, WarningKind};
+use crate::contact::scene::{Press, Start};
+use crate::contact::tilt::axes::Balance;
+use crate::geometry::bounds::Bounds;
+use crate::obstacle::posed::Obstacle;
+use crate::response::kernel::skin::Kernel;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::checked::Surface;
+
+/// Largest extent that a skin has (m): from a finger's tip to a hand with its arm.
+const SKIN_EXTENTS: [f64; 2] = [5e-3, 1.0];
+/// Largest extent that a product's mesh has (m).
+const PRODUCT_EXTENTS: [f64; 2] = [1e-3, 3.0];
+/// Shear moduli that tissue has (Pa).
+const MODULI: [f64; 2] = [1e3, 10e6];
+/// Share of the tissue over a bone that may be pressed in.
+const TISSUE_SHARE: f64 = 2.0 / 3.0;
+/// Share of a part's breadth that may be, where no bone is known.
+const BREADTH_SHARE: f64 = 0.5;
+/// Depths below this share of the skin's largest extent are below half the breadth of any part of a hand.
+const SHALLOW: f64 = 1.0 / 64.0;
+/// Share of its thickness up to which a layer is pressed in.
+const LAYER_SHARE: f64 = 0.5;
+/// Radius of a contact as a share of the width of a Gaussian, up to which its force is off by less than the half-space's
+/// own (docs/responses.md).
+const GAUSSIAN_SHARE: f64 = 0.5;
+/// Mesh cells in the radius of a contact below which force and area are guesses.
+const FEW_CELLS: f64 = 2.0;
+/// Share of the vertices that are few to touch.
+const FEW_VERTICES: f64 = 0.01;
+
+/// A question, with the contact that answers it.
+pub(crate) struct Guarded<'a> {
+    pub surface: &'a Surface,
+    pub obstacle: &'a Obstacle,
+    pub skin: &'a dyn ElasticSkin,
+    /// The press that brought the obstacle to its place.
+    pub press: Option<&'a Press>,
+}
+
+/// Where the skin is pressed in deepest.
+struct Deepest {
+    vertex: usize,
+    /// Depth (m).
+    overlap: f64,
+    /// Outward unit normal of the obstacle there.
+    normal: Vector3<f64>,
+}
+
+impl Guarded<'_> {
+    /// Adds what the guards say to a contact, and to one that an error carries.
+    pub fn check(&self, mut answer: Result<Contact, ContactError>) -> Result<Contact, ContactError> {
+        match &mut answer {
+            Ok(contact) => self.warn(contact)?,
+            Err(
+                ContactError::NotReached { contact: LargestContact(contact), .. }
+                | ContactError::NotBalanced { contact: LargestContact(contact), .. },
+            ) => self.warn(contact)?,
+            Err(_) => {}
+        }
+        answer
+    }
+
+    fn warn(&self, contact: &mut Contact) -> Result<(), ContactError> {
+        let deepest = self.deepest(contact)?;
+        let found = [
+            skin_size(self.surface),
+            product_size(self.obstacle),
+            self.modulus(contact),
+            self.mask(),
+            self.depth(contact, deepest.as_ref()),
+            self.response_range(contact, deepest.as_ref()),
+            coarse_mesh(contact),
+        ];
+        contact.warnings.splice(0..0, found.into_iter().flatten());
+        Ok(())
+    }
+
+    fn modulus(&self, contact: &Contact) -> Option<Warning> {
+        let given =
+            contact.candidates.iter().copied().filter(|&vertex| vertex < contact.given_vertex_count());
+        let modulus = given.chain([0]).find_map(|vertex| self.skin.shear_modulus_at(vertex))?;
+        (!is_within(modulus, MODULI)).then(|| Warning {
+            kind: WarningKind::Modulus,
+            message: format!(
+                "the shear modulus is {modulus:.4e} Pa, outside the {:.0e} to {:.0e} Pa of tissue: is it in another unit? 60 kPa is 60e3",
+                MODULI[0], MODULI[1]
+            ),
+        })
+    }
+
+    fn mask(&self) -> Option<Warning> {
+        let mask = self.surface.skin_mask();
+        let (free, count) = (mask.iter().filter(|&&may_touch| may_touch).count(), mask.len());
+        (free < count && (free as f64) < FEW_VERTICES * count as f64).then(|| Warning {
+            kind: WarningKind::Mask,
+            message: format!(
+                "the skin mask lets {free} of {count} vertices touch ({:.2} %): is it inverted? It is true where the skin may touch",
+                100.0 * free as f64 / count as f64
+            ),
+        })
+    }
+
+    /// Where the skin is deepest, if that may be too deep.
+    fn deepest(&self, contact: &Contact) -> Result<Option<Deepest>, ContactError> {
+        let vertices: Vec<usize> = contact
+            .candidates
+            .iter()
+            .copied()
+            .filter(|&vertex| vertex < contact.given_vertex_count())
+            .collect();
+        let overlap = contact.max_penetration_before;
+        let is_shallow = overlap < SHALLOW * largest(&self.surface.bounding_box());
+        // Cheap, and enough for nearly all.
+        let is_harmless = |&vertex: &usize| match self.skin.tissue_at(vertex) {
+            Some(tissue) => overlap <= TISSUE_SHARE * tissue,
+            None => is_shallow,
+        };
+        if vertices.iter().all(is_harmless) {
+            return Ok(None);
+        }
+        let points: Vec<Vector3<f64>> =
+            vertices.iter().map(|&vertex| self.surface.vertices()[vertex]).collect();
+        let measured = contact.obstacle.signed_distance(&points, None)?;
+        let row = (0..points.len()).min_by(|&a, &b| measured.distance[a].total_cmp(&measured.distance[b]));
+        Ok(row.map(|row| Deepest { vertex: vertices[row], overlap, normal: measured.normal[row] }))
+    }
+
+    fn depth(&self, contact: &Contact, deepest: Option<&Deepest>) -> Option<Warning> {
+        let warn = |depth: f64, most: f64, of: String| Warning {
+            kind: WarningKind::Depth,
+            message: format!(
+                "the skin is pressed in by {depth:.4e} m, more than {most:.4e} m, {of}: the linear answer holds no longer; press less deep, and look at the unit and the place of the product"
+            ),
+        };
+        let breadth = middle(&self.surface.bounding_box());
+        let is_from_touch = |press: &&Press| press.start == Start::Infinity && press.balance == Balance::None;
+        let depth = self.press.filter(is_from_touch).and(contact.depth);
+        if let Some(depth) = depth.filter(|&depth| depth > breadth) {
+            return Some(warn(depth, breadth, "the breadth of the whole skin".into()));
+        }
+        let Deepest { vertex, overlap, normal } = deepest?;
+        if let Some(tissue) = self.skin.tissue_at(*vertex) {
+            // Along the way that the skin is pushed.
+            let cosine = -self.surface.vertex_normals()[*vertex].dot(normal);
+            let tissue = tissue / cosine.clamp(f64::MIN_POSITIVE, 1.0);
+            let most = TISSUE_SHARE * tissue;
+            let of = || format!("two thirds of the {tissue:.4e} m of tissue under vertex {vertex}");
+            return (*overlap > most).then(|| warn(*overlap, most, of()));
+        }
+        if *overlap < SHALLOW * largest(&self.surface.bounding_box()) {
+            return None;
+        }
+        // Beside an edge, or in a thin wall, the obstacle's normal runs along the skin.
+        let inward = -self.surface.vertex_normals()[*vertex];
+        let ways = [Some(*normal), Some(inward), self.press.map(|press| press.direction.normalize())];
+        let breadths =
+            ways.into_iter().flatten().filter_map(|way| breadth_along(self.surface, *vertex, &way));
+        let part = breadths.reduce(f64::max).unwrap_or(breadth);
+        let most = BREADTH_SHARE * part;
+        let of = || format!("half of the {part:.4e} m that the part is broad at vertex {vertex}");
+        (*overlap > most).then(|| warn(*overlap, most, of()))
+    }
+
+    fn response_range(&self, contact: &Contact, deepest: Option<&Deepest>) -> Option<Warning> {
+        let given = contact.candidates.iter().copied().find(|&vertex| vertex < contact.given_vertex_count());
+        let vertex = deepest.map_or(given, |deepest| Some(deepest.vertex))?;
+        let (found, is_beyond) = match self.skin.kernel_at(vertex)?.kernel() {
+            Kernel::Layer { thickness } => {
+                let (thickness, overlap) = (thickness.at(vertex), contact.max_penetration_before);
+                let found = format!(
+                    "the skin is pressed in by {overlap:.4e} m, more than half of the {thickness:.4e} m of its layer"
+                );
+                (found, overlap > LAYER_SHARE * thickness)
+            }
+            Kernel::GaussianCorrected { width, height, .. } if *height > 0.0 => {
+                let areas = contact.patches.iter().map(|patch| patch.resultant.contact_area);
+                let radius = (areas.fold(0.0, f64::max) / std::f64::consts::PI).sqrt();
+                let found = format!(
+                    "the contact has a radius of {radius:.4e} m, more than half of the {width:.4e} m of the Gaussian's width"
+                );
+                (found, radius > GAUSSIAN_SHARE * width)
+            }
+            _ => return None,
+        };
+        is_beyond.then(|| Warning {
+            kind: WarningKind::ResponseRange,
+            message: format!(
+                "{found}: there it is too stiff, by half and more on a finger; take a body, or press less deep"
+            ),
+        })
+    }
+}
+
+fn skin_size(surface: &Surface) -> Option<Warning> {
+    size("skin", largest(&surface.bounding_box()), SKIN_EXTENTS)
+}
+
+/// Of a mesh: primitives are given in metres by hand, and half-spaces have no end.
+fn product_size(obstacle: &Obstacle) -> Option<Warning> {
+    let bounds = obstacle.bounding_box().filter(|_| obstacle.kind() == "mesh")?;
+    size("product", largest(&bounds), PRODUCT_EXTENTS)
+}
+
+fn size(of: &str, extent: f64, usual: [f64; 2]) -> Option<Warning> {
+    let [least, most] = usual;
+    (!is_within(extent, usual)).then(|| Warning {
+        kind: WarningKind::Size,
+        message: format!(
+            "the {of} is {extent:.4e} m large, outside {least} to {most} m: is it in another unit? Lengths are metres; `unit=\"mm\"` converts a file when it is read"
+        ),
+    })
+}
+
+fn coarse_mesh(contact: &Contact) -> Option<Warning> {
+    let cells = contact.accuracy.cells_per_radius;
+    let is_given = contact.gap.len() == contact.given_vertex_count();
+    let is_coarse = contact.status == ContactStatus::Solved && is_given && cells < FEW_CELLS;
+    (is_coarse && !contact.active.is_empty()).then(|| Warning {
+        kind: WarningKind::CoarseMesh,
+        message: format!(
+            "the contact has {cells:.2} mesh cells in its radius, fewer than {FEW_CELLS}, and the mesh was taken as it is: do not trust force and area; refine it (`target_error`), or take a finer mesh"
+        ),
+    })
+}
+
+fn is_within(value: f64, [least, most]: [f64; 2]) -> bool {
+    (least..=most).contains(&value)
+}
+
+/// Sides of a box, ascending (m).
+fn sides(bounds: &Bounds) -> [f64; 3] {
+    let mut sides: [f64; 3] = (bounds.high - bounds.low).into();
+    sides.sort_unstable_by(f64::total_cmp);
+    sides
+}
+
+fn largest(bounds: &Bounds) -> f64 {
+    sides(bounds)[2]
+}
+
+fn middle(bounds: &Bounds) -> f64 {
+    sides(bounds)[1]
+}
+
+/// Way from a vertex along a direction to where it leaves the skin again (m); `None` where it does not.
+fn breadth_along(surface: &Surface, vertex: usize, direction: &Vector3<f64>) -> Option<f64> {
+    let start = surface.vertices()[vertex];
+    let mut nearest = None;
+    for corners in surface.faces() {
+        if corners.contains(&(vertex as u32)) {
+            continue;
+        }
+        let [a, b, c] = corners.map(|corner| surface.vertices()[corner as usize] - start);
+        // The ray t d meets a + u (b - a) + v (c - a): Cramer's rule.
+        let (ab, ac) = (b - a, c - a);
+        let across = direction.cross(&ac);
+        let determinant = ab.dot(&across);
+        let u = -a.dot(&across) / determinant;
+        let way = -a.cross(&ab);
+        let v = direction.dot(&way) / determinant;
+        let t = ac.dot(&way) / determinant;
+        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && nearest.is_none_or(|known| t < known) {
+            nearest = Some(t);
+        }
+    }
+    nearest
+}

@@ -1,0 +1,183 @@
+//! Questions that are probably not meant are answered, with a warning that names the number and the remedy.
+
+use nalgebra::Vector3;
+use quasirigid::contact::{
+    Balance, Contact, ContactOptions, Goal, Press, Start, WarningKind, press, solve_contact,
+};
+use quasirigid::obstacle::Obstacle;
+use quasirigid::response::body::{Body, BodyOptions};
+use quasirigid::response::{Discretization, ElasticSkin, Kernel, KernelSkin, PreparedBody};
+use quasirigid::surface::Surface;
+
+use crate::common::icosphere;
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate, skin};
+
+/// A plate pressed on a surface.
+fn pressed(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, options: &ContactOptions) -> Contact {
+    let upwards =
+        Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
+    press(surface, &plate(), skin, &upwards, options).expect("a valid request")
+}
+
+fn told(contact: &Contact, kind: WarningKind) -> Vec<&str> {
+    let of_kind = contact.warnings.iter().filter(|one| one.kind == kind);
+    of_kind.map(|one| one.message.as_str()).collect()
+}
+
+/// Asserts one warning of a kind that says all of `words`.
+fn assert_told(contact: &Contact, kind: WarningKind, words: &[&str]) {
+    let found = told(contact, kind);
+    assert_eq!(found.len(), 1, "{:?}", contact.warnings);
+    for word in words {
+        assert!(found[0].contains(word), "{word}: {}", found[0]);
+    }
+}
+
+/// A ball of this radius (m) pressed by a hundredth of it.
+fn at_size(radius: f64) -> Contact {
+    pressed(&ball(radius, 3), &half_space(), 0.01 * radius, &ContactOptions::on_given_mesh())
+}
+
+#[test]
+fn a_skin_of_micrometres_or_of_many_metres_is_asked_for_its_unit() {
+    assert_told(&at_size(22.5e-6), WarningKind::Size, &["skin is 4.5000e-5 m", "unit=\"mm\""]);
+    assert_told(&at_size(8.0), WarningKind::Size, &["skin is 1.6000e1 m", "outside 0.005 to 1 m"]);
+    for radius in [2.6e-3, 8e-3, 0.4] {
+        assert!(told(&at_size(radius), WarningKind::Size).is_empty());
+    }
+}
+
+#[test]
+fn a_product_mesh_of_many_metres_is_asked_for_its_unit_and_a_plate_is_not() {
+    let of_radius = |radius: f64| {
+        let (vertices, faces) = icosphere(radius, 2);
+        let product = Obstacle::mesh(vertices, faces, &Default::default()).expect("a valid obstacle");
+        let below = product.translated(&Vector3::new(0.0, 0.0, -1.1 * radius));
+        let options = ContactOptions::on_given_mesh();
+        solve_contact(&ball(8e-3, 2), &below, &half_space(), &options).expect("a valid request")
+    };
+    assert_told(&of_radius(58.5), WarningKind::Size, &["product is 1.1700e2 m", "outside 0.001 to 3 m"]);
+    assert_told(&of_radius(4e-4), WarningKind::Size, &["product is 8.0000e-4 m"]);
+    assert!(told(&of_radius(1.0), WarningKind::Size).is_empty());
+    assert!(told(&at_size(8e-3), WarningKind::Size).is_empty());
+}
+
+#[test]
+fn without_bone_half_the_breadth_is_too_deep() {
+    let surface = ball(8e-3, 3);
+    let at = |depth| pressed(&surface, &half_space(), depth, &ContactOptions::on_given_mesh());
+    assert!(told(&at(7.9e-3), WarningKind::Depth).is_empty());
+    // Through its middle, from pole to pole, the ball is 16 mm broad.
+    assert_told(&at(8.1e-3), WarningKind::Depth, &["8.1000e-3", "8.0000e-3", "half of the 1.6000e-2 m"]);
+    assert_told(&at(1.12), WarningKind::Depth, &["1.1200e0", "the whole skin"]);
+}
+
+#[test]
+fn over_a_bone_two_thirds_of_the_tissue_are_too_deep() {
+    let surface = ball(8e-3, 3);
+    let (mut vertices, faces) = icosphere(5e-3, 2);
+    vertices.iter_mut().for_each(|vertex| vertex.z += 8e-3);
+    let bone = Surface::new(vertices, faces).expect("a bone");
+    let nodes: Vec<usize> =
+        (0..surface.vertices().len()).filter(|&vertex| surface.vertices()[vertex].z < 6e-3).collect();
+    let mask = surface.vertices().iter().map(|vertex| vertex.z < 6e-3).collect();
+    let surface = surface.with_skin_mask(mask).expect("one entry a vertex");
+    for coarse_edge_length in [Some(0.0), Some(3e-3)] {
+        let body = Body { bone: Some(bone.clone()), fixed: None, coarse_edge_length };
+        let options = BodyOptions::default();
+        let skin = PreparedBody::new(&surface, &body, SHEAR_MODULUS, POISSON_RATIO, &nodes, &options);
+        let skin = skin.expect("a body");
+        let at = |depth| pressed(&surface, &skin, depth, &ContactOptions::on_given_mesh());
+        // 3 mm of tissue at the pole.
+        assert!(told(&at(1.9e-3), WarningKind::Depth).is_empty());
+        assert_told(&at(2.2e-3), WarningKind::Depth, &["2.2000e-3", "two thirds", "of tissue"]);
+    }
+}
+
+#[test]
+fn a_modulus_in_kilopascals_is_asked_for_its_unit() {
+    let surface = ball(8e-3, 3);
+    let of_modulus = |modulus| {
+        let skin = KernelSkin::new(modulus, POISSON_RATIO, Kernel::HalfSpace).expect("valid constants");
+        pressed(&surface, &skin, 1e-4, &ContactOptions::on_given_mesh())
+    };
+    assert_told(&of_modulus(60.0), WarningKind::Modulus, &["6.0000e1 Pa", "60e3"]);
+    assert_told(&of_modulus(60e9), WarningKind::Modulus, &["6.0000e10 Pa"]);
+    for modulus in [1e3, 60e3, 10e6] {
+        assert!(told(&of_modulus(modulus), WarningKind::Modulus).is_empty());
+    }
+}
+
+#[test]
+fn few_cells_in_a_contact_are_told_where_the_mesh_is_taken_as_it_is() {
+    let surface = ball(8e-3, 2);
+    let coarse = pressed(&surface, &half_space(), 0.1e-3, &ContactOptions::on_given_mesh());
+    assert!(coarse.accuracy.cells_per_radius < 2.0);
+    let cells = format!("{:.2} mesh cells", coarse.accuracy.cells_per_radius);
+    assert_told(&coarse, WarningKind::CoarseMesh, &[&cells, "target_error"]);
+    let refined = pressed(&surface, &half_space(), 0.1e-3, &ContactOptions::default());
+    assert!(told(&refined, WarningKind::CoarseMesh).is_empty());
+    let fine = pressed(&ball(8e-3, 4), &half_space(), 1e-3, &ContactOptions::on_given_mesh());
+    assert!(fine.accuracy.cells_per_radius > 2.0);
+    assert!(told(&fine, WarningKind::CoarseMesh).is_empty());
+}
+
+#[test]
+fn a_layer_pressed_by_more_than_half_is_out_of_its_range() {
+    let surface = ball(8e-3, 3);
+    let layer = skin(Kernel::Layer { thickness: 3e-3.into() });
+    let at = |depth| pressed(&surface, &layer, depth, &ContactOptions::on_given_mesh());
+    assert!(told(&at(1.4e-3), WarningKind::ResponseRange).is_empty());
+    assert_told(&at(1.6e-3), WarningKind::ResponseRange, &["1.6000e-3", "half of the 3.0000e-3 m"]);
+    // Two thirds of it are too deep for any tissue.
+    assert!(told(&at(1.6e-3), WarningKind::Depth).is_empty());
+    assert_told(&at(2.1e-3), WarningKind::Depth, &["2.1000e-3", "two thirds"]);
+}
+
+#[test]
+fn a_gaussian_under_a_wide_contact_is_out_of_its_range() {
+    let surface = ball(8e-3, 3);
+    let constant = half_space().kernel_constant();
+    let (width, cutoff) = (8e-3, 15e-3);
+    // Well below what is balanced.
+    let gaussian = skin(Kernel::GaussianCorrected { height: 0.2 * constant / width, width, cutoff });
+    let at = |depth| pressed(&surface, &gaussian, depth, &ContactOptions::on_given_mesh());
+    assert!(told(&at(0.3e-3), WarningKind::ResponseRange).is_empty());
+    assert_told(&at(4e-3), WarningKind::ResponseRange, &["half of the 8.0000e-3 m"]);
+}
+
+#[test]
+fn a_mask_that_leaves_next_to_nothing_is_asked_whether_it_is_inverted() {
+    let surface = ball(8e-3, 3);
+    let leaving = |count: usize| {
+        let mut order: Vec<usize> = (0..surface.vertices().len()).collect();
+        order.sort_by(|&a, &b| surface.vertices()[a].z.total_cmp(&surface.vertices()[b].z));
+        let mut mask = vec![false; order.len()];
+        order[..count].iter().for_each(|&vertex| mask[vertex] = true);
+        let masked = surface.clone().with_skin_mask(mask).expect("one entry a vertex");
+        pressed(&masked, &half_space(), 1e-4, &ContactOptions::on_given_mesh())
+    };
+    // 642 vertices.
+    assert_told(&leaving(6), WarningKind::Mask, &["6 of 642", "0.93 %", "inverted"]);
+    assert!(told(&leaving(7), WarningKind::Mask).is_empty());
+    assert!(told(&leaving(642), WarningKind::Mask).is_empty());
+}
+
+#[test]
+fn guards_are_told_without_contact_and_for_what_is_out_of_reach() {
+    let huge = ball(8.0, 3);
+    let apart = plate().translated(&Vector3::new(0.0, 0.0, -1.0));
+    let options = ContactOptions::on_given_mesh();
+    let contact = solve_contact(&huge, &apart, &half_space(), &options).expect("a valid request");
+    assert_told(&contact, WarningKind::Size, &["skin"]);
+    assert_told(&contact, WarningKind::Size, &["1.6000e1 m"]);
+}
+
+#[test]
+fn an_ordinary_press_is_told_nothing() {
+    for discretization in [Discretization::Collocation, Discretization::Galerkin] {
+        let skin = half_space().with_discretization(discretization).expect("a half-space has it");
+        let contact = pressed(&ball(8e-3, 3), &skin, 1e-3, &ContactOptions::default());
+        assert!(contact.warnings.is_empty(), "{:?}", contact.warnings);
+    }
+}

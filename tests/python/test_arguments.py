@@ -1,0 +1,105 @@
+"""Scenes given in the wrong order or form, and motions in any form."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from shapes import ball
+
+SURFACE = qr.Surface(*ball(8e-3, 2))
+PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
+SHIFT = np.array([0.1, 0.2, 0.3])
+MESH = SimpleNamespace(vertices=SURFACE.vertices, faces=SURFACE.faces)
+CLOUD = SimpleNamespace(points=SURFACE.vertices, cells=[])
+
+CALLS = {
+    "press": lambda surface, obstacle: qr.press(surface, obstacle, SKIN, [0, 0, 1], depth=1e-3),
+    "solve_contact": lambda surface, obstacle: qr.solve_contact(surface, obstacle, SKIN),
+    "sweep": lambda surface, obstacle: qr.sweep(surface, obstacle, SKIN, [0, 0, 1], depths=[1e-3]),
+}
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS.keys())
+@pytest.mark.parametrize(
+    ("surface", "obstacle", "message"),
+    [
+        (PLATE, SURFACE, "swap them, the skin comes first"),
+        (PLATE, PLATE, "surface is an Obstacle, expected a Surface"),
+        (SURFACE, SURFACE, r"obstacle is a Surface, expected an Obstacle: qr\.Obstacle\.mesh\("),
+        ("finger.ply", PLATE, r"surface is the path 'finger\.ply'.*qr\.read_surface\(path, unit=\.\.\.\)"),
+        (SURFACE, Path("can.stl"), r"obstacle is the path 'can\.stl'.*qr\.read_obstacle"),
+        (MESH, PLATE, r"surface is a SimpleNamespace.*qr\.Surface\.from_mesh\(mesh, unit=\.\.\.\)"),
+        (SURFACE, CLOUD, r"obstacle is a SimpleNamespace.*qr\.Obstacle\.from_mesh"),
+        (ball(8e-3, 1), PLATE, r"surface is a tuple.*qr\.Surface\(vertices, faces\)"),
+        (SURFACE, None, r"obstacle is a NoneType.*qr\.Obstacle\.mesh\(vertices, faces\)"),
+    ],
+)
+def test_what_is_no_scene_says_how_to_make_one(
+    call: object, surface: object, obstacle: object, message: str
+) -> None:
+    with pytest.raises(TypeError, match=message):
+        call(surface, obstacle)  # type: ignore[operator]
+
+
+def test_other_takers_of_a_surface_say_so_too() -> None:
+    takers = (
+        lambda surface: SKIN.prepared(surface),
+        lambda surface: qr.cut_out(surface, keep=[True]),
+        lambda surface: qr.models.bone_of(surface),
+    )
+    for take in takers:
+        with pytest.raises(TypeError, match=r"is the path 'a\.ply', expected a Surface: qr\.read_surface"):
+            take("a.ply")
+
+
+@pytest.mark.parametrize("thing", [SURFACE, PLATE, SKIN.prepared(SURFACE), SKIN.combined(SURFACE, {})])
+def test_a_motion_is_a_rotation_a_shift_both_or_a_matrix(thing: object) -> None:
+    def pressed(moved: object, rotation: object, translation: object) -> np.ndarray:
+        surface, plate, skin = SURFACE, PLATE, SKIN
+        turn = np.eye(3) if rotation is None else np.asarray(rotation)
+        if isinstance(thing, qr.Surface):
+            surface = moved
+            plate = PLATE.moved(rotation, translation)
+        elif isinstance(thing, qr.Obstacle):
+            surface = SURFACE.moved(rotation, translation)
+            plate = moved
+        else:
+            surface, plate = (one.moved(rotation, translation) for one in (SURFACE, PLATE))
+            skin = moved
+        return turn.T @ qr.press(surface, plate, skin, turn @ [0, 0, 1], depth=1e-3).force
+
+    still = qr.press(SURFACE, PLATE, SKIN, [0, 0, 1], depth=1e-3).force
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = TURN, SHIFT
+    move = thing.moved  # type: ignore[attr-defined]
+    for moved, rotation, translation in (
+        (move(TURN), TURN, None),
+        (move(translation=SHIFT), None, SHIFT),
+        (move(TURN, SHIFT), TURN, SHIFT),
+        (move(matrix), TURN, SHIFT),
+        (move(), None, None),
+    ):
+        np.testing.assert_allclose(pressed(moved, rotation, translation), still, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "message"),
+    [
+        ((np.eye(4), [0, 0, 1]), TypeError, "leave out `translation`"),
+        ((2 * np.eye(4),), ValueError, r"last row \[0\.0, 0\.0, 0\.0, 2\.0\], expected \[0, 0, 0, 1\]"),
+        ((np.eye(2),), ValueError, r"\(3, 3\), or \(4, 4\) with the translation"),
+        (("turn",), TypeError, "`rotation`"),
+    ],
+)
+def test_a_motion_that_is_none_is_refused(
+    arguments: tuple[object, ...], error: type[Exception], message: str
+) -> None:
+    for thing in (SURFACE, PLATE, SKIN.prepared(SURFACE)):
+        with pytest.raises(error, match=message):
+            thing.moved(*arguments)  # type: ignore[arg-type]

@@ -1,0 +1,258 @@
+"""What the commands share: version, JSON, quiet, kept bodies, completion, closed pipes."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("typer")
+pytest.importorskip("rich")
+
+import quasirigid as qr
+from quasirigid.cli import run
+from quasirigid.cli.quantities import LENGTH, parse_quantity
+from shapes import ball
+
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+
+TIP = qr.models.fingertip(edge_length=2e-3)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a fingertip and a handle."""
+    monkeypatch.chdir(tmp_path)
+    handle = qr.models.cylinder_handle(edge_length=3e-3).triangles()
+    assert handle is not None
+    qr.io.write_mesh(TIP.vertices, TIP.faces, "tip.ply", unit="m")
+    qr.io.write_mesh(*handle, "handle.stl", unit="mm")
+    return tmp_path
+
+
+def words(command: str, *more: str) -> list[str]:
+    scene = (
+        "tip.ply handle.stl --unit m --product-unit mm --translate 0,19.2,-40mm --rotate 0,90,0deg"
+        " --direction 0,0,1 --shear-modulus 60kPa --poisson-ratio 0.5 --target-error none"
+    )
+    return [command, *scene.split(), *more]
+
+
+def program(arguments: list[str], folder: Path) -> list[str]:
+    code = "import sys; from quasirigid.__main__ import main; sys.argv[1:] = " + repr(arguments) + "; main()"
+    return [sys.executable, "-c", code]
+
+
+def test_the_version_and_the_short_help_are_there(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["--version"]) == 0
+    assert capsys.readouterr().out == f"quasirigid {qr.__version__}\n"
+    for command in ([], ["press"]):
+        assert run([*command, "-h"]) == 0
+        short = capsys.readouterr().out
+        assert run([*command, "--help"]) == 0
+        assert capsys.readouterr().out == short
+
+
+def test_json_is_what_the_file_holds_and_nothing_else(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(words("press", "--depth", "1mm", "--json", "--out", "out", "--no-pictures")) == 0
+    printed = json.loads(capsys.readouterr().out)
+    written = json.loads((folder / "out" / "contact.json").read_text())
+    for one in (printed, written):
+        one.pop("timings")
+        one["refinements"][0].pop("seconds")
+        one["product"].pop("file", None)
+    assert printed == written
+    assert run(words("sweep", "--depths", "0.5,1mm", "--json", "--quiet")) == 0
+    columns = json.loads(capsys.readouterr().out)["columns"]
+    assert columns["depth (m)"] == pytest.approx([0.5e-3, 1e-3])
+    assert run(["info", "tip.ply", "--unit", "m", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["vertices"] == len(TIP.vertices)
+
+
+def test_without_a_folder_nothing_is_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = sorted(folder.iterdir())
+    assert run(words("press", "--depth", "1mm")) == 0
+    assert "wrote" not in capsys.readouterr().out
+    assert sorted(folder.iterdir()) == before
+
+
+def test_quiet_keeps_progress_and_warnings_back(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    steps = words("sweep", "--depths", "0.05,0.1mm")
+
+    def printed(*more: str) -> pytest.CaptureResult[str]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always")
+            assert run([*steps, *more]) == 0
+        return capsys.readouterr()
+
+    loud = printed()
+    assert "1 of 2 presses" in loud.err
+    assert "warning: the contact has" in loud.err
+    quiet = printed("--quiet")
+    assert quiet.err == ""
+    assert quiet.out.splitlines()[0] == loud.out.splitlines()[0]
+    # The next command is as loud as ever.
+    assert "warning: " in printed().err
+
+
+def test_what_was_left_out_is_one_line_unless_asked_for(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def left_out(*more: str) -> list[str]:
+        assert run(words("press", "--depth", "1mm", *more)) == 0
+        return [line for line in capsys.readouterr().out.splitlines() if line.startswith("left out: ")]
+
+    (short,) = left_out()
+    long = left_out("--verbose")
+    assert len(long) > 1
+    assert all("(" in line for line in long)
+    names = [line.removeprefix("left out: ").split(" (")[0] for line in long]
+    assert short == "left out: " + ", ".join(names)
+
+
+def test_a_mesh_is_repaired_and_the_changes_are_counted(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    vertices, faces = ball(8.0, 1)
+    # Every triangle by itself, one of them turned inside out.
+    loose = np.arange(3 * len(faces)).reshape(-1, 3)
+    loose[0] = loose[0, ::-1]
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices[faces].reshape(-1, 3)]
+    (folder / "soup.obj").write_text(
+        "\n".join([*lines, *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in loose)])
+    )
+    asked = ["repair", "soup.obj", "--unit", "mm", "--weld-tolerance", "1um"]
+    assert run([*asked, "--out", "ball.ply"]) == 0
+    printed = capsys.readouterr().out
+    assert "flipped_faces 1" in printed
+    assert "wrote ball.ply" in printed
+    mended = qr.read_surface("ball.ply", unit="mm")
+    assert mended.is_closed
+    assert mended.volume == pytest.approx(qr.Surface(vertices * 1e-3, faces).volume)
+    assert run([*asked, "--out", "ball.ply", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["changes"]["flipped_faces"] == 1
+    assert record["as product"] == "yes"
+    assert run([*asked, "--out", "ball.glb"]) == 2
+    assert "expected .ply or .stl" in capsys.readouterr().err
+
+
+def test_crossing_faces_of_an_open_mesh_are_counted_on_demand(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # A level square, and an upright one through its first triangle.
+    corners = ["0 0 0", "9 0 0", "9 9 0", "0 9 0", "3 2 -4", "6 2.2 -4", "6 2.2 4", "3 2 4"]
+    lines = [*(f"v {corner}" for corner in corners), "f 1 2 3", "f 1 3 4", "f 5 6 7", "f 5 7 8"]
+    (folder / "cross.obj").write_text("\n".join(lines))
+    assert run(["info", "cross.obj", "--unit", "mm"]) == 0
+    assert "crossing faces" not in capsys.readouterr().out
+    assert run(["info", "cross.obj", "--unit", "mm", "--check-crossings"]) == 0
+    (row,) = (line for line in capsys.readouterr().out.splitlines() if "crossing faces" in line)
+    assert row.split() == ["crossing", "faces", "2", "pairs,", "the", "first", "0", "and", "2"]
+    assert run(["info", "tip.ply", "--unit", "m", "--check-crossings"]) == 0
+    assert "0 pairs" in capsys.readouterr().out
+
+
+def test_lengths_may_be_inches_and_centimetres() -> None:
+    assert parse_quantity("2inch", LENGTH, "--depth") == pytest.approx(0.0508)
+    assert parse_quantity("0.2cm", LENGTH, "--depth") == pytest.approx(2e-3)
+
+
+def test_a_kept_body_is_read_again_and_grows_with_what_is_asked(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ("--response", "body", "--prepared", "kept.npz", "--json")
+
+    def pressed(depth: str, *more: str) -> tuple[float, str]:
+        assert run(words("press", "--depth", depth, *body, *more)) == 0
+        printed = capsys.readouterr()
+        return json.loads(printed.out)["force"]["value"][2], printed.err
+
+    first, told = pressed("0.5mm")
+    assert "body of" in told
+    few = len(qr.load_prepared("kept.npz").nodes)
+    again, told = pressed("0.5mm")
+    assert "body of" not in told
+    assert again == pytest.approx(first, rel=1e-12)
+    _, told = pressed("1.5mm")
+    assert "body of" in told
+    assert len(qr.load_prepared("kept.npz").nodes) > few
+    shallow, told = pressed("0.5mm")
+    assert "body of" not in told
+    assert shallow == pytest.approx(first, rel=1e-6)
+    kept = (folder / "kept.npz").read_bytes()
+    for other, difference in (
+        (("--shear-modulus", "50kPa"), "shear modulus 60000 Pa, not 50000"),
+        (("--poisson-ratio", "0.4"), "Poisson's ratio 0.5, not 0.4"),
+        (("--bone", "none"), "another bone"),
+        (("--fixed", "none"), "other fixed vertices"),
+    ):
+        assert run(words("press", "--depth", "0.5mm", *body, *other)) == 2
+        assert f"kept.npz holds a body of {difference}" in capsys.readouterr().err
+    assert (folder / "kept.npz").read_bytes() == kept
+    assert run(words("press", "--depth", "1mm", "--prepared", "kept.npz")) == 2
+    assert "--prepared: 'kept.npz' is of use to --response body alone" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_completion_script_knows_commands_and_options(
+    shell: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["completion", shell]) == 0
+    script = capsys.readouterr().out
+    for word in ("press", "repair", "shear-modulus", "check-crossings"):
+        assert word in script
+    if shutil.which(shell):
+        check = subprocess.run([shell, "-n"], input=script, capture_output=True, text=True, check=False)
+        assert (check.returncode, check.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not shutil.which("bash"), reason="no bash")
+def test_bash_completes_what_is_begun(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["completion", "bash"]) == 0
+    script = capsys.readouterr().out
+
+    def completed(*line: str) -> list[str]:
+        given = " ".join(f"'{word}'" for word in line)
+        ask = f"COMP_WORDS=({given}); COMP_CWORD={len(line) - 1}; _quasirigid; echo ${{COMPREPLY[@]}}"
+        done = subprocess.run(["bash", "-c", script + ask], capture_output=True, text=True, check=True)
+        return done.stdout.split()
+
+    assert completed("quasirigid", "pr") == ["press"]
+    assert completed("quasirigid", "press", "--sh") == ["--shear-modulus"]
+    assert completed("quasirigid", "press", "tip") == []
+
+
+def test_another_shell_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["completion", "tcsh"]) == 2
+    assert "expected bash, zsh or fish" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [["--help"], words("press", "--depth", "1mm", "--out", "out")])
+def test_a_closed_pipe_is_no_failure(arguments: list[str], folder: Path) -> None:
+    # The reader is gone before the first line.
+    with subprocess.Popen(
+        [*program([*arguments, "--no-pictures"] if len(arguments) > 1 else arguments, folder)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+    ) as running:
+        assert running.stdout is not None
+        assert running.stderr is not None
+        running.stdout.close()
+        told = running.stderr.read()
+        assert running.wait() == 0
+    assert "Traceback" not in told
+    assert not any(line.startswith("error") for line in told.splitlines())
+    if len(arguments) > 1:
+        assert (folder / "out" / "contact.json").exists()

@@ -1,0 +1,125 @@
+"""Warnings by category: where they are told, kept and written."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from shapes import AS_GIVEN, ball
+
+CATEGORIES = (
+    "SizeWarning",
+    "DepthWarning",
+    "ModulusWarning",
+    "CoarseMeshWarning",
+    "CutWarning",
+    "ResponseRangeWarning",
+    "MaskWarning",
+    "PenetrationWarning",
+    "RefinementWarning",
+)
+PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+
+
+def pressed(surface: qr.Surface, skin: qr.Skin = SKIN, depth: float = 1e-3, **asked: object) -> qr.Contact:
+    return qr.press(surface, PLATE, skin, [0, 0, 1], depth=depth, **asked)  # type: ignore[arg-type]
+
+
+def kernel(response: qr.Response, shear_modulus: float = 60e3) -> qr.Skin:
+    return qr.Skin(shear_modulus=shear_modulus, poisson_ratio=0.5, response=response)
+
+
+def few_may_touch() -> qr.Surface:
+    surface = qr.Surface(*ball(8e-3, 3))
+    lowest = np.argsort(surface.vertices[:, 2])[:6]
+    return surface.with_skin_mask(np.isin(np.arange(len(surface.vertices)), lowest))
+
+
+def halved() -> qr.Surface:
+    surface = qr.Surface(*ball(8e-3, 3))
+    return surface.with_skin_mask(surface.vertices[:, 0] > 0)
+
+
+def huge() -> qr.Surface:
+    return qr.Surface(*ball(8.0, 3))
+
+
+CASES = {
+    "a ball of metres": ("SizeWarning", "1.6000e1 m", lambda: pressed(huge(), depth=0.08)),
+    "a metre deep": ("DepthWarning", "1.1200e0 m", lambda: pressed(qr.Surface(*ball(8e-3, 3)), depth=1.12)),
+    "a modulus in kPa": (
+        "ModulusWarning",
+        "6.0000e1 Pa",
+        lambda: pressed(qr.Surface(*ball(8e-3, 3)), kernel(qr.HalfSpace(), 60.0)),
+    ),
+    "a mesh too coarse": (
+        "CoarseMeshWarning",
+        "mesh cells",
+        lambda: pressed(qr.Surface(*ball(8e-3, 2)), depth=1e-4, options=AS_GIVEN),
+    ),
+    "half masked": ("CutWarning", "% of all", lambda: pressed(halved())),
+    "through a layer": (
+        "ResponseRangeWarning",
+        "half of the 3.0000e-3 m",
+        lambda: pressed(qr.Surface(*ball(8e-3, 3)), kernel(qr.Layer(thickness=3e-3)), 1.8e-3),
+    ),
+    "an inverted mask": ("MaskWarning", "6 of 642", lambda: pressed(few_may_touch())),
+}
+
+
+@pytest.mark.parametrize(("category", "words", "press"), CASES.values(), ids=CASES.keys())
+def test_each_case_is_told_with_its_number_and_kept(category: str, words: str, press: object) -> None:
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        contact = press()  # type: ignore[operator]
+    kept = [(one.__name__, message) for one, message in contact.warnings]
+    assert [(one.category.__name__, str(one.message)) for one in told] == kept
+    assert all(one.filename == __file__ for one in told)
+    of_category = [message for name, message in kept if name == category]
+    assert len(of_category) == 1
+    assert words in of_category[0]
+
+
+def test_all_categories_are_warnings_of_this_package() -> None:
+    for name in CATEGORIES:
+        assert name in qr.__all__
+        category = getattr(qr, name)
+        assert issubclass(category, qr.QuasirigidWarning)
+        assert category is not qr.QuasirigidWarning
+
+
+def test_what_a_filter_hides_is_kept_shown_written_and_pickled(tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        contact = pressed(halved(), kernel(qr.HalfSpace(), 60.0))
+    assert [one.category for one in contact.warnings] == [qr.ModulusWarning, qr.CutWarning]
+    lines = [line for line in contact.summary().splitlines() if line.startswith("warning: ")]
+    assert [line.split(": ")[1] for line in lines] == ["ModulusWarning", "CutWarning"]
+    assert lines[0].endswith(contact.warnings[0].message)
+    contact.save(tmp_path)
+    record = json.loads((tmp_path / "contact.json").read_text())
+    assert record["warnings"] == [
+        {"category": one.category.__name__, "message": one.message} for one in contact.warnings
+    ]
+    assert pickle.loads(pickle.dumps(contact)).warnings == contact.warnings
+
+
+def test_one_category_can_be_made_an_error() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", qr.ModulusWarning)
+        with pytest.raises(qr.ModulusWarning, match="60e3"):
+            pressed(qr.Surface(*ball(8e-3, 3)), kernel(qr.HalfSpace(), 60.0))
+
+
+def test_an_ordinary_press_is_told_nothing() -> None:
+    assert pressed(qr.Surface(*ball(8e-3, 3))).warnings == ()
+    tip = qr.models.fingertip()
+    plate = qr.Obstacle.half_space([0, 0, -0.05], [0, 0, 1])
+    for depth in (0.1e-3, 1.12e-3, 3e-3):
+        assert qr.press(tip, plate, SKIN, [0, 0, 1], depth=depth).warnings == ()

@@ -1,0 +1,423 @@
+"""Hands: joints, poses, regions of the skin, files."""
+
+from __future__ import annotations
+
+import math
+import os
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from quasirigid.hand import DIGITS, JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
+
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
+RIGS = ("webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k")
+GLB = ("webxr_generic_hand_left", "webxr_generic_hand_right")
+INDEX = "index-finger-phalanx-"
+
+
+def hand_file(name: str, ending: str = ".ply") -> Path:
+    path = DATA / "hands" / (name + ending)
+    if not path.exists():
+        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
+    return path
+
+
+@pytest.fixture(scope="module", params=RIGS)
+def rigged(request: pytest.FixtureRequest) -> qr.Hand:
+    return qr.read_hand(hand_file(request.param))
+
+
+@pytest.fixture(scope="module")
+def hand() -> qr.Hand:
+    return qr.read_hand(hand_file("makehuman_male_right_13k"))
+
+
+@pytest.fixture(scope="module", params=GLB)
+def from_glb(request: pytest.FixtureRequest) -> qr.Hand:
+    return qr.read_hand(hand_file(request.param, ".glb"))
+
+
+def parts_of(hand: qr.Hand) -> dict[str, Any]:
+    return {
+        "joint_names": hand.joint_names,
+        "parents": hand.parents,
+        "rest": hand.rest,
+        "joints": hand.joints,
+        "weights": hand.weights,
+    }
+
+
+def spin(axis: int, angle: float) -> np.ndarray:
+    turn = np.eye(3)
+    a, b = (axis + 1) % 3, (axis + 2) % 3
+    turn[[a, a, b, b], [a, b, a, b]] = math.cos(angle), -math.sin(angle), math.sin(angle), math.cos(angle)
+    return turn
+
+
+def volume_of(surface: qr.Surface, faces: np.ndarray) -> float:
+    """Volume (m^3) between some faces and the fan that closes their border."""
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).tolist()
+    known = {(a, b) for a, b in sides}
+    border = np.array([(b, a) for a, b in sides if (b, a) not in known])
+    middle = surface.vertices[np.unique(border)].mean(axis=0)
+    # The fan's own cones have no height above its middle.
+    return float(np.linalg.det(surface.vertices[faces] - middle).sum() / 6.0)
+
+
+def test_names_of_others_are_those_of_webxr() -> None:
+    assert len(WEBXR_25) == len(set(WEBXR_25)) == 25
+    assert len(OPENXR_26) == 26
+    assert OPENXR_26[0] is None
+    assert OPENXR_26[1] == "wrist"
+    assert len(JOINTS_16) == len(set(JOINTS_16)) == 16
+    assert len(JOINTS_21) == len(set(JOINTS_21)) == 21
+    assert set(JOINTS_16) | set(JOINTS_21) < set(WEBXR_25)
+    # In the order of the others: fingers by the alphabet and the thumb last; thumb to little finger.
+    assert JOINTS_16[7] == "pinky-finger-phalanx-proximal"
+    assert JOINTS_16[-1] == "thumb-phalanx-distal"
+    assert JOINTS_21[4] == "thumb-tip"
+    assert JOINTS_21[8] == "index-finger-tip"
+
+
+def test_the_rest_pose_is_the_file(rigged: qr.Hand) -> None:
+    for pose in ({}, np.zeros((len(rigged.joint_names), 3))):
+        posed = rigged.posed(pose)
+        assert np.abs(posed.surface.vertices - rigged.surface.vertices).max() == 0.0
+        np.testing.assert_array_equal(posed.joints, rigged.rest)
+
+
+def test_a_rigid_motion_of_the_hand_moves_every_vertex_rigidly(rigged: qr.Hand) -> None:
+    turn, shift = spin(0, 2.0) @ spin(2, -0.7), np.array([0.3, -0.2, 0.5])
+    fist = rigged.posed("fist")
+    moved = rigged.posed("fist", rotation=turn, translation=shift)
+    expected = fist.surface.vertices @ turn.T + shift
+    assert np.abs(moved.surface.vertices - expected).max() < 1e-12 * np.abs(expected).max()
+    at_rest_there = rigged.moved(turn, shift).posed("fist")
+    assert np.abs(at_rest_there.surface.vertices - expected).max() < 1e-12 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize("link", ["intermediate", "distal"])
+def test_a_finger_that_bends_by_a_right_angle_keeps_its_volume(name: str, link: str) -> None:
+    hand = qr.read_hand(hand_file(name))
+    vectors = np.zeros((len(hand.joint_names), 3))
+    vectors[hand.joint_names.index(INDEX + link), 0] = -math.pi / 2
+    own = np.char.startswith(hand.labels, "index-")
+    faces = hand.surface.faces[own[hand.surface.faces].all(axis=1)]
+    smooth, linear = (
+        volume_of(hand.posed(vectors, linear=linear).surface, faces) / volume_of(hand.surface, faces)
+        for linear in (False, True)
+    )
+    assert abs(smooth - 1.0) < 0.05
+    # Blended as matrices the joint collapses.
+    assert abs(smooth - 1.0) < 1.0 - linear
+
+
+def test_no_face_of_a_pad_turns_over_where_the_finger_bends(rigged: qr.Hand) -> None:
+    posed = rigged.posed("fist").surface
+    for digit in DIGITS:
+        pad = posed.faces[(rigged.labels == f"{digit}-distal-palmar")[posed.faces].all(axis=1)]
+        corners = posed.vertices[pad]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert ((normals * posed.vertex_normals[pad].mean(axis=1)).sum(axis=1) > 0.0).all()
+
+
+def test_flexion_leads_towards_the_palm_and_abduction_away_from_the_middle_finger(rigged: qr.Hand) -> None:
+    palm = rigged.posed({}).palm
+    names = list(rigged.joint_names)
+
+    def tip(pose: dict[str, Any], digit: str) -> np.ndarray:
+        return palm[:3, :3].T @ rigged.posed(pose).joints[names.index(f"{digit}-finger-tip"), :3, 3]
+
+    for digit in ("index", "middle", "ring", "pinky"):
+        joint = f"{digit}-finger-phalanx-proximal"
+        assert tip({joint: 0.4}, digit)[2] > tip({}, digit)[2] + 5e-3
+    for digit in ("index", "ring", "pinky"):
+        joint = f"{digit}-finger-phalanx-proximal"
+        apart = [
+            np.linalg.norm(tip(pose, digit) - tip({}, "middle")) for pose in ({joint: {"abduction": 0.2}}, {})
+        ]
+        assert apart[0] > apart[1] + 2e-3
+
+
+def test_an_array_is_the_same_pose_as_its_mapping(hand: qr.Hand) -> None:
+    at = hand.joint_names.index(f"{INDEX}proximal")
+    vectors = np.zeros((len(hand.joint_names), 3))
+    vectors[at, 0] = -0.7
+    quaternions = np.tile([0.0, 0.0, 0.0, 1.0], (len(hand.joint_names), 1))
+    quaternions[at] = [-math.sin(0.35), 0.0, 0.0, math.cos(0.35)]
+    by_name = hand.posed({f"{INDEX}proximal": 0.7})
+    for rows in (vectors, quaternions):
+        np.testing.assert_allclose(hand.posed(rows).surface.vertices, by_name.surface.vertices, atol=1e-15)
+
+
+def test_a_mixture_lies_on_the_way(hand: qr.Hand) -> None:
+    ends = [{f"{INDEX}proximal": angle} for angle in (0.2, 0.8)]
+    middle = hand.posed(qr.hand.mix(*ends, 0.25))
+    expected = hand.posed({f"{INDEX}proximal": 0.35})
+    np.testing.assert_allclose(middle.surface.vertices, expected.surface.vertices, atol=1e-14)
+    for share, end in zip((0.0, 1.0), ("flat", "fist"), strict=True):
+        mixed = hand.posed(qr.hand.mix("flat", "fist", share))
+        np.testing.assert_allclose(mixed.joints, hand.posed(end).joints, atol=1e-14)
+
+
+def test_presets_bend_the_fingers_alike_whatever_their_bend_at_rest() -> None:
+    for pose, bend in (("flat", 0.0), ("fist", 100.0)):
+        for name in RIGS:
+            hand = qr.read_hand(hand_file(name))
+            posed = hand.posed(pose)
+            before, after = (
+                posed.frame_of(f"middle-finger-phalanx-{one}")[:3, 1] for one in ("proximal", "intermediate")
+            )
+            angle = math.degrees(math.acos(np.clip(before @ after, -1.0, 1.0)))
+            # Sideways bends of some degrees at rest stay.
+            assert abs(angle - bend) < 5.0
+
+
+def test_angles_beyond_the_range_of_a_joint_are_taken_at_its_end(hand: qr.Hand) -> None:
+    with pytest.warns(qr.QuasirigidWarning, match=r"flexion of index-finger-phalanx-distal is 172 degrees"):
+        beyond = hand.posed({f"{INDEX}distal": 3.0})
+    with pytest.warns(qr.QuasirigidWarning):
+        further = hand.posed({f"{INDEX}distal": 3.1})
+    np.testing.assert_array_equal(beyond.joints, further.joints)
+
+
+def test_every_vertex_has_a_region_in_one_piece(rigged: qr.Hand) -> None:
+    labels, faces = rigged.labels, rigged.surface.faces
+    assert len(labels) == len(rigged.surface.vertices)
+    phalanges = [
+        (d, p) for d in DIGITS for p in ("proximal", "middle", "distal") if (d, p) != ("thumb", "middle")
+    ]
+    expected = {f"{d}-{p}-{s}" for d, p in phalanges for s in ("palmar", "dorsal", "radial", "ulnar")}
+    expected |= {f"{digit}-metacarpal-head" for digit in DIGITS[1:]}
+    expected |= {f"web-{one}" for one in ("thumb-index", "index-middle", "middle-ring", "ring-little")}
+    expected |= {"palm-center", "thenar", "hypothenar", "back", "wrist"}
+    assert set(labels) == expected
+    for region in expected:
+        own = np.flatnonzero(labels == region)
+        inside = faces[(labels[faces] == region).any(axis=1)]
+        group = {int(vertex): int(vertex) for vertex in own}
+
+        def root(vertex: int, group: dict[int, int] = group) -> int:
+            while group[vertex] != vertex:
+                group[vertex] = group[group[vertex]]
+                vertex = group[vertex]
+            return vertex
+
+        for face in inside.tolist():
+            same = [vertex for vertex in face if vertex in group]
+            for other in same[1:]:
+                group[root(other)] = root(same[0])
+        assert len({root(vertex) for vertex in group}) == 1, region
+
+
+def test_phalanges_end_at_their_joints(rigged: qr.Hand) -> None:
+    names = list(rigged.joint_names)
+    for digit in ("index", "middle", "ring", "little"):
+        stem = "pinky" if digit == "little" else digit
+        for before, after, joint in (("proximal", "middle", "intermediate"), ("middle", "distal", "distal")):
+            frame = rigged.rest[names.index(f"{stem}-finger-phalanx-{joint}")]
+            along = (rigged.surface.vertices - frame[:3, 3]) @ frame[:3, 1]
+            both = [np.char.startswith(rigged.labels, f"{digit}-{one}") for one in (before, after)]
+            faces = rigged.surface.faces
+            border = both[0][faces].any(axis=1) & both[1][faces].any(axis=1)
+            assert np.abs(along[faces[border]].mean()) < 4e-3
+
+
+def test_bones_lie_inside_the_skin_and_clear_of_each_other(rigged: qr.Hand) -> None:
+    names = [bone.name for bone in rigged.bones]
+    assert len(names) == 20
+    assert {"carpals", "thumb-metacarpal", "thumb-distal", "little-middle"} < set(names)
+    for pose in ("flat", "relaxed"):
+        posed = rigged.posed(pose)
+        bones = posed.bones
+        # A product is refused where its faces cross.
+        qr.Obstacle.mesh(bones.vertices, bones.faces)
+        skin = qr.Obstacle.mesh(posed.surface.vertices, posed.surface.faces, check_crossings=False)
+        assert skin.signed_distance(bones.vertices)[0].max() < -0.3e-3
+
+
+def test_bones_move_rigidly_with_their_joints(hand: qr.Hand) -> None:
+    bent = hand.posed({f"{INDEX}distal": 0.8})
+    start = 0
+    for bone in hand.bones:
+        moved = bent.bones.vertices[start : start + len(bone.vertices)]
+        start += len(bone.vertices)
+        lengths = [np.linalg.norm(np.diff(one, axis=0), axis=1) for one in (moved, bone.vertices)]
+        np.testing.assert_allclose(lengths[0], lengths[1], atol=1e-12)
+        assert (np.abs(moved - bone.vertices).max() > 1e-3) == (bone.name == "index-distal")
+
+
+def test_the_other_hand_is_the_mirror_image(hand: qr.Hand) -> None:
+    other = hand.mirrored()
+    assert other.side == "left"
+    assert other.surface.volume > 0.0
+    for pose in ("fist", {"thumb-metacarpal": {"flexion": 0.2, "abduction": 0.3, "twist": 0.2}}):
+        mirrored = hand.posed(pose).surface.vertices * [-1.0, 1.0, 1.0]
+        np.testing.assert_allclose(other.posed(pose).surface.vertices, mirrored, atol=1e-15)
+    assert (other.labels == hand.labels).all()
+    np.testing.assert_allclose(other.mirrored().rest, hand.rest, atol=1e-14)
+
+
+def test_a_scaled_hand_bends_alike(hand: qr.Hand) -> None:
+    small = hand.scaled(0.9).posed("cylinder")
+    np.testing.assert_allclose(
+        small.surface.vertices, 0.9 * hand.posed("cylinder").surface.vertices, atol=1e-15
+    )
+
+
+def test_a_posed_hand_presses_as_any_skin(hand: qr.Hand) -> None:
+    posed = hand.posed("flat")
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.495, response=qr.HalfSpace())
+    pad = posed.surface.vertices[posed.labels == "index-distal-palmar"].mean(axis=0)
+    dorsal = posed.frame_of("index-finger-tip")[:3, 2]
+    ball = qr.Obstacle.sphere(pad - 0.012 * dorsal, 5e-3)
+    contact = qr.press(posed.surface, ball, skin, dorsal, depth=5e-4, start="current")
+    assert contact.status == "no_contact"
+    contact = qr.press(posed.surface, ball, skin, dorsal, depth=7e-3, start="current")
+    parts = contact.by_label(posed.labels)
+    loaded = {region: part.force @ dorsal for region, part in parts.items() if part.force @ dorsal > 0.0}
+    assert sum(loaded.values()) == pytest.approx(contact.force @ dorsal)
+    assert max(loaded, key=loaded.__getitem__) == "index-distal-palmar"
+
+
+def test_the_palm_faces_out_of_the_hand(rigged: qr.Hand) -> None:
+    palm = rigged.posed({}).palm
+    assert np.linalg.det(palm[:3, :3]) == pytest.approx(1.0)
+    nearest = np.argmin(np.linalg.norm(rigged.surface.vertices - palm[:3, 3], axis=1))
+    assert rigged.surface.vertex_normals[nearest] @ palm[:3, 2] > 0.8
+    assert rigged.labels[nearest] == "palm-center"
+
+
+def test_a_glb_hand_is_read_with_its_side(from_glb: qr.Hand, request: pytest.FixtureRequest) -> None:
+    assert from_glb.side == request.node.callspec.params["from_glb"].rsplit("_", 1)[1]
+    assert len(from_glb.surface.vertices) == 1159  # its 1,360 points without texture seams
+    assert from_glb.surface.volume == pytest.approx(343.2e-6, rel=1e-3)
+    distal = from_glb.frame_of("wrist")[:3, 1]
+    fist, flat = from_glb.posed("fist"), from_glb.posed("flat")
+    tip = from_glb.joint_names.index("middle-finger-tip")
+    assert fist.joints[tip, :3, 3] @ distal < flat.joints[tip, :3, 3] @ distal - 0.05
+
+
+def test_a_saved_hand_is_read_back(hand: qr.Hand, tmp_path: Path) -> None:
+    path = tmp_path / "hand.glb"
+    hand.save(path)
+    again = qr.read_hand(path)
+    assert again.side == hand.side
+    order = [again.joint_names.index(name) for name in hand.joint_names]
+    np.testing.assert_allclose(again.surface.vertices, hand.surface.vertices, atol=1e-8)
+    np.testing.assert_array_equal(again.surface.faces, hand.surface.faces)
+    np.testing.assert_allclose(again.rest[order][:, :3, 3], hand.rest[:, :3, 3], atol=1e-7)
+    np.testing.assert_allclose(again.rest[order][:, :3, 1], hand.rest[:, :3, 1], atol=1e-5)
+
+
+def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_path: Path) -> None:
+    from quasirigid.hand.gltf import Gltf
+
+    palm = hand.posed({}).palm
+    ball = qr.Obstacle.sphere(palm[:3, 3] + 0.03 * palm[:3, 2], 0.02)
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.495, response=qr.HalfSpace())
+    contact = qr.press(hand.surface, ball, skin, -palm[:3, 2], depth=1e-3)
+    path = tmp_path / "pressed.glb"
+    hand.save(path, contact)
+    file = Gltf(path)
+    part = file.entry("meshes", 0, "primitives", 0)
+    pressure = file.rows(part["attributes"]["_PRESSURE"]).ravel()
+    np.testing.assert_allclose(pressure, contact.pressure, rtol=1e-6)
+    places = file.rows(part["attributes"]["POSITION"]) + file.rows(part["targets"][0]["POSITION"])
+    np.testing.assert_allclose(places, contact.deformed.vertices, atol=1e-7)
+    weights = file.rows(part["attributes"]["WEIGHTS_0"])
+    assert len(weights) == len(contact.pressure)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"side": "both"}, r'side is \'both\', expected "right" or "left"'),
+        ({"weights": lambda hand: hand.weights * 0.9}, r"weights\[0\] sums to 0\.9"),
+        ({"parents": lambda hand: np.roll(np.arange(len(hand.parents)), 1)}, r"run in a circle through"),
+        ({"parents": lambda hand: hand.parents + 0.5}, r"expected 26 integers"),
+        ({"joint_names": lambda hand: ["palm", *hand.joint_names[1:]]}, r"lacks 'wrist' \(1 of"),
+        ({"joint_names": lambda hand: [hand.joint_names[1], *hand.joint_names[1:]]}, r"holds .* 2 times"),
+        ({"rest": lambda hand: hand.rest[:, :3]}, r"rest has shape \(26, 3, 4\), expected \(26, 4, 4\)"),
+        ({"rest": lambda hand: hand.rest * 1.1}, r"rest\[0\] \(wrist\) is no rigid motion"),
+        ({"joints": lambda hand: hand.joints + 30}, r"joints\[0\] names joint \d+, but there are 26"),
+        ({"joints": lambda hand: hand.joints[:-1], "weights": lambda hand: hand.weights[:-1]}, r"13012 rows"),
+        ({"labels": lambda hand: hand.labels[:5]}, r"expected one word for each of 13013 vertices"),
+    ],
+)
+def test_a_faulty_hand_is_refused(hand: qr.Hand, change: dict[str, Any], message: str) -> None:
+    changed = {name: value(hand) if callable(value) else value for name, value in change.items()}
+    with pytest.raises(qr.HandError, match=message):
+        qr.Hand(hand.surface.vertices, hand.surface.faces, **(parts_of(hand) | changed))
+
+
+def test_a_joint_outside_the_skin_is_named(hand: qr.Hand) -> None:
+    with pytest.raises(qr.HandError, match=r"lies \d+\.\d+ mm outside the skin .* same unit and frame"):
+        qr.Hand(hand.surface.vertices * 0.5, hand.surface.faces, **parts_of(hand))
+
+
+@pytest.mark.parametrize(
+    ("pose", "message"),
+    [
+        ("fists", r"the pose 'fists' is not known; the nearest is 'fist'"),
+        ({"index-finger-proximal": 0.1}, r"nearest is 'index-finger-phalanx-proximal'"),
+        ({"wrist": {"flexing": 0.1}}, r"the angle of wrist 'flexing' is not known; the nearest is 'flexion'"),
+        ({"wrist": math.nan}, r"flexion of wrist is nan, expected a finite angle"),
+        (np.full((26, 3), math.nan), r"pose\[0\] is \[nan, nan, nan\], expected finite numbers"),
+        (np.zeros((25, 3)), r"an array \(26, 3\) of rotation vectors"),
+        (np.zeros((26, 4)), r"pose\[0\] has length 0, expected a unit quaternion"),
+        (7, r"expected a preset's name"),
+    ],
+)
+def test_a_faulty_pose_is_refused(hand: qr.Hand, pose: Any, message: str) -> None:
+    with pytest.raises(qr.HandError, match=message):
+        hand.posed(pose)
+
+
+def test_faulty_files_are_named(tmp_path: Path) -> None:
+    source = hand_file(GLB[1], ".glb").read_bytes()
+    path = tmp_path / "hand.glb"
+
+    def read(data: bytes) -> None:
+        path.write_bytes(data)
+        qr.read_hand(path)
+
+    length = struct.unpack_from("<I", source, 12)[0]
+    text, rest = source[20 : 20 + length], source[20 + length :]
+
+    def with_text(changed: bytes) -> bytes:
+        changed = changed + b" " * (-len(changed) % 4)
+        head = struct.pack("<4sII", b"glTF", 2, 20 + len(changed) + len(rest))
+        return head + struct.pack("<I4s", len(changed), b"JSON") + changed + rest
+
+    with pytest.raises(qr.MeshFileError, match=r"ends after \d+ of \d+ bytes"):
+        read(source[:-100])
+    with pytest.raises(qr.MeshFileError, match="does not begin as a GLB"):
+        read(b"ply\n" + source)
+    with pytest.raises(qr.HandError, match="has 0 skins, expected one"):
+        read(with_text(text.replace(b'"skins"', b'"other"')))
+    with pytest.raises(qr.HandError, match="has no joint 'thumb-tip'"):
+        read(with_text(text.replace(b'"thumb-tip"', b'"thumb-end"')))
+    with pytest.raises(qr.MeshFileError, match="reads up to byte"):
+        read(with_text(text.replace(b'"count":1360', b'"count":9990')))
+
+
+def test_a_rig_that_does_not_fit_is_named(tmp_path: Path) -> None:
+    mesh = hand_file("webxr_right_middle_1500")
+    with pytest.raises(
+        qr.HandError, match=r"0 sets of weights fit a mesh of 1492 vertices; it holds 13k \(13004"
+    ):
+        qr.read_hand(mesh)
+    other = tmp_path / mesh.name
+    other.write_bytes(mesh.read_bytes())
+    with pytest.raises(qr.HandError, match="no rig beside it"):
+        qr.read_hand(other)
+    rig = tmp_path / "broken_rig.npz"
+    rig.write_bytes(b"PK\x03\x04 not a file of arrays")
+    with pytest.raises(qr.HandError, match="broken_rig"):
+        qr.read_hand(other, rig=rig)
