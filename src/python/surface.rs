@@ -6,6 +6,7 @@ use super::convert::{
 };
 use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
+use crate::geometry::bounds::is_within_range;
 use crate::geometry::rigid_motion;
 use crate::mesh::{self, RepairOptions};
 use crate::surface::Surface;
@@ -322,7 +323,14 @@ pub(super) fn find_crossings<'py>(
     if let Some(vertex) = faces.iter().flatten().find(|&&vertex| vertex as usize >= count) {
         return Err(SurfaceError::new_err(format!("a face refers to vertex {vertex} of {count}")));
     }
-    let pairs = py.detach(|| crate::geometry::find_crossings(&vertices, &faces));
+    if let Some(vertex) = vertices.iter().position(|point| !is_within_range(point)) {
+        let point = vertices[vertex];
+        return Err(SurfaceError::new_err(format!(
+            "vertex {vertex} is at ({:e}, {:e}, {:e}) m, expected finite coordinates within 1e60 m",
+            point.x, point.y, point.z
+        )));
+    }
+    let pairs = released(py, || crate::geometry::find_crossings(&vertices, &faces));
     Ok(pairs_out(py, &pairs))
 }
 

@@ -91,6 +91,6 @@ fn an_obstacle_between_the_vertices_leaves_its_depth_and_a_word() {
     assert!(contact.active.is_empty());
     assert!(contact.max_penetration_before > 0.0);
     assert_relative_eq!(contact.max_penetration_after, depth, max_relative = 0.05);
-    let [warning] = &contact.warnings[..] else { panic!("{:?}", contact.warnings) };
-    assert!(warning.contains("still penetrates") && !warning.contains("NaN"), "{warning}");
+    let says = |words: &str| contact.warnings.iter().any(|warning| warning.message.contains(words));
+    assert!(says("still penetrates") && !says("NaN"), "{:?}", contact.warnings);
 }

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import quasirigid as qr
+from fuzz_profile import EXAMPLES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -110,7 +111,7 @@ def check(m: Floats, q: Floats, solution: qr.LcpSolution) -> None:
     method=st.sampled_from(METHODS),
     crash=st.booleans(),
 )
-@settings(max_examples=8 * settings.default.max_examples)
+@settings(max_examples=8 * EXAMPLES)
 def test_what_is_called_solved_is_solved(kind: str, n: int, seed: int, method: str, crash: bool) -> None:
     m, q = problem(kind, n, seed)
     options = qr.LcpOptions(crash=crash) if method in ("lemke", "auto") else None
@@ -157,7 +158,7 @@ entry = st.floats(width=64) | st.integers(-2, 2).map(float)
     ),
     st.sampled_from(METHODS),
 )
-@settings(max_examples=4 * settings.default.max_examples)
+@settings(max_examples=4 * EXAMPLES)
 def test_any_numbers_end_by_name(given_problem: tuple[list[list[float]], list[float]], method: str) -> None:
     m = np.array(given_problem[0]).reshape(len(given_problem[1]), len(given_problem[1]))
     q = np.array(given_problem[1])

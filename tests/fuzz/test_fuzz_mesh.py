@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
+from fuzz_profile import EXAMPLES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -91,7 +92,7 @@ def check_obstacle(obstacle: qr.Obstacle, vertices: NDArray[np.float64]) -> None
 
 
 @given(meshes, st.lists(change, max_size=4))
-@settings(max_examples=6 * settings.default.max_examples)
+@settings(max_examples=6 * EXAMPLES)
 def test_a_damaged_mesh_is_sound_or_refused(mesh: Mesh, changes: list[tuple[str, int, int, float]]) -> None:
     vertices, faces = changed(mesh, changes)
     try:
@@ -177,7 +178,7 @@ def damaged(data: bytes, cuts: list[tuple[str, int, int, bytes]]) -> bytes:
 
 
 @given(st.sampled_from(FILES), st.lists(cut, min_size=1, max_size=4))
-@settings(max_examples=6 * settings.default.max_examples)
+@settings(max_examples=6 * EXAMPLES)
 def test_a_damaged_file_is_read_or_refused_with_its_name(
     file: tuple[str, bytes], cuts: list[tuple[str, int, int, bytes]]
 ) -> None:
@@ -255,7 +256,7 @@ def with_parts(data: bytes, parts: list[tuple[int, str]]) -> bytes:
     st.lists(part, max_size=3),
     st.lists(cut, max_size=2),
 )
-@settings(max_examples=4 * settings.default.max_examples)
+@settings(max_examples=4 * EXAMPLES)
 def test_a_damaged_prepared_skin_is_loaded_or_refused_with_its_name(
     kind: str, parts: list[tuple[int, str]], cuts: list[tuple[str, int, int, bytes]]
 ) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
+from quasirigid import _core
 
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 PLATE = qr.Obstacle.half_space([0, 0, -0.05], [0, 0, 1])
@@ -33,6 +34,7 @@ def forces(depth: float) -> NDArray[np.float64]:
     distance = box.signed_distance(surface.vertices)[0]
     contact = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=depth)
     matrix = qr.response_matrix(surface, SKIN, np.arange(200))
+    assert not len(_core.find_crossings(surface.vertices, surface.faces))
     solution = qr.solve_lcp(matrix, -1e-4 * np.ones(200), method="auto")
     return np.concatenate([distance, contact.force, contact.center_of_pressure, solution.z])
 

@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid import _core
 from shapes import grid, tetrahedron
 
 
@@ -110,3 +111,11 @@ def test_a_flat_cut_is_no_skin() -> None:
     at_cut = np.isclose(tip.vertices[:, 1], tip.vertices[:, 1].min(), atol=1e-9)
     assert not mask[at_cut].any()
     assert mask[~at_cut].all()
+
+
+def test_crossings_of_what_is_no_place_are_refused() -> None:
+    vertices, faces = tetrahedron()
+    for value in (1e61, 1e200, np.inf, np.nan):
+        vertices[2, 1] = value
+        with pytest.raises(qr.SurfaceError, match=r"vertex 2 is at .* expected finite coordinates"):
+            _core.find_crossings(vertices, faces)

@@ -7,11 +7,12 @@ import os
 from hypothesis import HealthCheck, settings
 
 # The same cases in every run of the tests; `make fuzz` gives the number of examples and a seed of its own.
-EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "0"))
+IS_NEW = "FUZZ_EXAMPLES" in os.environ
+EXAMPLES = int(os.environ.get("FUZZ_EXAMPLES", "60"))
 settings.register_profile(
     "fuzz",
-    max_examples=EXAMPLES or 60,
-    derandomize=EXAMPLES == 0,
+    max_examples=EXAMPLES,
+    derandomize=not IS_NEW,
     database=None,
     deadline=20_000.0,  # nothing may take longer (ms)
     print_blob=True,
