@@ -25,7 +25,10 @@ pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
 COMMANDS = [
     [],
-    *([name] for name in ("demo", "press", "sweep", "info", "repair", "accuracy", "stress", "completion")),
+    *(
+        [name]
+        for name in ("demo", "press", "sweep", "info", "repair", "hand", "accuracy", "stress", "completion")
+    ),
 ]
 
 

@@ -185,10 +185,13 @@ def test_joints_are_named_as_in_webxr_and_hang_on_their_neighbours() -> None:
         assert hand.joint_names[parent].startswith(owner)
 
 
+_CARRIES = 0.02  # least share of a digit that moves the skin of another to be seen
+
+
 @pytest.mark.parametrize("name", ["default", "slender", "broad"])
 def test_weights_are_shares_of_one_digit_and_the_palm(name: str) -> None:
     hand = built(**SHAPES[name])
-    assert hand.joints.shape == hand.weights.shape == (len(hand.surface.vertices), 4)
+    assert hand.joints.shape == hand.weights.shape == (len(hand.surface.vertices), 6)
     assert hand.weights.min() >= 0.0
     assert np.allclose(hand.weights.sum(axis=1), 1.0, atol=1e-12)
     carrying = np.zeros((len(hand.surface.vertices), 25))
@@ -196,7 +199,7 @@ def test_weights_are_shares_of_one_digit_and_the_palm(name: str) -> None:
     digits = ("thumb", "index", "middle", "ring", "pinky")
     own = np.stack(
         [
-            carrying[:, [d in n and "phalanx" in n for n in hand.joint_names]].sum(axis=1) > 0.0
+            carrying[:, [d in n and "phalanx" in n for n in hand.joint_names]].sum(axis=1) > _CARRIES
             for d in digits
         ],
         axis=1,

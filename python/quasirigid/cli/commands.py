@@ -20,6 +20,7 @@ from .console import Talk, close_stdout, progress, refuse, say, show_warning
 from .demo import press_demo
 from .evaluation import ACCURACY_EXAMPLE, STRESS_EXAMPLE, accuracy, stress
 from .gather import gathered
+from .hand import HAND_EXAMPLE, hand
 from .meshes import INFO_EXAMPLE, REPAIR_EXAMPLE, info, repair
 from .scene import (
     GOAL_UNITS,
@@ -186,6 +187,7 @@ _COMMANDS = (
     (sweep, "Press a product against a skin mesh to several depths or forces.", _ON_DEMO, SWEEP_EXAMPLE),
     (info, "Show what a mesh file can serve as.", _ON_DEMO, INFO_EXAMPLE),
     (repair, "Mend a mesh file and count the changes.", _ON_DEMO, REPAIR_EXAMPLE),
+    (hand, "Show a hand with its joints, and write it in a pose.", "", HAND_EXAMPLE),
     (accuracy, "Measure error against run time on problems with known answers.", "", ACCURACY_EXAMPLE),
     (stress, "Try extreme cases, and say which are off.", "", STRESS_EXAMPLE),
 )

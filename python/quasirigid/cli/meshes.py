@@ -21,7 +21,7 @@ from .console import Talk, progress, refuse, render, say
 from .quantities import LENGTH, parse_quantity
 from .scene import UNIT_NAMES
 
-__all__ = ["INFO_EXAMPLE", "REPAIR_EXAMPLE", "info", "repair"]
+__all__ = ["INFO_EXAMPLE", "REPAIR_EXAMPLE", "info", "record_table", "repair"]
 
 INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"
 REPAIR_EXAMPLE = "quasirigid repair demo-output/fingertip.ply --unit m --out repaired.ply"
@@ -46,7 +46,7 @@ def info(
     with progress(f"reading {file}"):
         vertices, faces = qr.read_mesh(file, unit=file_unit(unit, "--unit"))
         record = _record(vertices, faces, check_crossings=check_crossings)
-    talk.tell(_table(str(file), record), record)
+    talk.tell(record_table(str(file), record), record)
     if record["as skin"] != "yes" and record["as product"] != "yes":
         return refuse(f"{file}: neither skin nor product: {record['as skin'].removeprefix('no: ')}")
     return 0
@@ -73,7 +73,7 @@ def repair(
         record = _record(mended.vertices, mended.faces, check_crossings=False)
     changes = {name: count for name, count in mended.report.items() if count}
     shown = {"changes": ", ".join(f"{name} {count}" for name, count in changes.items()) or "none", **record}
-    talk.tell(_table(str(out), shown), {"changes": dict(mended.report), **record})
+    talk.tell(record_table(str(out), shown), {"changes": dict(mended.report), **record})
     if not talk.json:
         say(f"wrote {out}")
     return 0
@@ -103,7 +103,8 @@ def _record(vertices: Any, faces: Any, *, check_crossings: bool) -> dict[str, An
     return record
 
 
-def _table(title: str, record: dict[str, Any]) -> str:
+def record_table(title: str, record: dict[str, Any]) -> str:
+    """Return a record as a table of two columns."""
     table = Table(title=title, title_justify="left", show_header=False, box=None, pad_edge=False)
     for name, value in record.items():
         table.add_row(name, _shown(name, value))

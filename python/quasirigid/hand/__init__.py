@@ -8,6 +8,7 @@ from .joints import OPENXR_26 as OPENXR_26
 from .joints import WEBXR_25 as WEBXR_25
 from .pose import Mixed as Mixed
 from .pose import mix as mix
+from .pose_file import read_pose as read_pose
 from .posed import PosedHand as PosedHand
 from .read import read_hand as read_hand
 
@@ -22,4 +23,5 @@ __all__ = [
     "PosedHand",
     "mix",
     "read_hand",
+    "read_pose",
 ]

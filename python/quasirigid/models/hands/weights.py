@@ -17,7 +17,7 @@ from .shape import HandShape
 
 __all__ = ["MOST", "weights_of"]
 
-MOST = 4  # joints a vertex
+MOST = 6  # joints a vertex: where the metacarpals begin, all five and the wrist
 # Where two bones share the skin, from the knuckle to the last joint, in breadths of the digit.
 BLENDS = (1.30, 0.95, 0.75)
 WRIST = (0.0, 34.0e-3)  # between these the metacarpals take over from the wrist (m)
@@ -29,7 +29,7 @@ BALL = 30.0e-3  # by as much must skin be nearer to the thumb's metacarpal to be
 
 
 def weights_of(points: Floats, shape: HandShape) -> tuple[Indices, Floats]:
-    """Return joints (n, 4) and weights (n, 4) of skin points (n, 3) in m of a right hand."""
+    """Return joints (n, 6) and weights (n, 6) of skin points (n, 3) in m of a right hand."""
     weights = np.zeros((len(points), len(WEBXR_25)))
     distances = np.stack([digit.distance(points) for digit in shape.digits], axis=1)
     alongs = np.stack([digit.local(points)[1] for digit in shape.digits], axis=1)

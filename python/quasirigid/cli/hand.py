@@ -1,0 +1,92 @@
+"""`quasirigid hand`: what a hand file holds, and the hand in a pose."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+import quasirigid as qr
+
+from .._extras import import_extra
+from .._units import MM
+from ..hand import read_pose
+from ..io import write_mesh
+from .arguments import file_unit
+from .console import Talk, progress
+from .folder import OutFolder, check_folder
+from .meshes import record_table
+from .scene import UNIT_NAMES
+
+__all__ = ["HAND_EXAMPLE", "hand"]
+
+HAND_EXAMPLE = "quasirigid hand built-in --pose cylinder --out hand-output"
+_BUILT_IN = "built-in"
+
+
+def hand(
+    file: Annotated[
+        str, typer.Argument(metavar="HAND", help=f"GLB with a skin, a mesh with its rig, or {_BUILT_IN!r}.")
+    ],
+    talk: Talk,
+    rig: Annotated[Path | None, typer.Option(help="Rig (.npz) of a mesh; the one beside it.")] = None,
+    unit: Annotated[str, typer.Option(help=f"Unit of a mesh: {UNIT_NAMES}.")] = "m",
+    pose: Annotated[
+        str | None, typer.Option(help="A preset (flat, relaxed, cylinder, sphere, ...) or a JSON file.")
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Draw hand.png.")] = True,
+    out: OutFolder = None,
+) -> int:
+    """Show what a hand holds, and write it in a pose.
+
+    Writes posed.ply (m), hand.glb (at rest, with skin and joints) and hand.png.
+    """
+    check_folder(out)
+    wanted: Any = {} if pose is None else pose
+    if pose is not None and pose.lower().endswith(".json"):
+        wanted = read_pose(pose)
+    with progress(f"reading {file}"):
+        if file == _BUILT_IN:
+            known = qr.models.hand()
+        else:
+            known = qr.read_hand(file, rig=rig, unit=file_unit(unit, "--unit"))
+        posed = known.posed(wanted)
+    files: list[Path] = []
+    if out is not None:
+        with progress(f"writing {out}"):
+            files = _write(known, posed, out, pictures=pictures)
+    record = _record(known, pose)
+    text = record_table(file, record)
+    talk.tell(text + "\nwrote " + ", ".join(map(str, files)) if files else text, record)
+    return 0
+
+
+def _record(known: qr.Hand, pose: str | None) -> dict[str, Any]:
+    return {
+        "side": known.side,
+        "vertices": len(known.surface.vertices),
+        "joints": len(known.joint_names),
+        "wrist to middle tip (mm)": round(known.length * MM, 1),
+        "volume (cm3)": round(known.surface.volume * 1e6, 1),
+        "mean edge (mm)": round(known.surface.mean_edge_length * MM, 2),
+        "regions": len(np.unique(known.labels)),
+        "bones": len(known.bones),
+        "pose": pose or "as in the file",
+    }
+
+
+def _write(known: qr.Hand, posed: qr.PosedHand, out: Path, *, pictures: bool) -> list[Path]:
+    if pictures:
+        import_extra("matplotlib", "pictures", "'quasirigid[plot]'")
+    out.mkdir(parents=True, exist_ok=True)
+    files = [out / "posed.ply", out / "hand.glb"]
+    write_mesh(posed.surface.vertices, posed.surface.faces, files[0], unit="m")
+    known.save(files[1])
+    if pictures:
+        from ..plot.hands import hand_figure
+
+        files.append(out / "hand.png")
+        hand_figure(posed).savefig(files[-1], dpi=150)
+    return files

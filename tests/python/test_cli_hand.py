@@ -1,0 +1,63 @@
+"""`quasirigid hand`: what a hand holds, and the hand in a pose."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from quasirigid.cli import run
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("hand") / "hand.glb"
+    qr.models.hand(edge_length=4e-3).save(path)
+    return path
+
+
+def test_a_hand_is_told_and_written_in_a_pose(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pose = tmp_path / "pose.json"
+    pose.write_text('{"unit": "deg", "index-finger-phalanx-proximal": {"flexion": 40}}', encoding="utf-8")
+    out = tmp_path / "out"
+    assert run(["hand", str(saved), "--pose", str(pose), "--out", str(out), "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    hand = qr.read_hand(saved)
+    assert record["side"] == "right"
+    assert record["vertices"] == len(hand.surface.vertices)
+    vertices, faces = qr.read_mesh(out / "posed.ply", unit="m")
+    posed = hand.posed({"index-finger-phalanx-proximal": math.radians(40)})
+    np.testing.assert_allclose(vertices, posed.surface.vertices, atol=1e-12)
+    np.testing.assert_array_equal(faces, hand.surface.faces)
+    assert (out / "hand.png").read_bytes()[:4] == b"\x89PNG"
+    assert qr.read_hand(out / "hand.glb").side == "right"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "no JSON"),
+        ("[1]", "expected an object of joints"),
+        ('{"wrist": 3}', 'its "unit" is None'),
+        ('{"unit": "deg", "wrist": {"flexion": "much"}}', "flexion of wrist is 'much', expected a number"),
+    ],
+)
+def test_a_faulty_pose_file_is_one_line(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, message: str
+) -> None:
+    pose = tmp_path / "pose.json"
+    pose.write_text(text, encoding="utf-8")
+    assert run(["hand", str(saved), "--pose", str(pose)]) == 2
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error.startswith(f"error: {pose}: ")
+    assert message in error
+
+
+def test_an_unknown_preset_offers_the_nearest(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["hand", str(saved), "--pose", "cilinder"]) == 2
+    assert "the nearest is 'cylinder'" in capsys.readouterr().err
