@@ -10,6 +10,9 @@ use crate::surface::checked::{Surface, SurfaceError};
 
 /// Collapses, each after the triangles were evened out.
 const MOST_COLLAPSES: usize = 3;
+/// Weight of where a vertex came from in a mean around it: far above the rounding of other weights, which are 0 where
+/// meshes are alike on both sides.
+const OWN_WEIGHT: f64 = 1e-6;
 
 /// A skin with fewer vertices.
 #[derive(Debug, Clone)]
@@ -96,7 +99,7 @@ impl CoarseSkin {
 fn means_around(fine_vertices: &[usize], places: &[CoarsePlace], values: &[f64]) -> Vec<f64> {
     // Where no place is around it, a vertex takes the value where it came from.
     let mut sums: Vec<_> =
-        fine_vertices.iter().map(|&vertex| (f64::EPSILON * values[vertex], f64::EPSILON)).collect();
+        fine_vertices.iter().map(|&vertex| (OWN_WEIGHT * values[vertex], OWN_WEIGHT)).collect();
     for (place, value) in places.iter().zip(values) {
         for (corner, weight) in place.weights_of_corners() {
             let (sum, weights) = &mut sums[corner as usize];

@@ -79,6 +79,11 @@ def solve_lcp(
     LcpError
         For a malformed problem, or a bad ending (the error carries `solution`).
 
+    Notes
+    -----
+    Rows count in one unit: residuals are shares of max(-q). A row whose M and q are 1e-12 of the others' is
+    below their rounding, and its unknown may be anything; multiply such rows first, which changes no answer.
+
     References
     ----------
     Lemke 1965, Management Science 11; Cottle, Pang, Stone 1992, "The Linear Complementarity Problem".

@@ -14,6 +14,11 @@ use crate::surface::checked::Surface;
 /// From the vertices alone a round obstacle's gap would be overrated by some h²/6R on edges of length h, which
 /// costs more force than all else in the Galerkin form.
 ///
+/// A gap above `highest` counts as that. Beside a sharp rim the distance is that to the side of the obstacle, which says
+/// nothing of its gap: there the average is closed where half of the pressure is over the obstacle. A smooth contact has
+/// such gaps beyond twice its radius.
+///
+/// * `highest`: deepest penetration of a vertex (m)
 /// * `at_vertices`: the initial gap (m) of some vertices
 /// * `is_on_line`: whether the gap of a vertex is that to a plane through a line of the obstacle
 pub(crate) fn measure(
@@ -21,6 +26,7 @@ pub(crate) fn measure(
     scene: &Scene,
     basis: PressureBasis,
     nodes: &[usize],
+    highest: f64,
     at_vertices: impl FnOnce(&[usize]) -> Result<Vec<f64>, ContactError>,
     is_on_line: impl Fn(usize) -> bool,
 ) -> Result<Vec<f64>, ContactError> {
@@ -52,5 +58,7 @@ pub(crate) fn measure(
             *gap = 0.5 * (gap_at(a) + gap_at(b));
         }
     }
-    Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles.distance))
+    let lowered = |gaps: &[f64]| gaps.iter().map(|gap| gap.min(highest)).collect::<Vec<f64>>();
+    let (at_vertices, at_middles) = (lowered(&at_vertices), lowered(&at_middles.distance));
+    Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles))
 }

@@ -158,8 +158,15 @@ impl<'a> Gaps<'a> {
         if !missing.is_empty() {
             let at_vertices = |vertices: &[usize]| Ok(self.at(vertices)?.distance);
             let is_on_line = |vertex: usize| self.line_at(vertex).is_some();
-            let averages =
-                averaged::measure(self.surface, self.scene, basis, &missing, at_vertices, is_on_line)?;
+            let averages = averaged::measure(
+                self.surface,
+                self.scene,
+                basis,
+                &missing,
+                self.deepest,
+                at_vertices,
+                is_on_line,
+            )?;
             known.extend(missing.into_iter().zip(averages));
         }
         Ok(nodes.iter().map(|node| known[node]).collect())

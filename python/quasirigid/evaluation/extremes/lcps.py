@@ -15,11 +15,9 @@ from .problems import Problem, all_in_contact, infeasible, problems
 
 __all__ = ["lcp_cases", "natural_residual"]
 
-# The largest residual of an answer that may be called solved, and how far a known one may be.
+# The largest residual of an answer that may be called solved.
 _RESIDUAL = 1e-8
 _SOLVED_OR_SAID = (LcpStatus.PIVOT_LIMIT, LcpStatus.BREAKDOWN)
-# The rows of this problem in equal units have a condition below 10.
-_SAME = 1e-9
 _ROWS = 256
 
 
@@ -33,9 +31,6 @@ def lcp_cases() -> Iterator[Case]:
             yield Case(
                 group="LCP", name=f"{problem.name}, {method}", judge=judge, quick=method is LcpMethod.LEMKE
             )
-        if "rows times" in problem.name:
-            judge = partial(_same_answer, problem)
-            yield Case(group="LCP", name=f"{problem.name}: the answer of equal rows", judge=judge)
     for problem in infeasible():
         for method in (LcpMethod.LEMKE, LcpMethod.AUTO):
             yield Case(
@@ -89,16 +84,6 @@ def _judge(problem: Problem, method: LcpMethod) -> Outcome:
     if (solution.z < 0.0).any():
         return holds("z >= 0", f"z = {solution.z.min():.1e}", False)
     return near("natural residual of what is called solved", residual, _RESIDUAL)
-
-
-def _same_answer(problem: Problem) -> Outcome:
-    """Rows in other units have the same answer, which is the only one."""
-    assert problem.solution is not None, "it was chosen"
-    solution = solve_lcp(problem.matrix, problem.vector, throw=False)
-    if solution.status is not LcpStatus.SOLVED:
-        return holds("solved, or not said to be", str(solution.status), True)
-    error = np.abs(solution.z - problem.solution).max() / problem.solution.max()
-    return near("the answer of equal rows", error, _SAME)
 
 
 def _ray(problem: Problem, method: LcpMethod) -> Outcome:

@@ -26,6 +26,8 @@ Form = Literal["collocation", "galerkin"]
 _UP, _DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 _DEPTH = 0.1e-3
 _BUMPS = 32
+# Share of the force of a punch that the nodes at its rim carry, by their distance from it in Galerkin form.
+_AVERAGED = 0.05
 
 
 def touch_cases() -> Iterator[Case]:
@@ -100,7 +102,9 @@ def _punch_in_proportion(form: Form, share: float) -> Outcome:
     deep = 1e-3 if share < 1e-3 else 2e-3
     here, there = _punch(form, deep), _punch(form, share)
     error = off(there, here, force=share / deep) if here.max_pressure > 0.0 else np.inf
-    return near("force in proportion to the depth", error, rounding_limit(here, share * 5.3 * CELL))
+    limit = rounding_limit(here, share * 5.3 * CELL)
+    # Averages reach to the middles of edges, some of them nearer to the rim than the depth.
+    return near("force in proportion to the depth", error, limit if form == "collocation" else _AVERAGED)
 
 
 def _odd_places() -> dict[str, Build]:
