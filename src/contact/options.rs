@@ -29,7 +29,7 @@ pub struct ContactOptions<'a> {
     /// Threads, at most four for each processor; `None`: all that the machine has. Results are the same to the bit for any
     /// number.
     pub num_threads: Option<usize>,
-    /// Largest memory for response matrices (bytes); `None`: no limit.
+    /// Largest memory for response matrices (bytes); `None`: what the system has free, where it says so.
     pub memory_limit: Option<usize>,
     /// Distance (m) from the obstacle up to which gaps are reported; `None`: depth plus two mean edge lengths.
     pub search_distance: Option<f64>,

@@ -8,4 +8,5 @@ pub(crate) mod factor;
 pub(crate) mod kernels;
 pub(crate) mod lanczos;
 pub(crate) mod lu;
+pub(crate) mod memory;
 pub(crate) mod threads;

@@ -81,8 +81,8 @@ pub enum ResponseError {
     },
     /// The matrix would need more memory than allowed.
     #[error(
-        "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit}; \
-         take fewer nodes or a kernel that decays"
+        "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit} (what the \
+         system has free where none is set); take fewer nodes or a kernel that decays"
     )]
     TooLarge {
         /// Number of nodes.

@@ -305,3 +305,16 @@ def test_no_number_of_threads_is_more_than_the_machine_can_start(
     np.testing.assert_array_equal(one.node_force, many.node_force)
     threads = qr.response_matrix(fingertip, SKIN, [0, 1, 2], num_threads=num_threads)
     np.testing.assert_array_equal(threads, qr.response_matrix(fingertip, SKIN, [0, 1, 2]))
+
+
+def test_a_matrix_that_memory_does_not_hold_is_refused_before_it_is_made() -> None:
+    # 202,500 vertices that all touch: 328 GB.
+    side = np.arange(450) * 1e-3
+    x, y = (axis.ravel() for axis in np.meshgrid(side, side))
+    cell = (np.arange(449)[:, None] * 450 + np.arange(449)).ravel()
+    low, high = [cell, cell + 1, cell + 451], [cell, cell + 451, cell + 450]
+    faces = np.concatenate([np.column_stack(low), np.column_stack(high)])
+    sheet = qr.Surface(np.column_stack([x, y, np.zeros(len(x))]), faces)
+    plate = qr.Obstacle.half_space([0, 0, 1], [0, 0, -1])
+    with pytest.raises(qr.ResponseError, match=r"over 202500 nodes needs 328050000000 bytes, more than"):
+        qr.press(sheet, plate, SKIN, [0, 0, -1], depth=1e-3, options=AS_GIVEN)

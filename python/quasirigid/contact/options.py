@@ -40,7 +40,7 @@ class ContactOptions:
     num_threads : int or None
         Threads, at most four for each processor; None for all. Results are equal to the bit for any number.
     memory_limit : int or None
-        Largest memory for response matrices (bytes); None for no limit.
+        Largest memory for response matrices (bytes); None for what the system has free, where it says so.
     search_distance : float or None
         Gaps are measured up to this distance from the obstacle (m); None: depth plus two mean edge lengths.
     condition : bool

@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::NoFactor;
 use crate::linalg::lu::{Cuts, Lu};
+use crate::linalg::memory::free_memory;
 use crate::linalg::threads::bounded_pool;
 use crate::response::body::check::tissue::{
     TissueReport, area_vectors, check_fixed, check_nodes, check_tissue,
@@ -309,11 +310,4 @@ fn solve_columns(
         }
     }
     Ok(())
-}
-
-/// Memory that the system can give without swapping (bytes), if it says so.
-fn free_memory() -> Option<usize> {
-    let report = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = report.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse::<usize>().ok()?.checked_mul(1024)
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::linalg::memory::free_memory;
 use crate::response::error::ResponseError;
 use crate::surface::checked::Surface;
 
@@ -12,9 +13,10 @@ pub struct AssemblyOptions<'a> {
     /// half-space's entry. Entries of fading kernels are smaller, so their relative error is larger. 0 means as exact as
     /// double precision allows.
     pub tolerance: f64,
-    /// Threads (>= 1), at most four for each processor; `None` means rayon's global pool. The result is equal to the bit for any number.
+    /// Threads (>= 1), at most four for each processor; `None` means rayon's global pool. The result is equal to the bit
+    /// for any number.
     pub num_threads: Option<usize>,
-    /// Largest size of the matrix (bytes); `None` means no limit.
+    /// Largest size of the matrix (bytes); `None` means what the system has free, where it says so.
     pub memory_limit: Option<usize>,
     /// Asked now and then on the calling thread; `true` ends the assembly with
     /// [`ResponseError::Interrupted`].
@@ -73,14 +75,19 @@ pub(crate) fn check_directions(directions: &[Vector3<f64>], nodes: usize) -> Res
     }
 }
 
-/// Checks the size (bytes) of a matrix; scratch memory is small beside it.
+/// Bytes up to which nobody asks what the system has free.
+const FEW_BYTES: usize = 1 << 28;
+
+/// Checks the size (bytes) of a matrix, without a limit against what the system has free; scratch memory is small beside
+/// it.
 pub(crate) fn check_memory(
     rows: usize,
     columns: usize,
     options: &AssemblyOptions,
 ) -> Result<(), ResponseError> {
     let bytes = rows.saturating_mul(columns).saturating_mul(size_of::<f64>());
-    match options.memory_limit {
+    let free = || if bytes > FEW_BYTES { free_memory() } else { None };
+    match options.memory_limit.or_else(free) {
         Some(limit) if bytes > limit => Err(ResponseError::TooLarge { nodes: rows, bytes, limit }),
         _ => Ok(()),
     }
