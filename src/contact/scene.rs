@@ -82,6 +82,8 @@ pub(crate) struct Inherited {
     pub finger_of: Vec<Option<usize>>,
     /// Where the skin ends.
     pub cuts: Cuts,
+    /// How far skin in overlap looks for the way that it came in (m): no shorter on finer edges.
+    pub search_distance: f64,
 }
 
 /// How the obstacle comes to its place.

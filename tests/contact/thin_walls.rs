@@ -155,6 +155,26 @@ fn a_sheet_in_overlap_presses_the_skin_that_it_came_in_through() {
 }
 
 #[test]
+fn a_sheet_in_overlap_presses_like_a_block_on_refined_meshes_too() {
+    let (mut vertices, faces) = icosphere(8e-3, 3);
+    vertices.iter_mut().for_each(|x| x.z -= 8e-3);
+    let ball = Surface::new(vertices, faces).unwrap();
+    let depth = 1e-3;
+    let solved = |thickness: f64| {
+        let wall = box_of([20e-3, 20e-3, 0.5 * thickness]);
+        let wall = wall.translated(&Vector3::new(0.0, 0.0, 0.5 * thickness - depth));
+        solve_contact(&ball, &wall, &half_space(), &ContactOptions::default()).unwrap()
+    };
+    let block = solved(20e-3);
+    assert!(block.refinements.iter().filter(|round| round.kind == "mesh").count() > 2);
+    for thickness in [1e-3, 0.3e-3] {
+        let sheet = solved(thickness);
+        assert_relative_eq!(sheet.resultant.force, block.resultant.force, max_relative = 1e-6);
+        assert_relative_eq!(sheet.max_penetration_before, block.max_penetration_before, max_relative = 1e-6);
+    }
+}
+
+#[test]
 fn an_edge_presses_along_the_press_and_harder_with_depth() {
     // Boxes wider than the press is deep, under a ball: beside their edges the closest side is a lateral one.
     let (mut vertices, faces) = icosphere(8e-3, 4);

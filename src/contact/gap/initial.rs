@@ -44,6 +44,11 @@ pub(crate) struct Gaps<'a> {
     averaged: RefCell<HashMap<usize, f64>>,
 }
 
+/// How far skin that stands in overlap with an obstacle looks for it (m).
+pub(crate) fn search_distance_in_overlap(given: &Surface) -> f64 {
+    SEARCH_EDGES * given.mean_edge_length()
+}
+
 impl<'a> Gaps<'a> {
     /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; back the way it came
     /// where the closest side is not the one that it came in through.
@@ -55,7 +60,11 @@ impl<'a> Gaps<'a> {
         search_distance: Option<f64>,
     ) -> Result<Self, ContactError> {
         let depth_bound = scene.depth_bound;
-        let default = || depth_bound.unwrap_or(0.0) + SEARCH_EDGES * surface.mean_edge_length();
+        let default = || match (depth_bound, &scene.inherited) {
+            (Some(depth), _) => depth + SEARCH_EDGES * surface.mean_edge_length(),
+            (None, Some(inherited)) => inherited.search_distance,
+            (None, None) => search_distance_in_overlap(surface),
+        };
         let reach = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
         let mut measured = Measured::near(surface.vertices(), &scene.obstacle, reach, depth_bound)?;
         let may_touch = |vertex: usize| surface.skin_mask()[vertex];

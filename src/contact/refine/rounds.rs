@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use crate::contact::error::ContactError;
+use crate::contact::gap::initial::search_distance_in_overlap;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
@@ -256,6 +257,7 @@ impl Rounds<'_> {
         Inherited {
             finger_of: part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)),
             cuts: Cuts::of(self.given.surface(), self.skin).on_refined(part),
+            search_distance: search_distance_in_overlap(self.given.surface()),
         }
     }
 
