@@ -16,14 +16,19 @@ CARGO_PY := PYO3_BUILD_EXTENSION_MODULE=1 cargo
 
 RUST := Cargo.toml Cargo.lock pyproject.toml $(shell find src -type f)
 
-.PHONY: demo test test-rust test-python fuzz bench lint clean
+.PHONY: demo test test-rust lint-then-python test-python fuzz bench lint clean
 
 ## Press the built-in finger on two products: figures printed, files and pictures in demo-output/.
 demo: $(VENV)/installed
 	$(BIN)/quasirigid demo --out demo-output
 
 ## Everything that must hold before a change lands.
-test: lint test-rust test-python
+# Two halves side by side: while one installs, reads types or runs a test on one core, the other takes the second.
+test: $(VENV)/made
+	+$(MAKE) --no-print-directory --jobs 2 test-rust lint-then-python
+
+lint-then-python:
+	+$(MAKE) --no-print-directory --jobs 1 lint test-python
 
 test-rust: $(VENV)/made
 	# The feature adds a private module and no test; with it, tests and extension share what is compiled.
