@@ -24,6 +24,7 @@ pub(crate) mod march;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod nearest;
+pub(crate) mod placed;
 pub(crate) mod posed;
 pub(crate) mod primitive;
 pub(crate) mod shadow;

@@ -259,7 +259,6 @@ impl Obstacle {
     }
 
     /// The same shape at another pose.
-    #[cfg(feature = "python")]
     pub(crate) fn at(&self, pose: Isometry3<f64>) -> Obstacle {
         Obstacle { pose, ..self.clone() }
     }

@@ -8,6 +8,7 @@ use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
 use super::material::{material_out, product_skin};
 use super::pickle::{Pose, Reduced, reduced, restored};
+use super::surface::PySurface;
 use crate::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -297,6 +298,55 @@ impl PyObstacle {
     #[getter]
     fn bounding_box<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
         self.inner.bounding_box().map(|bounds| vectors_out(py, &[bounds.low, bounds.high]))
+    }
+
+    /// (3,) float64: centre of mass of the obstacle filled evenly (m), or None for a half-space.
+    #[getter]
+    fn center_of_mass<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.inner.center_of_mass().map(|center| vector_out(py, &center))
+    }
+
+    /// Return a copy laid into a frame, such as `PosedHand.palm`.
+    ///
+    /// Its longest principal axis lies along x of the frame, the shortest along z, its centre of mass over the
+    /// origin. Of the four turns that do so it takes the smallest.
+    ///
+    /// Parameters
+    /// ----------
+    /// frame : (4, 4) array_like
+    ///     Rigid motion from the frame to the world (m).
+    /// surface : Surface, optional
+    ///     Skin that it touches, coming from +z; for the frame of a palm, the palm's when left out. Without a
+    ///     skin its lowest point is at z = 0.
+    ///
+    /// Returns
+    /// -------
+    /// Obstacle
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     The frame is no rigid motion, the obstacle is a half-space, or it meets no vertex that may touch.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import numpy as np
+    /// >>> import quasirigid as qr
+    /// >>> handle = qr.Obstacle.cylinder(half_height=0.06, radius=0.015)
+    /// >>> handle.placed(np.eye(4)).bounding_box.round(3).tolist()
+    /// [[-0.06, -0.015, 0.0], [0.06, 0.015, 0.03]]
+    #[pyo3(signature = (frame, surface=None), text_signature = "(self, frame, surface=None)")]
+    fn placed(
+        &self,
+        py: Python<'_>,
+        frame: &Bound<'_, PyAny>,
+        surface: Option<&PySurface>,
+    ) -> PyResult<Self> {
+        let (rotation, translation) = rotation_and_translation(Some(frame), None)?;
+        let known = frame.getattr_opt("surface")?.filter(|known| !known.is_none());
+        let known = known.as_ref().map(|known| known.cast::<PySurface>()).transpose()?;
+        let skin = surface.or(known.map(|known| known.get())).map(|surface| &surface.inner);
+        made(released(py, || self.inner.placed(&rotation, &translation, skin)))
     }
 
     /// Vertices and faces of a mesh obstacle in the world, or None for a primitive.
