@@ -47,7 +47,7 @@ from .errors import (
     SizeWarning,
     SurfaceError,
 )
-from .hand import Hand, PosedHand, read_hand
+from .hand import Grasp, Hand, PosedHand, close_hand, read_hand
 from .io.read import read_mesh, read_obstacle, read_surface
 from .lcp import (
     Certificate,
@@ -106,6 +106,7 @@ __all__ = [
     "ElasticSkin",
     "GaussianCorrected",
     "GivenMatrix",
+    "Grasp",
     "HalfSpace",
     "Hand",
     "HandError",
@@ -151,6 +152,7 @@ __all__ = [
     "Table",
     "__version__",
     "accuracy",
+    "close_hand",
     "cut_out",
     "definiteness",
     "hand",

@@ -17,9 +17,10 @@ from ..io import as_plain, compare_contacts, contact_record, patch_table, refine
 from .arguments import parse_target_error
 from .completion import COMPLETION_EXAMPLE, completion
 from .console import Talk, close_stdout, progress, refuse, say, show_warning
-from .demo import press_demo
+from .demo import grasp_demo, press_demo
 from .evaluation import ACCURACY_EXAMPLE, STRESS_EXAMPLE, accuracy, stress
 from .gather import gathered
+from .grasp import GRASP_EXAMPLE, grasp
 from .hand import HAND_EXAMPLE, hand
 from .meshes import INFO_EXAMPLE, REPAIR_EXAMPLE, info, repair
 from .scene import (
@@ -112,16 +113,20 @@ def demo(
     quick: Annotated[bool, typer.Option("--quick", help="A coarse mesh: done in a moment.")] = False,
     target_error: TargetError = TARGET_ERROR,
 ) -> int:
-    """Press the built-in fingertip on a handle and on a phone-sized box, 1.12 mm deep.
+    """Press the built-in fingertip on two products, and close the built-in hand on two.
 
-    Each press twice: as a half-space, which knows neither the finger's shape nor its bone, and as the body
-    with its bone, whose compliance is computed first and serves both products. Needs no file. Prints the
-    figures side by side and writes, in a folder for each product, what `press` writes for the body, and
-    footprints of both.
+    The fingertip goes 1.12 mm deep on a handle and on a phone-sized box, each twice: as a half-space, which
+    knows neither the finger's shape nor its bone, and as the body with its bone, whose compliance is computed
+    first and serves both. The hand holds a handle and a bottle with 20 N. Needs no file. Prints the figures
+    and writes, in a folder for each product, what `press` and `grasp` write, and footprints of both
+    responses.
     """
     options = qr.ContactOptions(target_error=parse_target_error(target_error))
     _need_matplotlib()
-    press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3, options=options, talk=talk)
+    record = press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3, options=options, talk=talk)
+    record |= grasp_demo(out, edge_length=4e-3 if quick else 2e-3, options=options, talk=talk)
+    if talk.json:
+        talk.tell("", record)
     return 0
 
 
@@ -182,12 +187,18 @@ def _need_matplotlib() -> None:
 
 _ON_DEMO = "on the meshes that `quasirigid demo` writes"
 _COMMANDS = (
-    (demo, "Press the built-in fingertip with its bone on two products.", "", DEMO_EXAMPLE),
+    (
+        demo,
+        "Press the built-in fingertip and close the built-in hand on products.",
+        "",
+        DEMO_EXAMPLE,
+    ),
     (press, "Press a product against a skin mesh.", _ON_DEMO, PRESS_EXAMPLE),
     (sweep, "Press a product against a skin mesh to several depths or forces.", _ON_DEMO, SWEEP_EXAMPLE),
     (info, "Show what a mesh file can serve as.", _ON_DEMO, INFO_EXAMPLE),
     (repair, "Mend a mesh file and count the changes.", _ON_DEMO, REPAIR_EXAMPLE),
     (hand, "Show a hand with its joints, and write it in a pose.", "", HAND_EXAMPLE),
+    (grasp, "Close a hand on a product until its digits hold it.", _ON_DEMO, GRASP_EXAMPLE),
     (accuracy, "Measure error against run time on problems with known answers.", "", ACCURACY_EXAMPLE),
     (stress, "Try extreme cases, and say which are off.", "", STRESS_EXAMPLE),
 )

@@ -1,23 +1,25 @@
-"""The scenes of `quasirigid demo`: the built-in fingertip over a handle and over a phone-sized box."""
+"""The scenes of `quasirigid demo`: the built-in fingertip that is pressed, the built-in hand that grasps."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .. import models
 from ..contact import Contact, ContactOptions, press
-from ..io import compare_contacts, save_contact, write_mesh
+from ..hand import close_hand
+from ..io import compare_contacts, digit_table, grasp_record, save_contact, write_mesh
 from ..io.atomic import atomic_write
 from ..io.record import contact_record
 from ..plot import comparison_figure
 from ..skin import Body, HalfSpace, Skin
 from ..surface import skin_without_caps
-from .console import Talk, progress
+from .console import Talk, progress, say
 from .nodes import may_touch
 
-__all__ = ["press_demo"]
+__all__ = ["grasp_demo", "press_demo"]
 
 _DEPTH, _SHEAR_MODULUS, _POISSON_RATIO = 1.12e-3, 60e3, 0.5
 _UPWARDS = (0.0, 0.0, 1.0)
@@ -32,8 +34,11 @@ _INPUTS = {
 }
 
 
-def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Talk) -> None:
-    """Press finger and products, print the figures and write the files.
+_GRASP_FORCE = 20.0
+
+
+def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Talk) -> dict[str, Any]:
+    """Press finger and products, print the figures, write the files, and return the record.
 
     Parameters
     ----------
@@ -86,7 +91,36 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Tal
     for name in products:
         pictures = ("skin.png", "footprint.png", "responses.png")
         lines.append(f"{name}: " + ", ".join(str(out / name / picture) for picture in pictures))
-    talk.tell("\n".join(lines), record)
+    if not talk.json:
+        say("\n".join(lines))
+    return record
+
+
+def grasp_demo(out: Path, edge_length: float, options: ContactOptions, talk: Talk) -> dict[str, Any]:
+    """Close the built-in hand on a handle and on a bottle, as `press_demo` presses the finger."""
+    with progress("building the hand"):
+        hand = models.hand(edge_length=edge_length)
+        palm = hand.posed("relaxed").palm
+        products = {"grasped handle": models.cylinder_handle(), "grasped bottle": models.bottle()}
+    record = {}
+    for name, product in products.items():
+        with progress(f"closing the hand: {name}"):
+            grasp = close_hand(
+                hand,
+                product.placed(palm),
+                _skin(HalfSpace()),
+                force=_GRASP_FORCE,
+                options=options,
+                throw=False,
+            )
+        folder = out / name.replace(" ", "-")
+        with progress(f"drawing and writing {folder}"):
+            inputs = {"scene": name, "force": {"value": _GRASP_FORCE, "unit": "N"}}
+            grasp.save(folder, inputs=inputs, pictures=True)
+        record[name] = grasp_record(grasp) | {"contact": contact_record(grasp.contact)}
+        if not talk.json:
+            say(f"{name}, {_GRASP_FORCE:g} N\n{digit_table(grasp)}\n{name}: {folder / 'grasp.png'}")
+    return record
 
 
 def _skin(response: HalfSpace | Body) -> Skin:

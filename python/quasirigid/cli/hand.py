@@ -20,22 +20,26 @@ from .folder import OutFolder, check_folder
 from .meshes import record_table
 from .scene import UNIT_NAMES
 
-__all__ = ["HAND_EXAMPLE", "hand"]
+__all__ = ["HAND_EXAMPLE", "HandFile", "HandUnit", "PoseWord", "Rig", "hand", "read_pose_word", "read_rigged"]
 
 HAND_EXAMPLE = "quasirigid hand built-in --pose cylinder --out hand-output"
 _BUILT_IN = "built-in"
 
+HandFile = Annotated[
+    str, typer.Argument(metavar="HAND", help=f"GLB with a skin, a mesh with its rig, or {_BUILT_IN!r}.")
+]
+Rig = Annotated[Path | None, typer.Option(help="Rig (.npz) of a mesh; the one beside it.")]
+HandUnit = Annotated[str, typer.Option(help=f"Unit of a mesh: {UNIT_NAMES}.")]
+POSE_HELP = "A preset (flat, open, relaxed, cylinder, sphere, ...) or a JSON file."
+PoseWord = Annotated[str, typer.Option(help=POSE_HELP)]
+
 
 def hand(
-    file: Annotated[
-        str, typer.Argument(metavar="HAND", help=f"GLB with a skin, a mesh with its rig, or {_BUILT_IN!r}.")
-    ],
+    file: HandFile,
     talk: Talk,
-    rig: Annotated[Path | None, typer.Option(help="Rig (.npz) of a mesh; the one beside it.")] = None,
-    unit: Annotated[str, typer.Option(help=f"Unit of a mesh: {UNIT_NAMES}.")] = "m",
-    pose: Annotated[
-        str | None, typer.Option(help="A preset (flat, relaxed, cylinder, sphere, ...) or a JSON file.")
-    ] = None,
+    rig: Rig = None,
+    unit: HandUnit = "m",
+    pose: Annotated[str | None, typer.Option(help=POSE_HELP)] = None,
     pictures: Annotated[bool, typer.Option(help="Draw hand.png.")] = True,
     out: OutFolder = None,
 ) -> int:
@@ -44,14 +48,9 @@ def hand(
     Writes posed.ply (m), hand.glb (at rest, with skin and joints) and hand.png.
     """
     check_folder(out)
-    wanted: Any = {} if pose is None else pose
-    if pose is not None and pose.lower().endswith(".json"):
-        wanted = read_pose(pose)
+    wanted = {} if pose is None else read_pose_word(pose)
     with progress(f"reading {file}"):
-        if file == _BUILT_IN:
-            known = qr.models.hand()
-        else:
-            known = qr.read_hand(file, rig=rig, unit=file_unit(unit, "--unit"))
+        known = read_rigged(file, rig, unit)
         posed = known.posed(wanted)
     files: list[Path] = []
     if out is not None:
@@ -61,6 +60,18 @@ def hand(
     text = record_table(file, record)
     talk.tell(text + "\nwrote " + ", ".join(map(str, files)) if files else text, record)
     return 0
+
+
+def read_pose_word(word: str) -> Any:
+    """Return a preset's name as it is, a JSON file as the pose that it holds."""
+    return read_pose(word) if word.lower().endswith(".json") else word
+
+
+def read_rigged(file: str, rig: Path | None, unit: str) -> qr.Hand:
+    """Return the hand of a file, or the built-in one."""
+    if file == _BUILT_IN:
+        return qr.models.hand()
+    return qr.read_hand(file, rig=rig, unit=file_unit(unit, "--unit"))
 
 
 def _record(known: qr.Hand, pose: str | None) -> dict[str, Any]:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..skin.elastic import ElasticSkin
     from ..surface import Surface
 
-__all__ = ["Balance", "Start", "press", "solve_contact"]
+__all__ = ["Balance", "Start", "end_of", "press", "solve_contact", "solve_quietly"]
 
 
 class Start(StrEnum):
@@ -96,7 +96,7 @@ def solve_contact(
     check_scene(surface, obstacle)
     core_options = options_to_core(options)
     solved = _core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options)
-    return _finish(solved, surface, throw)
+    return end_of(_from_core(solved, surface), throw=throw, stacklevel=2)
 
 
 def press(
@@ -236,13 +236,20 @@ def press(
         if isinstance(error.contact, _core.Contact):
             error.contact = _from_core(error.contact, surface)
         raise
-    return _finish(pressed, surface, throw)
+    return end_of(_from_core(pressed, surface), throw=throw, stacklevel=2)
 
 
-def _finish(core: _core.Contact, surface: Surface, throw: bool) -> Contact:
-    """Return the facade's contact; warn, and raise a bad ending where asked."""
-    contact = _from_core(core, surface)
-    warn_of(contact.warnings, stacklevel=3)
+def solve_quietly(
+    surface: Surface, obstacle: Obstacle, skin: ElasticSkin, options: ContactOptions
+) -> Contact:
+    """Return the contact in place; nothing is warned of, no ending is an error."""
+    core = _core.solve_contact(surface, obstacle, core_skin(skin, surface), options_to_core(options))
+    return _from_core(core, surface)
+
+
+def end_of(contact: Contact, *, throw: bool, stacklevel: int) -> Contact:
+    """Return the contact; warn, and raise a bad ending where asked."""
+    warn_of(contact.warnings, stacklevel=stacklevel + 1)
     if throw and contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
         error = ContactError(f"the contact ended with status {contact.status.value!r}: {contact.advice}")
         error.contact = contact

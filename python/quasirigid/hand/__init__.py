@@ -1,5 +1,7 @@
 """Hands: skin that follows joints, poses, and the regions of the skin."""
 
+from .grasp import Grasp as Grasp
+from .grasp import close_hand as close_hand
 from .hand import Hand as Hand
 from .joints import DIGITS as DIGITS
 from .joints import JOINTS_16 as JOINTS_16
@@ -18,9 +20,11 @@ __all__ = [
     "JOINTS_21",
     "OPENXR_26",
     "WEBXR_25",
+    "Grasp",
     "Hand",
     "Mixed",
     "PosedHand",
+    "close_hand",
     "mix",
     "read_hand",
     "read_pose",

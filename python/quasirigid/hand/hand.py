@@ -148,9 +148,9 @@ class Hand:
         Parameters
         ----------
         pose : str, mapping, array_like or Mixed
-            A preset ("flat", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"); a mapping of joint
-            names to flexion (rad) or to a mapping of "flexion", "abduction" and "twist" (rad), joints not
-            named at rest; or an array in the order of `joint_names`, relative to the rest frames: (J, 3)
+            A preset ("flat", "open", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"); a mapping of
+            joint names to flexion (rad) or to a mapping of "flexion", "abduction" and "twist" (rad), joints
+            not named at rest; or an array in the order of `joint_names`, relative to the rest frames: (J, 3)
             rotation vectors (rad) or (J, 4) quaternions x, y, z, w. Flexion is positive towards the palm,
             abduction away from the middle finger (of that itself: towards the thumb), twist where it turns
             the thumb's pad to the fingers.

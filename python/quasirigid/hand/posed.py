@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..skin import Body, Skin
 from ..surface import Surface
 from .joints import index_of
 from .rays import way_out
+from .regions import digit_of_vertices
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +25,38 @@ if TYPE_CHECKING:
 
 __all__ = ["PosedHand"]
 
-_BELOW = 5e-3  # m, below the mean of the palm's centre: inside the hand
+_OFF_PALM = ("back", "wrist")
+_PALM_JOINTS = (
+    "wrist",
+    "middle-finger-phalanx-proximal",
+    "index-finger-phalanx-proximal",
+    "pinky-finger-phalanx-proximal",
+)
+_PALM_MIDDLE = (
+    2.0 / 3.0
+)  # of the way to the middle knuckle: the palm's skin ends beyond it, where the digits part
+
+
+class PalmFrame(np.ndarray[Any, np.dtype[np.float64]]):
+    """The frame (4, 4) of a palm (m) with its skin.
+
+    Attributes
+    ----------
+    surface : Surface or None
+        The hand's, of which the palm alone may touch; None of a frame that was computed from this one.
+    """
+
+    surface: Surface | None
+
+    def __new__(cls, frame: Floats, surface: Surface) -> PalmFrame:
+        """Return the frame with its skin."""
+        palm = frame.view(cls)
+        palm.surface = surface
+        return palm
+
+    def __array_finalize__(self, source: Any) -> None:
+        """Forget the skin: what is computed from a frame lies elsewhere."""
+        self.surface = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,21 +131,24 @@ class PosedHand:
         return skin.prepared(self.surface)
 
     @property
-    def palm(self) -> Floats:
+    def palm(self) -> PalmFrame:
         """(4, 4) float64: frame of the palm (m).
 
-        Origin at the palm's centre on the skin, +y distal, +z out of the palm, +x = y x z.
+        Origin at the palm's centre on the skin, over two thirds of the way from the wrist to the middle
+        knuckle, +y distal, +z out of the palm, +x = y x z. It knows its skin,
+        without digits: `Obstacle.placed` lays a product against that.
         """
-        wrist, knuckle = (self.frame_of(name)[:3, 3] for name in ("wrist", "middle-finger-phalanx-proximal"))
-        dorsal = self.frame_of("wrist")[:3, 2]
+        wrist, knuckle, index, little = (self.frame_of(name)[:3, 3] for name in _PALM_JOINTS)
         distal = (knuckle - wrist) / np.linalg.norm(knuckle - wrist)
-        out = -(dorsal - (dorsal @ distal) * distal)
+        out = np.cross(index - wrist, little - wrist) * (1.0 if self.hand.side == "right" else -1.0)
+        out -= (out @ distal) * distal
         out /= np.linalg.norm(out)
-        middle = self.surface.vertices[self.labels == "palm-center"].mean(axis=0) - _BELOW * out
+        middle = wrist + _PALM_MIDDLE * (knuckle - wrist)
         frame = np.eye(4)
         frame[:3, :3] = np.column_stack([np.cross(distal, out), distal, out])
         frame[:3, 3] = middle + way_out(self.surface, middle, out) * out
-        return frame
+        is_palm = (digit_of_vertices(self.hand) == "palm") & ~np.isin(self.labels, _OFF_PALM)
+        return PalmFrame(frame, self.surface.with_skin_mask(is_palm & self.surface.skin_mask))
 
     def frame_of(self, joint: str) -> Floats:
         """Return the frame (4, 4) of a joint (m), by its name."""

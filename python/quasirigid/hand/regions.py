@@ -182,3 +182,11 @@ def _to_segment(points: Floats, start: Floats, end: Floats) -> Floats:
 def _unit(vector: Floats) -> Floats:
     length: Floats = vector / np.linalg.norm(vector)
     return length
+
+
+def digit_of_vertices(hand: Hand) -> NDArray[np.str_]:
+    """Return the digit (n,) of each vertex, its phalanges alone; ``"palm"`` for the rest."""
+    words = np.char.partition(hand.labels, "-")
+    on_digit = np.isin(words[:, 0], DIGITS) & (hand.labels != "")
+    on_digit &= ~np.char.endswith(hand.labels, "metacarpal-head")
+    return np.where(on_digit, words[:, 0], "palm")

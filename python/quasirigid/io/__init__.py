@@ -12,6 +12,8 @@ from .frame import contact_trimesh as contact_trimesh
 from .frame import sweep_columns as sweep_columns
 from .frame import sweep_dataframe as sweep_dataframe
 from .frame import vertex_data as vertex_data
+from .grasps import digit_table as digit_table
+from .grasps import grasp_record as grasp_record
 from .mesh import mesh_arrays as mesh_arrays
 from .read import read_mesh as read_mesh
 from .read import read_obstacle as read_obstacle
@@ -38,6 +40,8 @@ __all__ = [
     "contact_record",
     "contact_summary",
     "contact_trimesh",
+    "digit_table",
+    "grasp_record",
     "mesh_arrays",
     "patch_table",
     "read_mesh",

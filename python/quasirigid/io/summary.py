@@ -16,7 +16,14 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..contact.sweep import Sweep
 
-__all__ = ["compare_contacts", "contact_html", "contact_summary", "patch_table", "refinement_table"]
+__all__ = [
+    "aligned",
+    "compare_contacts",
+    "contact_html",
+    "contact_summary",
+    "patch_table",
+    "refinement_table",
+]
 
 
 def contact_summary(contact: Contact) -> str:
@@ -58,7 +65,7 @@ def compare_contacts(contacts: Mapping[str, Contact], *, verbose: bool = True) -
     omitted = dict.fromkeys(what for contact in contacts.values() for what, _ in contact.left_out)
     if omitted and not verbose:
         notes["left out: " + ", ".join(omitted)] = None
-    return "\n".join([*filter(None, _aligned([names, *rows])), *notes])
+    return "\n".join([*filter(None, aligned([names, *rows])), *notes])
 
 
 def refinement_table(contact: Contact) -> str:
@@ -87,7 +94,7 @@ def refinement_table(contact: Contact) -> str:
         ["peak (kPa)", *(_of(one.max_pressure, KPA) for one in rounds)],
         ["time (ms)", *(f"{one.seconds * 1e3:.3g}" for one in rounds)],
     ]
-    return "\n".join(_aligned(columns))
+    return "\n".join(aligned(columns))
 
 
 def sweep_table(sweep: Sweep) -> str:
@@ -119,7 +126,7 @@ def sweep_table(sweep: Sweep) -> str:
         for errors in (sweep.force_error, sweep.area_error)
     )
     columns = [depth, force, force_error, area, area_error, peak, seconds, ["status", *sweep.status]]
-    return "\n".join(_aligned(columns))
+    return "\n".join(aligned(columns))
 
 
 def patch_table(contact: Contact) -> str:
@@ -145,10 +152,10 @@ def patch_table(contact: Contact) -> str:
         ["mean over 1 cm² (kPa)", *(f"{one.mean_pressure * KPA:.4g}" for one in patches)],
         ["center (mm)", *(_vector(one.center_of_pressure, MM) for one in patches)],
     ]
-    return "\n".join(_aligned(columns))
+    return "\n".join(aligned(columns))
 
 
-def _aligned(columns: Sequence[Sequence[str]]) -> list[str]:
+def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
     """Return the lines of a table: the first column to the left, the others to the right."""
     widths = [max(map(len, column)) for column in columns]
     return [

@@ -10,6 +10,7 @@ from .figures import comparison_figure as comparison_figure
 from .figures import contact_figure as contact_figure
 from .figures import footprint_figure as footprint_figure
 from .footprint import plot_footprint as plot_footprint
+from .grasps import grasp_figure as grasp_figure
 from .hands import hand_figure as hand_figure
 from .section import plot_section as plot_section
 from .skin import plot_skin as plot_skin
@@ -21,6 +22,7 @@ __all__ = [
     "comparison_figure",
     "contact_figure",
     "footprint_figure",
+    "grasp_figure",
     "hand_figure",
     "pad_view",
     "plot_footprint",

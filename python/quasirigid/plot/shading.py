@@ -26,10 +26,13 @@ def lit_skin(
     colours: Colormap,
     window: Window,
     height: int,
+    *,
+    base: Floats | None = None,
 ) -> Floats:
     """Return a picture (height, width, 4) of the lit skin, in colour where `inside` (n,) is above 0.
 
-    `values` (n,) pick the colour, from 0 to their largest; `window` is in the unit of `vertices`.
+    `values` (n,) pick the colour, from 0 to their largest; `window` is in the unit of `vertices`; `base`
+    (n, 3) is the colour elsewhere, that of skin when left out.
     """
     width = max(1, round(height * (window[1] - window[0]) / (window[3] - window[2])))
     frame = rasterise(view.project(vertices), faces, window, width * SAMPLES, height * SAMPLES)
@@ -49,7 +52,8 @@ def lit_skin(
     # Colours stay close to those of the colour bar: a part of the shading only, no shine.
     mapped = colours(share)[:, :3] * np.clip(0.66 + 0.36 * brightness, 0.0, 1.03)[:, None]
     coloured = frame.interpolate(faces, inside) > 0.0
-    colour = np.where(coloured[:, None], mapped, SKIN * brightness[:, None] + shine[:, None])
+    bare = SKIN if base is None else frame.interpolate(faces, base)
+    colour = np.where(coloured[:, None], mapped, bare * brightness[:, None] + shine[:, None])
     picture = np.zeros((height * width * SAMPLES**2, 4))
     picture[frame.pixel, :3] = np.clip(colour, 0.0, 1.0)
     picture[frame.pixel, 3] = 1.0

@@ -1,0 +1,136 @@
+"""`quasirigid grasp`: a hand closes on a product."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import quasirigid as qr
+
+from .._extras import import_extra
+from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
+from .arguments import file_unit, parse_response, parse_target_error, rotation
+from .console import Talk, progress, refuse
+from .folder import OutFolder, check_folder
+from .hand import HandFile, HandUnit, PoseWord, Rig, read_pose_word, read_rigged
+from .quantities import ANGLE, FORCE, LENGTH, STRESS, QuantityError, parse_quantities, parse_quantity
+from .scene import TARGET_ERROR, ProductFile, ProductUnit, TargetError
+
+__all__ = ["GRASP_EXAMPLE", "grasp"]
+
+GRASP_EXAMPLE = (
+    "quasirigid grasp built-in demo-output/handle.stl --product-unit mm --force 20N --out grasp-output"
+)
+
+_MASS = {"kg": 1.0, "g": 1e-3}
+
+
+def grasp(
+    hand: HandFile,
+    product: ProductFile,
+    talk: Talk,
+    force: Annotated[
+        str | None,
+        typer.Option(
+            help="What the digits hold: 20N is their sum, half of it the thumb's; or thumb=8N,index=4N."
+        ),
+    ] = None,
+    overlap: Annotated[
+        str | None,
+        typer.Option(help="In place of a force, how deep each digit goes, as in 2mm or index=2mm."),
+    ] = None,
+    rig: Rig = None,
+    unit: HandUnit = "m",
+    product_unit: ProductUnit = None,
+    start: PoseWord = "relaxed",
+    end: PoseWord = "fist",
+    rotate: Annotated[
+        str, typer.Option(help="Turns of the product in the palm about x, y, z: across, distal, out of it.")
+    ] = "0,0,0deg",
+    shift: Annotated[
+        str, typer.Option(help="Shift of the product from the palm's centre along x, y, z, as in 0,10,0mm.")
+    ] = "0,0,0mm",
+    as_placed: Annotated[
+        bool, typer.Option("--as-placed", help="Leave hand and product where their files have them.")
+    ] = False,
+    product_mass: Annotated[
+        str | None, typer.Option(help="As in 0.3kg: what is out of balance is told.")
+    ] = None,
+    shear_modulus: Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")] = "60kPa",
+    poisson_ratio: Annotated[float, typer.Option(help="Of the skin, 0 to 0.5.")] = 0.495,
+    response: Annotated[
+        str,
+        typer.Option(
+            help="half-space; body: the hand's own bones, seconds to minutes; or a kernel of press."
+        ),
+    ] = "half-space",
+    target_error: TargetError = TARGET_ERROR,
+    pictures: Annotated[bool, typer.Option(help="Draw grasp.png, skin.png and footprint.png.")] = True,
+    out: OutFolder = None,
+) -> int:
+    """Close a hand on a product until its digits hold it, and write what happens.
+
+    The product is laid across the palm, its longest axis along the knuckles, in touch.
+    Writes what `press` writes, grasp.json, hand.glb and grasp.png.
+    Leaves with 0 when every digit holds, 1 when one does not or the solver ended otherwise, 2 on bad input.
+    """
+    check_folder(out)
+    goal = _goal(force, overlap)
+    options = qr.ContactOptions(target_error=parse_target_error(target_error))
+    kernel = parse_response(response)
+    modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
+    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=kernel or qr.Body())
+    angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
+    way = parse_quantities(shift, 3, LENGTH, "--shift")
+    mass = None if product_mass is None else parse_quantity(product_mass, _MASS, "--product-mass")
+    poses = {"start": read_pose_word(start), "end": read_pose_word(end)}
+    if out is not None and pictures:
+        import_extra("matplotlib", "pictures", "'quasirigid[plot]'")
+    with progress(f"reading {hand} and {product}"):
+        known = read_rigged(hand, rig, unit)
+        obstacle = qr.read_obstacle(product, unit=file_unit(product_unit or unit, "--product-unit"))
+    if not as_placed:
+        palm = known.posed(poses["start"]).palm
+        palm[:3, 3] += palm[:3, :3] @ way
+        palm[:3, :3] = palm[:3, :3] @ rotation(angles)
+        obstacle = obstacle.placed(palm)
+    with progress("closing the hand"):
+        held = qr.close_hand(
+            known, obstacle, skin, **goal, **poses, product_mass=mass, options=options, throw=False
+        )
+    inputs = {
+        "hand": hand,
+        "product": str(product),
+        **{name: as_plain(value) for name, value in goal.items()},
+        "start": start,
+        "end": end,
+        "shear_modulus": {"value": modulus, "unit": "Pa"},
+        "poisson_ratio": {"value": poisson_ratio, "unit": "1"},
+        "response": response,
+        "target_error": {"value": options.target_error, "unit": "1"},
+        "quasirigid": qr.__version__,
+    }
+    files: tuple[Path, ...] = ()
+    if out is not None:
+        with progress(f"writing {out}"):
+            files = held.save(out, inputs=inputs, pictures=pictures)
+    text = f"{digit_table(held)}\n{compare_contacts({product.stem: held.contact}, verbose=talk.verbose)}"
+    record = grasp_record(held) | {"contact": contact_record(held.contact), "inputs": as_plain(inputs)}
+    talk.tell(text + ("\nwrote " + ", ".join(map(str, files)) if files else ""), record)
+    if held.contact.status not in ("solved", "no_contact"):
+        return refuse(f"the contact ended with '{held.contact.status}': {held.contact.advice}", status=1)
+    return 1 if held.missed else 0
+
+
+def _goal(force: str | None, overlap: str | None) -> dict[str, Any]:
+    """Return the force or the overlap that is asked for: a number, or one for each digit."""
+    if (force is None) == (overlap is None):
+        given = "neither" if force is None else "both"
+        raise QuantityError(f"give one of --force and --overlap; given: {given}")
+    name, text, units = ("overlap", overlap, LENGTH) if force is None else ("force", force, FORCE)
+    if text is None or "=" not in text:
+        return {name: parse_quantity(text or "", units, f"--{name}")}
+    pairs = [part.partition("=") for part in text.split(",")]
+    return {name: {digit.strip(): parse_quantity(value, units, f"--{name}") for digit, _, value in pairs}}

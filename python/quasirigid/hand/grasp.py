@@ -1,0 +1,312 @@
+"""A hand that closes on a product until its digits hold it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._check import as_number, as_vector
+from .._frozen import Frozen
+from ..contact.options import ContactOptions, options_to_core
+from ..contact.press import end_of
+from ..errors import HandError
+from ..scene import as_obstacle
+from ..skin import Body, GivenMatrix, Skin
+from ..skin.progress import Progress, as_progress
+from .closing import Closing
+from .hold import Hold
+from .joints import DIGITS, index_of
+
+if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+    from ..contact import Contact, Part
+    from ..obstacle import Obstacle
+    from .hand import Hand
+    from .pose import Pose
+    from .posed import PosedHand
+    from .rotations import Floats
+
+__all__ = ["Grasp", "close_hand"]
+
+_THUMB = 0.5  # its share of a force that is not told by digit
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Grasp(Frozen):
+    """A hand that holds a product.
+
+    Attributes
+    ----------
+    pose : (J, 4) float64
+        Turn of each joint against its rest frame, quaternions x, y, z, w: a pose for `Hand.posed`.
+    posed : PosedHand
+        The hand in it, where it stands.
+    contact : Contact
+        The contact of the whole hand, everything coupled.
+    shares : dict of str to float
+        How far each digit has gone from the start (0) to the end (1) of its way.
+    digits : dict of str to Part
+        What the phalanges of each digit carry.
+    palm : Part
+        What all other skin carries.
+    regions : dict of str to Part
+        What each region of the skin carries, by the names of `Hand.labels`; those under force alone.
+    net_force : (3,) float64
+        Force of the hand on the product (N).
+    net_moment : (3,) float64
+        Moment of the hand on the product about its centre of mass (N m).
+    unbalanced_force, unbalanced_moment : (3,) float64 or None
+        The same with the product's weight (N, N m): what something else must bear. None without
+        `product_mass`.
+    missed : dict of str to str
+        Digits that do not hold what was asked of them, and why.
+    rounds : int
+        Contacts of the whole hand that were solved.
+    timings : dict of str to float
+        Seconds: "approach", "search" on the given mesh, "rounds" with all options.
+    """
+
+    pose: Floats
+    posed: PosedHand
+    contact: Contact
+    shares: Mapping[str, float]
+    digits: Mapping[str, Part]
+    palm: Part
+    regions: Mapping[str, Part]
+    net_force: Floats
+    net_moment: Floats
+    unbalanced_force: Floats | None
+    unbalanced_moment: Floats | None
+    missed: Mapping[str, str]
+    rounds: int
+    timings: Mapping[str, float]
+
+    def summary(self) -> str:
+        """Return what each digit holds and the figures of the contact as text tables in mm, N and kPa."""
+        from ..io.grasps import digit_table
+
+        return f"{digit_table(self)}\n{self.contact.summary()}"
+
+    def save(
+        self,
+        folder: str | PathLike[str],
+        *,
+        inputs: Mapping[str, Any] | None = None,
+        pictures: bool = False,
+    ) -> tuple[Path, ...]:
+        """Write everything into a folder.
+
+        Parameters
+        ----------
+        folder : path
+            The folder; made where it is missing.
+        inputs : mapping, optional
+            What the grasp was computed from, to be written too.
+        pictures : bool
+            Draw pictures too (extra `plot`).
+
+        Returns
+        -------
+        tuple of Path
+            What `Contact.save` writes, grasp.json (pose, digits, regions, balance), hand.glb (`Hand.save`)
+            and grasp.png.
+        """
+        from ..io.grasps import save_grasp
+
+        return save_grasp(self, folder, inputs=inputs, pictures=pictures)
+
+    def plot(self) -> Figure:
+        """Return a matplotlib figure: hand and product from two sides, and the pressure (extra `plot`)."""
+        from ..plot.grasps import grasp_figure
+
+        return grasp_figure(self)
+
+    def __repr__(self) -> str:
+        """Return the force of each digit and the net force on one line."""
+        forces = ", ".join(f"{name} {np.linalg.norm(part.force):.3g}" for name, part in self.digits.items())
+        missed = f", missed: {', '.join(self.missed)}" if self.missed else ""
+        return f"Grasp({forces} N, net {np.linalg.norm(self.net_force):.3g} N{missed})"
+
+
+def close_hand(
+    hand: Hand,
+    obstacle: Obstacle,
+    skin: Skin,
+    *,
+    start: Pose = "relaxed",
+    end: Pose = "fist",
+    force: Mapping[str, float] | float | None = None,
+    overlap: Mapping[str, float] | float | None = None,
+    rotation: ArrayLike | None = None,
+    translation: ArrayLike = (0.0, 0.0, 0.0),
+    product_mass: float | None = None,
+    center_of_mass: ArrayLike | None = None,
+    gravity: ArrayLike = (0.0, 0.0, -9.81),
+    options: ContactOptions | None = None,
+    progress: Progress | bool | None = None,
+    throw: bool = True,
+) -> Grasp:
+    """Close the digits of a hand on a product until each holds its force or reaches its overlap.
+
+    Each digit goes its own way from one pose to another, a single share of the turns of all its joints; hand
+    and product stay where they are. All digits are searched together, so that each answers to the others.
+
+    Parameters
+    ----------
+    hand : Hand
+        The hand.
+    obstacle : Obstacle
+        The product, where it stands.
+    skin : Skin
+        Material and response. A `Body` that has neither bone nor fixed vertices gets the hand's own bones and
+        is held at the cut at the wrist; it is prepared anew for every pose of the last rounds.
+    start, end : pose
+        Where the digits begin and where they are closed, as for `Hand.posed`.
+    force : float or mapping of digit to float
+        Length of the resultant that a digit shall carry (N, > 0). A number is the sum over the digits: half
+        on the thumb, an eighth on each finger. Digits that a mapping does not name stay at the start.
+    overlap : float or mapping of digit to float
+        In place of a force: deepest overlap of a digit's vertices with the product (m, > 0).
+    rotation, translation : array_like
+        Of the whole hand, as for `Hand.posed`.
+    product_mass : float, optional
+        Mass of the product (kg).
+    center_of_mass : (3,) array_like, optional
+        Its centre of mass (m); that of the obstacle filled evenly when left out.
+    gravity : (3,) array_like
+        Acceleration of free fall (m/s^2).
+    options : ContactOptions, optional
+        How contacts are solved; with ``target_error=None`` all is done on the given mesh.
+    progress : callable or bool, optional
+        Called as ``progress(what, done)`` as the work goes on; True prints to stderr.
+    throw : bool
+        Raise where a contact does not end solved, as `solve_contact`.
+
+    Returns
+    -------
+    Grasp
+        Pose, contact, what each digit and region carries, and which digits missed what was asked.
+
+    Raises
+    ------
+    HandError
+        Neither or both of force and overlap, names that are no digits, values that are not above 0, a product
+        inside the hand or a hand inside the product, a body that has bones of its own.
+    ContactError, ResponseError
+        As `solve_contact` and `Skin.prepared` say.
+
+    Warns
+    -----
+    QuasirigidWarning
+        What the last contact warns of.
+
+    Notes
+    -----
+    Digits close to first touch by steps no longer than the product is away, and further by secants on the
+    force to the power 2/3, which grows in a straight line under a round pad. That is done on the given mesh,
+    of a body under the half-space; the last rounds solve as `options` and `skin` say, to 0.5 % of each force.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import quasirigid as qr
+    >>> hand = qr.models.hand(edge_length=4e-3)
+    >>> palm = hand.posed("relaxed").palm
+    >>> ball = qr.Obstacle.sphere(palm[:3, 3] + 0.03 * palm[:3, 1] + 0.04 * palm[:3, 2], 0.033)
+    >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.495, response=qr.HalfSpace())
+    >>> grasp = qr.close_hand(hand, ball, skin, force={"index": 2.0, "middle": 2.0})
+    >>> round(float(np.linalg.norm(grasp.digits["index"].force)), 1)
+    2.0
+    """
+    asked = _asked(force, overlap)
+    as_obstacle("obstacle", obstacle)
+    if not isinstance(skin, Skin):
+        raise TypeError(f"skin is a {type(skin).__name__}, expected a Skin: it is prepared for each pose")
+    if isinstance(skin.response, GivenMatrix) or (
+        isinstance(skin.response, Body)
+        and (skin.response.bone is not None or skin.response.fixed is not None)
+    ):
+        raise HandError(
+            "the response belongs to one pose; Body() with neither bone nor fixed takes the hand's own bones"
+        )
+    options = ContactOptions() if options is None else options
+    options_to_core(options)
+    weight = None if product_mass is None else _weight_of(product_mass, gravity)
+    middle = _middle_of(obstacle, center_of_mass)
+    hold = Hold(
+        closing=Closing(hand, start, end, rotation, translation),
+        obstacle=obstacle,
+        skin=skin,
+        options=options,
+        wanted=asked,
+        by_force=force is not None,
+        report=as_progress(progress),
+    )
+    hold.run()
+    contact, posed = hold.contact, hold.posed
+    end_of(contact, throw=throw, stacklevel=2)
+    parts = contact.by_label(hold.closing.parts)  # each digit and the palm
+    loaded = np.unique(posed.labels[contact.active[contact.active < len(posed.labels)]])
+    regions = contact.by_label(np.where(np.isin(posed.labels, loaded), posed.labels, ""))
+    net_force = -contact.force
+    net_moment = -(contact.moment - np.cross(middle, contact.force))
+    return Grasp(
+        pose=hold.closing.pose(hold.shares),
+        posed=posed,
+        contact=contact,
+        shares=MappingProxyType(dict(zip(DIGITS, hold.shares.tolist(), strict=True))),
+        digits=MappingProxyType({name: parts[name] for name in DIGITS if name in parts}),
+        palm=parts["palm"],
+        regions=MappingProxyType({str(name): part for name, part in regions.items() if part.force.any()}),
+        net_force=net_force,
+        net_moment=net_moment,
+        unbalanced_force=None if weight is None else net_force + weight,
+        unbalanced_moment=None if weight is None else net_moment,
+        missed=MappingProxyType(hold.missed()),
+        rounds=hold.rounds,
+        timings=MappingProxyType(hold.timings),
+    )
+
+
+def _asked(
+    force: Mapping[str, float] | float | None, overlap: Mapping[str, float] | float | None
+) -> dict[int, float]:
+    """Return what each digit shall reach, by its place in DIGITS."""
+    if (force is None) == (overlap is None):
+        given = "neither" if force is None else "both"
+        raise HandError(f"a hand closes to a force or to an overlap; given: {given}")
+    what, value = ("overlap", overlap) if force is None else ("force", force)
+    if isinstance(value, Mapping):
+        if not value:
+            raise HandError(f"{what} names no digit, expected some of {', '.join(DIGITS)}")
+        return {
+            index_of(name, DIGITS, "the digit"): as_number(f"{what}[{name!r}]", number, HandError)
+            for name, number in value.items()
+        }
+    number = as_number(what, value, HandError)
+    if what == "overlap":
+        return dict.fromkeys(range(len(DIGITS)), number)
+    finger = (1.0 - _THUMB) / (len(DIGITS) - 1)
+    return {at: number * (_THUMB if name == "thumb" else finger) for at, name in enumerate(DIGITS)}
+
+
+def _weight_of(mass: float, gravity: ArrayLike) -> Floats:
+    return as_number("product_mass", mass, HandError) * as_vector("gravity", gravity, HandError)
+
+
+def _middle_of(obstacle: Obstacle, center_of_mass: ArrayLike | None) -> Floats:
+    if center_of_mass is not None:
+        return as_vector("center_of_mass", center_of_mass, HandError)
+    middle = obstacle.center_of_mass
+    if middle is None:
+        raise HandError("a half-space has no centre of mass: give center_of_mass")
+    return middle

@@ -1,0 +1,117 @@
+"""How far a digit closes: the search for the share of its way at which it holds what it should."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["Search"]
+
+_CLOSEST = 1e-6  # shares of a way between which a digit can do no more
+_CLOSE = 1e-5  # shares too close to each other for a slope between them
+_BACK = 2.0  # steps that a digit may open at once
+_STALE = 2  # brackets that closed and may have been stale
+_STEADY = 3.0  # a slope that is known from another measure is right up to this factor
+_INWARDS = 0.05  # of a bracket: no trial nearer to its ends
+
+
+@dataclass
+class Search:
+    """The search of one digit; its values grow with a power of its share past first touch.
+
+    Attributes
+    ----------
+    wanted : float
+        The value to be reached, > 0.
+    power : float
+        The power of a value that grows in a straight line: 2/3 for forces (Hertz), 1 for overlaps.
+    share : float
+        Where the digit is.
+    missed : str
+        Why it cannot reach the value; empty as long as it may.
+    """
+
+    wanted: float
+    power: float
+    share: float
+    value: float = 0.0
+    missed: str = ""
+    _slope: float = 0.0
+    _known_slope: float = 0.0
+    _last: tuple[float, float] | None = None
+    _low: float | None = None
+    _high: float | None = None
+    _most: tuple[float, float] = (0.0, 0.0)
+    _closed: int = 0
+
+    def error(self) -> float:
+        """Return how far the value is from the wanted one, over that."""
+        return abs(self.value / self.wanted - 1.0)
+
+    def begin_again(self) -> None:
+        """Forget all values but not how fast they grow: from now on they are measured in another way."""
+        self._last = self._low = self._high = None
+        self._known_slope = self._slope
+        self._closed = 0
+
+    def take(self, value: float, tolerance: float, *, step: float) -> None:
+        """Take the value at the present share; go on by at most a step, unless it is the wanted one."""
+        self.value = value
+        height = (value / self.wanted) ** self.power
+        self._most = max(self._most, (value, self.share))
+        # Across a jump the slope is that of nothing.
+        if self._last is not None and abs(self.share - self._last[0]) > _CLOSE:
+            slope = (height - self._last[1]) / (self.share - self._last[0])
+            if self._known_slope > 0.0:
+                slope = min(max(slope, self._known_slope / _STEADY), self._known_slope * _STEADY)
+            if slope > 0.0:
+                self._slope = slope
+        self._last = (self.share, height)
+        if self.missed or self.error() <= tolerance:
+            return
+        self._bracket(height)
+        if height > 1.0 and self.share <= -1.0:
+            self.missed = "start"
+        elif height < 1.0 and self.share >= 1.0 and self.most < self.wanted:
+            self.missed, self.share = "end", self._most[1]
+        else:
+            self._open_again()
+            self.share = self._next(height, step)
+
+    @property
+    def most(self) -> float:
+        """The largest value that was met."""
+        return self._most[0]
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether the value jumps across the wanted one wherever it was looked for."""
+        return self._closed > _STALE
+
+    def _open_again(self) -> None:
+        """Forget a bracket that closed: digits move each other's values, so its values may be no more."""
+        if self._low is not None and self._high is not None and self._high - self._low < _CLOSEST:
+            self._low = self._high = None
+            self._slope = self._known_slope
+            self._closed += 1
+
+    def _bracket(self, height: float) -> None:
+        # Digits that share tissue move each other's values: what contradicts the newest value is forgotten.
+        if height < 1.0:
+            self._low = self.share
+            if self._high is not None and self._high <= self.share:
+                self._high = None
+        else:
+            self._high = self.share
+            if self._low is not None and self._low >= self.share:
+                self._low = None
+
+    def _next(self, height: float, step: float) -> float:
+        wanted = self.share + (1.0 - height) / self._slope if self._slope > 0.0 else None
+        if wanted is None or height == 0.0:
+            wanted = self.share + (step if height < 1.0 else -step)
+        if self._low is not None and self._high is not None:
+            width = self._high - self._low
+            inside = self._low + _INWARDS * width < wanted < self._high - _INWARDS * width
+            return wanted if inside else self._low + 0.5 * width
+        wanted = min(max(wanted, self.share - _BACK * step), self.share + step)
+        return min(max(wanted, -1.0), 1.0)

@@ -1,0 +1,130 @@
+"""Grasps: a table by digit, a record for JSON, files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._units import KPA, MM
+from .atomic import atomic_write
+from .record import as_plain
+from .summary import aligned
+from .write import save_contact
+
+if TYPE_CHECKING:
+    from ..contact.parts import Part
+    from ..hand import Grasp
+
+__all__ = ["digit_table", "grasp_record", "save_grasp"]
+
+_PART = {
+    "force": "N",
+    "moment": "N m",
+    "center_of_pressure": "m",
+    "contact_area": "m^2",
+    "max_pressure": "Pa",
+    "mean_pressure": "Pa",
+}
+_BALANCE = {"net_force": "N", "net_moment": "N m", "unbalanced_force": "N", "unbalanced_moment": "N m"}
+
+
+def digit_table(grasp: Grasp) -> str:
+    """Return what each digit holds as a text table.
+
+    Parameters
+    ----------
+    grasp : Grasp
+        The grasp.
+
+    Returns
+    -------
+    str
+        A line for each digit, the palm and their sum: how far it closed (%), force (N), area (mm²), peak
+        pressure and mean over 1 cm² (kPa); then what missed, and what is out of balance.
+    """
+    parts = dict(grasp.digits) | {"palm": grasp.palm}
+    columns = [
+        ["digit", *parts, "sum"],
+        [
+            "closed (%)",
+            *(f"{100.0 * grasp.shares[name]:.1f}" if name in grasp.shares else "" for name in parts),
+            "",
+        ],
+        ["force (N)", *(f"{_length(part.force):.4g}" for part in parts.values())],
+        ["area (mm²)", *(f"{part.contact_area * MM**2:.4g}" for part in parts.values())],
+        ["peak (kPa)", *(f"{part.max_pressure * KPA:.4g}" for part in parts.values())],
+        ["mean over 1 cm² (kPa)", *(f"{part.mean_pressure * KPA:.4g}" for part in parts.values())],
+    ]
+    contact = grasp.contact
+    whole = (_length(contact.force), contact.contact_area * MM**2, contact.max_pressure * KPA)
+    for column, value in zip(columns[2:], (*whole, contact.mean_pressure() * KPA), strict=True):
+        column.append(f"{value:.4g}")
+    lines = aligned(columns)
+    lines += [f"{digit} {reason}" for digit, reason in grasp.missed.items()]
+    net, moment = _length(grasp.net_force), _length(grasp.net_moment)
+    lines.append(f"hand on product: {net:.4g} N, {moment:.4g} N m about its centre of mass")
+    if grasp.unbalanced_force is not None and grasp.unbalanced_moment is not None:
+        force, moment = _length(grasp.unbalanced_force), _length(grasp.unbalanced_moment)
+        lines.append(f"out of balance with its weight: {force:.4g} N, {moment:.4g} N m")
+    return "\n".join(lines)
+
+
+def grasp_record(grasp: Grasp) -> dict[str, Any]:
+    """Return everything about a grasp but its contact, ready for JSON, in SI.
+
+    Parameters
+    ----------
+    grasp : Grasp
+        The grasp.
+    """
+    return {
+        "pose": {"joints": list(grasp.posed.hand.joint_names), "turns": as_plain(grasp.pose)},
+        "shares": as_plain(grasp.shares),
+        "digits": {name: _record(part) for name, part in grasp.digits.items()},
+        "palm": _record(grasp.palm),
+        "regions": {name: _record(part) for name, part in grasp.regions.items()},
+        **{name: {"value": as_plain(getattr(grasp, name)), "unit": unit} for name, unit in _BALANCE.items()},
+        "missed": dict(grasp.missed),
+        "rounds": grasp.rounds,
+        "timings": {name: {"value": seconds, "unit": "s"} for name, seconds in grasp.timings.items()},
+    }
+
+
+def save_grasp(
+    grasp: Grasp,
+    folder: str | PathLike[str],
+    *,
+    inputs: Mapping[str, Any] | None = None,
+    pictures: bool = False,
+) -> tuple[Path, ...]:
+    """Write a grasp into a folder, as `Grasp.save` describes."""
+    folder = Path(folder)
+    figure = None
+    if pictures:
+        from ..plot.grasps import grasp_figure
+
+        figure = grasp_figure(grasp)
+    files = list(save_contact(grasp.contact, folder, inputs=inputs, pictures=pictures))
+    record = grasp_record(grasp) | {"inputs": as_plain(inputs or {})}
+    with atomic_write(folder / "grasp.json") as file:
+        file.write((json.dumps(record, indent=2, allow_nan=False) + "\n").encode())
+    grasp.posed.hand.save(folder / "hand.glb", grasp.contact)
+    files += [folder / "grasp.json", folder / "hand.glb"]
+    if figure is not None:
+        with atomic_write(folder / "grasp.png") as file:
+            figure.savefig(file, format="png")
+        files.append(folder / "grasp.png")
+    return tuple(files)
+
+
+def _record(part: Part) -> dict[str, Any]:
+    return {name: {"value": as_plain(getattr(part, name)), "unit": unit} for name, unit in _PART.items()}
+
+
+def _length(vector: Any) -> float:
+    return float(np.linalg.norm(vector))
