@@ -94,8 +94,8 @@ class PosedHand:
             held at the cut at the wrist. It is prepared, which takes seconds, and kept in memory by
             content: the same body is prepared once.
         nodes : (k,) array_like of int, optional
-            Vertices of a body that may touch, where the mesh that it is solved on is finest; the palm and
-            the digits but for their backs when left out.
+            Vertices where a body is touched and the mesh that it is solved on is finest; the palmar side when
+            left out. A whole hand answers everywhere, more coarsely away from these.
         folder : path, optional
             Keeps prepared bodies in files, as `PreparedSkin.save`, and finds them there.
 
@@ -116,16 +116,19 @@ class PosedHand:
             response = replace(response, bone=self.bones, fixed=~self.surface.skin_mask)
         if self.crossings:
             parts = in_words(self.crossings)
-            raise HandError(f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose")
+            raise HandError(
+                f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose"
+            )
         skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
         return kept(skin, self.surface, self._touching(response) if nodes is None else nodes, folder)
 
     def _touching(self, body: Body) -> NDArray[np.int64]:
-        """Return the vertices of the palm and the digits but for their backs."""
-        labels = self.labels
-        behind = np.isin(labels, ("back", "wrist")) | np.char.endswith(labels, "-dorsal")
+        """Return the vertices of the palmar side."""
+        palm = np.isin(self.labels, ("palm-center", "thenar", "hypothenar"))
+        digits = np.char.endswith(self.labels, "-palmar") | np.char.endswith(self.labels, "-head")
         held = False if body.fixed is None else np.asarray(body.fixed, dtype=bool)
-        return np.flatnonzero(self.surface.skin_mask & ~behind & ~held)
+        free = self.surface.skin_mask & ~held
+        return np.flatnonzero(free & (palm | digits | np.char.startswith(self.labels, "web-")))
 
     @property
     def palm(self) -> Floats:

@@ -18,9 +18,6 @@ use crate::surface::checked::Surface;
 use crate::surface::coarse::{CoarsePlace, CoarseSkin};
 use crate::surface::refined::RefinedSurface;
 
-/// Share of the coarse vertices from which on all of them are loaded: the rest costs little.
-const ALMOST_ALL: f64 = 0.9;
-
 /// A body on two levels: everything in it, to store it and to build it again.
 #[derive(Debug, Clone)]
 pub struct TwoLevels {
@@ -97,10 +94,6 @@ impl TwoLevels {
             .collect();
         columns.sort_unstable();
         columns.dedup();
-        let moving = held.iter().filter(|&&held| !held).count();
-        if columns.len() as f64 > ALMOST_ALL * moving as f64 {
-            columns = (0..held.len()).collect();
-        }
         let loaded: Vec<usize> = columns.iter().copied().filter(|&column| !held[column]).collect();
         let coarse_body = Body {
             bone: body.bone.as_ref().map(|bone| {
