@@ -41,7 +41,7 @@ def test_regions_that_cross_are_named(through_the_middle: qr.PosedHand) -> None:
 
 
 def held_at_the_wrist(posed: qr.PosedHand) -> qr.Body:
-    return qr.Body(fixed=~posed.surface.skin_mask, coarse_edge_length=0.0)
+    return qr.Body(fixed=~posed.surface.skin_mask, coarse_edge_length=12e-3)
 
 
 def test_a_body_is_prepared_once(hand: qr.Hand, tmp_path: Path) -> None:

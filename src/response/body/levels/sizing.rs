@@ -12,7 +12,7 @@ use crate::surface::coarse::CoarseSkin;
 
 /// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length where the one before
 /// crosses itself or the bone, or everywhere.
-const MOST_TRIES: usize = 8;
+const MOST_TRIES: usize = 16;
 const SHORTER: f64 = 0.8;
 
 /// Wanted length of the coarse edges, as a share of the tissue's thickness: the least and the most. Collapses make some
