@@ -43,6 +43,11 @@ The body is prepared for the {node_count} vertices that may touch. Written by `p
   fingertip, where tissue gives way sideways.
 - **body**: `Body(bone=models.bone_of(finger), fixed=cut)`.
 
+A whole hand with its bones (`PosedHand.skin`), 13,000 vertices posed around a cylinder, nu = 0.495:
+1,328 coarse vertices of the skin and 642 of 20 bones, 0.7 GB, 26 s of processor time. Balls pressed 1.5
+mm into every phalanx and the palm: within 2.8 % of the force on 2,870 coarse vertices of the skin;
+fingertips within 3.0 % of fingers cut out and solved on their own mesh.
+
 Definiteness, by eigenvalues of the symmetric part. The half-space's Galerkin matrix is positive definite on
 any surface. A layer's collocation matrix on flat meshes was so from 0.1 to 100 mesh sizes of thickness,
 borders included, but for meshes of over 1,000 irregular nodes (vertices moved by 0.3 cells) under an

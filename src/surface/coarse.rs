@@ -89,6 +89,17 @@ impl CoarseSkin {
 }
 
 impl CoarseSkin {
+    /// Vertices of the fine mesh on some faces of the coarse one and the faces around those.
+    pub(crate) fn around(&self, faces: &[usize]) -> Vec<usize> {
+        let mut is_at = vec![false; self.surface.vertices().len()];
+        for &face in faces {
+            self.surface.faces()[face].iter().for_each(|&corner| is_at[corner as usize] = true);
+        }
+        let is_there =
+            |&vertex: &usize| self.places[vertex].corners.iter().any(|&corner| is_at[corner as usize]);
+        (0..self.places.len()).filter(is_there).collect()
+    }
+
     /// Mean at each vertex of the coarse mesh of values at the fine one's vertices around it.
     pub(crate) fn means(&self, values: &[f64]) -> Vec<f64> {
         means_around(&self.fine_vertices, &self.places, values)

@@ -83,7 +83,7 @@ class _Rod:
         dorsal /= np.linalg.norm(dorsal)
         across = np.cross(axis, dorsal)
         halves = share * self.halves
-        rows = max(5, round(length / (3.0 * np.pi * halves[1].mean() / _AROUND)))
+        rows = max(5, round(length / (6.0 * np.pi * halves[1].mean() / _AROUND)))
         along = 0.5 * (1.0 - np.cos(np.pi * np.arange(1, rows) / rows))
         rings = []
         for row, at in enumerate(along):

@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import HandError, ObstacleError
-from ..obstacle import Obstacle
+from ..errors import HandError
 from ..skin import Body, Skin
 from ..surface import Surface
+from .crossings import crossing_parts, in_words
 from .joints import index_of
+from .kept import kept
 from .rays import way_out
 from .regions import digit_of_vertices
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from os import PathLike
+
+    from numpy.typing import ArrayLike, NDArray
 
     from ..skin import PreparedSkin, Response
     from .hand import Hand
@@ -96,8 +99,19 @@ class PosedHand:
             start += len(bone.vertices)
         return Surface(np.concatenate(vertices), np.concatenate(faces))
 
+    @cached_property
+    def crossings(self) -> tuple[tuple[str, str], ...]:
+        """Pairs of regions whose faces cross in this pose, those with the most crossings first."""
+        return crossing_parts(self.surface, self.labels)
+
     def skin(
-        self, *, shear_modulus: float, poisson_ratio: float, response: Response | None = None
+        self,
+        *,
+        shear_modulus: float,
+        poisson_ratio: float,
+        response: Response | None = None,
+        nodes: ArrayLike | None = None,
+        folder: str | PathLike[str] | None = None,
     ) -> Skin | PreparedSkin:
         """Return material and response of this skin in this pose.
 
@@ -109,26 +123,44 @@ class PosedHand:
             nu, from 0 to 0.5.
         response : Response, optional
             A body when left out; one that has neither bone nor fixed vertices gets the hand's bones and is
-            held at the cut at the wrist. It is prepared for all of the skin, which takes seconds.
+            held at the cut at the wrist. It is prepared, which takes seconds, and kept in memory by
+            content: the same body is prepared once.
+        nodes : (k,) array_like of int, optional
+            Vertices where a body is touched and the mesh that it is solved on is finest; the palmar side when
+            left out. A whole hand answers everywhere, more coarsely away from these.
+        folder : path, optional
+            Keeps prepared bodies in files, as `PreparedSkin.save`, and finds them there.
 
         Raises
         ------
         HandError
-            The skin of a body crosses itself in this pose, or its bones cross the skin.
+            The skin of a body crosses itself in this pose (the regions are named), or its bones cross the
+            skin.
         ResponseError
             As `Skin` and `Skin.prepared` say.
+        OSError
+            If the folder does not exist or cannot be written to.
         """
         response = Body() if response is None else response
         if not isinstance(response, Body):
             return Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
         if response.bone is None and response.fixed is None:
             response = replace(response, bone=self.bones, fixed=~self.surface.skin_mask)
-        try:
-            Obstacle.mesh(self.surface.vertices, self.surface.faces)
-        except ObstacleError as error:
-            raise HandError(f"the skin crosses itself in this pose and encloses no body: {error}") from None
+        if self.crossings:
+            parts = in_words(self.crossings)
+            raise HandError(
+                f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose"
+            )
         skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
-        return skin.prepared(self.surface)
+        return kept(skin, self.surface, self._touching(response) if nodes is None else nodes, folder)
+
+    def _touching(self, body: Body) -> NDArray[np.int64]:
+        """Return the vertices of the palmar side."""
+        palm = np.isin(self.labels, ("palm-center", "thenar", "hypothenar"))
+        digits = np.char.endswith(self.labels, "-palmar") | np.char.endswith(self.labels, "-head")
+        held = False if body.fixed is None else np.asarray(body.fixed, dtype=bool)
+        free = self.surface.skin_mask & ~held
+        return np.flatnonzero(free & (palm | digits | np.char.startswith(self.labels, "web-")))
 
     @property
     def palm(self) -> PalmFrame:

@@ -9,7 +9,7 @@ use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::{BodyDoubt, Coarseness, edges_at_vertices};
 use crate::response::body::levels::on_mesh::BodyOnMesh;
 use crate::response::body::levels::one_level::OneLevel;
-use crate::response::body::levels::sizing::tissue_thickness;
+use crate::response::body::levels::sizing::{OnCoarse, tissue_thickness};
 use crate::response::body::levels::two_levels::TwoLevels;
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
@@ -59,7 +59,8 @@ impl Levels {
 }
 
 impl PreparedBody {
-    /// Solves `body` for unit forces at `nodes`, on the coarse skin that it asks for.
+    /// Solves `body` for unit forces at `nodes`, on the coarse skin that it asks for; at every vertex that moves, where that
+    /// skin is finer at the nodes than elsewhere.
     ///
     /// # Errors
     /// [`ResponseError::Body`] as [`Body::prepare`].
@@ -76,9 +77,10 @@ impl PreparedBody {
                 compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
                 thickness: body.bone.as_ref().map(|bone| tissue_thickness(surface, bone).into()),
             }),
-            Some((coarse, fixed)) => {
+            Some(OnCoarse { skin, fixed, nodes }) => {
                 let material = [shear_modulus, poisson_ratio];
-                Levels::Two(TwoLevels::solve(body, surface, coarse, &fixed, material, nodes, options)?)
+                let two = TwoLevels::solve(body, surface, skin, &fixed, material, &nodes, options)?;
+                return Self::from_levels(surface, &nodes, Levels::Two(two));
             }
         };
         Self::from_levels(surface, nodes, levels)

@@ -3,25 +3,38 @@
 use rayon::prelude::*;
 
 use crate::geometry::face_tree::{Faces, face_tree, find_crossings};
+use crate::response::body::check::distance::crossings;
 use crate::response::body::check::tissue::check_nodes;
 use crate::response::body::error::BodyError;
 use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarseSkin;
 
-/// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length.
-const MOST_TRIES: usize = 4;
+/// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length where the one before
+/// crosses itself or the bone, or everywhere.
+const MOST_TRIES: usize = 16;
 const SHORTER: f64 = 0.8;
 
 /// Wanted length of the coarse edges, as a share of the tissue's thickness: the least and the most. Collapses make some
 /// up to 1.5 times as long.
 const EDGE_PER_THICKNESS: [f64; 2] = [0.4, 0.7];
 
-/// Longest edge as a share of the radius that the skin bends with: twelve around a finger.
-const EDGE_PER_BEND: f64 = 0.5;
+/// Longest edge as a share of the radius that the skin bends with: twelve around a finger, and nine where there are too
+/// many vertices.
+const EDGE_PER_BEND: [f64; 2] = [0.5, 0.7];
 
 /// Vertices of a coarse skin above which its edges are longer than the least share.
 const MANY_VERTICES: f64 = 800.0;
+
+/// Vertices of a coarse skin above which its edges are longer than the most share: a whole hand with its bones then takes
+/// some 4e11 operations and 0.7 GB.
+const MOST_VERTICES: f64 = 1400.0;
+
+/// Longest edge at the nodes of such a skin over the median there: where the tissue is deep a few more vertices cost little.
+const LONGEST_PER_MEDIAN: f64 = 2.0;
+
+/// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
+const LONGER: [f64; 2] = [2.0, 1.7];
 
 /// The same for the edges of a coarse bone.
 const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
@@ -39,12 +52,40 @@ pub(crate) fn tissue_thickness(skin: &Surface, bone: &Surface) -> Vec<f64> {
     skin.vertices().par_iter().map(distance).collect()
 }
 
-/// The share of the thickness (n, m) that leaves not too many vertices of equilateral triangles.
+/// Vertices of equilateral triangles with edges of so many m (n).
+fn vertex_count(skin: &Surface, edges: &[f64]) -> f64 {
+    let areas = skin.vertex_areas().iter().zip(edges);
+    areas.map(|(area, edge)| area / (0.75_f64.sqrt() * edge * edge)).sum()
+}
+
+/// The share of the thickness (n, m) that leaves not too many vertices.
 fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
     let [least, most] = EDGE_PER_THICKNESS;
-    let areas = skin.vertex_areas().iter().zip(thickness);
-    let vertices: f64 = areas.map(|(area, t)| area / (0.75_f64.sqrt() * (least * t).powi(2))).sum();
+    let vertices = vertex_count(skin, thickness) / (least * least);
     (least * (vertices / MANY_VERTICES).sqrt()).clamp(least, most)
+}
+
+/// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, by as much as that
+/// is away, then everywhere by one factor. Returns whether it has too many.
+///
+/// * `bends`: radius that the skin bends with (n, m)
+/// * `nodes`: vertices where contact is expected
+fn lengthen_edges(edges: &mut [f64], skin: &Surface, bends: &[f64], nodes: &[usize]) -> bool {
+    if vertex_count(skin, edges) <= MOST_VERTICES {
+        return false;
+    }
+    let mut at_nodes: Vec<f64> = nodes.iter().map(|&node| edges[node]).collect();
+    at_nodes.sort_unstable_by(f64::total_cmp);
+    let longest = LONGEST_PER_MEDIAN * at_nodes[nodes.len() / 2];
+    let [far, everywhere] = LONGER;
+    let bounded = |edge: f64, longer: f64, bend: f64| longer.min((EDGE_PER_BEND[1] * bend).max(edge));
+    for (vertex, away) in skin.skin_distances(nodes, f64::INFINITY) {
+        let edge = edges[vertex].min(longest + away);
+        edges[vertex] = bounded(edge, (edge + away).min(far * edge), bends[vertex]);
+    }
+    let longer = (vertex_count(skin, edges) / MOST_VERTICES).sqrt().clamp(1.0, everywhere);
+    edges.iter_mut().zip(bends).for_each(|(edge, &bend)| *edge = bounded(*edge, longer * *edge, bend));
+    true
 }
 
 /// Radius that the skin bends with at each vertex (n, m): from the turn of the normals along the edges around it, and
@@ -84,48 +125,67 @@ pub(crate) fn coarse_bone(bone: &Surface, skin: &Surface) -> Surface {
     }
 }
 
+/// A body on a coarse skin.
+pub(crate) struct OnCoarse {
+    pub skin: CoarseSkin,
+    /// Vertices of the skin that do not move (n).
+    pub fixed: Vec<bool>,
+    /// Vertices to prepare: those asked for, or all that move where edges are long away from them.
+    pub nodes: Vec<usize>,
+}
+
+/// What a coarse skin was refused for, and the vertices of the skin there; none where that is all of it.
+struct Refused {
+    reason: String,
+    at: Vec<usize>,
+}
+
 impl Body {
-    /// The coarse skin of this body and the vertices of the skin that do not move (n); `None` where the skin itself is as
-    /// coarse as that.
+    /// This body on its coarse skin; `None` where the skin itself is as coarse as that.
     ///
-    /// * `nodes`: vertices that may be loaded
+    /// * `nodes`: vertices where contact is expected
     ///
     /// # Errors
     /// [`BodyError::CoarseEdgeLength`], [`BodyError::CoarseMesh`]; what [`Body::prepare`] finds wrong with the body.
-    pub(crate) fn coarse_skin(
-        &self,
-        skin: &Surface,
-        nodes: &[usize],
-    ) -> Result<Option<(CoarseSkin, Vec<bool>)>, BodyError> {
+    pub(crate) fn coarse_skin(&self, skin: &Surface, nodes: &[usize]) -> Result<Option<OnCoarse>, BodyError> {
         let vertex_count = skin.vertices().len();
         if self.coarse_edge_length == Some(0.0) {
             return Ok(None);
         }
         let (_, fixed) = self.check(skin)?;
         check_nodes(vertex_count, &fixed, nodes)?;
-        let (mut edge_length, tries) = match self.coarse_edge_length {
+        let (mut edge_length, has_many, tries) = match self.coarse_edge_length {
             Some(length) => {
                 let size = skin.bounding_box().diagonal();
                 if !(length > 0.0 && length <= size) {
                     return Err(BodyError::CoarseEdgeLength { value: length, size });
                 }
-                (vec![length; vertex_count], 1)
+                (vec![length; vertex_count], false, 1)
             }
-            None => (self.wanted_edges(skin, &fixed), MOST_TRIES),
+            None => {
+                let (wanted, has_many) = self.wanted_edges(skin, &fixed, nodes);
+                (wanted, has_many, MOST_TRIES)
+            }
         };
         let mut coarse = self.coarse_body(skin, &edge_length, &fixed);
         for _ in 1..tries {
-            if coarse.is_ok() {
-                break;
+            let Err(refused) = &coarse else { break };
+            match &refused.at[..] {
+                [] => edge_length.iter_mut().for_each(|length| *length *= SHORTER),
+                at => at.iter().for_each(|&vertex| edge_length[vertex] *= SHORTER),
             }
-            edge_length.iter_mut().for_each(|length| *length *= SHORTER);
             coarse = self.coarse_body(skin, &edge_length, &fixed);
         }
-        Ok(coarse?.map(|coarse| (coarse, fixed)))
+        let coarse = coarse.map_err(|Refused { reason, .. }| BodyError::CoarseMesh { reason })?;
+        Ok(coarse.map(|coarse| {
+            let moving = || (0..vertex_count).filter(|&vertex| !fixed[vertex]).collect();
+            OnCoarse { skin: coarse, nodes: if has_many { moving() } else { nodes.to_vec() }, fixed }
+        }))
     }
 
-    /// Lengths of the coarse edges that the tissue and the bend of the skin ask for (n, m).
-    fn wanted_edges(&self, skin: &Surface, fixed: &[bool]) -> Vec<f64> {
+    /// Lengths of the coarse edges that the tissue and the bend of the skin ask for (n, m), and whether the skin would get
+    /// too many vertices.
+    fn wanted_edges(&self, skin: &Surface, fixed: &[bool], nodes: &[usize]) -> (Vec<f64>, bool) {
         // 2 V / A: the mean thickness of what has no bone within reach.
         let deepest = 2.0 * skin.volume() / skin.area();
         let mut thickness = match &self.bone {
@@ -134,8 +194,11 @@ impl Body {
         };
         thickness.iter_mut().for_each(|t| *t = t.min(deepest));
         let share = edge_per_thickness(skin, &thickness);
-        let edges = thickness.into_iter().zip(bend_radii(skin, fixed));
-        edges.map(|(thickness, bend)| (share * thickness).min(EDGE_PER_BEND * bend)).collect()
+        let bends = bend_radii(skin, fixed);
+        let wanted = |(thickness, bend): (f64, &f64)| (share * thickness).min(EDGE_PER_BEND[0] * bend);
+        let mut edges: Vec<f64> = thickness.into_iter().zip(&bends).map(wanted).collect();
+        let has_many = lengthen_edges(&mut edges, skin, &bends, nodes);
+        (edges, has_many)
     }
 
     /// The skin with edges of so many m, if that is a body around the same bone; `None` where it is the skin itself.
@@ -144,19 +207,67 @@ impl Body {
         skin: &Surface,
         edge_length: &[f64],
         fixed: &[bool],
-    ) -> Result<Option<CoarseSkin>, BodyError> {
-        let refused = |reason: String| BodyError::CoarseMesh { reason };
-        let coarse = CoarseSkin::new(skin, edge_length, fixed).map_err(|error| refused(error.to_string()))?;
+    ) -> Result<Option<CoarseSkin>, Refused> {
+        let everywhere = |reason: String| Refused { reason, at: Vec::new() };
+        let coarse =
+            CoarseSkin::new(skin, edge_length, fixed).map_err(|error| everywhere(error.to_string()))?;
         if coarse.fine_vertices.len() == skin.vertices().len() {
             return Ok(None);
         }
+        let own_crossings = find_crossings(coarse.surface.vertices(), coarse.surface.faces());
+        if let Some([one, other]) = own_crossings.first() {
+            let reason = format!("its faces {one} and {other} cross");
+            return Err(Refused { reason, at: coarse.around(own_crossings.as_flattened()) });
+        }
         let held = coarse.fine_vertices.iter().map(|&vertex| fixed[vertex]).collect();
         let body = Self { fixed: self.fixed.as_ref().map(|_| held), ..self.clone() };
-        body.check(&coarse.surface).map_err(|error| refused(error.to_string()))?;
-        let crossings = find_crossings(coarse.surface.vertices(), coarse.surface.faces());
-        match crossings.first() {
-            Some([one, other]) => Err(refused(format!("its faces {one} and {other} cross"))),
-            None => Ok(Some(coarse)),
+        match body.check(&coarse.surface) {
+            Ok(_) => Ok(Some(coarse)),
+            Err(error) => {
+                let pairs = self.bone.as_ref().map_or_else(Vec::new, |bone| crossings(&coarse.surface, bone));
+                let faces: Vec<usize> = pairs.into_iter().map(|[face, _]| face).collect();
+                Err(Refused { reason: error.to_string(), at: coarse.around(&faces) })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ball() -> (Surface, Vec<usize>) {
+        let (vertices, faces) = crate::sample::icosphere(1.0, 4);
+        let skin = Surface::new(vertices, faces).expect("a sphere is sound");
+        let cap = (0..skin.vertices().len()).filter(|&vertex| skin.vertices()[vertex].z > 0.8).collect();
+        (skin, cap)
+    }
+
+    #[test]
+    fn edges_of_a_small_skin_stay_as_they_are() {
+        let (skin, cap) = ball();
+        let bends = vec![1.0; skin.vertices().len()];
+        // 4 pi / (sqrt(3)/2 0.2^2) = 363 vertices
+        let mut edges = vec![0.2; skin.vertices().len()];
+        assert!(!lengthen_edges(&mut edges, &skin, &bends, &cap));
+        assert!(edges.iter().all(|&edge| edge == 0.2));
+    }
+
+    #[test]
+    fn a_large_skin_gets_longer_edges_first_away_from_the_nodes() {
+        let (skin, cap) = ball();
+        let bends = vec![1.0; skin.vertices().len()];
+        let south = (0..skin.vertices().len())
+            .min_by(|&a, &b| skin.vertices()[a].z.total_cmp(&skin.vertices()[b].z))
+            .expect("vertices");
+        // 1,600 and 4,500 vertices; the cap is a tenth of the sphere, so that twice the length elsewhere is enough for
+        // the first alone.
+        for (edge, is_enough) in [(0.095, true), (0.057, false)] {
+            let mut edges = vec![edge; skin.vertices().len()];
+            assert!(lengthen_edges(&mut edges, &skin, &bends, &cap));
+            assert!(vertex_count(&skin, &edges) < MOST_VERTICES * (1.0 + 1e-9));
+            assert_eq!(edges[cap[0]] == edge, is_enough);
+            assert!((edges[south] / edges[cap[0]] - LONGER[0]).abs() < 1e-12);
         }
     }
 }

@@ -1,0 +1,34 @@
+"""Parts of a hand that cross one another."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .. import _core
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ..surface import Surface
+
+__all__ = ["crossing_parts", "in_words"]
+
+
+def crossing_parts(surface: Surface, labels: NDArray[np.str_]) -> tuple[tuple[str, str], ...]:
+    """Return the pairs of labels whose faces cross, those with the most crossings first."""
+    pairs = _core.find_crossings(surface.vertices, surface.faces)
+    names = labels[surface.faces]
+    # A face belongs to the label of most of its corners, the first where all differ.
+    own = np.where(names[:, 1] == names[:, 2], names[:, 1], names[:, 0])
+    counts = Counter(tuple(sorted((str(own[one]), str(own[other])))) for one, other in pairs)
+    return tuple((one, other) for (one, other), _ in counts.most_common())
+
+
+def in_words(pairs: tuple[tuple[str, str], ...], most: int = 3) -> str:
+    """Return pairs of labels as words, such as "index-distal-palmar and thenar"."""
+    words = [f"{one} and {other}" if one != other else f"{one} and itself" for one, other in pairs]
+    rest = len(words) - most
+    return ", ".join(words[:most]) + (f", and {rest} more" if rest > 0 else "")

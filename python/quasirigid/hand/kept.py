@@ -1,0 +1,71 @@
+"""Prepared bodies kept by content: in memory, and in a folder where asked."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from hashlib import sha256
+from pathlib import Path
+from threading import Lock
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..skin import Body, load_prepared
+
+if TYPE_CHECKING:
+    from os import PathLike
+
+    from numpy.typing import ArrayLike
+
+    from ..skin import PreparedSkin, Skin
+    from ..surface import Surface
+
+__all__ = ["kept"]
+
+_MOST_BYTES = 5e8  # of all bodies in memory: about three whole hands
+_VERSION = b"1"  # another one where the same body is solved otherwise
+
+_known: OrderedDict[str, tuple[PreparedSkin, int]] = OrderedDict()
+_lock = Lock()
+
+
+def kept(
+    skin: Skin, surface: Surface, nodes: ArrayLike, folder: str | PathLike[str] | None = None
+) -> PreparedSkin:
+    """Return a body prepared for a surface, from memory or the folder where it is there already."""
+    key = _key(skin, surface, nodes)
+    with _lock:
+        if key in _known:
+            _known.move_to_end(key)
+            return _known[key][0]
+    file = None if folder is None else Path(folder) / f"{key}.npz"
+    if file is not None and not file.parent.is_dir():
+        raise NotADirectoryError(f"{file.parent} is no folder: make it first")
+    if file is not None and file.exists():
+        prepared = load_prepared(file)
+    else:
+        prepared = skin.prepared(surface, nodes)
+        if file is not None:
+            prepared.save(file)
+    size = sum(part.nbytes for part in prepared._response.parts().values())
+    with _lock:
+        _known[key] = prepared, size
+        while len(_known) > 1 and sum(size for _, size in _known.values()) > _MOST_BYTES:
+            _known.popitem(last=False)
+    return prepared
+
+
+def _key(skin: Skin, surface: Surface, nodes: ArrayLike) -> str:
+    """Return a name for all that a body depends on."""
+    body = skin.response
+    assert isinstance(body, Body)
+    content = sha256(_VERSION)
+    numbers = (skin.shear_modulus, skin.poisson_ratio, body.coarse_edge_length, body.bone_pressure)
+    content.update(repr(numbers).encode())
+    arrays = [surface.vertices, surface.faces, surface.skin_mask, body.fixed, nodes]
+    arrays += [None, None] if body.bone is None else [body.bone.vertices, body.bone.faces]
+    for one in arrays:
+        array = np.ascontiguousarray(np.empty(0) if one is None else one)
+        content.update(f"{one is None} {array.dtype} {array.shape}".encode())
+        content.update(array.tobytes())
+    return content.hexdigest()[:32]

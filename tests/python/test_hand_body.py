@@ -1,0 +1,79 @@
+"""The body of a whole hand: regions that cross, bodies kept by content, how many vertices it is solved on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+
+INDEX = "index-finger-phalanx-"
+MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.495}
+
+
+@pytest.fixture(scope="module")
+def hand() -> qr.Hand:
+    return qr.models.hand(edge_length=5e-3)
+
+
+@pytest.fixture(scope="module")
+def through_the_middle(hand: qr.Hand) -> qr.PosedHand:
+    """Return the hand with its index finger swung through its middle finger."""
+    turns = np.zeros((len(hand.joint_names), 3))
+    turns[hand.joint_names.index(f"{INDEX}proximal"), 2] = -0.5
+    return hand.posed(turns)
+
+
+def test_an_open_hand_crosses_nowhere(hand: qr.Hand) -> None:
+    assert hand.posed({}).crossings == ()
+
+
+def test_regions_that_cross_are_named(through_the_middle: qr.PosedHand) -> None:
+    pairs = through_the_middle.crossings
+    assert pairs
+    assert {name for pair in pairs for name in pair} <= set(through_the_middle.labels)
+    first, second = (name.split("-")[0] for name in pairs[0])
+    assert (first, second) == ("index", "middle")
+    words = f"crosses itself in this pose, {pairs[0][0]} and {pairs[0][1]}"
+    with pytest.raises(qr.HandError, match=words):
+        through_the_middle.skin(**MATERIAL)
+
+
+def held_at_the_wrist(posed: qr.PosedHand) -> qr.Body:
+    return qr.Body(fixed=~posed.surface.skin_mask, coarse_edge_length=12e-3)
+
+
+def test_a_body_is_prepared_once(hand: qr.Hand, tmp_path: Path) -> None:
+    posed = hand.posed({})
+    nodes = np.flatnonzero(posed.labels == "index-distal-palmar")
+    arguments = {**MATERIAL, "response": held_at_the_wrist(posed), "nodes": nodes, "folder": tmp_path}
+    first = posed.skin(**arguments)
+    assert posed.skin(**arguments) is first
+    assert hand.posed({}).skin(**arguments) is first
+    assert len(list(tmp_path.iterdir())) == 1
+    np.testing.assert_array_equal(first.nodes, nodes)
+    assert posed.skin(**{**arguments, "poisson_ratio": 0.4}) is not first
+    assert posed.skin(**{**arguments, "nodes": nodes[1:]}) is not first
+
+
+def test_a_folder_that_is_none_is_refused_before_the_work(hand: qr.Hand, tmp_path: Path) -> None:
+    posed = hand.posed({})
+    with pytest.raises(NotADirectoryError, match="make it first"):
+        posed.skin(**MATERIAL, folder=tmp_path / "none")
+
+
+def test_a_whole_hand_is_solved_on_a_bounded_number_of_vertices(hand: qr.Hand) -> None:
+    class Stop(Exception):
+        pass
+
+    def first_words(what: str, _: float) -> None:
+        raise Stop(what)
+
+    posed = hand.posed({})
+    body = qr.Body(bone=posed.bones, fixed=~posed.surface.skin_mask)
+    with pytest.raises(Stop) as announced:
+        qr.Skin(**MATERIAL, response=body).prepared(posed.surface, progress=first_words)
+    words = str(announced.value).split()
+    assert int(words[2]) < 1700
+    assert float(words[words.index("GB,") - 1]) < 1.0
