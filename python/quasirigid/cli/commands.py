@@ -110,7 +110,9 @@ def _program(
 def demo(
     talk: Talk,
     out: Annotated[Path, typer.Option(help="Folder for meshes, results and pictures.")] = Path("demo-output"),
-    quick: Annotated[bool, typer.Option("--quick", help="A coarse mesh: done in a moment.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Coarse meshes and one grasp: done in a moment.")
+    ] = False,
     target_error: TargetError = TARGET_ERROR,
 ) -> int:
     """Press the built-in fingertip on two products, and close the built-in hand on two.
@@ -124,7 +126,7 @@ def demo(
     options = qr.ContactOptions(target_error=parse_target_error(target_error))
     _need_matplotlib()
     record = press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3, options=options, talk=talk)
-    record |= grasp_demo(out, edge_length=4e-3 if quick else 2e-3, options=options, talk=talk)
+    record |= grasp_demo(out, edge_length=4e-3 if quick else 2e-3, talk=talk, quick=quick)
     if talk.json:
         talk.tell("", record)
     return 0

@@ -35,6 +35,7 @@ _INPUTS = {
 
 
 _GRASP_FORCE = 20.0
+_GRIP_LENGTH = 0.16  # of the handle that is grasped (m): the thumb does not press on its end
 
 
 def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Talk) -> dict[str, Any]:
@@ -96,12 +97,14 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Tal
     return record
 
 
-def grasp_demo(out: Path, edge_length: float, options: ContactOptions, talk: Talk) -> dict[str, Any]:
-    """Close the built-in hand on a handle and on a bottle, as `press_demo` presses the finger."""
+def grasp_demo(out: Path, edge_length: float, talk: Talk, *, quick: bool) -> dict[str, Any]:
+    """Close the built-in hand on a bottle and, unless it must be quick, on a handle, as `press_demo`."""
     with progress("building the hand"):
         hand = models.hand(edge_length=edge_length)
         palm = hand.posed("relaxed").palm
-        products = {"grasped handle": models.cylinder_handle(), "grasped bottle": models.bottle()}
+        products = {"grasped bottle": models.bottle()}
+        if not quick:
+            products["grasped handle"] = models.cylinder_handle(length=_GRIP_LENGTH)
     record = {}
     for name, product in products.items():
         with progress(f"closing the hand: {name}"):
@@ -110,7 +113,6 @@ def grasp_demo(out: Path, edge_length: float, options: ContactOptions, talk: Tal
                 product.placed(palm),
                 _skin(HalfSpace()),
                 force=_GRASP_FORCE,
-                options=options,
                 throw=False,
             )
         folder = out / name.replace(" ", "-")
@@ -120,6 +122,8 @@ def grasp_demo(out: Path, edge_length: float, options: ContactOptions, talk: Tal
         record[name] = grasp_record(grasp) | {"contact": contact_record(grasp.contact)}
         if not talk.json:
             say(f"{name}, {_GRASP_FORCE:g} N\n{digit_table(grasp)}\n{name}: {folder / 'grasp.png'}")
+    if triangles := products["grasped bottle"].triangles():
+        write_mesh(*triangles, out / "bottle.stl", unit="mm")
     return record
 
 

@@ -16,12 +16,12 @@ from .console import Talk, progress, refuse
 from .folder import OutFolder, check_folder
 from .hand import HandFile, HandUnit, PoseWord, Rig, read_pose_word, read_rigged
 from .quantities import ANGLE, FORCE, LENGTH, STRESS, QuantityError, parse_quantities, parse_quantity
-from .scene import TARGET_ERROR, ProductFile, ProductUnit, TargetError
+from .scene import ProductFile, ProductUnit, TargetError
 
 __all__ = ["GRASP_EXAMPLE", "grasp"]
 
 GRASP_EXAMPLE = (
-    "quasirigid grasp built-in demo-output/handle.stl --product-unit mm --force 20N --out grasp-output"
+    "quasirigid grasp built-in demo-output/bottle.stl --product-unit mm --force 20N --out grasp-output"
 )
 
 _MASS = {"kg": 1.0, "g": 1e-3}
@@ -66,7 +66,7 @@ def grasp(
             help="half-space; body: the hand's own bones, seconds to minutes; or a kernel of press."
         ),
     ] = "half-space",
-    target_error: TargetError = TARGET_ERROR,
+    target_error: TargetError = "0.05",
     pictures: Annotated[bool, typer.Option(help="Draw grasp.png, skin.png and footprint.png.")] = True,
     out: OutFolder = None,
 ) -> int:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Grasp", "close_hand"]
 
+_TARGET_ERROR = 0.05
 _THUMB = 0.5  # its share of a force that is not told by digit
 
 
@@ -185,7 +186,8 @@ def close_hand(
     gravity : (3,) array_like
         Acceleration of free fall (m/s^2).
     options : ContactOptions, optional
-        How contacts are solved; with ``target_error=None`` all is done on the given mesh.
+        How contacts are solved; with ``target_error=None`` all is done on the given mesh. When left out, with
+        a `target_error` of 0.05: forces are asked for here, so what a mesh costs goes into the pose.
     progress : callable or bool, optional
         Called as ``progress(what, done)`` as the work goes on; True prints to stderr.
     throw : bool
@@ -238,7 +240,7 @@ def close_hand(
         raise HandError(
             "the response belongs to one pose; Body() with neither bone nor fixed takes the hand's own bones"
         )
-    options = ContactOptions() if options is None else options
+    options = ContactOptions(target_error=_TARGET_ERROR) if options is None else options
     options_to_core(options)
     weight = None if product_mass is None else _weight_of(product_mass, gravity)
     middle = _middle_of(obstacle, center_of_mass)

@@ -28,10 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["Hold"]
 
 _SAME = 1e-4  # of what a digit shall hold, where all poses have one mesh
+_NEAR = 3e-2  # of it, where that is a start for such poses alone
 _HELD = 8e-3  # of it, where each pose has meshes of its own
 _MISSED = 1e-2  # of it: beyond, a digit is said to miss
 _MOST_TRIALS = 60  # on the given mesh
-_MOST_ROUNDS = 8  # with all options
+_MOST_ROUNDS = 6  # with all options
 _STEP = 1.5e-3  # m, of a hand of 0.19 m: a digit goes on by no more at once, or it steps through thin walls
 _HERTZ = 2.0 / 3.0  # the power of a force that grows in a straight line with the depth
 
@@ -71,8 +72,15 @@ class Hold:
     def run(self) -> None:
         """Bring the digits to the product, to what they hold on the given mesh, then as the options say."""
         self._timed("approach", self._approach)
-        self._timed("search", lambda: self._settle(self._on_given_mesh, _SAME, _MOST_TRIALS))
+        tolerance = _NEAR if self._has_rounds else _SAME
+        self._timed("search", lambda: self._settle(self._on_given_mesh, tolerance, _MOST_TRIALS))
         self._timed("rounds", self._finish)
+
+    @property
+    def _has_rounds(self) -> bool:
+        """Whether forces are to be met once more, with other forces than those of the search."""
+        is_body = isinstance(self.skin.response, Body)
+        return self.by_force and (is_body or self.options.target_error is not None)
 
     def missed(self) -> dict[str, str]:
         """Return the digits that do not hold what they should, and why."""
@@ -177,9 +185,7 @@ class Hold:
         """Solve the whole hand as asked; go on with the digits, as its forces are not those of the search."""
         if not self.by_force:
             self._with_all_options()
-            return
-        is_body = isinstance(self.skin.response, Body)
-        if not is_body and self.options.target_error is None:
+        if not self._has_rounds:
             return
         for search in self.searches.values():
             search.begin_again()
@@ -193,8 +199,9 @@ class Hold:
         self.posed = self.closing.posed(self.shares)
         elastic: ElasticSkin = skin
         if isinstance(skin.response, Body):
-            material = {"shear_modulus": skin.shear_modulus, "poisson_ratio": skin.poisson_ratio}
-            elastic = self.posed.skin(**material, response=skin.response)
+            elastic = self.posed.skin(
+                shear_modulus=skin.shear_modulus, poisson_ratio=skin.poisson_ratio, response=skin.response
+            )
         self.contact = solve_quietly(self.posed.surface, self.obstacle, elastic, options)
         self.rounds += 1
         if self.contact.status is ContactStatus.NO_CONTACT:

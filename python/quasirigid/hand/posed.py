@@ -35,9 +35,8 @@ _PALM_JOINTS = (
     "index-finger-phalanx-proximal",
     "pinky-finger-phalanx-proximal",
 )
-_PALM_MIDDLE = (
-    2.0 / 3.0
-)  # of the way to the middle knuckle: the palm's skin ends beyond it, where the digits part
+_BELOW = 5e-3  # m, below the mean of the palm's centre: inside the hand
+_PALM_MIDDLE = 2.0 / 3.0  # of the way from the wrist to the middle knuckle
 
 
 class PalmFrame(np.ndarray[Any, np.dtype[np.float64]]):
@@ -166,8 +165,8 @@ class PosedHand:
     def palm(self) -> PalmFrame:
         """(4, 4) float64: frame of the palm (m).
 
-        Origin at the palm's centre on the skin, over two thirds of the way from the wrist to the middle
-        knuckle, +y distal, +z out of the palm, +x = y x z. It knows its skin,
+        Origin at the palm's centre on the skin, two thirds of the way from the wrist to the middle knuckle
+        (beyond, the digits part), +y distal, +z out of the palm, +x = y x z. It knows its skin,
         without digits: `Obstacle.placed` lays a product against that.
         """
         wrist, knuckle, index, little = (self.frame_of(name)[:3, 3] for name in _PALM_JOINTS)
@@ -175,7 +174,8 @@ class PosedHand:
         out = np.cross(index - wrist, little - wrist) * (1.0 if self.hand.side == "right" else -1.0)
         out -= (out @ distal) * distal
         out /= np.linalg.norm(out)
-        middle = wrist + _PALM_MIDDLE * (knuckle - wrist)
+        middle = self.surface.vertices[self.labels == "palm-center"].mean(axis=0) - _BELOW * out
+        middle += ((wrist + _PALM_MIDDLE * (knuckle - wrist) - middle) @ distal) * distal
         frame = np.eye(4)
         frame[:3, :3] = np.column_stack([np.cross(distal, out), distal, out])
         frame[:3, 3] = middle + way_out(self.surface, middle, out) * out

@@ -9,6 +9,7 @@ __all__ = ["Search"]
 _CLOSEST = 1e-6  # shares of a way between which a digit can do no more
 _CLOSE = 1e-5  # shares too close to each other for a slope between them
 _BACK = 2.0  # steps that a digit may open at once
+_OLD = 3  # trials after which a value may be no more
 _STALE = 2  # brackets that closed and may have been stale
 _STEADY = 3.0  # a slope that is known from another measure is right up to this factor
 _INWARDS = 0.05  # of a bracket: no trial nearer to its ends
@@ -42,6 +43,9 @@ class Search:
     _high: float | None = None
     _most: tuple[float, float] = (0.0, 0.0)
     _closed: int = 0
+    _trial: int = 0
+    _low_since: int = 0
+    _high_since: int = 0
 
     def error(self) -> float:
         """Return how far the value is from the wanted one, over that."""
@@ -68,6 +72,7 @@ class Search:
         self._last = (self.share, height)
         if self.missed or self.error() <= tolerance:
             return
+        self._trial += 1
         self._bracket(height)
         if height > 1.0 and self.share <= -1.0:
             self.missed = "start"
@@ -95,14 +100,14 @@ class Search:
             self._closed += 1
 
     def _bracket(self, height: float) -> None:
-        # Digits that share tissue move each other's values: what contradicts the newest value is forgotten.
+        # Digits move each other's values: what is old or contradicts the newest is forgotten.
         if height < 1.0:
-            self._low = self.share
-            if self._high is not None and self._high <= self.share:
+            self._low, self._low_since = self.share, self._trial
+            if self._high is not None and (self._high <= self.share or self._trial - self._high_since > _OLD):
                 self._high = None
         else:
-            self._high = self.share
-            if self._low is not None and self._low >= self.share:
+            self._high, self._high_since = self.share, self._trial
+            if self._low is not None and (self._low >= self.share or self._trial - self._low_since > _OLD):
                 self._low = None
 
     def _next(self, height: float, step: float) -> float:
