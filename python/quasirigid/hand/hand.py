@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from .. import _core
-from .._check import as_number, as_vector, short
+from .._check import as_number
 from ..errors import HandError
-from ..obstacle import Obstacle
 from ..surface import Surface, skin_without_caps
 from .bones import Bone, bones_of
-from .joints import JOINTS_OF, WEBXR_25, index_of
+from .checks import as_frames, as_labels, as_names, as_parents, check_inside, read_only
+from .joints import JOINTS_OF, index_of
 from .kinematics import mirrored_frames, motions_of, moved_frames, pivots_of
 from .pose import turns_of
 from .posed import PosedHand
@@ -32,11 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["Hand", "Side"]
 
 Side = Literal["right", "left"]
-_Array = TypeVar("_Array", bound="NDArray[Any]")
-
-_FRAME_TOLERANCE = 1e-6  # of the entries of R'R - I
-_OUTSIDE = 5e-3  # m, of a tip of a hand of 0.19 m: rigs end some digits just beyond the skin
-_HAND_LENGTH = 0.19
 
 
 class Hand:
@@ -100,29 +95,29 @@ class Hand:
         if side not in ("right", "left"):
             raise HandError(f'side is {side!r}, expected "right" or "left"')
         self.side: Side = side
-        self.joint_names = _as_names(joint_names)
-        self.parents = _as_parents(parents, self.joint_names)
-        self.rest = _as_frames(rest, self.joint_names)
+        self.joint_names = as_names(joint_names)
+        self.parents = as_parents(parents, self.joint_names)
+        self.rest = as_frames(rest, self.joint_names)
         surface = Surface(vertices, faces)
         if not surface.is_closed:
             raise HandError("the skin is open: a hand needs a closed one, its cut at the wrist capped")
         # The flat cut at the wrist is no skin.
         self.surface = surface.with_skin_mask(skin_without_caps(surface))
         self._influence = _core.SkinWeights(joints, weights, joint_count=len(self.joint_names))
-        self.joints = _read_only(np.array(joints, dtype=np.int64))
-        self.weights = _read_only(np.array(weights, dtype=np.float64))
+        self.joints = read_only(np.array(joints, dtype=np.int64))
+        self.weights = read_only(np.array(weights, dtype=np.float64))
         if len(self.joints) != len(surface.vertices):
             raise HandError(
                 f"joints has {len(self.joints)} rows, but the skin has {len(surface.vertices)} vertices"
             )
-        _check_inside(surface, self.rest, self.joint_names)
-        self._labels = None if labels is None else _as_labels(labels, len(surface.vertices))
+        check_inside(surface, self.rest, self.joint_names)
+        self._labels = None if labels is None else as_labels(labels, len(surface.vertices))
 
     @property
     def labels(self) -> NDArray[np.str_]:
         """(n,) str: the region of each vertex, such as ``"index-distal-palmar"``."""
         if self._labels is None:
-            self._labels = _read_only(regions_of(self))
+            self._labels = read_only(regions_of(self))
         return self._labels
 
     @property
@@ -187,7 +182,7 @@ class Hand:
         placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
         motions, frames = motions_of(self.rest, self._pivots, self.parents, turns_of(pose, self), placed)
         surface = self._influence.posed(self.surface, motions, linear=linear)
-        return PosedHand(hand=self, surface=surface, joints=_read_only(frames), motions=_read_only(motions))
+        return PosedHand(hand=self, surface=surface, joints=read_only(frames), motions=read_only(motions))
 
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Hand:
         """Return the hand after a rigid motion of all of it, at rest there.
@@ -267,86 +262,3 @@ class Hand:
 
     def _places(self, names: Sequence[str]) -> Floats:
         return self.rest[[self.joint_names.index(name) for name in names], :3, 3]
-
-
-def _as_names(names: Sequence[str]) -> tuple[str, ...]:
-    known = tuple(str(name) for name in names)
-    double = sorted({name for name in known if known.count(name) > 1})
-    if double:
-        raise HandError(f"joint_names holds {double[0]!r} {known.count(double[0])} times")
-    missing = [name for name in WEBXR_25 if name not in known]
-    if missing:
-        raise HandError(f"joint_names lacks {missing[0]!r} ({len(missing)} of WebXR's 25 are missing)")
-    return known
-
-
-def _as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
-    try:
-        rows = np.array(parents)
-    except ValueError:
-        rows = np.empty(0)
-    if rows.shape != (len(names),) or rows.dtype.kind not in "iu":
-        raise HandError(f"parents is {short(parents)}, expected {len(names)} integers, -1 for the root")
-    wrong = np.flatnonzero((rows < -1) | (rows >= len(names)))
-    if len(wrong):
-        raise HandError(f"parents[{wrong[0]}] is {rows[wrong[0]]}, expected -1 or a joint below {len(names)}")
-    for joint in range(len(names)):
-        seen, at = set(), joint
-        while at >= 0:
-            if at in seen:
-                raise HandError(f"the parents of {names[joint]!r} run in a circle through {names[at]!r}")
-            seen.add(at)
-            at = int(rows[at])
-    return _read_only(rows.astype(np.int64))
-
-
-def _as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
-    try:
-        frames = np.array(rest, dtype=np.float64)
-    except (TypeError, ValueError):
-        frames = np.empty(0)
-    if frames.shape != (len(names), 4, 4):
-        raise HandError(f"rest has shape {frames.shape}, expected ({len(names)}, 4, 4)")
-    rotations = frames[:, :3, :3]
-    excess = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(axis=(1, 2))
-    good = (
-        np.isfinite(frames).all(axis=(1, 2)) & (excess < _FRAME_TOLERANCE) & (np.linalg.det(rotations) > 0.0)
-    )
-    good &= (frames[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1)
-    if not good.all():
-        joint = int(np.flatnonzero(~good)[0])
-        raise HandError(f"rest[{joint}] ({names[joint]}) is no rigid motion: {frames[joint].tolist()}")
-    # To the last digit, so that poses are rigid motions too.
-    left, _, right = np.linalg.svd(rotations)
-    frames[:, :3, :3] = left @ right
-    return _read_only(frames)
-
-
-def _as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:
-    words = np.asarray(labels)
-    if words.shape != (count,) or words.dtype.kind not in "UO":
-        raise HandError(f"labels is {short(labels)}, expected one word for each of {count} vertices")
-    return _read_only(words.astype(np.str_))
-
-
-def _check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None:
-    """Refuse joints of the hand outside its skin; digits may end just beyond it."""
-    known = [names.index(name) for name in WEBXR_25]
-    skin = Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False)
-    distance = skin.signed_distance(rest[known, :3, 3])[0]
-    way = [names.index(name) for name in ("wrist", *JOINTS_OF["middle"][1:])]
-    length = np.linalg.norm(np.diff(rest[way, :3, 3], axis=0), axis=1).sum()
-    is_tip = np.array([name.endswith("-tip") for name in WEBXR_25])
-    outside = np.flatnonzero(distance > np.where(is_tip, _OUTSIDE * length / _HAND_LENGTH, 0.0))
-    if len(outside):
-        worst = outside[np.argmax(distance[outside])]
-        place = as_vector("joint", rest[known[worst], :3, 3], HandError)
-        raise HandError(
-            f"the joint {WEBXR_25[worst]!r} at {short(place)} m lies {distance[worst] * 1e3:.2f} mm outside "
-            f"the skin ({len(outside)} joints do): check that skin and joints have the same unit and frame"
-        )
-
-
-def _read_only(array: _Array) -> _Array:
-    array.flags.writeable = False
-    return array

@@ -1,0 +1,116 @@
+"""What a hand is made from, checked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from .._check import as_vector, short
+from ..errors import HandError
+from ..obstacle import Obstacle
+from .joints import JOINTS_OF, WEBXR_25
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from ..surface import Surface
+    from .rotations import Floats
+
+__all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside", "read_only"]
+
+_Array = TypeVar("_Array", bound="NDArray[Any]")
+
+_FRAME_TOLERANCE = 1e-6  # of the entries of R'R - I
+_OUTSIDE = 5e-3  # m, of a tip of a hand of 0.19 m: rigs end some digits just beyond the skin
+_HAND_LENGTH = 0.19
+
+
+def as_names(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the joints, each once, WebXR's 25 among them."""
+    known = tuple(str(name) for name in names)
+    double = sorted({name for name in known if known.count(name) > 1})
+    if double:
+        raise HandError(f"joint_names holds {double[0]!r} {known.count(double[0])} times")
+    missing = [name for name in WEBXR_25 if name not in known]
+    if missing:
+        raise HandError(f"joint_names lacks {missing[0]!r} ({len(missing)} of WebXR's 25 are missing)")
+    return known
+
+
+def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
+    """Return the joint that each joint hangs on; none hangs on itself."""
+    try:
+        rows = np.array(parents)
+    except ValueError:
+        rows = np.empty(0)
+    if rows.shape != (len(names),) or rows.dtype.kind not in "iu":
+        raise HandError(f"parents is {short(parents)}, expected {len(names)} integers, -1 for the root")
+    wrong = np.flatnonzero((rows < -1) | (rows >= len(names)))
+    if len(wrong):
+        raise HandError(f"parents[{wrong[0]}] is {rows[wrong[0]]}, expected -1 or a joint below {len(names)}")
+    for joint in range(len(names)):
+        seen, at = set(), joint
+        while at >= 0:
+            if at in seen:
+                raise HandError(f"the parents of {names[joint]!r} run in a circle through {names[at]!r}")
+            seen.add(at)
+            at = int(rows[at])
+    return read_only(rows.astype(np.int64))
+
+
+def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
+    """Return the frames (J, 4, 4) as rigid motions to the last digit."""
+    try:
+        frames = np.array(rest, dtype=np.float64)
+    except (TypeError, ValueError):
+        frames = np.empty(0)
+    if frames.shape != (len(names), 4, 4):
+        raise HandError(f"rest has shape {frames.shape}, expected ({len(names)}, 4, 4)")
+    rotations = frames[:, :3, :3]
+    excess = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(axis=(1, 2))
+    good = (
+        np.isfinite(frames).all(axis=(1, 2)) & (excess < _FRAME_TOLERANCE) & (np.linalg.det(rotations) > 0.0)
+    )
+    good &= (frames[:, 3] == [0.0, 0.0, 0.0, 1.0]).all(axis=1)
+    if not good.all():
+        joint = int(np.flatnonzero(~good)[0])
+        raise HandError(f"rest[{joint}] ({names[joint]}) is no rigid motion: {frames[joint].tolist()}")
+    # To the last digit, so that poses are rigid motions too.
+    left, _, right = np.linalg.svd(rotations)
+    frames[:, :3, :3] = left @ right
+    return read_only(frames)
+
+
+def as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:
+    """Return the label (n,) of each vertex."""
+    words = np.asarray(labels)
+    if words.shape != (count,) or words.dtype.kind not in "UO":
+        raise HandError(f"labels is {short(labels)}, expected one word for each of {count} vertices")
+    return read_only(words.astype(np.str_))
+
+
+def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None:
+    """Refuse joints of the hand outside its skin; digits may end just beyond it."""
+    known = [names.index(name) for name in WEBXR_25]
+    skin = Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False)
+    distance = skin.signed_distance(rest[known, :3, 3])[0]
+    way = [names.index(name) for name in ("wrist", *JOINTS_OF["middle"][1:])]
+    length = np.linalg.norm(np.diff(rest[way, :3, 3], axis=0), axis=1).sum()
+    is_tip = np.array([name.endswith("-tip") for name in WEBXR_25])
+    outside = np.flatnonzero(distance > np.where(is_tip, _OUTSIDE * length / _HAND_LENGTH, 0.0))
+    if len(outside):
+        worst = outside[np.argmax(distance[outside])]
+        place = as_vector("joint", rest[known[worst], :3, 3], HandError)
+        raise HandError(
+            f"the joint {WEBXR_25[worst]!r} at {short(place)} m lies {distance[worst] * 1e3:.2f} mm outside "
+            f"the skin ({len(outside)} joints do): check that skin and joints have the same unit and frame"
+        )
+
+
+def read_only(array: _Array) -> _Array:
+    """Return the array, which nobody can change."""
+    array.flags.writeable = False
+    return array
