@@ -27,7 +27,18 @@ COMMANDS = [
     [],
     *(
         [name]
-        for name in ("demo", "press", "sweep", "info", "repair", "hand", "accuracy", "stress", "completion")
+        for name in (
+            "demo",
+            "press",
+            "sweep",
+            "info",
+            "repair",
+            "hand",
+            "grasp",
+            "accuracy",
+            "stress",
+            "completion",
+        )
     ),
 ]
 

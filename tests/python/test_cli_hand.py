@@ -1,4 +1,4 @@
-"""`quasirigid hand`: what a hand holds, and the hand in a pose."""
+"""`quasirigid hand` and `grasp`: what a hand holds, the hand in a pose, and on a product."""
 
 from __future__ import annotations
 
@@ -61,3 +61,48 @@ def test_a_faulty_pose_file_is_one_line(
 def test_an_unknown_preset_offers_the_nearest(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["hand", str(saved), "--pose", "cilinder"]) == 2
     assert "the nearest is 'cylinder'" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def bottle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("product") / "bottle.stl"
+    triangles = qr.models.bottle(edge_length=2e-3).triangles()
+    assert triangles is not None
+    qr.io.write_mesh(*triangles, path, unit="mm")
+    return path
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_a_hand_grasps_with_the_force_asked_for(
+    saved: Path, bottle: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["grasp", str(saved), str(bottle), "--product-unit", "mm", "--target-error", "none"]
+    out = tmp_path / "out"
+    assert run([*words, "--force", "index=2N,ring=1N", "--out", str(out), "--no-pictures", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    for digit, force in (("index", 2.0), ("ring", 1.0)):
+        assert np.linalg.norm(record["digits"][digit]["force"]["value"]) == pytest.approx(force, rel=1e-2)
+    assert record["missed"] == {}
+    assert json.loads((out / "grasp.json").read_text())["inputs"]["force"] == {"index": 2.0, "ring": 1.0}
+    assert (out / "contact.json").exists()
+    # Far above the palm nothing is met: status 1, and the table says why.
+    assert run([*words, "--force", "5N", "--shift", "0,0,300mm", "--as-placed"]) == 1
+    assert "does not meet the product" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "give one of --force and --overlap; given: neither"),
+        (["--force", "5N", "--overlap", "1mm"], "given: both"),
+        (["--force", "5"], "has no unit"),
+        (["--force", "pinky=5N"], "the nearest is"),
+        (["--force", "5N", "--start", "fits"], "the nearest is 'fist'"),
+        (["--force", "5N", "--product-mass", "3"], "has no unit"),
+    ],
+)
+def test_a_grasp_that_makes_no_sense_is_one_line(
+    saved: Path, bottle: Path, capsys: pytest.CaptureFixture[str], words: list[str], message: str
+) -> None:
+    assert run(["grasp", str(saved), str(bottle), "--product-unit", "mm", *words]) == 2
+    assert message in capsys.readouterr().err.splitlines()[-1]
