@@ -13,7 +13,7 @@ from ..hand import close_hand
 from ..io import compare_contacts, digit_table, grasp_record, save_contact, write_mesh
 from ..io.atomic import atomic_write
 from ..io.record import contact_record
-from ..plot import comparison_figure
+from ..plot import comparison_figure, grasp_figure
 from ..skin import Body, HalfSpace, Skin
 from ..surface import skin_without_caps
 from .console import Talk, progress, say
@@ -118,7 +118,9 @@ def grasp_demo(out: Path, edge_length: float, talk: Talk, *, quick: bool) -> dic
         folder = out / name.replace(" ", "-")
         with progress(f"drawing and writing {folder}"):
             inputs = {"scene": name, "force": {"value": _GRASP_FORCE, "unit": "N"}}
-            grasp.save(folder, inputs=inputs, pictures=True)
+            grasp.save(folder, inputs=inputs)
+            with atomic_write(folder / "grasp.png") as file:
+                grasp_figure(grasp).savefig(file, format="png")
         record[name] = grasp_record(grasp) | {"contact": contact_record(grasp.contact)}
         if not talk.json:
             say(f"{name}, {_GRASP_FORCE:g} N\n{digit_table(grasp)}\n{name}: {folder / 'grasp.png'}")
