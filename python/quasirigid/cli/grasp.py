@@ -78,7 +78,7 @@ def grasp(
     """
     check_folder(out)
     goal = _goal(force, overlap)
-    options = qr.ContactOptions(target_error=parse_target_error(target_error))
+    options = qr.ContactOptions(target_error=parse_target_error(target_error), max_nodes=1500)
     kernel = parse_response(response)
     modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
     skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=kernel or qr.Body())

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["Grasp", "close_hand"]
 
 _TARGET_ERROR = 0.05
+_MOST_NODES = 1500
 _THUMB = 0.5  # its share of a force that is not told by digit
 
 
@@ -187,7 +188,8 @@ def close_hand(
         Acceleration of free fall (m/s^2).
     options : ContactOptions, optional
         How contacts are solved; with ``target_error=None`` all is done on the given mesh. When left out, with
-        a `target_error` of 0.05: forces are asked for here, so what a mesh costs goes into the pose.
+        a `target_error` of 0.05 and `max_nodes` of 1500: forces are asked for here, so what a mesh costs goes
+        into the pose, and a digit on an edge or a rim would go on refining.
     progress : callable or bool, optional
         Called as ``progress(what, done)`` as the work goes on; True prints to stderr.
     throw : bool
@@ -240,7 +242,8 @@ def close_hand(
         raise HandError(
             "the response belongs to one pose; Body() with neither bone nor fixed takes the hand's own bones"
         )
-    options = ContactOptions(target_error=_TARGET_ERROR) if options is None else options
+    if options is None:
+        options = ContactOptions(target_error=_TARGET_ERROR, max_nodes=_MOST_NODES)
     options_to_core(options)
     weight = None if product_mass is None else _weight_of(product_mass, gravity)
     middle = _middle_of(obstacle, center_of_mass)
