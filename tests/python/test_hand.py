@@ -241,6 +241,21 @@ def test_bones_lie_inside_the_skin_and_clear_of_each_other(rigged: qr.Hand) -> N
         assert skin.signed_distance(bones.vertices)[0].max() < -0.3e-3
 
 
+def test_a_motion_is_one_matrix_or_two(hand: qr.Hand) -> None:
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    shift = [0.1, -0.2, 0.3]
+    motion = np.eye(4)
+    motion[:3, :3], motion[:3, 3] = turn, shift
+    for one, two in (
+        (hand.moved(motion), hand.moved(turn, shift)),
+        (hand.posed("fist", rotation=motion), hand.posed("fist", rotation=turn, translation=shift)),
+    ):
+        np.testing.assert_array_equal(one.surface.vertices, two.surface.vertices)
+    motion[3, 0] = 1.0
+    with pytest.raises(qr.HandError, match="rigid motion"):
+        hand.moved(motion)
+
+
 def test_bones_move_rigidly_with_their_joints(hand: qr.Hand) -> None:
     bent = hand.posed({f"{INDEX}distal": 0.8})
     start = 0

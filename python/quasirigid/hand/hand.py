@@ -149,8 +149,8 @@ class Hand:
             rotation vectors (rad) or (J, 4) quaternions x, y, z, w. Flexion is positive towards the palm,
             abduction away from the middle finger (of that itself: towards the thumb), twist where it turns
             the thumb's pad to the fingers.
-        rotation : (3, 3) array_like, optional
-            Of the whole hand about the origin, after it was posed.
+        rotation : (3, 3) or (4, 4) array_like, optional
+            Of the whole hand about the origin, after it was posed; a (4, 4) matrix holds a shift too.
         translation : (3,) array_like
             Of the whole hand (m), after that.
         linear : bool
@@ -189,8 +189,8 @@ class Hand:
 
         Parameters
         ----------
-        rotation : (3, 3) array_like, optional
-            About the origin.
+        rotation : (3, 3) or (4, 4) array_like, optional
+            About the origin; a (4, 4) matrix holds a shift too.
         translation : (3,) array_like
             After the rotation (m).
         """

@@ -93,13 +93,15 @@ def inverse_motions(motions: Floats) -> Floats:
 def moved_frames(
     frames: Floats, rotation: ArrayLike | None, translation: ArrayLike, refusal: Refusal
 ) -> Floats:
-    """Return frames (k, 4, 4) after a rotation (3, 3) and a translation (3,) (m)."""
+    """Return frames (k, 4, 4) after a rotation (3, 3), or a motion (4, 4), and a translation (3,) (m)."""
     motion = np.eye(4)
     if rotation is not None:
         try:
             matrix = np.array(rotation, dtype=np.float64)
         except (TypeError, ValueError):
             matrix = np.empty(0)
+        if matrix.shape == (4, 4) and (matrix[3] == [0.0, 0.0, 0.0, 1.0]).all():
+            motion[:3, 3], matrix = as_vector("rotation[:3, 3]", matrix[:3, 3], refusal), matrix[:3, :3]
         is_rotation = (
             matrix.shape == (3, 3)
             and np.isfinite(matrix).all()
@@ -107,9 +109,11 @@ def moved_frames(
             and np.linalg.det(matrix) > 0.0
         )
         if not is_rotation:
-            raise refusal(f"rotation is {short(rotation)}, expected a (3, 3) rotation matrix")
+            raise refusal(
+                f"rotation is {short(rotation)}, expected a (3, 3) rotation matrix or a (4, 4) rigid motion"
+            )
         motion[:3, :3] = matrix
-    motion[:3, 3] = as_vector("translation", translation, refusal)
+    motion[:3, 3] += as_vector("translation", translation, refusal)
     return motion @ frames
 
 
