@@ -10,6 +10,7 @@ import typer
 import quasirigid as qr
 
 from .._extras import import_extra
+from ..hand.grasp import MOST_NODES
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from .arguments import file_unit, parse_response, parse_target_error, rotation
 from .console import Talk, progress, refuse
@@ -78,7 +79,7 @@ def grasp(
     """
     check_folder(out)
     goal = _goal(force, overlap)
-    options = qr.ContactOptions(target_error=parse_target_error(target_error), max_nodes=1500)
+    options = qr.ContactOptions(target_error=parse_target_error(target_error), max_nodes=MOST_NODES)
     kernel = parse_response(response)
     modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
     skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=kernel or qr.Body())

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["Grasp", "close_hand"]
 
 _TARGET_ERROR = 0.05
-_MOST_NODES = 1500
+MOST_NODES = 1500
 _THUMB = 0.5  # its share of a force that is not told by digit
 
 
@@ -243,7 +243,7 @@ def close_hand(
             "the response belongs to one pose; Body() with neither bone nor fixed takes the hand's own bones"
         )
     if options is None:
-        options = ContactOptions(target_error=_TARGET_ERROR, max_nodes=_MOST_NODES)
+        options = ContactOptions(target_error=_TARGET_ERROR, max_nodes=MOST_NODES)
     options_to_core(options)
     weight = None if product_mass is None else _weight_of(product_mass, gravity)
     middle = _middle_of(obstacle, center_of_mass)
