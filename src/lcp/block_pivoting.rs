@@ -5,6 +5,7 @@
 //! when it does not, one unknown at a time changes (Murty's least-index rule), which ends for P-matrices, if
 //! not always soon.
 
+use crate::lcp::block_factor::{BlockFactor, Factor};
 use crate::lcp::certificate::nan_max;
 use crate::lcp::lemke::run::LemkeOptions;
 use crate::lcp::options::LcpOptions;
@@ -99,29 +100,15 @@ pub(super) fn solve(
     outcome
 }
 
-/// Factor of a principal block.
-enum BlockFactor {
-    /// Stands for the lower triangle alone.
-    Cholesky(Cholesky),
-    Lu(Lu),
-}
-
-impl BlockFactor {
-    fn solve(&self, b: &[f64]) -> Vec<f64> {
-        match self {
-            Self::Cholesky(factor) => factor.solve(b),
-            Self::Lu(factor) => factor.solve(b),
-        }
-    }
-}
-
-/// Factors of principal blocks, and what they give.
+/// Bases of a problem, and what they give.
 struct Blocks<'a> {
     reduced: &'a ReducedProblem<'a>,
     columns: TouchedColumns<'a>,
     /// `scale_i z_i` counts in units of w.
     scale: Vec<f64>,
     kind: Kind,
+    /// Of the last set that needed one of its own.
+    factor: Option<BlockFactor>,
 }
 
 /// What the blocks so far have shown of M.
@@ -138,7 +125,7 @@ enum Kind {
 impl<'a> Blocks<'a> {
     fn new(problem: &LcpProblem, reduced: &'a ReducedProblem<'a>) -> Self {
         let scale = (0..reduced.size()).map(|place| problem.diagonal_scale(reduced.index(place))).collect();
-        Self { reduced, columns: TouchedColumns::new(reduced), scale, kind: Kind::Open }
+        Self { reduced, columns: TouchedColumns::new(reduced), scale, kind: Kind::Open, factor: None }
     }
 
     /// Unknowns whose z or w has the wrong sign in the complementary basis of `set`, whose z goes to `outcome`; or
@@ -151,22 +138,23 @@ impl<'a> Blocks<'a> {
     ) -> Result<Vec<usize>, LcpStatus> {
         let factor = self.factor(set, &mut outcome.work)?;
         // Every principal block of a P-matrix has a positive determinant.
-        let may_be_p = match &factor {
-            BlockFactor::Cholesky(_) => true,
-            BlockFactor::Lu(factor) => self.kind != Kind::Indefinite && factor.has_positive_determinant(),
-        };
-        if is_crash && !may_be_p {
+        if is_crash && (self.kind == Kind::Indefinite || !factor.has_positive_determinant()) {
             return Err(LcpStatus::Breakdown);
         }
         let (w, size, error) = self.values(set, &factor, outcome);
         if (self.reduced.interrupted)() {
             return Err(LcpStatus::Interrupted);
         }
-        if matches!(factor, BlockFactor::Cholesky(_)) && error > ZERO_TOLERANCE * size {
+        let is_exact = error <= ZERO_TOLERANCE * size && size.is_finite();
+        if !is_exact && factor.is_bordered() {
+            return self.wrong_signs(set, is_crash, outcome);
+        }
+        if error > ZERO_TOLERANCE * size && factor.is_symmetric() {
             // The lower triangle does not stand for the block: it is not symmetric after all.
             self.kind = Kind::Nonsymmetric;
             return self.wrong_signs(set, is_crash, outcome);
         }
+        self.factor = Some(factor);
         if !size.is_finite() || error > LARGEST_ERROR * size {
             return Err(LcpStatus::Breakdown);
         }
@@ -175,18 +163,24 @@ impl<'a> Blocks<'a> {
         Ok((0..basic.len()).filter(|&i| basic[i] < -ZERO_TOLERANCE * size).collect())
     }
 
-    /// The block of `set`: by Cholesky where it looks symmetric and may be definite, else by LU.
+    /// The block of `set`: by the last factor where they differ little, by Cholesky where it looks symmetric and may be
+    /// definite, else by LU.
     ///
     /// Only its outer rows and columns are compared; that the rest is symmetric shows in the residual.
     fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<BlockFactor, NoFactor> {
         let k = set.len() as f64;
         self.columns.touch(set);
+        if let Some(mut known) = self.factor.take()
+            && known.change_to(set, &self.columns, work, self.reduced.interrupted)?
+        {
+            return Ok(known);
+        }
         if self.kind == Kind::Open {
             let block = self.columns.principal(set, true);
             if looks_symmetric(&block) {
                 *work += k * k * k / 3.0;
                 match Cholesky::new(block, self.reduced.interrupted) {
-                    Ok(factor) => return Ok(BlockFactor::Cholesky(factor)),
+                    Ok(factor) => return Ok(BlockFactor::new(set, Factor::Cholesky(factor))),
                     Err(NoFactor::Interrupted) => return Err(NoFactor::Interrupted),
                     Err(NoFactor::Singular) => self.kind = Kind::Indefinite,
                 }
@@ -195,7 +189,8 @@ impl<'a> Blocks<'a> {
             }
         }
         *work += 2.0 / 3.0 * k * k * k;
-        Lu::new(self.columns.principal(set, false), self.reduced.interrupted).map(BlockFactor::Lu)
+        let factor = Lu::new(self.columns.principal(set, false), self.reduced.interrupted)?;
+        Ok(BlockFactor::new(set, Factor::Lu(factor)))
     }
 
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
@@ -208,7 +203,7 @@ impl<'a> Blocks<'a> {
         let (mut size, mut error) = (deficit, f64::INFINITY);
         for _ in 0..2 {
             let right: Vec<f64> = set.iter().map(|&i| w[i]).collect();
-            for (&i, error) in set.iter().zip(factor.solve(&right)) {
+            for (&i, error) in set.iter().zip(factor.solve(set, &right)) {
                 z[i] -= error;
             }
             w.copy_from_slice(&self.reduced.q);

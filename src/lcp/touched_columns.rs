@@ -91,9 +91,18 @@ impl<'a> TouchedColumns<'a> {
             let m = if symmetric { m.as_dyn_stride() } else { m.as_dyn_stride().transpose() };
             return Dense::gather(m, set, set, self.reduced.interrupted);
         }
-        Dense::build(set.len(), set.len(), self.reduced.interrupted, |j, first, entries| {
-            let column = self.column(set[j]);
-            entries.iter_mut().zip(&set[first..]).for_each(|(entry, &i)| *entry = column[i]);
+        self.block(set, set)
+    }
+
+    /// The block of M on `rows` and `columns`, these touched.
+    pub(super) fn block(&self, rows: &[usize], columns: &[usize]) -> Dense {
+        let interrupted = self.reduced.interrupted;
+        if let Some(InPlace::Rows(m)) = self.in_place {
+            return Dense::gather(m.as_dyn_stride().transpose(), rows, columns, interrupted);
+        }
+        Dense::build(rows.len(), columns.len(), interrupted, |j, first, entries| {
+            let column = self.column(columns[j]);
+            entries.iter_mut().zip(&rows[first..]).for_each(|(entry, &i)| *entry = column[i]);
         })
     }
 

@@ -6,7 +6,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par};
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{Interrupt, NoFactor, STRIP_COLUMNS, in_strips, panel_width};
+use crate::linalg::factor::{Interrupt, NoFactor, RIGHT_SIDES, STRIP_COLUMNS, in_strips, panel_width};
 use crate::linalg::kernels::{add_terms_inline, axpy, dot};
 
 /// `A = L L'` of a symmetric positive definite matrix.
@@ -57,6 +57,15 @@ impl Cholesky {
             });
         }
         Ok(Self { l: a })
+    }
+
+    /// `A X = B` in place; left unfinished when interrupted.
+    pub(crate) fn solve_in_place(&self, right: MatMut<'_, f64>, interrupted: Interrupt) {
+        let (l, n) = (self.l.as_ref(), self.l.rows());
+        in_strips(right, RIGHT_SIDES, n * n, &mut || interrupted(), |_, mut strip| {
+            substitution::solve_lower_triangular_in_place(l, strip.rb_mut(), Par::Seq);
+            substitution::solve_upper_triangular_in_place(l.transpose(), strip, Par::Seq);
+        });
     }
 
     /// `A x = b`.

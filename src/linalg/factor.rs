@@ -6,6 +6,8 @@ use rayon::prelude::*;
 
 /// Columns of the rest that one task updates. It depends on no number of threads, so neither do the results.
 pub(crate) const STRIP_COLUMNS: usize = 256;
+/// Right sides that one task solves for.
+pub(crate) const RIGHT_SIDES: usize = 32;
 /// Multiplications between two asks of the interrupt: some tens of milliseconds on one core.
 pub(crate) const GROUP_WORK: usize = 1 << 28;
 
@@ -73,22 +75,28 @@ mod tests {
         }
     }
 
+    fn in_place(b: &[f64], solve: impl Fn(MatMut<f64>)) -> Vec<f64> {
+        let mut x = b.to_vec();
+        solve(MatMut::from_column_major_slice_mut(&mut x, b.len(), 1));
+        x
+    }
+
     #[test]
     fn every_factor_solves_at_every_size_around_a_panel() {
         for n in [0, 1, 2, 3, 127, 128, 129, 300, 511, 512, 513, 700, 1100] {
             let a = some_matrix(n);
             let lu = Lu::new(Dense::of(&a), &|| false).expect("regular");
             assert_solves(&a, |b| lu.solve(b));
+            assert_solves(&a, |b| in_place(b, |right| lu.solve_in_place(right, &|| false)));
             let wide = Lu::with_cuts(Dense::of(&a), WIDE, &mut |_| false).expect("regular");
             assert_solves(&a.transpose().to_owned(), |b| {
-                let mut x = Mat::from_fn(n, 1, |i, _| b[i]);
-                wide.solve_transposed(x.as_mut(), Par::Seq);
-                x.col_as_slice(0).to_vec()
+                in_place(b, |right| wide.solve_transposed(right, Par::Seq))
             });
             assert!(wide.pivot_ratio() > 0.0);
             let definite = &a * a.transpose() + Mat::<f64>::identity(n, n) * n as f64;
             let cholesky = Cholesky::new(Dense::of(&definite), &|| false).expect("definite");
             assert_solves(&definite, |b| cholesky.solve(b));
+            assert_solves(&definite, |b| in_place(b, |right| cholesky.solve_in_place(right, &|| false)));
         }
     }
 

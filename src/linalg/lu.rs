@@ -9,7 +9,9 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par};
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::{GROUP_WORK, Interrupt, NoFactor, STRIP_COLUMNS, in_strips, panel_width};
+use crate::linalg::factor::{
+    GROUP_WORK, Interrupt, NoFactor, RIGHT_SIDES, STRIP_COLUMNS, in_strips, panel_width,
+};
 use crate::linalg::kernels::axpy;
 
 /// Multiplications in whose time a row of a column changes its place.
@@ -140,6 +142,17 @@ impl Lu {
             },
         );
         x
+    }
+
+    /// `A X = B` in place; left unfinished when interrupted.
+    pub(crate) fn solve_in_place(&self, right: MatMut<'_, f64>, interrupted: Interrupt) {
+        let moves: Vec<(usize, usize)> = self.order.iter().copied().enumerate().collect();
+        let n = self.order.len();
+        in_strips(right, RIGHT_SIDES, n * n, &mut || interrupted(), |_, mut strip| {
+            move_rows(strip.rb_mut(), &moves);
+            substitution::solve_unit_lower_triangular_in_place(self.a.as_ref(), strip.rb_mut(), Par::Seq);
+            substitution::solve_upper_triangular_in_place(self.a.as_ref(), strip, Par::Seq);
+        });
     }
 
     /// `A' X = B` in place.

@@ -1,5 +1,7 @@
 //! The response as the pipeline uses it: a square matrix over candidates, displacement anywhere under forces.
 
+use std::rc::Rc;
+
 use faer::Mat;
 use nalgebra::Vector3;
 
@@ -22,7 +24,7 @@ pub(crate) struct Compliance<'a> {
     surface: &'a Surface,
     pub skin: &'a dyn ElasticSkin,
     /// `None` of a rigid product.
-    product: Option<Product<'a>>,
+    product: Option<Rc<Product<'a>>>,
     /// Of both together.
     pub traits: Traits,
     options: AssemblyOptions<'a>,
@@ -56,10 +58,19 @@ impl<'a> Compliance<'a> {
     pub fn with_product(mut self, gaps: &Gaps<'a>) -> Result<Self, ContactError> {
         if let Some(material) = gaps.scene.obstacle.material() {
             let response = product_response(material, gaps, &self.traits)?;
-            self.product = Some(Product { response, joins_fingers: material.given().is_some() });
+            self.product = Some(Rc::new(Product { response, joins_fingers: material.given().is_some() }));
             self.traits = self.traits.with_product(Some(material));
         }
         Ok(self)
+    }
+
+    /// The same with another skin of the same answers.
+    pub fn with_skin<'b>(&self, skin: &'b dyn ElasticSkin) -> Compliance<'b>
+    where
+        'a: 'b,
+    {
+        let Self { surface, product, traits, options, .. } = self;
+        Compliance { surface, skin, product: product.clone(), traits: *traits, options: *options }
     }
 
     /// Whether the product gives way.
@@ -137,7 +148,7 @@ impl<'a> Compliance<'a> {
         vertices: &[usize],
     ) -> Result<Option<Displacements>, ContactError> {
         let of_product = |product| self.product_under(product, &self.options, forces, vertices);
-        self.product.as_ref().map(of_product).transpose()
+        self.product.as_deref().map(of_product).transpose()
     }
 
     fn displace_to(

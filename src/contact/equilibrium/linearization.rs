@@ -25,6 +25,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::Refinement;
 use crate::contact::report::record::Report;
 use crate::response::kernel::basis::Discretization;
+use crate::response::skin::kept::KeptSkin;
 
 /// A round that leaves more than this share of the error before it is followed by one of half the step.
 const SETTLING: f64 = 0.7;
@@ -94,6 +95,11 @@ pub(crate) fn solve_to_the_end(
     let allowed = options.gap_tolerance * gaps.deepest();
     let mut deformed = Deformed::new(gaps, response, &forces)?;
     let mut least = deformed.error(&forces);
+    // A kernel's matrix holds in every round; that of a body hangs on the normals.
+    let kept = KeptSkin::new(response.skin);
+    let keeping = response.with_skin(&kept);
+    let is_kept = !response.traits.is_kernel || response.skin.keeps_matrices();
+    let response = if is_kept { response } else { &keeping };
     let mut active = forces.active.clone();
     let mut best = forces;
     let mut kept = gaps.clone();

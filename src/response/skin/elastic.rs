@@ -124,6 +124,11 @@ pub trait ElasticSkin: Sync {
     /// Whether the response to a force at `vertex` is known.
     fn is_prepared(&self, vertex: usize) -> bool;
 
+    /// Whether a matrix that was asked for is kept for the next time.
+    fn keeps_matrices(&self) -> bool {
+        false
+    }
+
     /// Whether a body holds `vertex` in place; asked on the given mesh alone.
     fn is_held(&self, _vertex: usize) -> bool {
         false

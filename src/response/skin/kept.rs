@@ -94,6 +94,10 @@ impl ElasticSkin for KeptSkin<'_> {
         self.skin.is_prepared(vertex)
     }
 
+    fn keeps_matrices(&self) -> bool {
+        true
+    }
+
     fn is_held(&self, vertex: usize) -> bool {
         self.skin.is_held(vertex)
     }

@@ -1,0 +1,200 @@
+//! The factor of a principal block of M, kept for sets that differ from its own by a few unknowns.
+
+use faer::linalg::matmul;
+use faer::{Accum, Par};
+
+use crate::lcp::touched_columns::TouchedColumns;
+use crate::linalg::cholesky::Cholesky;
+use crate::linalg::dense::Dense;
+use crate::linalg::factor::{Interrupt, NoFactor};
+use crate::linalg::kernels::add_terms;
+use crate::linalg::lu::Lu;
+
+/// Unknowns below which a block is factored anew: its factor costs next to nothing.
+const FEW_UNKNOWNS: usize = 256;
+/// Changes up to this share of a set are borders of its factor; more cost half of a new one.
+const MOST_CHANGED: usize = 8;
+
+/// Factor of the principal block of a set.
+pub(super) struct BlockFactor {
+    /// Whose block was factored, ascending.
+    set: Vec<usize>,
+    factor: Factor,
+    border: Option<Border>,
+}
+
+pub(super) enum Factor {
+    /// Stands for the lower triangle alone.
+    Cholesky(Cholesky),
+    Lu(Lu),
+}
+
+/// What turns the block `K` of a set F into that of another set, F without some unknowns R and with others A:
+///
+/// ```text
+/// [K  B] [z_F]   [b_F]        B = [M_FA  E_R],  C = [M_AF; E_R'],  D = [M_AA  0; 0  0],
+/// [C  D] [ y ] = [b_A; 0]     S = D - C K⁻¹ B
+/// ```
+///
+/// where `E_R` are unit columns and `y` is `z_A` and what holds `z_R` at zero.
+struct Border {
+    /// Places in F, and the unknowns that joined it.
+    removed: Vec<usize>,
+    added: Vec<usize>,
+    /// `M_AF`.
+    rows: Dense,
+    /// `K⁻¹ B`.
+    solved: Dense,
+    schur: Lu,
+}
+
+impl BlockFactor {
+    pub fn new(set: &[usize], factor: Factor) -> Self {
+        Self { set: set.to_vec(), factor, border: None }
+    }
+
+    /// Whether it stands for its block by a border, with rounding of two factors.
+    pub fn is_bordered(&self) -> bool {
+        self.border.is_some()
+    }
+
+    /// Whether it stands for the lower triangle alone.
+    pub fn is_symmetric(&self) -> bool {
+        matches!(self.factor, Factor::Cholesky(_))
+    }
+
+    /// Whether the determinant is positive, as that of every principal block of a P-matrix.
+    pub fn has_positive_determinant(&self) -> bool {
+        let whole = match &self.factor {
+            Factor::Cholesky(_) => true,
+            Factor::Lu(factor) => factor.has_positive_determinant(),
+        };
+        let border = self.border.as_ref().is_none_or(|border| {
+            // Each pair of a unit row and column turns the sign.
+            border.schur.has_positive_determinant() == border.removed.len().is_multiple_of(2)
+        });
+        whole == border
+    }
+
+    /// Lets the factor stand for the block of `set` (all touched) where that costs far less than a new one; says
+    /// whether it does. `work` counts multiplications.
+    pub fn change_to(
+        &mut self,
+        set: &[usize],
+        columns: &TouchedColumns,
+        work: &mut f64,
+        interrupted: Interrupt,
+    ) -> Result<bool, NoFactor> {
+        let is_out = |of: &[usize], unknown: usize| of.binary_search(&unknown).is_err();
+        let removed: Vec<usize> = (0..self.set.len()).filter(|&place| is_out(set, self.set[place])).collect();
+        let added: Vec<usize> = set.iter().copied().filter(|&unknown| is_out(&self.set, unknown)).collect();
+        let (size, changed) = (self.set.len(), removed.len() + added.len());
+        if size < FEW_UNKNOWNS || changed * MOST_CHANGED > size {
+            return Ok(false);
+        }
+        let rows = columns.block(&added, &self.set);
+        let corner = columns.block(&added, &added);
+        let joined = columns.block(&self.set, &added);
+        let mut solved = Dense::zeros(size, changed);
+        (0..added.len()).for_each(|j| solved.column_mut(j).copy_from_slice(joined.column(j)));
+        removed.iter().enumerate().for_each(|(k, &place)| solved.column_mut(added.len() + k)[place] = 1.0);
+        match &self.factor {
+            Factor::Cholesky(factor) => factor.solve_in_place(solved.as_mut(), interrupted),
+            Factor::Lu(factor) => factor.solve_in_place(solved.as_mut(), interrupted),
+        }
+        *work += 2.0 * (size * size * changed) as f64;
+        let mut schur = Dense::zeros(changed, changed);
+        (0..added.len()).for_each(|j| schur.column_mut(j)[..added.len()].copy_from_slice(corner.column(j)));
+        let upper = schur.as_mut().subrows_mut(0, added.len());
+        matmul::matmul(upper, Accum::Add, rows.as_ref(), solved.as_ref(), -1.0, Par::Seq);
+        for j in 0..changed {
+            let held = removed.iter().map(|&place| -solved.column(j)[place]);
+            schur.column_mut(j)[added.len()..].iter_mut().zip(held).for_each(|(entry, held)| *entry = held);
+        }
+        if interrupted() {
+            return Err(NoFactor::Interrupted);
+        }
+        match Lu::new(schur, interrupted) {
+            Err(NoFactor::Interrupted) => Err(NoFactor::Interrupted),
+            Err(NoFactor::Singular) => Ok(false),
+            Ok(schur) => {
+                self.border = Some(Border { removed, added, rows, solved, schur });
+                Ok(true)
+            }
+        }
+    }
+
+    /// `M_SS x = b` for the set S that it stands for, `set`.
+    pub fn solve(&self, set: &[usize], b: &[f64]) -> Vec<f64> {
+        let solve = |b: &[f64]| match &self.factor {
+            Factor::Cholesky(factor) => factor.solve(b),
+            Factor::Lu(factor) => factor.solve(b),
+        };
+        let Some(border) = &self.border else { return solve(b) };
+        let at = |unknown: &usize| set.binary_search(unknown).map_or(0.0, |place| b[place]);
+        let mut own = solve(&self.set.iter().map(at).collect::<Vec<_>>());
+        let mut rest: Vec<f64> = border.added.iter().map(at).collect();
+        add_terms(&mut rest, own.len(), |k| (border.rows.column(k), -own[k]));
+        rest.extend(border.removed.iter().map(|&place| -own[place]));
+        let rest = border.schur.solve(&rest);
+        add_terms(&mut own, rest.len(), |k| (border.solved.column(k), -rest[k]));
+        let value = |unknown: &usize| match self.set.binary_search(unknown) {
+            Ok(place) => own[place],
+            Err(_) => rest[border.added.binary_search(unknown).expect("it joined")],
+        };
+        set.iter().map(value).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+    use crate::lcp::problem::LcpProblem;
+    use crate::lcp::reduced::ReducedProblem;
+    use crate::sample::Random;
+
+    /// A matrix with a dominant diagonal, symmetric where asked for.
+    fn dominant(n: usize, is_symmetric: bool) -> Mat<f64> {
+        let mut random = Random(7);
+        let any = Mat::from_fn(n, n, |_, _| random.signed());
+        let own = if is_symmetric { &any + any.transpose() } else { any };
+        own + Mat::<f64>::identity(n, n) * (2 * n) as f64
+    }
+
+    #[test]
+    fn a_border_solves_as_a_factor_of_its_own_and_knows_the_sign_of_the_determinant() {
+        let n = 500;
+        // Negative on a row that joins later: the determinant of every set with it is negative.
+        for (is_symmetric, sign) in [(true, 1.0), (false, 1.0), (false, -1.0)] {
+            let mut m = dominant(n, is_symmetric);
+            m[(450, 450)] *= sign;
+            let q = vec![-1.0; n];
+            let problem = LcpProblem::new(m.as_ref(), &q).expect("a valid problem");
+            let reduced = ReducedProblem::on(&problem, (0..n).collect(), &|| false);
+            let mut columns = TouchedColumns::new(&reduced);
+            columns.touch(&(0..n).collect::<Vec<_>>());
+            let set: Vec<usize> = (0..400).collect();
+            let block = columns.principal(&set, false);
+            let factor = match is_symmetric {
+                true => Factor::Cholesky(Cholesky::new(block, &|| false).expect("definite")),
+                false => Factor::Lu(Lu::new(block, &|| false).expect("regular")),
+            };
+            let mut factor = BlockFactor::new(&set, factor);
+            let wanted = |i: &usize| i % 17 != 3 && *i < 400 || (440..455).contains(i);
+            let near: Vec<usize> = (0..n).filter(wanted).collect();
+            assert!(factor.change_to(&near, &columns, &mut 0.0, &|| false).expect("not interrupted"));
+            assert!(factor.is_bordered());
+            assert_eq!(factor.has_positive_determinant(), sign > 0.0);
+            let b: Vec<f64> = near.iter().map(|&i| (i % 5) as f64 - 2.0).collect();
+            let found = factor.solve(&near, &b);
+            for (&i, &b) in near.iter().zip(&b) {
+                let product: f64 = near.iter().zip(&found).map(|(&j, x)| m[(i, j)] * x).sum();
+                assert!((product - b).abs() < 1e-11, "row {i}: {product} is not {b}");
+            }
+            let far: Vec<usize> = (0..300).collect();
+            assert!(!factor.change_to(&far, &columns, &mut 0.0, &|| false).expect("not interrupted"));
+        }
+    }
+}
