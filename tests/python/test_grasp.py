@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid.hand.closing import Closing
 
 # Meshes as coarse as these leave penetration between their vertices, and say so.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
@@ -128,9 +129,45 @@ def test_digits_that_meet_nothing_or_cannot_press_as_hard_are_named(hand, handle
     assert set(grasp.missed.values()) == {"does not meet the product on its way"}
     assert list(grasp.missed) == ["thumb", *FINGERS]
     assert grasp.contact.status == "no_contact"
+    # Distances alone tell so much.
+    assert grasp.rounds == 1
     # No finger presses so hard anywhere on its way.
     grasp = qr.close_hand(hand, handle, skin(), force={"index": 5000.0}, options=AS_GIVEN)
-    assert "of 5e+03 N at the most on its way" in grasp.missed["index"]
+    assert f"comes to {forces(grasp)['index']:.3g} of 5e+03 N at the most" in grasp.missed["index"]
+
+
+def test_a_digit_that_slips_by_stays_where_it_holds_the_most_and_is_not_pressed_beyond(hand):
+    # A ball just within reach of the tip of the index half way, which curls in from there.
+    closing = Closing(hand, "relaxed", "fist", None, (0.0, 0.0, 0.0))
+    half, end = (closing.posed(np.full(5, share)) for share in (0.5, 1.0))
+    knuckle = half.joints[hand.joint_names.index("index-finger-phalanx-proximal"), :3, 3]
+    tip = half.surface.vertices[closing.vertices[1]]
+    tip = tip[np.argmax(np.linalg.norm(tip - knuckle, axis=1))]
+    ball = qr.Obstacle.sphere(tip + 2e-3 * (tip - knuckle) / np.linalg.norm(tip - knuckle), 3e-3)
+    assert ball.signed_distance(end.surface.vertices[closing.vertices[1]])[0].min() > closing.mesh_width
+    grasp = qr.close_hand(hand, ball, skin(), force={"index": 50.0}, options=AS_GIVEN)
+    held = forces(grasp)["index"]
+    assert 0.0 < grasp.shares["index"] < 1.0
+    assert f"comes to {held:.3g} of 50 N" in grasp.missed["index"]
+    # By steps of 1.5 mm the rest of its way alone would take more.
+    way = closing.speeds[1].max() * (1.0 - grasp.shares["index"])
+    assert grasp.rounds < way / 1.5e-3
+
+
+def test_no_vertex_goes_on_by_more_than_the_product_is_away(hand, handle):
+    closing = Closing(hand, "relaxed", "fist", None, (0.0, 0.0, 0.0))
+    digits = np.array([False, True, True, False, True])
+    for start in (0.0, 0.2, 0.4, 0.6):
+        shares = np.full(5, start)
+        distances, steps = closing.look(shares, handle, digits, least=1e-3)
+        before, after = (closing.posed(at).surface.vertices for at in (shares, shares + steps))
+        for at in np.flatnonzero(digits):
+            vertices = closing.vertices[at]
+            away = handle.signed_distance(before[vertices])[0]
+            way = np.linalg.norm(after[vertices] - before[vertices], axis=1)
+            assert (way <= np.maximum(np.abs(away), 1e-3)).all()
+            assert distances[at] == pytest.approx(min(away.min(), closing.reach), abs=1e-12)
+            assert steps[at] > 0.0
 
 
 def test_a_digit_that_the_product_stands_in_opens_first(hand, handle):

@@ -256,8 +256,7 @@ def close_hand(
         by_force=force is not None,
         report=as_progress(progress),
     )
-    hold.run()
-    contact, posed = hold.contact, hold.posed
+    posed, contact = hold.run()
     end_of(contact, throw=throw, stacklevel=2)
     parts = contact.by_label(hold.closing.parts)  # each digit and the palm
     loaded = np.unique(posed.labels[contact.active[contact.active < len(posed.labels)]])
