@@ -1,11 +1,14 @@
 """Hands that close on products."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.hand.closing import Closing
+from quasirigid.hand.hold import Hold, Solved
+from quasirigid.hand.search import Search
 
 # Meshes as coarse as these leave penetration between their vertices, and say so.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
@@ -152,6 +155,50 @@ def test_a_digit_that_slips_by_stays_where_it_holds_the_most_and_is_not_pressed_
     # By steps of 1.5 mm the rest of its way alone would take more.
     way = closing.speeds[1].max() * (1.0 - grasp.shares["index"])
     assert grasp.rounds < way / 1.5e-3
+
+
+def test_a_force_that_is_measured_anew_is_met_in_a_few_trials_whatever_the_last_slope_was():
+    # Hertz, from a share of 0.3; the last two trials are so close that their slope is that of another digit.
+    def force(share, modulus):
+        return modulus * max(share - 0.3, 0.0) ** 1.5
+
+    search = Search(wanted=2.0, power=2.0 / 3.0, share=0.3)
+    for _ in range(20):
+        search.take(force(search.share, 300.0), 1e-3, step=0.01)
+    search.share += 2e-5
+    search.take(force(search.share, 300.0) + 0.01, 1e-3, step=0.01)
+    search.begin_again()
+    # A finer mesh is softer. The first trial, one from the slope that is known, one from that of these two.
+    for _ in range(3):
+        search.take(force(search.share, 220.0), 8e-3, step=0.01)
+    assert force(search.share, 220.0) == pytest.approx(2.0, rel=8e-3)
+
+
+@pytest.mark.parametrize(
+    ("reasons", "nodes"), [(("max_nodes", "a sharp edge"), 250), (("target_error",) * 2, 900)]
+)
+def test_rounds_keep_to_the_coarser_mesh_where_none_is_as_fine_as_asked(hand, handle, reasons, nodes):
+    # On an edge forces fall with each refinement: rounds on two finenesses would never agree.
+    def solved(count, reason):
+        meshes = [SimpleNamespace(kind="mesh", nodes=10 * 3**at, reason="") for at in range(count - 1)]
+        last = SimpleNamespace(kind="mesh", nodes=100 if count == 3 else 300, reason=reason)
+        return Solved(posed=None, contact=SimpleNamespace(refinements=[*meshes, last]))
+
+    hold = Hold(
+        closing=None,
+        obstacle=handle,
+        skin=skin(),
+        options=qr.ContactOptions(target_error=0.05, max_nodes=900),
+        wanted={1: 1.0},
+        by_force=True,
+        report=None,
+    )
+    hold.solved = solved(4, reasons[0])
+    assert not hold._is_too_fine()
+    hold.solved = solved(3, reasons[1])
+    assert not hold._is_too_fine()
+    # Fewer than the finer mesh's 300.
+    assert hold.options.max_nodes == nodes
 
 
 def test_no_vertex_goes_on_by_more_than_the_product_is_away(hand, handle):

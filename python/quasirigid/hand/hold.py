@@ -19,6 +19,7 @@ from .search import Search
 
 if TYPE_CHECKING:
     from ..contact import Contact, ContactOptions
+    from ..contact.accuracy import Refinement
     from ..skin.elastic import ElasticSkin
     from ..skin.progress import Progress
     from .closing import Closing
@@ -34,6 +35,8 @@ _MISSED = 1e-2  # of it: beyond, a digit is said to miss
 _MOST_TRIALS = 60  # on the given mesh
 _MOST_ROUNDS = 6  # with all options
 _STEP = 1.5e-3  # m, of a hand of 0.19 m: a digit goes on by no more at once, or it steps through thin walls
+_UNMET = ("max_nodes", "a sharp edge")  # reasons of a mesh that is not as fine as was asked
+_ONE_FINENESS = 2.5  # nodes over a coarser mesh's, too few for the next finer one
 _HERTZ = 2.0 / 3.0  # the power of a force that grows in a straight line with the depth
 
 
@@ -74,6 +77,7 @@ class Hold:
     rounds: int = 0
     timings: dict[str, float] = field(default_factory=dict)
     solved: Solved | None = None
+    _meshes: dict[int, Refinement] = field(default_factory=dict)
 
     def run(self) -> Solved:
         """Bring the digits to the product, to what they hold on the given mesh, then as the options say."""
@@ -230,7 +234,26 @@ class Hold:
         self._settle(self._with_all_options, _HELD, _MOST_ROUNDS, air=np.inf)
 
     def _with_all_options(self) -> Floats:
-        return self._solve(self.skin, self.options)
+        values = self._solve(self.skin, self.options)
+        return self._solve(self.skin, self.options) if self._is_too_fine() else values
+
+    def _is_too_fine(self) -> bool:
+        """Whether the last mesh was finer than one before, where no mesh is as fine as was asked.
+
+        On an edge each refinement has other forces: from now on all meshes are to be as the coarser.
+        """
+        assert self.solved is not None
+        meshes = [one for one in self.solved.contact.refinements if one.kind == "mesh"]
+        self._meshes[len(meshes)] = meshes[-1]
+        coarse, fine = min(self._meshes), max(self._meshes)
+        if coarse == fine or all(one.reason not in _UNMET for one in self._meshes.values()):
+            return False
+        nodes = int(_ONE_FINENESS * self._meshes[coarse].nodes)
+        self.options = replace(self.options, max_nodes=min(nodes, self.options.max_nodes))
+        self._meshes.clear()
+        for search in self.searches.values():
+            search.begin_again()
+        return len(meshes) > coarse
 
     def _solve(self, skin: Skin, options: ContactOptions) -> Floats:
         """Solve the contact of the whole hand; return the length of each digit's resultant (N)."""

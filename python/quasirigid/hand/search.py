@@ -38,6 +38,7 @@ class Search:
     missed: str = ""
     _slope: float = 0.0
     _known_slope: float = 0.0
+    _empty: tuple[float, float] | None = None
     _last: tuple[float, float] | None = None
     _low: float | None = None
     _high: float | None = None
@@ -53,8 +54,13 @@ class Search:
 
     def begin_again(self) -> None:
         """Forget all values but not how fast they grow: from now on they are measured in another way."""
+        if self._known_slope == 0.0 and self._last is not None and self._empty is not None:
+            # From where there was least: between close shares a slope is that of other digits' moves.
+            (share, height), (empty, none) = self._last, self._empty
+            if share - empty > _CLOSE and height > none:
+                self._slope = (height - none) / (share - empty)
+        self._slope = self._known_slope = self._known_slope or self._slope
         self._last = self._low = self._high = None
-        self._known_slope = self._slope
         self._closed = 0
 
     def take(self, value: float, tolerance: float, *, step: float) -> None:
@@ -62,6 +68,8 @@ class Search:
         self.value = value
         height = (value / self.wanted) ** self.power
         self._most = max(self._most, (value, self.share))
+        if self._empty is None or height == 0.0 or self.share < self._empty[0]:
+            self._empty = (self.share, height)
         # Across a jump the slope is that of nothing.
         if self._last is not None and abs(self.share - self._last[0]) > _CLOSE:
             slope = (height - self._last[1]) / (self.share - self._last[0])
