@@ -164,13 +164,13 @@ def test_a_force_that_is_measured_anew_is_met_in_a_few_trials_whatever_the_last_
 
     search = Search(wanted=2.0, power=2.0 / 3.0, share=0.3)
     for _ in range(20):
-        search.take(force(search.share, 300.0), 1e-3, step=0.01)
+        search.take(force(search.share, 300.0), 1e-3, step=0.01, depth=0.0)
     search.share += 2e-5
-    search.take(force(search.share, 300.0) + 0.01, 1e-3, step=0.01)
+    search.take(force(search.share, 300.0) + 0.01, 1e-3, step=0.01, depth=0.0)
     search.begin_again()
     # A finer mesh is softer. The first trial, one from the slope that is known, one from that of these two.
     for _ in range(3):
-        search.take(force(search.share, 220.0), 8e-3, step=0.01)
+        search.take(force(search.share, 220.0), 8e-3, step=0.01, depth=0.0)
     assert force(search.share, 220.0) == pytest.approx(2.0, rel=8e-3)
 
 

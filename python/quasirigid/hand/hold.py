@@ -161,7 +161,7 @@ class Hold:
         A digit that is farther from the product than `air` (m) holds nothing.
         """
         best = worst = (len(self.searches) + 1, 0.0)
-        steps = self._look(self.searches)[1]
+        near, steps = self._look(self.searches)
         for trial in range(most):
             self._tell("closing", trial / most)
             values = measure()
@@ -169,7 +169,7 @@ class Hold:
             if not np.isfinite(values).all():
                 return
             for at, search in self.searches.items():
-                search.take(float(values[at]), tolerance, step=float(steps[at]))
+                search.take(float(values[at]), tolerance, step=float(steps[at]), depth=-float(near[at]))
                 self.shares[at] = search.share
             moved = np.flatnonzero(self.shares != before)
             if not moved.size:
@@ -178,7 +178,7 @@ class Hold:
             score = (sum(error > tolerance for error in errors) + self._lost, sum(errors))
             if score < best or trial == 0:
                 best, kept = score, (before, values, self.solved)
-            steps[moved] = self._through_air(moved.tolist(), tolerance, air)[moved]
+            near[moved], steps[moved] = self._through_air(moved.tolist(), tolerance, air)[:, moved]
             if self._lost > lost:
                 # It went back to where it held the most.
                 best = worst
@@ -196,26 +196,28 @@ class Hold:
         return sum(bool(search.missed) for search in self.searches.values())
 
     def _through_air(self, digits: list[int], tolerance: float, air: float) -> Floats:
-        """Let digits apart from the product go on without a press; return by how much each share may (5,)."""
-        steps = np.zeros(len(DIGITS))
+        """Let digits apart from the product go on without a press; return what `_look` says of all (2, 5)."""
+        found = np.zeros((2, len(DIGITS)))
         while digits:
-            distances, found = self._look(digits)
+            looked = self._look(digits)
             apart = []
             for at in digits:
-                search, steps[at] = self.searches[at], found[at]
-                if distances[at] <= air or search.missed or search.is_stuck:
+                search, found[:, at] = self.searches[at], looked[:, at]
+                near, step = looked[:, at].tolist()
+                if near <= air or search.missed or search.is_stuck:
                     continue
-                search.take(0.0, tolerance, step=float(steps[at]))
+                search.take(0.0, tolerance, step=step, depth=-near)
                 if search.share != self.shares[at]:
                     self.shares[at] = search.share
                     apart.append(at)
             digits = apart
-        return steps
+        return found
 
-    def _look(self, digits: Iterable[int]) -> tuple[Floats, Floats]:
-        """Return how near the digits are (5,) (m), and by how much each share may go on (5,)."""
+    def _look(self, digits: Iterable[int]) -> Floats:
+        """Return how near the digits are (m) and by how much each share may go on (2, 5)."""
         looked = np.isin(np.arange(len(DIGITS)), list(digits))
-        return self.closing.look(self.shares, self.obstacle, looked, least=_STEP * self.closing.scale)
+        step = _STEP * self.closing.scale
+        return np.array(self.closing.look(self.shares, self.obstacle, looked, least=step))
 
     def _on_given_mesh(self) -> Floats:
         if not self.by_force:

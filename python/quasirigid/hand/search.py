@@ -12,6 +12,8 @@ _BACK = 2.0  # steps that a digit may open at once
 _OLD = 3  # trials after which a value may be no more
 _STALE = 2  # brackets that closed and may have been stale
 _STEADY = 3.0  # a slope that is known from another measure is right up to this factor
+_FADED = 0.5  # of the most: a digit that goes deeper and holds less has gone through what it held
+_FADES = 3  # trials in a row of which that is true
 _INWARDS = 0.05  # of a bracket: no trial nearer to its ends
 
 
@@ -43,6 +45,8 @@ class Search:
     _low: float | None = None
     _high: float | None = None
     _most: tuple[float, float] = (0.0, 0.0)
+    _most_depth: float = 0.0
+    _faded: int = 0
     _closed: int = 0
     _trial: int = 0
     _low_since: int = 0
@@ -63,11 +67,17 @@ class Search:
         self._last = self._low = self._high = None
         self._closed = 0
 
-    def take(self, value: float, tolerance: float, *, step: float) -> None:
-        """Take the value at the present share; go on by at most a step, unless it is the wanted one."""
+    def take(self, value: float, tolerance: float, *, step: float, depth: float) -> None:
+        """Take the value at the present share; go on by at most a step, unless it is the wanted one.
+
+        A digit is `depth` deep in the product (m).
+        """
         self.value = value
         height = (value / self.wanted) ** self.power
-        self._most = max(self._most, (value, self.share))
+        if (value, self.share) > self._most:
+            self._most, self._most_depth = (value, self.share), depth
+        is_faded = value < _FADED * self.most and depth > self._most_depth
+        self._faded = self._faded + 1 if is_faded else 0
         if self._empty is None or height == 0.0 or self.share < self._empty[0]:
             self._empty = (self.share, height)
         # Across a jump the slope is that of nothing.
@@ -84,7 +94,7 @@ class Search:
         self._bracket(height)
         if height > 1.0 and self.share <= -1.0:
             self.missed = "start"
-        elif height < 1.0 and self.share >= 1.0 and self.most < self.wanted:
+        elif self.most < self.wanted and (self.share >= 1.0 or self._faded >= _FADES):
             self.missed, self.share = "end", self._most[1]
         else:
             self._open_again()
