@@ -201,6 +201,38 @@ def test_rounds_keep_to_the_coarser_mesh_where_none_is_as_fine_as_asked(hand, ha
     assert hold.options.max_nodes == nodes
 
 
+def force_on_edge(depth):
+    """Return what a thumb holds that is pushed over a thin edge: 6 N at 3 mm, and hardly anything deeper."""
+    return 6.0 * (depth / 3e-3) ** 1.5 if depth <= 3e-3 else 1.0
+
+
+def test_a_digit_that_goes_deeper_and_holds_less_has_gone_through_and_goes_back():
+    search = Search(wanted=15.0, power=2.0 / 3.0, share=0.0)
+    depths = []
+    while not search.missed:
+        depths.append(0.1 * search.share)
+        search.take(force_on_edge(depths[-1]), 1e-3, step=0.01, depth=depths[-1])
+    assert search.missed == "end"
+    # Where it held the most, by steps of 1 mm, without the rest of its way.
+    assert search.most > force_on_edge(1.9e-3)
+    assert force_on_edge(0.1 * search.share) == search.most
+    assert max(depths) < 7e-3
+
+
+def test_a_digit_that_another_one_throws_over_an_edge_goes_back_and_holds():
+    search = Search(wanted=5.8, power=2.0 / 3.0, share=0.0)
+    for trial in range(40):
+        depth = 0.1 * search.share
+        disturbed = 0.9 if trial == 10 else 1.0
+        search.take(disturbed * force_on_edge(depth), 1e-3, step=0.01, depth=depth)
+        if trial == 9:
+            assert search.error() <= 1e-3
+        if trial == 11:
+            assert search.value == 1.0
+    assert search.missed == ""
+    assert force_on_edge(0.1 * search.share) == pytest.approx(5.8, rel=1e-3)
+
+
 def test_no_vertex_goes_on_by_more_than_the_product_is_away(hand, handle):
     closing = Closing(hand, "relaxed", "fist", None, (0.0, 0.0, 0.0))
     digits = np.array([False, True, True, False, True])

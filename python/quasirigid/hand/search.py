@@ -94,8 +94,8 @@ class Search:
         self._bracket(height)
         if height > 1.0 and self.share <= -1.0:
             self.missed = "start"
-        elif self.most < self.wanted and (self.share >= 1.0 or self._faded >= _FADES):
-            self.missed, self.share = "end", self._most[1]
+        elif height < 1.0 and (self.share >= 1.0 or self._faded >= _FADES):
+            self._go_back()
         else:
             self._open_again()
             self.share = self._next(height, step)
@@ -109,6 +109,16 @@ class Search:
     def is_stuck(self) -> bool:
         """Whether the value jumps across the wanted one wherever it was looked for."""
         return self._closed > _STALE
+
+    def _go_back(self) -> None:
+        """Return to where there was the most, to look there once more if that was enough."""
+        self.share = self._most[1]
+        if self.most < self.wanted:
+            self.missed = "end"
+        self._low = self._high = None
+        self._slope = self._known_slope
+        self._faded = 0
+        self._closed += 1
 
     def _open_again(self) -> None:
         """Forget a bracket that closed: digits move each other's values, so its values may be no more."""
