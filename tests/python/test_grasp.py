@@ -1,10 +1,14 @@
 """Hands that close on products."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid.hand.closing import Closing
+from quasirigid.hand.hold import Hold, Solved
+from quasirigid.hand.search import Search
 
 # Meshes as coarse as these leave penetration between their vertices, and say so.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
@@ -128,9 +132,121 @@ def test_digits_that_meet_nothing_or_cannot_press_as_hard_are_named(hand, handle
     assert set(grasp.missed.values()) == {"does not meet the product on its way"}
     assert list(grasp.missed) == ["thumb", *FINGERS]
     assert grasp.contact.status == "no_contact"
+    # Distances alone tell so much.
+    assert grasp.rounds == 1
     # No finger presses so hard anywhere on its way.
     grasp = qr.close_hand(hand, handle, skin(), force={"index": 5000.0}, options=AS_GIVEN)
-    assert "of 5e+03 N at the most on its way" in grasp.missed["index"]
+    assert f"comes to {forces(grasp)['index']:.3g} of 5e+03 N at the most" in grasp.missed["index"]
+
+
+def test_a_digit_that_slips_by_stays_where_it_holds_the_most_and_is_not_pressed_beyond(hand):
+    # A ball just within reach of the tip of the index half way, which curls in from there.
+    closing = Closing(hand, "relaxed", "fist", None, (0.0, 0.0, 0.0))
+    half, end = (closing.posed(np.full(5, share)) for share in (0.5, 1.0))
+    knuckle = half.joints[hand.joint_names.index("index-finger-phalanx-proximal"), :3, 3]
+    tip = half.surface.vertices[closing.vertices[1]]
+    tip = tip[np.argmax(np.linalg.norm(tip - knuckle, axis=1))]
+    ball = qr.Obstacle.sphere(tip + 2e-3 * (tip - knuckle) / np.linalg.norm(tip - knuckle), 3e-3)
+    assert ball.signed_distance(end.surface.vertices[closing.vertices[1]])[0].min() > closing.mesh_width
+    grasp = qr.close_hand(hand, ball, skin(), force={"index": 50.0}, options=AS_GIVEN)
+    held = forces(grasp)["index"]
+    assert 0.0 < grasp.shares["index"] < 1.0
+    assert f"comes to {held:.3g} of 50 N" in grasp.missed["index"]
+    # By steps of 1.5 mm the rest of its way alone would take more.
+    way = closing.speeds[1].max() * (1.0 - grasp.shares["index"])
+    assert grasp.rounds < way / 1.5e-3
+
+
+def test_a_force_that_is_measured_anew_is_met_in_a_few_trials_whatever_the_last_slope_was():
+    # Hertz, from a share of 0.3; the last two trials are so close that their slope is that of another digit.
+    def force(share, modulus):
+        return modulus * max(share - 0.3, 0.0) ** 1.5
+
+    search = Search(wanted=2.0, power=2.0 / 3.0, share=0.3)
+    for _ in range(20):
+        search.take(force(search.share, 300.0), 1e-3, step=0.01, depth=0.0)
+    search.share += 2e-5
+    search.take(force(search.share, 300.0) + 0.01, 1e-3, step=0.01, depth=0.0)
+    search.begin_again()
+    # A finer mesh is softer. The first trial, one from the slope that is known, one from that of these two.
+    for _ in range(3):
+        search.take(force(search.share, 220.0), 8e-3, step=0.01, depth=0.0)
+    assert force(search.share, 220.0) == pytest.approx(2.0, rel=8e-3)
+
+
+@pytest.mark.parametrize(
+    ("reasons", "nodes"), [(("max_nodes", "a sharp edge"), 250), (("target_error",) * 2, 900)]
+)
+def test_rounds_keep_to_the_coarser_mesh_where_none_is_as_fine_as_asked(hand, handle, reasons, nodes):
+    # On an edge forces fall with each refinement: rounds on two finenesses would never agree.
+    def solved(count, reason):
+        meshes = [SimpleNamespace(kind="mesh", nodes=10 * 3**at, reason="") for at in range(count - 1)]
+        last = SimpleNamespace(kind="mesh", nodes=100 if count == 3 else 300, reason=reason)
+        return Solved(posed=None, contact=SimpleNamespace(refinements=[*meshes, last]))
+
+    hold = Hold(
+        closing=None,
+        obstacle=handle,
+        skin=skin(),
+        options=qr.ContactOptions(target_error=0.05, max_nodes=900),
+        wanted={1: 1.0},
+        by_force=True,
+        report=None,
+    )
+    hold.solved = solved(4, reasons[0])
+    assert not hold._is_too_fine()
+    hold.solved = solved(3, reasons[1])
+    assert not hold._is_too_fine()
+    # Fewer than the finer mesh's 300.
+    assert hold.options.max_nodes == nodes
+
+
+def force_on_edge(depth):
+    """Return what a thumb holds that is pushed over a thin edge: 6 N at 3 mm, and hardly anything deeper."""
+    return 6.0 * (depth / 3e-3) ** 1.5 if depth <= 3e-3 else 1.0
+
+
+def test_a_digit_that_goes_deeper_and_holds_less_has_gone_through_and_goes_back():
+    search = Search(wanted=15.0, power=2.0 / 3.0, share=0.0)
+    depths = []
+    while not search.missed:
+        depths.append(0.1 * search.share)
+        search.take(force_on_edge(depths[-1]), 1e-3, step=0.01, depth=depths[-1])
+    assert search.missed == "end"
+    # Where it held the most, by steps of 1 mm, without the rest of its way.
+    assert search.most > force_on_edge(1.9e-3)
+    assert force_on_edge(0.1 * search.share) == search.most
+    assert max(depths) < 7e-3
+
+
+def test_a_digit_that_another_one_throws_over_an_edge_goes_back_and_holds():
+    search = Search(wanted=5.8, power=2.0 / 3.0, share=0.0)
+    for trial in range(40):
+        depth = 0.1 * search.share
+        disturbed = 0.9 if trial == 10 else 1.0
+        search.take(disturbed * force_on_edge(depth), 1e-3, step=0.01, depth=depth)
+        if trial == 9:
+            assert search.error() <= 1e-3
+        if trial == 11:
+            assert search.value == 1.0
+    assert search.missed == ""
+    assert force_on_edge(0.1 * search.share) == pytest.approx(5.8, rel=1e-3)
+
+
+def test_no_vertex_goes_on_by_more_than_the_product_is_away(hand, handle):
+    closing = Closing(hand, "relaxed", "fist", None, (0.0, 0.0, 0.0))
+    digits = np.array([False, True, True, False, True])
+    for start in (0.0, 0.2, 0.4, 0.6):
+        shares = np.full(5, start)
+        distances, steps = closing.look(shares, handle, digits, least=1e-3)
+        before, after = (closing.posed(at).surface.vertices for at in (shares, shares + steps))
+        for at in np.flatnonzero(digits):
+            vertices = closing.vertices[at]
+            away = handle.signed_distance(before[vertices])[0]
+            way = np.linalg.norm(after[vertices] - before[vertices], axis=1)
+            assert (way <= np.maximum(np.abs(away), 1e-3)).all()
+            assert distances[at] == pytest.approx(min(away.min(), closing.reach), abs=1e-12)
+            assert steps[at] > 0.0
 
 
 def test_a_digit_that_the_product_stands_in_opens_first(hand, handle):

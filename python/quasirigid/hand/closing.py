@@ -40,14 +40,18 @@ class Closing:
     ----------
     parts : (n,) str
         The digit of each vertex of the skin, ``"palm"`` for the rest.
+    digits : (n,) int64
+        Its place in DIGITS, and 5.
     vertices : tuple of (k,) int64
         The vertices of each digit.
-    speeds : (5,) float64
-        Bound on how far a digit's skin moves per unit of its share (m).
+    speeds : tuple of (k,) float64
+        Bound on how far each of these moves per unit of its digit's share (m).
     scale : float
         Length of the hand over 0.19 m.
     reach : float
         How far a digit looks for the product (m).
+    mesh_width : float
+        What all vertices of a digit are farther from than this lies between none of them either (m).
     """
 
     def __init__(
@@ -59,10 +63,15 @@ class Closing:
             [DIGITS.index(DIGIT_OF[name]) if name in DIGIT_OF else -1 for name in hand.joint_names]
         )
         self.parts = digit_of_vertices(hand)
-        self.vertices = tuple(np.flatnonzero(self.parts == digit) for digit in DIGITS)
+        self.digits = np.full(len(self.parts), len(DIGITS))
+        for at, digit in enumerate(DIGITS):
+            self.digits[self.parts == digit] = at
+        self.vertices = tuple(np.flatnonzero(self.digits == at) for at in range(len(DIGITS)))
         self.scale = hand.length / _HAND_LENGTH
         self.reach = _REACH * self.scale
-        self.speeds = self._speeds()
+        self.mesh_width = self._mesh_width()
+        self._posed: tuple[Floats, PosedHand] | None = None
+        self.speeds = self._bounds()
 
     def pose(self, shares: Floats) -> Floats:
         """Return the turns (J, 4) where each of the five digits has gone its share."""
@@ -73,48 +82,99 @@ class Closing:
 
     def posed(self, shares: Floats) -> PosedHand:
         """Return the hand there."""
-        return self._hand.posed(self.pose(shares), rotation=self._rotation, translation=self._translation)
+        if self._posed is None or not np.array_equal(self._posed[0], shares):
+            turns = self.pose(shares)
+            posed = self._hand.posed(turns, rotation=self._rotation, translation=self._translation)
+            self._posed = (shares.copy(), posed)
+        return self._posed[1]
 
-    def distances(self, shares: Floats, obstacle: Obstacle, reach: float | None = None) -> Floats:
-        """Return the least signed distance (5,) (m) of each digit's vertices to the product.
+    def distances(self, shares: Floats, obstacle: Obstacle) -> Floats:
+        """Return the least signed distance (5,) (m) of each digit's vertices to the product; inf without."""
+        found = self._found(shares, obstacle, np.ones(len(DIGITS), dtype=bool), None)
+        return np.array([one.min(initial=np.inf) for one in found])
 
-        Beyond `reach` (m) it is not searched, and `reach` itself.
+    def look(
+        self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_], *, least: float
+    ) -> tuple[Floats, Floats]:
+        """Return how near some digits are to the product, and how far they may go on.
+
+        Parameters
+        ----------
+        shares : (5,) float64
+            Where the digits are.
+        obstacle : Obstacle
+            The product.
+        digits : (5,) bool
+            Which digits.
+        least : float
+            So much a vertex may go on at once, however near the product's surface is (m).
+
+        Returns
+        -------
+        distances : (5,) float64
+            Least signed distance of a digit's vertices to the product (m), at the most `reach`.
+        steps : (5,) float64
+            By how much a share may grow or fall, at the most 1: no vertex moves by more than the product's
+            surface is away, or `least`.
         """
-        vertices = self.posed(shares).surface.vertices
-        found = obstacle.signed_distance(vertices[np.concatenate(self.vertices)], reach)[0]
-        ends = np.cumsum([len(one) for one in self.vertices])[:-1]
-        farthest = np.inf if reach is None else reach
-        return np.array([one.min(initial=farthest) for one in np.split(found, ends)])
+        found = self._found(shares, obstacle, digits, self.reach)
+        distances = np.array([one.min(initial=self.reach) for one in found])
+        # Shares per step, for skin that does not move.
+        pace = [
+            (speeds / np.clip(np.abs(away), least, self.reach)).max(initial=1.0) if len(away) else 1.0
+            for speeds, away in zip(self.speeds, found, strict=True)
+        ]
+        return distances, 1.0 / np.array(pace)
 
     def first_touch(self, obstacle: Obstacle, moving: NDArray[np.bool_]) -> Floats:
         """Return the shares (5,) at which the moving digits come to the product, 1 where they do not.
 
-        No digit goes on by more than the product is away: it cannot step over it.
+        No vertex goes on by more than the product is away: it cannot step over it.
         """
-        moving = moving & (self.speeds > 0.0)
+        moving = moving & [bool(one.any()) for one in self.speeds]
         shares = self._opened(obstacle, moving)
         while moving.any():
-            distance = self.distances(shares, obstacle, self.reach)
-            moving &= distance > _TOUCHES * self.scale
-            ways = np.maximum(distance, _LEAST_STEP * self.scale)
-            steps = np.divide(ways, self.speeds, out=np.zeros_like(ways), where=moving)
-            shares = np.minimum(shares + steps, 1.0)
-            moving &= shares < 1.0
+            distances, steps = self.look(shares, obstacle, moving, least=_LEAST_STEP * self.scale)
+            moving = moving & (distances > _TOUCHES * self.scale)
+            shares = np.where(moving, np.minimum(shares + steps, 1.0), shares)
+            moving = moving & (shares < 1.0)
         return shares
 
     def _opened(self, obstacle: Obstacle, moving: NDArray[np.bool_]) -> Floats:
         """Return the shares (5,) from -1 to 0, the largest found at which no digit that moves is met."""
         shares = np.zeros(len(DIGITS))
-        while True:
-            met = moving & (shares > -1.0) & (self.distances(shares, obstacle, self.scale * _TOUCHES) <= 0.0)
-            if not met.any():
-                return shares
-            steps = np.divide(_OPENING * self.scale, self.speeds, out=np.zeros(len(DIGITS)), where=met)
-            shares = np.maximum(shares - steps, -1.0)
+        while moving.any():
+            found = self._found(shares, obstacle, moving, self.reach)
+            moving = moving & (shares > -1.0) & [one.min(initial=self.reach) <= 0.0 for one in found]
+            for at in np.flatnonzero(moving):
+                # No vertex is out before it has moved by its depth.
+                ways = np.divide(
+                    -found[at], self.speeds[at], where=self.speeds[at] > 0.0, out=np.zeros(len(found[at]))
+                )
+                step = max(ways.max(), _OPENING * self.scale / self.speeds[at].max())
+                shares[at] = max(shares[at] - step, -1.0)
+        return shares
 
-    def _speeds(self) -> Floats:
-        """Return how far (5,) each digit's skin moves at the most per unit of its share (m)."""
+    def _found(
+        self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_], reach: float | None
+    ) -> list[Floats]:
+        """Return the signed distances (m) of the vertices of some digits, none of the others."""
+        places = self.posed(shares).surface.vertices
+        vertices = [one if looked else one[:0] for one, looked in zip(self.vertices, digits, strict=True)]
+        found = obstacle.signed_distance(places[np.concatenate(vertices)], reach)[0]
+        return np.split(found, np.cumsum([len(one) for one in vertices])[:-1])
+
+    def _mesh_width(self) -> float:
+        """Return how far a point of a digit's triangle can be from its corners (m)."""
+        vertices, faces = self._hand.surface.vertices, self._hand.surface.faces
+        edges = vertices[faces] - vertices[np.roll(faces, -1, axis=1)]
+        is_digit = self.digits[faces].min(axis=1) < len(DIGITS)
+        # Of all triangles with such edges, the middle of the equilateral one.
+        return float(np.linalg.norm(edges[is_digit], axis=2).max(initial=0.0) / np.sqrt(3.0))
+
+    def _bounds(self) -> tuple[Floats, ...]:
+        """Return how far each digit's vertices move at the most per unit of its share (m)."""
         shares = np.arange(-_SAMPLES, _SAMPLES + 1) / _SAMPLES
         places = [self.posed(np.full(len(DIGITS), share)).surface.vertices for share in shares]
         ways = np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=0) * _SAMPLES
-        return np.array([_SPARE * ways[vertices].max(initial=0.0) for vertices in self.vertices])
+        return tuple(_SPARE * ways[vertices] for vertices in self.vertices)

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["Grasp", "close_hand"]
 
 _TARGET_ERROR = 0.05
-MOST_NODES = 1500
+MOST_NODES = 1250
 _THUMB = 0.5  # its share of a force that is not told by digit
 
 
@@ -188,7 +188,7 @@ def close_hand(
         Acceleration of free fall (m/s^2).
     options : ContactOptions, optional
         How contacts are solved; with ``target_error=None`` all is done on the given mesh. When left out, with
-        a `target_error` of 0.05 and `max_nodes` of 1500: forces are asked for here, so what a mesh costs goes
+        a `target_error` of 0.05 and `max_nodes` of 1250: forces are asked for here, so what a mesh costs goes
         into the pose, and a digit on an edge or a rim would go on refining.
     progress : callable or bool, optional
         Called as ``progress(what, done)`` as the work goes on; True prints to stderr.
@@ -215,9 +215,11 @@ def close_hand(
 
     Notes
     -----
-    Digits close to first touch by steps no longer than the product is away, and further by secants on the
-    force to the power 2/3, which grows in a straight line under a round pad. That is done on the given mesh,
-    of a body under the half-space; the last rounds solve as `options` and `skin` say, to 0.5 % of each force.
+    Digits go through the air by distances alone, no vertex farther at once than the product is away, and
+    further by secants on the force to the power 2/3, which grows in a straight line under a round pad. That
+    is done on the given mesh, of a body under the half-space; the last rounds solve as `options` and `skin`
+    say, to 0.8 % of each force. Where no mesh meets the `target_error`, as on an edge, they keep to the
+    coarsest that one of them ended with: each refinement has other forces there.
 
     Examples
     --------
@@ -256,8 +258,7 @@ def close_hand(
         by_force=force is not None,
         report=as_progress(progress),
     )
-    hold.run()
-    contact, posed = hold.contact, hold.posed
+    posed, contact = hold.run()
     end_of(contact, throw=throw, stacklevel=2)
     parts = contact.by_label(hold.closing.parts)  # each digit and the palm
     loaded = np.unique(posed.labels[contact.active[contact.active < len(posed.labels)]])

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from .search import Search
 
 if TYPE_CHECKING:
     from ..contact import Contact, ContactOptions
+    from ..contact.accuracy import Refinement
     from ..skin.elastic import ElasticSkin
     from ..skin.progress import Progress
     from .closing import Closing
@@ -34,7 +35,16 @@ _MISSED = 1e-2  # of it: beyond, a digit is said to miss
 _MOST_TRIALS = 60  # on the given mesh
 _MOST_ROUNDS = 6  # with all options
 _STEP = 1.5e-3  # m, of a hand of 0.19 m: a digit goes on by no more at once, or it steps through thin walls
+_UNMET = ("max_nodes", "a sharp edge")  # reasons of a mesh that is not as fine as was asked
+_ONE_FINENESS = 2.5  # nodes over a coarser mesh's, too few for the next finer one
 _HERTZ = 2.0 / 3.0  # the power of a force that grows in a straight line with the depth
+
+
+class Solved(NamedTuple):
+    """A posed hand and its contact."""
+
+    posed: PosedHand
+    contact: Contact
 
 
 @dataclass(kw_only=True, eq=False)
@@ -66,15 +76,18 @@ class Hold:
     searches: dict[int, Search] = field(default_factory=dict)
     rounds: int = 0
     timings: dict[str, float] = field(default_factory=dict)
-    posed: PosedHand = field(init=False)
-    contact: Contact = field(init=False)
+    solved: Solved | None = None
+    _meshes: dict[int, Refinement] = field(default_factory=dict)
 
-    def run(self) -> None:
+    def run(self) -> Solved:
         """Bring the digits to the product, to what they hold on the given mesh, then as the options say."""
         self._timed("approach", self._approach)
         tolerance = _NEAR if self._has_rounds else _SAME
-        self._timed("search", lambda: self._settle(self._on_given_mesh, tolerance, _MOST_TRIALS))
+        air = self.closing.mesh_width if self.by_force else 0.0
+        self._timed("search", lambda: self._settle(self._on_given_mesh, tolerance, _MOST_TRIALS, air=air))
         self._timed("rounds", self._finish)
+        assert self.solved is not None, "the last stage solves a contact"
+        return self.solved
 
     @property
     def _has_rounds(self) -> bool:
@@ -87,7 +100,7 @@ class Hold:
         unit, size = ("N", 1.0) if self.by_force else ("mm", 1e3)
         reasons = {}
         for at, search in self.searches.items():
-            value, most, wanted = (f"{size * one:.3g}" for one in (search.value, search.most, search.wanted))
+            value, wanted = (f"{size * one:.3g}" for one in (search.value, search.wanted))
             if search.missed == "start":
                 reason = (
                     f"is at {value} of {wanted} {unit} when it is open: the product stands in it; "
@@ -96,7 +109,7 @@ class Hold:
             elif search.missed == "end" and search.most == 0.0:
                 reason = "does not meet the product on its way"
             elif search.missed == "end":
-                reason = f"comes to {most} of {wanted} {unit} at the most on its way"
+                reason = f"comes to {value} of {wanted} {unit} at the most on its way"
             elif search.error() > _MISSED:
                 reason = (
                     f"stands at {value} of {wanted} {unit}: there it jumps from pose to pose, "
@@ -119,16 +132,6 @@ class Hold:
                 share=float(self.shares[at]),
             )
 
-    def _steps(self, values: Floats) -> Floats:
-        """Return by how much (5,) each digit's share may grow at once: no wall is stepped through."""
-        ways = np.full(len(DIGITS), _STEP * self.closing.scale)
-        if any(values[at] == 0.0 for at in self.searches):
-            reach = self.closing.reach
-            ways = np.maximum(ways, self.closing.distances(self.shares, self.obstacle, reach))
-        speeds = np.maximum(self.closing.speeds, _STEP)
-        steps: Floats = np.minimum(ways / speeds, 1.0)
-        return steps
-
     def _refuse_inside(self, posed: PosedHand) -> None:
         """Refuse a product inside the hand and a hand inside the product."""
         skin, box = posed.surface, self.obstacle.bounding_box
@@ -143,37 +146,78 @@ class Hold:
             )
         if within.any() or box is None:
             return
+        low, high = skin.vertices.min(axis=0), skin.vertices.max(axis=0)
+        if (box[0] <= low).any() or (box[1] >= high).any():
+            return
         triangles = self.obstacle.triangles()
         corners = np.array(np.meshgrid(*box.T)).reshape(3, -1).T if triangles is None else triangles[0]
         hand = Obstacle.mesh(skin.vertices, skin.faces, check_crossings=False)
         if hand.signed_distance(corners[:1])[0][0] < 0.0 and (hand.signed_distance(corners)[0] < 0.0).all():
             raise HandError("the product stands inside the hand: check its unit and place")
 
-    def _settle(self, measure: Callable[[], Floats], tolerance: float, most: int) -> None:
-        """Move the digits until all have what they shall hold, or cannot get it; else to the best trial."""
-        best = (len(self.searches) + 1, 0.0)
+    def _settle(self, measure: Callable[[], Floats], tolerance: float, most: int, *, air: float) -> None:
+        """Move the digits until all have what they shall hold, or cannot get it; else to the best trial.
+
+        A digit that is farther from the product than `air` (m) holds nothing.
+        """
+        best = worst = (len(self.searches) + 1, 0.0)
+        near, steps = self._look(self.searches)
         for trial in range(most):
             self._tell("closing", trial / most)
             values = measure()
-            before = self.shares.copy()
+            before, lost = self.shares.copy(), self._lost
             if not np.isfinite(values).all():
                 return
-            steps = self._steps(values)
             for at, search in self.searches.items():
-                search.take(float(values[at]), tolerance, step=float(steps[at]))
+                search.take(float(values[at]), tolerance, step=float(steps[at]), depth=-float(near[at]))
                 self.shares[at] = search.share
-            if (self.shares == before).all():
+            moved = np.flatnonzero(self.shares != before)
+            if not moved.size:
                 return
             errors = [search.error() for search in self.searches.values() if not search.missed]
-            off = sum(error > tolerance for error in errors) + len(self.searches) - len(errors)
-            if (off, sum(errors)) < best:
-                best, kept = (off, sum(errors)), (before, values)
-            if all(one.missed or one.is_stuck or one.error() <= tolerance for one in self.searches.values()):
+            score = (sum(error > tolerance for error in errors) + self._lost, sum(errors))
+            if score < best or trial == 0:
+                best, kept = score, (before, values, self.solved)
+            near[moved], steps[moved] = self._through_air(moved.tolist(), tolerance, air)[:, moved]
+            if self._lost > lost:
+                # It went back to where it held the most.
+                best = worst
+            elif all(
+                one.missed or one.is_stuck or one.error() <= tolerance for one in self.searches.values()
+            ):
                 break
-        self.shares, values = kept
+        self.shares, values, self.solved = kept
         for at, search in self.searches.items():
             search.share, search.value = float(self.shares[at]), float(values[at])
-        measure()
+
+    @property
+    def _lost(self) -> int:
+        """How many digits cannot hold what they should."""
+        return sum(bool(search.missed) for search in self.searches.values())
+
+    def _through_air(self, digits: list[int], tolerance: float, air: float) -> Floats:
+        """Let digits apart from the product go on without a press; return what `_look` says of all (2, 5)."""
+        found = np.zeros((2, len(DIGITS)))
+        while digits:
+            looked = self._look(digits)
+            apart = []
+            for at in digits:
+                search, found[:, at] = self.searches[at], looked[:, at]
+                near, step = looked[:, at].tolist()
+                if near <= air or search.missed or search.is_stuck:
+                    continue
+                search.take(0.0, tolerance, step=step, depth=-near)
+                if search.share != self.shares[at]:
+                    self.shares[at] = search.share
+                    apart.append(at)
+            digits = apart
+        return found
+
+    def _look(self, digits: Iterable[int]) -> Floats:
+        """Return how near the digits are (m) and by how much each share may go on (2, 5)."""
+        looked = np.isin(np.arange(len(DIGITS)), list(digits))
+        step = _STEP * self.closing.scale
+        return np.array(self.closing.look(self.shares, self.obstacle, looked, least=step))
 
     def _on_given_mesh(self) -> Floats:
         if not self.by_force:
@@ -189,25 +233,47 @@ class Hold:
             return
         for search in self.searches.values():
             search.begin_again()
-        self._settle(self._with_all_options, _HELD, _MOST_ROUNDS)
+        self._settle(self._with_all_options, _HELD, _MOST_ROUNDS, air=np.inf)
 
     def _with_all_options(self) -> Floats:
-        return self._solve(self.skin, self.options)
+        values = self._solve(self.skin, self.options)
+        return self._solve(self.skin, self.options) if self._is_too_fine() else values
+
+    def _is_too_fine(self) -> bool:
+        """Whether the last mesh was finer than one before, where no mesh is as fine as was asked.
+
+        On an edge each refinement has other forces: from now on all meshes are to be as the coarser.
+        """
+        assert self.solved is not None
+        meshes = [one for one in self.solved.contact.refinements if one.kind == "mesh"]
+        self._meshes[len(meshes)] = meshes[-1]
+        coarse, fine = min(self._meshes), max(self._meshes)
+        if coarse == fine or all(one.reason not in _UNMET for one in self._meshes.values()):
+            return False
+        nodes = int(_ONE_FINENESS * self._meshes[coarse].nodes)
+        self.options = replace(self.options, max_nodes=min(nodes, self.options.max_nodes))
+        self._meshes.clear()
+        for search in self.searches.values():
+            search.begin_again()
+        return len(meshes) > coarse
 
     def _solve(self, skin: Skin, options: ContactOptions) -> Floats:
         """Solve the contact of the whole hand; return the length of each digit's resultant (N)."""
-        self.posed = self.closing.posed(self.shares)
+        posed = self.closing.posed(self.shares)
         elastic: ElasticSkin = skin
         if isinstance(skin.response, Body):
-            elastic = self.posed.skin(
+            elastic = posed.skin(
                 shear_modulus=skin.shear_modulus, poisson_ratio=skin.poisson_ratio, response=skin.response
             )
-        self.contact = solve_quietly(self.posed.surface, self.obstacle, elastic, options)
+        contact = solve_quietly(posed.surface, self.obstacle, elastic, options)
+        self.solved = Solved(posed, contact)
         self.rounds += 1
-        if self.contact.status is ContactStatus.NO_CONTACT:
+        if contact.status is ContactStatus.NO_CONTACT:
             return np.zeros(len(DIGITS))
-        parts = self.contact.by_label(self.closing.parts)
-        return np.array([np.linalg.norm(parts[name].force) if name in parts else 0.0 for name in DIGITS])
+        parts = contact.by_label(self.closing.digits)
+        return np.array(
+            [np.linalg.norm(parts[at].force) if at in parts else 0.0 for at in range(len(DIGITS))]
+        )
 
     def _timed(self, name: str, work: Callable[[], None]) -> None:
         started = time.perf_counter()

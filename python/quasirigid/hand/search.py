@@ -12,6 +12,8 @@ _BACK = 2.0  # steps that a digit may open at once
 _OLD = 3  # trials after which a value may be no more
 _STALE = 2  # brackets that closed and may have been stale
 _STEADY = 3.0  # a slope that is known from another measure is right up to this factor
+_FADED = 0.5  # of the most: a digit that goes deeper and holds less has gone through what it held
+_FADES = 3  # trials in a row of which that is true
 _INWARDS = 0.05  # of a bracket: no trial nearer to its ends
 
 
@@ -38,10 +40,13 @@ class Search:
     missed: str = ""
     _slope: float = 0.0
     _known_slope: float = 0.0
+    _empty: tuple[float, float] | None = None
     _last: tuple[float, float] | None = None
     _low: float | None = None
     _high: float | None = None
     _most: tuple[float, float] = (0.0, 0.0)
+    _most_depth: float = 0.0
+    _faded: int = 0
     _closed: int = 0
     _trial: int = 0
     _low_since: int = 0
@@ -53,15 +58,28 @@ class Search:
 
     def begin_again(self) -> None:
         """Forget all values but not how fast they grow: from now on they are measured in another way."""
+        if self._known_slope == 0.0 and self._last is not None and self._empty is not None:
+            # From where there was least: between close shares a slope is that of other digits' moves.
+            (share, height), (empty, none) = self._last, self._empty
+            if share - empty > _CLOSE and height > none:
+                self._slope = (height - none) / (share - empty)
+        self._slope = self._known_slope = self._known_slope or self._slope
         self._last = self._low = self._high = None
-        self._known_slope = self._slope
         self._closed = 0
 
-    def take(self, value: float, tolerance: float, *, step: float) -> None:
-        """Take the value at the present share; go on by at most a step, unless it is the wanted one."""
+    def take(self, value: float, tolerance: float, *, step: float, depth: float) -> None:
+        """Take the value at the present share; go on by at most a step, unless it is the wanted one.
+
+        A digit is `depth` deep in the product (m).
+        """
         self.value = value
         height = (value / self.wanted) ** self.power
-        self._most = max(self._most, (value, self.share))
+        if (value, self.share) > self._most:
+            self._most, self._most_depth = (value, self.share), depth
+        is_faded = value < _FADED * self.most and depth > self._most_depth
+        self._faded = self._faded + 1 if is_faded else 0
+        if self._empty is None or height == 0.0 or self.share < self._empty[0]:
+            self._empty = (self.share, height)
         # Across a jump the slope is that of nothing.
         if self._last is not None and abs(self.share - self._last[0]) > _CLOSE:
             slope = (height - self._last[1]) / (self.share - self._last[0])
@@ -76,8 +94,8 @@ class Search:
         self._bracket(height)
         if height > 1.0 and self.share <= -1.0:
             self.missed = "start"
-        elif height < 1.0 and self.share >= 1.0 and self.most < self.wanted:
-            self.missed, self.share = "end", self._most[1]
+        elif height < 1.0 and (self.share >= 1.0 or self._faded >= _FADES):
+            self._go_back()
         else:
             self._open_again()
             self.share = self._next(height, step)
@@ -91,6 +109,16 @@ class Search:
     def is_stuck(self) -> bool:
         """Whether the value jumps across the wanted one wherever it was looked for."""
         return self._closed > _STALE
+
+    def _go_back(self) -> None:
+        """Return to where there was the most, to look there once more if that was enough."""
+        self.share = self._most[1]
+        if self.most < self.wanted:
+            self.missed = "end"
+        self._low = self._high = None
+        self._slope = self._known_slope
+        self._faded = 0
+        self._closed += 1
 
     def _open_again(self) -> None:
         """Forget a bracket that closed: digits move each other's values, so its values may be no more."""
