@@ -10,11 +10,13 @@ BIN    := $(VENV)/bin
 unexport CONDA_PREFIX PYTHONPATH PYTHONHOME
 export VIRTUAL_ENV := $(CURDIR)/$(VENV)
 export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+# What pyo3 would ask that Python for: maturin writes such a file for itself, and with it here cargo shares its crates.
+export PYO3_CONFIG_FILE := $(CURDIR)/$(VENV)/pyo3.txt
 
 # Test binaries of the feature `python` call no Python, so they need no libpython to link against.
 CARGO_PY := PYO3_BUILD_EXTENSION_MODULE=1 cargo
 
-RUST := Cargo.toml Cargo.lock pyproject.toml $(shell find src -type f)
+RUST := Cargo.toml Cargo.lock pyproject.toml python/Cargo.toml python/extension.rs $(shell find src -type f)
 
 .PHONY: demo test test-rust lint-then-python test-python fuzz bench lint clean
 
@@ -24,13 +26,13 @@ demo: $(VENV)/installed
 
 ## Everything that must hold before a change lands.
 # Two halves side by side: while one installs, reads types or runs a test on one core, the other takes the second.
-test: $(VENV)/made
+test: $(VENV)/pyo3.txt
 	+$(MAKE) --no-print-directory --jobs 2 test-rust lint-then-python
 
 lint-then-python:
 	+$(MAKE) --no-print-directory --jobs 1 lint test-python
 
-test-rust: $(VENV)/made
+test-rust: $(VENV)/pyo3.txt
 	# The feature adds a private module and no test; with it, tests and extension share what is compiled.
 	# Unit tests are small: not optimised, they cost 60 s in place of 125 s.
 	$(CARGO_PY) test --quiet --features python --lib --config profile.dev.package.quasirigid.opt-level=0
@@ -49,10 +51,10 @@ fuzz: $(VENV)/installed $(VENV)/tools
 
 ## Formatting, lints and types, warnings as errors.
 lint: $(VENV)/installed $(VENV)/tools
-	cargo fmt --check
-	# All targets without the feature `python`, then the module that it adds.
-	cargo clippy --quiet --all-targets -- -D warnings
-	$(CARGO_PY) clippy --quiet --features python -- -D warnings
+	cargo fmt --all --check
+	# All targets with the feature `python`, then the crate without it.
+	$(CARGO_PY) clippy --quiet --workspace --all-targets --features python -- -D warnings
+	cargo clippy --quiet -- -D warnings
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
@@ -70,8 +72,11 @@ $(VENV)/made:
 	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
 	touch $@
 
+$(VENV)/pyo3.txt: $(VENV)/made
+	printf '%s\n' implementation=CPython version=3.11 target_abi=CPython-abi3-3.11 shared=true > $@
+
 # The wheel, editable: Python files are used in place, the extension is built when Rust files change.
-$(VENV)/installed: $(VENV)/made $(RUST)
+$(VENV)/installed: $(VENV)/pyo3.txt $(RUST)
 	$(BIN)/python -m pip install --quiet --group build
 	PIP_QUIET=1 $(BIN)/maturin develop $(MATURIN_FLAGS) --quiet --extras plot,cli
 	touch $@

@@ -94,11 +94,14 @@ mod tests {
     /// Joins all pairs, one by one.
     fn weld_all_pairs(vertices: &[Vector3<f64>], tolerance: f64) -> Vec<u32> {
         let mut root: Vec<u32> = (0..vertices.len() as u32).collect();
-        for _ in 0..vertices.len() {
+        let mut is_done = false;
+        while !is_done {
+            is_done = true;
             for (i, a) in vertices.iter().enumerate() {
                 for (j, b) in vertices.iter().enumerate() {
-                    if (a - b).norm() <= tolerance {
-                        root[i] = root[i].min(root[j]);
+                    if root[j] < root[i] && (a - b).norm() <= tolerance {
+                        root[i] = root[j];
+                        is_done = false;
                     }
                 }
             }

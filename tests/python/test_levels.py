@@ -15,7 +15,7 @@ PLATE = qr.Obstacle.half_space([0, 0, -0.05], UP)
 
 @pytest.fixture(scope="module")
 def tip() -> qr.Surface:
-    surface = qr.models.fingertip(edge_length=1.2e-3)
+    surface = qr.models.fingertip(edge_length=1.35e-3)
     return surface.with_skin_mask(qr.skin_without_caps(surface))
 
 

@@ -78,33 +78,40 @@ def rasterise(
     columns = np.maximum(last_column - first_column + 1, 0)
     counts = np.where(doubled < 0.0, columns * np.maximum(last_row - first_row + 1, 0), 0)
 
+    # Barycentric coordinates of the second and third corner are linear over the picture: their values
+    # at the first pixel of the box around the triangle, and their growth by a column and by a row.
+    divisor = np.where(doubled < 0.0, doubled, -1.0)
+    by_column = np.stack([cy - ay, ay - by]) / divisor
+    by_row = np.stack([ax - cx, bx - ax]) / divisor
+    at_first = by_column * (first_column - ax) + by_row * (first_row - ay)
+
     seen = np.full(height * width, -1, dtype=np.int64)
     weights = np.zeros((height * width, 3))
     nearest = np.full(height * width, -np.inf)
-    depth = projected[:, 2]
+    depths = projected[:, 2][faces].T
     drawn = np.flatnonzero(counts)
     batches = np.cumsum(counts[drawn]) // CHUNK
     for batch in np.unique(batches):
         part = drawn[batches == batch]
-        face = np.repeat(part, counts[part])
-        place = np.arange(len(face)) - np.repeat(np.cumsum(counts[part]) - counts[part], counts[part])
-        column = first_column[face] + place % columns[face]
-        row = first_row[face] + place // columns[face]
-        second = (
-            (column - ax[face]) * (cy[face] - ay[face]) - (row - ay[face]) * (cx[face] - ax[face])
-        ) / doubled[face]
-        third = (
-            (bx[face] - ax[face]) * (row - ay[face]) - (by[face] - ay[face]) * (column - ax[face])
-        ) / doubled[face]
-        share = np.stack([1.0 - second - third, second, third], axis=1)
-        inside = (share >= -1e-9).all(axis=1)
-        face, share, pixel = face[inside], share[inside], (row * width + column)[inside]
-        height_here = (depth[faces[face]] * share).sum(axis=1)
-        front = height_here > nearest[pixel]
-        face, share, pixel, height_here = face[front], share[front], pixel[front], height_here[front]
+        times = counts[part]
+        place = np.arange(times.sum()) - np.repeat(np.cumsum(times) - times, times)
+        down, right_by = np.divmod(place, np.repeat(columns[part], times))
+        second, third = (
+            np.repeat(at_first[k, part], times)
+            + np.repeat(by_column[k, part], times) * right_by
+            + np.repeat(by_row[k, part], times) * down
+            for k in range(2)
+        )
+        inside = np.flatnonzero((second >= -1e-9) & (third >= -1e-9) & (second + third <= 1.0 + 1e-9))
+        face = np.repeat(part, times)[inside]
+        second, third = second[inside], third[inside]
+        pixel = (first_row[face] + down[inside]) * width + first_column[face] + right_by[inside]
+        share = np.stack([1.0 - second - third, second, third])
+        height_here = (depths[:, face] * share).sum(axis=0)
+        front = np.flatnonzero(height_here > nearest[pixel])
         # Of several triangles on one pixel the last one written stays, so write the nearest last.
-        order = np.argsort(height_here, kind="stable")
-        pixel = pixel[order]
-        seen[pixel], weights[pixel], nearest[pixel] = face[order], share[order], height_here[order]
+        front = front[np.argsort(height_here[front], kind="stable")]
+        pixel = pixel[front]
+        seen[pixel], weights[pixel], nearest[pixel] = face[front], share[:, front].T, height_here[front]
     covered = np.flatnonzero(seen >= 0)
     return Frame(pixel=covered, face=seen[covered], weights=weights[covered])
