@@ -1,6 +1,8 @@
 """Hands that close on products."""
 
 import json
+import os
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +15,7 @@ from quasirigid.hand.search import Search
 # Meshes as coarse as these leave penetration between their vertices, and say so.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
 
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 AS_GIVEN = qr.ContactOptions(target_error=None)
 FINGERS = ("index", "middle", "ring", "little")
 
@@ -93,6 +96,18 @@ def test_an_overlap_is_reached(hand, handle):
             grasp.posed.labels, "metacarpal-head"
         )
         assert depth[on_digit].max() == pytest.approx(wanted, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k"])
+def test_a_scanned_hand_holds_a_can_between_its_thumb_and_all_fingers(name):
+    path = DATA / "hands" / f"{name}.ply"
+    if not path.exists():
+        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
+    hand = qr.read_hand(path)
+    can = qr.Obstacle.cylinder(0.05, 0.03)  # along z
+    grasp = qr.close_hand(hand, can.placed(hand.posed("relaxed").palm), skin(), force=10.0, options=AS_GIVEN)
+    assert not grasp.missed
+    assert forces(grasp) == pytest.approx({"thumb": 5.0} | dict.fromkeys(FINGERS, 1.25), rel=1e-2)
 
 
 @pytest.mark.parametrize("motion", ["product and pose", "hand"])

@@ -75,7 +75,7 @@ PRESETS: dict[str, dict[str, dict[str, float]]] = {
     "sphere": _preset((35, 45, 25), (5, 15, 20), spread=12, oppose=30, lift=20),
     "pinch": _preset((25, 30, 15), (20, 20, 30), oppose=40, lift=15, index=(45, 50, 25)),
     "point": _preset((75, 90, 50), (25, 40, 40), oppose=30, index=(0, 0, 0)),
-    "fist": _preset((85, 100, 60), (25, 45, 55), oppose=40, lift=10),
+    "fist": _preset((85, 100, 60), (25, 45, 55), oppose=45, lift=30),
 }
 """Angles (degrees): flexion from the straight digit, of a thumb's metacarpal and all else from rest."""
 

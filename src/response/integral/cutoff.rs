@@ -160,7 +160,7 @@ mod tests {
             (Vector3::new(1.2, 0.8, 0.1), 0.9),
             (Vector3::new(0.5, 0.45, 0.3), 0.55),
         ] {
-            let n = 1500;
+            let n = 800;
             let (mut inverse, mut gaussian) = ([0.0; 3], [0.0; 3]);
             let mut add = |l: [f64; 3]| {
                 let y = corners[0] * l[0] + corners[1] * l[1] + corners[2] * l[2];
