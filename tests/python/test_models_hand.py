@@ -36,7 +36,7 @@ def skin_of(hand: qr.Hand, word: str) -> NDArray[np.bool_]:
 
 SHAPES: dict[str, dict[str, Any]] = {
     "default": {},
-    "fine": {"edge_length": 1.3e-3},
+    "fine": {"edge_length": 1.6e-3},
     "coarse": {"edge_length": 5e-3},
     "left": {"side": "left", "edge_length": 3e-3},
     "broad": {"hand_length": 0.165, "hand_breadth": 0.090, "edge_length": 3e-3},
