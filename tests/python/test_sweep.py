@@ -46,6 +46,14 @@ def test_every_row_is_the_press_of_its_depth(surface: qr.Surface, by_depth: qr.S
     assert (by_depth.seconds > 0.0).all()
 
 
+def test_each_step_keeps_its_warnings(fingertip: qr.Surface) -> None:
+    options = qr.ContactOptions(target_error=None)
+    with pytest.warns(qr.QuasirigidWarning):
+        curve = qr.sweep(fingertip, PLATE, SKIN, UP, depths=[0.0, 20e-3], options=options)
+    assert curve.warnings[0] == ()
+    assert qr.DepthWarning in [category for category, _ in curve.warnings[1]]
+
+
 def test_a_step_is_solved_again_when_asked(by_depth: qr.Sweep) -> None:
     for step in (0, 2, -1):
         np.testing.assert_array_equal(by_depth[step].force, by_depth.force[step])
@@ -108,7 +116,7 @@ def test_bad_questions_are_named(surface: qr.Surface) -> None:
         ask(depths=[0.0, -1.0])
     with pytest.raises(qr.ContactError, match=r"forces\[0\] is 0.0"):
         ask(forces=[0.0])
-    for empty in ([], 1e-3, [[1e-3]], "deep"):
+    for empty in ([], 1e-3, [[1e-3]], "deep", [10**400]):
         with pytest.raises(qr.ContactError, match="expected a row of numbers"):
             ask(depths=empty)
     beside = qr.Obstacle.sphere([1.0, 0.0, 0.0], 1e-3)

@@ -18,6 +18,7 @@ from .ending import ContactStatus
 from .options import ContactOptions
 from .press import Start, press
 from .result import Contact, ContactError
+from .warned import Warned
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,6 +98,8 @@ class Sweep(Frozen):
     status : tuple of str
         Each a `ContactStatus`, "not_reached" (a force out of reach), or "refused" where the response could
         not answer.
+    warnings : tuple of tuple of (category, message)
+        What each step warned of, as in `Contact.warnings`.
     """
 
     depth: NDArray[np.float64]
@@ -109,6 +112,7 @@ class Sweep(Frozen):
     area_error: NDArray[np.float64]
     seconds: NDArray[np.float64]
     status: tuple[str, ...]
+    warnings: tuple[tuple[Warned, ...], ...]
     _question: _Question
 
     def __len__(self) -> int:
@@ -237,6 +241,7 @@ class _Rows:
         self.scalars = {name: np.full(count, np.nan) for name in _SCALARS}
         self.vectors = {name: np.full((count, 3), np.nan) for name in ("force", "moment")}
         self.status: list[str] = []
+        self.warnings: list[tuple[Warned, ...]] = []
         self.errors: list[QuasirigidError] = []
 
     def solve(self, question: _Question, step: int) -> None:
@@ -247,12 +252,14 @@ class _Rows:
         try:
             contact = question.answer(step)
         except (ContactError, ResponseError) as error:
-            is_short = isinstance(error, ContactError) and error.contact is not None
-            self.status.append("not_reached" if is_short else "refused")
-            if not is_short:
+            reached = error.contact if isinstance(error, ContactError) else None
+            self.status.append("refused" if reached is None else "not_reached")
+            self.warnings.append(() if reached is None else reached.warnings)
+            if reached is None:
                 self.errors.append(error)
         else:
             self.status.append(contact.status.value)
+            self.warnings.append(contact.warnings)
             self._take(contact, question.direction, step)
         self.scalars["seconds"][step] = time.perf_counter() - started
 
@@ -277,14 +284,20 @@ class _Rows:
         """Return the figures, read-only."""
         for array in (*self.scalars.values(), *self.vectors.values()):
             array.flags.writeable = False
-        return Sweep(**self.scalars, **self.vectors, status=tuple(self.status), _question=question)
+        return Sweep(
+            **self.scalars,
+            **self.vectors,
+            status=tuple(self.status),
+            warnings=tuple(self.warnings),
+            _question=question,
+        )
 
 
 def _values(name: str, values: ArrayLike | None, *, zero: bool) -> NDArray[np.float64]:
     """Return a row of finite numbers above 0, or from 0 on."""
     try:
         row = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         row = np.empty((0, 0))
     wanted = "numbers >= 0" if zero else "numbers > 0"
     if row.ndim != 1 or len(row) == 0:

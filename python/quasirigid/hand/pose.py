@@ -187,7 +187,7 @@ def _of_mapping(pose: Mapping[str, float | Mapping[str, float]], hand: Hand) -> 
 def _as_angle(name: str, value: Any) -> float:
     try:
         angle = float("nan") if isinstance(value, (str, bytes, bool)) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         angle = float("nan")
     if not math.isfinite(angle):
         raise HandError(f"{name} is {short(value)}, expected a finite angle (rad)")
