@@ -11,7 +11,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
-use crate::lcp::options::LcpOptions;
+use crate::lcp::options::{DefinitenessCheck, LcpOptions};
 use crate::lcp::problem::LcpProblem;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::lcp::solve as lcp;
@@ -123,6 +123,8 @@ impl GroupProblem<'_> {
         let lcp_options = LcpOptions {
             interrupt: options.interrupt,
             initial_active: guess.map(is_guessed),
+            // A factor of all nodes costs more than the solve that begins from a good guess.
+            definiteness: if is_examined { DefinitenessCheck::Cheap } else { DefinitenessCheck::Never },
             ..LcpOptions::default()
         };
         let solution = lcp::solve(&problem, &options.method, &lcp_options)?;
