@@ -20,6 +20,7 @@ use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
     LANES, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
+use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::error::ResponseError;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
@@ -133,8 +134,15 @@ impl NearKernel {
     ///
     /// Along the normals of one surface `n_i·r^` and `n_j·r^` vanish with r, so that the second term has no singularity and is
     /// taken at the nodes; the first is a scalar kernel's.
-    pub fn along(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
-        let mut response = self.scalar_block(asked, asked.nodes)?;
+    ///
+    /// * `kept`: what is known of the scalar kernel on this mesh
+    pub fn along(
+        &self,
+        asked: &Request,
+        directions: &[Vector3<f64>],
+        kept: &KeptBlock,
+    ) -> Result<Mat<f64>, ResponseError> {
+        let mut response = self.scalar_rows(asked, asked.nodes, kept)?;
         let points = asked.nodes.iter().map(|&vertex| asked.surface.vertices()[vertex]);
         let nodes: Vec<_> = points.zip(directions).collect();
         let factor = self.outer_factor();
@@ -155,13 +163,16 @@ impl NearKernel {
     }
 
     /// Displacement (m) of `vertices` under `forces` (N) at the nodes, the second term at the nodes too.
+    ///
+    /// * `kept`: as for [`along`](Self::along)
     pub fn displacements(
         &self,
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
+        kept: &KeptBlock,
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        let scalar = self.scalar_block(asked, vertices)?;
+        let scalar = self.scalar_rows(asked, vertices, kept)?;
         let factor = self.outer_factor();
         let points = asked.surface.vertices();
         let moved = |(row, &vertex): (usize, &usize)| {
@@ -185,11 +196,19 @@ impl NearKernel {
     }
 
     /// The layer, or the half-space without bone, of `rows` per newton at the nodes.
-    fn scalar_block(&self, asked: &Request, rows: &[usize]) -> Result<Mat<f64>, ResponseError> {
+    fn scalar_rows(
+        &self,
+        asked: &Request,
+        rows: &[usize],
+        kept: &KeptBlock,
+    ) -> Result<Mat<f64>, ResponseError> {
         let options =
             &AssemblyOptions { tolerance: asked.options.tolerance.max(LEAST_TOLERANCE), ..*asked.options };
         let kernel = self.layer.as_ref().unwrap_or(&self.half_space);
-        assemble_block(asked.surface, kernel, rows, asked.nodes, options)
+        let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
+            assemble_block(asked.surface, kernel, rows, columns, options)
+        };
+        kept.entries(rows, asked.nodes, options, assemble)
     }
 }
 
