@@ -180,28 +180,32 @@ impl NearAndFar {
         let nodes = asked.nodes;
         let support = self.support(nodes);
         let at = |coarse: u32| support.binary_search(&(coarse as usize)).expect("a vertex of the support");
-        let of_support = |&vertex: &usize| -> Vec<(usize, f64)> {
-            self.weights(vertex).iter().map(|&(coarse, weight)| (3 * at(coarse), weight)).collect()
-        };
-        // A node hangs on a few coarse vertices, so that most of the products would be with 0.
-        let weights: Vec<Vec<(usize, f64)>> = nodes.iter().map(of_support).collect();
+        // A node hangs on a few coarse vertices, so that most of a dense product would be with 0.
+        let spread: Vec<Vec<(usize, f64)>> = (nodes.iter().zip(directions))
+            .map(|(&vertex, direction)| {
+                let weights = self.weights(vertex).iter();
+                let along = |&(coarse, weight): &(u32, f64)| {
+                    let first = 3 * at(coarse);
+                    (0..3).map(move |axis| (first + axis, weight * direction[axis]))
+                };
+                weights.flat_map(along).collect()
+            })
+            .collect();
         let among = self.remainder.blocks(&support, &support, asked)?;
+        let mut half = Mat::<f64>::zeros(nodes.len(), among.ncols());
+        half.par_col_chunks_mut(1).enumerate().for_each(|(column, half)| {
+            let moved = among.col_as_slice(column);
+            let along =
+                |terms: &Vec<(usize, f64)>| terms.iter().map(|&(row, share)| share * moved[row]).sum();
+            let half = half.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            half.as_slice_mut().iter_mut().zip(&spread).for_each(|(entry, terms)| *entry = along(terms));
+        });
         let mut response = self.near.along(asked, directions, &self.kept)?;
-        response.par_col_chunks_mut(1).enumerate().for_each(|(j, column)| {
-            let mut moved = vec![0.0; among.nrows()];
-            kernels::add_terms(&mut moved, 3 * weights[j].len(), |k| {
-                let ((place, weight), axis) = (weights[j][k / 3], k % 3);
-                (among.col_as_slice(place + axis), weight * directions[j][axis])
+        response.par_col_chunks_mut(1).zip(&spread).for_each(|(column, terms)| {
+            let column = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            kernels::add_terms(column.as_slice_mut(), terms.len(), |k| {
+                (half.col_as_slice(terms[k].0), terms[k].1)
             });
-            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            for ((entry, weights), direction) in
-                entries.as_slice_mut().iter_mut().zip(&weights).zip(directions)
-            {
-                for &(place, weight) in weights {
-                    let along: f64 = (0..3).map(|axis| direction[axis] * moved[place + axis]).sum();
-                    *entry += weight * along;
-                }
-            }
         });
         Ok(response)
     }
