@@ -188,7 +188,7 @@ fn first_touch(
         return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
     }
     let of_vertices = obstacle.first_touch(&touching, direction)?.map_or(f64::INFINITY, |touch| touch.travel);
-    let travel = of_vertices.min(touch_between(surface, obstacle, direction));
+    let travel = of_vertices.min(touch_between(surface, obstacle, direction, of_vertices));
     if travel.is_infinite() {
         return Err(never_touches(direction, touching.len()));
     }

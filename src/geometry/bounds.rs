@@ -22,10 +22,15 @@ pub struct Bounds {
 impl Bounds {
     /// The smallest box around some points (m); `low` = inf and `high` = -inf without any.
     pub fn around<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>>) -> Bounds {
+        Self::around_each(points.into_iter().copied())
+    }
+
+    /// The same of points that are stored nowhere.
+    pub fn around_each(points: impl IntoIterator<Item = Vector3<f64>>) -> Bounds {
         let none = Bounds { low: Vector3::repeat(f64::INFINITY), high: Vector3::repeat(f64::NEG_INFINITY) };
         points
             .into_iter()
-            .fold(none, |bounds, point| Bounds { low: bounds.low.inf(point), high: bounds.high.sup(point) })
+            .fold(none, |bounds, point| Bounds { low: bounds.low.inf(&point), high: bounds.high.sup(&point) })
     }
 
     /// The smallest box around both.

@@ -26,12 +26,13 @@ pub(crate) struct Faces<'a> {
 
 /// Tree of the boxes around faces.
 pub(crate) fn face_tree(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Bvh {
+    box_tree(faces.iter().map(|face| Bounds::around(face.map(|v| &vertices[v as usize]))))
+}
+
+/// Tree of boxes.
+pub(crate) fn box_tree(boxes: impl Iterator<Item = Bounds>) -> Bvh {
     let vector = |v: Vector3<f64>| Vector::new(v.x, v.y, v.z);
-    let boxes: Vec<Aabb> = faces
-        .iter()
-        .map(|face| Bounds::around(face.map(|v| &vertices[v as usize])))
-        .map(|bounds| Aabb::new(vector(bounds.low), vector(bounds.high)))
-        .collect();
+    let boxes: Vec<Aabb> = boxes.map(|bounds| Aabb::new(vector(bounds.low), vector(bounds.high))).collect();
     Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes)
 }
 

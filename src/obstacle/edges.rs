@@ -1,5 +1,7 @@
 //! Sharp edges of an obstacle, where a skin between its own vertices may meet it first.
 
+use std::borrow::Cow;
+
 use nalgebra::Vector3;
 
 use crate::obstacle::posed::{Obstacle, Shape};
@@ -47,22 +49,26 @@ impl Obstacle {
     /// Sharp convex edges of a mesh, a box or a cylinder, each once; none of a round primitive.
     ///
     /// The rims of a cylinder are polygons.
-    pub(crate) fn sharp_edges(&self) -> Vec<SharpEdge> {
-        let pose = self.pose_matrix();
-        let placed = |edge: &SharpEdge| SharpEdge {
-            ends: edge.ends.map(|end| pose.to_world(&end)),
-            normals: edge.normals.map(|normal| pose.turn(&normal)),
-        };
-        match self.shape() {
-            Shape::Mesh(mesh) => mesh.sharp_edges().iter().map(placed).collect(),
-            Shape::Primitive(Primitive::Cuboid { half_extents }) => {
-                cuboid_edges(half_extents).iter().map(placed).collect()
-            }
+    pub(crate) fn sharp_edges(&self) -> impl Iterator<Item = SharpEdge> {
+        let own = match self.shape() {
+            Shape::Mesh(mesh) => Cow::Borrowed(mesh.sharp_edges()),
+            Shape::Primitive(Primitive::Cuboid { half_extents }) => cuboid_edges(half_extents).into(),
             Shape::Primitive(Primitive::Cylinder { half_height, radius }) => {
-                cylinder_rims(*half_height, *radius).iter().map(placed).collect()
+                cylinder_rims(*half_height, *radius).into()
             }
-            Shape::Primitive(_) => Vec::new(),
-        }
+            Shape::Primitive(_) => Cow::default(),
+        };
+        let pose = self.pose_matrix();
+        (0..own.len()).map(move |edge| SharpEdge {
+            ends: own[edge].ends.map(|end| pose.to_world(&end)),
+            normals: own[edge].normals.map(|normal| pose.turn(&normal)),
+        })
+    }
+
+    /// Whether it has a [`line_towards`](Self::line_towards) some normals.
+    pub(crate) fn is_round(&self) -> bool {
+        use Primitive::{Capsule, Cylinder, Sphere};
+        matches!(self.shape(), Shape::Primitive(Sphere { .. } | Capsule { .. } | Cylinder { .. }))
     }
 
     /// The line, or point, of a round primitive that a plane with that outward unit normal touches first.
@@ -164,7 +170,7 @@ mod tests {
         let mesh = Obstacle::mesh(vertices, faces, &Default::default()).expect("a closed mesh");
         for obstacle in [cuboid, mesh] {
             let shift = Vector3::new(0.5, 0.0, -1.0);
-            let edges = obstacle.translated(&shift).sharp_edges();
+            let edges = obstacle.translated(&shift).sharp_edges().collect::<Vec<_>>();
             assert_eq!(edges.len(), 12);
             for SharpEdge { ends: [a, b], normals } in edges {
                 assert_eq!((b - a).iter().filter(|part| **part != 0.0).count(), 1);
@@ -172,7 +178,7 @@ mod tests {
                 assert!(normals.iter().all(|normal| (a - shift).dot(normal) > 0.0));
             }
         }
-        assert!(Obstacle::sphere(Vector3::zeros(), 1.0).expect("a ball").sharp_edges().is_empty());
+        assert!(Obstacle::sphere(Vector3::zeros(), 1.0).expect("a ball").sharp_edges().next().is_none());
     }
 
     #[test]

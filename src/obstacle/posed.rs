@@ -201,7 +201,7 @@ impl Obstacle {
     pub fn bounding_box(&self) -> Option<Bounds> {
         let pose = self.pose_matrix();
         match &*self.shape {
-            Shape::Mesh(_) => self.triangles().map(|(vertices, _)| Bounds::around(&vertices)),
+            Shape::Mesh(mesh) => Some(Bounds::around_each(mesh.vertices().iter().map(|v| pose.to_world(v)))),
             Shape::Primitive(primitive) => {
                 Some(primitive.bounding_box(&pose.rotation)?.translated(&pose.translation))
             }

@@ -204,6 +204,10 @@ def test_condition_and_definiteness_are_known_when_cheap_or_asked_for() -> None:
     assert len(asked.candidates) > 64
     assert asked.accuracy.condition is not None
     assert 1 < asked.accuracy.condition < 1e3
+    assert asked.accuracy.definite is not None
+    unasked = qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1.12e-3, options=AS_GIVEN)
+    assert len(unasked.candidates) > 64
+    assert (unasked.accuracy.condition, unasked.accuracy.definite) == (None, None)
 
 
 def test_the_galerkin_form_nears_hertz_with_a_symmetric_matrix() -> None:

@@ -11,7 +11,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
-use crate::lcp::options::LcpOptions;
+use crate::lcp::options::{DefinitenessCheck, LcpOptions};
 use crate::lcp::problem::LcpProblem;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::lcp::solve as lcp;
@@ -47,8 +47,9 @@ impl GroupProblem<'_> {
         report: &mut Report,
     ) -> Result<(), ContactError> {
         let mut nodes = self.expected(group);
+        let mut guess = self.guess.map(<[usize]>::to_vec);
         loop {
-            let (solution, spectrum) = self.solve_on(&nodes, forces, report)?;
+            let (solution, spectrum) = self.solve_on(&nodes, guess.as_deref(), forces, report)?;
             forces.adopt(&nodes, &solution);
             forces.settle();
             let started = Instant::now();
@@ -62,7 +63,10 @@ impl GroupProblem<'_> {
                 forces.spectra.push(spectrum);
                 return Ok(());
             }
-            nodes = self.around(group, &[nodes, pressed].concat(), 1);
+            let mut pushed = [&forces.active[..], &pressed].concat();
+            pushed.sort_unstable();
+            guess = Some(pushed);
+            nodes = self.around(group, &pressed, nodes);
         }
     }
 
@@ -71,15 +75,18 @@ impl GroupProblem<'_> {
         let is_refined = self.gaps.scene.inherited.is_some();
         let is_collocation = self.response.traits.discretization == Discretization::Collocation;
         match self.guess {
-            Some(guess) if is_refined && is_collocation => self.around(group, guess, EXPECTED_RINGS),
+            Some(guess) if is_refined && is_collocation => self.around(group, guess, Vec::new()),
             _ => group.to_vec(),
         }
     }
 
-    /// Those of a group within so many rings of `nodes`; all of it where few are left out.
-    fn around(&self, group: &[usize], nodes: &[usize], rings: usize) -> Vec<usize> {
-        let mut around = with_rings(self.gaps.surface, nodes, rings);
+    /// `known` and those of a group within the expected rings of `nodes`; all of it where few are left out.
+    fn around(&self, group: &[usize], nodes: &[usize], known: Vec<usize>) -> Vec<usize> {
+        let mut around = with_rings(self.gaps.surface, nodes, EXPECTED_RINGS);
         around.retain(|vertex| group.binary_search(vertex).is_ok());
+        around.extend(known);
+        around.sort_unstable();
+        around.dedup();
         let is_enough = !around.is_empty() && (around.len() as f64) < MOST_OF_A_GROUP * group.len() as f64;
         if is_enough { around } else { group.to_vec() }
     }
@@ -104,10 +111,11 @@ impl GroupProblem<'_> {
     fn solve_on(
         &self,
         nodes: &[usize],
+        guess: Option<&[usize]>,
         forces: &NodeForces,
         report: &mut Report,
     ) -> Result<(LcpSolution, Option<Spectrum>), ContactError> {
-        let Self { gaps, response, guess, options } = *self;
+        let Self { gaps, response, options, .. } = *self;
         let started = Instant::now();
         let matrix = response.matrix(nodes, &gaps.at(nodes)?.normal, &forces.fingers)?;
         report.clock("response", started);
@@ -123,6 +131,8 @@ impl GroupProblem<'_> {
         let lcp_options = LcpOptions {
             interrupt: options.interrupt,
             initial_active: guess.map(is_guessed),
+            // A factor of all nodes costs more than the solve that begins from a good guess.
+            definiteness: if is_examined { DefinitenessCheck::Cheap } else { DefinitenessCheck::Never },
             ..LcpOptions::default()
         };
         let solution = lcp::solve(&problem, &options.method, &lcp_options)?;

@@ -1,8 +1,12 @@
 //! Mean pressure over discs of a given area.
 
 use std::f64::consts::PI;
+use std::ops::Range;
+
+use nalgebra::Vector3;
 
 use crate::contact::figures::resultant::LoadedVertex;
+use crate::geometry::bounds::Bounds;
 
 /// The area (m²) over which every set of vertices has its mean pressure.
 pub(crate) const SQUARE_CENTIMETRE: f64 = 1e-4;
@@ -11,17 +15,34 @@ pub(crate) const SQUARE_CENTIMETRE: f64 = 1e-4;
 /// over `area` (Pa); 0 without vertices.
 pub(crate) fn largest_mean(loaded: &[&LoadedVertex], area: f64) -> f64 {
     let radius = (area / PI).sqrt();
-    // Along x, so that only vertices in a strip are measured.
-    let mut sorted = loaded.to_vec();
-    sorted.sort_by(|a, b| a.position.x.total_cmp(&b.position.x));
-    let mut first = 0;
-    let mut largest = 0.0_f64;
-    for middle in &sorted {
-        let x = middle.position.x;
-        first += sorted[first..].iter().take_while(|other| other.position.x < x - radius).count();
-        let strip = sorted[first..].iter().take_while(|other| other.position.x <= x + radius);
-        let within = strip.filter(|other| (other.position - middle.position).norm() <= radius);
-        largest = largest.max(within.map(|other| other.node_force).sum());
+    let around = Bounds::around(loaded.iter().map(|one| &one.position));
+    let axis = if loaded.is_empty() { 0 } else { (around.high - around.low).imax() };
+    let mut sorted: Vec<(Vector3<f64>, f64)> =
+        loaded.iter().map(|one| (one.position, one.node_force)).collect();
+    sorted.sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
+    // The strip across the axis that each may reach, and the force on it: no more lies within the radius.
+    let (mut first, mut end, mut force) = (0, 0, 0.0);
+    let mut strips: Vec<(f64, usize, Range<usize>)> = Vec::with_capacity(sorted.len());
+    for (middle, (position, _)) in sorted.iter().enumerate() {
+        while end < sorted.len() && sorted[end].0[axis] <= position[axis] + radius {
+            force += sorted[end].1;
+            end += 1;
+        }
+        while sorted[first].0[axis] < position[axis] - radius {
+            force -= sorted[first].1;
+            first += 1;
+        }
+        strips.push((force, middle, first..end));
+    }
+    strips.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
+    let mut largest = 0.0;
+    for (most, middle, strip) in strips {
+        if most <= largest {
+            break;
+        }
+        let (place, reach) = (sorted[middle].0, radius * radius);
+        let within = sorted[strip].iter().filter(|(other, _)| (other - place).norm_squared() <= reach);
+        largest = f64::max(largest, within.map(|(_, force)| force).sum());
     }
     largest / area
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod accuracy;
 pub(crate) mod area;
+pub(crate) mod between;
 pub(crate) mod displacement;
 pub(crate) mod drawn;
 pub(crate) mod fade;

@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 use crate::contact::gap::measured::Measured;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::face_tree::{Faces, face_tree, node_bounds};
+use crate::geometry::face_tree::{Faces, box_tree, face_tree, node_bounds};
 use crate::obstacle::edges::SharpEdge;
 use crate::obstacle::posed::Obstacle;
 
@@ -64,31 +64,36 @@ impl SkinPart<'_> {
         deepest: f64,
         with_faces: impl Fn(usize) -> bool,
     ) -> Vec<Meeting> {
-        let mut found = Vec::new();
-        let around = Bounds::around(self.triangles.iter().flatten().map(|&k| &self.points[k as usize]));
-        let around = around.grown(deepest);
-        let is_near = |edge: &SharpEdge| Bounds::around(&edge.ends).meets(&around);
-        let edges: Vec<SharpEdge> = obstacle.sharp_edges().into_iter().filter(is_near).collect();
-        if edges.is_empty() || self.triangles.is_empty() {
-            return found;
+        let corners = self.triangles.iter().flatten();
+        let around = Bounds::around(corners.map(|&corner| &self.points[corner as usize])).grown(deepest);
+        let (edges, boxes): (Vec<SharpEdge>, Vec<Bounds>) = (obstacle.sharp_edges())
+            .map(|edge| (edge, Bounds::around(&edge.ends)))
+            .filter(|(_, bounds)| bounds.meets(&around))
+            .unzip();
+        if edges.is_empty() {
+            return Vec::new();
         }
-        let tree = face_tree(self.points, self.triangles);
-        for edge in &edges {
-            let reach = Bounds::around(&edge.ends).grown(deepest);
-            for triangle in tree.leaves(|node| node_bounds(node).meets(&reach)) {
-                let line = Line { ends: edge.ends, is_sharp: true };
-                let across = |inward: &Vector3<f64>| {
-                    Some((line, edge.between(inward, with_faces(triangle as usize))?))
-                };
-                found.extend(self.meeting(triangle as usize, across, deepest));
+        let mut found = Vec::new();
+        let tree = box_tree(boxes.into_iter());
+        for (triangle, corners) in self.triangles.iter().enumerate() {
+            let reach = Bounds::around(corners.map(|corner| &self.points[corner as usize])).grown(deepest);
+            for edge in tree.leaves(|node| node_bounds(node).meets(&reach)) {
+                let sharp = &edges[edge as usize];
+                let line = Line { ends: sharp.ends, is_sharp: true };
+                let across =
+                    |inward: &Vector3<f64>| Some((line, sharp.between(inward, with_faces(triangle))?));
+                found.extend(self.meeting(triangle, across, deepest).map(|met| (edge, met)));
             }
         }
-        found
+        // Of edges that meet at a point the first one holds it.
+        found.sort_by_key(|(edge, _)| *edge);
+        found.into_iter().map(|(_, met)| met).collect()
     }
 
     /// How deep (m, ≥ 0) a sharp edge of the obstacle stands in the skin at the most.
     pub fn deepest_edge(&self, obstacle: &Obstacle, deepest: f64) -> f64 {
         let mut met = self.edges_of(obstacle, deepest, |_| true);
+        met.retain(|under| under.depth > 0.0);
         met.sort_by(|one, other| other.depth.total_cmp(&one.depth));
         if met.is_empty() {
             return 0.0;

@@ -5,18 +5,24 @@ use rayon::prelude::*;
 
 use crate::contact::gap::edge::depth_along;
 use crate::geometry::bounds::Bounds;
-use crate::geometry::face_tree::{face_tree, node_bounds};
+use crate::geometry::face_tree::{box_tree, node_bounds};
+use crate::obstacle::edges::SharpEdge;
 use crate::obstacle::posed::Obstacle;
 use crate::obstacle::primitive::perpendicular;
 use crate::surface::checked::Surface;
 
 /// Travel (m) at which a sharp edge or the line of a round primitive, coming from infinity, first touches a triangle that
-/// may touch; infinite where none comes in its way.
-pub(crate) fn touch_between(surface: &Surface, obstacle: &Obstacle, direction: &Vector3<f64>) -> f64 {
+/// may touch; infinite, or any after `latest` (m), where none does so before.
+pub(crate) fn touch_between(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    direction: &Vector3<f64>,
+    latest: f64,
+) -> f64 {
     let may_touch = |face: &&[u32; 3]| face.iter().all(|&corner| surface.skin_mask()[corner as usize]);
     let faces: Vec<&[u32; 3]> = surface.faces().iter().filter(may_touch).collect();
     touch_of_line(surface, &faces, obstacle, direction)
-        .min(touch_of_edges(surface, &faces, obstacle, direction))
+        .min(touch_of_edges(surface, &faces, obstacle, direction, latest))
 }
 
 /// The same of the line of a round primitive.
@@ -26,6 +32,9 @@ fn touch_of_line(
     obstacle: &Obstacle,
     direction: &Vector3<f64>,
 ) -> f64 {
+    if !obstacle.is_round() {
+        return f64::INFINITY;
+    }
     let travel = |face: &&[u32; 3]| {
         let triangle = corners(surface, face);
         let [a, b, c] = &triangle;
@@ -35,39 +44,44 @@ fn touch_of_line(
     faces.par_iter().filter_map(travel).reduce(|| f64::INFINITY, f64::min)
 }
 
-/// The same of sharp edges.
+/// The same of sharp edges that touch before `latest` (m).
 fn touch_of_edges(
     surface: &Surface,
     faces: &[&[u32; 3]],
     obstacle: &Obstacle,
     direction: &Vector3<f64>,
+    latest: f64,
 ) -> f64 {
-    let edges = obstacle.sharp_edges();
-    // Both as seen along the direction.
+    // Both as seen along the direction, which is the third axis.
     let across = perpendicular(direction);
     let up = direction.cross(&across);
-    let seen = |x: &Vector3<f64>| Vector3::new(x.dot(&across), x.dot(&up), 0.0);
-    let shadows: Vec<Bounds> =
-        edges.iter().map(|edge| Bounds::around(&edge.ends.map(|end| seen(&end)))).collect();
-    let Some(around) = shadows.iter().copied().reduce(|all, one| all.union(&one)) else {
-        return f64::INFINITY;
-    };
+    let seen = |x: &Vector3<f64>| Vector3::new(x.dot(&across), x.dot(&up), x.dot(direction));
     let points: Vec<Vector3<f64>> = surface.vertices().iter().map(seen).collect();
-    let shadow = |face: &[u32; 3]| Bounds::around(face.map(|corner| &points[corner as usize]));
-    let met: Vec<[u32; 3]> =
-        faces.iter().filter(|face| shadow(face).meets(&around)).map(|face| **face).collect();
-    if met.is_empty() {
+    // Where an edge is that touches some of the skin in time.
+    let in_time = |mut skin: Bounds| {
+        (skin.low.z, skin.high.z) = (skin.low.z - latest, f64::INFINITY);
+        skin
+    };
+    let reach =
+        in_time(Bounds::around(faces.iter().flat_map(|face| face.map(|corner| &points[corner as usize]))));
+    let place = |edge: &SharpEdge| Bounds::around_each(edge.ends.map(|end| seen(&end)));
+    let edges: Vec<(SharpEdge, Bounds)> = (obstacle.sharp_edges())
+        .map(|edge| (edge, place(&edge)))
+        .filter(|(_, bounds)| bounds.meets(&reach))
+        .collect();
+    if edges.is_empty() {
         return f64::INFINITY;
     }
-    let tree = face_tree(&points, &met);
-    let travel = |edge: usize| {
-        let under = tree.leaves(|node| node_bounds(node).meets(&shadows[edge]));
-        let travel = |face: u32| {
-            Some(-depth_along(&edges[edge].ends, &corners(surface, &met[face as usize]), direction)?.depth)
-        };
-        under.filter_map(travel).fold(f64::INFINITY, f64::min)
+    let tree = box_tree(edges.iter().map(|(_, bounds)| *bounds));
+    let travel = |face: &&[u32; 3]| {
+        let reach = in_time(Bounds::around(face.map(|corner| &points[corner as usize])));
+        let triangle = corners(surface, face);
+        let over = tree.leaves(|node| node_bounds(node).meets(&reach));
+        let travel =
+            |edge: u32| Some(-depth_along(&edges[edge as usize].0.ends, &triangle, direction)?.depth);
+        over.filter_map(travel).fold(f64::INFINITY, f64::min)
     };
-    (0..edges.len()).into_par_iter().map(travel).reduce(|| f64::INFINITY, f64::min)
+    faces.par_iter().map(travel).reduce(|| f64::INFINITY, f64::min)
 }
 
 fn corners(surface: &Surface, face: &[u32; 3]) -> [Vector3<f64>; 3] {

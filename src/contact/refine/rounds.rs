@@ -1,8 +1,10 @@
 //! Solve, look where the mesh is too coarse, refine it there, solve again.
 
+use std::collections::HashMap;
 use std::time::Instant;
 
 use crate::contact::error::ContactError;
+use crate::contact::figures::resultant::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
@@ -227,28 +229,31 @@ impl Rounds<'_> {
             .contact(self.options)
     }
 
-    /// Vertices of a finer part that are expected to carry force: those that do, and those between two of them.
+    /// Vertices of a finer part that are expected to carry force: those that do, those between two of them, and those
+    /// beside one that the rim lies farther out of than half-way to its neighbours.
     fn expected(&self, part: &RefinedSurface) -> Vec<usize> {
         let given_count = self.given.surface().vertices().len();
-        let (mut active, known) = match &self.last {
-            None => (self.given.active.clone(), given_count),
-            Some((last, contact)) => {
-                let active = contact.active.iter().map(|&vertex| last.number(vertex)).collect();
-                (active, given_count + last.parents().len())
-            }
+        let (surface, contact, known) = match &self.last {
+            None => (self.given.surface(), &self.given, given_count),
+            Some((last, contact)) => (&last.surface, contact, given_count + last.parents().len()),
         };
-        active.sort_unstable();
-        let mut is_active: Vec<bool> = Vec::with_capacity(part.surface.vertices().len());
+        let number = |vertex| self.last.as_ref().map_or(vertex, |(last, _)| last.number(vertex));
+        let is_far_in = |one: &LoadedVertex| one.contact_area > surface.vertex_areas()[one.vertex];
+        let loaded: HashMap<usize, bool> =
+            contact.loaded.list.iter().map(|one| (number(one.vertex), is_far_in(one))).collect();
+        // `None` without force, else whether the rim is far.
+        let mut found: Vec<Option<bool>> = Vec::with_capacity(part.surface.vertices().len());
         for vertex in 0..part.surface.vertices().len() {
             let number = part.number(vertex);
-            is_active.push(if number < known {
-                active.binary_search(&number).is_ok()
+            found.push(if number < known {
+                loaded.get(&number).copied()
             } else {
-                let [a, b] = part.parents()[vertex - part.given_vertices().len()];
-                is_active[a] && is_active[b]
+                let ends = part.parents()[vertex - part.given_vertices().len()].map(|end| found[end]);
+                let is_loaded = ends.contains(&Some(true)) || !ends.contains(&None);
+                is_loaded.then_some(false)
             });
         }
-        (0..is_active.len()).filter(|&vertex| is_active[vertex]).collect()
+        (0..found.len()).filter(|&vertex| found[vertex].is_some()).collect()
     }
 
     /// What a refined part takes over from the given mesh.

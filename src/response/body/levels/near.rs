@@ -20,6 +20,7 @@ use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
     LANES, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
+use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::error::ResponseError;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
@@ -133,35 +134,54 @@ impl NearKernel {
     ///
     /// Along the normals of one surface `n_i·r^` and `n_j·r^` vanish with r, so that the second term has no singularity and is
     /// taken at the nodes; the first is a scalar kernel's.
-    pub fn along(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
-        let mut response = self.scalar_block(asked, asked.nodes)?;
-        let points = asked.nodes.iter().map(|&vertex| asked.surface.vertices()[vertex]);
-        let nodes: Vec<_> = points.zip(directions).collect();
-        let factor = self.outer_factor();
+    ///
+    /// * `kept`: what is known of the scalar kernel on this mesh
+    pub fn along(
+        &self,
+        asked: &Request,
+        directions: &[Vector3<f64>],
+        kept: &KeptBlock,
+    ) -> Result<Mat<f64>, ResponseError> {
+        let mut response = self.scalar_rows(asked, asked.nodes, kept)?;
+        let [x, y, z] = coordinates(asked.nodes.iter().map(|&vertex| &asked.surface.vertices()[vertex]));
+        let [along_x, along_y, along_z] = coordinates(directions.iter());
+        let (factor, arch) = (self.outer_factor(), pulp::Arch::new());
         response.par_col_chunks_mut(1).enumerate().for_each(|(j, column)| {
-            let (to, load) = nodes[j];
             let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            for (entry, (from, direction)) in entries.as_slice_mut().iter_mut().zip(&nodes) {
-                let way = from - to;
-                let distance_squared = way.norm_squared();
-                *entry *= direction.dot(load);
-                if distance_squared > 0.0 {
-                    let leans = direction.dot(&way) * load.dot(&way);
-                    *entry += factor * leans / (distance_squared * distance_squared.sqrt());
-                }
-            }
+            let entries = entries.as_slice_mut();
+            let count = entries.len();
+            let [x, y, z] = [&x[..count], &y[..count], &z[..count]];
+            let [along_x, along_y, along_z] = [&along_x[..count], &along_y[..count], &along_z[..count]];
+            let (to, load) = ([x[j], y[j], z[j]], [along_x[j], along_y[j], along_z[j]]);
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    for (i, entry) in entries.iter_mut().enumerate() {
+                        let way = [x[i] - to[0], y[i] - to[1], z[i] - to[2]];
+                        let along = [along_x[i], along_y[i], along_z[i]];
+                        let distance_squared = dot(&way, &way);
+                        // No way, no lean: the quotient is 0.
+                        let cubed = (distance_squared * distance_squared.sqrt()).max(f64::MIN_POSITIVE);
+                        let leans = dot(&along, &way) * dot(&load, &way);
+                        *entry = *entry * dot(&along, &load) + factor * leans / cubed;
+                    }
+                },
+            );
         });
         Ok(response)
     }
 
     /// Displacement (m) of `vertices` under `forces` (N) at the nodes, the second term at the nodes too.
+    ///
+    /// * `kept`: as for [`along`](Self::along)
     pub fn displacements(
         &self,
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
+        kept: &KeptBlock,
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        let scalar = self.scalar_block(asked, vertices)?;
+        let scalar = self.scalar_rows(asked, vertices, kept)?;
         let factor = self.outer_factor();
         let points = asked.surface.vertices();
         let moved = |(row, &vertex): (usize, &usize)| {
@@ -185,11 +205,19 @@ impl NearKernel {
     }
 
     /// The layer, or the half-space without bone, of `rows` per newton at the nodes.
-    fn scalar_block(&self, asked: &Request, rows: &[usize]) -> Result<Mat<f64>, ResponseError> {
+    fn scalar_rows(
+        &self,
+        asked: &Request,
+        rows: &[usize],
+        kept: &KeptBlock,
+    ) -> Result<Mat<f64>, ResponseError> {
         let options =
             &AssemblyOptions { tolerance: asked.options.tolerance.max(LEAST_TOLERANCE), ..*asked.options };
         let kernel = self.layer.as_ref().unwrap_or(&self.half_space);
-        assemble_block(asked.surface, kernel, rows, asked.nodes, options)
+        let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
+            assemble_block(asked.surface, kernel, rows, columns, options)
+        };
+        kept.entries(rows, asked.nodes, options, assemble)
     }
 }
 
@@ -198,6 +226,16 @@ impl NearBlocks {
         let [xx, xy, xz, yy, yz, zz] = self.packed.col_as_slice(column).as_chunks().0[row];
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
+}
+
+/// Coordinates of vectors in separate lists, for vector code.
+fn coordinates<'a>(vectors: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> [Vec<f64>; 3] {
+    [0, 1, 2].map(|axis| vectors.clone().map(|vector| vector[axis]).collect())
+}
+
+#[inline(always)]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[derive(Default)]

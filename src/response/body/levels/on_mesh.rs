@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Par};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
+use crate::linalg::kernels;
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::Coarseness;
+use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::NearKernel;
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::Request;
@@ -100,6 +101,8 @@ pub(crate) struct NearAndFar {
     /// Vertices that do not move (n).
     pub fixed: Arc<[bool]>,
     pub near: NearKernel,
+    /// What is known of it on this mesh.
+    pub kept: KeptBlock,
 }
 
 impl NearAndFar {
@@ -176,19 +179,34 @@ impl NearAndFar {
     pub fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
         let nodes = asked.nodes;
         let support = self.support(nodes);
-        let mut spread = Mat::<f64>::zeros(3 * support.len(), nodes.len());
-        for (j, (&vertex, direction)) in nodes.iter().zip(directions).enumerate() {
-            for &(coarse, weight) in self.weights(vertex) {
-                let at = 3 * support.binary_search(&(coarse as usize)).expect("a vertex of the support");
-                (0..3).for_each(|axis| spread[(at + axis, j)] += weight * direction[axis]);
-            }
-        }
+        let at = |coarse: u32| support.binary_search(&(coarse as usize)).expect("a vertex of the support");
+        // A node hangs on a few coarse vertices, so that most of a dense product would be with 0.
+        let spread: Vec<Vec<(usize, f64)>> = (nodes.iter().zip(directions))
+            .map(|(&vertex, direction)| {
+                let weights = self.weights(vertex).iter();
+                let along = |&(coarse, weight): &(u32, f64)| {
+                    let first = 3 * at(coarse);
+                    (0..3).map(move |axis| (first + axis, weight * direction[axis]))
+                };
+                weights.flat_map(along).collect()
+            })
+            .collect();
         let among = self.remainder.blocks(&support, &support, asked)?;
-        // Products of one thread, so that the result is the same to the bit for any number.
-        let mut half = Mat::<f64>::zeros(3 * support.len(), nodes.len());
-        matmul(half.as_mut(), Accum::Replace, among.as_ref(), spread.as_ref(), 1.0, Par::Seq);
-        let mut response = self.near.along(asked, directions)?;
-        matmul(response.as_mut(), Accum::Add, spread.transpose(), half.as_ref(), 1.0, Par::Seq);
+        let mut half = Mat::<f64>::zeros(nodes.len(), among.ncols());
+        half.par_col_chunks_mut(1).enumerate().for_each(|(column, half)| {
+            let moved = among.col_as_slice(column);
+            let along =
+                |terms: &Vec<(usize, f64)>| terms.iter().map(|&(row, share)| share * moved[row]).sum();
+            let half = half.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            half.as_slice_mut().iter_mut().zip(&spread).for_each(|(entry, terms)| *entry = along(terms));
+        });
+        let mut response = self.near.along(asked, directions, &self.kept)?;
+        response.par_col_chunks_mut(1).zip(&spread).for_each(|(column, terms)| {
+            let column = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            kernels::add_terms(column.as_slice_mut(), terms.len(), |k| {
+                (half.col_as_slice(terms[k].0), terms[k].1)
+            });
+        });
         Ok(response)
     }
 
@@ -220,7 +238,7 @@ impl NearAndFar {
         }
         let mut moved = Vec::with_capacity(vertices.len());
         for some in vertices.chunks(ROWS_AT_ONCE) {
-            let near = self.near.displacements(asked, forces, some)?;
+            let near = self.near.displacements(asked, forces, some, &self.kept)?;
             for (near, &vertex) in near.into_iter().zip(some) {
                 let at = |coarse: u32| rows.binary_search(&(coarse as usize)).expect("in the support");
                 let far = |&(coarse, weight): &(u32, f64)| weight * smooth[at(coarse)];

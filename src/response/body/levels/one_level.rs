@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::Coarseness;
+use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::NearKernel;
 use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, joined};
 use crate::response::error::ResponseError;
@@ -46,6 +47,7 @@ impl OneLevel {
                 .inherit(|vertex| own(vertex).is_none_or(|own| self.is_still(own)), |a, b| *a && *b)
                 .into(),
             near: near.on_refined(mesh, own)?,
+            kept: KeptBlock::default(),
             remainder: Remainder::new(&self.compliance, Some((skin.clone(), near))),
         };
         Ok(BodyOnMesh { response, coarseness })

@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
 use crate::response::body::levels::coarseness::{Coarseness, edges_at_vertices};
+use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
 use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, Weights, joined};
 use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
@@ -154,6 +155,7 @@ impl TwoLevels {
             weights: Arc::clone(&self.weights),
             fixed: Arc::clone(&self.fixed),
             near: self.near.clone(),
+            kept: KeptBlock::default(),
         }
     }
 
@@ -173,6 +175,7 @@ impl TwoLevels {
             weights: mesh.inherit(weights, joined).into(),
             fixed: mesh.inherit(is_fixed, |a, b| *a && *b).into(),
             near: self.near.on_refined(mesh, own)?,
+            kept: KeptBlock::default(),
         };
         Ok(BodyOnMesh { response, coarseness })
     }

@@ -1,0 +1,166 @@
+//! A block of a kernel on one mesh that grows with what is asked of it.
+//!
+//! A contact asks again and again about nearly the same vertices: for every group of nodes that grows and for every
+//! linearisation. Directions change in between, the kernel does not.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex};
+
+use faer::Mat;
+use rayon::prelude::*;
+
+use crate::response::error::ResponseError;
+use crate::response::matrix::options::{AssemblyOptions, check_memory};
+
+/// Blocks that are assembled at once at the most; more are joined, as each has work of its own.
+const MOST_BLOCKS: usize = 8;
+
+/// Entries of a kernel on one mesh; clones share them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KeptBlock(Arc<Mutex<Known>>);
+
+#[derive(Debug, Default)]
+struct Known {
+    /// Relative quadrature tolerance of the entries; `None` without any.
+    tolerance: Option<f64>,
+    /// Place in the columns of every vertex that was asked for.
+    places: HashMap<usize, usize>,
+    /// Displacement at each place per newton at a vertex (m/N); NaN, or not there, where nobody asked.
+    columns: HashMap<usize, Vec<f64>>,
+}
+
+impl KeptBlock {
+    /// Displacement of `rows` per newton at each of `columns` (rows × columns, m/N), no two vertices of either equal.
+    ///
+    /// An entry is right to the tolerance asked for, and not equal to the bit whatever it was assembled with. Where two
+    /// copies would be too large, nothing is kept.
+    ///
+    /// * `assemble`: the same of what is not known yet
+    pub fn entries(
+        &self,
+        rows: &[usize],
+        columns: &[usize],
+        options: &AssemblyOptions,
+        assemble: impl Fn(&[usize], &[usize], &AssemblyOptions) -> Result<Mat<f64>, ResponseError>,
+    ) -> Result<Mat<f64>, ResponseError> {
+        let mut known = self.0.lock().expect("no thread panics while it holds the lock");
+        known.tolerance = known.tolerance.filter(|&tolerance| tolerance <= options.tolerance);
+        if known.tolerance.is_none() {
+            *known = Known { tolerance: Some(options.tolerance), ..Known::default() };
+        }
+        let [all_rows, all_columns] =
+            [known.places.len() + 2 * rows.len(), known.columns.len() + columns.len()];
+        if check_memory(all_rows, all_columns, options).is_err() {
+            *known = Known::default();
+            return assemble(rows, columns, options);
+        }
+        let options = AssemblyOptions { tolerance: known.tolerance.unwrap_or(options.tolerance), ..*options };
+        let places = known.places_of(rows);
+        for (missing, columns) in known.missing(&places, columns) {
+            let wanted: Vec<usize> = missing.iter().map(|&row| rows[row]).collect();
+            let found = assemble(&wanted, &columns, &options)?;
+            let count = known.places.len();
+            for (column, vertex) in columns.into_iter().enumerate() {
+                let entries = known.columns.entry(vertex).or_default();
+                entries.resize(count, f64::NAN);
+                let found = found.col_as_slice(column);
+                missing.iter().zip(found).for_each(|(&row, &entry)| entries[places[row]] = entry);
+            }
+        }
+        let mut block = Mat::zeros(rows.len(), columns.len());
+        let known = &known.columns;
+        block.par_col_chunks_mut(1).zip(columns).for_each(|(column, vertex)| {
+            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            let known = &known[vertex];
+            entries.as_slice_mut().iter_mut().zip(&places).for_each(|(entry, &place)| *entry = known[place]);
+        });
+        Ok(block)
+    }
+}
+
+impl Known {
+    /// The place of every row.
+    fn places_of(&mut self, rows: &[usize]) -> Vec<usize> {
+        let mut place = |&row: &usize| {
+            let next = self.places.len();
+            *self.places.entry(row).or_insert(next)
+        };
+        rows.iter().map(&mut place).collect()
+    }
+
+    /// Rows that are not known yet, by their numbers, with the columns that they are missing in.
+    fn missing(&self, places: &[usize], columns: &[usize]) -> BTreeMap<Vec<usize>, Vec<usize>> {
+        let missing_in = |vertex: &usize| -> Vec<usize> {
+            let entries = self.columns.get(vertex).map_or(&[][..], |entries| entries);
+            let is_known = |place: usize| entries.get(place).is_some_and(|entry| !entry.is_nan());
+            (0..places.len()).filter(|&row| !is_known(places[row])).collect()
+        };
+        let mut missing: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
+        for vertex in columns {
+            missing.entry(missing_in(vertex)).or_default().push(*vertex);
+        }
+        missing.remove(&[][..]);
+        if missing.len() > MOST_BLOCKS {
+            let mut rows: Vec<usize> = missing.keys().flatten().copied().collect();
+            rows.sort_unstable();
+            rows.dedup();
+            missing = BTreeMap::from([(rows, missing.into_values().flatten().collect())]);
+        }
+        missing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use super::*;
+
+    #[test]
+    fn every_entry_is_assembled_once_and_found_again() {
+        let kept = KeptBlock::default();
+        let asked = RefCell::new(Vec::new());
+        let entry = |row: usize, column: usize| (100 * row + column) as f64;
+        let ask = |rows: &[usize], columns: &[usize], tolerance: f64, limit: Option<usize>| {
+            let options = AssemblyOptions { tolerance, memory_limit: limit, ..AssemblyOptions::default() };
+            let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
+                asked.borrow_mut().push((rows.to_vec(), columns.to_vec(), options.tolerance));
+                Ok(Mat::from_fn(rows.len(), columns.len(), |i, j| entry(rows[i], columns[j])))
+            };
+            let found = kept.entries(rows, columns, &options, assemble).expect("nothing is refused");
+            assert_eq!(found, Mat::from_fn(rows.len(), columns.len(), |i, j| entry(rows[i], columns[j])));
+            asked.take()
+        };
+        assert_eq!(ask(&[3, 1], &[1, 3], 1e-4, None), [(vec![3, 1], vec![1, 3], 1e-4)]);
+        assert_eq!(ask(&[1, 3], &[3], 1e-4, None), []);
+        // A coarser question is answered, and what it lacks is assembled, to the finer tolerance.
+        assert_eq!(ask(&[2, 1, 5], &[3], 1e-2, None), [(vec![2, 5], vec![3], 1e-4)]);
+        // A new row in two columns that know the others alike, all of them in a new one.
+        assert_eq!(
+            ask(&[1, 2, 3], &[1, 2, 3], 1e-4, None),
+            [(vec![1, 2, 3], vec![2], 1e-4), (vec![2], vec![1], 1e-4)]
+        );
+        assert_eq!(ask(&[3], &[3], 1e-5, None), [(vec![3], vec![3], 1e-5)]);
+        // A row that is known and three new ones twice, times three columns: 168 bytes.
+        assert_eq!(ask(&[3, 4, 6], &[3, 4], 1e-5, Some(167)), [(vec![3, 4, 6], vec![3, 4], 1e-5)]);
+        assert_eq!(ask(&[3], &[3], 1e-5, None), [(vec![3], vec![3], 1e-5)]);
+    }
+
+    #[test]
+    fn many_small_blocks_are_joined() {
+        let kept = KeptBlock::default();
+        let count = RefCell::new(0);
+        let assemble = |rows: &[usize], columns: &[usize], _: &AssemblyOptions| {
+            *count.borrow_mut() += 1;
+            Ok(Mat::from_fn(rows.len(), columns.len(), |i, j| (rows[i] * columns[j]) as f64))
+        };
+        let options = AssemblyOptions::default();
+        let vertices: Vec<usize> = (1..20).collect();
+        for vertex in &vertices {
+            kept.entries(&[*vertex], &[*vertex], &options, assemble).expect("nothing is refused");
+        }
+        let all = kept.entries(&vertices, &vertices, &options, assemble).expect("nothing is refused");
+        assert_eq!(*count.borrow(), 20);
+        assert_eq!(all, Mat::from_fn(19, 19, |i, j| (vertices[i] * vertices[j]) as f64));
+    }
+}
