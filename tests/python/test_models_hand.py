@@ -147,8 +147,9 @@ def test_percentiles_are_in_order_and_men_s_hands_larger() -> None:
         assert volumes[sex, 5] < volumes[sex, 50] < volumes[sex, 95]
     for percentile in (5, 50, 95):
         assert volumes["female", percentile] < volumes["male", percentile]
-    # The default is the median man's.
-    assert np.array_equal(coarse(sex="male", percentile=50).surface.vertices, coarse().surface.vertices)
+    # ANSUR II: the median man's hand is 193 mm long and 88 mm broad.
+    median = coarse(hand_length=0.193, hand_breadth=0.088)
+    assert np.array_equal(coarse(sex="male", percentile=50).surface.vertices, median.surface.vertices)
 
 
 @pytest.mark.parametrize("name", ["default", "left", "slender", "broad", "small woman"])

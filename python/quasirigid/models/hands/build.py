@@ -73,7 +73,7 @@ def hand(
     ----------
     Buryanov and Kotiuk 2010, Int. J. Morphol. 28(3), 755-758 (lengths of metacarpals and phalanges); Youm et
     al. 1978, J. Bone Joint Surg. Am. 60(4), 423-431 (length of the carpus); Greiner 1991, Natick TR-92/011
-    (breadths of the digits); Pheasant 1996, Bodyspace, Table 10.1 (percentiles of length and breadth).
+    (breadths of the digits); Gordon et al. 2014, Natick/TR-15/007 (percentiles of length and breadth).
 
     Examples
     --------
