@@ -56,24 +56,22 @@ impl KeptBlock {
         }
         let options = AssemblyOptions { tolerance: known.tolerance.unwrap_or(options.tolerance), ..*options };
         let places = known.places_of(rows);
-        for (missing, columns) in known.missing(&places, columns) {
-            let wanted: Vec<usize> = missing.iter().map(|&row| rows[row]).collect();
-            let found = assemble(&wanted, &columns, &options)?;
+        let mut block = known.gathered(&places, columns);
+        for (missing, of_columns) in missing(&block) {
+            let pick = |numbers: &[usize], vertices: &[usize]| -> Vec<usize> {
+                numbers.iter().map(|&number| vertices[number]).collect()
+            };
+            let found = assemble(&pick(&missing, rows), &pick(&of_columns, columns), &options)?;
             let count = known.places.len();
-            for (column, vertex) in columns.into_iter().enumerate() {
-                let entries = known.columns.entry(vertex).or_default();
-                entries.resize(count, f64::NAN);
-                let found = found.col_as_slice(column);
-                missing.iter().zip(found).for_each(|(&row, &entry)| entries[places[row]] = entry);
+            for (own, column) in of_columns.into_iter().enumerate() {
+                let kept = known.columns.entry(columns[column]).or_default();
+                kept.resize(count, f64::NAN);
+                let entries = block.col_as_slice_mut(column);
+                for (&row, &entry) in missing.iter().zip(found.col_as_slice(own)) {
+                    (entries[row], kept[places[row]]) = (entry, entry);
+                }
             }
         }
-        let mut block = Mat::zeros(rows.len(), columns.len());
-        let known = &known.columns;
-        block.par_col_chunks_mut(1).zip(columns).for_each(|(column, vertex)| {
-            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            let known = &known[vertex];
-            entries.as_slice_mut().iter_mut().zip(&places).for_each(|(entry, &place)| *entry = known[place]);
-        });
         Ok(block)
     }
 }
@@ -88,26 +86,37 @@ impl Known {
         rows.iter().map(&mut place).collect()
     }
 
-    /// Rows that are not known yet, by their numbers, with the columns that they are missing in.
-    fn missing(&self, places: &[usize], columns: &[usize]) -> BTreeMap<Vec<usize>, Vec<usize>> {
-        let missing_in = |vertex: &usize| -> Vec<usize> {
-            let entries = self.columns.get(vertex).map_or(&[][..], |entries| entries);
-            let is_known = |place: usize| entries.get(place).is_some_and(|entry| !entry.is_nan());
-            (0..places.len()).filter(|&row| !is_known(places[row])).collect()
-        };
-        let mut missing: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
-        for vertex in columns {
-            missing.entry(missing_in(vertex)).or_default().push(*vertex);
-        }
-        missing.remove(&[][..]);
-        if missing.len() > MOST_BLOCKS {
-            let mut rows: Vec<usize> = missing.keys().flatten().copied().collect();
-            rows.sort_unstable();
-            rows.dedup();
-            missing = BTreeMap::from([(rows, missing.into_values().flatten().collect())]);
-        }
-        missing
+    /// The entries at some places of columns; NaN where they are not known.
+    fn gathered(&self, places: &[usize], columns: &[usize]) -> Mat<f64> {
+        let mut block = Mat::full(places.len(), columns.len(), f64::NAN);
+        block.par_col_chunks_mut(1).zip(columns).for_each(|(column, vertex)| {
+            let Some(kept) = self.columns.get(vertex) else { return };
+            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            for (entry, &place) in entries.as_slice_mut().iter_mut().zip(places) {
+                *entry = kept.get(place).copied().unwrap_or(f64::NAN);
+            }
+        });
+        block
     }
+}
+
+/// Rows that are NaN, with the columns that they are so in, all by their numbers.
+fn missing(block: &Mat<f64>) -> BTreeMap<Vec<usize>, Vec<usize>> {
+    let mut missing: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
+    for column in 0..block.ncols() {
+        let entries = block.col_as_slice(column);
+        if entries.iter().any(|entry| entry.is_nan()) {
+            let rows = (0..entries.len()).filter(|&row| entries[row].is_nan()).collect();
+            missing.entry(rows).or_default().push(column);
+        }
+    }
+    if missing.len() > MOST_BLOCKS {
+        let mut rows: Vec<usize> = missing.keys().flatten().copied().collect();
+        rows.sort_unstable();
+        rows.dedup();
+        missing = BTreeMap::from([(rows, missing.into_values().flatten().collect())]);
+    }
+    missing
 }
 
 #[cfg(test)]
