@@ -243,3 +243,39 @@ impl MultipoleSeries {
         re
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::response::column::half_space::moment_points;
+    use crate::response::integral::gauss::triangle_rule;
+
+    #[test]
+    fn moments_are_exact_with_the_points_that_a_column_takes_and_not_with_fewer() {
+        let corners =
+            [Vector3::new(0.1, -0.2, 0.3), Vector3::new(1.0, 0.4, -0.1), Vector3::new(-0.3, 0.9, 0.5)];
+        let ball = LoadBall { center: Vector3::new(0.2, 0.3, 0.2), radius: 1.0 };
+        for tolerance in [1e-4, 1e-6, 1e-9, 0.0] {
+            let moments = |points: usize| {
+                let mut loads = PointLoads::default();
+                for (shares, weight) in triangle_rule(points) {
+                    let place = corners.iter().zip(shares).map(|(corner, share)| *share * corner).sum();
+                    loads.push(&place, weight * shares[0]);
+                }
+                let mut series = MultipoleSeries::new();
+                series.fill(pulp::Scalar, &loads, ball, 1.0, tolerance);
+                [series.cosine, series.sine].concat()
+            };
+            let error = |points: usize| {
+                let (found, exact) = (moments(points), moments(moment_points(tolerance) + 4));
+                let largest = exact.iter().fold(0.0, |largest: f64, moment| largest.max(moment.abs()));
+                let off = found.iter().zip(&exact).map(|(found, exact)| (found - exact).abs());
+                off.fold(0.0, f64::max) / largest
+            };
+            assert!(error(moment_points(tolerance)) < 1e-13);
+            assert!(error(moment_points(tolerance) - 1) > 1e-13);
+        }
+    }
+}
