@@ -115,7 +115,8 @@ impl WithSimd for HalfSpaceColumn<'_> {
     fn with_simd<S: Simd>(mut self, simd: S) {
         let ball = self.scratch.spread_load(self.points);
         let ColumnScratch { loads, multipoles, .. } = self.scratch;
-        multipoles.fill(simd, loads, ball, self.amplitude, self.tolerance);
+        let farthest = self.targets.farthest(&ball.center);
+        multipoles.fill(simd, loads, ball, self.amplitude, self.tolerance, farthest);
         self.far_values(simd);
         self.near_values(simd);
     }
