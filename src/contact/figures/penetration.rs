@@ -48,12 +48,12 @@ pub(crate) fn penetration_after(
     }
     let triangles = triangles_among(surface, &vertices);
     let skin = SkinPart { points: &points, triangles: &triangles };
-    let of_edges = skin.deepest_edge(&gaps.scene.obstacle, gaps.deepest());
     let reach = gaps.deepest();
     let measured = Measured::near(&points, &gaps.scene.obstacle, reach, None)?;
     let depths: Vec<f64> = measured.distance.iter().map(|distance| -distance.min(reach)).collect();
     let at_vertices = depths.iter().copied().fold(0.0, f64::max);
+    let of_edges = skin.deepest_edge(&gaps.scene.obstacle, reach, at_vertices);
     let between = PointsBetween::new(&points, &depths, &triangles);
-    let depth = between.deepest(&gaps.scene.obstacle, at_vertices.max(of_edges))?;
+    let depth = between.deepest(&gaps.scene.obstacle, of_edges)?;
     Ok(Penetration { depth, is_at_vertex: at_vertices >= depth })
 }
