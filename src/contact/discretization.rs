@@ -5,8 +5,10 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::area::contact_areas;
+use crate::contact::figures::beside::Beside;
 use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
+use crate::response::skin::elastic::Displacements;
 
 /// In collocation the hats of the outermost nodes carry force beyond the rim, and their contact is smaller by this share of
 /// an edge (docs/accuracy.md).
@@ -68,19 +70,16 @@ pub(crate) fn areas_within_rim(
     gaps: &Gaps,
     response: &Compliance,
     forces: &NodeForces,
+    beside: &Beside,
 ) -> Result<Vec<f64>, ContactError> {
-    let surface = gaps.surface;
     let rim_shift = match response.traits.discretization {
         Discretization::Collocation => COLLOCATION_RIM_SHIFT,
         Discretization::Galerkin => 0.0,
     };
     let mut gap = forces.gap.clone();
-    let mut beside = surface.k_ring(&forces.active, 2);
-    beside.retain(|vertex| forces.candidates.binary_search(vertex).is_err());
-    for (&vertex, beside) in beside.iter().zip(gap_at(gaps, response, forces, &beside)?) {
-        gap[vertex] = beside;
-    }
-    Ok(contact_areas(surface, rim_shift, &gap, &forces.touching(), &forces.force, &forces.active))
+    let (vertices, at_rim) = beside.rim(gaps)?;
+    vertices.iter().zip(at_rim).for_each(|(&vertex, at_rim)| gap[vertex] = at_rim);
+    Ok(contact_areas(gaps.surface, rim_shift, &gap, &forces.touching(), &forces.force, &forces.active))
 }
 
 /// `g0 + R f` (m) at vertices.
@@ -90,8 +89,16 @@ pub(crate) fn gap_at(
     forces: &NodeForces,
     vertices: &[usize],
 ) -> Result<Vec<f64>, ContactError> {
+    gap_of(gaps, vertices, &response.displace(forces.applied(), vertices)?)
+}
+
+/// The same where it is known how the vertices move.
+pub(crate) fn gap_of(
+    gaps: &Gaps,
+    vertices: &[usize],
+    moved: &Displacements,
+) -> Result<Vec<f64>, ContactError> {
     let initial = gaps.at(vertices)?;
-    let moved = response.displace(forces.applied(), vertices)?;
     let along = |row: usize| moved.along_normal[row].unwrap_or(moved.vectors[row].dot(&initial.normal[row]));
     Ok((0..vertices.len()).map(|row| initial.distance[row] + along(row)).collect())
 }

@@ -9,6 +9,7 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
+use crate::contact::figures::beside::Beside;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
 use crate::contact::figures::penetration::penetration_after;
 use crate::contact::figures::pressure::VertexPressure;
@@ -67,14 +68,15 @@ impl Contact {
         let (surface, discretization) = (gaps.surface, traits.discretization);
         let motion = CandidateMotion::new(gaps, response, &forces)?;
         report.warn_of_pull(gaps, &forces);
-        let left = penetration_after(gaps, response, &forces, &motion)?;
+        let beside = Beside::new(gaps, response, &forces, &motion)?;
+        let left = penetration_after(gaps, &forces, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
         match &gaps.scene.inherited {
             Some(Inherited { cuts, .. }) => report.warn_of_cuts(surface, cuts, &forces),
             None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
         }
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
-        let within_rim = areas_within_rim(gaps, response, &forces)?;
+        let within_rim = areas_within_rim(gaps, response, &forces, &beside)?;
         let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;
         let edge = loaded_edge(gaps, &forces);
         if let Some(LoadedEdge { ends, .. }) = &edge {

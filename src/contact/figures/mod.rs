@@ -2,6 +2,7 @@
 
 pub(crate) mod accuracy;
 pub(crate) mod area;
+pub(crate) mod beside;
 pub(crate) mod between;
 pub(crate) mod displacement;
 pub(crate) mod drawn;

@@ -3,9 +3,9 @@
 
 use nalgebra::Vector3;
 
-use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
+use crate::contact::figures::beside::Beside;
 use crate::contact::figures::between::PointsBetween;
 use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
 use crate::contact::figures::fade::Fade;
@@ -23,29 +23,13 @@ pub(crate) struct Penetration {
 }
 
 /// Deepest penetration of skin and obstacle into one another, where the forces put the skin.
-///
-/// Beside the candidates a vertex can penetrate where its gap was less than the largest displacement of any. Without
-/// candidates an obstacle that is finer than the mesh can stand between vertices.
 pub(crate) fn penetration_after(
     gaps: &Gaps,
-    response: &Compliance,
     forces: &NodeForces,
     motion: &CandidateMotion,
+    beside: &Beside,
 ) -> Result<Penetration, ContactError> {
     let surface = gaps.surface;
-    let reach = match &motion.displacement[..] {
-        [] => surface.mean_edge_length(),
-        displacement => displacement.iter().map(Vector3::norm).fold(0.0, f64::max),
-    };
-    let mut others = surface.k_ring(&forces.candidates, 1);
-    {
-        let distance = gaps.distances();
-        others.extend((0..distance.len()).filter(|&vertex| distance[vertex] < reach));
-    }
-    others.retain(|vertex| surface.skin_mask()[*vertex] && forces.candidates.binary_search(vertex).is_err());
-    others.sort_unstable();
-    others.dedup();
-
     let mut vertices = forces.candidates.clone();
     let mut points: Vec<Vector3<f64>> = forces
         .candidates
@@ -53,8 +37,8 @@ pub(crate) fn penetration_after(
         .zip(&motion.displacement)
         .map(|(&vertex, u)| surface.vertices()[vertex] + u)
         .collect();
+    let (others, found) = beside.near();
     if !others.is_empty() {
-        let found = response.displace_coarsely(forces.applied(), &others)?;
         let fade = Fade::new(surface, &forces.fingers, &forces.candidates, &motion.scalar);
         for (row, &vertex) in others.iter().enumerate() {
             let share = found.along_normal[row].map_or(1.0, |_| fade.share(vertex));
@@ -64,12 +48,12 @@ pub(crate) fn penetration_after(
     }
     let triangles = triangles_among(surface, &vertices);
     let skin = SkinPart { points: &points, triangles: &triangles };
-    let of_edges = skin.deepest_edge(&gaps.scene.obstacle, gaps.deepest());
     let reach = gaps.deepest();
     let measured = Measured::near(&points, &gaps.scene.obstacle, reach, None)?;
     let depths: Vec<f64> = measured.distance.iter().map(|distance| -distance.min(reach)).collect();
     let at_vertices = depths.iter().copied().fold(0.0, f64::max);
+    let of_edges = skin.deepest_edge(&gaps.scene.obstacle, reach, at_vertices);
     let between = PointsBetween::new(&points, &depths, &triangles);
-    let depth = between.deepest(&gaps.scene.obstacle, at_vertices.max(of_edges))?;
+    let depth = between.deepest(&gaps.scene.obstacle, of_edges)?;
     Ok(Penetration { depth, is_at_vertex: at_vertices >= depth })
 }

@@ -90,13 +90,13 @@ impl SkinPart<'_> {
         found.into_iter().map(|(_, met)| met).collect()
     }
 
-    /// How deep (m, ≥ 0) a sharp edge of the obstacle stands in the skin at the most.
-    pub fn deepest_edge(&self, obstacle: &Obstacle, deepest: f64) -> f64 {
+    /// How deep (m, ≥ 0) a sharp edge of the obstacle stands in the skin at the most; `least` (m) where none is deeper.
+    pub fn deepest_edge(&self, obstacle: &Obstacle, deepest: f64, least: f64) -> f64 {
         let mut met = self.edges_of(obstacle, deepest, |_| true);
-        met.retain(|under| under.depth > 0.0);
+        met.retain(|under| under.depth > least);
         met.sort_by(|one, other| other.depth.total_cmp(&one.depth));
         if met.is_empty() {
-            return 0.0;
+            return least;
         }
         let tree = face_tree(self.points, self.triangles);
         let normal = |face: &[u32; 3]| {
@@ -105,7 +105,7 @@ impl SkinPart<'_> {
         };
         let normals: Vec<Vector3<f64>> = self.triangles.iter().map(normal).collect();
         let faces = Faces { vertices: self.points, corners: self.triangles, normals: &normals };
-        let mut depth = 0.0;
+        let mut depth = least;
         for under in met {
             if under.depth <= depth {
                 break;

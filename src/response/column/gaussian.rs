@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::response::column::half_space::{ColumnScratch, half_space_values};
+use crate::response::column::half_space::{ColumnScratch, half_space_values, moment_points};
 use crate::response::column::load::{LoadedFace, weighted};
 use crate::response::integral::cutoff::{Inverse, hats_within};
 use crate::response::integral::gauss::{RulePoint, triangle_rule};
@@ -38,7 +38,8 @@ impl Corrected {
     /// Within the cutoff the Gaussian is taken off the half-space by a Gauss rule; where the cutoff crosses the load, each
     /// triangle is taken by itself.
     pub(crate) fn values(&self, targets: &Targets, scratch: &mut ColumnScratch, tolerance: f64) {
-        half_space_values(targets, scratch, self.constant, tolerance, self.cutoff);
+        let points = moment_points(tolerance);
+        half_space_values(targets, scratch, self.constant, tolerance, self.cutoff, points);
         let ColumnScratch { faces, values, .. } = scratch;
         let load: Vec<_> = faces.iter().map(|face| (face, self.point_forces(face, tolerance))).collect();
         for (i, value) in values[..targets.rows.len()].iter_mut().enumerate() {

@@ -77,17 +77,26 @@ impl ColumnScratch {
     }
 }
 
+/// Points in each direction of a triangle that give the moments of a half-space's column exactly: solid harmonics up to
+/// its order times a hat.
+pub(crate) fn moment_points(tolerance: f64) -> usize {
+    order_for(tolerance) / 2 + 1
+}
+
 /// Sets `scratch.values` to `amplitude ∫ p(y) / |x - y| dA` for the load on `scratch.faces`, at all targets
 /// closer than `reach` (m) to some point of it; 0 beyond.
+///
+/// * `points`: in each direction of a triangle for `scratch.loads`, at least [`moment_points`]
 pub(crate) fn half_space_values(
     targets: &Targets,
     scratch: &mut ColumnScratch,
     amplitude: f64,
     tolerance: f64,
     reach: f64,
+    points: usize,
 ) {
     scratch.values.resize(targets.x.len(), 0.0);
-    pulp::Arch::new().dispatch(HalfSpaceColumn { targets, scratch, amplitude, tolerance, reach });
+    pulp::Arch::new().dispatch(HalfSpaceColumn { targets, scratch, amplitude, tolerance, reach, points });
 }
 
 struct HalfSpaceColumn<'a> {
@@ -96,6 +105,7 @@ struct HalfSpaceColumn<'a> {
     amplitude: f64,
     tolerance: f64,
     reach: f64,
+    points: usize,
 }
 
 impl WithSimd for HalfSpaceColumn<'_> {
@@ -103,9 +113,10 @@ impl WithSimd for HalfSpaceColumn<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let ball = self.scratch.spread_load(order_for(self.tolerance) / 2 + 2);
+        let ball = self.scratch.spread_load(self.points);
         let ColumnScratch { loads, multipoles, .. } = self.scratch;
-        multipoles.fill(simd, loads, ball, self.amplitude, self.tolerance);
+        let farthest = self.targets.farthest(&ball.center);
+        multipoles.fill(simd, loads, ball, self.amplitude, self.tolerance, farthest);
         self.far_values(simd);
         self.near_values(simd);
     }

@@ -1,7 +1,7 @@
 //! One column of any kernel: the load of a node, and what it moves.
 
 use crate::response::column::gaussian::Corrected;
-use crate::response::column::half_space::{ColumnScratch, half_space_values};
+use crate::response::column::half_space::{ColumnScratch, half_space_values, moment_points};
 use crate::response::column::layer::PreparedLayer;
 use crate::response::column::load::loaded_faces;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
@@ -47,7 +47,10 @@ impl<'a> KernelColumns<'a> {
             (None, &Kernel::GaussianCorrected { height, width, cutoff }) => {
                 Corrected { constant, height, cutoff, width }.values(targets, scratch, tolerance);
             }
-            _ => half_space_values(targets, scratch, constant, tolerance, f64::INFINITY),
+            _ => {
+                let points = moment_points(tolerance);
+                half_space_values(targets, scratch, constant, tolerance, f64::INFINITY, points);
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use pulp::{Simd, WithSimd};
 
-use crate::response::column::half_space::{ColumnScratch, half_space_values};
+use crate::response::column::half_space::{ColumnScratch, half_space_values, moment_points};
 use crate::response::integral::edge_quadrature::EdgePotential;
 use crate::response::integral::hat_simd::NearFace;
 use crate::response::kernel::layer::LayerKernel;
@@ -66,7 +66,9 @@ impl PreparedLayer {
     ) {
         let own_inverse = 1.0 / own_thickness;
         let tolerance = SINGULAR_SHARE * self.tolerance;
-        half_space_values(targets, scratch, self.constant, tolerance, self.reach * own_thickness);
+        // The means that tell how far the layer's series reaches have higher degrees.
+        let points = moment_points(tolerance) + 1;
+        half_space_values(targets, scratch, self.constant, tolerance, self.reach * own_thickness, points);
         pulp::Arch::new().dispatch(LayerColumn {
             layer: self,
             targets,

@@ -23,17 +23,22 @@ const ROW_LENGTH: usize = MAX_ORDER + 1;
 /// Orders that a series can end at; between them little is gained.
 const ORDER_LADDER: [usize; 10] = [1, 2, 3, 4, 6, 8, 10, 12, 20, 30];
 
-/// β_lm and the product of both kinds' normalisations, at `m * ROW_LENGTH + l`.
 struct Tables {
+    /// β_lm and the product of both kinds' normalisations, at `m * ROW_LENGTH + l`.
     beta: Vec<f64>,
     scale: Vec<f64>,
+    /// `4^(1/n)`.
+    roots_of_four: Vec<f64>,
 }
 
 fn tables() -> &'static Tables {
     static TABLES: OnceLock<Tables> = OnceLock::new();
     TABLES.get_or_init(|| {
-        let mut tables =
-            Tables { beta: vec![0.0; ROW_LENGTH * ROW_LENGTH], scale: vec![0.0; ROW_LENGTH * ROW_LENGTH] };
+        let mut tables = Tables {
+            beta: vec![0.0; ROW_LENGTH * ROW_LENGTH],
+            scale: vec![0.0; ROW_LENGTH * ROW_LENGTH],
+            roots_of_four: (0..MAX_ORDER + 2).map(|n| 4f64.powf(1.0 / n as f64)).collect(),
+        };
         // 1 / (2^m m!), from step to step
         let mut start = 1.0;
         for m in 0..ROW_LENGTH {
@@ -99,7 +104,7 @@ impl MultipoleSeries {
 
     /// Moments of the loads, which the caller has padded to whole vectors, up to the order for `tolerance`.
     ///
-    /// `amplitude` multiplies the series.
+    /// `amplitude` multiplies the series; no point is farther than `farthest` (m) from the center.
     #[inline(always)]
     pub(crate) fn fill<S: Simd>(
         &mut self,
@@ -108,6 +113,7 @@ impl MultipoleSeries {
         ball: LoadBall,
         amplitude: f64,
         tolerance: f64,
+        farthest: f64,
     ) {
         self.ball = ball;
         let order = order_for(tolerance);
@@ -142,7 +148,7 @@ impl MultipoleSeries {
                 at += 2;
             }
         }
-        self.find_reach(order, &loads.radial_means(simd, &ball, order / 2 + 1), tolerance);
+        self.find_reach(order, &loads.radial_means(simd, &ball, order / 2 + 1), tolerance, farthest);
     }
 
     /// From where on each order keeps the tolerance.
@@ -151,7 +157,9 @@ impl MultipoleSeries {
     /// μ_l / R^l of 1/|x|, R = |x| / radius, and μ_(l+1) <= μ_l; the true value is at least
     /// 1 / √(|x|² + mean |y|²) by convexity. So the relative error of order p is at most
     /// `√(1 + μ_2/R²) μ_(p+1) / R^(p+1) / (1 - 1/R)`.
-    fn find_reach(&mut self, order: usize, means: &RadialMeans, tolerance: f64) {
+    ///
+    /// * `farthest`: no point is farther from the center (m)
+    fn find_reach(&mut self, order: usize, means: &RadialMeans, tolerance: f64, farthest: f64) {
         let tolerance = tolerance.max(f64::EPSILON);
         self.reach.clear();
         for &p in ORDER_LADDER.iter().rev().filter(|&&p| p <= order) {
@@ -164,11 +172,15 @@ impl MultipoleSeries {
             };
             // The bound holds where ratio >= least(ratio), which falls: from a ratio that is surely large
             // enough one step leads below the smallest such ratio and the next above it again.
-            let safe = (moment * 4f64.powf(power)).max(1.5);
+            let safe = (moment * tables().roots_of_four[n]).max(1.5);
             let below = least(safe).max(1.1);
             let ratio = least(below).max(below).min(safe);
             let distance = ratio * self.ball.radius;
             self.reach.push((p, distance * distance));
+            // Lower ones reach farther.
+            if distance > farthest {
+                break;
+            }
         }
         // A lower order that reaches no farther than a higher one is the better choice there.
         for k in (0..self.reach.len().saturating_sub(1)).rev() {
@@ -241,5 +253,41 @@ impl MultipoleSeries {
             re[k] = re[k] * v[k].sqrt();
         }
         re
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::response::column::half_space::moment_points;
+    use crate::response::integral::gauss::triangle_rule;
+
+    #[test]
+    fn moments_are_exact_with_the_points_that_a_column_takes_and_not_with_fewer() {
+        let corners =
+            [Vector3::new(0.1, -0.2, 0.3), Vector3::new(1.0, 0.4, -0.1), Vector3::new(-0.3, 0.9, 0.5)];
+        let ball = LoadBall { center: Vector3::new(0.2, 0.3, 0.2), radius: 1.0 };
+        for tolerance in [1e-4, 1e-6, 1e-9, 0.0] {
+            let moments = |points: usize| {
+                let mut loads = PointLoads::default();
+                for (shares, weight) in triangle_rule(points) {
+                    let place = corners.iter().zip(shares).map(|(corner, share)| *share * corner).sum();
+                    loads.push(&place, weight * shares[0]);
+                }
+                let mut series = MultipoleSeries::new();
+                series.fill(pulp::Scalar, &loads, ball, 1.0, tolerance, f64::INFINITY);
+                [series.cosine, series.sine].concat()
+            };
+            let error = |points: usize| {
+                let (found, exact) = (moments(points), moments(moment_points(tolerance) + 4));
+                let largest = exact.iter().fold(0.0, |largest: f64, moment| largest.max(moment.abs()));
+                let off = found.iter().zip(&exact).map(|(found, exact)| (found - exact).abs());
+                off.fold(0.0, f64::max) / largest
+            };
+            assert!(error(moment_points(tolerance)) < 1e-13);
+            assert!(error(moment_points(tolerance) - 1) > 1e-13);
+        }
     }
 }

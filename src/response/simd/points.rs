@@ -15,6 +15,8 @@ pub(crate) struct Targets {
     pub(crate) z: Vec<f64>,
     /// Row of each point in the matrix; shorter than the coordinates, which are padded by repeating the last.
     pub(crate) rows: Vec<u32>,
+    /// A box around the points, where one is known.
+    around: Option<Bounds>,
 }
 
 /// Points in a vector block, a multiple of every vector length.
@@ -34,7 +36,14 @@ impl Targets {
         keyed.iter().for_each(|&(_, row)| targets.push(&points[row as usize]));
         targets.pad();
         targets.rows = keyed.into_iter().map(|(_, row)| row).collect();
+        targets.around = Some(Bounds { low, high });
         targets
+    }
+
+    /// A distance (m) from a place that no point exceeds.
+    pub(crate) fn farthest(&self, place: &Vector3<f64>) -> f64 {
+        let farthest = |around: &Bounds| (place - around.low).sup(&(around.high - place)).norm();
+        self.around.as_ref().map_or(f64::INFINITY, farthest)
     }
 
     /// Empties the lists, to be filled by [`Targets::push`] in place of [`Targets::new`].
@@ -43,6 +52,7 @@ impl Targets {
             list.clear();
         }
         self.rows.clear();
+        self.around = None;
     }
 
     pub(crate) fn push(&mut self, point: &Vector3<f64>) {

@@ -102,6 +102,14 @@ impl Displacements {
         }
     }
 
+    /// Some of the rows, in that order.
+    pub(crate) fn rows(&self, rows: &[usize]) -> Self {
+        Self {
+            vectors: rows.iter().map(|&row| self.vectors[row]).collect(),
+            along_normal: rows.iter().map(|&row| self.along_normal[row]).collect(),
+        }
+    }
+
     /// Displacement (m) of a row as a vector: under a scalar kernel the direction of `Σ_j R_ij f_j n_j` and the magnitude
     /// `(R f)_i`; of a body the vector itself.
     pub(crate) fn drawn(&self, row: usize) -> Vector3<f64> {

@@ -3,10 +3,10 @@
 //! A contact asks again and again about nearly the same vertices: for every group of nodes that grows and for every
 //! linearisation. Directions change in between, the kernel does not.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use faer::Mat;
+use faer::{Mat, MatMut};
 use rayon::prelude::*;
 
 use crate::response::error::ResponseError;
@@ -55,25 +55,31 @@ impl KeptBlock {
             return assemble(rows, columns, options);
         }
         let options = AssemblyOptions { tolerance: known.tolerance.unwrap_or(options.tolerance), ..*options };
+        let is_first = known.columns.is_empty();
         let places = known.places_of(rows);
-        for (missing, columns) in known.missing(&places, columns) {
-            let wanted: Vec<usize> = missing.iter().map(|&row| rows[row]).collect();
-            let found = assemble(&wanted, &columns, &options)?;
+        if is_first {
+            let found = assemble(rows, columns, &options)?;
+            known.columns = (columns.iter().enumerate())
+                .map(|(column, &vertex)| (vertex, found.col_as_slice(column).to_vec()))
+                .collect();
+            return Ok(found);
+        }
+        let (mut block, open) = known.gathered(&places, columns);
+        for Missing { rows: missing, columns: of_columns } in missing(&block, open) {
+            let pick = |numbers: &[usize], vertices: &[usize]| -> Vec<usize> {
+                numbers.iter().map(|&number| vertices[number]).collect()
+            };
+            let found = assemble(&pick(&missing, rows), &pick(&of_columns, columns), &options)?;
             let count = known.places.len();
-            for (column, vertex) in columns.into_iter().enumerate() {
-                let entries = known.columns.entry(vertex).or_default();
-                entries.resize(count, f64::NAN);
-                let found = found.col_as_slice(column);
-                missing.iter().zip(found).for_each(|(&row, &entry)| entries[places[row]] = entry);
+            for (own, column) in of_columns.into_iter().enumerate() {
+                let kept = known.columns.entry(columns[column]).or_default();
+                kept.resize(count, f64::NAN);
+                let entries = block.col_as_slice_mut(column);
+                for (&row, &entry) in missing.iter().zip(found.col_as_slice(own)) {
+                    (entries[row], kept[places[row]]) = (entry, entry);
+                }
             }
         }
-        let mut block = Mat::zeros(rows.len(), columns.len());
-        let known = &known.columns;
-        block.par_col_chunks_mut(1).zip(columns).for_each(|(column, vertex)| {
-            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            let known = &known[vertex];
-            entries.as_slice_mut().iter_mut().zip(&places).for_each(|(entry, &place)| *entry = known[place]);
-        });
         Ok(block)
     }
 }
@@ -88,26 +94,57 @@ impl Known {
         rows.iter().map(&mut place).collect()
     }
 
-    /// Rows that are not known yet, by their numbers, with the columns that they are missing in.
-    fn missing(&self, places: &[usize], columns: &[usize]) -> BTreeMap<Vec<usize>, Vec<usize>> {
-        let missing_in = |vertex: &usize| -> Vec<usize> {
-            let entries = self.columns.get(vertex).map_or(&[][..], |entries| entries);
-            let is_known = |place: usize| entries.get(place).is_some_and(|entry| !entry.is_nan());
-            (0..places.len()).filter(|&row| !is_known(places[row])).collect()
+    /// The entries at some places of columns, NaN where they are not known; and the columns that have such, by their
+    /// numbers.
+    fn gathered(&self, places: &[usize], columns: &[usize]) -> (Mat<f64>, Vec<usize>) {
+        let mut block = Mat::zeros(places.len(), columns.len());
+        let gather = |(number, (column, vertex)): (usize, (MatMut<f64>, &usize))| {
+            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            let kept = self.columns.get(vertex).map_or(&[][..], |kept| kept);
+            let mut is_open = false;
+            for (entry, &place) in entries.as_slice_mut().iter_mut().zip(places) {
+                *entry = kept.get(place).copied().unwrap_or(f64::NAN);
+                is_open |= entry.is_nan();
+            }
+            is_open.then_some(number)
         };
-        let mut missing: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
-        for vertex in columns {
-            missing.entry(missing_in(vertex)).or_default().push(*vertex);
-        }
-        missing.remove(&[][..]);
-        if missing.len() > MOST_BLOCKS {
-            let mut rows: Vec<usize> = missing.keys().flatten().copied().collect();
-            rows.sort_unstable();
-            rows.dedup();
-            missing = BTreeMap::from([(rows, missing.into_values().flatten().collect())]);
-        }
-        missing
+        let open = block.par_col_chunks_mut(1).zip(columns).enumerate().filter_map(gather).collect();
+        (block, open)
     }
+}
+
+/// Entries that are not known, by the numbers of their rows and columns.
+struct Missing {
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+}
+
+/// The columns of a block that are NaN in the same rows, for each set of such rows.
+///
+/// * `open`: columns that are NaN somewhere
+fn missing(block: &Mat<f64>, open: Vec<usize>) -> Vec<Missing> {
+    let mut missing: Vec<Missing> = Vec::new();
+    for column in open {
+        let entries = block.col_as_slice(column);
+        let count = entries.iter().filter(|entry| entry.is_nan()).count();
+        let is_alike = |known: &&mut Missing| {
+            known.rows.len() == count && known.rows.iter().all(|&row| entries[row].is_nan())
+        };
+        match missing.iter_mut().find(is_alike) {
+            Some(known) => known.columns.push(column),
+            None => {
+                let rows = (0..entries.len()).filter(|&row| entries[row].is_nan()).collect();
+                missing.push(Missing { rows, columns: vec![column] });
+            }
+        }
+    }
+    if missing.len() > MOST_BLOCKS {
+        let mut rows: Vec<usize> = missing.iter().flat_map(|one| &one.rows).copied().collect();
+        rows.sort_unstable();
+        rows.dedup();
+        missing = vec![Missing { rows, columns: missing.into_iter().flat_map(|one| one.columns).collect() }];
+    }
+    missing
 }
 
 #[cfg(test)]
@@ -138,7 +175,7 @@ mod tests {
         // A new row in two columns that know the others alike, all of them in a new one.
         assert_eq!(
             ask(&[1, 2, 3], &[1, 2, 3], 1e-4, None),
-            [(vec![1, 2, 3], vec![2], 1e-4), (vec![2], vec![1], 1e-4)]
+            [(vec![2], vec![1], 1e-4), (vec![1, 2, 3], vec![2], 1e-4)]
         );
         assert_eq!(ask(&[3], &[3], 1e-5, None), [(vec![3], vec![3], 1e-5)]);
         // A row that is known and three new ones twice, times three columns: 168 bytes.

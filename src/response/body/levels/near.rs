@@ -33,6 +33,8 @@ use crate::surface::refined::RefinedSurface;
 
 /// Least relative error of the integrals: far below what the remainder's coarse mesh costs.
 pub(crate) const LEAST_TOLERANCE: f64 = 1e-4;
+/// Rows that one task sums.
+const ROWS_PER_TASK: usize = 128;
 /// Components of a symmetric 3 × 3 block: xx, xy, xz, yy, yz, zz.
 const PACKED: usize = 6;
 
@@ -159,11 +161,8 @@ impl NearKernel {
                     for (i, entry) in entries.iter_mut().enumerate() {
                         let way = [x[i] - to[0], y[i] - to[1], z[i] - to[2]];
                         let along = [along_x[i], along_y[i], along_z[i]];
-                        let distance_squared = dot(&way, &way);
-                        // No way, no lean: the quotient is 0.
-                        let cubed = (distance_squared * distance_squared.sqrt()).max(f64::MIN_POSITIVE);
                         let leans = dot(&along, &way) * dot(&load, &way);
-                        *entry = *entry * dot(&along, &load) + factor * leans / cubed;
+                        *entry = *entry * dot(&along, &load) + factor * leans / cubed(&way);
                     }
                 },
             );
@@ -182,21 +181,37 @@ impl NearKernel {
         kept: &KeptBlock,
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let scalar = self.scalar_rows(asked, vertices, kept)?;
-        let factor = self.outer_factor();
         let points = asked.surface.vertices();
-        let moved = |(row, &vertex): (usize, &usize)| {
-            let mut sum = Vector3::zeros();
-            for (j, (&node, force)) in asked.nodes.iter().zip(forces).enumerate() {
-                let way = points[vertex] - points[node];
-                let distance_squared = way.norm_squared();
-                sum += scalar[(row, j)] * force;
-                if distance_squared > 0.0 {
-                    sum += (factor * way.dot(force) / (distance_squared * distance_squared.sqrt())) * way;
-                }
-            }
-            sum
+        let [x, y, z] = coordinates(vertices.iter().map(|&vertex| &points[vertex]));
+        let (factor, arch) = (self.outer_factor(), pulp::Arch::new());
+        let moved = |first: usize| {
+            let rows = first..vertices.len().min(first + ROWS_PER_TASK);
+            let count = rows.len();
+            let [x, y, z] = [&x[rows.clone()], &y[rows.clone()], &z[rows.clone()]];
+            let mut sums = [[0.0; ROWS_PER_TASK]; 3];
+            arch.dispatch(
+                #[inline(always)]
+                || {
+                    let [sum_x, sum_y, sum_z] = &mut sums;
+                    let [sum_x, sum_y, sum_z] =
+                        [&mut sum_x[..count], &mut sum_y[..count], &mut sum_z[..count]];
+                    for (j, (&node, force)) in asked.nodes.iter().zip(forces).enumerate() {
+                        let (to, load) = (&points[node], [force.x, force.y, force.z]);
+                        let scalar = &scalar.col_as_slice(j)[first..][..count];
+                        for i in 0..count {
+                            let way = [x[i] - to.x, y[i] - to.y, z[i] - to.z];
+                            let leans = factor * dot(&load, &way) / cubed(&way);
+                            sum_x[i] += scalar[i] * load[0] + leans * way[0];
+                            sum_y[i] += scalar[i] * load[1] + leans * way[1];
+                            sum_z[i] += scalar[i] * load[2] + leans * way[2];
+                        }
+                    }
+                },
+            );
+            (0..count).map(move |i| Vector3::new(sums[0][i], sums[1][i], sums[2][i]))
         };
-        Ok(vertices.par_iter().enumerate().map(|(row, vertex)| moved((row, vertex))).collect())
+        let tasks = (0..vertices.len().div_ceil(ROWS_PER_TASK)).into_par_iter();
+        Ok(tasks.flat_map_iter(|task| moved(task * ROWS_PER_TASK)).collect())
     }
 
     /// ν / (2πG) (m²/N).
@@ -236,6 +251,13 @@ fn coordinates<'a>(vectors: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> [
 #[inline(always)]
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The length of a way cubed, or next to nothing where it has none: what leans along it is 0 then.
+#[inline(always)]
+fn cubed(way: &[f64; 3]) -> f64 {
+    let squared = dot(way, way);
+    (squared * squared.sqrt()).max(f64::MIN_POSITIVE)
 }
 
 #[derive(Default)]

@@ -237,8 +237,12 @@ impl NearAndFar {
             }
         }
         let mut moved = Vec::with_capacity(vertices.len());
+        // What is drawn is asked for once.
+        let is_few = vertices.len() <= ROWS_AT_ONCE;
         for some in vertices.chunks(ROWS_AT_ONCE) {
-            let near = self.near.displacements(asked, forces, some, &self.kept)?;
+            let unkept = KeptBlock::default();
+            let near =
+                self.near.displacements(asked, forces, some, if is_few { &self.kept } else { &unkept })?;
             for (near, &vertex) in near.into_iter().zip(some) {
                 let at = |coarse: u32| rows.binary_search(&(coarse as usize)).expect("in the support");
                 let far = |&(coarse, weight): &(u32, f64)| weight * smooth[at(coarse)];
