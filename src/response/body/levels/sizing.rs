@@ -8,12 +8,12 @@ use crate::response::body::check::tissue::check_nodes;
 use crate::response::body::error::BodyError;
 use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
-use crate::surface::coarse::CoarseSkin;
+use crate::surface::coarse::{CoarseSkin, edges_at_vertices};
 
 /// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length where the one before
 /// crosses itself or the bone, or everywhere.
 const MOST_TRIES: usize = 16;
-const SHORTER: f64 = 0.8;
+const SHORTER: f64 = 0.7;
 
 /// Wanted length of the coarse edges, as a share of the tissue's thickness: the least and the most. Collapses make some
 /// up to 1.5 times as long.
@@ -167,13 +167,15 @@ impl Body {
                 (wanted, has_many, MOST_TRIES)
             }
         };
+        let own_edges = edges_at_vertices(skin);
+        // Where they would be shorter than the skin's own, that stays as it is.
+        let shorter = |length: f64, own: f64| if SHORTER * length < own { 0.0 } else { SHORTER * length };
         let mut coarse = self.coarse_body(skin, &edge_length, &fixed);
         for _ in 1..tries {
             let Err(refused) = &coarse else { break };
-            match &refused.at[..] {
-                [] => edge_length.iter_mut().for_each(|length| *length *= SHORTER),
-                at => at.iter().for_each(|&vertex| edge_length[vertex] *= SHORTER),
-            }
+            let everywhere: Vec<usize> = (0..vertex_count).collect();
+            let at = if refused.at.is_empty() { &everywhere } else { &refused.at };
+            at.iter().for_each(|&at| edge_length[at] = shorter(edge_length[at], own_edges[at]));
             coarse = self.coarse_body(skin, &edge_length, &fixed);
         }
         let coarse = coarse.map_err(|Refused { reason, .. }| BodyError::CoarseMesh { reason })?;
