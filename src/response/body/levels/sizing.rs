@@ -30,9 +30,6 @@ const MANY_VERTICES: f64 = 800.0;
 /// some 4e11 operations and 0.7 GB.
 const MOST_VERTICES: f64 = 1400.0;
 
-/// Longest edge at the nodes of such a skin over the median there: where the tissue is deep a few more vertices cost little.
-const LONGEST_PER_MEDIAN: f64 = 2.0;
-
 /// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
 const LONGER: [f64; 2] = [2.0, 1.7];
 
@@ -76,11 +73,12 @@ fn lengthen_edges(edges: &mut [f64], skin: &Surface, bends: &[f64], nodes: &[usi
     }
     let mut at_nodes: Vec<f64> = nodes.iter().map(|&node| edges[node]).collect();
     at_nodes.sort_unstable_by(f64::total_cmp);
-    let longest = LONGEST_PER_MEDIAN * at_nodes[nodes.len() / 2];
+    // Where the tissue is deep a few more vertices cost little: with longer edges there the base of a thumb is too stiff.
+    let median = at_nodes[nodes.len() / 2];
     let [far, everywhere] = LONGER;
     let bounded = |edge: f64, longer: f64, bend: f64| longer.min((EDGE_PER_BEND[1] * bend).max(edge));
     for (vertex, away) in skin.skin_distances(nodes, f64::INFINITY) {
-        let edge = edges[vertex].min(longest + away);
+        let edge = edges[vertex].min(median + away);
         edges[vertex] = bounded(edge, (edge + away).min(far * edge), bends[vertex]);
     }
     let longer = (vertex_count(skin, edges) / MOST_VERTICES).sqrt().clamp(1.0, everywhere);
