@@ -43,6 +43,8 @@ pub(crate) struct FineMesh {
     pub faces: Vec<[u32; 3]>,
     /// Vertices of two kinds (n): faces with three of the second kind keep their outline.
     pub is_held: Vec<bool>,
+    /// Vertices that stay where they are (n).
+    pub is_still: Vec<bool>,
 }
 
 impl FineMesh {
@@ -134,6 +136,9 @@ impl<'a> Collapse<'a> {
 
     /// Shape of the worst face that moving `gone` onto `kept` makes; `None` where it may not.
     fn shape_after(&self, gone: u32, kept: u32) -> Option<f64> {
+        if self.mesh.is_still[gone as usize] {
+            return None;
+        }
         let has = |face: u32, vertex: u32| self.faces[face as usize].contains(&vertex);
         let shared: Vec<u32> =
             self.around[gone as usize].iter().copied().filter(|&face| has(face, kept)).collect();

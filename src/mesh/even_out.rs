@@ -18,23 +18,29 @@ const MOST_PASSES: usize = 8;
 const FLIP_BELOW: f64 = -1e-6;
 
 impl FineMesh {
-    /// Moves vertices along the surface and flips edges; held faces stay as they are.
+    /// Moves vertices along the surface and flips edges; held faces and still vertices stay as they are.
     ///
     /// * `project`: the point of the surface closest to one beside it
     pub fn even_out(&mut self, project: impl Fn(&Vector3<f64>) -> SurfacePoint) {
-        let held_faces = self.held_faces();
-        let mut is_still = vec![false; self.vertices.len()];
-        for (face, _) in self.faces.iter().zip(&held_faces).filter(|(_, held)| **held) {
+        let mut is_still = self.is_still.clone();
+        let stays = |face: &[u32; 3]| face.iter().all(|&vertex| is_still[vertex as usize]);
+        let still_faces: Vec<bool> =
+            self.faces.iter().zip(self.held_faces()).map(|(face, held)| held || stays(face)).collect();
+        for (face, _) in self.faces.iter().zip(&still_faces).filter(|(_, still)| **still) {
             face.iter().for_each(|&vertex| is_still[vertex as usize] = true);
         }
         for _ in 0..ROUNDS {
-            self.flip_to_delaunay(&held_faces);
+            self.flip_to_delaunay(&still_faces);
             let centroids = self.centroids();
             for vertex in (0..self.vertices.len()).filter(|&vertex| !is_still[vertex]) {
-                self.vertices[vertex] = project(&centroids[vertex]);
+                let there = project(&centroids[vertex]);
+                // Beside a slit or a crease the closest skin may be that across.
+                if there.normal.dot(&self.vertices[vertex].normal) >= LEAST_COSINE {
+                    self.vertices[vertex] = there;
+                }
             }
         }
-        self.flip_to_delaunay(&held_faces);
+        self.flip_to_delaunay(&still_faces);
     }
 
     /// Centroid of the faces around each vertex, in the metric of the wanted edges (n, m).
@@ -55,17 +61,17 @@ impl FineMesh {
     }
 
     /// Flips edges until each is Delaunay or may not flip.
-    fn flip_to_delaunay(&mut self, held_faces: &[bool]) {
+    fn flip_to_delaunay(&mut self, still_faces: &[bool]) {
         // Off the plane flips may run in circles.
         for _ in 0..MOST_PASSES {
-            if !self.flip_apart(held_faces) {
+            if !self.flip_apart(still_faces) {
                 break;
             }
         }
     }
 
     /// Flips edges of faces that have none in common; returns whether there were any.
-    fn flip_apart(&mut self, held_faces: &[bool]) -> bool {
+    fn flip_apart(&mut self, still_faces: &[bool]) -> bool {
         let mut across: BTreeMap<[u32; 2], Vec<(usize, u32)>> = BTreeMap::new();
         for (face, corners) in self.faces.iter().enumerate() {
             for k in 0..3 {
@@ -75,7 +81,7 @@ impl FineMesh {
                 sides.insert(if a < b { 0 } else { sides.len() }, (face, apex));
             }
         }
-        let mut is_touched = held_faces.to_vec();
+        let mut is_touched = still_faces.to_vec();
         let mut made = BTreeSet::new();
         for (&[a, b], sides) in &across {
             let &[(one, c), (other, d)] = &sides[..] else { continue };
@@ -118,6 +124,9 @@ impl FineMesh {
 mod tests {
     use super::*;
 
+    /// Stays where it is, far from the face that is held.
+    const STILL: u32 = 100;
+
     /// A unit sphere of uneven triangles, the first of them held.
     fn uneven_sphere() -> FineMesh {
         let (points, faces) = crate::sample::icosphere(1.0, 2);
@@ -130,6 +139,7 @@ mod tests {
         let held = faces[0];
         let on_sphere = |point: Vector3<f64>| SurfacePoint { point, normal: point, edge_length: 0.3 };
         FineMesh {
+            is_still: (0..points.len()).map(|vertex| vertex == STILL as usize).collect(),
             is_held: (0..points.len()).map(|vertex| held.contains(&(vertex as u32))).collect(),
             vertices: points.into_iter().enumerate().map(slid).map(on_sphere).collect(),
             faces,
@@ -154,6 +164,8 @@ mod tests {
             assert_eq!(after.point(vertex), before.point(vertex));
         }
         assert!(after.faces.contains(&before.faces[0]));
+        assert!(!before.faces[0].contains(&STILL));
+        assert_eq!(after.point(STILL), before.point(STILL));
         // Closed and turned outward.
         assert!(
             crate::surface::checked::Surface::new(

@@ -47,13 +47,20 @@ impl CoarseSkin {
     /// Collapses the edges of a closed skin that are shorter than wanted, evens out the triangles left, and lifts their
     /// vertices until the mesh bounds the same volume, all round.
     ///
-    /// * `edge_length`: wanted length of the edges at each vertex (n, m), > 0
+    /// * `edge_length`: wanted length of the edges at each vertex (n, m); a vertex with 0 stays as it is
     /// * `is_held`: vertices of faces that keep their outline (n), such as those of a cut
     ///
     /// # Errors
     /// [`SurfaceError`] of a coarse mesh that is none.
     pub fn new(fine: &Surface, edge_length: &[f64], is_held: &[bool]) -> Result<Self, SurfaceError> {
-        let project = on_surface(fine, edge_length);
+        let is_still: Vec<bool> = edge_length.iter().map(|&length| length == 0.0).collect();
+        let own_edges = edges_at_vertices(fine);
+        let edge_length: Vec<f64> = edge_length
+            .iter()
+            .zip(own_edges)
+            .map(|(&wanted, own)| if wanted == 0.0 { own } else { wanted })
+            .collect();
+        let project = on_surface(fine, &edge_length);
         let corner = |vertex: usize| SurfacePoint {
             point: fine.vertices()[vertex],
             normal: fine.vertex_normals()[vertex],
@@ -64,6 +71,7 @@ impl CoarseSkin {
             vertices: fine_vertices.iter().map(|&vertex| corner(vertex)).collect(),
             faces: fine.faces().to_vec(),
             is_held: is_held.to_vec(),
+            is_still: is_still.clone(),
         };
         // Even triangles let more edges collapse.
         for _ in 0..MOST_COLLAPSES {
@@ -76,6 +84,7 @@ impl CoarseSkin {
                 vertices: kept.iter().map(|&own| mesh.vertices[own]).collect(),
                 faces,
                 is_held: fine_vertices.iter().map(|&vertex| is_held[vertex]).collect(),
+                is_still: fine_vertices.iter().map(|&vertex| is_still[vertex]).collect(),
             };
             mesh.even_out(&project);
         }
@@ -83,7 +92,9 @@ impl CoarseSkin {
         let inscribed = Surface::new(mesh.vertices.iter().map(|vertex| vertex.point).collect(), mesh.faces)?
             .with_skin_mask(mask)?;
         let (places, heights) = place(fine.vertices(), &inscribed, &fine_vertices);
-        let (surface, deviation) = fit(&inscribed, &fine_vertices, &places, &heights, is_held);
+        let may_lift: Vec<bool> =
+            is_held.iter().zip(&is_still).map(|(held, still)| !held && !still).collect();
+        let (surface, deviation) = fit(&inscribed, &fine_vertices, &places, &heights, &may_lift);
         Ok(Self { surface, fine_vertices, places, deviation })
     }
 }
@@ -179,10 +190,10 @@ fn fit(
     fine_vertices: &[usize],
     places: &[CoarsePlace],
     heights: &[f64],
-    is_held: &[bool],
+    may_lift: &[bool],
 ) -> (Surface, f64) {
     let mut lifts = means_around(fine_vertices, places, heights);
-    for (lift, _) in lifts.iter_mut().zip(fine_vertices).filter(|(_, vertex)| is_held[**vertex]) {
+    for (lift, _) in lifts.iter_mut().zip(fine_vertices).filter(|(_, vertex)| !may_lift[**vertex]) {
         *lift = 0.0;
     }
     let lifted = inscribed.vertices().iter().zip(inscribed.vertex_normals()).zip(&lifts);
@@ -197,4 +208,16 @@ fn fit(
         (height - lifted.sum::<f64>()).abs()
     };
     (surface, places.iter().zip(heights).map(left).fold(0.0, f64::max))
+}
+
+/// Mean length of the edges at each vertex (n, m).
+pub(crate) fn edges_at_vertices(surface: &Surface) -> Vec<f64> {
+    let length = |vertex: usize| {
+        let own = surface.vertices()[vertex];
+        let neighbours = surface.neighbours(vertex);
+        let total: f64 =
+            neighbours.iter().map(|&other| (surface.vertices()[other as usize] - own).norm()).sum();
+        total / neighbours.len() as f64
+    };
+    (0..surface.vertices().len()).map(length).collect()
 }

@@ -63,17 +63,53 @@ def test_a_folder_that_is_none_is_refused_before_the_work(hand: qr.Hand, tmp_pat
         posed.skin(**MATERIAL, folder=tmp_path / "none")
 
 
-def test_a_whole_hand_is_solved_on_a_bounded_number_of_vertices(hand: qr.Hand) -> None:
-    class Stop(Exception):
-        pass
+class Stop(Exception):
+    """Raised at the first sign of work."""
 
-    def first_words(what: str, _: float) -> None:
-        raise Stop(what)
 
-    posed = hand.posed({})
+def first_words(what: str, _: float) -> None:
+    raise Stop(what)
+
+
+def words_of(posed: qr.PosedHand) -> list[str]:
+    """Return what the body of a posed hand says before it is solved."""
     body = qr.Body(bone=posed.bones, fixed=~posed.surface.skin_mask)
     with pytest.raises(Stop) as announced:
         qr.Skin(**MATERIAL, response=body).prepared(posed.surface, progress=first_words)
-    words = str(announced.value).split()
+    return str(announced.value).split()
+
+
+def test_a_whole_hand_is_solved_on_a_bounded_number_of_vertices(hand: qr.Hand) -> None:
+    words = words_of(hand.posed({}))
     assert int(words[2]) < 1700
     assert float(words[words.index("GB,") - 1]) < 1.0
+
+
+def test_fingers_that_all_but_touch_are_a_body_too(hand: qr.Hand) -> None:
+    turns = np.zeros((len(hand.joint_names), 3))
+    turns[hand.joint_names.index(f"{INDEX}proximal"), 2] = -0.172
+    posed = hand.posed(turns)
+    assert posed.crossings == ()
+    digit = np.array([name.split("-")[0] for name in posed.labels])
+    index, middle = (posed.surface.vertices[digit == name] for name in ("index", "middle"))
+    apart = np.linalg.norm(index[:, None] - middle, axis=2).min()
+    assert apart < 0.5 * hand.surface.mean_edge_length
+    assert int(words_of(posed)[2]) < 1700
+
+
+def test_a_round_wrist_is_no_cut_and_the_bones_hold_the_hand(
+    hand: qr.Hand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("quasirigid.hand.posed.kept", lambda skin, *_: skin)  # what would be prepared
+    vertices = hand.surface.vertices.copy()
+    cut = ~hand.surface.skin_mask
+    across = vertices[cut][:, [0, 2]] - vertices[cut][:, [0, 2]].mean(axis=0)
+    reach = np.linalg.norm(across, axis=1)
+    vertices[cut, 1] -= 8e-3 * (1.0 - (reach / reach.max()) ** 2)
+    known = {name: getattr(hand, name) for name in ("joint_names", "parents", "rest", "joints", "weights")}
+    posed = qr.Hand(vertices, hand.surface.faces, **known).posed({})
+    assert posed.surface.skin_mask.all()
+    body = posed.skin(**MATERIAL).response
+    assert isinstance(body, qr.Body)
+    assert body.fixed is None
+    assert body.bone is posed.bones

@@ -122,8 +122,8 @@ class PosedHand:
             nu, from 0 to 0.5.
         response : Response, optional
             A body when left out; one that has neither bone nor fixed vertices gets the hand's bones and is
-            held at the cut at the wrist. It is prepared, which takes seconds, and kept in memory by
-            content: the same body is prepared once.
+            held at the cut at the wrist, where that is flat. It is prepared, which takes seconds, and kept
+            in memory by content: the same body is prepared once.
         nodes : (k,) array_like of int, optional
             Vertices where a body is touched and the mesh that it is solved on is finest; the palmar side when
             left out. A whole hand answers everywhere, more coarsely away from these.
@@ -144,11 +144,13 @@ class PosedHand:
         if not isinstance(response, Body):
             return Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
         if response.bone is None and response.fixed is None:
-            response = replace(response, bone=self.bones, fixed=~self.surface.skin_mask)
+            cut = ~self.surface.skin_mask
+            response = replace(response, bone=self.bones, fixed=cut if cut.any() else None)
         if self.crossings:
             parts = in_words(self.crossings)
             raise HandError(
-                f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose"
+                f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose there, or "
+                "take a response that needs none, such as HalfSpace()"
             )
         skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
         return kept(skin, self.surface, self._touching(response) if nodes is None else nodes, folder)

@@ -221,8 +221,8 @@ class Body(_Response):
         body; None for 0.4 to 0.7 of the tissue's thickness at each place, the more the larger the body, and
         at most half of the radius that the skin bends with. A skin that would get more than 1,400 vertices
         that way, as a whole hand, has edges up to twice as long away from the nodes that it is prepared
-        for, then everywhere longer by one factor, and is prepared for all that moves. 0 is the skin's own
-        mesh.
+        for, none there longer than their median, then all longer by one factor, and is prepared for all
+        that moves. 0 is the skin's own mesh.
 
     References
     ----------

@@ -6,7 +6,7 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::body::compliance::BodyCompliance;
-use crate::response::body::levels::coarseness::{BodyDoubt, Coarseness, edges_at_vertices};
+use crate::response::body::levels::coarseness::{BodyDoubt, Coarseness};
 use crate::response::body::levels::on_mesh::BodyOnMesh;
 use crate::response::body::levels::one_level::OneLevel;
 use crate::response::body::levels::sizing::{OnCoarse, tissue_thickness};
@@ -16,6 +16,7 @@ use crate::response::error::ResponseError;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
+use crate::surface::coarse::edges_at_vertices;
 use crate::surface::refined::RefinedSurface;
 
 /// The compliance of a body, solved here or given as 3 × 3 blocks; it turns with the surface and serves every product.

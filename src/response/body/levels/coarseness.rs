@@ -65,15 +65,3 @@ impl Coarseness {
         }
     }
 }
-
-/// Mean length of the edges at each vertex (n, m).
-pub(crate) fn edges_at_vertices(surface: &Surface) -> Vec<f64> {
-    let length = |vertex: usize| {
-        let own = surface.vertices()[vertex];
-        let neighbours = surface.neighbours(vertex);
-        let total: f64 =
-            neighbours.iter().map(|&other| (surface.vertices()[other as usize] - own).norm()).sum();
-        total / neighbours.len() as f64
-    };
-    (0..surface.vertices().len()).map(length).collect()
-}

@@ -8,12 +8,12 @@ use crate::response::body::check::tissue::check_nodes;
 use crate::response::body::error::BodyError;
 use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
-use crate::surface::coarse::CoarseSkin;
+use crate::surface::coarse::{CoarseSkin, edges_at_vertices};
 
 /// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length where the one before
 /// crosses itself or the bone, or everywhere.
 const MOST_TRIES: usize = 16;
-const SHORTER: f64 = 0.8;
+const SHORTER: f64 = 0.7;
 
 /// Wanted length of the coarse edges, as a share of the tissue's thickness: the least and the most. Collapses make some
 /// up to 1.5 times as long.
@@ -29,9 +29,6 @@ const MANY_VERTICES: f64 = 800.0;
 /// Vertices of a coarse skin above which its edges are longer than the most share: a whole hand with its bones then takes
 /// some 4e11 operations and 0.7 GB.
 const MOST_VERTICES: f64 = 1400.0;
-
-/// Longest edge at the nodes of such a skin over the median there: where the tissue is deep a few more vertices cost little.
-const LONGEST_PER_MEDIAN: f64 = 2.0;
 
 /// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
 const LONGER: [f64; 2] = [2.0, 1.7];
@@ -76,11 +73,12 @@ fn lengthen_edges(edges: &mut [f64], skin: &Surface, bends: &[f64], nodes: &[usi
     }
     let mut at_nodes: Vec<f64> = nodes.iter().map(|&node| edges[node]).collect();
     at_nodes.sort_unstable_by(f64::total_cmp);
-    let longest = LONGEST_PER_MEDIAN * at_nodes[nodes.len() / 2];
+    // Where the tissue is deep a few more vertices cost little: with longer edges there the base of a thumb is too stiff.
+    let median = at_nodes[nodes.len() / 2];
     let [far, everywhere] = LONGER;
     let bounded = |edge: f64, longer: f64, bend: f64| longer.min((EDGE_PER_BEND[1] * bend).max(edge));
     for (vertex, away) in skin.skin_distances(nodes, f64::INFINITY) {
-        let edge = edges[vertex].min(longest + away);
+        let edge = edges[vertex].min(median + away);
         edges[vertex] = bounded(edge, (edge + away).min(far * edge), bends[vertex]);
     }
     let longer = (vertex_count(skin, edges) / MOST_VERTICES).sqrt().clamp(1.0, everywhere);
@@ -167,13 +165,15 @@ impl Body {
                 (wanted, has_many, MOST_TRIES)
             }
         };
+        let own_edges = edges_at_vertices(skin);
+        // Where they would be shorter than the skin's own, that stays as it is.
+        let shorter = |length: f64, own: f64| if SHORTER * length < own { 0.0 } else { SHORTER * length };
         let mut coarse = self.coarse_body(skin, &edge_length, &fixed);
         for _ in 1..tries {
             let Err(refused) = &coarse else { break };
-            match &refused.at[..] {
-                [] => edge_length.iter_mut().for_each(|length| *length *= SHORTER),
-                at => at.iter().for_each(|&vertex| edge_length[vertex] *= SHORTER),
-            }
+            let everywhere: Vec<usize> = (0..vertex_count).collect();
+            let at = if refused.at.is_empty() { &everywhere } else { &refused.at };
+            at.iter().for_each(|&at| edge_length[at] = shorter(edge_length[at], own_edges[at]));
             coarse = self.coarse_body(skin, &edge_length, &fixed);
         }
         let coarse = coarse.map_err(|Refused { reason, .. }| BodyError::CoarseMesh { reason })?;

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
-use crate::response::body::levels::coarseness::{Coarseness, edges_at_vertices};
+use crate::response::body::levels::coarseness::Coarseness;
 use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
 use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, Weights, joined};
@@ -16,7 +16,7 @@ use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
-use crate::surface::coarse::{CoarsePlace, CoarseSkin};
+use crate::surface::coarse::{CoarsePlace, CoarseSkin, edges_at_vertices};
 use crate::surface::refined::RefinedSurface;
 
 /// A body on two levels: everything in it, to store it and to build it again.
