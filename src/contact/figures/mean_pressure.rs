@@ -54,6 +54,7 @@ mod tests {
 
     use super::largest_mean;
     use crate::contact::figures::resultant::LoadedVertex;
+    use crate::sample::Random;
 
     fn loaded(position: [f64; 3], node_force: f64) -> LoadedVertex {
         LoadedVertex {
@@ -87,5 +88,25 @@ mod tests {
         // Radius 10: all.
         assert_relative_eq!(largest_mean(&all, 100.0 * pi), 13.5 / (100.0 * pi), max_relative = 1e-15);
         assert_eq!(largest_mean(&[], pi), 0.0);
+    }
+
+    #[test]
+    fn the_mean_is_that_of_all_pairs_whichever_way_the_vertices_lie() {
+        let mut random = Random(7);
+        for stretch in [[1.0, 1.0, 1.0], [9.0, 1.0, 1.0], [0.1, 1.0, 6.0]] {
+            let place = |random: &mut Random| stretch.map(|length| length * random.signed());
+            let all: Vec<LoadedVertex> =
+                (0..150).map(|_| loaded(place(&mut random), random.next())).collect();
+            for radius in [0.05, 0.7, 3.0, 20.0] {
+                let within = |middle: &LoadedVertex| -> f64 {
+                    let is_near = |other: &&LoadedVertex| (other.position - middle.position).norm() <= radius;
+                    all.iter().filter(is_near).map(|other| other.node_force).sum()
+                };
+                let area = std::f64::consts::PI * radius * radius;
+                let expected = all.iter().map(within).fold(0.0, f64::max) / area;
+                let found = largest_mean(&all.iter().collect::<Vec<_>>(), area);
+                assert_relative_eq!(found, expected, max_relative = 1e-13);
+            }
+        }
     }
 }
