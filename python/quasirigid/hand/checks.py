@@ -52,7 +52,8 @@ def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
     if len(wrong):
         raise HandError(f"parents[{wrong[0]}] is {rows[wrong[0]]}, expected -1 or a joint below {len(names)}")
     for joint in range(len(names)):
-        seen, at = [], joint
+        seen: list[int] = []
+        at = joint
         while at >= 0:
             if at in seen:
                 circle = " on ".join(repr(names[one]) for one in [*seen[seen.index(at) :], at])
