@@ -52,11 +52,13 @@ def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
     if len(wrong):
         raise HandError(f"parents[{wrong[0]}] is {rows[wrong[0]]}, expected -1 or a joint below {len(names)}")
     for joint in range(len(names)):
-        seen, at = set(), joint
+        seen: list[int] = []
+        at = joint
         while at >= 0:
             if at in seen:
-                raise HandError(f"the parents of {names[joint]!r} run in a circle through {names[at]!r}")
-            seen.add(at)
+                circle = " on ".join(repr(names[one]) for one in [*seen[seen.index(at) :], at])
+                raise HandError(f"parents run in a circle: {circle}; the root has -1")
+            seen.append(at)
             at = int(rows[at])
     return read_only(rows.astype(np.int64))
 

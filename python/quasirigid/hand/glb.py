@@ -28,7 +28,8 @@ def read_glb(path: Path) -> Hand:
     file = Gltf(path)
     skins = file.description.get("skins", [])
     if len(skins) != 1:
-        raise HandError(f"{path}: it has {len(skins)} skins, expected one")
+        what = "export the mesh with its joints" if not skins else "export the hand alone"
+        raise HandError(f"{path}: it has {len(skins)} skins, expected one: {what}")
     vertices, faces, joints, weights = _mesh(file)
     vertices, faces, joints, weights = _welded(path, vertices, faces, joints, weights)
     names = [str(file.description["nodes"][node].get("name", f"joint-{node}")) for node in _nodes(file)]

@@ -18,6 +18,7 @@ from ..scene import as_obstacle
 from ..skin import Body, GivenMatrix, Skin
 from ..skin.progress import Progress, as_progress
 from .closing import Closing
+from .hand import Hand
 from .hold import Hold
 from .joints import DIGITS, index_of
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
     from ..contact import Contact, Part
     from ..obstacle import Obstacle
-    from .hand import Hand
     from .pose import Pose
     from .posed import PosedHand
     from .rotations import Floats
@@ -234,6 +234,8 @@ def close_hand(
     2.0
     """
     asked = _asked(force, overlap)
+    if not isinstance(hand, Hand):
+        raise TypeError(f"hand is a {type(hand).__name__}, expected a Hand, as of `read_hand`")
     as_obstacle("obstacle", obstacle)
     if not isinstance(skin, Skin):
         raise TypeError(f"skin is a {type(skin).__name__}, expected a Skin: it is prepared for each pose")

@@ -69,5 +69,7 @@ def index_of(name: str, known: Iterable[str], what: str) -> int:
     names = list(known)
     if name in names:
         return names.index(name)
-    near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.0)
+    # WebXR's word for a finger that is the little one here.
+    meant = "little" if name == "pinky" and "little" in names else str(name)
+    near = difflib.get_close_matches(meant, names, n=1, cutoff=0.0)
     raise HandError(f"{what} {name!r} is not known; the nearest is {near[0]!r}")

@@ -149,8 +149,8 @@ class PosedHand:
         if self.crossings:
             parts = in_words(self.crossings)
             raise HandError(
-                f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose there, or "
-                "take a response that needs none, such as HalfSpace()"
+                f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose there, "
+                "or take a response that needs none, such as HalfSpace()"
             )
         skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
         return kept(skin, self.surface, self._touching(response) if nodes is None else nodes, folder)

@@ -26,6 +26,8 @@ use crate::surface::cut_out::CutOut;
 const ROWS_PER_REPORT: usize = 64;
 /// Columns of a panel of the factor; wide enough for full-speed products.
 const FACTOR_PANEL: usize = 512;
+/// Columns right of a panel between two looks at the interrupt.
+const FACTOR_STRIP: usize = 1024;
 
 /// The body under a skin: what holds it.
 #[derive(Debug, Clone, Default)]
@@ -282,7 +284,7 @@ fn parallelism() -> Par {
 /// Factor of the equations, refused where it is singular to rounding.
 fn factorize(matrix: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, BodyError> {
     let matrix = Dense::from_columns(matrix, unknowns, unknowns);
-    let cuts = Cuts { panel: FACTOR_PANEL, strip: usize::MAX, par: parallelism() };
+    let cuts = Cuts { panel: FACTOR_PANEL, strip: FACTOR_STRIP, par: parallelism() };
     let stop = &mut |done| done > 0.0 && !watch.advance("factorization", done);
     let factor = Lu::with_cuts(matrix, cuts, stop).map_err(|reason| match reason {
         NoFactor::Interrupted => watch.interrupted("factorization"),
