@@ -285,7 +285,7 @@ fn parallelism() -> Par {
 fn factorize(matrix: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, BodyError> {
     let matrix = Dense::from_columns(matrix, unknowns, unknowns);
     let cuts = Cuts { panel: FACTOR_PANEL, strip: FACTOR_STRIP, par: parallelism() };
-    let stop = &mut |done| done > 0.0 && !watch.advance("factorization", done);
+    let stop = &mut |done| !watch.advance("factorization", done);
     let factor = Lu::with_cuts(matrix, cuts, stop).map_err(|reason| match reason {
         NoFactor::Interrupted => watch.interrupted("factorization"),
         NoFactor::Singular => BodyError::Singular { pivot_ratio: 0.0 },

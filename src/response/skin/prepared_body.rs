@@ -73,7 +73,7 @@ impl PreparedBody {
         nodes: &[usize],
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
-        let levels = match body.coarse_skin(surface, nodes)? {
+        let levels = match body.coarse_skin(surface, nodes, options.interrupt)? {
             None => Levels::One(OneLevel {
                 compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
                 thickness: body.bone.as_ref().map(|bone| tissue_thickness(surface, bone).into()),

@@ -1,5 +1,7 @@
 //! Thickness of the tissue, and how long the edges of a coarse mesh may be over it.
 
+use std::time::Instant;
+
 use rayon::prelude::*;
 
 use crate::geometry::face_tree::{Faces, face_tree, find_crossings};
@@ -144,8 +146,15 @@ impl Body {
     /// * `nodes`: vertices where contact is expected
     ///
     /// # Errors
-    /// [`BodyError::CoarseEdgeLength`], [`BodyError::CoarseMesh`]; what [`Body::prepare`] finds wrong with the body.
-    pub(crate) fn coarse_skin(&self, skin: &Surface, nodes: &[usize]) -> Result<Option<OnCoarse>, BodyError> {
+    /// [`BodyError::CoarseEdgeLength`], [`BodyError::CoarseMesh`], [`BodyError::Interrupted`]; what [`Body::prepare`] finds
+    /// wrong with the body.
+    pub(crate) fn coarse_skin(
+        &self,
+        skin: &Surface,
+        nodes: &[usize],
+        interrupt: Option<&(dyn Fn() -> bool + Sync)>,
+    ) -> Result<Option<OnCoarse>, BodyError> {
+        let start = Instant::now();
         let vertex_count = skin.vertices().len();
         if self.coarse_edge_length == Some(0.0) {
             return Ok(None);
@@ -171,6 +180,10 @@ impl Body {
         let mut coarse = self.coarse_body(skin, &edge_length, &fixed);
         for _ in 1..tries {
             let Err(refused) = &coarse else { break };
+            if interrupt.is_some_and(|interrupt| interrupt()) {
+                let seconds = start.elapsed().as_secs_f64();
+                return Err(BodyError::Interrupted { stage: "coarse mesh", seconds });
+            }
             let everywhere: Vec<usize> = (0..vertex_count).collect();
             let at = if refused.at.is_empty() { &everywhere } else { &refused.at };
             at.iter().for_each(|&at| edge_length[at] = shorter(edge_length[at], own_edges[at]));
