@@ -231,7 +231,7 @@ fn progress_goes_through_the_stages_and_an_interrupt_ends_each() {
     assert_eq!(stages, ["assembly", "factorization", "solution"]);
     assert!(seen.iter().all(|step| step.done > 0.0 && step.done <= 1.0));
 
-    for (patience, stage) in [(0, "assembly"), (2, "factorization"), (3, "solution")] {
+    for (patience, stage) in [(0, "assembly"), (2, "factorization"), (4, "solution")] {
         let asked = AtomicUsize::new(0);
         let interrupt = || asked.fetch_add(1, Ordering::Relaxed) >= patience;
         let options =

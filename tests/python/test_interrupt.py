@@ -31,7 +31,11 @@ SCENE = (
 # Some seconds of work each, and what is on stderr while it is under way.
 STAGES = {
     "preparation": (f"press mid.ply {SCENE} --depth 2mm --response body --prepared kept.npz", "body of "),
-    "refinement": (f"press fine.ply {SCENE} --depth 3mm --target-error 0.0003 --out out", "pressing ..."),
+    "refinement": (
+        f"press fine.ply {SCENE} --depth 3mm --target-error 0.0001"
+        " --response half-space:discretization=galerkin --out out",
+        "pressing ...",
+    ),
     "force search": (f"press fine.ply {SCENE} --force 20N --target-error none --out out", "pressing ..."),
     "sweep": (f"sweep fine.ply {SCENE} --depths 3:4:40mm --target-error none --out out", "2 of 40 presses"),
 }

@@ -96,10 +96,14 @@ impl Watch<'_> {
         if let Some(progress) = self.options.progress {
             progress(BodyProgress { stage, done, cost: self.cost });
         }
-        if self.options.interrupt.is_some_and(|interrupt| interrupt()) {
+        if self.is_interrupted() {
             self.stopped.store(true, Ordering::Relaxed);
         }
         !self.stopped.load(Ordering::Relaxed)
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.options.interrupt.is_some_and(|interrupt| interrupt())
     }
 
     /// Counts the rows of a stage that are done, from any thread; returns whether to go on.
@@ -285,7 +289,10 @@ fn parallelism() -> Par {
 fn factorize(matrix: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, BodyError> {
     let matrix = Dense::from_columns(matrix, unknowns, unknowns);
     let cuts = Cuts { panel: FACTOR_PANEL, strip: FACTOR_STRIP, par: parallelism() };
-    let stop = &mut |done| !watch.advance("factorization", done);
+    let stop = &mut |done| match done {
+        0.0 => watch.is_interrupted(),
+        _ => !watch.advance("factorization", done),
+    };
     let factor = Lu::with_cuts(matrix, cuts, stop).map_err(|reason| match reason {
         NoFactor::Interrupted => watch.interrupted("factorization"),
         NoFactor::Singular => BodyError::Singular { pivot_ratio: 0.0 },
