@@ -4,6 +4,7 @@ use super::forked::own_pool;
 use pyo3::prelude::*;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -60,7 +61,10 @@ pub(super) fn detached_on_thread<T: Send>(
     let stop = AtomicBool::new(false);
     let (result, signal) = py.detach(|| {
         thread::scope(|scope| {
+            // Dropped when the work returns or panics, which ends the wait at once.
+            let (running, ended) = mpsc::channel::<()>();
             let worker = scope.spawn(|| {
+                let _running = running;
                 let work = || work(&|| stop.load(Ordering::Relaxed));
                 match own_pool() {
                     None => work(),
@@ -68,10 +72,7 @@ pub(super) fn detached_on_thread<T: Send>(
                 }
             });
             let mut signal = None;
-            let mut wait = Duration::from_micros(50);
-            while !worker.is_finished() {
-                thread::sleep(wait);
-                wait = (2 * wait).min(POLL);
+            while ended.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
                 if signal.is_none()
                     && let Err(error) = Python::attach(|py| py.check_signals())
                 {
