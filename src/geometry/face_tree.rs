@@ -12,6 +12,8 @@ use crate::geometry::crossing::{crossing_along, triangles_cross};
 
 /// Slack of a search's reach squared, far above rounding (dimensionless).
 const REACH_SLACK: f64 = 1.0 + 1e-9;
+/// Squared distances within this ratio of the least are equal (dimensionless).
+const EQUALLY_CLOSE: f64 = 1.0 + 1e-6;
 
 /// The faces of a mesh.
 #[derive(Clone, Copy)]
@@ -79,6 +81,14 @@ pub(crate) fn close_pairs(trees: [&Bvh; 2], reach: f64) -> Vec<[usize; 2]> {
     trees[0].leaf_pairs(trees[1], is_close).map(|(i, j)| [i as usize, j as usize]).collect()
 }
 
+#[inline]
+fn distance_squared_to_box(p: &Vector3<f64>, node: &BvhNode) -> f64 {
+    let (low, high) = (node.mins(), node.maxs());
+    let gap = |p: f64, low: f64, high: f64| (low - p).max(p - high).max(0.0);
+    let [x, y, z] = [gap(p.x, low.x, high.x), gap(p.y, low.y, high.y), gap(p.z, low.z, high.z)];
+    x * x + y * y + z * z
+}
+
 impl<'a> Faces<'a> {
     #[inline]
     pub fn triangle(&self, face: usize) -> [&'a Vector3<f64>; 3] {
@@ -91,19 +101,30 @@ impl<'a> Faces<'a> {
     pub fn closest_to_point(&self, tree: &Bvh, p: &Vector3<f64>, reach: f64) -> Option<(usize, Closest)> {
         let (face, (_, closest)) = tree.find_best(
             reach * reach * REACH_SLACK + f64::MIN_POSITIVE,
-            |node: &BvhNode, _| {
-                let (low, high) = (node.mins(), node.maxs());
-                let gap = |p: f64, low: f64, high: f64| (low - p).max(p - high).max(0.0);
-                let [x, y, z] = [gap(p.x, low.x, high.x), gap(p.y, low.y, high.y), gap(p.z, low.z, high.z)];
-                x * x + y * y + z * z
-            },
+            |node: &BvhNode, _| distance_squared_to_box(p, node),
             |face, _| {
-                let face = face as usize;
-                let closest = closest_on_triangle(p, self.triangle(face), &self.normals[face]);
+                let closest = self.closest(p, face);
                 Some((closest.distance_squared, closest))
             },
         )?;
         Some((face as usize, closest))
+    }
+
+    /// As [`Faces::closest_to_point`], but of faces that are equally close, but for what rounding can do, the first.
+    ///
+    /// Below an edge the closest point jumps from face to face: where they are alike rounding decides nothing then.
+    pub fn first_closest_to_point(&self, tree: &Bvh, p: &Vector3<f64>) -> Option<(usize, Closest)> {
+        let (_, closest) = self.closest_to_point(tree, p, f64::INFINITY)?;
+        let reach_squared = closest.distance_squared * EQUALLY_CLOSE;
+        let first = tree
+            .leaves(|node| distance_squared_to_box(p, node) <= reach_squared)
+            .filter(|&face| self.closest(p, face).distance_squared <= reach_squared)
+            .min()?;
+        Some((first as usize, self.closest(p, first)))
+    }
+
+    fn closest(&self, p: &Vector3<f64>, face: u32) -> Closest {
+        closest_on_triangle(p, self.triangle(face as usize), &self.normals[face as usize])
     }
 
     /// Winding number of closed faces around a point: the faces that a ray along a coordinate axis meets, 1 from behind,
@@ -217,6 +238,22 @@ mod tests {
                 proptest::prop_assert!((distance - least).abs() <= 1e-15 * (1.0 + least));
             }
         }
+    }
+
+    #[test]
+    fn rounding_does_not_choose_between_equally_close_faces() {
+        let roof = [[-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], [0.0, 2.0, 1.0], [1.0, 0.0, 0.0]].map(Vector3::from);
+        let mesh = (roof.to_vec(), vec![[0, 1, 2], [1, 3, 2]]);
+        let faces = Faces { vertices: &mesh.0, corners: &mesh.1, normals: &normals(&mesh) };
+        let tree = face_tree(&mesh.0, &mesh.1);
+        for x in [-1e-9, -1e-16, 0.0, 1e-16, 1e-9] {
+            let below = Vector3::new(x, 0.0, 0.8);
+            let (face, closest) = faces.first_closest_to_point(&tree, &below).expect("two faces");
+            assert_eq!(face, 0);
+            assert!((closest.point - Vector3::new(-0.1, 0.0, 0.9)).norm() <= 1e-8);
+        }
+        let aside = Vector3::new(1e-3, 0.0, 0.8);
+        assert_eq!(faces.first_closest_to_point(&tree, &aside).expect("two faces").0, 1);
     }
 
     #[test]

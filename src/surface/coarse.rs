@@ -152,9 +152,10 @@ fn on_surface(skin: &Surface, edge_length: &[f64]) -> impl Fn(&Vector3<f64>) -> 
     }
 }
 
-/// The face closest to a point, the weights of its corners at the closest point, and that.
+/// The face closest to a point, the first of equally close ones, with the weights of its corners at the closest point, and
+/// that.
 pub(crate) fn barycentric(faces: &Faces, tree: &Bvh, point: &Vector3<f64>) -> (usize, [f64; 3], Closest) {
-    let (face, closest) = faces.closest_to_point(tree, point, f64::INFINITY).expect("a mesh has faces");
+    let (face, closest) = faces.first_closest_to_point(tree, point).expect("a mesh has faces");
     let [a, b, c] = faces.corners[face].map(|vertex| faces.vertices[vertex as usize] - closest.point);
     let normal = &faces.normals[face];
     let areas = [b.cross(&c), c.cross(&a), a.cross(&b)].map(|area| area.dot(normal).max(0.0));

@@ -22,7 +22,6 @@ AS_GIVEN = ContactOptions(target_error=None, memory_limit=2**30)
 # One kilometre away (m).
 FAR = (1000.0, -700.0, 500.0)
 _LEAST_LIMIT = 1e-9
-_SHARE_OF_BODY = 0.01
 _ROUNDINGS = 100.0
 
 
@@ -70,14 +69,9 @@ def off(found: Contact, wanted: Contact, *, force: float = 1.0, length: float = 
 
 
 def rounding_limit(contact: Contact, smallest: float) -> float:
-    """Return the larger of 1e-9 and 100 times the rounding of the coordinates over a length (m).
-
-    The coarse mesh of a body has ties where its skin is symmetric, and rounding breaks them: there it is a
-    hundredth of what that mesh costs by its own estimate.
-    """
+    """Return the larger of 1e-9 and 100 times the rounding of the coordinates over a length (m)."""
     largest = float(np.abs(contact.surface.vertices).max())
-    of_body = _SHARE_OF_BODY * (contact.accuracy.body_error or 0.0)
-    return max(_LEAST_LIMIT, _ROUNDINGS * np.finfo(np.float64).eps * largest / smallest, of_body)
+    return max(_LEAST_LIMIT, _ROUNDINGS * np.finfo(np.float64).eps * largest / smallest)
 
 
 def scaled_cases(
