@@ -66,20 +66,40 @@ impl<'a> InPlace<'a> {
         options: &ContactOptions<'a>,
         mut report: Report,
     ) -> Result<Self, ContactError> {
+        let gaps = Self::gaps(surface, scene, options, &mut report)?;
+        Self::solve_gaps(gaps, skin, known, options, report)
+    }
+
+    /// 1. Gaps; back along the press where the skin came in through another side.
+    pub fn gaps(
+        surface: &'a Surface,
+        scene: &'a Scene,
+        options: &ContactOptions<'a>,
+        report: &mut Report,
+    ) -> Result<Gaps<'a>, ContactError> {
         if !surface.skin_mask().contains(&true) {
             return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
         }
-        let traits = skin.traits(surface)?;
-
-        // 1. Gaps; back along the press where the skin came in through another side.
         let started = Instant::now();
-        let mut gaps = Gaps::measure(surface, scene, options.search_distance)?;
+        let gaps = Gaps::measure(surface, scene, options.search_distance)?;
         report.clock("signed_distance", started);
         report.note_gaps(&gaps);
         report.warn_of_walls(&gaps);
+        Ok(gaps)
+    }
+
+    /// Finds the node forces that close the [gaps](Self::gaps).
+    pub fn solve_gaps(
+        mut gaps: Gaps<'a>,
+        skin: &'a dyn ElasticSkin,
+        known: Option<&Known>,
+        options: &ContactOptions<'a>,
+        mut report: Report,
+    ) -> Result<Self, ContactError> {
+        let traits = skin.traits(gaps.surface)?;
 
         // 2-4. Candidates, response, complementarity.
-        let response = Compliance::new(surface, skin, traits, options);
+        let response = Compliance::new(gaps.surface, skin, traits, options);
         if gaps.penetrating.is_empty() {
             return Ok(Self { gaps, response, forces: None, report });
         }

@@ -32,7 +32,7 @@ SCENE = (
 STAGES = {
     "preparation": (f"press mid.ply {SCENE} --depth 2mm --response body --prepared kept.npz", "body of "),
     "refinement": (
-        f"press fine.ply {SCENE} --depth 3mm --target-error 0.0001"
+        f"press mid.ply {SCENE} --depth 3mm --target-error 0.0001"
         " --response half-space:discretization=galerkin --out out",
         "pressing ...",
     ),

@@ -29,7 +29,8 @@ use crate::response::skin::kept::KeptSkin;
 
 /// A round that leaves more than this share of the error before it is followed by one of half the step.
 const SETTLING: f64 = 0.7;
-/// Rounds without gain after which the obstacle's shape is beyond gaps in planes.
+/// Rounds without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
+/// twice.
 const MOST_IN_VAIN: usize = 3;
 /// Least step from one linearisation to the next.
 const LEAST_STEP: f64 = 0.125;
@@ -101,11 +102,12 @@ pub(crate) fn solve_to_the_end(
     let is_kept = !response.traits.is_kernel || response.skin.keeps_matrices();
     let response = if is_kept { response } else { &keeping };
     let mut active = forces.active.clone();
+    let mut force: Vector3<f64> = forces.vectors.iter().sum();
     let mut best = forces;
     let mut kept = gaps.clone();
     let (mut before, mut step, mut in_vain) = (least, 1.0, 0);
     for _ in 1..options.max_linearizations {
-        if before <= allowed || in_vain == MOST_IN_VAIN {
+        if before <= allowed || in_vain >= MOST_IN_VAIN {
             break;
         }
         let started = Instant::now();
@@ -124,12 +126,15 @@ pub(crate) fn solve_to_the_end(
         }
         deformed = Deformed::new(gaps, response, &forces)?;
         let error = deformed.error(&forces);
-        report.linearizations.push(round(&forces, error, started));
+        let total: Vector3<f64> = forces.vectors.iter().sum();
+        let is_same_force = (total - force).norm() <= options.gap_tolerance * total.norm();
+        force = total;
+        report.linearizations.push(round(total, &forces, error, started));
         if error > SETTLING * before {
             step = (0.5 * step).max(LEAST_STEP);
         }
         before = error;
-        in_vain = if error < SETTLING * least { 0 } else { in_vain + 1 };
+        in_vain = if error < SETTLING * least { 0 } else { in_vain + if is_same_force { 2 } else { 1 } };
         if error < least {
             (least, best, kept) = (error, forces, gaps.clone());
         }
@@ -141,12 +146,12 @@ pub(crate) fn solve_to_the_end(
     Ok(best)
 }
 
-/// A round that left such a gap (m).
-fn round(forces: &NodeForces, gap: f64, started: Instant) -> Refinement {
+/// A round with such a force (N) that left such a gap (m).
+fn round(force: Vector3<f64>, forces: &NodeForces, gap: f64, started: Instant) -> Refinement {
     Refinement {
         kind: "linearization",
         nodes: forces.candidates.len(),
-        force: forces.vectors.iter().sum(),
+        force,
         contact_area: None,
         max_pressure: None,
         force_error: None,

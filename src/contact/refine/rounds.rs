@@ -136,11 +136,11 @@ impl Rounds<'_> {
                 Err(ContactError::Response(ResponseError::TooLarge { .. })) => {
                     return Ok("memory_limit");
                 }
-                other => other?,
+                other => match other? {
+                    Some(contact) => contact,
+                    None => return Ok("max_nodes"),
+                },
             };
-            if contact.candidates.len() > self.options.max_nodes {
-                return Ok("max_nodes");
-            }
             self.mesh = finer;
             if matches!(contact.status, ContactStatus::Failed(_)) {
                 self.last = Some((part, contact));
@@ -211,8 +211,8 @@ impl Rounds<'_> {
         self.last.as_ref().is_some_and(|(_, contact)| contact.clues.edge.is_some())
     }
 
-    /// The contact on a finer mesh.
-    fn solve(&self, part: &RefinedSurface) -> Result<Contact, ContactError> {
+    /// The contact on a finer mesh; `None` where that has too many nodes.
+    fn solve(&self, part: &RefinedSurface) -> Result<Option<Contact>, ContactError> {
         if self.options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "refinement" });
         }
@@ -223,10 +223,16 @@ impl Rounds<'_> {
         if self.placement.press.is_some() {
             report.clock("first_touch", started);
         }
+        let most = self.options.max_nodes;
+        let gaps = InPlace::gaps(&part.surface, &scene, self.options, &mut report)?;
+        if gaps.penetrating.len() > most {
+            return Ok(None);
+        }
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
         let known = Known::of_active(self.expected(part));
-        InPlace::solve(&part.surface, &scene, &*skin, Some(&known), self.options, report)?
-            .contact(self.options)
+        let contact =
+            InPlace::solve_gaps(gaps, &*skin, Some(&known), self.options, report)?.contact(self.options)?;
+        Ok((contact.candidates.len() <= most).then_some(contact))
     }
 
     /// Vertices of a finer part that are expected to carry force: those that do, those between two of them, and those
