@@ -618,6 +618,19 @@ fn a_useless_guess_costs_nothing_but_time() {
 }
 
 #[test]
+fn exchanges_from_a_guess_ask_for_no_p_matrix() {
+    // The first two: determinant -3, solved by z = 1/3.
+    let m = Mat::from_fn(20, 20, |i, j| match (i, j) {
+        (0, 1) | (1, 0) => 2.0,
+        _ => f64::from(u8::from(i == j)),
+    });
+    let options = LcpOptions { initial_active: Some((0..19).collect()), ..LcpOptions::default() };
+    let solution = run_with(&m, &[-1.0; 20], LcpMethodName::Lemke, &options);
+    assert_solves(&m, &[-1.0; 20], &solution, 1e-15);
+    assert_eq!((solution.attempts.len(), solution.pivots), (1, 1));
+}
+
+#[test]
 fn a_kernel_that_pulls_its_neighbours_in_ends_on_a_ray_or_is_flagged() {
     // The paper's Gaussian, K/r - a exp(-r²/2c²) within 15 mm: balanced, but not well posed on a wide patch.
     let (side, spacing) = (31, 1e-3);

@@ -74,13 +74,16 @@ impl Session<'_> {
     /// Lemke's method, from a crash basis where that may be tried and leads to an answer; the guess, if there is one, leads
     /// to the crash basis.
     ///
-    /// Where the crash basis has no wrong sign, z0 is zero on it and the path has no length.
+    /// Where the crash basis has no wrong sign, z0 is zero on it and the path has no length. The path from a guess asks for
+    /// no P-matrix, and so neither do the exchanges from it.
     pub(super) fn lemke(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
         let may_crash = options.crash && options.covering.is_none();
         let mut work = 0.0;
         if may_crash && self.problem.has_positive_diagonal() && self.rows_to_begin_with().len() > FEW_UNKNOWNS
         {
-            let answer = self.exchange(LcpMethodName::Lemke, Fallback::Crash, CRASH_PATIENCE)?;
+            let is_guessed = self.options.initial_active.is_some();
+            let fallback = if is_guessed { Fallback::None } else { Fallback::Crash };
+            let answer = self.exchange(LcpMethodName::Lemke, fallback, CRASH_PATIENCE)?;
             if answer.is_conclusive() {
                 return Ok(answer);
             }

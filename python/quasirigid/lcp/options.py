@@ -54,9 +54,9 @@ class LcpOptions:
         "unknown".
     crash : bool
         Let Lemke's method begin from a crash basis: block exchanges guess the active set as long as nothing
-        shows that M is no P-matrix; where they stall, the path begins from nothing. Every exchange counts as
-        a pivot. Only where neither `initial_active` nor `covering` is given, and for more than 16 unknowns
-        that may touch.
+        shows that M is no P-matrix, or from `initial_active`, whatever M is; where they stall, the path
+        begins from that guess or from nothing. Every exchange counts as a pivot. Only where no `covering` is
+        given, and for more than 16 unknowns that may touch.
     known_p_matrix : bool
         Promise that every principal minor of M is positive, so that there is one solution; it is taken at
         your word and stands in the certificate. "auto" then begins with block pivoting at any size; the one

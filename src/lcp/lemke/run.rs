@@ -24,8 +24,9 @@ pub struct LemkeOptions {
     /// Covering vector (n, > 0); `None` means all ones.
     pub covering: Option<Vec<f64>>,
     /// Whether it may begin from a crash basis (Dirkse, Ferris): block exchanges guess the active set as long as
-    /// nothing shows that M is no P-matrix; where they stall, the path begins from nothing. Only without a guess
-    /// or covering vector of the caller's, and for more than 16 unknowns that may touch.
+    /// nothing shows that M is no P-matrix, or from the caller's guess, whatever M is; where they stall, the path begins
+    /// from the guess or from nothing. Only without a covering vector of the caller's, and for more than 16 unknowns
+    /// that may touch.
     pub crash: bool,
 }
 
