@@ -15,6 +15,7 @@ from quasirigid.hand import DIGITS, JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
 
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 RIGS = ("webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k")
+DENSE = ("webxr_right_53k", "libhand_right_53k", "makehuman_male_right_53k")
 GLB = ("webxr_generic_hand_left", "webxr_generic_hand_right")
 INDEX = "index-finger-phalanx-"
 
@@ -28,6 +29,11 @@ def hand_file(name: str, ending: str = ".ply") -> Path:
 
 @pytest.fixture(scope="module", params=RIGS)
 def rigged(request: pytest.FixtureRequest) -> qr.Hand:
+    return qr.read_hand(hand_file(request.param))
+
+
+@pytest.fixture(scope="module", params=RIGS + DENSE)
+def sparse_or_dense(request: pytest.FixtureRequest) -> qr.Hand:
     return qr.read_hand(hand_file(request.param))
 
 
@@ -186,9 +192,9 @@ def test_angles_beyond_the_range_of_a_joint_are_taken_at_its_end(hand: qr.Hand) 
     np.testing.assert_array_equal(beyond.joints, further.joints)
 
 
-def test_every_vertex_has_a_region_in_one_piece(rigged: qr.Hand) -> None:
-    labels, faces = rigged.labels, rigged.surface.faces
-    assert len(labels) == len(rigged.surface.vertices)
+def test_every_vertex_has_a_region_in_one_piece(sparse_or_dense: qr.Hand) -> None:
+    labels, faces = sparse_or_dense.labels, sparse_or_dense.surface.faces
+    assert len(labels) == len(sparse_or_dense.surface.vertices)
     phalanges = [
         (d, p) for d in DIGITS for p in ("proximal", "middle", "distal") if (d, p) != ("thumb", "middle")
     ]
@@ -215,17 +221,23 @@ def test_every_vertex_has_a_region_in_one_piece(rigged: qr.Hand) -> None:
         assert len({root(vertex) for vertex in group}) == 1, region
 
 
-def test_phalanges_end_at_their_joints(rigged: qr.Hand) -> None:
-    names = list(rigged.joint_names)
-    for digit in ("index", "middle", "ring", "little"):
-        stem = "pinky" if digit == "little" else digit
-        for before, after, joint in (("proximal", "middle", "intermediate"), ("middle", "distal", "distal")):
-            frame = rigged.rest[names.index(f"{stem}-finger-phalanx-{joint}")]
-            along = (rigged.surface.vertices - frame[:3, 3]) @ frame[:3, 1]
-            both = [np.char.startswith(rigged.labels, f"{digit}-{one}") for one in (before, after)]
-            faces = rigged.surface.faces
-            border = both[0][faces].any(axis=1) & both[1][faces].any(axis=1)
-            assert np.abs(along[faces[border]].mean()) < 4e-3
+def test_phalanges_end_at_their_joints(sparse_or_dense: qr.Hand) -> None:
+    labels, surface = sparse_or_dense.labels, sparse_or_dense.surface
+    edges = np.concatenate([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]])
+    for digit in DIGITS:
+        words = ("proximal", "distal") if digit == "thumb" else ("proximal", "middle", "distal")
+        stem = {"thumb": "thumb", "little": "pinky-finger"}.get(digit, f"{digit}-finger")
+        links = ("proximal", "distal") if digit == "thumb" else ("proximal", "intermediate", "distal")
+        for at, link in enumerate(links[1:]):
+            before, after = (sparse_or_dense.frame_of(f"{stem}-phalanx-{one}") for one in (links[at], link))
+            both = [np.char.startswith(labels, f"{digit}-{words[one]}")[edges] for one in (at, at + 1)]
+            border = edges[both[0].any(axis=1) & both[1].any(axis=1)]
+            away = surface.vertices[border].mean(axis=1) - after[:3, 3]
+            # A bent finger's phalanges meet where its bend is halved: no edge reaches beyond.
+            halved = before[:3, 1] + after[:3, 1]
+            assert np.abs(away @ halved / np.linalg.norm(halved)).max() < surface.mean_edge_length
+            for frame in (before, after):
+                assert np.abs((away @ frame[:3, 1]).mean()) < 4e-3
 
 
 def test_bones_lie_inside_the_skin_and_clear_of_each_other(rigged: qr.Hand) -> None:
