@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import struct
@@ -432,6 +433,39 @@ def test_faulty_files_are_named(tmp_path: Path) -> None:
         read(with_text(text.replace(b'"thumb-tip"', b'"thumb-end"')))
     with pytest.raises(qr.MeshFileError, match="reads up to byte"):
         read(with_text(text.replace(b'"count":1360', b'"count":9990')))
+
+
+@pytest.mark.parametrize(
+    ("children", "message"),
+    [
+        (
+            {"wrist": ["thumb-tip"]},
+            r"node 4 \('thumb-tip'\) hangs on two nodes, node 0 \('wrist'\) and node 26",
+        ),
+        ({"thumb-tip": ["Armature"]}, r"run in a circle through node 26 \('Armature'\)"),
+        ({"Armature": ["Armature"]}, r"run in a circle through node 26 \('Armature'\)"),
+        ({"thumb-tip": [10**6]}, "its description has no nodes/1000000"),
+        ({"thumb-tip": 3}, "the children of node .* are 3, no list"),
+    ],
+)
+def test_nodes_that_form_no_trees_are_named(tmp_path: Path, children: dict[str, Any], message: str) -> None:
+    source = hand_file(GLB[1], ".glb").read_bytes()
+    length = struct.unpack_from("<I", source, 12)[0]
+    description = json.loads(source[20 : 20 + length])
+    nodes = description["nodes"]
+    number = {node.get("name"): at for at, node in enumerate(nodes)}
+    for name, held in children.items():
+        nodes[number[name]]["children"] = (
+            [number.get(one, one) for one in held] if isinstance(held, list) else held
+        )
+    text = json.dumps(description).encode()
+    text += b" " * (-len(text) % 4)
+    rest = source[20 + length :]
+    path = tmp_path / "hand.glb"
+    head = struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest))
+    path.write_bytes(head + struct.pack("<I4s", len(text), b"JSON") + text + rest)
+    with pytest.raises(qr.QuasirigidError, match=message):
+        qr.read_hand(path)
 
 
 def test_a_rig_that_does_not_fit_is_named(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import short
 from ..errors import HandError
 from .frames import uniform_frames
 from .gltf import Gltf
@@ -146,10 +147,7 @@ def _bind_frames(file: Gltf, count: int) -> Floats:
 
 def _parents(file: Gltf, names: list[str]) -> list[int]:
     """Return the parent of each joint: WebXR's for its joints, that of the file for others."""
-    nodes = _nodes(file)
-    above: dict[int, int] = {}
-    for number, node in enumerate(file.entry("nodes")):
-        above |= dict.fromkeys(node.get("children", []), number)
+    nodes, above = _nodes(file), _holders(file)
     parents = []
     for name, node in zip(names, nodes, strict=True):
         known: Any = PARENTS.get(name, name)
@@ -159,3 +157,36 @@ def _parents(file: Gltf, names: list[str]) -> list[int]:
         else:
             parents.append(names.index(known))
     return parents
+
+
+def _holders(file: Gltf) -> dict[int, int]:
+    """Return the node that each node hangs on: they are to be strict trees (glTF 2.0, 3.5.2)."""
+    nodes = file.entry("nodes")
+    above: dict[int, int] = {}
+    for number, node in enumerate(nodes):
+        children = node.get("children", [])
+        if not isinstance(children, list):
+            raise HandError(f"{file.path}: the children of node {number} are {short(children)}, no list")
+        for child in children:
+            file.entry("nodes", child)
+            if child in above:
+                raise HandError(
+                    f"{file.path}: {_named(nodes, child)} hangs on two nodes, {_named(nodes, above[child])} "
+                    f"and {_named(nodes, number)}: nodes are to form trees"
+                )
+            above[child] = number
+    rooted: set[int] = set()
+    for node in above:
+        way: set[int] = set()
+        while node in above and node not in rooted:
+            if node in way:
+                raise HandError(f"{file.path}: its nodes run in a circle through {_named(nodes, node)}")
+            way.add(node)
+            node = above[node]
+        rooted |= way
+    return above
+
+
+def _named(nodes: list[Any], node: int) -> str:
+    name = nodes[node].get("name")
+    return f"node {node}" if name is None else f"node {node} ({name!r})"
