@@ -468,6 +468,22 @@ def test_nodes_that_form_no_trees_are_named(tmp_path: Path, children: dict[str, 
         qr.read_hand(path)
 
 
+@pytest.mark.parametrize(("unit", "length"), [("mm", "0.0002"), ("cm", "0.002"), ("inch", "0.005")])
+def test_a_hand_in_another_unit_is_told(unit: Any, length: str) -> None:
+    path = hand_file("makehuman_male_right_13k")
+    with pytest.warns(qr.SizeWarning, match=rf"the hand is {length}\d* m long .* another unit"):
+        qr.read_hand(path, unit=unit)
+
+
+def test_joints_in_another_unit_than_the_skin_are_told(hand: qr.Hand) -> None:
+    vertices, faces = hand.surface.vertices, hand.surface.faces
+    # Joints in metres all lie in the wrist of a skin in millimetres.
+    with pytest.raises(qr.HandError, match=r"mm inside the skin, .* same unit and frame"):
+        qr.Hand(vertices * 1e3, faces, **parts_of(hand))
+    with pytest.raises(qr.HandError, match=r"mm outside the skin .* same unit and frame"):
+        qr.Hand(vertices * 1e-3, faces, **parts_of(hand))
+
+
 def test_a_rig_that_does_not_fit_is_named(tmp_path: Path) -> None:
     mesh = hand_file("webxr_right_middle_1500")
     with pytest.raises(

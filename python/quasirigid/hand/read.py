@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._units import metres_in
-from ..errors import HandError, QuasirigidError
+from ..errors import HandError, QuasirigidError, SizeWarning
 from ..io.read import read_mesh
 from .glb import read_glb
 from .hand import Hand
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from .rotations import Floats
 
 __all__ = ["read_hand"]
+
+_LENGTHS = (0.05, 0.4)  # m, from wrist to middle tip: from newborns to beyond the largest adults
 
 
 def read_hand(
@@ -56,6 +59,11 @@ def read_hand(
     SurfaceError
         The skin is no surface.
 
+    Warns
+    -----
+    SizeWarning
+        The hand is as large as none: its file has another unit.
+
     Notes
     -----
     A rig holds ``joint_names`` (J,), ``parents`` (J,; -1 for the root), ``rest`` (J, 4, 4), and for each mesh
@@ -71,12 +79,22 @@ def read_hand(
         if file.suffix.lower() == ".glb":
             if rig is not None:
                 raise HandError("rig belongs to a mesh, a GLB has its own")
-            return read_glb(file)
-        return _read_mesh_with_rig(file, None if rig is None else Path(rig), unit)
+            hand = read_glb(file)
+        else:
+            hand = _read_mesh_with_rig(file, None if rig is None else Path(rig), unit)
     except QuasirigidError as error:
         if str(file) in str(error):
             raise
         raise type(error)(f"{file}: {error}") from None
+    least, most = _LENGTHS
+    if not least <= hand.length <= most:
+        warnings.warn(
+            f"{file}: the hand is {hand.length:.4g} m long from wrist to middle tip, outside {least} to "
+            f"{most} m: is it in another unit? `unit` is that of mesh and rig, a GLB's is the metre",
+            SizeWarning,
+            stacklevel=2,
+        )
+    return hand
 
 
 def _read_mesh_with_rig(file: Path, rig: Path | None, unit: LengthUnit) -> Hand:
