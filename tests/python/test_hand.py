@@ -6,6 +6,7 @@ import json
 import math
 import os
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -449,23 +450,62 @@ def test_faulty_files_are_named(tmp_path: Path) -> None:
     ],
 )
 def test_nodes_that_form_no_trees_are_named(tmp_path: Path, children: dict[str, Any], message: str) -> None:
+    def hang(description: dict[str, Any]) -> None:
+        nodes = description["nodes"]
+        number = {node.get("name"): at for at, node in enumerate(nodes)}
+        for name, held in children.items():
+            nodes[number[name]]["children"] = (
+                [number.get(one, one) for one in held] if isinstance(held, list) else held
+            )
+
+    with pytest.raises(qr.QuasirigidError, match=message):
+        qr.read_hand(glb_with(hang, tmp_path))
+
+
+def glb_with(change: Callable[[dict[str, Any]], None], folder: Path) -> Path:
+    """Write the published hand with another description."""
     source = hand_file(GLB[1], ".glb").read_bytes()
     length = struct.unpack_from("<I", source, 12)[0]
     description = json.loads(source[20 : 20 + length])
-    nodes = description["nodes"]
-    number = {node.get("name"): at for at, node in enumerate(nodes)}
-    for name, held in children.items():
-        nodes[number[name]]["children"] = (
-            [number.get(one, one) for one in held] if isinstance(held, list) else held
-        )
+    change(description)
     text = json.dumps(description).encode()
     text += b" " * (-len(text) % 4)
     rest = source[20 + length :]
-    path = tmp_path / "hand.glb"
+    path = folder / "hand.glb"
     head = struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest))
     path.write_bytes(head + struct.pack("<I4s", len(text), b"JSON") + text + rest)
+    return path
+
+
+def part_of(description: dict[str, Any]) -> dict[str, Any]:
+    part: dict[str, Any] = description["meshes"][0]["primitives"][0]
+    return part
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda file: file.update(nodes=5), "has 5 as nodes, expected objects"),
+        (lambda file: file["nodes"].append(7), "as nodes, expected objects"),
+        (lambda file: file.update(skins=7), "has 7 as skins, expected objects"),
+        (lambda file: file["skins"][0].update(joints=7), "the joints of its skin are 7, no list"),
+        (lambda file: file["meshes"][0].update(primitives=[]), "its mesh has no parts"),
+        (lambda file: part_of(file).update(attributes=3), "attributes that are no object"),
+        (
+            lambda file: part_of(file)["attributes"].update(
+                WEIGHTS_0=part_of(file)["attributes"]["POSITION"]
+            ),
+            r"1360 points, joints \(1360, 4\) and weights \(1360, 3\)",
+        ),
+        (lambda file: file["skins"][0].update(joints=[0, 1, 2]), r"names joint 23, but there are 3"),
+        (lambda file: file["accessors"].insert(0, 3), "as accessors, expected objects"),
+    ],
+)
+def test_a_glb_of_other_things_is_named(
+    tmp_path: Path, change: Callable[[dict[str, Any]], None], message: str
+) -> None:
     with pytest.raises(qr.QuasirigidError, match=message):
-        qr.read_hand(path)
+        qr.read_hand(glb_with(change, tmp_path))
 
 
 @pytest.mark.parametrize(("unit", "length"), [("mm", "0.0002"), ("cm", "0.002"), ("inch", "0.005")])
@@ -498,3 +538,23 @@ def test_a_rig_that_does_not_fit_is_named(tmp_path: Path) -> None:
     rig.write_bytes(b"PK\x03\x04 not a file of arrays")
     with pytest.raises(qr.HandError, match="broken_rig"):
         qr.read_hand(other, rig=rig)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"13k_weight": np.full((13013, 8), "a")}, "`weights` has dtype <U1, expected real numbers"),
+        ({"13k_weight": np.full((13013, 8), 0.0625)}, r"weights\[0\] sums to 0\.5"),
+        ({"13k_joint": np.zeros((13013, 8))}, "`joints` has dtype float64, expected integers"),
+        ({"rest": np.array(["a"] * 26)}, "could not convert string to float"),
+        ({"side": "both"}, "side is 'both'"),
+        ({"13k_joint": np.array(5)}, "0 sets of weights fit a mesh of 13013 vertices"),
+    ],
+)
+def test_a_rig_of_other_things_is_named(tmp_path: Path, change: dict[str, Any], message: str) -> None:
+    mesh = hand_file("makehuman_male_right_13k")
+    rig = tmp_path / "rig.npz"
+    known = dict(np.load(hand_file("makehuman_male_right_rig", ".npz")))
+    np.savez(rig, **(known | change))
+    with pytest.raises(qr.HandError, match=message):
+        qr.read_hand(mesh, rig=rig)

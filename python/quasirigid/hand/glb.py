@@ -27,7 +27,7 @@ _SCALE_TOLERANCE = 1e-3  # of the entries of R'R - I: files store frames as floa
 def read_glb(path: Path) -> Hand:
     """Return the hand of a GLB file at rest, where its inverse bind matrices place the joints."""
     file = Gltf(path)
-    skins = file.description.get("skins", [])
+    skins = file.objects("skins") if "skins" in file.description else []
     if len(skins) != 1:
         what = "export the mesh with its joints" if not skins else "export the hand alone"
         raise HandError(f"{path}: it has {len(skins)} skins, expected one: {what}")
@@ -55,6 +55,9 @@ def read_glb(path: Path) -> Hand:
 def _nodes(file: Gltf) -> list[int]:
     """Return the nodes that are joints, each of them there."""
     nodes: list[int] = file.entry("skins", 0, "joints")
+    if not isinstance(nodes, list):
+        raise HandError(f"{file.path}: the joints of its skin are {short(nodes)}, no list")
+    file.objects("nodes")
     for node in nodes:
         file.entry("nodes", node)
     return nodes
@@ -63,15 +66,20 @@ def _nodes(file: Gltf) -> list[int]:
 def _mesh(file: Gltf) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Floats]:
     """Return vertices, faces, joints and weights of the one mesh that the skin moves."""
     path = file.path
-    skinned = [node for node in file.entry("nodes") if "skin" in node and "mesh" in node]
+    skinned = [node for node in file.objects("nodes") if "skin" in node and "mesh" in node]
     if len(skinned) != 1:
         raise HandError(f"{path}: its skin moves {len(skinned)} meshes, expected one")
-    primitives = file.entry("meshes", skinned[0]["mesh"], "primitives")
+    joint_count = len(_nodes(file))
+    primitives = file.objects("meshes", skinned[0]["mesh"], "primitives")
+    if not primitives:
+        raise HandError(f"{path}: its mesh has no parts")
     parts, start = [], 0
     for number, primitive in enumerate(primitives):
         if primitive.get("mode", 4) != 4 or "indices" not in primitive:
             raise HandError(f"{path}: part {number} of its mesh is no indexed triangles")
         attributes = primitive.get("attributes", {})
+        if not isinstance(attributes, dict):
+            raise HandError(f"{path}: part {number} of its mesh has attributes that are no object")
         for name in ("POSITION", "JOINTS_0", "WEIGHTS_0"):
             if name not in attributes:
                 raise HandError(f"{path}: part {number} of its mesh has no {name}")
@@ -82,9 +90,14 @@ def _mesh(file: Gltf) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Flo
             raise HandError(f"{path}: part {number} of its mesh has faces of vertices that it has not")
         joints = np.hstack([file.rows(attributes[f"JOINTS_{at}"]) for at in sets]).astype(np.int64)
         weights = np.hstack([file.rows(attributes[f"WEIGHTS_{at}"]) for at in sets]).astype(np.float64)
-        if not len(points) == len(joints) == len(weights):
+        if len(points) != len(joints) or joints.shape != weights.shape:
             raise HandError(
-                f"{path}: part {number} of its mesh has {len(points)} points, {len(joints)} rows of joints"
+                f"{path}: part {number} of its mesh has {len(points)} points, joints {joints.shape} and "
+                f"weights {weights.shape}"
+            )
+        if not 0 <= joints.min(initial=0) <= joints.max(initial=0) < joint_count:
+            raise HandError(
+                f"{path}: part {number} of its mesh names joint {joints.max()}, but there are {joint_count}"
             )
         parts.append((points, corners.reshape(-1, 3) + start, joints, weights))
         start += len(points)
@@ -161,7 +174,7 @@ def _parents(file: Gltf, names: list[str]) -> list[int]:
 
 def _holders(file: Gltf) -> dict[int, int]:
     """Return the node that each node hangs on: they are to be strict trees (glTF 2.0, 3.5.2)."""
-    nodes = file.entry("nodes")
+    nodes = file.objects("nodes")
     above: dict[int, int] = {}
     for number, node in enumerate(nodes):
         children = node.get("children", [])
@@ -176,13 +189,13 @@ def _holders(file: Gltf) -> dict[int, int]:
                 )
             above[child] = number
     rooted: set[int] = set()
-    for node in above:
+    for at in above:
         way: set[int] = set()
-        while node in above and node not in rooted:
-            if node in way:
-                raise HandError(f"{file.path}: its nodes run in a circle through {_named(nodes, node)}")
-            way.add(node)
-            node = above[node]
+        while at in above and at not in rooted:
+            if at in way:
+                raise HandError(f"{file.path}: its nodes run in a circle through {_named(nodes, at)}")
+            way.add(at)
+            at = above[at]
         rooted |= way
     return above
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .._units import LengthUnit
-    from .hand import Side
     from .rotations import Floats
 
 __all__ = ["read_hand"]
@@ -102,21 +101,27 @@ def _read_mesh_with_rig(file: Path, rig: Path | None, unit: LengthUnit) -> Hand:
     rig = _rig_beside(file) if rig is None else rig
     arrays = _load(rig)
     names, parents, rest = (_entry(arrays, name, rig) for name in ("joint_names", "parents", "rest"))
-    frames: Floats = np.array(rest, dtype=np.float64)
-    if unit != "m" and frames.ndim == 3:
-        frames[:, :3, 3] *= metres_in(unit, HandError)
     joints, weights = _weights_for(len(vertices), arrays, rig)
-    side: Side = "left" if str(arrays.get("side", "right")) == "left" else "right"
-    return Hand(
-        vertices,
-        faces,
-        joint_names=[str(name) for name in np.ravel(names)],
-        parents=parents,
-        rest=frames,
-        joints=joints,
-        weights=weights,
-        side=side,
-    )
+    side: Any = str(arrays.get("side", "right"))
+    try:
+        frames: Floats = np.array(rest, dtype=np.float64)
+        if unit != "m" and frames.ndim == 3:
+            frames[:, :3, 3] *= metres_in(unit, HandError)
+        return Hand(
+            vertices,
+            faces,
+            joint_names=[str(name) for name in np.ravel(names)],
+            parents=parents,
+            rest=frames,
+            joints=joints,
+            weights=weights,
+            side=side,
+        )
+    except QuasirigidError:
+        raise
+    except (TypeError, ValueError) as error:
+        # Arrays of another kind: of a file, that is the file's fault.
+        raise HandError(f"{rig}: {error}") from None
 
 
 def _rig_beside(file: Path) -> Path:
@@ -146,7 +151,11 @@ def _entry(arrays: dict[str, NDArray[Any]], name: str, rig: Path) -> NDArray[Any
 
 def _weights_for(count: int, arrays: dict[str, NDArray[Any]], rig: Path) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return joints and weights (n, k) of the mesh with so many vertices."""
-    sizes = {name[: -len("_joint")]: len(rows) for name, rows in arrays.items() if name.endswith("_joint")}
+    sizes = {
+        name[: -len("_joint")]: len(rows)
+        for name, rows in arrays.items()
+        if name.endswith("_joint") and rows.ndim
+    }
     fitting = [name for name, size in sizes.items() if size == count]
     if len(fitting) != 1:
         known = ", ".join(f"{name} ({size} vertices)" for name, size in sizes.items()) or "none"
