@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -44,7 +45,11 @@ def test_a_hand_is_told_and_written_in_a_pose(
         ("{", "no JSON"),
         ("[1]", "expected an object of joints"),
         ('{"wrist": 3}', 'its "unit" is None'),
-        ('{"unit": "deg", "wrist": {"flexion": "much"}}', "flexion of wrist is 'much', expected a number"),
+        ('{"unit": ["deg"]}', "its \"unit\" is ['deg']"),
+        ("[" * 100_000, "no JSON"),
+        ('{"unit": "deg", "wrist": {"flexion": "much"}}', "flexion of wrist is 'much', expected a finite"),
+        ('{"unit": "deg", "wrist": NaN}', "flexion of wrist is nan, expected a finite number"),
+        ('{"unit": "rad", "wrist": ' + "9" * 400 + "}", "expected a finite number"),
     ],
 )
 def test_a_faulty_pose_file_is_one_line(
@@ -56,6 +61,62 @@ def test_a_faulty_pose_file_is_one_line(
     error = capsys.readouterr().err.splitlines()[-1]
     assert error.startswith(f"error: {pose}: ")
     assert message in error
+
+
+@pytest.mark.parametrize("command", ["hand", "grasp"])
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda data: b"", "does not begin as a GLB"),
+        (lambda data: data[:-100], "it ends after"),
+        (lambda data: data.replace(b'"skins"', b'"other"'), "it has 0 skins"),
+        (lambda data: data.replace(b'"wrist"', b'"waist"'), "it has no joint 'wrist'"),
+        (None, "No such file or directory"),
+    ],
+)
+def test_a_faulty_hand_file_is_one_line(
+    saved: Path,
+    bottle: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+    change: Callable[[bytes], bytes] | None,
+    message: str,
+) -> None:
+    file = tmp_path / "hand.glb"
+    if change is not None:
+        file.write_bytes(change(saved.read_bytes()))
+    words = [] if command == "hand" else [str(bottle), "--product-unit", "mm", "--force", "5N"]
+    assert run([command, str(file), *words]) == 2
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error.startswith(f"error: {file}: ")
+    assert message in error
+
+
+def test_a_joint_that_no_hand_has_is_one_line(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pose = tmp_path / "pose.json"
+    pose.write_text('{"unit": "deg", "index-finger": 10}', encoding="utf-8")
+    assert run(["hand", str(saved), "--pose", str(pose)]) == 2
+    assert "the joint 'index-finger' is not known; the nearest is" in capsys.readouterr().err
+
+
+def test_a_product_inside_the_hand_is_one_line(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hand = qr.read_hand(saved)
+    triangles = qr.models.bottle(edge_length=3e-3).triangles()
+    assert triangles is not None
+    vertices, faces = triangles
+    joints = [hand.frame_of(name)[:3, 3] for name in ("wrist", "middle-finger-phalanx-proximal")]
+    path = tmp_path / "bottle.stl"
+    qr.io.write_mesh(
+        0.04 * (vertices - vertices.mean(axis=0)) + np.mean(joints, axis=0), faces, path, unit="m"
+    )
+    words = ["grasp", str(saved), str(path), "--product-unit", "m", "--force", "5N", "--as-placed"]
+    assert run(words) == 2
+    assert "the product stands inside the hand" in capsys.readouterr().err.splitlines()[-1]
 
 
 def test_an_unknown_preset_offers_the_nearest(saved: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -97,6 +158,7 @@ def test_a_hand_grasps_with_the_force_asked_for(
         (["--force", "5N", "--overlap", "1mm"], "given: both"),
         (["--force", "5"], "has no unit"),
         (["--force", "pinky=5N"], "the nearest is"),
+        (["--force", "index=5N,index=6N"], "'index' stands there twice"),
         (["--force", "5N", "--start", "fits"], "the nearest is 'fist'"),
         (["--force", "5N", "--product-mass", "3"], "has no unit"),
     ],

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 import struct
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +14,11 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.hand import DIGITS, JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
+from quasirigid.hand.pose import bend_at_rest
 
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 RIGS = ("webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k")
+DENSE = ("webxr_right_53k", "libhand_right_53k", "makehuman_male_right_53k")
 GLB = ("webxr_generic_hand_left", "webxr_generic_hand_right")
 INDEX = "index-finger-phalanx-"
 
@@ -28,6 +32,11 @@ def hand_file(name: str, ending: str = ".ply") -> Path:
 
 @pytest.fixture(scope="module", params=RIGS)
 def rigged(request: pytest.FixtureRequest) -> qr.Hand:
+    return qr.read_hand(hand_file(request.param))
+
+
+@pytest.fixture(scope="module", params=RIGS + DENSE)
+def sparse_or_dense(request: pytest.FixtureRequest) -> qr.Hand:
     return qr.read_hand(hand_file(request.param))
 
 
@@ -100,21 +109,28 @@ def test_a_rigid_motion_of_the_hand_moves_every_vertex_rigidly(rigged: qr.Hand) 
     assert np.abs(at_rest_there.surface.vertices - expected).max() < 1e-12 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("name", RIGS)
-@pytest.mark.parametrize("link", ["intermediate", "distal"])
-def test_a_finger_that_bends_by_a_right_angle_keeps_its_volume(name: str, link: str) -> None:
-    hand = qr.read_hand(hand_file(name))
+def bent_volume(hand: qr.Hand, digit: str, links: Sequence[str], *, linear: bool = False) -> float:
+    """Volume of a digit of which some joints are 90 degrees from straight, over that at rest."""
+    stem = {"thumb": "thumb", "little": "pinky-finger"}.get(digit, f"{digit}-finger")
+    joints = [hand.joint_names.index(f"{stem}-phalanx-{link}") for link in links]
     vectors = np.zeros((len(hand.joint_names), 3))
-    vectors[hand.joint_names.index(INDEX + link), 0] = -math.pi / 2
-    own = np.char.startswith(hand.labels, "index-")
+    vectors[joints, 0] = bend_at_rest(hand)[joints] - math.pi / 2
+    own = np.char.startswith(hand.labels, f"{digit}-") & ~np.char.endswith(hand.labels, "metacarpal-head")
     faces = hand.surface.faces[own[hand.surface.faces].all(axis=1)]
-    smooth, linear = (
-        volume_of(hand.posed(vectors, linear=linear).surface, faces) / volume_of(hand.surface, faces)
-        for linear in (False, True)
-    )
-    assert abs(smooth - 1.0) < 0.05
-    # Blended as matrices the joint collapses.
-    assert abs(smooth - 1.0) < 1.0 - linear
+    return volume_of(hand.posed(vectors, linear=linear).surface, faces) / volume_of(hand.surface, faces)
+
+
+@pytest.mark.parametrize("digit", DIGITS)
+def test_a_digit_bent_by_a_right_angle_keeps_its_volume(rigged: qr.Hand, digit: str) -> None:
+    # The rigs' thumbs have their knuckles in the ball of the thumb: 90 degrees there are beyond any hand.
+    links = ("distal",) if digit == "thumb" else ("proximal", "intermediate", "distal")
+    for link in links:
+        assert bent_volume(rigged, digit, [link]) == pytest.approx(1.0, abs=0.05)
+        if link != "proximal":
+            # Blended as matrices the joint collapses.
+            assert bent_volume(rigged, digit, [link], linear=True) < bent_volume(rigged, digit, [link])
+    if digit in ("index", "middle", "ring"):
+        assert bent_volume(rigged, digit, links) == pytest.approx(1.0, abs=0.05)
 
 
 def test_no_face_of_a_pad_turns_over_where_the_finger_bends(rigged: qr.Hand) -> None:
@@ -186,9 +202,9 @@ def test_angles_beyond_the_range_of_a_joint_are_taken_at_its_end(hand: qr.Hand) 
     np.testing.assert_array_equal(beyond.joints, further.joints)
 
 
-def test_every_vertex_has_a_region_in_one_piece(rigged: qr.Hand) -> None:
-    labels, faces = rigged.labels, rigged.surface.faces
-    assert len(labels) == len(rigged.surface.vertices)
+def test_every_vertex_has_a_region_in_one_piece(sparse_or_dense: qr.Hand) -> None:
+    labels, faces = sparse_or_dense.labels, sparse_or_dense.surface.faces
+    assert len(labels) == len(sparse_or_dense.surface.vertices)
     phalanges = [
         (d, p) for d in DIGITS for p in ("proximal", "middle", "distal") if (d, p) != ("thumb", "middle")
     ]
@@ -215,17 +231,23 @@ def test_every_vertex_has_a_region_in_one_piece(rigged: qr.Hand) -> None:
         assert len({root(vertex) for vertex in group}) == 1, region
 
 
-def test_phalanges_end_at_their_joints(rigged: qr.Hand) -> None:
-    names = list(rigged.joint_names)
-    for digit in ("index", "middle", "ring", "little"):
-        stem = "pinky" if digit == "little" else digit
-        for before, after, joint in (("proximal", "middle", "intermediate"), ("middle", "distal", "distal")):
-            frame = rigged.rest[names.index(f"{stem}-finger-phalanx-{joint}")]
-            along = (rigged.surface.vertices - frame[:3, 3]) @ frame[:3, 1]
-            both = [np.char.startswith(rigged.labels, f"{digit}-{one}") for one in (before, after)]
-            faces = rigged.surface.faces
-            border = both[0][faces].any(axis=1) & both[1][faces].any(axis=1)
-            assert np.abs(along[faces[border]].mean()) < 4e-3
+def test_phalanges_end_at_their_joints(sparse_or_dense: qr.Hand) -> None:
+    labels, surface = sparse_or_dense.labels, sparse_or_dense.surface
+    edges = np.concatenate([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]])
+    for digit in DIGITS:
+        words = ("proximal", "distal") if digit == "thumb" else ("proximal", "middle", "distal")
+        stem = {"thumb": "thumb", "little": "pinky-finger"}.get(digit, f"{digit}-finger")
+        links = ("proximal", "distal") if digit == "thumb" else ("proximal", "intermediate", "distal")
+        for at, link in enumerate(links[1:]):
+            before, after = (sparse_or_dense.frame_of(f"{stem}-phalanx-{one}") for one in (links[at], link))
+            both = [np.char.startswith(labels, f"{digit}-{words[one]}")[edges] for one in (at, at + 1)]
+            border = edges[both[0].any(axis=1) & both[1].any(axis=1)]
+            away = surface.vertices[border].mean(axis=1) - after[:3, 3]
+            # A bent finger's phalanges meet where its bend is halved: no edge reaches beyond.
+            halved = before[:3, 1] + after[:3, 1]
+            assert np.abs(away @ halved / np.linalg.norm(halved)).max() < surface.mean_edge_length
+            for frame in (before, after):
+                assert np.abs((away @ frame[:3, 1]).mean()) < 4e-3
 
 
 def test_bones_lie_inside_the_skin_and_clear_of_each_other(rigged: qr.Hand) -> None:
@@ -422,6 +444,94 @@ def test_faulty_files_are_named(tmp_path: Path) -> None:
         read(with_text(text.replace(b'"count":1360', b'"count":9990')))
 
 
+@pytest.mark.parametrize(
+    ("children", "message"),
+    [
+        (
+            {"wrist": ["thumb-tip"]},
+            r"node 4 \('thumb-tip'\) hangs on two nodes, node 0 \('wrist'\) and node 26",
+        ),
+        ({"thumb-tip": ["Armature"]}, r"run in a circle through node 26 \('Armature'\)"),
+        ({"Armature": ["Armature"]}, r"run in a circle through node 26 \('Armature'\)"),
+        ({"thumb-tip": [10**6]}, "its description has no nodes/1000000"),
+        ({"thumb-tip": 3}, "the children of node .* are 3, no list"),
+    ],
+)
+def test_nodes_that_form_no_trees_are_named(tmp_path: Path, children: dict[str, Any], message: str) -> None:
+    def hang(description: dict[str, Any]) -> None:
+        nodes = description["nodes"]
+        number = {node.get("name"): at for at, node in enumerate(nodes)}
+        for name, held in children.items():
+            nodes[number[name]]["children"] = (
+                [number.get(one, one) for one in held] if isinstance(held, list) else held
+            )
+
+    with pytest.raises(qr.QuasirigidError, match=message):
+        qr.read_hand(glb_with(hang, tmp_path))
+
+
+def glb_with(change: Callable[[dict[str, Any]], None], folder: Path) -> Path:
+    """Write the published hand with another description."""
+    source = hand_file(GLB[1], ".glb").read_bytes()
+    length = struct.unpack_from("<I", source, 12)[0]
+    description = json.loads(source[20 : 20 + length])
+    change(description)
+    text = json.dumps(description).encode()
+    text += b" " * (-len(text) % 4)
+    rest = source[20 + length :]
+    path = folder / "hand.glb"
+    head = struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest))
+    path.write_bytes(head + struct.pack("<I4s", len(text), b"JSON") + text + rest)
+    return path
+
+
+def part_of(description: dict[str, Any]) -> dict[str, Any]:
+    part: dict[str, Any] = description["meshes"][0]["primitives"][0]
+    return part
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda file: file.update(nodes=5), "has 5 as nodes, expected objects"),
+        (lambda file: file["nodes"].append(7), "as nodes, expected objects"),
+        (lambda file: file.update(skins=7), "has 7 as skins, expected objects"),
+        (lambda file: file["skins"][0].update(joints=7), "the joints of its skin are 7, no list"),
+        (lambda file: file["meshes"][0].update(primitives=[]), "its mesh has no parts"),
+        (lambda file: part_of(file).update(attributes=3), "attributes that are no object"),
+        (
+            lambda file: part_of(file)["attributes"].update(
+                WEIGHTS_0=part_of(file)["attributes"]["POSITION"]
+            ),
+            r"1360 points, joints \(1360, 4\) and weights \(1360, 3\)",
+        ),
+        (lambda file: file["skins"][0].update(joints=[0, 1, 2]), r"names joint 23, but there are 3"),
+        (lambda file: file["accessors"].insert(0, 3), "as accessors, expected objects"),
+    ],
+)
+def test_a_glb_of_other_things_is_named(
+    tmp_path: Path, change: Callable[[dict[str, Any]], None], message: str
+) -> None:
+    with pytest.raises(qr.QuasirigidError, match=message):
+        qr.read_hand(glb_with(change, tmp_path))
+
+
+@pytest.mark.parametrize(("unit", "length"), [("mm", "0.0002"), ("cm", "0.002"), ("inch", "0.005")])
+def test_a_hand_in_another_unit_is_told(unit: Any, length: str) -> None:
+    path = hand_file("makehuman_male_right_13k")
+    with pytest.warns(qr.SizeWarning, match=rf"the hand is {length}\d* m long .* another unit"):
+        qr.read_hand(path, unit=unit)
+
+
+def test_joints_in_another_unit_than_the_skin_are_told(hand: qr.Hand) -> None:
+    vertices, faces = hand.surface.vertices, hand.surface.faces
+    # Joints in metres all lie in the wrist of a skin in millimetres.
+    with pytest.raises(qr.HandError, match=r"mm inside the skin, .* same unit and frame"):
+        qr.Hand(vertices * 1e3, faces, **parts_of(hand))
+    with pytest.raises(qr.HandError, match=r"mm outside the skin .* same unit and frame"):
+        qr.Hand(vertices * 1e-3, faces, **parts_of(hand))
+
+
 def test_a_rig_that_does_not_fit_is_named(tmp_path: Path) -> None:
     mesh = hand_file("webxr_right_middle_1500")
     with pytest.raises(
@@ -436,3 +546,23 @@ def test_a_rig_that_does_not_fit_is_named(tmp_path: Path) -> None:
     rig.write_bytes(b"PK\x03\x04 not a file of arrays")
     with pytest.raises(qr.HandError, match="broken_rig"):
         qr.read_hand(other, rig=rig)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"13k_weight": np.full((13013, 8), "a")}, "`weights` has dtype <U1, expected real numbers"),
+        ({"13k_weight": np.full((13013, 8), 0.0625)}, r"weights\[0\] sums to 0\.5"),
+        ({"13k_joint": np.zeros((13013, 8))}, "`joints` has dtype float64, expected integers"),
+        ({"rest": np.array(["a"] * 26)}, "could not convert string to float"),
+        ({"side": "both"}, "side is 'both'"),
+        ({"13k_joint": np.array(5)}, "0 sets of weights fit a mesh of 13013 vertices"),
+    ],
+)
+def test_a_rig_of_other_things_is_named(tmp_path: Path, change: dict[str, Any], message: str) -> None:
+    mesh = hand_file("makehuman_male_right_13k")
+    rig = tmp_path / "rig.npz"
+    known = dict(np.load(hand_file("makehuman_male_right_rig", ".npz")))
+    np.savez(rig, **(known | change))
+    with pytest.raises(qr.HandError, match=message):
+        qr.read_hand(mesh, rig=rig)

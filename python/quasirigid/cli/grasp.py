@@ -133,5 +133,10 @@ def _goal(force: str | None, overlap: str | None) -> dict[str, Any]:
     name, text, units = ("overlap", overlap, LENGTH) if force is None else ("force", force, FORCE)
     if text is None or "=" not in text:
         return {name: parse_quantity(text or "", units, f"--{name}")}
-    pairs = [part.partition("=") for part in text.split(",")]
-    return {name: {digit.strip(): parse_quantity(value, units, f"--{name}") for digit, _, value in pairs}}
+    goal: dict[str, float] = {}
+    for part in text.split(","):
+        digit, _, value = (word.strip() for word in part.partition("="))
+        if digit in goal:
+            raise QuantityError(f"--{name}: {digit!r} stands there twice")
+        goal[digit] = parse_quantity(value, units, f"--{name}")
+    return {name: goal}

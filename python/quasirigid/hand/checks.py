@@ -26,6 +26,8 @@ _Array = TypeVar("_Array", bound="NDArray[Any]")
 _FRAME_TOLERANCE = 1e-6  # of the entries of R'R - I
 _OUTSIDE = 5e-3  # m, of a tip of a hand of 0.19 m: rigs end some digits just beyond the skin
 _HAND_LENGTH = 0.19
+_DEEPEST_TIP = 0.15  # of the way from wrist to middle tip: no finger is as thick
+_CHECK = "check that skin and joints have the same unit and frame"
 
 
 def as_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -95,7 +97,7 @@ def as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:
 
 
 def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None:
-    """Refuse joints of the hand outside its skin; digits may end just beyond it."""
+    """Refuse joints of the hand outside its skin, but digits may end just beyond it, and tips deep inside."""
     known = [names.index(name) for name in WEBXR_25]
     skin = Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False)
     distance = skin.signed_distance(rest[known, :3, 3])[0]
@@ -103,12 +105,19 @@ def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None
     length = np.linalg.norm(np.diff(rest[way, :3, 3], axis=0), axis=1).sum()
     is_tip = np.array([name.endswith("-tip") for name in WEBXR_25])
     outside = np.flatnonzero(distance > np.where(is_tip, _OUTSIDE * length / _HAND_LENGTH, 0.0))
+    deep = np.flatnonzero(is_tip & (distance < -_DEEPEST_TIP * length))
     if len(outside):
         worst = outside[np.argmax(distance[outside])]
         place = as_vector("joint", rest[known[worst], :3, 3], HandError)
         raise HandError(
             f"the joint {WEBXR_25[worst]!r} at {short(place)} m lies {distance[worst] * 1e3:.2f} mm outside "
-            f"the skin ({len(outside)} joints do): check that skin and joints have the same unit and frame"
+            f"the skin ({len(outside)} joints do): {_CHECK}"
+        )
+    if len(deep):
+        worst = deep[np.argmin(distance[deep])]
+        raise HandError(
+            f"the joint {WEBXR_25[worst]!r} lies {-distance[worst] * 1e3:.2f} mm inside the skin, of a hand "
+            f"{length * 1e3:.4g} mm long by its joints: {_CHECK}"
         )
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import short
 from ..errors import HandError
 from .frames import uniform_frames
 from .gltf import Gltf
@@ -26,7 +27,7 @@ _SCALE_TOLERANCE = 1e-3  # of the entries of R'R - I: files store frames as floa
 def read_glb(path: Path) -> Hand:
     """Return the hand of a GLB file at rest, where its inverse bind matrices place the joints."""
     file = Gltf(path)
-    skins = file.description.get("skins", [])
+    skins = file.objects("skins") if "skins" in file.description else []
     if len(skins) != 1:
         what = "export the mesh with its joints" if not skins else "export the hand alone"
         raise HandError(f"{path}: it has {len(skins)} skins, expected one: {what}")
@@ -54,6 +55,9 @@ def read_glb(path: Path) -> Hand:
 def _nodes(file: Gltf) -> list[int]:
     """Return the nodes that are joints, each of them there."""
     nodes: list[int] = file.entry("skins", 0, "joints")
+    if not isinstance(nodes, list):
+        raise HandError(f"{file.path}: the joints of its skin are {short(nodes)}, no list")
+    file.objects("nodes")
     for node in nodes:
         file.entry("nodes", node)
     return nodes
@@ -62,15 +66,20 @@ def _nodes(file: Gltf) -> list[int]:
 def _mesh(file: Gltf) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Floats]:
     """Return vertices, faces, joints and weights of the one mesh that the skin moves."""
     path = file.path
-    skinned = [node for node in file.entry("nodes") if "skin" in node and "mesh" in node]
+    skinned = [node for node in file.objects("nodes") if "skin" in node and "mesh" in node]
     if len(skinned) != 1:
         raise HandError(f"{path}: its skin moves {len(skinned)} meshes, expected one")
-    primitives = file.entry("meshes", skinned[0]["mesh"], "primitives")
+    joint_count = len(_nodes(file))
+    primitives = file.objects("meshes", skinned[0]["mesh"], "primitives")
+    if not primitives:
+        raise HandError(f"{path}: its mesh has no parts")
     parts, start = [], 0
     for number, primitive in enumerate(primitives):
         if primitive.get("mode", 4) != 4 or "indices" not in primitive:
             raise HandError(f"{path}: part {number} of its mesh is no indexed triangles")
         attributes = primitive.get("attributes", {})
+        if not isinstance(attributes, dict):
+            raise HandError(f"{path}: part {number} of its mesh has attributes that are no object")
         for name in ("POSITION", "JOINTS_0", "WEIGHTS_0"):
             if name not in attributes:
                 raise HandError(f"{path}: part {number} of its mesh has no {name}")
@@ -81,9 +90,14 @@ def _mesh(file: Gltf) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Flo
             raise HandError(f"{path}: part {number} of its mesh has faces of vertices that it has not")
         joints = np.hstack([file.rows(attributes[f"JOINTS_{at}"]) for at in sets]).astype(np.int64)
         weights = np.hstack([file.rows(attributes[f"WEIGHTS_{at}"]) for at in sets]).astype(np.float64)
-        if not len(points) == len(joints) == len(weights):
+        if len(points) != len(joints) or joints.shape != weights.shape:
             raise HandError(
-                f"{path}: part {number} of its mesh has {len(points)} points, {len(joints)} rows of joints"
+                f"{path}: part {number} of its mesh has {len(points)} points, joints {joints.shape} and "
+                f"weights {weights.shape}"
+            )
+        if not 0 <= joints.min(initial=0) <= joints.max(initial=0) < joint_count:
+            raise HandError(
+                f"{path}: part {number} of its mesh names joint {joints.max()}, but there are {joint_count}"
             )
         parts.append((points, corners.reshape(-1, 3) + start, joints, weights))
         start += len(points)
@@ -146,10 +160,7 @@ def _bind_frames(file: Gltf, count: int) -> Floats:
 
 def _parents(file: Gltf, names: list[str]) -> list[int]:
     """Return the parent of each joint: WebXR's for its joints, that of the file for others."""
-    nodes = _nodes(file)
-    above: dict[int, int] = {}
-    for number, node in enumerate(file.entry("nodes")):
-        above |= dict.fromkeys(node.get("children", []), number)
+    nodes, above = _nodes(file), _holders(file)
     parents = []
     for name, node in zip(names, nodes, strict=True):
         known: Any = PARENTS.get(name, name)
@@ -159,3 +170,36 @@ def _parents(file: Gltf, names: list[str]) -> list[int]:
         else:
             parents.append(names.index(known))
     return parents
+
+
+def _holders(file: Gltf) -> dict[int, int]:
+    """Return the node that each node hangs on: they are to be strict trees (glTF 2.0, 3.5.2)."""
+    nodes = file.objects("nodes")
+    above: dict[int, int] = {}
+    for number, node in enumerate(nodes):
+        children = node.get("children", [])
+        if not isinstance(children, list):
+            raise HandError(f"{file.path}: the children of node {number} are {short(children)}, no list")
+        for child in children:
+            file.entry("nodes", child)
+            if child in above:
+                raise HandError(
+                    f"{file.path}: {_named(nodes, child)} hangs on two nodes, {_named(nodes, above[child])} "
+                    f"and {_named(nodes, number)}: nodes are to form trees"
+                )
+            above[child] = number
+    rooted: set[int] = set()
+    for at in above:
+        way: set[int] = set()
+        while at in above and at not in rooted:
+            if at in way:
+                raise HandError(f"{file.path}: its nodes run in a circle through {_named(nodes, at)}")
+            way.add(at)
+            at = above[at]
+        rooted |= way
+    return above
+
+
+def _named(nodes: list[Any], node: int) -> str:
+    name = nodes[node].get("name")
+    return f"node {node}" if name is None else f"node {node} ({name!r})"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import short
 from ..errors import MeshFileError
 
 if TYPE_CHECKING:
@@ -46,8 +47,10 @@ class Gltf:
             raise MeshFileError(f"{path}: it has no description (JSON chunk)")
         try:
             self.description: Any = json.loads(chunks[_JSON])
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise MeshFileError(f"{path}: its description is no JSON: {error}") from None
+        if not isinstance(self.description, dict):
+            raise MeshFileError(f"{path}: its description is no object, but {short(self.description)}")
         self._binary = chunks.get(_BINARY, b"")
         needed = self.entry("extensionsRequired") if "extensionsRequired" in self.description else []
         if needed:
@@ -87,19 +90,31 @@ class Gltf:
                 ) from None
         return found
 
+    def objects(self, *way: str | int) -> list[dict[str, Any]]:
+        """Return the list of objects at the end of a way."""
+        found = self.entry(*way)
+        if not isinstance(found, list) or not all(isinstance(one, dict) for one in found):
+            raise MeshFileError(
+                f"{self.path}: its description has {short(found)} as {'/'.join(map(str, way))}, "
+                "expected objects"
+            )
+        return found
+
     def rows(self, accessor: Any) -> NDArray[Any]:
         """Return the array (n, k) of an accessor by its number; normalised integers as shares of 1."""
+        self.objects("accessors")
         known = self.entry("accessors", accessor)
         if "sparse" in known or "bufferView" not in known:
             raise MeshFileError(f"{self.path}: accessors/{accessor} is sparse or empty, which is not read")
         try:
             kind = np.dtype(_TYPES[known["componentType"]])
             columns, count = _COLUMNS[known["type"]], int(known["count"])
+            self.objects("bufferViews")
             view = self.entry("bufferViews", known["bufferView"])
             start = int(view.get("byteOffset", 0)) + int(known.get("byteOffset", 0))
             width = columns * kind.itemsize
             stride = int(view.get("byteStride", width))
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, OverflowError):
             raise MeshFileError(f"{self.path}: accessors/{accessor} describes no array: {known}") from None
         end = start + (count - 1) * stride + width if count else start
         if min(count, start) < 0 or stride < width or end > len(self._binary):

@@ -217,9 +217,9 @@ def close_hand(
     -----
     Digits go through the air by distances alone, no vertex farther at once than the product is away, and
     further by secants on the force to the power 2/3, which grows in a straight line under a round pad. That
-    is done on the given mesh, of a body under the half-space; the last rounds solve as `options` and `skin`
-    say, to 0.8 % of each force. Where no mesh meets the `target_error`, as on an edge, they keep to the
-    coarsest that one of them ended with: each refinement has other forces there.
+    is done on the given mesh, of a body under the half-space, with gaps taken anew once; the last rounds
+    solve as `options` and `skin` say, to 0.8 % of each force. Where no mesh meets the `target_error`, as on
+    an edge, they keep to the coarsest that one of them ended with: each refinement has other forces there.
 
     Examples
     --------

@@ -176,8 +176,8 @@ class Hand:
 
         Notes
         -----
-        Joints turn about themselves; hinges of a digit that a rig has just under the skin, about the middle
-        of the digit there.
+        Joints turn about themselves; those of a digit that a rig has near its back or its pad, about its
+        middle or near it (`pivot_of`).
         """
         placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
         motions, frames = motions_of(self.rest, self._pivots, self.parents, turns_of(pose, self), placed)

@@ -33,6 +33,7 @@ _NEAR = 3e-2  # of it, where that is a start for such poses alone
 _HELD = 8e-3  # of it, where each pose has meshes of its own
 _MISSED = 1e-2  # of it: beyond, a digit is said to miss
 _MOST_TRIALS = 60  # on the given mesh
+_SEARCH_LINEARIZATIONS = 2  # there, where that is a start alone
 _MOST_ROUNDS = 6  # with all options
 _STEP = 1.5e-3  # m, of a hand of 0.19 m: a digit goes on by no more at once, or it steps through thin walls
 _UNMET = ("max_nodes", "a sharp edge")  # reasons of a mesh that is not as fine as was asked
@@ -223,7 +224,11 @@ class Hold:
         if not self.by_force:
             return np.maximum(-self.closing.distances(self.shares, self.obstacle), 0.0)
         skin = replace(self.skin, response=HalfSpace()) if isinstance(self.skin.response, Body) else self.skin
-        return self._solve(skin, replace(self.options, target_error=None))
+        options = replace(self.options, target_error=None)
+        if self._has_rounds:
+            rounds = min(_SEARCH_LINEARIZATIONS, options.max_linearizations)
+            options = replace(options, max_linearizations=rounds)
+        return self._solve(skin, options)
 
     def _finish(self) -> None:
         """Solve the whole hand as asked; go on with the digits, as its forces are not those of the search."""

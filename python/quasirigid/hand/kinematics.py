@@ -17,28 +17,31 @@ if TYPE_CHECKING:
     from .hand import Hand
 
 _ROTATION_TOLERANCE = 1e-9
-_OFF_CENTRE = 0.3
+_SHALLOW, _DEEP = 0.7, 1.2  # depths of a hinge below the back, over that of the digit's middle
+_KNUCKLE = 1.25  # least depth of a knuckle, over that of the middle at the next joint
 
 
 def pivots_of(hand: Hand) -> Floats:
     """Return the points (J, 3) (m) about which the joints of a hand turn at rest.
 
-    The joints themselves, but where a rig has them just under the back of a digit: there a finger that bends
-    would lose volume, and its pad would fold. Such hinges turn about the middle of the digit, such knuckles
-    as deep below the back as the next joint.
+    The joints themselves, but where a rig has them near the back or the pad of a digit: there a finger that
+    bends would lose or gain volume, and its pad would fold. A hinge just under the back turns about the
+    middle of the digit, one near the pad not far below it. Knuckles, whose heads are thicker and below which
+    lies the palm, turn deeper below the back than the next joint.
     """
     pivots = hand.rest[:, :3, 3].copy()
     for digit in DIGITS:
-        depth = 0.0
+        middle = 0.0
         for name in reversed(JOINTS_OF[digit][1:-1]):
             joint = hand.joint_names.index(name)
             dorsal = hand.rest[joint, :3, 2]
             above, below = (way_out(hand.surface, pivots[joint], sign * dorsal) for sign in (1.0, -1.0))
-            # Below a knuckle lies the palm.
-            if name != JOINTS_OF[digit][1]:
-                depth = 0.5 * (above + below)
-            if above < 2.0 * _OFF_CENTRE * depth:
-                pivots[joint] -= (depth - above) * dorsal
+            if name == JOINTS_OF[digit][1]:
+                depth = max(above, _KNUCKLE * middle)
+            else:
+                middle = 0.5 * (above + below)
+                depth = min(above, _DEEP * middle) if above > _SHALLOW * middle else middle
+            pivots[joint] -= (depth - above) * dorsal
     return pivots
 
 

@@ -9,17 +9,16 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST_ROUNDS = 20
-
 
 def in_one_piece(faces: NDArray[np.int64], labels: NDArray[np.str_]) -> NDArray[np.str_]:
     """Return labels (n,) of which each holds its largest connected piece alone.
 
-    Other pieces take the label that most of the edges around them lead to, the smallest pieces first.
+    Another piece takes the label that most of its edges to such largest pieces lead to, and becomes part of
+    them; pieces among other pieces alone follow when those have.
     """
     words, label = np.unique(labels, return_inverse=True)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    for _ in range(_MOST_ROUNDS):
+    while True:
         piece = _pieces(edges, label)
         size = np.bincount(piece, minlength=len(label))
         largest = np.zeros(len(words), dtype=np.int64)
@@ -29,9 +28,9 @@ def in_one_piece(faces: NDArray[np.int64], labels: NDArray[np.str_]) -> NDArray[
         is_largest = size[piece] == largest[label]
         np.minimum.at(first, label[is_largest], piece[is_largest])
         is_loose = piece != first[label]
-        if not is_loose.any():
+        leaving = edges[is_loose[edges[:, 0]] & ~is_loose[edges[:, 1]]]
+        if not len(leaving):
             break
-        leaving = edges[is_loose[edges[:, 0]] & (piece[edges[:, 0]] != piece[edges[:, 1]])]
         pairs, counts = np.unique(
             np.column_stack([piece[leaving[:, 0]], label[leaving[:, 1]]]), axis=0, return_counts=True
         )
@@ -42,6 +41,14 @@ def in_one_piece(faces: NDArray[np.int64], labels: NDArray[np.str_]) -> NDArray[
             taken[piece == number] = wanted
         label = taken
     return words[label]
+
+
+def largest_piece(faces: NDArray[np.int64], chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the largest connected piece (n,) of some vertices."""
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    piece = np.where(chosen, _pieces(edges, chosen.astype(np.int64)), len(chosen))
+    largest: NDArray[np.bool_] = chosen & (piece == np.bincount(piece)[: len(chosen)].argmax())
+    return largest
 
 
 def _pieces(edges: NDArray[np.int64], label: NDArray[np.int64]) -> NDArray[np.int64]:

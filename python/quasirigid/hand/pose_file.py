@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["read_pose"]
 
 _UNITS = {"deg": math.pi / 180.0, "rad": 1.0}
+_TOO_LARGE = 1e300  # in either unit: beyond, whole numbers are no floats
 
 
 def read_pose(path: str | PathLike[str]) -> dict[str, dict[str, float]]:
@@ -52,19 +53,20 @@ def read_pose(path: str | PathLike[str]) -> dict[str, dict[str, float]]:
         known = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
         raise HandError(f"{file}: {error.strerror or error}") from None
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise HandError(f"{file}: no JSON: {error}") from None
     if not isinstance(known, dict):
         raise HandError(f"{file}: it holds {short(known)}, expected an object of joints")
     unit = known.pop("unit", None)
-    if unit not in _UNITS:
-        raise HandError(f'{file}: its "unit" is {unit!r}, expected "deg" or "rad"')
+    if not isinstance(unit, str) or unit not in _UNITS:
+        raise HandError(f'{file}: its "unit" is {short(unit)}, expected "deg" or "rad"')
     return {joint: _angles(file, joint, value, _UNITS[unit]) for joint, value in known.items()}
 
 
 def _angles(file: Path, joint: str, value: Any, unit: float) -> dict[str, float]:
     given = value if isinstance(value, Mapping) else {"flexion": value}
     for name, angle in given.items():
-        if isinstance(angle, bool) or not isinstance(angle, (int, float)):
-            raise HandError(f"{file}: {name} of {joint} is {short(angle)}, expected a number")
+        is_number = isinstance(angle, (int, float)) and not isinstance(angle, bool)
+        if not is_number or not abs(angle) < _TOO_LARGE:
+            raise HandError(f"{file}: {name} of {joint} is {short(angle)}, expected a finite number")
     return {name: float(angle) * unit for name, angle in given.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._units import metres_in
-from ..errors import HandError, QuasirigidError
+from ..errors import HandError, QuasirigidError, SizeWarning
 from ..io.read import read_mesh
 from .glb import read_glb
 from .hand import Hand
@@ -20,10 +21,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .._units import LengthUnit
-    from .hand import Side
     from .rotations import Floats
 
 __all__ = ["read_hand"]
+
+_LENGTHS = (0.05, 0.4)  # m, from wrist to middle tip: from newborns to beyond the largest adults
 
 
 def read_hand(
@@ -56,6 +58,11 @@ def read_hand(
     SurfaceError
         The skin is no surface.
 
+    Warns
+    -----
+    SizeWarning
+        The hand is as large as none: its file has another unit.
+
     Notes
     -----
     A rig holds ``joint_names`` (J,), ``parents`` (J,; -1 for the root), ``rest`` (J, 4, 4), and for each mesh
@@ -71,12 +78,22 @@ def read_hand(
         if file.suffix.lower() == ".glb":
             if rig is not None:
                 raise HandError("rig belongs to a mesh, a GLB has its own")
-            return read_glb(file)
-        return _read_mesh_with_rig(file, None if rig is None else Path(rig), unit)
+            hand = read_glb(file)
+        else:
+            hand = _read_mesh_with_rig(file, None if rig is None else Path(rig), unit)
     except QuasirigidError as error:
         if str(file) in str(error):
             raise
         raise type(error)(f"{file}: {error}") from None
+    least, most = _LENGTHS
+    if not least <= hand.length <= most:
+        warnings.warn(
+            f"{file}: the hand is {hand.length:.4g} m long from wrist to middle tip, outside {least} to "
+            f"{most} m: is it in another unit? `unit` is that of mesh and rig, a GLB's is the metre",
+            SizeWarning,
+            stacklevel=2,
+        )
+    return hand
 
 
 def _read_mesh_with_rig(file: Path, rig: Path | None, unit: LengthUnit) -> Hand:
@@ -84,21 +101,27 @@ def _read_mesh_with_rig(file: Path, rig: Path | None, unit: LengthUnit) -> Hand:
     rig = _rig_beside(file) if rig is None else rig
     arrays = _load(rig)
     names, parents, rest = (_entry(arrays, name, rig) for name in ("joint_names", "parents", "rest"))
-    frames: Floats = np.array(rest, dtype=np.float64)
-    if unit != "m" and frames.ndim == 3:
-        frames[:, :3, 3] *= metres_in(unit, HandError)
     joints, weights = _weights_for(len(vertices), arrays, rig)
-    side: Side = "left" if str(arrays.get("side", "right")) == "left" else "right"
-    return Hand(
-        vertices,
-        faces,
-        joint_names=[str(name) for name in np.ravel(names)],
-        parents=parents,
-        rest=frames,
-        joints=joints,
-        weights=weights,
-        side=side,
-    )
+    side: Any = str(arrays.get("side", "right"))
+    try:
+        frames: Floats = np.array(rest, dtype=np.float64)
+        if unit != "m" and frames.ndim == 3:
+            frames[:, :3, 3] *= metres_in(unit, HandError)
+        return Hand(
+            vertices,
+            faces,
+            joint_names=[str(name) for name in np.ravel(names)],
+            parents=parents,
+            rest=frames,
+            joints=joints,
+            weights=weights,
+            side=side,
+        )
+    except QuasirigidError:
+        raise
+    except (TypeError, ValueError) as error:
+        # Arrays of another kind: of a file, that is the file's fault.
+        raise HandError(f"{rig}: {error}") from None
 
 
 def _rig_beside(file: Path) -> Path:
@@ -128,7 +151,11 @@ def _entry(arrays: dict[str, NDArray[Any]], name: str, rig: Path) -> NDArray[Any
 
 def _weights_for(count: int, arrays: dict[str, NDArray[Any]], rig: Path) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return joints and weights (n, k) of the mesh with so many vertices."""
-    sizes = {name[: -len("_joint")]: len(rows) for name, rows in arrays.items() if name.endswith("_joint")}
+    sizes = {
+        name[: -len("_joint")]: len(rows)
+        for name, rows in arrays.items()
+        if name.endswith("_joint") and rows.ndim
+    }
     fitting = [name for name, size in sizes.items() if size == count]
     if len(fitting) != 1:
         known = ", ".join(f"{name} ({size} vertices)" for name, size in sizes.items()) or "none"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .joints import DIGITS, JOINTS_OF
-from .pieces import in_one_piece
+from .pieces import in_one_piece, largest_piece
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,10 +32,10 @@ def regions_of(hand: Hand) -> NDArray[np.str_]:
     """Return the region (n,) of each vertex of a hand's skin.
 
     The skin of a digit lies beyond the plane that halves the angle at its knuckle; such planes at the other
-    joints part its phalanges, and normals their sides. Between two digits, where the skin faces along them,
-    is their web. The rest is the wrist behind the wrist's joint, the back where the skin faces dorsally, and
-    on the palm what lies below it. Pieces that do not hang together with the largest one of their
-    region go to the region around them.
+    joints part its phalanges, and normals their sides. Between two digits, where the skin faces along them
+    in one piece, is their web. The rest is the wrist behind the wrist's joint, the back where the skin faces
+    dorsally, and on the palm what lies below it. Pieces that do not hang together with the largest one of
+    their region go to the region around them.
     """
     skin = _Skin(hand)
     labels = skin.palm()
@@ -43,7 +43,9 @@ def regions_of(hand: Hand) -> NDArray[np.str_]:
         rows = np.flatnonzero((skin.digit == DIGITS.index(digit)) & (skin.past_knuckle(digit)))
         labels[rows] = skin.phalanges(digit, rows)
     for pair in _NEIGHBOURS:
-        labels[skin.web(*pair)] = f"web-{pair[0]}-{pair[1]}"
+        # Creases of a digit face along it too.
+        web = largest_piece(hand.surface.faces, skin.web(*pair))
+        labels[web] = f"web-{pair[0]}-{pair[1]}"
     return in_one_piece(hand.surface.faces, labels)
 
 

@@ -17,6 +17,9 @@ use crate::surface::shortest_paths::{NearestAlongSkin, shares_tissue};
 /// be long against the straight line for no reason but the mesh.
 const SLACK_EDGES: f64 = 4.0;
 
+/// Share of the skin's diagonal beyond which a search along the skin may as well take all of it.
+const MOST_OF_SKIN: f64 = 0.3;
+
 /// The shortest way along the skin between two sets of candidates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Way {
@@ -73,9 +76,12 @@ impl Fingers {
         }
         // Two searches meet half-way, so ways up to twice the candidates' extent are found.
         let extent = Bounds::around(candidates.iter().map(|&vertex| &surface.vertices()[vertex])).diagonal();
-        let near = surface.nearest_along_skin(candidates, extent + slack);
+        let reach = extent + slack;
+        // Where that is most of the skin, one search serves for the fingers too.
+        let covers_all = reach > MOST_OF_SKIN * surface.bounding_box().diagonal();
+        let near = surface.nearest_along_skin(candidates, if covers_all { f64::INFINITY } else { reach });
         let mut finger_of_patch: Vec<usize> = (0..patches.len()).collect();
-        for ([a, b], way) in shortest_ways(surface, &near, &label) {
+        for ([a, b], way) in shortest_ways(surface, &near, &label, reach) {
             if shares_tissue(way.along_skin, way.straight, slack) || joined_inside(surface, way.ends) {
                 let (kept, merged) = (finger_of_patch[a], finger_of_patch[b]);
                 finger_of_patch.iter_mut().filter(|finger| **finger == merged).for_each(|f| *f = kept);
@@ -85,11 +91,16 @@ impl Fingers {
         for (patch, finger) in patches.into_iter().zip(finger_of_patch) {
             by_finger.entry(finger).or_default().extend(patch);
         }
-        Self::apart(surface, by_finger.into_values().collect())
+        Self::searched(surface, by_finger.into_values().collect(), covers_all.then_some(near))
     }
 
     /// Fingers of which the candidates are known.
-    pub fn apart(surface: &Surface, mut fingers: Vec<Vec<usize>>) -> Self {
+    pub fn apart(surface: &Surface, fingers: Vec<Vec<usize>>) -> Self {
+        Self::searched(surface, fingers, None)
+    }
+
+    /// Fingers of which the candidates are known, and maybe what is nearest to each vertex of the skin.
+    fn searched(surface: &Surface, mut fingers: Vec<Vec<usize>>, nearest: Option<NearestAlongSkin>) -> Self {
         let candidates = fingers.concat();
         if fingers.len() < 2 {
             return Self::one(&candidates);
@@ -100,8 +111,8 @@ impl Fingers {
         for (index, finger) in fingers.iter().enumerate() {
             finger.iter().for_each(|&vertex| label[vertex] = index);
         }
-        let vertices = surface.nearest_along_skin(&candidates, f64::INFINITY);
-        let mut ways: Vec<_> = shortest_ways(surface, &vertices, &label).into_iter().collect();
+        let vertices = nearest.unwrap_or_else(|| surface.nearest_along_skin(&candidates, f64::INFINITY));
+        let mut ways: Vec<_> = shortest_ways(surface, &vertices, &label, f64::INFINITY).into_iter().collect();
         ways.sort_by(|a, b| a.1.along_skin.total_cmp(&b.1.along_skin).then(a.0.cmp(&b.0)));
         Self { candidates: fingers, ways, vertices: Some(vertices), of_candidate: label }
     }
@@ -150,18 +161,20 @@ fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
 }
 
 /// The shortest way found between any two sets of sources, by their `label`: where the searches from
-/// both meet on an edge.
+/// both meet on an edge, neither farther than `reach` (m) from its source.
 fn shortest_ways(
     surface: &Surface,
     nearest: &NearestAlongSkin,
     label: &[usize],
+    reach: f64,
 ) -> BTreeMap<[usize; 2], Way> {
     let mut ways: BTreeMap<[usize; 2], Way> = BTreeMap::new();
+    let source_of = |vertex: usize| nearest.source(vertex).filter(|_| nearest.distance[vertex] <= reach);
     for vertex in 0..label.len() {
-        let Some(source) = nearest.source(vertex) else { continue };
+        let Some(source) = source_of(vertex) else { continue };
         for &other in surface.neighbours(vertex) {
             let other = other as usize;
-            let Some(other_source) = nearest.source(other).filter(|_| other > vertex) else { continue };
+            let Some(other_source) = source_of(other).filter(|_| other > vertex) else { continue };
             let ends = [source, other_source];
             let [a, b] = ends.map(|end| label[end]);
             if a == b {
@@ -177,4 +190,38 @@ fn shortest_ways(
         }
     }
     ways
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::sample::grid;
+
+    /// Two ridges of skin 20 mm apart and 40 mm deep, with a strip of flat skin beside them; the vertices at their crests.
+    fn two_ridges(flat_columns: usize) -> (Surface, Vec<usize>) {
+        let bent_columns = 80;
+        let (flat, faces) = grid(bent_columns + flat_columns, 8, 1.0);
+        let bent = |x: &Vector3<f64>| {
+            let along = (2.0 * x.x / bent_columns as f64).min(2.0);
+            let beside = 2e-3 * (x.x - bent_columns as f64).max(0.0);
+            Vector3::new(20e-3 * along + beside, 1e-3 * x.y, -20e-3 * (1.0 - (TAU * along).cos()))
+        };
+        let vertices: Vec<Vector3<f64>> = flat.iter().map(bent).collect();
+        let crests = (0..vertices.len()).filter(|&vertex| vertices[vertex].z < -39e-3).collect();
+        (Surface::new(vertices, faces).expect("a bent grid"), crests)
+    }
+
+    #[test]
+    fn fingers_are_those_of_a_search_over_the_whole_skin_wherever_they_were_found() {
+        // The first search covers all of the small skin, and only what is near on the large one.
+        for flat_columns in [0, 100] {
+            let (surface, crests) = two_ridges(flat_columns);
+            let fingers = Fingers::split_by_tissue(&surface, &crests);
+            assert_eq!(fingers.candidates.len(), 2);
+            assert_eq!(fingers, Fingers::apart(&surface, fingers.candidates.clone()));
+            assert!(fingers.finger_of(surface.vertices().len() - 1).is_some());
+        }
+    }
 }
