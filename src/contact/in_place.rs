@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::equilibrium::group::Guess;
 use crate::contact::equilibrium::linearization::solve_to_the_end;
 use crate::contact::equilibrium::solve as equilibrium;
 use crate::contact::error::ContactError;
@@ -112,7 +113,7 @@ impl<'a> InPlace<'a> {
             let there = gaps.measured_at(&vertices, &displacement)?;
             gaps.linearise(&vertices, &displacement, &there);
         }
-        let guess = known.map(|known| &known.active[..]);
+        let guess = known.map(|known| Guess { active: &known.active, is_near: false });
         let forces = equilibrium::solve(&gaps, &response, guess, options, &mut report)?;
         let forces = solve_to_the_end(&mut gaps, forces, &response, options, &mut report)?;
         Ok(Self { gaps, response, forces: Some(forces), report })

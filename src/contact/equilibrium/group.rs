@@ -26,12 +26,24 @@ const EXPECTED_RINGS: usize = 2;
 /// Share of a group from which all of it enters at once.
 const MOST_OF_A_GROUP: f64 = 0.8;
 
+/// Nodes that may change sides from a near guess: so many, or that share of all.
+const FEW_CHANGES: usize = 64;
+const SHARE_OF_CHANGES: f64 = 0.25;
+
+/// What is expected of a contact.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Guess<'a> {
+    /// Vertices under force, ascending.
+    pub active: &'a [usize],
+    /// Few others are under force: a problem that is far from it may end at the pivot limit.
+    pub is_near: bool,
+}
+
 /// What the problems of all groups have in common.
 pub(crate) struct GroupProblem<'a> {
     pub gaps: &'a Gaps<'a>,
     pub response: &'a Compliance<'a>,
-    /// Vertices that are expected to carry force, ascending.
-    pub guess: Option<&'a [usize]>,
+    pub guess: Option<Guess<'a>>,
     pub options: &'a ContactOptions<'a>,
 }
 
@@ -47,7 +59,7 @@ impl GroupProblem<'_> {
         report: &mut Report,
     ) -> Result<(), ContactError> {
         let mut nodes = self.expected(group);
-        let mut guess = self.guess.map(<[usize]>::to_vec);
+        let mut guess = self.guess.map(|guess| guess.active.to_vec());
         loop {
             let (solution, spectrum) = self.solve_on(&nodes, guess.as_deref(), forces, report)?;
             forces.adopt(&nodes, &solution);
@@ -75,7 +87,7 @@ impl GroupProblem<'_> {
         let is_refined = self.gaps.scene.inherited.is_some();
         let is_collocation = self.response.traits.discretization == Discretization::Collocation;
         match self.guess {
-            Some(guess) if is_refined && is_collocation => self.around(group, guess, Vec::new()),
+            Some(guess) if is_refined && is_collocation => self.around(group, guess.active, Vec::new()),
             _ => group.to_vec(),
         }
     }
@@ -131,6 +143,7 @@ impl GroupProblem<'_> {
         let lcp_options = LcpOptions {
             interrupt: options.interrupt,
             initial_active: guess.map(is_guessed),
+            max_pivots: self.guess.filter(|guess| guess.is_near).map(|_| most_changes(nodes.len())),
             // A factor of all nodes costs more than the solve that begins from a good guess.
             definiteness: if is_examined { DefinitenessCheck::Cheap } else { DefinitenessCheck::Never },
             ..LcpOptions::default()
@@ -142,4 +155,9 @@ impl GroupProblem<'_> {
         }
         Ok((solution, spectrum))
     }
+}
+
+/// Pivots from a near guess.
+fn most_changes(nodes: usize) -> usize {
+    FEW_CHANGES.max((SHARE_OF_CHANGES * nodes as f64) as usize)
 }

@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::equilibrium::group::Guess;
 use crate::contact::equilibrium::solve::solve;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
@@ -117,13 +118,18 @@ pub(crate) fn solve_to_the_end(
             .zip(&deformed.displacement)
             .map(|(&vertex, u)| gaps.linearised_at(vertex).lerp(u, step))
             .collect();
-        let there = Deformed::at(gaps, deformed.vertices, shift)?;
+        let there = Deformed::at(gaps, deformed.vertices.clone(), shift)?;
+        let last = gaps.clone();
         gaps.linearise(&there.vertices, &there.displacement, &there.measured);
-        let forces = solve(gaps, response, Some(&active), options, report)?;
-        active.clone_from(&forces.active);
+        let guess = Guess { active: &active, is_near: true };
+        let forces = solve(gaps, response, Some(guess), options, report)?;
         if forces.failure.is_some() {
-            break;
+            // Half-way there fewer nodes change sides.
+            *gaps = last;
+            (step, in_vain) = ((0.5 * step).max(LEAST_STEP), in_vain + 1);
+            continue;
         }
+        active.clone_from(&forces.active);
         deformed = Deformed::new(gaps, response, &forces)?;
         let error = deformed.error(&forces);
         let total: Vector3<f64> = forces.vectors.iter().sum();

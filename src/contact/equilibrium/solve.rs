@@ -7,7 +7,7 @@ use crate::contact::candidate::groups::{uncoupled_groups, with_rings};
 use crate::contact::discretization::prepared;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::equilibrium::group::GroupProblem;
+use crate::contact::equilibrium::group::{GroupProblem, Guess};
 use crate::contact::equilibrium::growth::wanting;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
@@ -18,12 +18,10 @@ use crate::contact::report::record::Report;
 const DEFAULT_RINGS: usize = 3;
 
 /// Finds the node forces.
-///
-/// * `guess`: vertices that are expected to carry force, ascending
 pub(crate) fn solve(
     gaps: &Gaps,
     response: &Compliance,
-    guess: Option<&[usize]>,
+    guess: Option<Guess>,
     options: &ContactOptions,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
@@ -82,7 +80,7 @@ fn solve_on(
     candidates: Vec<usize>,
     gaps: &Gaps,
     response: &Compliance,
-    guess: Option<&[usize]>,
+    guess: Option<Guess>,
     options: &ContactOptions,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
