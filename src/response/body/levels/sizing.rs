@@ -273,9 +273,10 @@ mod tests {
         let south = (0..skin.vertices().len())
             .min_by(|&a, &b| skin.vertices()[a].z.total_cmp(&skin.vertices()[b].z))
             .expect("vertices");
-        // 1,600 and 4,500 vertices; the cap is a tenth of the sphere, so that twice the length elsewhere is enough for
-        // the first alone.
-        for (edge, is_enough) in [(0.095, true), (0.057, false)] {
+        // The cap is a tenth of the sphere, so that twice the length elsewhere is enough for the first alone.
+        for (times_too_many, is_enough) in [(1.14, true), (3.2, false)] {
+            let area = 4.0 * std::f64::consts::PI;
+            let edge = (area / (0.75_f64.sqrt() * times_too_many * MOST_VERTICES)).sqrt();
             let mut edges = vec![edge; skin.vertices().len()];
             assert!(lengthen_edges(&mut edges, &skin, &bends, &cap));
             assert!(vertex_count(&skin, &edges) < MOST_VERTICES * (1.0 + 1e-9));
