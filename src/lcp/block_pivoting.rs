@@ -26,6 +26,10 @@ const LARGEST_ERROR: f64 = 1e-6;
 /// Share of the largest entry by which the outer rows and columns of a symmetric block may differ.
 const LARGEST_ASYMMETRY: f64 = 1e-13;
 
+/// Exchanges without progress, blocks or singles, that any problem may take: each has a factor of its own, in whose time
+/// Lemke's path makes many pivots.
+const FEW_IN_VAIN: usize = 64;
+
 /// Parameters of block principal pivoting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockPivotingOptions {
@@ -68,9 +72,8 @@ pub(super) fn solve(
     let mut is_active = vec![false; n];
     active.iter().for_each(|&i| is_active[i] = true);
     let (mut fewest, mut patience_left) = (usize::MAX, patience);
-    // Each with a factor of its own.
-    let bearable = n + 20_000 / n.max(1);
-    let mut singles = if options.max_pivots.is_some() { usize::MAX } else { bearable };
+    let bearable = FEW_IN_VAIN + 20_000 / n.max(1);
+    let mut vain_left = if options.max_pivots.is_some() { usize::MAX } else { bearable };
     let mut blocks = Blocks::new(problem, reduced);
     outcome.status = loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();
@@ -82,15 +85,17 @@ pub(super) fn solve(
         let mut exchanged = &wrong[..];
         if wrong.len() < fewest {
             (fewest, patience_left) = (wrong.len(), patience);
-        } else if patience_left > 0 {
-            patience_left -= 1;
-        } else if fallback == Fallback::Finite {
-            exchanged = &wrong[..1];
         } else {
-            break LcpStatus::Breakdown;
+            vain_left -= 1;
+            if patience_left > 0 {
+                patience_left -= 1;
+            } else if fallback == Fallback::Finite {
+                exchanged = &wrong[..1];
+            } else {
+                break LcpStatus::Breakdown;
+            }
         }
-        singles -= usize::from(exchanged.len() < wrong.len());
-        if outcome.pivots + exchanged.len() > options.pivot_budget(n) || singles == 0 {
+        if outcome.pivots + exchanged.len() > options.pivot_budget(n) || vain_left == 0 {
             break LcpStatus::PivotLimit;
         }
         exchanged.iter().for_each(|&i| is_active[i] = !is_active[i]);
