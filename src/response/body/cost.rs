@@ -20,7 +20,7 @@ pub struct BodyCost {
 }
 
 /// Right-hand sides solved between two looks at the interrupt.
-pub(crate) const SOLVE_BLOCK: usize = 192;
+pub(crate) const SOLVE_BLOCK: usize = 128;
 
 impl BodyCost {
     /// The cost for a skin and bones of so many vertices and so many loaded nodes.

@@ -25,7 +25,7 @@ use crate::surface::cut_out::CutOut;
 /// Rows between two reports of the assembly.
 const ROWS_PER_REPORT: usize = 64;
 /// Columns of a panel of the factor; wide enough for full-speed products.
-const FACTOR_PANEL: usize = 512;
+const FACTOR_PANEL: usize = 384;
 /// Columns right of a panel between two looks at the interrupt.
 const FACTOR_STRIP: usize = 1024;
 
