@@ -30,6 +30,12 @@ pub(crate) fn solve(
     let is_first = gaps.scene.inherited.is_none();
     let rings = options.rings.unwrap_or(if traits.negative_entries && is_first { DEFAULT_RINGS } else { 0 });
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
+    if let Some(guess) = guess.filter(|_| traits.negative_entries) {
+        // What it grew by before would be found again, one solve later.
+        candidates.extend(prepared(gaps, response, with_rings(gaps.surface, guess.active, 1)));
+        candidates.sort_unstable();
+        candidates.dedup();
+    }
     if is_first {
         check_free(&candidates, response)?;
     }

@@ -133,8 +133,7 @@ impl Task<'_> {
             limit: self.on_mesh(self.surface, self.skin, None, touch).limit(),
             known: is_known.then_some((past, value)),
         };
-        let lower = (value < self.target.value).then(|| last.clone());
-        let (contact, end) = match on_part.reach(self.target.quantity, &search, lower)? {
+        let (contact, end) = match on_part.reach(self.target.quantity, &search, Some(last))? {
             Reached::Goal { contact, .. } => (contact, Ok(())),
             Reached::Short { contact, why } => (contact, Err(why)),
         };

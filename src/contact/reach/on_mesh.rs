@@ -84,23 +84,27 @@ impl OnMesh<'_> {
     /// gives it to the bit; on a refined mesh it takes over what the search knows.
     ///
     /// * `search`: lengths past the touch (m), values in N or m
-    /// * `largest`: a contact below the goal that is known, for a search that finds none
+    /// * `last`: a contact on this mesh that the search begins from; the answer where it is below the goal and none nearer
+    ///   is found
     pub fn reach(
         &self,
         quantity: Quantity,
         search: &Search,
-        largest: Option<Contact>,
+        last: Option<&Contact>,
     ) -> Result<Reached, ContactError> {
         let kept = KeptSkin::new(self.skin);
         let trials = Trials::new(&kept);
+        trials.known.replace(last.map(|contact| Known::of_active(contact.active.clone())));
         let found = search.run(|past| self.trial(quantity, past, &trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),
             Found::NotReached { largest: Some(at), why } => (at, Err(why)),
-            Found::NotReached { largest: None, why } => match (largest, trials.refusal.take()) {
-                (Some(contact), _) => return Ok(Reached::Short { contact, why }),
-                (None, Some(error)) => return Err(error.into()),
-                (None, None) => (0.0, Err(why)),
+            Found::NotReached { largest: None, why } => match (last, trials.refusal.take()) {
+                (Some(contact), _) if quantity.of(contact, &self.press.direction) < search.value => {
+                    return Ok(Reached::Short { contact: contact.clone(), why });
+                }
+                (_, Some(error)) => return Err(error.into()),
+                (_, None) => (0.0, Err(why)),
             },
         };
         let is_refined = self.inherited.is_some();
