@@ -45,7 +45,7 @@ class ModulusWarning(QuasirigidWarning):
 
 
 class CoarseMeshWarning(QuasirigidWarning):
-    """The mesh is too coarse for the contact, or that of a body for its tissue."""
+    """The mesh was taken as it is, and is too coarse for the contact."""
 
 
 class CutWarning(QuasirigidWarning):
@@ -65,7 +65,7 @@ class PenetrationWarning(QuasirigidWarning):
 
 
 class RefinementWarning(QuasirigidWarning):
-    """A refinement or a search ended short of its target."""
+    """A refinement, a search or the mesh of a body falls short of the target."""
 
 
 class MissingExtraError(QuasirigidError, ImportError):

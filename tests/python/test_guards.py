@@ -35,6 +35,14 @@ def kernel(response: qr.Response, shear_modulus: float = 60e3) -> qr.Skin:
     return qr.Skin(shear_modulus=shear_modulus, poisson_ratio=0.5, response=response)
 
 
+def coarse_body() -> qr.Skin:
+    vertices, faces = ball(3e-3, 3)
+    bone = qr.Surface(vertices + np.array([0, 0, 5e-3]), faces)
+    return qr.Skin(
+        shear_modulus=60e3, poisson_ratio=0.5, response=qr.Body(bone=bone, coarse_edge_length=3e-3)
+    )
+
+
 def few_may_touch() -> qr.Surface:
     surface = qr.Surface(*ball(8e-3, 3))
     lowest = np.argsort(surface.vertices[:, 2])[:6]
@@ -62,6 +70,13 @@ CASES = {
         "CoarseMeshWarning",
         "mesh cells",
         lambda: pressed(qr.Surface(*ball(8e-3, 2)), depth=1e-4, options=AS_GIVEN),
+    ),
+    "a body too coarse": (
+        "RefinementWarning",
+        "prepare it with coarse_edge_length",
+        lambda: pressed(
+            qr.Surface(*ball(8e-3, 3)), coarse_body(), options=qr.ContactOptions(target_error=0.005)
+        ),
     ),
     "half masked": ("CutWarning", "% of all", lambda: pressed(halved())),
     "through a layer": (

@@ -224,7 +224,7 @@ def test_parts_that_do_not_fit_are_refused(
         prepared.skin.combined(finger, {"tip": (part, prepared)})
 
 
-@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 def test_a_finger_cut_out_of_a_hand_presses_with_the_palm() -> None:
     path = DATA / "hands" / "webxr_right_13k.ply"
     if not path.is_file():
@@ -298,7 +298,7 @@ def test_a_mask_of_no_part_is_refused(finger: qr.Surface) -> None:
 
 # Small bumps on a mesh taken as it is.
 @pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
-@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 def test_a_combined_contact_presses_on_the_bones_of_its_parts(finger: qr.Surface, part: qr.CutOut) -> None:
     response = part.body(bone=qr.models.bone_of(part), bone_pressure=True)
     pad = part.surface.skin_mask & (part.surface.vertices[:, 2] < 2e-3)

@@ -51,7 +51,7 @@ def test_a_force_asks_for_the_depth_of_hertz() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
-@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 @pytest.mark.parametrize("force", [0.1, 1.0, 5.0, 20.0])
 @pytest.mark.parametrize("response", ["half-space", "body"])
 def test_the_depth_of_a_force_gives_it_back_on_the_fingertip(

@@ -337,7 +337,7 @@ def low_vertices(surface: qr.Surface) -> NDArray[np.int64]:
 Prepared = tuple[qr.Surface, qr.PreparedSkin]
 
 
-@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 def test_a_prepared_body_refines(body: Prepared) -> None:
     surface, prepared = body
     sphere = qr.reference.plate_on_cored_sphere()[0]
@@ -357,7 +357,7 @@ def test_a_prepared_body_refines(body: Prepared) -> None:
     assert error <= abs(as_given.force[2] / true - 1)
 
 
-@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 @pytest.mark.parametrize("coarse_edge_length", [1.5e-3, 2e-3, 3e-3, 4e-3])
 def test_the_estimate_of_a_coarse_body_covers_its_error(coarse_edge_length: float) -> None:
     surface = qr.Surface(*ball(8e-3, 3))
@@ -371,7 +371,7 @@ def test_the_estimate_of_a_coarse_body_covers_its_error(coarse_edge_length: floa
             assert abs(contact.force[2] / true - 1) <= contact.accuracy.force_error + sphere.accuracy
 
 
-@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 @pytest.mark.parametrize("coarse_edge_length", [None, 0], ids=["two levels", "one level"])
 def test_the_drawn_skin_of_a_refined_body_lies_on_the_plate_and_is_still_where_it_is_fixed(
     coarse_edge_length: float | None,
@@ -388,7 +388,7 @@ def test_the_drawn_skin_of_a_refined_body_lies_on_the_plate_and_is_still_where_i
     assert not contact.displacement[: len(held)][held].any()
 
 
-@pytest.mark.filterwarnings("ignore:the coarse mesh of the body costs:quasirigid.QuasirigidWarning")
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 def test_the_bone_feels_a_refined_contact_as_a_given_one_of_its_force(body: Prepared) -> None:
     surface, prepared = body
     contact = qr.press(surface, PLATE, prepared, UP, depth=0.6e-3)

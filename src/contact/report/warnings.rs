@@ -85,28 +85,29 @@ impl Contact {
     /// Warns where the refinement ended before its target, and where a body's mesh costs more than that.
     pub(crate) fn warn_of_refinement(&mut self, reason: &'static str, target: f64) {
         let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+        let mut short = Vec::new();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
             && force.max(area) > target
         {
-            let (force, area, target) = (percent(force), percent(area), percent(target));
-            let message = format!(
-                "the mesh around the contact costs about {force} of the force and {area} of the area, more than the target of {target}: the refinement ended by {reason}"
-            );
+            let (force, area) = (percent(force), percent(area));
+            short.push(format!(
+                "the mesh around the contact costs about {force} of the force and {area} of the area: the refinement ended by {reason}"
+            ));
+        }
+        if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {
+            let cost = percent(doubt.force_error);
+            let length = doubt.edge_length * (target / doubt.force_error).sqrt();
+            short.push(format!(
+                "the coarse mesh of the body costs about {cost} of the force: prepare it with coarse_edge_length = {length:.2e} m"
+            ));
+        }
+        if !short.is_empty() {
+            let message = format!("the target of {} is not met: {}", percent(target), short.join("; "));
             self.warn(WarningKind::Refinement, message);
         }
         let (before, after) = (self.max_penetration_before, self.max_penetration_after);
         if !self.is_free_of_penetration() && after <= UNRESOLVED_SHARE * before {
             self.warn(WarningKind::Penetration, still_penetrates(after, before, COARSE_MESH));
-        }
-        if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {
-            let (cost, target) = (doubt.force_error, target);
-            let length = doubt.edge_length * (target / cost).sqrt();
-            let message = format!(
-                "the coarse mesh of the body costs about {} of the force, more than the target of {}: prepare it with coarse_edge_length = {length:.2e} m",
-                percent(cost),
-                percent(target)
-            );
-            self.warn(WarningKind::CoarseMesh, message);
         }
     }
 }
