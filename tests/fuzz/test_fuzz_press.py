@@ -138,6 +138,11 @@ def check(contact: qr.Contact) -> None:
     assert np.isfinite(contact.pressure).all()
     assert np.isfinite(contact.displacement).all()
     assert np.isfinite(contact.volume_change)
+    accuracy = contact.accuracy
+    errors = [accuracy.force_error, accuracy.mesh_error, accuracy.body_error, accuracy.area_error]
+    assert all(error is None or error >= 0.0 for error in errors)
+    # Penetration without force is no good answer.
+    assert contact.force.any() or accuracy.force_error in (None, np.inf)
     assert not np.isnan(contact.gap).any()
     assert (contact.node_force >= 0).all()
     if contact.force.any():

@@ -322,3 +322,38 @@ def test_a_matrix_that_memory_does_not_hold_is_refused_before_it_is_made() -> No
     plate = qr.Obstacle.half_space([0, 0, 1], [0, 0, -1])
     with pytest.raises(qr.ResponseError, match=r"over 202500 nodes needs 328050000000 bytes, more than"):
         qr.press(sheet, plate, SKIN, [0, 0, -1], depth=1e-3, options=AS_GIVEN)
+
+
+# Poses at which a linearisation puts all skin that was inside on the far side of the obstacle.
+PASSED_BY = {
+    "pin": (
+        (2, qr.Obstacle.cylinder(1.51e-3, 1.01e-3), 2.64e-3),
+        [[-0.105, -0.317, -0.943], [0.98, 0.128, -0.152], [0.169, -0.94, 0.297]],
+        [-6.5e-4, -2.74e-3, -0.05],
+    ),
+    "disc": (
+        (1, qr.Obstacle.cylinder(1.62e-3, 1.09e-3), 2.44e-3),
+        [[0.0415, -0.419, 0.907], [0.35, 0.856, 0.38], [-0.936, 0.302, 0.182]],
+        [6e-5, 3.1e-3, -0.05],
+    ),
+    "plate": (
+        (1, qr.Obstacle.box([7.88e-3, 8.15e-3, 2.62e-4]), 4.61e-3),
+        [[0.443, 0.872, 0.208], [-0.374, -0.0309, 0.927], [0.815, -0.488, 0.313]],
+        [1.08e-3, -3.61e-3, -0.05],
+    ),
+}
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize(("scene", "turn", "place"), PASSED_BY.values(), ids=PASSED_BY.keys())
+def test_skin_that_was_inside_is_not_let_through(
+    scene: tuple[int, qr.Obstacle, float], turn: list[list[float]], place: list[float]
+) -> None:
+    subdivisions, obstacle, depth = scene
+    left, _, right = np.linalg.svd(turn)
+    obstacle = obstacle.moved(left @ right, place)
+    surface = qr.Surface(*ball(8e-3, subdivisions))
+    contact = qr.press(surface, obstacle, SKIN, [0, 0, 1], depth=depth, options=AS_GIVEN)
+    assert contact.max_penetration_before > 0.0
+    assert contact.force[2] > 0.0
+    assert contact.candidates.size

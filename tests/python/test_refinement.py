@@ -415,3 +415,22 @@ def test_a_refined_contact_pickles_and_saves(tmp_path: Path) -> None:
         given = archive["vertices"][:count] - archive["displacement"][:count]
         np.testing.assert_allclose(given, jittered_ball(1).vertices, atol=1e-15)
         np.testing.assert_array_equal(archive["parents"], contact.parents)
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+def test_a_graze_that_averages_do_not_feel_on_the_given_mesh_is_refined_until_they_do() -> None:
+    # An edge between the vertices of the pad.
+    tip, turn, half = np.array([7e-5, 4.1e-4, -0.06]), 2.79, np.sqrt(0.5)
+    up_edge = np.array([[1, 0, 0], [0, half, -half], [0, half, half]])
+    about_z = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    edge = qr.Obstacle.box([0.02, 0.02, 0.02]).moved(about_z @ up_edge, tip)
+    surface = qr.Surface(*ball(8e-3, 2))
+    skin = qr.Skin(**MATERIAL, response=qr.HalfSpace(discretization="galerkin"))
+    given = qr.press(surface, edge, skin, UP, depth=2e-5, options=AS_GIVEN)
+    assert given.max_penetration_before > 0.0
+    assert not given.force.any()
+    assert given.accuracy.force_error == np.inf
+    refined = qr.press(surface, edge, skin, UP, depth=2e-5)
+    pointwise = qr.press(surface, edge, SKIN, UP, depth=2e-5)
+    assert refined.force[2] == pytest.approx(pointwise.force[2], rel=0.3)

@@ -114,13 +114,16 @@ impl<'a> Compliance<'a> {
     }
 
     /// What the mesh that a body was solved on costs a contact of so many m in depth with `forces` (N) at `nodes`;
-    /// `None` of a kernel or a matrix.
+    /// `None` of a kernel or a matrix, and without forces.
     pub fn doubt(
         &self,
         nodes: &[usize],
         forces: &[Vector3<f64>],
         depth: f64,
     ) -> Result<Option<BodyDoubt>, ContactError> {
+        if nodes.is_empty() {
+            return Ok(None);
+        }
         let asked = Request { surface: self.surface, nodes, options: &self.options };
         Ok(self.skin.doubt(&asked, forces, depth)?)
     }

@@ -123,8 +123,8 @@ pub(crate) fn solve_to_the_end(
         gaps.linearise(&there.vertices, &there.displacement, &there.measured);
         let guess = Guess { active: &active, is_near: true };
         let forces = solve(gaps, response, Some(guess), options, report)?;
-        if forces.failure.is_some() {
-            // Half-way there fewer nodes change sides.
+        if forces.failure.is_some() || forces.active.is_empty() {
+            // Half-way there fewer nodes change sides, and skin that was inside is not let go.
             *gaps = last;
             (step, in_vain) = ((0.5 * step).max(LEAST_STEP), in_vain + 1);
             continue;

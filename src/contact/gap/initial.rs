@@ -129,7 +129,7 @@ impl<'a> Gaps<'a> {
     ///
     /// * `measured`: [`measured_at`](Self::measured_at)
     pub fn linearise(&mut self, vertices: &[usize], displacement: &[Vector3<f64>], measured: &Measured) {
-        self.undeformed.get_or_insert_with(|| self.measured.borrow().distance.clone());
+        let undeformed = self.undeformed.get_or_insert_with(|| self.measured.borrow().distance.clone());
         let known = self.measured.get_mut();
         for (row, &vertex) in vertices.iter().enumerate() {
             let normal = measured.normal[row];
@@ -137,8 +137,11 @@ impl<'a> Gaps<'a> {
             known.normal[vertex] = normal;
             self.shifts.insert(vertex, displacement[row]);
         }
-        let is_inside = |&vertex: &usize| self.surface.skin_mask()[vertex] && known.distance[vertex] < 0.0;
-        self.penetrating = (0..known.distance.len()).filter(is_inside).collect();
+        // What was inside must stay out, wherever a plane at its displacement lies.
+        let is_inside = |&vertex: &usize| {
+            self.surface.skin_mask()[vertex] && undeformed[vertex].min(known.distance[vertex]) < 0.0
+        };
+        self.penetrating = (0..undeformed.len()).filter(is_inside).collect();
     }
 
     /// g0 (n, m) as the problem takes them, measured so far.

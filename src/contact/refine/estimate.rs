@@ -39,6 +39,10 @@ impl MeshError {
         let left = |known: Option<f64>, before: f64, last: f64| {
             // An infinite one was that of a sharp edge.
             let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
+            if last == 0.0 {
+                // Penetration without force: nothing is known.
+                return f64::INFINITY;
+            }
             (LEFT_OF_CHANGE * ((last - before) / last).abs()).max(LEAST_LEFT * known)
         };
         let (known, a, b) = (&before.accuracy, &before.resultant, &last.resultant);
