@@ -309,6 +309,11 @@ fn block_pivoting_that_goes_in_circles_hands_over() {
     let options = LcpOptions { max_pivots: Some(500), ..LcpOptions::default() };
     let bounded = run_with(&m, &q, LcpMethodName::BlockPivoting, &options);
     assert_eq!((bounded.status, bounded.attempts.len()), (LcpStatus::PivotLimit, 1));
+    let options = LcpOptions { exchanges_only: true, ..LcpOptions::default() };
+    for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
+        let given_up = run_with(&m, &q, method, &options);
+        assert_eq!((given_up.status, given_up.attempts.len()), (LcpStatus::Breakdown, 1));
+    }
 }
 
 // Hard cases of the literature

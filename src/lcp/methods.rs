@@ -44,7 +44,7 @@ impl Session<'_> {
         let guessed = self.options.initial_active.is_some();
         if guessed || self.problem.known_p_matrix || self.rows_to_begin_with().len() > FEW_UNKNOWNS {
             let answer = self.exchange(LcpMethodName::BlockPivoting, Fallback::None, patience)?;
-            if answer.is_conclusive() {
+            if answer.is_conclusive() || self.options.exchanges_only {
                 return Ok(answer);
             }
         }
@@ -84,7 +84,7 @@ impl Session<'_> {
             let is_guessed = self.options.initial_active.is_some();
             let fallback = if is_guessed { Fallback::None } else { Fallback::Crash };
             let answer = self.exchange(LcpMethodName::Lemke, fallback, CRASH_PATIENCE)?;
-            if answer.is_conclusive() {
+            if answer.is_conclusive() || self.options.exchanges_only {
                 return Ok(answer);
             }
             work = answer.work;
@@ -156,7 +156,8 @@ impl Session<'_> {
     /// Block pivoting to its end; where single exchanges take too long, Lemke's method unless the caller set a
     /// budget.
     pub(super) fn block_pivoting_or_lemke(&mut self, options: &BlockPivotingOptions) -> Result<Answer, Halt> {
-        let answer = self.exchange(LcpMethodName::BlockPivoting, Fallback::Finite, options.patience)?;
+        let fallback = if self.options.exchanges_only { Fallback::None } else { Fallback::Finite };
+        let answer = self.exchange(LcpMethodName::BlockPivoting, fallback, options.patience)?;
         if answer.solution.status != LcpStatus::PivotLimit || self.options.max_pivots.is_some() {
             return Ok(answer);
         }

@@ -37,6 +37,9 @@ pub struct LcpOptions<'a> {
     pub tolerance: f64,
     /// Guess of the unknowns with `z > 0`, in any order; `None` starts from none.
     pub initial_active: Option<Vec<usize>>,
+    /// Whether to give up where the block exchanges that a method begins with lead to no answer: for a caller who then
+    /// changes the problem.
+    pub exchanges_only: bool,
     /// Asked again and again by the calling thread while the solve runs; `true`, which must then stay so, ends
     /// it as interrupted.
     pub interrupt: Option<&'a (dyn Fn() -> bool + Sync)>,
@@ -50,6 +53,7 @@ impl Default for LcpOptions<'_> {
             max_pivots: None,
             tolerance: 1e-10,
             initial_active: None,
+            exchanges_only: false,
             interrupt: None,
             definiteness: DefinitenessCheck::Cheap,
         }
@@ -62,6 +66,7 @@ impl std::fmt::Debug for LcpOptions<'_> {
             .field("max_pivots", &self.max_pivots)
             .field("tolerance", &self.tolerance)
             .field("initial_active", &self.initial_active)
+            .field("exchanges_only", &self.exchanges_only)
             .field("interrupt", &self.interrupt.is_some())
             .field("definiteness", &self.definiteness)
             .finish()

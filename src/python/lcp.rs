@@ -46,6 +46,7 @@ impl PyLcpOptions {
         let shared = LcpOptions {
             max_pivots,
             tolerance,
+            exchanges_only: false,
             initial_active,
             interrupt: None,
             definiteness: named(

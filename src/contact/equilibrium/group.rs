@@ -35,7 +35,7 @@ const SHARE_OF_CHANGES: f64 = 0.25;
 pub(crate) struct Guess<'a> {
     /// Vertices under force, ascending.
     pub active: &'a [usize],
-    /// Few others are under force: a problem that is far from it may end at the pivot limit.
+    /// Few others are under force: a problem that is far from it may end without an answer.
     pub is_near: bool,
 }
 
@@ -140,10 +140,12 @@ impl GroupProblem<'_> {
         let is_guessed = |guess: &[usize]| {
             (0..nodes.len()).filter(|&node| guess.binary_search(&nodes[node]).is_ok()).collect()
         };
+        let is_near = self.guess.is_some_and(|guess| guess.is_near);
         let lcp_options = LcpOptions {
             interrupt: options.interrupt,
+            exchanges_only: is_near,
             initial_active: guess.map(is_guessed),
-            max_pivots: self.guess.filter(|guess| guess.is_near).map(|_| most_changes(nodes.len())),
+            max_pivots: is_near.then(|| most_changes(nodes.len())),
             // A factor of all nodes costs more than the solve that begins from a good guess.
             definiteness: if is_examined { DefinitenessCheck::Cheap } else { DefinitenessCheck::Never },
             ..LcpOptions::default()
