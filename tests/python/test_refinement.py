@@ -434,3 +434,23 @@ def test_a_graze_that_averages_do_not_feel_on_the_given_mesh_is_refined_until_th
     refined = qr.press(surface, edge, skin, UP, depth=2e-5)
     pointwise = qr.press(surface, edge, SKIN, UP, depth=2e-5)
     assert refined.force[2] == pytest.approx(pointwise.force[2], rel=0.3)
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+@pytest.mark.parametrize("depth", [0.6e-3, 1.2e-3, 2.4e-3])
+def test_the_estimate_on_a_sharp_edge_covers_what_finer_meshes_change(depth: float) -> None:
+    half = np.sqrt(0.5)
+    up_edge = np.array([[1, 0, 0], [0, half, -half], [0, half, half]])
+    edge = qr.Obstacle.box([0.02, 0.02, 0.02]).moved(up_edge, [1e-3, 3e-4, -0.06])
+    contact = qr.press(qr.Surface(*ball(8e-3, 3)), edge, SKIN, UP, depth=depth)
+    assert contact.accuracy.max_pressure_error == np.inf
+    meshes = [one for one in contact.refinements if one.kind == "mesh"]
+    finest = meshes[-1].force[2]
+    # The first three do not show how slowly the force settles.
+    for one in meshes[3:]:
+        assert one.force_error is not None
+        assert abs(one.force[2] - finest) <= one.force_error * one.force[2]
+    # The last is not the limit either.
+    assert contact.accuracy.force_error is not None
+    assert contact.accuracy.force_error > 0.2

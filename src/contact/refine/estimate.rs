@@ -16,9 +16,10 @@ pub(crate) struct MeshError {
 const COLLOCATION: [(f64, f64); 3] = [(0.3, 2.0), (0.5, 1.5), (0.25, 2.0)];
 /// The same in Galerkin form.
 const GALERKIN: [(f64, f64); 3] = [(0.12, 3.0), (0.25, 1.5), (0.2, 2.0)];
-/// Share of the last change that the rounds to come still make in all, where each makes three sevenths of the one before: a
-/// third on smooth skin, half on scanned fingers, whose curvature is rough.
-const LEFT_OF_CHANGE: f64 = 0.75;
+/// A round's change as a share of that before: a third on smooth skin, half on scanned fingers, whose curvature is rough.
+const NEXT_CHANGE: f64 = 3.0 / 7.0;
+/// The largest that is taken from what sharp edges show: their figures settle slowly.
+const SLOWEST_CHANGE: f64 = 0.8;
 /// Least share of an error that a round leaves, as halved cells do where they do best: two rounds may agree by chance.
 const LEAST_LEFT: f64 = 0.25;
 
@@ -34,22 +35,33 @@ impl MeshError {
         Self { force, area, pressure }
     }
 
-    /// From the last two rounds.
+    /// From the last two rounds; on a sharp edge from the last three.
     pub fn of_rounds(before: &Contact, last: &Contact) -> Self {
-        let left = |known: Option<f64>, before: f64, last: f64| {
-            // An infinite one was that of a sharp edge.
-            let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
+        let earlier = before.refinements.iter().filter(|round| round.kind == "mesh").nth_back(1);
+        let earlier = earlier.filter(|_| last.clues.edge.is_some());
+        let left = |known: Option<f64>, earlier: Option<f64>, before: f64, last: f64| {
             if last == 0.0 {
                 // Penetration without force: nothing is known.
                 return f64::INFINITY;
             }
-            (LEFT_OF_CHANGE * ((last - before) / last).abs()).max(LEAST_LEFT * known)
+            // An infinite one was that of a sharp edge.
+            let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
+            let change = (last - before).abs();
+            let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).abs());
+            let next = slowed.clamp(NEXT_CHANGE, SLOWEST_CHANGE);
+            // All changes to come, each that share of the one before.
+            (next / (1.0 - next) * change / last.abs()).max(LEAST_LEFT * known)
         };
         let (known, a, b) = (&before.accuracy, &before.resultant, &last.resultant);
+        let (force, area, pressure) = (
+            earlier.map(|round| round.force.norm()),
+            earlier.and_then(|round| round.contact_area),
+            earlier.and_then(|round| round.max_pressure),
+        );
         Self {
-            force: left(known.mesh_error, a.force.norm(), b.force.norm()),
-            area: left(known.area_error, before.clues.area_within_rim, last.clues.area_within_rim),
-            pressure: left(known.max_pressure_error, a.max_pressure, b.max_pressure),
+            force: left(known.mesh_error, force, a.force.norm(), b.force.norm()),
+            area: left(known.area_error, area, before.clues.area_within_rim, last.clues.area_within_rim),
+            pressure: left(known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
         }
     }
 
