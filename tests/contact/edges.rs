@@ -117,3 +117,16 @@ fn an_edge_left_in_the_triangles_of_a_mesh_taken_as_it_is_is_said() {
         contact.warnings.iter().find(|warning| warning.message.contains("still penetrates")).unwrap();
     assert!(warning.message.contains("between vertices"), "{warning:?}");
 }
+
+#[test]
+fn triangles_that_a_corner_draws_out_are_the_cause_of_penetration_not_the_mesh() {
+    // A corner of a cube, upwards.
+    let tilt = nalgebra::Rotation3::rotation_between(&Vector3::repeat(1.0), &UP).expect("no half turn");
+    let cube = Obstacle::cuboid(Vector3::repeat(0.02)).unwrap();
+    let corner = cube.moved(tilt.matrix(), &(BELOW - UP * 0.02 * 3f64.sqrt())).expect("a rotation");
+    let contact = pressed(&ball(8e-3, 3), &corner, 1.12e-3);
+    assert!(contact.max_penetration_after > 0.05 * contact.max_penetration_before);
+    let warning =
+        contact.warnings.iter().find(|warning| warning.message.contains("still penetrates")).unwrap();
+    assert!(warning.message.contains("moved apart"), "{warning:?}");
+}
