@@ -97,6 +97,9 @@ pub(crate) fn solve_to_the_end(
     let allowed = options.gap_tolerance * gaps.deepest();
     let mut deformed = Deformed::new(gaps, response, &forces)?;
     let mut least = deformed.error(&forces);
+    if least <= allowed {
+        return Ok(forces);
+    }
     // A kernel's matrix holds in every round; that of a body hangs on the normals.
     let kept = KeptSkin::new(response.skin);
     let keeping = response.with_skin(&kept);
