@@ -26,6 +26,8 @@ pub(crate) struct Known {
     /// Vertices whose gap was linearised, and the displacements (m) that it was measured at.
     vertices: Vec<usize>,
     displacement: Vec<Vector3<f64>>,
+    /// Whether gaps were to be linearised and no linearisation led to an answer.
+    in_vain: bool,
 }
 
 /// Node forces where the obstacle of a scene stands.
@@ -51,7 +53,7 @@ pub(crate) fn solve_in_place(
 impl Known {
     /// Vertices that are expected to carry force, ascending, and nothing else.
     pub fn of_active(active: Vec<usize>) -> Self {
-        Self { active, vertices: Vec::new(), displacement: Vec::new() }
+        Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false }
     }
 }
 
@@ -115,7 +117,8 @@ impl<'a> InPlace<'a> {
         }
         let guess = known.map(|known| Guess { active: &known.active, is_near: false });
         let forces = equilibrium::solve(&gaps, &response, guess, options, &mut report)?;
-        let forces = solve_to_the_end(&mut gaps, forces, &response, options, &mut report)?;
+        let was_vain = known.is_some_and(|known| known.in_vain);
+        let forces = solve_to_the_end(&mut gaps, forces, &response, was_vain, options, &mut report)?;
         Ok(Self { gaps, response, forces: Some(forces), report })
     }
 
@@ -130,7 +133,8 @@ impl<'a> InPlace<'a> {
         let mut vertices = self.gaps.surface.k_ring(&forces.candidates, 1);
         vertices.retain(|&vertex| self.gaps.linearised_at(vertex) != Vector3::zeros());
         let displacement = vertices.iter().map(|&vertex| self.gaps.linearised_at(vertex)).collect();
-        Some(Known { active: forces.active.clone(), vertices, displacement })
+        let in_vain = vertices.is_empty() && self.report.given_up > 0;
+        Some(Known { active: forces.active.clone(), vertices, displacement, in_vain })
     }
 
     /// Seconds of each stage so far.

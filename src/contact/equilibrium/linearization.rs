@@ -82,12 +82,14 @@ impl Deformed {
 /// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance.
 ///
 /// * `forces`: of the gaps as measured at the undeformed skin
+/// * `was_vain`: whether none of the linearisations of a contact nearby led to an answer; one then says whether they do here
 ///
 /// Returns the forces that leave the least gap; `gaps` are those that they were solved with.
 pub(crate) fn solve_to_the_end(
     gaps: &mut Gaps,
     forces: NodeForces,
     response: &Compliance,
+    was_vain: bool,
     options: &ContactOptions,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
@@ -109,7 +111,8 @@ pub(crate) fn solve_to_the_end(
     let mut force: Vector3<f64> = forces.vectors.iter().sum();
     let mut best = forces;
     let mut kept = gaps.clone();
-    let (mut before, mut step, mut in_vain) = (least, 1.0, 0);
+    let (mut before, mut step) = (least, 1.0);
+    let mut in_vain = if was_vain { MOST_IN_VAIN - 1 } else { 0 };
     for _ in 1..options.max_linearizations {
         if before <= allowed || in_vain >= MOST_IN_VAIN {
             break;
@@ -129,6 +132,7 @@ pub(crate) fn solve_to_the_end(
         if forces.failure.is_some() || forces.active.is_empty() {
             // Half-way there fewer nodes change sides, and skin that was inside is not let go.
             *gaps = last;
+            report.given_up += 1;
             (step, in_vain) = ((0.5 * step).max(LEAST_STEP), in_vain + 1);
             continue;
         }

@@ -13,6 +13,8 @@ pub(crate) struct Report {
     pub warnings: Vec<Warning>,
     /// Rounds in which gaps were taken anew at the deformed skin.
     pub linearizations: Vec<Refinement>,
+    /// Number of linearisations that led to no answer.
+    pub given_up: usize,
 }
 
 impl Report {
