@@ -52,6 +52,23 @@ def test_all_rows_in_order_are_status_0(
 
 
 @pytest.mark.parametrize("command", ["accuracy", "stress"])
+def test_the_rows_are_printed_as_json(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = []
+
+    def measured(*, quick: bool, progress: object) -> qr.Table:
+        asked.append(progress)
+        return table(error=0.0)
+
+    monkeypatch.setattr(qr, command, measured, raising=False)
+    assert run([command, "--json", "--quiet", "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr()
+    assert (asked, printed.err) == ([False], "")
+    assert json.loads(printed.out) == json.loads((tmp_path / "stress.json").read_text())
+
+
+@pytest.mark.parametrize("command", ["accuracy", "stress"])
 def test_a_folder_that_is_a_file_is_refused_before_the_work(
     command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,7 +10,7 @@ import typer
 
 import quasirigid as qr
 
-from .console import refuse
+from .console import Talk, refuse, say
 
 __all__ = ["ACCURACY_EXAMPLE", "STRESS_EXAMPLE", "accuracy", "stress"]
 
@@ -21,6 +21,7 @@ _Out = Annotated[Path | None, typer.Option(help="Folder for the page, the rows a
 
 
 def accuracy(
+    talk: Talk,
     quick: Annotated[bool, typer.Option("--quick", help="A small part, in some seconds.")] = False,
     out: _Out = None,
 ) -> int:
@@ -31,11 +32,12 @@ def accuracy(
     one does not.
     """
     _check(out)
-    table = qr.accuracy(quick=quick, progress=_progress())
-    return _finish(table, out)
+    table = qr.accuracy(quick=quick, progress=_progress(talk))
+    return _finish(table, out, talk)
 
 
 def stress(
+    talk: Talk,
     quick: Annotated[bool, typer.Option("--quick", help="A part of the cases, in some seconds.")] = False,
     out: _Out = None,
 ) -> int:
@@ -44,8 +46,8 @@ def stress(
     Leaves with 0 when every case gave that, 1 when one is off.
     """
     _check(out)
-    table = qr.stress(quick=quick, progress=_progress())
-    return _finish(table, out)
+    table = qr.stress(quick=quick, progress=_progress(talk))
+    return _finish(table, out, talk)
 
 
 def _check(out: Path | None) -> None:
@@ -53,14 +55,15 @@ def _check(out: Path | None) -> None:
         raise NotADirectoryError(f"--out: {out} is a file, expected a folder")
 
 
-def _progress() -> bool:
+def _progress(talk: Talk) -> bool:
     """Return whether to print how far it is: one line on a terminal, nothing into a file."""
-    return sys.stderr.isatty()
+    return talk.progress and sys.stderr.isatty()
 
 
-def _finish(table: qr.Table, out: Path | None) -> int:
-    typer.echo(str(table))
-    if out is not None:
-        typer.echo("wrote " + ", ".join(map(str, table.save(out))))
+def _finish(table: qr.Table, out: Path | None, talk: Talk) -> int:
+    files = () if out is None else table.save(out)
+    talk.tell(str(table), table.record())
+    if files and not talk.json:
+        say("wrote " + ", ".join(map(str, files)))
     off = sum(not row["ok"] for row in table.rows)
     return refuse(f"{off} of {len(table)} rows are off", status=1) if off else 0

@@ -45,6 +45,15 @@ class Table(Frozen):
         """Return whether no row is off."""
         return all(row["ok"] for row in self._rows)
 
+    def record(self) -> Row:
+        """Return the table as it is written to JSON: its name, the version, the verdict and all rows."""
+        return {
+            "table": self.name,
+            "version": _core.__version__,
+            "ok": self.ok,
+            "rows": as_plain(self._rows),
+        }
+
     def to_dataframe(self) -> Any:
         """Return a pandas DataFrame with one row a case.
 
@@ -79,13 +88,9 @@ class Table(Frozen):
         folder = Path(folder)
         if folder.exists() and not folder.is_dir():
             raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
-        record = {
-            "table": self.name,
-            "version": _core.__version__,
-            "ok": self.ok,
-            "rows": as_plain(self._rows),
+        contents = {
+            f"{self.name}.json": (json.dumps(self.record(), indent=2, allow_nan=False) + "\n").encode()
         }
-        contents = {f"{self.name}.json": (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()}
         picture = self._picture()
         if picture is not None:
             contents[f"{self.name}.png"] = picture
