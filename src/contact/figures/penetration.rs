@@ -20,8 +20,8 @@ pub(crate) struct Penetration {
     pub depth: f64,
     /// Whether a vertex of the skin is that deep, not only a point between vertices.
     pub is_at_vertex: bool,
-    /// Longest side of a triangle over that of the undeformed one, at the most (≥ 1); 1 where displacements are known in all
-    /// directions.
+    /// Longest side of a triangle over that of the undeformed one, at the most (≥ 1); 1 where a vertex is that deep or
+    /// displacements are known in all directions.
     pub stretch: f64,
 }
 
@@ -58,14 +58,15 @@ pub(crate) fn penetration_after(
     let of_edges = skin.deepest_edge(&gaps.scene.obstacle, reach, at_vertices);
     let between = PointsBetween::new(&points, &depths, &triangles);
     let depth = between.deepest(&gaps.scene.obstacle, of_edges)?;
+    let is_at_vertex = at_vertices >= depth;
     let longest = |corners: [Vector3<f64>; 3]| {
         let [a, b, c] = corners;
         (b - a).norm().max((c - b).norm()).max((a - c).norm())
     };
-    let drawn = if motion.scalar.is_empty() { &[][..] } else { &triangles[..] };
+    let drawn = if is_at_vertex || motion.scalar.is_empty() { &[][..] } else { &triangles[..] };
     let stretch = drawn.iter().map(|corners| {
         let rows = corners.map(|corner| corner as usize);
         longest(rows.map(|row| points[row])) / longest(rows.map(|row| surface.vertices()[vertices[row]]))
     });
-    Ok(Penetration { depth, is_at_vertex: at_vertices >= depth, stretch: stretch.fold(1.0, f64::max) })
+    Ok(Penetration { depth, is_at_vertex, stretch: stretch.fold(1.0, f64::max) })
 }

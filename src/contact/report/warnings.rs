@@ -67,7 +67,7 @@ impl Report {
         if left.depth <= UNRESOLVED_SHARE * before {
             return;
         }
-        if !left.is_at_vertex && left.stretch > DRAWN_OUT {
+        if left.stretch > DRAWN_OUT {
             let cause = format!(
                 "it does between vertices that moved apart, each along its own normal, and drew a triangle out {:.1} times; a body's skin holds together, or press less deep, and do not trust force and area there",
                 left.stretch
