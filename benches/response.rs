@@ -162,7 +162,7 @@ fn table(quick: bool) {
         for threads in if all == 1 { vec![1] } else { vec![1, all] } {
             let product = product_seconds(surface.vertices().len(), threads, times(n));
             for (name, skin) in kernels() {
-                // the Galerkin matrix costs some 30 times as much and is for contact patches
+                // the Galerkin matrix costs some 10 times as much and is for contact patches
                 let tolerances: &[f64] = match skin.discretization() {
                     Discretization::Galerkin if n > 1000 => continue,
                     Discretization::Galerkin => &[1e-6],

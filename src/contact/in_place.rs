@@ -133,7 +133,7 @@ impl<'a> InPlace<'a> {
         let mut vertices = self.gaps.surface.k_ring(&forces.candidates, 1);
         vertices.retain(|&vertex| self.gaps.linearised_at(vertex) != Vector3::zeros());
         let displacement = vertices.iter().map(|&vertex| self.gaps.linearised_at(vertex)).collect();
-        let in_vain = vertices.is_empty() && self.report.given_up > 0;
+        let in_vain = self.report.is_unsettled();
         Some(Known { active: forces.active.clone(), vertices, displacement, in_vain })
     }
 

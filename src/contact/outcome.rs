@@ -204,6 +204,8 @@ pub(crate) struct Clues {
     pub body: Option<BodyDoubt>,
     /// Where a sharp edge carries force.
     pub edge: Option<LoadedEdge>,
+    /// Whether gaps were to be taken anew at the deformed skin and no problem with them had an answer.
+    pub is_unsettled: bool,
 }
 
 /// A sharp edge of the obstacle that carries force.

@@ -32,8 +32,8 @@ SCENE = (
 STAGES = {
     "preparation": (f"press mid.ply {SCENE} --depth 2mm --response body --prepared kept.npz", "body of "),
     "refinement": (
-        f"press mid.ply {SCENE} --depth 3mm --target-error 0.0001"
-        " --response half-space:discretization=galerkin --out out",
+        f"press mid.ply {SCENE} --depth 2.5mm --target-error 0.0001"
+        " --response layer:thickness=5mm,discretization=galerkin --out out",
         "pressing ...",
     ),
     "force search": (f"press fine.ply {SCENE} --force 20N --target-error none --out out", "pressing ..."),

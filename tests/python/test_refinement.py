@@ -454,3 +454,24 @@ def test_the_estimate_on_a_sharp_edge_covers_what_finer_meshes_change(depth: flo
     # The last is not the limit either.
     assert contact.accuracy.force_error is not None
     assert contact.accuracy.force_error > 0.2
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.ResponseRangeWarning")
+def test_a_refined_contact_without_answer_keeps_its_rounds() -> None:
+    tip = qr.models.fingertip(edge_length=2.5e-3)
+    tip = tip.with_skin_mask(qr.skin_without_caps(tip))
+    # Between the vertices of the given mesh, with a kernel that draws a lone vertex in.
+    near = np.array([[0.4313, -0.3891, -0.8140], [-0.5482, 0.6036, -0.5790], [0.7166, 0.6959, 0.0470]])
+    left, _, right = np.linalg.svd(near)
+    box = qr.models.rounded_box(size=(0.04, 0.03, 0.008)).moved(left @ right, [0.1923, -0.1022, 0.2994])
+    skin = qr.Skin(
+        shear_modulus=1e5,
+        poisson_ratio=0.0,
+        response=qr.GaussianCorrected(height=None, width=1.5e-3, cutoff=0.01),
+    )
+    contact = qr.press(tip, box, skin, [-0.529, 0.276, -0.803], depth=2e-5, throw=False)
+    assert contact.status == "ray"
+    rounds = [one for one in contact.refinements if one.kind == "mesh"]
+    assert [one.nodes for one in rounds] == [0, 1]
+    assert rounds[-1].reason == "a complementarity problem did not end solved"
+    assert rounds[-1].force_error is None

@@ -36,7 +36,7 @@ _MOST_TRIALS = 60  # on the given mesh
 _SEARCH_LINEARIZATIONS = 2  # there, where that is a start alone
 _MOST_ROUNDS = 6  # with all options
 _STEP = 1.5e-3  # m, of a hand of 0.19 m: a digit goes on by no more at once, or it steps through thin walls
-_UNMET = ("max_nodes", "a sharp edge")  # reasons of a mesh that is not as fine as was asked
+_MET = "target_error"  # reason of a mesh that is as fine as was asked
 _ONE_FINENESS = 2.5  # nodes over a coarser mesh's, too few for the next finer one
 _HERTZ = 2.0 / 3.0  # the power of a force that grows in a straight line with the depth
 
@@ -253,7 +253,7 @@ class Hold:
         meshes = [one for one in self.solved.contact.refinements if one.kind == "mesh"]
         self._meshes[len(meshes)] = meshes[-1]
         coarse, fine = min(self._meshes), max(self._meshes)
-        if coarse == fine or all(one.reason not in _UNMET for one in self._meshes.values()):
+        if coarse == fine or all(one.reason == _MET for one in self._meshes.values()):
             return False
         nodes = int(_ONE_FINENESS * self._meshes[coarse].nodes)
         self.options = replace(self.options, max_nodes=min(nodes, self.options.max_nodes))

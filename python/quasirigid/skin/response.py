@@ -96,7 +96,7 @@ class HalfSpace(_Response):
     Notes
     -----
     Take "galerkin" where collocation is found not to be positive definite, or where the figures count and the
-    mesh is coarse. Its assembly takes 25 to 40 times as long; in large contacts the complementarity problem,
+    mesh is coarse. Its assembly takes some 9 times as long; in large contacts the complementarity problem,
     which takes the same time in both, outweighs it. docs/validation.md has the errors of both against Hertz.
 
     References

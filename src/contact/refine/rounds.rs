@@ -8,7 +8,7 @@ use crate::contact::figures::resultant::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::outcome::{Clues, Contact, ContactStatus};
 use crate::contact::refine::estimate::MeshError;
 use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
 use crate::contact::refine::whole::into_whole;
@@ -126,8 +126,10 @@ impl Rounds<'_> {
             if nodes > most {
                 return Ok("max_nodes");
             }
-            if self.is_on_edge() && nodes > most / 2 {
-                return Ok("a sharp edge");
+            if let Some(reason) = self.doubt()
+                && nodes > most / 2
+            {
+                return Ok(reason);
             }
             let mut finer = self.mesh.clone();
             finer.refine(&marked);
@@ -142,14 +144,15 @@ impl Rounds<'_> {
                 },
             };
             self.mesh = finer;
-            if matches!(contact.status, ContactStatus::Failed(_)) {
+            let has_failed = matches!(contact.status, ContactStatus::Failed(_));
+            let previous = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
+            contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
+            let error = if has_failed { None } else { contact.error_after(previous, is_for_area) };
+            contact.note_round(error, started);
+            if has_failed {
                 self.last = Some((part, contact));
                 return Ok("a complementarity problem did not end solved");
             }
-            let previous = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
-            contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
-            let error = contact.error_after(previous, is_for_area);
-            contact.note_round(error, started);
             let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_VERTICES;
             let is_fine_on_edge = contact.clues.edge.is_some_and(|edge| {
                 edge.edge_length * CELLS_PER_DEPTH_ON_EDGE <= contact.max_penetration_before
@@ -206,9 +209,14 @@ impl Rounds<'_> {
         contact.candidates.len() + 3 * wanting.len()
     }
 
-    /// Whether a sharp edge carries force, so that no mesh is the last.
-    fn is_on_edge(&self) -> bool {
-        self.last.as_ref().is_some_and(|(_, contact)| contact.clues.edge.is_some())
+    /// Why no mesh may be fine enough.
+    fn doubt(&self) -> Option<&'static str> {
+        let (_, Contact { clues, .. }) = self.last.as_ref()?;
+        match clues {
+            Clues { edge: Some(_), .. } => Some("a sharp edge"),
+            Clues { is_unsettled: true, .. } => Some("gaps that do not settle"),
+            _ => None,
+        }
     }
 
     /// The contact on a finer mesh; `None` where that has too many nodes.

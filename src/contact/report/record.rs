@@ -27,6 +27,11 @@ impl Report {
         }
     }
 
+    /// Whether no linearisation that was tried led to an answer.
+    pub fn is_unsettled(&self) -> bool {
+        self.given_up > 0 && self.linearizations.is_empty()
+    }
+
     pub fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
         self.left_out.push(LeftOut { what, why: why.into() });
     }

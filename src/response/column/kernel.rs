@@ -53,4 +53,18 @@ impl<'a> KernelColumns<'a> {
             }
         }
     }
+
+    /// [`fill`](Self::fill) of the smooth part of a layer's kernel alone, after that for the same vertex.
+    pub(crate) fn fill_smooth(
+        &self,
+        scratch: &mut ColumnScratch,
+        targets: &Targets,
+        inverse_thickness: &InverseThickness,
+        vertex: usize,
+    ) {
+        let (layer, thickness) = self.layer.as_ref().expect("a layer");
+        scratch.values.clear();
+        scratch.values.resize(targets.x.len(), 0.0);
+        layer.take_off_smooth(targets, inverse_thickness, scratch, thickness.at(vertex));
+    }
 }

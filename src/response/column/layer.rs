@@ -64,11 +64,22 @@ impl PreparedLayer {
         scratch: &mut ColumnScratch,
         own_thickness: f64,
     ) {
-        let own_inverse = 1.0 / own_thickness;
         let tolerance = SINGULAR_SHARE * self.tolerance;
         // The means that tell how far the layer's series reaches have higher degrees.
         let points = moment_points(tolerance) + 1;
         half_space_values(targets, scratch, self.constant, tolerance, self.reach * own_thickness, points);
+        self.take_off_smooth(targets, inverse_thickness, scratch, own_thickness);
+    }
+
+    /// Takes the smooth part off `scratch.values`; the load is that of the half-space's values before.
+    pub(crate) fn take_off_smooth(
+        &self,
+        targets: &Targets,
+        inverse_thickness: &InverseThickness,
+        scratch: &mut ColumnScratch,
+        own_thickness: f64,
+    ) {
+        let own_inverse = 1.0 / own_thickness;
         pulp::Arch::new().dispatch(LayerColumn {
             layer: self,
             targets,

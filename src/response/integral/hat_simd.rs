@@ -64,6 +64,18 @@ impl NearFace {
 
     #[inline(always)]
     fn at<S: Simd>(&self, x: [Lanes<S>; 3]) -> Lanes<S> {
+        let Uniform { to_corner, potential, terms } = self.uniform(x);
+        let any = x[0];
+        let mut boundary = any.all(0.0);
+        for (&edge, &term) in self.edge.iter().zip(&terms) {
+            boundary = any.all(edge).mul_add(term, boundary);
+        }
+        (any.all(self.at_corner) + along(&to_corner, &self.gradient)) * potential - boundary
+    }
+
+    /// What the potentials of all linear densities are made of.
+    #[inline(always)]
+    fn uniform<S: Simd>(&self, x: [Lanes<S>; 3]) -> Uniform<S> {
         let any = x[0];
         let zero = any.all(0.0);
         let a = from_point(&self.corners[0], &x);
@@ -73,7 +85,7 @@ impl NearFace {
         let height = along(&a, &self.normal);
         let height_squared = height * height;
         let mut potential = zero;
-        let mut boundary = zero;
+        let mut terms = [zero; 3];
         for (k, start, end, r0, r1) in [(0, &b, &c, rb, rc), (1, &c, &a, rc, ra), (2, &a, &b, ra, rb)] {
             // of the two ends the nearer one gives the distance with the least rounding
             let (d0, d1) = (along(start, &self.outward[k]), along(end, &self.outward[k]));
@@ -88,13 +100,59 @@ impl NearFace {
             let denominator = before.pick(t0, behind.pick(t1, rho_squared));
             let log = ln_ratio(numerator, denominator, any.all(self.lengths[k]), r0 + r1);
             potential = d.mul_add(log, potential);
-            let term = rho_squared.mul_add(log, s1 * r1 - s0 * r0);
-            boundary = any.all(self.edge[k]).mul_add(term, boundary);
+            terms[k] = rho_squared.mul_add(log, s1 * r1 - s0 * r0);
         }
         let lifted = height.abs();
         let solid = ra * rb * rc + dot(&a, &b) * rc + dot(&a, &c) * rb + dot(&b, &c) * ra;
         potential = potential - any.all(2.0) * lifted * angle(any.all(self.double_area) * lifted, solid);
-        (any.all(self.at_corner) + along(&a, &self.gradient)) * potential - boundary
+        Uniform { to_corner: a, potential, terms }
+    }
+}
+
+/// Integrals of a uniform density seen from some points.
+struct Uniform<S: Simd> {
+    /// From the point to corner 0 (m).
+    to_corner: [Lanes<S>; 3],
+    /// `∫ dA / |x - y|` (m).
+    potential: Lanes<S>,
+    /// `2 ∫ |x - y| ds` along each edge (m²).
+    terms: [Lanes<S>; 3],
+}
+
+/// The three hats of a triangle, as [`NearFace`] is one linear density.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NearHats {
+    face: NearFace,
+    /// One over the heights (1/m).
+    slopes: [f64; 3],
+    /// [`NearFace::edge`] of each hat.
+    edges: [[f64; 3]; 3],
+}
+
+impl NearHats {
+    pub(crate) fn new(face: &LoadedFace) -> Self {
+        let frame = &face.frame;
+        let slopes = frame.heights.map(|height| 1.0 / height);
+        let edge = |k: usize, e: usize| 0.5 * slopes[k] * frame.outward[k].dot(&frame.outward[e]);
+        let edges = std::array::from_fn(|k| std::array::from_fn(|e| edge(k, e)));
+        Self { face: NearFace::new(face), slopes, edges }
+    }
+
+    /// `∫ hat(y) / |x - y| dA` (m) of each hat.
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&self, x: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+        let any = x[0];
+        let Uniform { to_corner, potential, terms } = self.face.uniform(x);
+        let mut hats = [potential; 3];
+        for (k, hat) in hats.iter_mut().enumerate() {
+            let here = along(&to_corner, &self.face.outward[k]);
+            let own = here.mul_add(any.all(self.slopes[k]), any.all(if k == 0 { 1.0 } else { 0.0 }));
+            *hat = own * potential;
+            for (&edge, &term) in self.edges[k].iter().zip(&terms) {
+                *hat = *hat - any.all(edge) * term;
+            }
+        }
+        hats
     }
 }
 

@@ -10,17 +10,31 @@ use crate::response::matrix::options::AssemblyOptions;
 /// Columns between two looks at `interrupt`, per thread.
 const BATCH_COLUMNS: usize = 64;
 
-/// Fills each column of `matrix` by `fill(scratch, j, column)`.
-///
-/// Columns are disjoint and each is computed by one thread from the same inputs, so the result does not
-/// depend on the number of threads. `interrupt` is asked on the calling thread between batches.
+/// Fills each column of `matrix` by `fill(scratch, j, column)`: see [`fill_items`].
 pub(crate) fn fill_columns<S>(
     matrix: &mut Mat<f64>,
     options: &AssemblyOptions,
     scratch: impl Fn() -> S + Sync + Send,
     fill: impl Fn(&mut S, usize, &mut [f64]) + Sync + Send,
 ) -> Result<(), ResponseError> {
-    let nodes = matrix.ncols();
+    let mut columns: Vec<&mut [f64]> = matrix
+        .col_iter_mut()
+        .map(|c| c.try_as_col_major_mut().expect("columns of a Mat are contiguous").as_slice_mut())
+        .collect();
+    fill_items(&mut columns, options, scratch, |scratch, j, column| fill(scratch, j, column))
+}
+
+/// Fills each of some items by `fill(scratch, index, item)`.
+///
+/// Each is computed by one thread from the same inputs, so the result does not depend on the number of threads.
+/// `interrupt` is asked on the calling thread between batches.
+pub(crate) fn fill_items<T: Send, S>(
+    items: &mut [T],
+    options: &AssemblyOptions,
+    scratch: impl Fn() -> S + Sync + Send,
+    fill: impl Fn(&mut S, usize, &mut T) + Sync + Send,
+) -> Result<(), ResponseError> {
+    let nodes = items.len();
     if nodes == 0 {
         return Ok(());
     }
@@ -31,22 +45,18 @@ pub(crate) fn fill_columns<S>(
         (None, None) => rayon::current_num_threads(),
     };
     let batch = if options.interrupt.is_some() { BATCH_COLUMNS * threads } else { nodes };
-    let mut columns: Vec<(usize, &mut [f64])> = matrix
-        .col_iter_mut()
-        .map(|c| c.try_as_col_major_mut().expect("columns of a Mat are contiguous").as_slice_mut())
-        .enumerate()
-        .collect();
     let mut alone = scratch();
-    for (turn, chunk) in columns.chunks_mut(batch).enumerate() {
+    for (turn, chunk) in items.chunks_mut(batch).enumerate() {
         if options.interrupt.is_some_and(|stop| stop()) {
             return Err(ResponseError::Interrupted { columns: turn * batch, nodes });
         }
+        let first = turn * batch;
         if threads == 1 {
-            chunk.iter_mut().for_each(|(j, column)| fill(&mut alone, *j, column));
+            chunk.iter_mut().enumerate().for_each(|(k, item)| fill(&mut alone, first + k, item));
         } else {
             let mut work = || {
-                let columns = chunk.par_iter_mut().with_min_len(4);
-                columns.for_each_init(&scratch, |s, (j, column)| fill(s, *j, column));
+                let items = chunk.par_iter_mut().enumerate().with_min_len(4);
+                items.for_each_init(&scratch, |s, (k, item)| fill(s, first + k, item));
             };
             match &pool {
                 Some(pool) => pool.install(work),

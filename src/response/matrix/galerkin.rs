@@ -1,87 +1,83 @@
 //! The Galerkin discretization: gap and pressure both against the nodes' pressures.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use faer::Mat;
-use nalgebra::Vector3;
 
 use crate::response::column::half_space::ColumnScratch;
 use crate::response::column::kernel::KernelColumns;
 use crate::response::error::ResponseError;
-use crate::response::integral::gauss::{MAX_GRADED_POINTS, RulePoint, graded_triangle_rule, triangle_rule};
 use crate::response::kernel::basis::PressureBasis;
-use crate::response::kernel::skin::KernelSkin;
+use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::{InverseThickness, Thickness};
 use crate::response::matrix::fill::fill_columns;
+use crate::response::matrix::near_faces::{NearFaces, NodeFace};
 use crate::response::matrix::options::{AssemblyOptions, NO_ROW, rows_of_vertices};
-use crate::response::simd::points::Targets;
+use crate::response::matrix::outer_rule::{OuterRule, OuterRules};
+use crate::response::series::hat_pairs::HatMoments;
+use crate::response::simd::points::{POINTS_PER_BLOCK, Targets};
 use crate::surface::checked::Surface;
 
-/// Most points in each direction of the outer rule on triangles that do not touch the load.
-const MOST_OUTER_POINTS: usize = 10;
-
-/// The outer rule on a triangle, by its points in each direction.
-#[derive(Debug, Clone, Copy)]
-enum OuterRule {
-    /// On triangles that touch the load, where the inner potential behaves like d log d at the distance d from edges.
-    Touching(usize),
-    /// On all others.
-    Apart(usize),
-}
-
-impl OuterRule {
-    fn points(self) -> &'static [RulePoint] {
-        match self {
-            Self::Touching(n) => graded_triangle_rule(n),
-            Self::Apart(n) => triangle_rule(n),
-        }
-    }
-
-    /// The graded rule that keeps the tolerance: its error falls with n⁻⁸.
-    fn touching(tolerance: f64) -> Self {
-        let n = (6.0 * (1e-3 / tolerance).powf(0.125)).ceil();
-        Self::Touching(n.clamp(5.0, MAX_GRADED_POINTS as f64) as usize)
-    }
-}
-
-/// A triangle around some row nodes.
-struct RowFace {
-    corners: [Vector3<f64>; 3],
-    /// Vertices of the surface.
-    vertices: [u32; 3],
-    /// Row of each corner; `NO_ROW` where it is no row node.
-    rows: [usize; 3],
-    center: Vector3<f64>,
-    radius: f64,
-    area: f64,
-}
-
 /// What one thread needs for the outer rule.
-struct Outer {
+struct Outer<'a> {
     scratch: ColumnScratch,
     targets: Targets,
     /// 1/thickness of the targets of a layer (1/m).
     inverse_thickness: InverseThickness,
     /// Faces used in this column with their rule and the corners that they are used for.
-    used: Vec<(u32, OuterRule, Range<usize>)>,
+    used: Vec<(u32, &'a OuterRule, Range<usize>)>,
+    /// Whether each row is to be found face by face in this column.
+    is_due: Vec<bool>,
+    /// Faces around these rows, and the last column in which each face was one.
+    faces: Vec<u32>,
+    seen_in: Vec<usize>,
+    /// Means of 1/r by the moments of the loads, in the order of the rows (1/m).
+    means: Vec<f64>,
+}
+
+/// Which triangles a column looks at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Part {
+    /// Those far from its node, at which the whole kernel is averaged.
+    Far,
+    /// Those near it, at which the smooth part of a layer's kernel is.
+    NearSmooth,
+}
+
+/// The rows of a block in an order that keeps neighbours together.
+struct RowOrder {
+    /// Row at each place.
+    rows: Vec<u32>,
+    /// Of equal rows and columns: the place of each. A pair is computed in the column that comes first.
+    places: Option<Vec<u32>>,
 }
 
 /// What all columns of a Galerkin block share.
 struct GalerkinColumns<'a> {
     surface: &'a Surface,
     kernel: KernelColumns<'a>,
+    constant: f64,
     pressure: PressureBasis,
-    tolerance: f64,
-    faces: Vec<RowFace>,
+    rules: &'a OuterRules,
+    faces: &'a [NodeFace],
+    near: NearFaces,
+    rows: &'a [usize],
+    columns: &'a [usize],
+    order: RowOrder,
+    /// Of the half-space: the loads at the rows, in that order, and at the columns where they are others.
+    of_rows: Option<HatMoments>,
+    of_columns: Option<HatMoments>,
     /// One over the vertex area of each row (1/m²).
     density: Vec<f64>,
 }
 
 /// `R_ij = ∫∫ p_i(x) k(|x - y|) p_j(y) dA dA` over row nodes i and column nodes j, for the half-space and the layer.
 ///
-/// The inner integral is that of collocation; the outer one a Gauss rule whose order falls with distance. On
-/// triangles that touch the load it is good to some 5e-7 of the 1/r part, 5e-6 on badly shaped ones, also for smaller
-/// tolerances.
+/// Far from each other two nodes of a half-space feel the moments of their pressures. Else the inner integral is exact and
+/// the outer one a Gauss rule whose order falls with distance: that of a node's pressure over triangles farther from it,
+/// those of hats over near triangles. On triangles that touch it is good to some 5e-7 of the 1/r
+/// part, 5e-6 on badly shaped ones, also for smaller tolerances.
 /// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
 pub(crate) fn galerkin_block(
     surface: &Surface,
@@ -90,13 +86,30 @@ pub(crate) fn galerkin_block(
     columns: &[usize],
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
-    let symmetric = rows == columns;
+    let is_symmetric = rows == columns;
+    let faces =
+        NodeFace::around(surface, &rows_of_vertices(surface, rows)?, &rows_of_vertices(surface, columns)?);
+    let rules = OuterRules::new(options.tolerance);
+    let order = RowOrder::new(surface, rows, is_symmetric);
+    let pressure = skin.basis();
+    let is_half_space = matches!(skin.kernel(), Kernel::HalfSpace);
+    let moments_of = |nodes: &[usize]| HatMoments::new(surface, nodes, pressure, options);
+    let in_order: Vec<usize> = order.rows.iter().map(|&row| rows[row as usize]).collect();
+    let of_rows = is_half_space.then(|| moments_of(&in_order)).transpose()?;
+    let of_columns = (is_half_space && !is_symmetric).then(|| moments_of(columns)).transpose()?;
     let shared = GalerkinColumns {
         surface,
         kernel: KernelColumns::new(surface, skin, options),
-        pressure: skin.basis(),
-        tolerance: options.tolerance,
-        faces: row_faces(surface, &rows_of_vertices(surface, rows)?),
+        constant: skin.kernel_constant(),
+        pressure,
+        rules: &rules,
+        near: NearFaces::new(surface, &faces, &rules, options)?,
+        faces: &faces,
+        rows,
+        columns,
+        order,
+        of_rows,
+        of_columns,
         density: rows.iter().map(|&v| 1.0 / surface.vertex_areas()[v]).collect(),
     };
     let mut matrix = Mat::zeros(rows.len(), columns.len());
@@ -104,31 +117,128 @@ pub(crate) fn galerkin_block(
         scratch: ColumnScratch::new(&Targets::default()),
         targets: Targets::default(),
         inverse_thickness: InverseThickness::default(),
-        used: Vec::with_capacity(shared.faces.len()),
+        used: Vec::new(),
+        is_due: vec![false; rows.len()],
+        faces: Vec::new(),
+        seen_in: vec![usize::MAX; shared.faces.len()],
+        means: Vec::new(),
     };
     fill_columns(&mut matrix, options, outer, |outer: &mut Outer, j, column| {
-        let first = if symmetric { j } else { 0 };
-        shared.place_points(outer, columns[j], first);
-        let Outer { scratch, targets, inverse_thickness, .. } = outer;
-        shared.kernel.fill(scratch, targets, inverse_thickness, columns[j]);
-        shared.add_up(outer, first, column);
+        shared.fill(outer, j, column);
     })?;
-    if symmetric {
+    if is_symmetric {
         for j in 0..columns.len() {
             for i in 0..j {
-                matrix[(i, j)] = matrix[(j, i)];
+                // One of the two is zero.
+                let value = matrix[(i, j)] + matrix[(j, i)];
+                (matrix[(i, j)], matrix[(j, i)]) = (value, value);
             }
         }
     }
     Ok(matrix)
 }
 
-impl GalerkinColumns<'_> {
-    /// Sets the targets to the points of the outer rule on the faces of the rows from `first` on that feel `vertex`.
-    fn place_points(&self, outer: &mut Outer, vertex: usize, first: usize) {
-        let Outer { targets, inverse_thickness, used, .. } = outer;
+impl RowOrder {
+    fn new(surface: &Surface, rows: &[usize], is_symmetric: bool) -> Self {
+        let in_order = ring_by_ring(surface, rows);
+        let places = is_symmetric.then(|| {
+            let mut places = vec![0; rows.len()];
+            (0..).zip(&in_order).for_each(|(place, &row)| places[row as usize] = place);
+            places
+        });
+        Self { rows: in_order, places }
+    }
+
+    /// Rows of which the pairs with a column are computed in it, by their places.
+    fn due(&self, column: usize) -> Range<usize> {
+        let first = self.places.as_ref().map_or(0, |places| places[column] as usize);
+        first..self.rows.len()
+    }
+}
+
+/// Rows ring by ring around the first, so that neighbours come close to each other however the surface is turned.
+fn ring_by_ring(surface: &Surface, rows: &[usize]) -> Vec<u32> {
+    let row_of: HashMap<usize, u32> = rows.iter().copied().zip(0..).collect();
+    let mut is_listed = vec![false; rows.len()];
+    let mut listed: Vec<u32> = Vec::with_capacity(rows.len());
+    let mut front = 0;
+    for first in 0..rows.len() as u32 {
+        let mut next = vec![first];
+        loop {
+            next.retain(|&row| !std::mem::replace(&mut is_listed[row as usize], true));
+            listed.append(&mut next);
+            let Some(&row) = listed.get(front) else { break };
+            front += 1;
+            let beside = surface.neighbours(rows[row as usize]).iter();
+            next.extend(beside.filter_map(|&vertex| row_of.get(&(vertex as usize))));
+        }
+    }
+    listed
+}
+
+impl<'a> GalerkinColumns<'a> {
+    fn fill(&self, outer: &mut Outer<'a>, j: usize, column: &mut [f64]) {
+        let vertex = self.columns[j];
+        column.fill(0.0);
+        self.fill_far(outer, j, column);
+        self.place_points(outer, j, Part::Far);
+        let Outer { scratch, targets, inverse_thickness, .. } = outer;
+        self.kernel.fill(scratch, targets, inverse_thickness, vertex);
+        self.add_up(outer, column);
+        if self.kernel.layer.is_some() {
+            self.place_points(outer, j, Part::NearSmooth);
+            let Outer { scratch, targets, inverse_thickness, .. } = outer;
+            self.kernel.fill_smooth(scratch, targets, inverse_thickness, vertex);
+            self.add_up(outer, column);
+        }
+        self.add_near(outer, j, column);
+    }
+
+    /// Sets the rows that are far from a column's node, and notes the others with the faces around them.
+    fn fill_far(&self, outer: &mut Outer, j: usize, column: &mut [f64]) {
+        let Outer { is_due, faces, seen_in, means, .. } = outer;
+        is_due.fill(false);
+        faces.clear();
+        let due = self.order.due(j);
+        let begin = due.start - due.start % POINTS_PER_BLOCK;
+        let loads = self.of_rows.as_ref().map(|rows| match &self.of_columns {
+            Some(columns) => (rows, columns, j),
+            None => (rows, rows, due.start),
+        });
+        if let Some((rows, columns, own)) = loads {
+            means.resize(due.end.next_multiple_of(POINTS_PER_BLOCK) - begin, 0.0);
+            rows.means(columns, own, begin, means);
+        }
+        for place in due {
+            let row = self.order.rows[place] as usize;
+            if let Some((rows, columns, own)) = loads
+                && rows.are_far(place, columns, own)
+            {
+                column[row] = self.constant * means[place - begin];
+                continue;
+            }
+            is_due[row] = true;
+            for &face in self.near.around(self.rows[row]) {
+                if std::mem::replace(&mut seen_in[face as usize], j) != j {
+                    faces.push(face);
+                }
+            }
+        }
+    }
+
+    /// Whether no part of a face is beyond the reach of a layer's kernel from a vertex.
+    fn is_within_reach(&self, face: &NodeFace, vertex: usize) -> bool {
+        let Some((layer, thickness)) = &self.kernel.layer else { return true };
+        let corners = face.vertices.map(|v| thickness.at(v as usize));
+        let thinnest = corners.into_iter().fold(thickness.at(vertex), f64::min);
+        (face.center - self.surface.vertices()[vertex]).norm() + face.radius <= layer.reach * thinnest
+    }
+
+    /// Sets the targets to the points of the outer rule on the faces of one part whose rows are due in column `j`.
+    fn place_points(&self, outer: &mut Outer<'a>, j: usize, part: Part) {
+        let Outer { targets, inverse_thickness, used, faces, .. } = outer;
+        let vertex = self.columns[j];
         let (points, ring) = (self.surface.vertices(), self.surface.neighbours(vertex));
-        let touches = |v: &u32| *v as usize == vertex || ring.contains(v);
         let center = points[vertex];
         let radius = ring.iter().map(|&v| (points[v as usize] - center).norm()).fold(0.0, f64::max);
         let layer = self.kernel.layer.as_ref();
@@ -139,27 +249,30 @@ impl GalerkinColumns<'_> {
         targets.clear();
         inverse_thickness.of_targets.clear();
         used.clear();
-        for (index, face) in self.faces.iter().enumerate() {
+        for &index in &*faces {
+            let face = &self.faces[index as usize];
+            let is_beside = self.near.of(vertex).binary_search(&index).is_ok();
+            let is_near = is_beside && self.is_within_reach(face, vertex);
             let distance = (face.center - center).norm() - radius;
-            if !face.rows.iter().any(|&r| r != NO_ROW && r >= first) || distance > silent + face.radius {
+            let is_silent = distance > silent + face.radius;
+            if is_near != (part == Part::NearSmooth) || is_silent {
                 continue;
             }
-            let rule = if face.vertices.iter().any(touches) {
-                OuterRule::touching(self.tolerance)
-            } else {
-                // a layer's smooth part is as good as singular at two thicknesses
-                OuterRule::Apart(outer_points(face, distance.min(2.0 * own_thickness), self.tolerance))
+            // A layer's smooth part is as good as singular at two thicknesses.
+            let smooth = 2.0 * own_thickness;
+            let rule = match part {
+                Part::NearSmooth => self.rules.apart(face.radius, smooth),
+                Part::Far if is_beside => &self.rules.touching,
+                Part::Far => self.rules.apart(face.radius, distance.min(smooth)),
             };
             for range in (0..3).step_by(together).map(|k| k..k + together) {
-                for (l, _) in rule.points() {
-                    targets.push(&(face.corners[0] * l[0] + face.corners[1] * l[1] + face.corners[2] * l[2]));
-                    if let Some((_, thickness)) = layer {
-                        inverse_thickness
-                            .of_targets
-                            .push(1.0 / thickness.at(face.vertices[range.start] as usize));
-                    }
+                targets
+                    .push_on_triangle(&face.corners, rule.shares.each_ref().map(|list| &list[..rule.count]));
+                if let Some((_, thickness)) = layer {
+                    let inverse = 1.0 / thickness.at(face.vertices[range.start] as usize);
+                    inverse_thickness.of_targets.extend(std::iter::repeat_n(inverse, rule.count));
                 }
-                used.push((index as u32, rule, range));
+                used.push((index, rule, range));
             }
         }
         targets.pad();
@@ -170,50 +283,53 @@ impl GalerkinColumns<'_> {
         }
     }
 
-    /// Sets the rows from `first` on of a column to the averages of the displacements at the points.
-    fn add_up(&self, outer: &Outer, first: usize, column: &mut [f64]) {
-        column.fill(0.0);
-        let mut values = outer.scratch.values.iter();
+    /// Adds the averages of the displacements at the points to the rows that are due.
+    fn add_up(&self, outer: &Outer, column: &mut [f64]) {
+        let mut values = &outer.scratch.values[..];
         for (index, rule, corners) in &outer.used {
             let face = &self.faces[*index as usize];
+            let (own, rest) = values.split_at(rule.count);
+            values = rest;
             let mut hats = [0.0; 3];
-            let mut even = 0.0;
-            for ((l, weight), value) in rule.points().iter().zip(&mut values) {
-                let share = weight * face.area * value;
-                even += share;
-                for k in 0..3 {
-                    hats[k] += share * l[k];
-                }
+            for (k, shares) in rule.shares.iter().enumerate() {
+                let products = own.iter().zip(&rule.weights).zip(shares);
+                hats[k] =
+                    face.area * products.map(|((value, weight), share)| value * weight * share).sum::<f64>();
             }
-            for k in corners.clone() {
-                let row = face.rows[k];
-                if row != NO_ROW && row >= first {
-                    let share = if self.pressure == PressureBasis::Linear { hats[k] } else { even / 3.0 };
-                    column[row] += self.density[row] * share;
-                }
+            self.add(face, &hats, corners.clone(), &outer.is_due, column);
+        }
+    }
+
+    /// Adds the averages of 1/r over the near triangles.
+    fn add_near(&self, outer: &Outer, j: usize, column: &mut [f64]) {
+        let vertex = self.columns[j];
+        let amplitude = self.constant / self.surface.vertex_areas()[vertex];
+        for &at in self.near.of(vertex) {
+            let face = &self.faces[at as usize];
+            if outer.seen_in[at as usize] == j && self.is_within_reach(face, vertex) {
+                let averages = self.near.averages(self.faces, at, vertex, self.pressure);
+                let hats = averages.map(|average| amplitude * average);
+                self.add(face, &hats, 0..3, &outer.is_due, column);
             }
         }
     }
-}
 
-/// Points in each direction that keep the outer error within the tolerance on a triangle at `distance` (m) from
-/// the load: the best polynomial of degree 2n - 1 errs by some `(radius / 2 distance)^2n`.
-fn outer_points(face: &RowFace, distance: f64, tolerance: f64) -> usize {
-    let ratio = 0.5 * face.radius / distance.max(face.radius);
-    let n = (0.25 * tolerance.max(1e-12)).ln() / (2.0 * ratio.ln());
-    (n.ceil() as usize).clamp(2, MOST_OUTER_POINTS)
-}
-
-fn row_faces(surface: &Surface, row_of: &[usize]) -> Vec<RowFace> {
-    let face = |(&vertices, &area): (&[u32; 3], &f64)| {
-        let rows = vertices.map(|v| row_of[v as usize]);
-        if rows == [NO_ROW; 3] {
-            return None;
+    /// Adds averages over a face to those of its corners' rows that are due.
+    fn add(
+        &self,
+        face: &NodeFace,
+        hats: &[f64; 3],
+        corners: Range<usize>,
+        is_due: &[bool],
+        column: &mut [f64],
+    ) {
+        let even = hats.iter().sum::<f64>() / 3.0;
+        for k in corners {
+            let row = face.rows[k];
+            if row != NO_ROW && is_due[row] {
+                let share = if self.pressure == PressureBasis::Linear { hats[k] } else { even };
+                column[row] += self.density[row] * share;
+            }
         }
-        let corners = vertices.map(|v| surface.vertices()[v as usize]);
-        let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let radius = corners.iter().map(|c| (c - center).norm()).fold(0.0, f64::max);
-        Some(RowFace { corners, vertices, rows, center, radius, area })
-    };
-    surface.faces().iter().zip(surface.face_areas()).filter_map(face).collect()
+    }
 }

@@ -5,5 +5,7 @@ pub(crate) mod average;
 pub(crate) mod collocation;
 pub(crate) mod fill;
 pub(crate) mod galerkin;
+pub(crate) mod near_faces;
 pub(crate) mod net_volume;
 pub(crate) mod options;
+pub(crate) mod outer_rule;

@@ -33,9 +33,14 @@ impl Targets {
         let mut keyed: Vec<(u32, u32)> = points.iter().zip(0..).map(|(p, row)| (key(p), row)).collect();
         keyed.sort_unstable();
         let mut targets = Self::default();
-        keyed.iter().for_each(|&(_, row)| targets.push(&points[row as usize]));
+        for (_, row) in keyed {
+            let point = &points[row as usize];
+            targets.rows.push(row);
+            targets.x.push(point.x);
+            targets.y.push(point.y);
+            targets.z.push(point.z);
+        }
         targets.pad();
-        targets.rows = keyed.into_iter().map(|(_, row)| row).collect();
         targets.around = Some(Bounds { low, high });
         targets
     }
@@ -46,7 +51,7 @@ impl Targets {
         self.around.as_ref().map_or(f64::INFINITY, farthest)
     }
 
-    /// Empties the lists, to be filled by [`Targets::push`] in place of [`Targets::new`].
+    /// Empties the lists, to be filled by [`Targets::push_on_triangle`] in place of [`Targets::new`].
     pub(crate) fn clear(&mut self) {
         for list in [&mut self.x, &mut self.y, &mut self.z] {
             list.clear();
@@ -55,11 +60,15 @@ impl Targets {
         self.around = None;
     }
 
-    pub(crate) fn push(&mut self, point: &Vector3<f64>) {
-        self.rows.push(self.rows.len() as u32);
-        self.x.push(point.x);
-        self.y.push(point.y);
-        self.z.push(point.z);
+    /// Adds points of a triangle by their shares of its corners, one list a corner.
+    pub(crate) fn push_on_triangle(&mut self, corners: &[Vector3<f64>; 3], shares: [&[f64]; 3]) {
+        let [a, b, c] = corners;
+        for (axis, list) in [&mut self.x, &mut self.y, &mut self.z].into_iter().enumerate() {
+            let places = shares[0].iter().zip(shares[1]).zip(shares[2]);
+            list.extend(places.map(|((l0, l1), l2)| l0 * a[axis] + l1 * b[axis] + l2 * c[axis]));
+        }
+        let first = self.rows.len() as u32;
+        self.rows.extend(first..self.x.len() as u32);
     }
 
     /// Fills up to whole blocks.
