@@ -1,4 +1,7 @@
-//! The factor of a principal block of M, kept for sets that differ from its own by a few unknowns.
+//! The factor of a principal block of M, kept for sets that differ from its own by a few unknowns: also from problem to
+//! problem, where their matrices are blocks of one.
+
+use std::sync::{Mutex, MutexGuard};
 
 use faer::linalg::matmul;
 use faer::{Accum, MatMut, Par};
@@ -17,10 +20,38 @@ const MOST_CHANGED: f64 = 0.125;
 
 /// Factor of the principal block of a set.
 pub(super) struct BlockFactor {
-    /// Whose block was factored, ascending.
+    /// Names of the unknowns whose block was factored, ascending.
     set: Vec<usize>,
     factor: Factor,
     border: Option<Border>,
+}
+
+/// Factors kept from problem to problem, of sets that share no unknown.
+#[derive(Default)]
+pub struct KeptFactors(Mutex<Vec<BlockFactor>>);
+
+impl std::fmt::Debug for KeptFactors {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("KeptFactors").finish_non_exhaustive()
+    }
+}
+
+impl KeptFactors {
+    /// The one of a set that shares unknowns with some others (names, ascending).
+    pub(super) fn take(&self, names: &[usize]) -> Option<BlockFactor> {
+        let mut kept = self.lock();
+        let shares = |known: &BlockFactor| known.set.iter().any(|name| names.binary_search(name).is_ok());
+        let at = kept.iter().position(shares)?;
+        Some(kept.swap_remove(at))
+    }
+
+    pub(super) fn put(&self, factor: BlockFactor) {
+        self.lock().push(BlockFactor { border: None, ..factor });
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<BlockFactor>> {
+        self.0.lock().expect("no thread panics while it holds the lock")
+    }
 }
 
 pub(super) enum Factor {
@@ -36,9 +67,12 @@ pub(super) enum Factor {
 /// [C  D] [ y ] = [b_A; 0]     S = D - C K⁻¹ B
 /// ```
 ///
-/// where `E_R` are unit columns and `y` is `z_A` and what holds `z_R` at zero.
+/// where `E_R` are unit columns and `y` is `z_A` and what holds `z_R` at zero. The entries of M between R and A are then
+/// multiplied by zero, or in equations that `y` fulfils, and stand as zeros.
 struct Border {
-    /// Places in F, and the unknowns that joined it.
+    /// Names of the other set, ascending.
+    set: Vec<usize>,
+    /// Places in F of what left it, and in the other set of what joined.
     removed: Vec<usize>,
     added: Vec<usize>,
     /// `M_AF`.
@@ -92,27 +126,48 @@ impl BlockFactor {
         whole == border
     }
 
-    /// Lets the factor stand for the block of `set` (all touched) where that costs far less than a new one; says
-    /// whether it does. `work` counts multiplications.
+    /// Lets the factor stand for the block of `set` (places of the columns, all touched) where that costs far less than a
+    /// new one; says whether it does. `work` counts multiplications.
+    ///
+    /// * `names`: of the unknowns in `set`, ascending
     pub fn change_to(
         &mut self,
         set: &[usize],
+        names: &[usize],
         columns: &TouchedColumns,
         work: &mut f64,
         interrupted: Interrupt,
     ) -> Result<bool, NoFactor> {
-        let is_out = |of: &[usize], unknown: usize| of.binary_search(&unknown).is_err();
-        let removed: Vec<usize> = (0..self.set.len()).filter(|&place| is_out(set, self.set[place])).collect();
-        let added: Vec<usize> = set.iter().copied().filter(|&unknown| is_out(&self.set, unknown)).collect();
+        // Of what stays: its place in F and its unknown.
+        let (mut kept, mut kept_unknowns, mut removed) = (Vec::new(), Vec::new(), Vec::new());
+        for (place, name) in self.set.iter().enumerate() {
+            match names.binary_search(name) {
+                Ok(at) => {
+                    kept.push(place);
+                    kept_unknowns.push(set[at]);
+                }
+                Err(_) => removed.push(place),
+            }
+        }
+        let is_new = |&place: &usize| self.set.binary_search(&names[place]).is_err();
+        let added: Vec<usize> = (0..set.len()).filter(is_new).collect();
+        let joining: Vec<usize> = added.iter().map(|&place| set[place]).collect();
         let (size, changed) = (self.set.len(), removed.len() + added.len());
         if size < FEW_UNKNOWNS || changed as f64 > MOST_CHANGED * size as f64 {
             return Ok(false);
         }
-        let rows = columns.block(&added, &self.set);
-        let corner = columns.block(&added, &added);
-        let joined = columns.block(&self.set, &added);
+        let of_kept = columns.block(&joining, &kept_unknowns);
+        let mut rows = Dense::zeros(added.len(), size);
+        for (j, &place) in kept.iter().enumerate() {
+            rows.column_mut(place).copy_from_slice(of_kept.column(j));
+        }
+        let corner = columns.block(&joining, &joining);
+        let joined = columns.block(&kept_unknowns, &joining);
         let mut solved = Dense::zeros(size, changed);
-        (0..added.len()).for_each(|j| solved.column_mut(j).copy_from_slice(joined.column(j)));
+        for j in 0..added.len() {
+            let column = solved.column_mut(j);
+            kept.iter().zip(joined.column(j)).for_each(|(&place, &entry)| column[place] = entry);
+        }
         removed.iter().enumerate().for_each(|(k, &place)| solved.column_mut(added.len() + k)[place] = 1.0);
         self.factor.solve_in_place(solved.as_mut(), interrupted);
         *work += 2.0 * (size * size * changed) as f64;
@@ -131,27 +186,30 @@ impl BlockFactor {
             Err(NoFactor::Interrupted) => Err(NoFactor::Interrupted),
             Err(NoFactor::Singular) => Ok(false),
             Ok(schur) => {
-                self.border = Some(Border { removed, added, rows, solved, schur });
+                self.border = Some(Border { set: names.to_vec(), removed, added, rows, solved, schur });
                 Ok(true)
             }
         }
     }
 
-    /// `M_SS x = b` for the set S that it stands for, `set`.
-    pub fn solve(&self, set: &[usize], b: &[f64]) -> Vec<f64> {
+    /// `M_SS x = b` for the set S that it stands for.
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let Some(border) = &self.border else { return self.factor.solve(b) };
-        let at = |unknown: &usize| set.binary_search(unknown).map_or(0.0, |place| b[place]);
+        let at = |name: &usize| border.set.binary_search(name).map_or(0.0, |place| b[place]);
         let mut own = self.factor.solve(&self.set.iter().map(at).collect::<Vec<_>>());
-        let mut rest: Vec<f64> = border.added.iter().map(at).collect();
+        let mut rest: Vec<f64> = border.added.iter().map(|&place| b[place]).collect();
         add_terms(&mut rest, own.len(), |k| (border.rows.column(k), -own[k]));
         rest.extend(border.removed.iter().map(|&place| -own[place]));
         let rest = border.schur.solve(&rest);
         add_terms(&mut own, rest.len(), |k| (border.solved.column(k), -rest[k]));
-        let value = |unknown: &usize| match self.set.binary_search(unknown) {
-            Ok(place) => own[place],
-            Err(_) => rest[border.added.binary_search(unknown).expect("it joined")],
-        };
-        set.iter().map(value).collect()
+        let mut x = vec![0.0; b.len()];
+        border.added.iter().zip(&rest).for_each(|(&place, &value)| x[place] = value);
+        for (name, value) in self.set.iter().zip(own) {
+            if let Ok(place) = border.set.binary_search(name) {
+                x[place] = value;
+            }
+        }
+        x
     }
 }
 
@@ -162,6 +220,7 @@ mod tests {
     use super::*;
     use crate::lcp::problem::LcpProblem;
     use crate::lcp::reduced::ReducedProblem;
+    use crate::lcp::{LcpMethod, LcpOptions, LcpStatus, solve};
     use crate::sample::Random;
 
     /// A matrix with a dominant diagonal, symmetric where asked for.
@@ -193,17 +252,45 @@ mod tests {
             let mut factor = BlockFactor::new(&set, factor);
             let wanted = |i: &usize| i % 17 != 3 && *i < 400 || (440..455).contains(i);
             let near: Vec<usize> = (0..n).filter(wanted).collect();
-            assert!(factor.change_to(&near, &columns, &mut 0.0, &|| false).expect("not interrupted"));
+            assert!(factor.change_to(&near, &near, &columns, &mut 0.0, &|| false).expect("not interrupted"));
             assert!(factor.is_bordered());
             assert_eq!(factor.has_positive_determinant(), sign > 0.0);
             let b: Vec<f64> = near.iter().map(|&i| (i % 5) as f64 - 2.0).collect();
-            let found = factor.solve(&near, &b);
+            let found = factor.solve(&b);
             for (&i, &b) in near.iter().zip(&b) {
                 let product: f64 = near.iter().zip(&found).map(|(&j, x)| m[(i, j)] * x).sum();
                 assert!((product - b).abs() < 1e-11, "row {i}: {product} is not {b}");
             }
             let far: Vec<usize> = (0..300).collect();
-            assert!(!factor.change_to(&far, &columns, &mut 0.0, &|| false).expect("not interrupted"));
+            assert!(!factor.change_to(&far, &far, &columns, &mut 0.0, &|| false).expect("not interrupted"));
+        }
+    }
+
+    #[test]
+    fn a_factor_from_another_problem_helps_where_it_holds_and_harms_nowhere() {
+        let n = 500;
+        let whole = dominant(n, false);
+        let other = &whole + Mat::from_fn(n, n, |i, j| if i == j { 1e-6 * n as f64 } else { 0.0 });
+        let kept = KeptFactors::default();
+        let mut random = Random(3);
+        // The matrix changes under the factor in the third problem, and the unknowns in all.
+        for (turn, m) in [&whole, &whole, &other, &other].into_iter().enumerate() {
+            let names: Vec<usize> = (0..n).filter(|name| name % 50 != turn).collect();
+            let m = Mat::from_fn(names.len(), names.len(), |i, j| m[(names[i], names[j])]);
+            let q: Vec<f64> =
+                names.iter().map(|&name| if name < 400 { -1.0 } else { 1.0 } + 0.1 * random.next()).collect();
+            let problem = LcpProblem::new(m.as_ref(), &q).expect("a valid problem");
+            let cold = solve(&problem, &LcpMethod::default(), &LcpOptions::default()).expect("valid options");
+            let known = kept.take(&names);
+            assert_eq!(known.is_some(), turn > 0);
+            known.into_iter().for_each(|factor| kept.put(factor));
+            let problem = problem.with_kept_factors(Some(&kept), &names);
+            let warm = solve(&problem, &LcpMethod::default(), &LcpOptions::default()).expect("valid options");
+            assert_eq!((warm.status, warm.active()), (LcpStatus::Solved, cold.active()));
+            let largest = cold.z.iter().copied().fold(0.0, f64::max);
+            for (warm, cold) in warm.z.iter().zip(&cold.z) {
+                assert!((warm - cold).abs() <= 1e-12 * largest, "problem {turn}: {warm} is not {cold}");
+            }
         }
     }
 }

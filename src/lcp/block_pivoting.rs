@@ -101,6 +101,9 @@ pub(super) fn solve(
         exchanged.iter().for_each(|&i| is_active[i] = !is_active[i]);
         outcome.pivots += exchanged.len();
     };
+    if let (Some(factors), Some(factor)) = (problem.kept_factors, blocks.factor) {
+        factors.put(factor);
+    }
     outcome.z.iter_mut().for_each(|z| *z = if z.is_finite() { z.max(0.0) } else { 0.0 });
     outcome
 }
@@ -109,6 +112,8 @@ pub(super) fn solve(
 struct Blocks<'a> {
     reduced: &'a ReducedProblem<'a>,
     columns: TouchedColumns<'a>,
+    /// Of the unknowns, ascending, by which factors know them.
+    names: Vec<usize>,
     /// `scale_i z_i` counts in units of w.
     scale: Vec<f64>,
     kind: Kind,
@@ -130,7 +135,9 @@ enum Kind {
 impl<'a> Blocks<'a> {
     fn new(problem: &LcpProblem, reduced: &'a ReducedProblem<'a>) -> Self {
         let scale = (0..reduced.size()).map(|place| problem.diagonal_scale(reduced.index(place))).collect();
-        Self { reduced, columns: TouchedColumns::new(reduced), scale, kind: Kind::Open, factor: None }
+        let names: Vec<usize> = (0..reduced.size()).map(|place| problem.name(reduced.index(place))).collect();
+        let factor = problem.kept_factors.and_then(|kept| kept.take(&names));
+        Self { reduced, columns: TouchedColumns::new(reduced), names, scale, kind: Kind::Open, factor }
     }
 
     /// Unknowns whose z or w has the wrong sign in the complementary basis of `set`, whose z goes to `outcome`; or
@@ -175,8 +182,9 @@ impl<'a> Blocks<'a> {
     fn factor(&mut self, set: &[usize], work: &mut f64) -> Result<BlockFactor, NoFactor> {
         let k = set.len() as f64;
         self.columns.touch(set);
+        let names: Vec<usize> = set.iter().map(|&place| self.names[place]).collect();
         if let Some(mut known) = self.factor.take()
-            && known.change_to(set, &self.columns, work, self.reduced.interrupted)?
+            && known.change_to(set, &names, &self.columns, work, self.reduced.interrupted)?
         {
             return Ok(known);
         }
@@ -185,7 +193,7 @@ impl<'a> Blocks<'a> {
             if looks_symmetric(&block) {
                 *work += k * k * k / 3.0;
                 match Cholesky::new(block, self.reduced.interrupted) {
-                    Ok(factor) => return Ok(BlockFactor::new(set, Factor::Cholesky(factor))),
+                    Ok(factor) => return Ok(BlockFactor::new(&names, Factor::Cholesky(factor))),
                     Err(NoFactor::Interrupted) => return Err(NoFactor::Interrupted),
                     Err(NoFactor::Singular) => self.kind = Kind::Indefinite,
                 }
@@ -195,7 +203,7 @@ impl<'a> Blocks<'a> {
         }
         *work += 2.0 / 3.0 * k * k * k;
         let factor = Lu::new(self.columns.principal(set, false), self.reduced.interrupted)?;
-        Ok(BlockFactor::new(set, Factor::Lu(factor)))
+        Ok(BlockFactor::new(&names, Factor::Lu(factor)))
     }
 
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
@@ -208,7 +216,7 @@ impl<'a> Blocks<'a> {
         let (mut size, mut error) = (deficit, f64::INFINITY);
         for _ in 0..2 {
             let right: Vec<f64> = set.iter().map(|&i| w[i]).collect();
-            for (&i, error) in set.iter().zip(factor.solve(set, &right)) {
+            for (&i, error) in set.iter().zip(factor.solve(&right)) {
                 z[i] -= error;
             }
             w.copy_from_slice(&self.reduced.q);

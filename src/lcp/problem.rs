@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 
 use faer::MatRef;
 
+use crate::lcp::block_factor::KeptFactors;
 use crate::lcp::row_extremes::row_extremes;
 use crate::linalg::definiteness::Definiteness;
 use crate::linalg::factor::Interrupt;
@@ -120,6 +121,10 @@ pub struct LcpProblem<'a> {
     pub(super) q: &'a [f64],
     pub(super) known_p_matrix: bool,
     pub(super) known_definiteness: Definiteness,
+    /// Factors of other blocks of the matrix that M is a block of.
+    pub(super) kept_factors: Option<&'a KeptFactors>,
+    /// Of the unknowns in that matrix, ascending.
+    names: Option<&'a [usize]>,
     diagonal: OnceLock<Vec<f64>>,
     /// What is known of the rows of M, once all of it has been looked at.
     extremes: OnceLock<Extremes>,
@@ -141,6 +146,8 @@ impl<'a> LcpProblem<'a> {
             q,
             known_p_matrix: false,
             known_definiteness: Definiteness::Unknown,
+            kept_factors: None,
+            names: None,
             diagonal: OnceLock::new(),
             extremes: OnceLock::new(),
         })
@@ -161,6 +168,20 @@ impl<'a> LcpProblem<'a> {
     pub(crate) fn with_known_definiteness(mut self, definiteness: Definiteness) -> Self {
         self.known_definiteness = definiteness;
         self
+    }
+
+    /// States that M is a block of the matrix that some factors are of.
+    ///
+    /// * `names`: (n,) of the unknowns in that matrix, ascending
+    #[must_use]
+    pub(crate) fn with_kept_factors(mut self, kept: Option<&'a KeptFactors>, names: &'a [usize]) -> Self {
+        (self.kept_factors, self.names) = (kept, Some(names));
+        self
+    }
+
+    /// What factors know an unknown by.
+    pub(super) fn name(&self, unknown: usize) -> usize {
+        self.names.map_or(unknown, |names| names[unknown])
     }
 
     /// Whether the caller stated what would be examined.

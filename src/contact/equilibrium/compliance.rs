@@ -11,6 +11,7 @@ use crate::contact::equilibrium::product::product_response;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
+use crate::lcp::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
@@ -111,6 +112,13 @@ impl<'a> Compliance<'a> {
             matrix += product.response.matrix(&asked, normals)?;
         }
         Ok(matrix)
+    }
+
+    /// Factors of blocks of one matrix that those of all nodes are blocks of; `None` where there is no such, or it is not
+    /// kept.
+    pub fn kept_factors(&self) -> Option<&KeptFactors> {
+        let is_one = self.traits.is_kernel && self.product.is_none() && self.options.memory_limit.is_none();
+        self.skin.kept_factors().filter(|_| is_one)
     }
 
     /// What the mesh that a body was solved on costs a contact of so many m in depth with `forces` (N) at `nodes`;

@@ -136,7 +136,9 @@ impl GroupProblem<'_> {
         let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
         let started = Instant::now();
         let q = response.traits.discretization.initial_gap(gaps, response, nodes)?;
-        let problem = LcpProblem::new(matrix.as_ref(), &q)?.with_known_definiteness(definiteness);
+        let problem = LcpProblem::new(matrix.as_ref(), &q)?
+            .with_known_definiteness(definiteness)
+            .with_kept_factors(response.kept_factors(), nodes);
         let is_guessed = |guess: &[usize]| {
             (0..nodes.len()).filter(|&node| guess.binary_search(&nodes[node]).is_ok()).collect()
         };

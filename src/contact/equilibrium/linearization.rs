@@ -105,7 +105,7 @@ pub(crate) fn solve_to_the_end(
     // A kernel's matrix holds in every round; that of a body hangs on the normals.
     let kept = KeptSkin::new(response.skin);
     let keeping = response.with_skin(&kept);
-    let is_kept = !response.traits.is_kernel || response.skin.keeps_matrices();
+    let is_kept = !response.traits.is_kernel || response.skin.kept_factors().is_some();
     let response = if is_kept { response } else { &keeping };
     let mut active = forces.active.clone();
     let mut force: Vector3<f64> = forces.vectors.iter().sum();

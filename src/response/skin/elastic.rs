@@ -4,6 +4,7 @@ use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::lcp::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
@@ -132,9 +133,9 @@ pub trait ElasticSkin: Sync {
     /// Whether the response to a force at `vertex` is known.
     fn is_prepared(&self, vertex: usize) -> bool;
 
-    /// Whether a matrix that was asked for is kept for the next time.
-    fn keeps_matrices(&self) -> bool {
-        false
+    /// Where matrices that were asked for are kept for the next time: the place for factors of their blocks.
+    fn kept_factors(&self) -> Option<&KeptFactors> {
+        None
     }
 
     /// Whether a body holds `vertex` in place; asked on the given mesh alone.

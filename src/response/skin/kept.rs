@@ -5,6 +5,7 @@ use std::sync::Mutex;
 use faer::Mat;
 use nalgebra::Vector3;
 
+use crate::lcp::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::skin::KernelSkin;
@@ -23,6 +24,7 @@ pub(crate) struct KeptSkin<'a> {
     skin: &'a dyn ElasticSkin,
     /// Of groups of nodes that share none.
     kept: Mutex<Vec<KeptMatrix>>,
+    factors: KeptFactors,
 }
 
 /// A matrix over more nodes than were asked for.
@@ -60,7 +62,7 @@ impl KeptMatrix {
 
 impl<'a> KeptSkin<'a> {
     pub fn new(skin: &'a dyn ElasticSkin) -> Self {
-        Self { skin, kept: Mutex::new(Vec::new()) }
+        Self { skin, kept: Mutex::default(), factors: KeptFactors::default() }
     }
 
     /// The matrix over some nodes and those around them, which may be asked for next; `None` where it cannot be had.
@@ -94,8 +96,8 @@ impl ElasticSkin for KeptSkin<'_> {
         self.skin.is_prepared(vertex)
     }
 
-    fn keeps_matrices(&self) -> bool {
-        true
+    fn kept_factors(&self) -> Option<&KeptFactors> {
+        Some(&self.factors)
     }
 
     fn is_held(&self, vertex: usize) -> bool {
