@@ -23,6 +23,8 @@ const TOLERANCE_SHARE: f64 = 0.1;
 struct Piece {
     corners: [Vector3<f64>; 3],
     weights: [[f64; 3]; 3],
+    /// As the whole triangle's corners give it: far from the point the piece's own may be rounded to a line (m²).
+    area: f64,
 }
 
 /// Integrals over a triangle of its three hat functions against `1/r`.
@@ -54,25 +56,25 @@ pub(crate) fn hat_integrals_within(
     let whole = Piece {
         corners: triangle.map(|v| v - point),
         weights: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        area: TriangleFrame::new(*triangle).area,
     };
     let mut stack = vec![whole];
     let mut integrals = [0.0; 3];
     let mut size = None;
-    while let Some(Piece { corners, weights }) = stack.pop() {
-        let frame = TriangleFrame::new(corners);
+    while let Some(Piece { corners, weights, area }) = stack.pop() {
         let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let (apex, height) = (0..3)
-            .map(|k| (k, frame.heights[k]))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .expect("a triangle has three heights");
-        let longest = 2.0 * frame.area / height;
+        let (apex, longest) = (0..3)
+            .map(|k| (k, (corners[(k + 1) % 3] - corners[(k + 2) % 3]).norm()))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .expect("a triangle has three edges");
+        let height = 2.0 * area / longest;
         let distance = center.norm() / longest;
         let share = longest / *size.get_or_insert(longest);
         let loss = (longest / height).powi(2) * distance.max(1.0).powi(3) * share;
         if distance > FAR_DISTANCE {
             for (l, w) in far_rule {
                 let y = corners[0] * l[0] + corners[1] * l[1] + corners[2] * l[2];
-                let inverse = w * frame.area / y.norm();
+                let inverse = w * area / y.norm();
                 for k in 0..3 {
                     let hat = l[0] * weights[0][k] + l[1] * weights[1][k] + l[2] * weights[2][k];
                     integrals[k] += inverse * hat;
@@ -84,12 +86,13 @@ pub(crate) fn hat_integrals_within(
             let middle = (corners[b] + corners[c]) * 0.5;
             let hats: [f64; 3] = std::array::from_fn(|k| 0.5 * (weights[b][k] + weights[c][k]));
             for to in [c, b] {
-                let mut half = Piece { corners, weights };
+                let mut half = Piece { corners, weights, area: 0.5 * area };
                 half.corners[to] = middle;
                 half.weights[to] = hats;
                 stack.push(half);
             }
         } else {
+            let frame = TriangleFrame::new(corners);
             let own = hats_within(&frame, &Vector3::zeros(), &Inverse, f64::INFINITY);
             for k in 0..3 {
                 integrals[k] += own[0] * weights[0][k] + own[1] * weights[1][k] + own[2] * weights[2][k];
@@ -97,4 +100,19 @@ pub(crate) fn hat_integrals_within(
         }
     }
     integrals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_needle_so_far_away_that_its_corners_round_to_a_line_keeps_its_area() {
+        let needle = [Vector3::new(0.0, 0.0, 1e9), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+        let distance = 2_f64.powi(53);
+        for integral in hat_integrals(&Vector3::new(0.0, -distance, 0.0), &needle) {
+            let expected = 0.5 * (1e9 - 1.0) / 3.0 / distance;
+            assert!((integral / expected - 1.0).abs() < 1e-9, "{integral:e} is not {expected:e}");
+        }
+    }
 }
