@@ -82,8 +82,8 @@ impl Contact {
         if let Some(LoadedEdge { ends, .. }) = &edge {
             report.note_edge(ends);
         }
-        let is_unsettled = report.is_unsettled();
-        let clues = Clues { area_within_rim: within_rim.iter().sum(), body, edge, is_unsettled };
+        let clues =
+            Clues { area_within_rim: within_rim.iter().sum(), body, edge, is_unsettled: report.is_unsettled };
         // In collocation on a mesh that was given the area is that of its vertices.
         let is_given = discretization == Discretization::Collocation && gaps.scene.inherited.is_none();
         let areas = if is_given { surface.vertex_areas() } else { &within_rim };

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::equilibrium::group::Guess;
+use crate::contact::equilibrium::group::{Guess, Nearness};
 use crate::contact::equilibrium::linearization::solve_to_the_end;
 use crate::contact::equilibrium::solve as equilibrium;
 use crate::contact::error::ContactError;
@@ -26,8 +26,10 @@ pub(crate) struct Known {
     /// Vertices whose gap was linearised, and the displacements (m) that it was measured at.
     vertices: Vec<usize>,
     displacement: Vec<Vector3<f64>>,
-    /// Whether gaps were to be linearised and no linearisation led to an answer.
+    /// Whether linearised gaps led to no better answer.
     in_vain: bool,
+    /// Of a coarser mesh, whose contact stands where there is none on this one.
+    is_coarser: bool,
 }
 
 /// Node forces where the obstacle of a scene stands.
@@ -53,7 +55,12 @@ pub(crate) fn solve_in_place(
 impl Known {
     /// Vertices that are expected to carry force, ascending, and nothing else.
     pub fn of_active(active: Vec<usize>) -> Self {
-        Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false }
+        Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false, is_coarser: false }
+    }
+
+    /// The same on a refined mesh, out of the contact on the one before.
+    pub fn of_coarser(active: Vec<usize>) -> Self {
+        Self { is_coarser: true, ..Self::of_active(active) }
     }
 }
 
@@ -115,7 +122,10 @@ impl<'a> InPlace<'a> {
             let there = gaps.measured_at(&vertices, &displacement)?;
             gaps.linearise(&vertices, &displacement, &there);
         }
-        let guess = known.map(|known| Guess { active: &known.active, is_near: false });
+        let guess = known.map(|known| {
+            let nearness = if known.is_coarser { Nearness::OfCoarser } else { Nearness::Any };
+            Guess { active: &known.active, nearness }
+        });
         let forces = equilibrium::solve(&gaps, &response, guess, options, &mut report)?;
         let was_vain = known.is_some_and(|known| known.in_vain);
         let forces = solve_to_the_end(&mut gaps, forces, &response, was_vain, options, &mut report)?;
@@ -133,8 +143,8 @@ impl<'a> InPlace<'a> {
         let mut vertices = self.gaps.surface.k_ring(&forces.candidates, 1);
         vertices.retain(|&vertex| self.gaps.linearised_at(vertex) != Vector3::zeros());
         let displacement = vertices.iter().map(|&vertex| self.gaps.linearised_at(vertex)).collect();
-        let in_vain = self.report.is_unsettled();
-        Some(Known { active: forces.active.clone(), vertices, displacement, in_vain })
+        let in_vain = self.report.is_unsettled;
+        Some(Known { active: forces.active.clone(), vertices, displacement, in_vain, is_coarser: false })
     }
 
     /// Seconds of each stage so far.

@@ -204,7 +204,7 @@ pub(crate) struct Clues {
     pub body: Option<BodyDoubt>,
     /// Where a sharp edge carries force.
     pub edge: Option<LoadedEdge>,
-    /// Whether gaps were to be taken anew at the deformed skin and no problem with them had an answer.
+    /// Whether gaps taken anew at the deformed skin led to no better answer.
     pub is_unsettled: bool,
 }
 

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::equilibrium::group::Guess;
+use crate::contact::equilibrium::group::{Guess, Nearness};
 use crate::contact::equilibrium::solve::solve;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
@@ -82,7 +82,8 @@ impl Deformed {
 /// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance.
 ///
 /// * `forces`: of the gaps as measured at the undeformed skin
-/// * `was_vain`: whether none of the linearisations of a contact nearby led to an answer; one then says whether they do here
+/// * `was_vain`: whether none of the linearisations of a contact nearby led to a better answer; one then says whether they do
+///   here
 ///
 /// Returns the forces that leave the least gap; `gaps` are those that they were solved with.
 pub(crate) fn solve_to_the_end(
@@ -112,6 +113,7 @@ pub(crate) fn solve_to_the_end(
     let mut best = forces;
     let mut kept = gaps.clone();
     let (mut before, mut step) = (least, 1.0);
+    report.is_unsettled = options.max_linearizations > 1;
     let mut in_vain = if was_vain { MOST_IN_VAIN - 1 } else { 0 };
     for _ in 1..options.max_linearizations {
         if before <= allowed || in_vain >= MOST_IN_VAIN {
@@ -127,12 +129,11 @@ pub(crate) fn solve_to_the_end(
         let there = Deformed::at(gaps, deformed.vertices.clone(), shift)?;
         let last = gaps.clone();
         gaps.linearise(&there.vertices, &there.displacement, &there.measured);
-        let guess = Guess { active: &active, is_near: true };
+        let guess = Guess { active: &active, nearness: Nearness::Near };
         let forces = solve(gaps, response, Some(guess), options, report)?;
         if forces.failure.is_some() || forces.active.is_empty() {
             // Half-way there fewer nodes change sides, and skin that was inside is not let go.
             *gaps = last;
-            report.given_up += 1;
             (step, in_vain) = ((0.5 * step).max(LEAST_STEP), in_vain + 1);
             continue;
         }
@@ -150,6 +151,7 @@ pub(crate) fn solve_to_the_end(
         in_vain = if error < SETTLING * least { 0 } else { in_vain + if is_same_force { 2 } else { 1 } };
         if error < least {
             (least, best, kept) = (error, forces, gaps.clone());
+            report.is_unsettled = false;
         }
         if options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "linearization" });

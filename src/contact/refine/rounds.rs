@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::time::Instant;
 
+use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
 use crate::contact::error::ContactError;
 use crate::contact::figures::resultant::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
@@ -15,6 +16,7 @@ use crate::contact::refine::whole::into_whole;
 use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::contact::scene::{Inherited, Placement};
+use crate::lcp::solution::LcpStatus;
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
@@ -143,6 +145,11 @@ impl Rounds<'_> {
                     None => return Ok("max_nodes"),
                 },
             };
+            if matches!(contact.status, ContactStatus::Failed(LcpStatus::Breakdown | LcpStatus::PivotLimit))
+                && contact.candidates.len() > MOST_BY_PIVOTS
+            {
+                return Ok("a problem of many nodes that block exchanges do not end");
+            }
             self.mesh = finer;
             let has_failed = matches!(contact.status, ContactStatus::Failed(_));
             let previous = self.last.as_ref().map_or(&self.given, |(_, contact)| contact);
@@ -237,7 +244,7 @@ impl Rounds<'_> {
             return Ok(None);
         }
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let known = Known::of_active(self.expected(part));
+        let known = Known::of_coarser(self.expected(part));
         let contact =
             InPlace::solve_gaps(gaps, &*skin, Some(&known), self.options, report)?.contact(self.options)?;
         Ok((contact.candidates.len() <= most).then_some(contact))

@@ -13,8 +13,8 @@ pub(crate) struct Report {
     pub warnings: Vec<Warning>,
     /// Rounds in which gaps were taken anew at the deformed skin.
     pub linearizations: Vec<Refinement>,
-    /// Number of linearisations that led to no answer.
-    pub given_up: usize,
+    /// Whether gaps were taken anew at the deformed skin and none of the answers left smaller ones.
+    pub is_unsettled: bool,
 }
 
 impl Report {
@@ -25,11 +25,6 @@ impl Report {
             Some(timing) => timing.seconds += seconds,
             None => self.timings.push(Timing { stage, seconds }),
         }
-    }
-
-    /// Whether no linearisation that was tried led to an answer.
-    pub fn is_unsettled(&self) -> bool {
-        self.given_up > 0 && self.linearizations.is_empty()
     }
 
     pub fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
