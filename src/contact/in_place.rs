@@ -28,8 +28,6 @@ pub(crate) struct Known {
     displacement: Vec<Vector3<f64>>,
     /// Whether linearised gaps led to no better answer.
     in_vain: bool,
-    /// Of a coarser mesh, whose contact stands where there is none on this one.
-    is_coarser: bool,
 }
 
 /// Node forces where the obstacle of a scene stands.
@@ -55,12 +53,7 @@ pub(crate) fn solve_in_place(
 impl Known {
     /// Vertices that are expected to carry force, ascending, and nothing else.
     pub fn of_active(active: Vec<usize>) -> Self {
-        Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false, is_coarser: false }
-    }
-
-    /// The same on a refined mesh, out of the contact on the one before.
-    pub fn of_coarser(active: Vec<usize>) -> Self {
-        Self { is_coarser: true, ..Self::of_active(active) }
+        Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false }
     }
 }
 
@@ -123,7 +116,8 @@ impl<'a> InPlace<'a> {
             gaps.linearise(&vertices, &displacement, &there);
         }
         let guess = known.map(|known| {
-            let nearness = if known.is_coarser { Nearness::OfCoarser } else { Nearness::Any };
+            let is_refined = gaps.scene.inherited.is_some();
+            let nearness = if is_refined { Nearness::OfCoarser } else { Nearness::Any };
             Guess { active: &known.active, nearness }
         });
         let forces = equilibrium::solve(&gaps, &response, guess, options, &mut report)?;
@@ -144,7 +138,7 @@ impl<'a> InPlace<'a> {
         vertices.retain(|&vertex| self.gaps.linearised_at(vertex) != Vector3::zeros());
         let displacement = vertices.iter().map(|&vertex| self.gaps.linearised_at(vertex)).collect();
         let in_vain = self.report.is_unsettled;
-        Some(Known { active: forces.active.clone(), vertices, displacement, in_vain, is_coarser: false })
+        Some(Known { active: forces.active.clone(), vertices, displacement, in_vain })
     }
 
     /// Seconds of each stage so far.

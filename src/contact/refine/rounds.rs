@@ -244,7 +244,7 @@ impl Rounds<'_> {
             return Ok(None);
         }
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let known = Known::of_coarser(self.expected(part));
+        let known = Known::of_active(self.expected(part));
         let contact =
             InPlace::solve_gaps(gaps, &*skin, Some(&known), self.options, report)?.contact(self.options)?;
         Ok((contact.candidates.len() <= most).then_some(contact))
