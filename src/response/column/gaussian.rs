@@ -1,6 +1,7 @@
 //! One column of the paper's kernel: half-space less a Gaussian, cut off.
 
 use nalgebra::Vector3;
+use pulp::{Simd, WithSimd};
 
 use crate::response::column::half_space::{ColumnScratch, half_space_values, moment_points};
 use crate::response::column::load::{LoadedFace, weighted};
@@ -8,6 +9,9 @@ use crate::response::integral::cutoff::{Inverse, hats_within};
 use crate::response::integral::gauss::{RulePoint, triangle_rule};
 use crate::response::integral::gaussian::Gaussian;
 use crate::response::integral::hat::hat_integrals;
+use crate::response::series::point_loads::PointLoads;
+use crate::response::simd::functions::exp;
+use crate::response::simd::lanes::{Lanes, dot};
 use crate::response::simd::points::Targets;
 
 /// Widths beyond which the Gaussian is below 1e-17.
@@ -40,13 +44,22 @@ impl Corrected {
     pub(crate) fn values(&self, targets: &Targets, scratch: &mut ColumnScratch, tolerance: f64) {
         let points = moment_points(tolerance);
         half_space_values(targets, scratch, self.constant, tolerance, self.cutoff, points);
-        let ColumnScratch { faces, values, .. } = scratch;
+        let ColumnScratch { faces, values, loads, sums, .. } = scratch;
         let load: Vec<_> = faces.iter().map(|face| (face, self.point_forces(face, tolerance))).collect();
+        loads.clear();
+        load.iter()
+            .filter_map(|(_, forces)| forces.as_ref())
+            .flatten()
+            .for_each(|(y, share)| loads.push(y, *share));
+        sums.clear();
+        sums.resize(targets.x.len(), 0.0);
+        pulp::Arch::new().dispatch(GaussianSums { targets, loads, falloff: self.falloff(), sums });
         for (i, value) in values[..targets.rows.len()].iter_mut().enumerate() {
             let x = targets.point(i);
             if faces.iter().all(|face| (x - face.center).norm() + face.radius <= self.cutoff) {
-                let taken = load.iter().map(|(face, forces)| self.gaussian(face, forces.as_deref(), &x));
-                *value -= self.height * taken.sum::<f64>();
+                let exact = load.iter().filter(|(_, forces)| forces.is_none());
+                let taken = sums[i] + exact.map(|(face, _)| self.exact_gaussian(face, &x)).sum::<f64>();
+                *value -= self.height * taken;
             } else {
                 *value = load.iter().map(|(face, forces)| self.share(face, forces.as_deref(), &x)).sum();
             }
@@ -79,19 +92,17 @@ impl Corrected {
         Some(triangle_rule(n).iter().map(force).collect())
     }
 
-    /// `∫ p(y) exp(-r²/2c²) dA` over one face that lies within the cutoff.
-    fn gaussian(&self, face: &LoadedFace, forces: Option<&[(Vector3<f64>, f64)]>, x: &Vector3<f64>) -> f64 {
-        let falloff = -0.5 / (self.width * self.width);
-        match forces {
-            Some(forces) => {
-                forces.iter().map(|(y, share)| share * ((x - y).norm_squared() * falloff).exp()).sum()
-            }
-            None if (x - face.center).norm() > face.radius + SILENT_WIDTHS * self.width => 0.0,
-            None => {
-                let smooth = Gaussian { width: self.width };
-                weighted(&face.density, &hats_within(&face.frame, x, &smooth, self.cutoff))
-            }
+    /// -1/2c² (1/m²).
+    fn falloff(&self) -> f64 {
+        -0.5 / (self.width * self.width)
+    }
+
+    /// `∫ p(y) exp(-r²/2c²) dA` over one face that lies within the cutoff, in closed form.
+    fn exact_gaussian(&self, face: &LoadedFace, x: &Vector3<f64>) -> f64 {
+        if (x - face.center).norm() > face.radius + SILENT_WIDTHS * self.width {
+            return 0.0;
         }
+        weighted(&face.density, &hats_within(&face.frame, x, &Gaussian { width: self.width }, self.cutoff))
     }
 
     /// One face's share of the displacement at x.
@@ -100,8 +111,10 @@ impl Corrected {
         let is_far = distance >= FAR_SHARE * self.cutoff && distance + face.radius <= self.cutoff;
         match forces {
             Some(forces) if is_far => {
-                let inverse: f64 = forces.iter().map(|(y, share)| share / (x - y).norm()).sum();
-                self.constant * inverse - self.height * self.gaussian(face, Some(forces), x)
+                let kernel = |squared: f64| {
+                    self.constant / squared.sqrt() - self.height * (squared * self.falloff()).exp()
+                };
+                forces.iter().map(|(y, share)| share * kernel((x - y).norm_squared())).sum()
             }
             _ => self.exact(face, x),
         }
@@ -120,5 +133,31 @@ impl Corrected {
         };
         let smooth = hats_within(&face.frame, x, &Gaussian { width: self.width }, self.cutoff);
         self.constant * weighted(&face.density, &inverse) - self.height * weighted(&face.density, &smooth)
+    }
+}
+
+/// Adds `Σ share exp(falloff r²)` over point forces to the sum of each target.
+struct GaussianSums<'a> {
+    targets: &'a Targets,
+    loads: &'a PointLoads,
+    falloff: f64,
+    sums: &'a mut [f64],
+}
+
+impl WithSimd for GaussianSums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { targets, loads, falloff, sums } = self;
+        for first in (0..sums.len()).step_by(S::F64_LANES) {
+            let x = [&targets.x, &targets.y, &targets.z].map(|list| Lanes::load(simd, list, first));
+            let mut sum = Lanes::splat(simd, 0.0);
+            for k in 0..loads.share.len() {
+                let r = [x[0] - sum.all(loads.x[k]), x[1] - sum.all(loads.y[k]), x[2] - sum.all(loads.z[k])];
+                sum = exp(dot(&r, &r) * sum.all(falloff)).mul_add(sum.all(loads.share[k]), sum);
+            }
+            sum.store(sums, first);
+        }
     }
 }

@@ -32,6 +32,8 @@ pub(crate) struct ColumnScratch {
     pub(crate) rule: EdgeRule,
     /// 1/thickness of the targets in `near` (1/m).
     pub(crate) thicknesses: Vec<f64>,
+    /// Sums of Gaussians, in the order of [`Targets`].
+    pub(crate) sums: Vec<f64>,
 }
 
 impl ColumnScratch {
@@ -45,6 +47,7 @@ impl ColumnScratch {
             series: TaylorSeries::new(),
             rule: EdgeRule::default(),
             thicknesses: Vec::new(),
+            sums: Vec::new(),
         }
     }
 

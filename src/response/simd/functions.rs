@@ -2,7 +2,7 @@
 //!
 //! Called within a `pulp` dispatch; each is accurate to a few units in the last place.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LOG2_E, PI, SQRT_2};
 
 use pulp::Simd;
 
@@ -12,8 +12,30 @@ const MANTISSA_BITS: u64 = (1 << 52) - 1;
 const ONE_BITS: u64 = 1023 << 52;
 /// 2⁵² as bits: a small integer put into its mantissa reads as 2⁵² plus that integer.
 const SHIFT_BITS: u64 = 1075 << 52;
+/// 1.5 · 2⁵²: a number below 2⁵¹ added to it is rounded to an integer, which its last bits hold.
+const ROUNDING: f64 = 6_755_399_441_055_744.0;
+/// Exponent below which [`exp`] stays what it is there.
+const LEAST_EXPONENT: f64 = -700.0;
 /// ln 2 in two parts: the first times any exponent is exact.
 const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
+
+/// 1/n!, n = 13 .. 0.
+const TAYLOR: [f64; 14] = [
+    1.0 / 6_227_020_800.0,
+    1.0 / 479_001_600.0,
+    1.0 / 39_916_800.0,
+    1.0 / 3_628_800.0,
+    1.0 / 362_880.0,
+    1.0 / 40_320.0,
+    1.0 / 5_040.0,
+    1.0 / 720.0,
+    1.0 / 120.0,
+    1.0 / 24.0,
+    1.0 / 6.0,
+    1.0 / 2.0,
+    1.0,
+    1.0,
+];
 
 /// `ln(numerator / denominator)`, with one division.
 ///
@@ -103,16 +125,36 @@ pub(crate) fn angle<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
     x.less(zero).pick(x.all(PI) - a, a)
 }
 
+/// `exp(x)` for x <= 0; below e⁻⁷⁰⁰ it is e⁻⁷⁰⁰.
+#[inline(always)]
+pub(crate) fn exp<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    let least = x.all(LEAST_EXPONENT);
+    let x = x.less(least).pick(least, x);
+    let rounded = x.mul_add(x.all(LOG2_E), x.all(ROUNDING));
+    let power = rounded - x.all(ROUNDING);
+    let rest = power.mul_add(x.all(-LN_2[1]), power.mul_add(x.all(-LN_2[0]), x));
+    // Taylor up to rest¹³ / 13! on |rest| <= ln 2 / 2, error 5e-18
+    let p = rest.polynomial(TAYLOR);
+    p * rounded.map_bits(|b| b.wrapping_add(1023) << 52)
+}
+
 #[cfg(test)]
 mod tests {
     use pulp::WithSimd;
 
     use super::*;
 
-    /// [`super::ln_ratio`] of four numbers, or [`super::angle`] of the first two, on the machine's vectors.
+    #[derive(Clone, Copy)]
+    enum Function {
+        LnRatio,
+        Angle,
+        Exp,
+    }
+
+    /// A function of the first of four numbers that it takes, on the machine's vectors.
     #[derive(Clone, Copy)]
     struct Apply {
-        is_angle: bool,
+        function: Function,
         x: [f64; 4],
     }
 
@@ -122,7 +164,11 @@ mod tests {
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> f64 {
             let [a, b, c, d] = self.x.map(|x| Lanes::splat(simd, x));
-            let value = if self.is_angle { super::angle(a, b) } else { super::ln_ratio(a, b, c, d) };
+            let value = match self.function {
+                Function::LnRatio => super::ln_ratio(a, b, c, d),
+                Function::Angle => super::angle(a, b),
+                Function::Exp => super::exp(a),
+            };
             simd.reduce_max_f64s(value.v)
         }
     }
@@ -136,11 +182,11 @@ mod tests {
     }
 
     fn ln_ratio(a: f64, b: f64, length: f64, sum: f64) -> f64 {
-        both(Apply { is_angle: false, x: [a, b, length, sum] })
+        both(Apply { function: Function::LnRatio, x: [a, b, length, sum] })
     }
 
     fn angle(y: f64, x: f64) -> f64 {
-        both(Apply { is_angle: true, x: [y, x, 0.0, 0.0] })
+        both(Apply { function: Function::Angle, x: [y, x, 0.0, 0.0] })
     }
 
     #[test]
@@ -181,5 +227,14 @@ mod tests {
         }
         assert_eq!(angle(0.0, 1.0), 0.0);
         assert!(angle(0.0, 0.0).is_finite());
+    }
+    #[test]
+    fn exponential_is_accurate_to_a_few_ulp() {
+        for i in 0..=20_000 {
+            let x = -0.034_99 * i as f64;
+            let (got, expected) = (both(Apply { function: Function::Exp, x: [x; 4] }), libm::exp(x));
+            assert!((got - expected).abs() <= 4.0 * f64::EPSILON * expected, "{x}: {got} {expected}");
+        }
+        assert!(both(Apply { function: Function::Exp, x: [f64::NEG_INFINITY; 4] }) < 1e-300);
     }
 }
