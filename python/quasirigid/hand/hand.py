@@ -13,6 +13,7 @@ from ..errors import HandError
 from ..surface import Surface, skin_without_caps
 from .bones import Bone, bones_of
 from .checks import as_frames, as_labels, as_names, as_parents, check_inside, read_only
+from .creases import without_folds
 from .joints import JOINTS_OF, index_of
 from .kinematics import mirrored_frames, motions_of, moved_frames, pivots_of
 from .pose import turns_of
@@ -103,7 +104,7 @@ class Hand:
             raise HandError("the skin is open: a hand needs a closed one, its cut at the wrist capped")
         # The flat cut at the wrist is no skin.
         self.surface = surface.with_skin_mask(skin_without_caps(surface))
-        self._influence = _core.SkinWeights(joints, weights, joint_count=len(self.joint_names))
+        _core.SkinWeights(joints, weights, joint_count=len(self.joint_names))  # checked
         self.joints = read_only(np.array(joints, dtype=np.int64))
         self.weights = read_only(np.array(weights, dtype=np.float64))
         if len(self.joints) != len(surface.vertices):
@@ -129,6 +130,10 @@ class Hand:
     @cached_property
     def _pivots(self) -> Floats:
         return pivots_of(self)
+
+    @cached_property
+    def _influence(self) -> _core.SkinWeights:
+        return _core.SkinWeights(*without_folds(self, self._pivots), joint_count=len(self.joint_names))
 
     def posed(
         self,
@@ -176,8 +181,9 @@ class Hand:
 
         Notes
         -----
-        Joints turn about themselves; those of a digit that a rig has near its back or its pad, about its
-        middle or near it (`pivot_of`).
+        Joints turn about themselves, those of digits about points below or above, such that bent fingers keep
+        their volume (`pivot_of`). Weights that change so fast that a hinge bent by a right angle would turn
+        skin over at its crease are smoothed there.
         """
         placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
         motions, frames = motions_of(self.rest, self._pivots, self.parents, turns_of(pose, self), placed)
