@@ -1,23 +1,81 @@
-"""Draw docs/hand.png: the built-in hand from the palm, the back and aslant, and in two poses."""
+"""Write docs/hand.md and its pictures: the built-in hand, regions of a skin, what bent digits keep.
+
+Needs the hands of the folder `QUASIRIGID_DATA`.
+"""
 
 from __future__ import annotations
 
+import math
+import os
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
 import numpy as np
 import quasirigid as qr
+from numpy.typing import NDArray
+from quasirigid.hand.joints import DIGITS, JOINTS_OF
+from quasirigid.hand.pose import bend_at_rest
+from quasirigid.hand.regions import digit_of_vertices
 from quasirigid.plot.shading import lit_skin
 from quasirigid.plot.view import View
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[1] / "../shared/data"))
+RIGS = ("libhand", "makehuman_male", "webxr")
+SIZES = ("13k", "53k")
 HEIGHT = 420  # pixels of each picture
 MARGIN = 4e-3  # around each hand (m)
+REPEATS = 10
+
+PAGE = """# Hands
+
+Written by `python docs/hand.py`, which needs the test meshes (`QUASIRIGID_DATA`). A hand is a closed skin,
+joints with WebXR's names, and by which joints each vertex is moved: built in, from arrays, from GLB, or from
+a mesh with its rig.
+
+## The built-in hand
+
+![The built-in hand: palm, back, aslant, posed as on a cylinder and as a fist](hand.png)
+
+`qr.models.hand()`, edges of 1.4 mm.
+
+## Regions
+
+![Regions of the MakeHuman hand from the palm, the back and aslant](hand_regions.png)
+
+`hand.labels` of a scanned hand (MakeHuman, CC0; 53,000 vertices), one colour each, and its joints as dots.
+Phalanges end in the plane through a joint that halves its bend. `qr.plot.hand_figure(posed, regions=True)`
+draws this for any hand.
+
+## Bent digits
+
+{bent}
+
+Change of volume where joints are bent to 90 degrees from straight and all others are at rest: as dual
+quaternions (the default), then as blended matrices (`linear=True`), under which bent joints collapse. The
+volume is that below the triangles of the digit's regions, closed by a fan; "all" are the knuckle and the
+hinges.
+
+- Rigs have the joints of digits at any depth below the back, where a bend gains or loses volume. Here they
+  turn at the depth at which a right angle keeps it (`hand.pivot_of`).
+- Weights that change over a short way turn skin over in the crease of a hinge. There, and nowhere else, they
+  are smoothed as far as it takes. `hand.weights` are the file's.
+
+## Times
+
+{times}
+
+Least of {repeats} runs on {cores} cores, but for the first pose of a hand, which finds regions and pivots and
+smooths creases once.
+"""
 
 
-def main() -> None:
+def draw_built_in(target: Path) -> None:
     """Build, pose, draw."""
     hand = qr.models.hand(edge_length=1.4e-3)
     up = np.array([0.0, 1.0, 0.0])
@@ -44,7 +102,94 @@ def main() -> None:
         ax.imshow(picture)
         ax.set_title(title, fontsize=9)
         ax.axis("off")
-    figure.savefig(Path(__file__).with_suffix(".png"), dpi=100)
+    figure.savefig(target, dpi=100)
+
+
+def bends_of(digit: str) -> dict[str, tuple[str, ...]]:
+    """Return the joints of a digit that bend together, by what they are called."""
+    knuckle, *hinges = JOINTS_OF[digit][1:-1]
+    titles = ("last hinge",) if digit == "thumb" else ("first hinge", "last hinge")
+    single = {title: (joint,) for title, joint in zip(titles, hinges, strict=True)}
+    return {"knuckle": (knuckle,)} | single | {"all": (knuckle, *hinges)}
+
+
+def volume_of(skin: qr.Surface, faces: NDArray[np.int64]) -> float:
+    """Return the volume (m³) between some faces and the fan that closes their border."""
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).tolist()
+    known = {(a, b) for a, b in sides}
+    border = np.unique([b for a, b in sides if (b, a) not in known])
+    # The fan's own cones have no height above its middle.
+    return float(np.linalg.det(skin.vertices[faces] - skin.vertices[border].mean(axis=0)).sum() / 6.0)
+
+
+def bent_digits(hands: dict[str, qr.Hand]) -> str:
+    """Return the table of volumes of bent digits, of each rig."""
+    titles = ("knuckle", "first hinge", "last hinge", "all")
+    lines = ["| hand | digit | " + " | ".join(titles) + " |", "|---|---|" + "---|" * len(titles)]
+    for name, hand in hands.items():
+        for digit in DIGITS:
+            own = digit_of_vertices(hand.labels) == digit
+            faces = hand.surface.faces[own[hand.surface.faces].all(axis=1)]
+            at_rest = volume_of(hand.surface, faces)
+            cells = dict.fromkeys(titles, "")
+            for bend, joints in bends_of(digit).items():
+                at = [hand.joint_names.index(joint) for joint in joints]
+                vectors = np.zeros((len(hand.joint_names), 3))
+                vectors[at, 0] = bend_at_rest(hand)[at] - math.pi / 2
+                dual, linear = (
+                    volume_of(hand.posed(vectors, linear=linear).surface, faces) / at_rest - 1.0
+                    for linear in (False, True)
+                )
+                cells[bend] = f"{dual:+.1%} / {linear:+.1%}"
+            lines.append(f"| {name} | {digit} | " + " | ".join(cells.values()) + " |")
+    return "\n".join(lines)
+
+
+def least(run: Callable[[], object]) -> float:
+    """Return the least seconds of some runs, after one."""
+    run()
+    seconds = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        run()
+        seconds.append(time.perf_counter() - start)
+    return min(seconds)
+
+
+def times(size: str) -> list[str]:
+    """Return rows of the table of times, of the rigs of a size."""
+    rows = []
+    for rig in RIGS:
+        hand = qr.read_hand(DATA / f"hands/{rig}_right_{size}.ply")
+        start = time.perf_counter()
+        hand.posed("fist")
+        first = time.perf_counter() - start
+        pose = least(lambda hand=hand: hand.posed("fist").surface)
+        rows.append(f"| {rig} | {len(hand.surface.vertices)} | {first:.2f} s | {pose * 1e3:.1f} ms |")
+    return rows
+
+
+def main() -> None:
+    """Draw, measure, write."""
+    paths = {rig: DATA / f"hands/{rig}_right_13k.ply" for rig in RIGS}
+    missing = [str(path) for path in paths.values() if not path.is_file()]
+    if missing:
+        sys.exit("missing: " + ", ".join(missing) + "; QUASIRIGID_DATA names the folder of meshes")
+    here = Path(__file__)
+    draw_built_in(here.with_name("hand.png"))
+    scanned = qr.read_hand(DATA / "hands/makehuman_male_right_53k.ply")
+    qr.plot.hand_figure(scanned.posed({}), regions=True).savefig(here.with_name("hand_regions.png"), dpi=100)
+    hands = {"built in": qr.models.hand()} | {rig: qr.read_hand(path) for rig, path in paths.items()}
+    rows = [row for size in SIZES for row in times(size)]
+    page = PAGE.format(
+        bent=bent_digits(hands),
+        times="\n".join(["| hand | vertices | first | pose |", "|---|---|---|---|", *rows]),
+        repeats=REPEATS,
+        cores=os.cpu_count(),
+    )
+    target = here.with_suffix(".md")
+    target.write_text(page, encoding="utf-8")
+    print(f"wrote {target}", file=sys.stderr)
 
 
 if __name__ == "__main__":

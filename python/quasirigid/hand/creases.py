@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .bend import RIGHT_ANGLE, Bend, moved_by, shares_of
 from .joints import DIGITS, JOINTS_OF
-from .kinematics import moved_by, shares_of
 from .pose import bend_at_rest
 
 if TYPE_CHECKING:
@@ -32,24 +31,24 @@ def without_folds(hand: Hand, pivots: Floats) -> tuple[NDArray[np.int64], Floats
     along the skin, round by round as far as it takes; all others are the rig's.
     """
     shares, moved = shares_of(hand), moved_by(hand.parents)
-    turns = 0.5 * math.pi - np.minimum(bend_at_rest(hand), 0.0)
+    turns = RIGHT_ANGLE - np.minimum(bend_at_rest(hand), 0.0)
     for digit in DIGITS:
         for name in JOINTS_OF[digit][2:-1]:
             joint = hand.joint_names.index(name)
-            bend = _Bend(pivots[joint], -hand.rest[joint, :3, 0], turns[joint])
+            bend = Bend.of(hand, joint, pivots[joint], turns[joint])
             _smooth(hand, shares, moved[joint], bend)
     most = np.count_nonzero(shares, axis=1).max()
     joints = np.argpartition(-shares, most - 1, axis=1)[:, :most]
     return joints, np.take_along_axis(shares, joints, axis=1)
 
 
-def _smooth(hand: Hand, shares: Floats, moved: NDArray[np.bool_], bend: _Bend) -> None:
+def _smooth(hand: Hand, shares: Floats, moved: NDArray[np.bool_], bend: Bend) -> None:
     """Smooth shares (n, J) in place where faces turn over as the joints `moved` bend as one."""
     faces, points = hand.surface.faces, hand.surface.vertices
     share = shares @ moved
     of_face = share[faces]
     hinge = faces[of_face.max(axis=1) > of_face.min(axis=1)]
-    if not bend.turns_over(points[hinge], share[hinge]).any():
+    if not _turns_over(bend, points[hinge], share[hinge]).any():
         return
     rows = np.zeros(len(shares), dtype=bool)
     rows[hinge] = True
@@ -59,7 +58,7 @@ def _smooth(hand: Hand, shares: Floats, moved: NDArray[np.bool_], bend: _Bend) -
     columns = np.flatnonzero(shares[part.vertices].any(axis=0))
     local = shares[np.ix_(part.vertices, columns)]
     for round_ in range(_MOST_ROUNDS):
-        over = bend.turns_over(corners, (local @ moved[columns])[part.faces])
+        over = _turns_over(bend, corners, (local @ moved[columns])[part.faces])
         if not over.any():
             break
         rings = 1 + round_ // _PATIENCE
@@ -70,26 +69,11 @@ def _smooth(hand: Hand, shares: Floats, moved: NDArray[np.bool_], bend: _Bend) -
     shares[np.ix_(part.vertices, columns)] = local
 
 
-class _Bend(NamedTuple):
-    """A turn about an axis through a point."""
-
-    pivot: Floats
-    axis: Floats
-    angle: float
-
-    def turns_over(self, corners: Floats, share: Floats) -> NDArray[np.bool_]:
-        """Return which faces (k, 3, 3) look the other way after shares (k, 3) of the turn."""
-        at_rest = self._turned(_normals(corners), share.mean(axis=1))
-        bent = _normals(self._turned(corners - self.pivot, share))
-        over: NDArray[np.bool_] = (at_rest * bent).sum(axis=1) < 0.0
-        return over
-
-    def _turned(self, vectors: Floats, share: Floats) -> Floats:
-        """Return vectors (..., 3) after shares (...) of the turn, blended as dual quaternions."""
-        half = 0.5 * self.angle
-        angle = 2.0 * np.arctan2(share * math.sin(half), 1.0 - share + share * math.cos(half))[..., None]
-        along = (vectors @ self.axis)[..., None] * self.axis
-        return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(self.axis, vectors)
+def _turns_over(bend: Bend, corners: Floats, share: Floats) -> NDArray[np.bool_]:
+    """Return which faces (k, 3, 3) look the other way after shares (k, 3) of the turn."""
+    at_rest = bend.turned(_normals(corners), share.mean(axis=1))
+    over: NDArray[np.bool_] = (at_rest * _normals(bend.moved(corners, share))).sum(axis=1) < 0.0
+    return over
 
 
 class _Part:

@@ -15,10 +15,11 @@ from .bones import Bone, bones_of
 from .checks import as_frames, as_labels, as_names, as_parents, check_inside, read_only
 from .creases import without_folds
 from .joints import JOINTS_OF, index_of
-from .kinematics import mirrored_frames, motions_of, moved_frames, pivots_of
+from .kinematics import mirrored_frames, motions_of, moved_frames
+from .pivots import pivots_of
 from .pose import turns_of
 from .posed import PosedHand
-from .regions import regions_of
+from .regions import digit_of_vertices, regions_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -117,9 +118,7 @@ class Hand:
     @property
     def labels(self) -> NDArray[np.str_]:
         """(n,) str: the region of each vertex, such as ``"index-distal-palmar"``."""
-        if self._labels is None:
-            self._labels = read_only(regions_of(self))
-        return self._labels
+        return self._regions if self._labels is None else self._labels
 
     @property
     def length(self) -> float:
@@ -128,8 +127,12 @@ class Hand:
         return float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
 
     @cached_property
+    def _regions(self) -> NDArray[np.str_]:
+        return read_only(regions_of(self))
+
+    @cached_property
     def _pivots(self) -> Floats:
-        return pivots_of(self)
+        return pivots_of(self, digit_of_vertices(self._regions))
 
     @cached_property
     def _influence(self) -> _core.SkinWeights:
@@ -181,7 +184,7 @@ class Hand:
 
         Notes
         -----
-        Joints turn about themselves, those of digits about points below or above, such that bent fingers keep
+        Joints turn about themselves, those of digits about points below or above them, such that digits keep
         their volume (`pivot_of`). Weights that change so fast that a hinge bent by a right angle would turn
         skin over at its crease are smoothed there.
         """
@@ -264,7 +267,12 @@ class Hand:
             "labels": self._labels,
             "side": self.side,
         }
-        return Hand(vertices, rest=rest, **(known | changed))
+        made = Hand(vertices, rest=rest, **(known | changed))
+        # What rigid motions, scales and mirrors leave as it is.
+        for name in ("_regions", "_influence"):
+            if name in vars(self):
+                vars(made)[name] = vars(self)[name]
+        return made
 
     def _places(self, names: Sequence[str]) -> Floats:
         return self.rest[[self.joint_names.index(name) for name in names], :3, 3]

@@ -7,72 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._check import Refusal, as_vector, short
-from .joints import DIGITS, JOINTS_OF
-from .rays import way_out
 from .rotations import Floats, to_matrices
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from .hand import Hand
-
 _ROTATION_TOLERANCE = 1e-9
-_KNUCKLE = 1.25  # least depth of a knuckle below the back, over that of the next joint
-
-
-def moved_by(parents: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which joints (J, J) each joint moves: itself and all that hang on it."""
-    moved: NDArray[np.bool_] = np.eye(len(parents), dtype=bool)
-    for joint in range(len(parents)):
-        above = parents[joint]
-        while above >= 0:
-            moved[above, joint] = True
-            above = parents[above]
-    return moved
-
-
-def shares_of(hand: Hand) -> Floats:
-    """Return how much (n, J) each joint moves each vertex; sums are 1."""
-    shares = np.zeros((len(hand.joints), len(hand.joint_names)))
-    np.add.at(shares, (np.arange(len(shares))[:, None], hand.joints), hand.weights)
-    shares /= shares.sum(axis=1, keepdims=True)
-    return shares
-
-
-def pivots_of(hand: Hand) -> Floats:
-    """Return the points (J, 3) (m) about which the joints of a hand turn at rest.
-
-    The joints themselves, but that rigs have those of digits at any depth below the back. Hinges turn where
-    a digit that bends neither gains nor loses volume, at the middle of its section. Knuckles, whose heads
-    are thicker and below which lies the palm, turn deeper below the back than the next joint.
-
-    Skin that takes a share w of a small turn moves by w times axis cross (x - pivot), and the volume changes
-    by the turn times axis . (∫ w x cross n dA - pivot cross ∫ w n dA).
-    """
-    pivots = hand.rest[:, :3, 3].copy()
-    faces = hand.surface.faces
-    corners = hand.surface.vertices[faces]
-    normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    # Integrals of w x over triangles on which w is linear, by its value at each corner, over their area.
-    places = (corners.sum(axis=1, keepdims=True) + corners) / 12.0
-    shares, moved = shares_of(hand), moved_by(hand.parents)
-    for digit in DIGITS:
-        for name in reversed(JOINTS_OF[digit][2:-1]):
-            joint = hand.joint_names.index(name)
-            axis, dorsal = hand.rest[joint, :3, 0], hand.rest[joint, :3, 2]
-            share = (shares @ moved[joint])[faces]
-            area = share.mean(axis=1) @ normals
-            moment = np.cross(np.einsum("fc,fcx->fx", share, places), normals).sum(axis=0)
-            gain = axis @ (moment - np.cross(pivots[joint], area))
-            per_length = axis @ np.cross(dorsal, area)
-            if per_length != 0.0:
-                pivots[joint] += gain / per_length * dorsal
-        next_depth = way_out(hand.surface, pivots[joint], dorsal)
-        knuckle = hand.joint_names.index(JOINTS_OF[digit][1])
-        dorsal = hand.rest[knuckle, :3, 2]
-        depth = way_out(hand.surface, pivots[knuckle], dorsal)
-        pivots[knuckle] -= max(_KNUCKLE * next_depth - depth, 0.0) * dorsal
-    return pivots
 
 
 def motions_of(

@@ -181,7 +181,7 @@ class PosedHand:
         frame = np.eye(4)
         frame[:3, :3] = np.column_stack([np.cross(distal, out), distal, out])
         frame[:3, 3] = middle + way_out(self.surface, middle, out) * out
-        is_palm = (digit_of_vertices(self.hand) == "palm") & ~np.isin(self.labels, _OFF_PALM)
+        is_palm = (digit_of_vertices(self.labels) == "palm") & ~np.isin(self.labels, _OFF_PALM)
         return PalmFrame(frame, self.surface.with_skin_mask(is_palm & self.surface.skin_mask))
 
     def frame_of(self, joint: str) -> Floats:

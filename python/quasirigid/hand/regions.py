@@ -186,9 +186,9 @@ def _unit(vector: Floats) -> Floats:
     return length
 
 
-def digit_of_vertices(hand: Hand) -> NDArray[np.str_]:
-    """Return the digit (n,) of each vertex, its phalanges alone; ``"palm"`` for the rest."""
-    words = np.char.partition(hand.labels, "-")
-    on_digit = np.isin(words[:, 0], DIGITS) & (hand.labels != "")
-    on_digit &= ~np.char.endswith(hand.labels, "metacarpal-head")
+def digit_of_vertices(labels: NDArray[np.str_]) -> NDArray[np.str_]:
+    """Return the digit (n,) of each vertex by its region, phalanges alone; ``"palm"`` for the rest."""
+    words = np.char.partition(labels, "-")
+    on_digit = np.isin(words[:, 0], DIGITS) & (labels != "")
+    on_digit &= ~np.char.endswith(labels, "metacarpal-head")
     return np.where(on_digit, words[:, 0], "palm")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import colorsys
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from ..hand import PosedHand
+    from .raster import Floats
 
 __all__ = ["hand_figure"]
 
@@ -25,7 +28,9 @@ _MARGIN = 0.02  # around each hand, over its length
 _INCHES = 4.2  # height of each picture
 
 
-def hand_figure(hand: PosedHand, *, views: Sequence[str] = ("palm", "back", "aslant")) -> Figure:
+def hand_figure(
+    hand: PosedHand, *, views: Sequence[str] = ("palm", "back", "aslant"), regions: bool = False
+) -> Figure:
     """Return a picture of a posed hand (extra `plot`).
 
     Parameters
@@ -34,6 +39,8 @@ def hand_figure(hand: PosedHand, *, views: Sequence[str] = ("palm", "back", "asl
         The hand.
     views : sequence of {"palm", "back", "aslant"}
         Sides to look from.
+    regions : bool
+        Each region of the skin in a colour of its own, and dots where the joints are.
 
     Returns
     -------
@@ -57,12 +64,25 @@ def hand_figure(hand: PosedHand, *, views: Sequence[str] = ("palm", "back", "asl
     figure = new_figure((scale * sum(widths), _INCHES + 0.3))
     axes = figure.subplots(1, len(drawn), width_ratios=widths, squeeze=False)[0]
     nothing = np.zeros(len(skin.vertices))
+    base = _colour_of_each(hand.labels) if regions else None
     for ax, (name, view, (left, right, _, _)) in zip(axes, drawn, strict=True):
         window = (left, right, lowest, highest)
         picture = lit_skin(
-            skin.vertices, skin.faces, view, nothing, nothing, pressure_colours(), window, _HEIGHT
+            skin.vertices, skin.faces, view, nothing, nothing, pressure_colours(), window, _HEIGHT, base=base
         )
-        ax.imshow(picture)
+        ax.imshow(picture, extent=window)
+        if regions:
+            joints = view.project(hand.joints[:, :3, 3])
+            ax.plot(joints[:, 0], joints[:, 1], "o", color="black", markersize=3.0)
+            ax.axis(window)
         ax.set_title(name)
         ax.axis("off")
     return figure
+
+
+def _colour_of_each(labels: NDArray[np.str_]) -> Floats:
+    """Return colours (n, 3) by label, those of labels that follow each other far apart."""
+    names, of_vertex = np.unique(labels, return_inverse=True)
+    golden = 0.5 * (np.sqrt(5.0) - 1.0)
+    colours = np.array([colorsys.hsv_to_rgb(golden * at % 1.0, 0.5, 0.95) for at in range(len(names))])
+    return colours[of_vertex]

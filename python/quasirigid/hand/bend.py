@@ -1,0 +1,63 @@
+"""Skin that follows the bend of one joint in shares."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .rotations import Floats
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .hand import Hand
+
+RIGHT_ANGLE = 0.5 * math.pi
+
+
+class Bend(NamedTuple):
+    """A turn by an angle (rad) about an axis (3,) through a pivot (3,) (m)."""
+
+    pivot: Floats
+    axis: Floats
+    angle: float
+
+    @classmethod
+    def of(cls, hand: Hand, joint: int, pivot: Floats, angle: float = RIGHT_ANGLE) -> Bend:
+        """Return the flexion of a joint of a hand at rest."""
+        return cls(pivot, -hand.rest[joint, :3, 0], angle)
+
+    def moved(self, points: Floats, share: Floats) -> Floats:
+        """Return where points (..., 3) go that take shares (...) of the turn."""
+        return self.pivot + self.turned(points - self.pivot, share)
+
+    def turned(self, vectors: Floats, share: Floats) -> Floats:
+        """Return vectors (..., 3) after shares (...) of the turn, blended as dual quaternions."""
+        half = 0.5 * self.angle
+        angle = 2.0 * np.arctan2(share * math.sin(half), 1.0 - share + share * math.cos(half))[..., None]
+        along = (vectors @ self.axis)[..., None] * self.axis
+        turned: Floats = (
+            along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(self.axis, vectors)
+        )
+        return turned
+
+
+def moved_by(parents: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which joints (J, J) each joint moves: itself and all that hang on it."""
+    moved: NDArray[np.bool_] = np.eye(len(parents), dtype=bool)
+    for joint in range(len(parents)):
+        above = parents[joint]
+        while above >= 0:
+            moved[above, joint] = True
+            above = parents[above]
+    return moved
+
+
+def shares_of(hand: Hand) -> Floats:
+    """Return how much (n, J) each joint moves each vertex; sums are 1."""
+    shares = np.zeros((len(hand.joints), len(hand.joint_names)))
+    np.add.at(shares, (np.arange(len(shares))[:, None], hand.joints), hand.weights)
+    shares /= shares.sum(axis=1, keepdims=True)
+    return shares
