@@ -11,6 +11,7 @@ use crate::linalg::dense::Dense;
 use crate::linalg::factor::{Interrupt, NoFactor};
 use crate::linalg::kernels::{CHUNK_ENTRIES, SHARED_WORK, axpy, dot, row_block};
 use crate::linalg::lu::Lu;
+use crate::linalg::vectorized::vectorized;
 
 /// A new row's entry must exceed the pivot by this factor before the two rows change places; above 1 so that
 /// `T` stays triangular, and half as dear, where no interchange is needed.
@@ -99,10 +100,10 @@ impl Basis {
         let rows_each =
             if self.rows * self.rows < SHARED_WORK { self.rows.max(1) } else { row_block(self.rows) };
         let block = |(k, y): (usize, &mut [f64])| {
-            pulp::Arch::new().dispatch(
+            vectorized(
                 #[inline(always)]
                 || {
-                    for (i, y) in (k * rows_each..).zip(y) {
+                    for (i, y) in (k * rows_each..).zip(y.iter_mut()) {
                         let extent = self.extent[i];
                         *y = dot(&self.t[i * self.stride..][..extent], &a[..extent]);
                     }
@@ -115,7 +116,7 @@ impl Basis {
     /// Solves `U x = y` in place.
     pub(super) fn back_substitute(&self, y: &mut [f64]) {
         debug_assert!(self.rows == self.columns && y.len() == self.rows);
-        pulp::Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for i in (0..self.rows).rev() {
@@ -158,7 +159,7 @@ impl Basis {
         let mut unit = last;
         let mut extent = 0;
         let extents = &mut self.extent;
-        pulp::Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for j in 0..last.min(b.len()) {
@@ -200,7 +201,7 @@ impl Basis {
         }
         self.columns -= 1;
         let columns = self.columns;
-        pulp::Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for j in c..columns.min(self.rows.saturating_sub(1)) {
@@ -237,7 +238,7 @@ impl Basis {
         let last_extent = self.extent[last];
         let pivot = t_last[r];
         let mut growth = 0.0_f64;
-        pulp::Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for (row, extent) in t_rows.chunks_exact_mut(stride).zip(&mut self.extent) {

@@ -10,6 +10,7 @@ use crate::lcp::certificate::nan_max;
 use crate::lcp::problem::LcpProblem;
 use crate::linalg::factor::Interrupt;
 use crate::linalg::kernels::{self, CHUNK_ENTRIES, SHARED_WORK, row_block};
+use crate::linalg::vectorized::vectorized;
 
 /// Rows that a pass takes at a time, so that what it adds to stays in the nearest cache.
 const ROWS_AT_ONCE: usize = 1024;
@@ -43,7 +44,7 @@ pub(super) fn add_row_products<'a>(
     interrupted: Interrupt,
 ) {
     in_row_blocks(y, x.len(), interrupted, |first, part| {
-        pulp::Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || part.iter_mut().enumerate().for_each(|(i, y)| *y += kernels::dot(row(first + i), x)),
         );

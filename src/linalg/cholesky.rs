@@ -8,6 +8,7 @@ use faer::{Accum, MatMut, Par};
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{Interrupt, NoFactor, RIGHT_SIDES, STRIP_COLUMNS, in_strips, panel_width};
 use crate::linalg::kernels::{add_terms_inline, axpy, dot};
+use crate::linalg::vectorized::vectorized;
 
 /// `A = L L'` of a symmetric positive definite matrix.
 pub(crate) struct Cholesky {
@@ -71,7 +72,7 @@ impl Cholesky {
     /// `A x = b`.
     pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x = b.to_vec();
-        pulp::Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for j in 0..x.len() {
@@ -99,7 +100,7 @@ fn factor_triangle(mut triangle: MatMut<'_, f64>) -> Result<(), NoFactor> {
         let source = triangle.rb().col(j).try_as_col_major().expect("an owned matrix has contiguous columns");
         column[j..].copy_from_slice(&source.as_slice()[j..]);
     }
-    let is_definite = pulp::Arch::new().dispatch(
+    let is_definite = vectorized(
         #[inline(always)]
         || {
             for j in 0..n {

@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use crate::linalg::vectorized::vectorized;
+
 /// Multiplications from which a product is worth sharing among threads.
 pub(crate) const SHARED_WORK: usize = 1 << 18;
 /// Entries of a matrix between two asks of the interrupt: some milliseconds of memory traffic.
@@ -14,9 +16,9 @@ pub(crate) fn row_block(rows: usize) -> usize {
 
 /// `y += Σ c_k x_k` over the terms `(x_k, c_k)`, each x as long as `y`.
 pub(crate) fn add_terms<'a>(y: &mut [f64], count: usize, term: impl Fn(usize) -> (&'a [f64], f64)) {
-    pulp::Arch::new().dispatch(
+    vectorized(
         #[inline(always)]
-        || add_terms_inline(y, count, term),
+        || add_terms_inline(y, count, &term),
     );
 }
 
@@ -57,7 +59,7 @@ pub(crate) fn axpy(y: &mut [f64], c: f64, x: &[f64]) {
 
 /// `y + tail += c x` with the rounding errors gathered in `tail` (Ogita, Rump, Oishi 2005).
 pub(crate) fn add_column_compensated(y: &mut [f64], tail: &mut [f64], x: &[f64], c: f64) {
-    pulp::Arch::new().dispatch(
+    vectorized(
         #[inline(always)]
         || {
             let n = y.len();
@@ -76,7 +78,7 @@ pub(crate) fn add_column_compensated(y: &mut [f64], tail: &mut [f64], x: &[f64],
 
 /// `y += c x` and `magnitudes += |c x|`.
 pub(crate) fn add_column_measured(y: &mut [f64], magnitudes: &mut [f64], x: &[f64], c: f64) {
-    pulp::Arch::new().dispatch(
+    vectorized(
         #[inline(always)]
         || {
             let n = y.len();
@@ -96,7 +98,7 @@ pub(crate) fn first_to_zero(values: &[f64], rates: &[f64], smallest: f64) -> f64
     let step = |value: f64, rate: f64| {
         if rate < -smallest { value.max(0.0) / -rate } else { f64::INFINITY }
     };
-    pulp::Arch::new().dispatch(
+    vectorized(
         #[inline(always)]
         || {
             let mut lanes = [f64::INFINITY; LANES];
@@ -156,7 +158,7 @@ impl Extremes {
         const ROWS: usize = 512;
         let blocks = self.low.par_chunks_mut(ROWS).zip(self.high.par_chunks_mut(ROWS)).enumerate();
         blocks.with_min_len(blocks_each).for_each(|(k, (low, high))| {
-            pulp::Arch::new().dispatch(
+            vectorized(
                 #[inline(always)]
                 || {
                     let mut chunks = columns.chunks_exact(COLUMNS);
@@ -195,7 +197,7 @@ pub(crate) fn extremes(row: &[f64]) -> (f64, f64) {
     const LANES: usize = 16;
     let mut lanes = ([f64::INFINITY; LANES], [0.0; LANES]);
     let mut last = ([f64::INFINITY], [0.0]);
-    pulp::Arch::new().dispatch(
+    vectorized(
         #[inline(always)]
         || {
             let chunks = row.chunks_exact(LANES);

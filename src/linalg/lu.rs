@@ -13,6 +13,7 @@ use crate::linalg::factor::{
     GROUP_WORK, Interrupt, NoFactor, RIGHT_SIDES, STRIP_COLUMNS, in_strips, panel_width,
 };
 use crate::linalg::kernels::axpy;
+use crate::linalg::vectorized::vectorized;
 
 /// Multiplications in whose time a row of a column changes its place.
 const MOVE_COST: usize = 64;
@@ -31,7 +32,7 @@ pub(crate) struct Cuts {
     pub(crate) panel: usize,
     /// Columns of the rest that one task updates.
     pub(crate) strip: usize,
-    /// Threads within a panel and a strip.
+    /// Threads within a panel.
     pub(crate) par: Par,
 }
 
@@ -76,8 +77,8 @@ impl Lu {
             let (triangle, below) = panel.rb().split_at_row(end - start);
             in_strips(right, strip, (end - start) * height, &mut stop, |_, strip| {
                 let (mut top, rest) = strip.split_at_row_mut(end - start);
-                substitution::solve_unit_lower_triangular_in_place(triangle, top.rb_mut(), par);
-                matmul::matmul(rest, Accum::Add, below, top.rb(), -1.0, par);
+                substitution::solve_unit_lower_triangular_in_place(triangle, top.rb_mut(), Par::Seq);
+                matmul::matmul(rest, Accum::Add, below, top.rb(), -1.0, Par::Seq);
             });
         }
         if stop(1.0) {
@@ -126,7 +127,7 @@ impl Lu {
     /// `A x = b`.
     pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x: Vec<f64> = self.order.iter().map(|&i| b[i]).collect();
-        pulp::Arch::new().dispatch(
+        vectorized(
             #[inline(always)]
             || {
                 for j in 0..x.len() {
@@ -156,15 +157,15 @@ impl Lu {
     }
 
     /// `A' X = B` in place.
-    pub(crate) fn solve_transposed(&self, right: MatMut<'_, f64>, par: Par) {
+    pub(crate) fn solve_transposed(&self, right: MatMut<'_, f64>) {
         let n = self.order.len();
         let mut place = vec![0; n];
         self.order.iter().enumerate().for_each(|(i, &from)| place[from] = i);
         let rows = Perm::new_checked(self.order.clone().into(), place.into(), n);
-        let scratch = solve::solve_transpose_in_place_scratch::<usize, f64>(n, right.ncols(), par);
+        let scratch = solve::solve_transpose_in_place_scratch::<usize, f64>(n, right.ncols(), Par::Seq);
         let mut memory = MemBuffer::new(scratch);
         let (lu, memory) = (self.a.as_ref(), MemStack::new(&mut memory));
-        solve::solve_transpose_in_place(lu, lu, rows.as_ref(), right, par, memory);
+        solve::solve_transpose_in_place(lu, lu, rows.as_ref(), right, Par::Seq, memory);
     }
 }
 

@@ -10,3 +10,4 @@ pub(crate) mod lanczos;
 pub(crate) mod lu;
 pub(crate) mod memory;
 pub(crate) mod threads;
+pub(crate) mod vectorized;

@@ -3,8 +3,10 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatRef, Par};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::NoFactor;
@@ -26,8 +28,8 @@ use crate::surface::cut_out::CutOut;
 const ROWS_PER_REPORT: usize = 64;
 /// Columns of a panel of the factor; wide enough for full-speed products.
 const FACTOR_PANEL: usize = 384;
-/// Columns right of a panel between two looks at the interrupt.
-const FACTOR_STRIP: usize = 1024;
+/// Columns right of a panel that one thread updates.
+const FACTOR_STRIP: usize = 256;
 
 /// The body under a skin: what holds it.
 #[derive(Debug, Clone, Default)]
@@ -247,24 +249,23 @@ impl Body {
         let loads = MatRef::from_column_major_slice(&equations.loads, columns, unknowns);
         let mut displacement = Mat::zeros(3 * skin.vertices().len(), columns);
         let bone_normals = self.bone.as_ref().filter(|_| options.bone_pressure).map(Surface::vertex_normals);
-        let mut pressure = bone_normals.map(|normals| Mat::zeros(normals.len(), columns));
+        let mut pressure = Mat::zeros(bone_normals.map_or(0, <[_]>::len), columns);
         let per_newton = 1.0 / (shear_modulus * length);
-        solve_columns(&factor, loads, &watch, |column, solved| {
-            let (skin_part, bone_part) = solved.split_at(displacement.nrows());
-            let moved = displacement.col_as_slice_mut(column).chunks_exact_mut(3);
-            for ((moved, solved), _) in
-                moved.zip(skin_part.chunks_exact(3)).zip(fixed).filter(|(_, fixed)| !**fixed)
-            {
-                (0..3).for_each(|axis| moved[axis] = solved[axis] * per_newton);
-            }
-            if let (Some(pressure), Some(normals)) = (&mut pressure, bone_normals) {
-                for ((vertex, normal), traction) in normals.iter().enumerate().zip(bone_part.chunks_exact(3))
-                {
-                    let along = Vector3::new(traction[0], traction[1], traction[2]).dot(normal);
-                    pressure[(vertex, column)] = along / (length * length);
+        let results =
+            displacement.par_col_chunks_mut(SOLVE_BLOCK).zip(pressure.par_col_chunks_mut(SOLVE_BLOCK));
+        solve_columns(&factor, loads, &watch, results, |solved, (mut displacement, mut pressure)| {
+            let skin_rows = 3 * fixed.len();
+            for (column, solved) in solved.col_iter().enumerate() {
+                for row in (0..skin_rows).filter(|row| !fixed[row / 3]) {
+                    displacement[(row, column)] = solved[row] * per_newton;
+                }
+                for (vertex, normal) in bone_normals.into_iter().flatten().enumerate() {
+                    let traction = Vector3::from_fn(|axis, _| solved[skin_rows + 3 * vertex + axis]);
+                    pressure[(vertex, column)] = traction.dot(normal) / (length * length);
                 }
             }
         })?;
+        let pressure = bone_normals.map(|_| pressure);
         Ok(BodyParts {
             nodes: nodes.to_vec(),
             displacement,
@@ -301,22 +302,27 @@ fn factorize(matrix: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, Bod
     if pivot_ratio < f64::EPSILON { Err(BodyError::Singular { pivot_ratio }) } else { Ok(factor) }
 }
 
-/// Solves for every row of `loads` in blocks and hands each solution to `take` with its number.
-fn solve_columns(
+/// Solves for every row of `loads`, a block of them on each thread, and hands `take` the solutions of each block with its
+/// part of `results`.
+fn solve_columns<Part: Send>(
     factor: &Lu,
     loads: MatRef<'_, f64>,
     watch: &Watch,
-    mut take: impl FnMut(usize, &[f64]),
+    results: impl IndexedParallelIterator<Item = Part>,
+    take: impl Fn(MatRef<'_, f64>, Part) + Sync,
 ) -> Result<(), BodyError> {
     let (columns, unknowns) = (loads.nrows(), loads.ncols());
-    for start in (0..columns).step_by(SOLVE_BLOCK) {
+    let solved = AtomicUsize::new(0);
+    let scratch = || Mat::zeros(unknowns, SOLVE_BLOCK.min(columns));
+    let finished = results.enumerate().map_init(scratch, |scratch, (block, part)| {
+        let start = block * SOLVE_BLOCK;
         let width = SOLVE_BLOCK.min(columns - start);
-        let mut block = Mat::from_fn(unknowns, width, |row, column| loads[(start + column, row)]);
-        factor.solve_transposed(block.as_mut(), parallelism());
-        (0..width).for_each(|column| take(start + column, block.col_as_slice(column)));
-        if !watch.advance("solution", (start + width) as f64 / columns as f64) {
-            return Err(watch.interrupted("solution"));
-        }
-    }
-    Ok(())
+        let mut block = scratch.as_mut().subcols_mut(0, width);
+        block.copy_from(loads.subrows(start, width).transpose());
+        factor.solve_transposed(block.rb_mut());
+        take(block.rb(), part);
+        let solved = width + solved.fetch_add(width, Ordering::Relaxed);
+        watch.advance("solution", solved as f64 / columns as f64)
+    });
+    if finished.all(|go_on| go_on) { Ok(()) } else { Err(watch.interrupted("solution")) }
 }

@@ -241,7 +241,6 @@ struct RowScratch {
     displacement: [LaneValues; 6],
 }
 
-#[inline(always)]
 fn fill_row(row: &mut Row, reach: &RuleReach, scratch: &mut RowScratch) {
     let body = row.body;
     let point = body.points[row.point];
@@ -296,7 +295,6 @@ pub(crate) fn assemble_equations(
     let height = 3 * body.points.len();
     let load_height = 3 * body.load_count;
     let reach = RuleReach::new(tolerance);
-    let arch = pulp::Arch::new();
     let mut equations =
         Equations { matrix: vec![0.0; height * height], loads: vec![0.0; load_height * height] };
     let finished = equations
@@ -314,10 +312,7 @@ pub(crate) fn assemble_equations(
                 displacement_factors: body.kelvin.displacement_factors(),
                 traction_factors: body.kelvin.traction_factors(),
             };
-            arch.dispatch(
-                #[inline(always)]
-                || fill_row(&mut row, &reach, scratch),
-            );
+            fill_row(&mut row, &reach, scratch);
             advance()
         })
         .all(|go_on| go_on);

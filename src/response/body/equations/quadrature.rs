@@ -5,6 +5,7 @@
 
 use nalgebra::Vector3;
 
+use crate::linalg::vectorized::vectorized;
 use crate::response::body::equations::moments::Triangle;
 use crate::response::integral::gauss::RulePoint;
 
@@ -123,13 +124,22 @@ pub(crate) type MomentLanes = [[LaneValues; 15]; 3];
 
 /// Moments by a quadrature rule, for triangles well away from the point.
 ///
-/// `TRACTION` asks for `d` and `e` too. Written lane by lane, for the compiler to vectorise.
-#[inline(always)]
+/// `TRACTION` asks for `d` and `e` too.
 pub(crate) fn far_moments<const TRACTION: bool>(
     lanes: &TriangleLanes,
     rule: &[RulePoint],
     moments: &mut MomentLanes,
 ) {
+    // Lanes alone: around them, where entries lie scattered, wide vectors would gather and scatter.
+    vectorized(
+        #[inline(always)]
+        || add_moments::<TRACTION>(lanes, rule, moments),
+    );
+}
+
+/// [`far_moments`], written lane by lane for the compiler to vectorise.
+#[inline(always)]
+fn add_moments<const TRACTION: bool>(lanes: &TriangleLanes, rule: &[RulePoint], moments: &mut MomentLanes) {
     let components = if TRACTION { 15 } else { 6 };
     for corner in moments.iter_mut() {
         for component in corner.iter_mut().take(components) {
@@ -162,12 +172,11 @@ pub(crate) fn far_moments<const TRACTION: bool>(
                 values[14][l] = z * w;
             }
         }
-        for corner in 0..3 {
-            for c in 0..components {
-                for l in 0..LANES {
-                    moments[corner][c][l] += bary[corner] * values[c][l];
-                }
-            }
+        // One run each: of two loops the outer one would be vectorised, by gathering.
+        let values = values[..components].as_flattened();
+        for (moments, bary) in moments.iter_mut().zip(bary) {
+            let moments = moments[..components].as_flattened_mut();
+            moments.iter_mut().zip(values).for_each(|(sum, value)| *sum += bary * value);
         }
     }
 }

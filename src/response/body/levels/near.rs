@@ -16,6 +16,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
+use crate::linalg::vectorized::vectorized;
 use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
     LANES, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
@@ -95,7 +96,6 @@ impl NearKernel {
         let ratio = self.half_space.poisson_ratio();
         let factors = [(1.0 - ratio) * per_modulus, ratio * per_modulus];
         let reach = RuleReach::new(options.tolerance);
-        let arch = pulp::Arch::new();
         let mut packed = Mat::zeros(PACKED * rows.len(), columns.len());
         fill_columns(&mut packed, options, Scratch::default, |scratch, j, column| {
             let column = column.as_chunks_mut::<PACKED>().0;
@@ -110,10 +110,7 @@ impl NearKernel {
                         .expect("a face around its vertex"),
                     factors: factors.map(|factor| factor / surface.vertex_areas()[vertex]),
                 };
-                arch.dispatch(
-                    #[inline(always)]
-                    || load.add(&points, &reach, scratch, column),
-                );
+                load.add(&points, &reach, scratch, column);
             }
         })?;
         if let Some(layer) = &self.layer {
@@ -147,7 +144,7 @@ impl NearKernel {
         let mut response = self.scalar_rows(asked, asked.nodes, kept)?;
         let [x, y, z] = coordinates(asked.nodes.iter().map(|&vertex| &asked.surface.vertices()[vertex]));
         let [along_x, along_y, along_z] = coordinates(directions.iter());
-        let (factor, arch) = (self.outer_factor(), pulp::Arch::new());
+        let factor = self.outer_factor();
         response.par_col_chunks_mut(1).enumerate().for_each(|(j, column)| {
             let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
             let entries = entries.as_slice_mut();
@@ -155,7 +152,7 @@ impl NearKernel {
             let [x, y, z] = [&x[..count], &y[..count], &z[..count]];
             let [along_x, along_y, along_z] = [&along_x[..count], &along_y[..count], &along_z[..count]];
             let (to, load) = ([x[j], y[j], z[j]], [along_x[j], along_y[j], along_z[j]]);
-            arch.dispatch(
+            vectorized(
                 #[inline(always)]
                 || {
                     for (i, entry) in entries.iter_mut().enumerate() {
@@ -183,13 +180,13 @@ impl NearKernel {
         let scalar = self.scalar_rows(asked, vertices, kept)?;
         let points = asked.surface.vertices();
         let [x, y, z] = coordinates(vertices.iter().map(|&vertex| &points[vertex]));
-        let (factor, arch) = (self.outer_factor(), pulp::Arch::new());
+        let factor = self.outer_factor();
         let moved = |first: usize| {
             let rows = first..vertices.len().min(first + ROWS_PER_TASK);
             let count = rows.len();
             let [x, y, z] = [&x[rows.clone()], &y[rows.clone()], &z[rows.clone()]];
             let mut sums = [[0.0; ROWS_PER_TASK]; 3];
-            arch.dispatch(
+            vectorized(
                 #[inline(always)]
                 || {
                     let [sum_x, sum_y, sum_z] = &mut sums;
