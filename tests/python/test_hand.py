@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 import os
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.hand import DIGITS, JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
+from quasirigid.hand.frames import uniform_frames
 from quasirigid.hand.pose import bend_at_rest
 
 DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
@@ -143,7 +145,7 @@ def test_a_digit_bent_by_a_right_angle_keeps_its_volume(bendable: qr.Hand, digit
     for link in hinges:
         # Blended as matrices the joint collapses.
         assert gain([link], linear=True) < gain([link])
-    assert gain(["proximal", *hinges]) == pytest.approx(0.0, abs=0.03)
+    assert gain(["proximal", *hinges]) == pytest.approx(0.0, abs=0.05)
 
 
 @pytest.mark.parametrize("digit", DIGITS)
@@ -165,6 +167,25 @@ def test_no_face_of_a_digit_turns_over_where_its_hinges_bend(bendable: qr.Hand, 
         for at in (bendable.surface.vertices, posed.surface.vertices)
     )
     assert ((rest @ motion.T * moved).sum(axis=1) > 0.0).all()
+
+
+def test_next_to_no_skin_turns_over_where_knuckles_bend_and_fists_close(bendable: qr.Hand) -> None:
+    faces = bendable.surface.faces
+
+    def turned_over(pose: Any) -> float:
+        posed = bendable.posed(pose)
+        corners = posed.surface.vertices[faces]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        at_rest = bendable.surface.vertices[faces]
+        outward = np.cross(at_rest[:, 1] - at_rest[:, 0], at_rest[:, 2] - at_rest[:, 0])
+        turns = np.einsum("fj,jab->fab", bendable._shares[faces].mean(axis=1), posed.motions[:, :3, :3])
+        return float((np.einsum("fab,fb,fa->f", turns, outward, across) <= 0.0).mean())
+
+    for digit in DIGITS:
+        # Up to 6e-3 by the weights of the files; the GLB hands have 2,314 faces in all.
+        assert turned_over(right_angles(bendable, digit, ["proximal"])) < 3e-3
+    # Up to 2e-2 by the weights of the files.
+    assert turned_over("fist") < 4e-3
 
 
 def test_flexion_leads_towards_the_palm_and_abduction_away_from_the_middle_finger(rigged: qr.Hand) -> None:
@@ -279,13 +300,15 @@ def test_bones_lie_inside_the_skin_and_clear_of_each_other(rigged: qr.Hand) -> N
     names = [bone.name for bone in rigged.bones]
     assert len(names) == 20
     assert {"carpals", "thumb-metacarpal", "thumb-distal", "little-middle"} < set(names)
-    for pose in ("flat", "relaxed"):
+    for pose in ({}, "relaxed", {f"pinky-finger-phalanx-{link}": 1.1 for link in ("proximal", "distal")}):
         posed = rigged.posed(pose)
+        assert not posed.crossings
         bones = posed.bones
+        assert set(posed.bone_shares) == set(names)
         # A product is refused where its faces cross.
         qr.Obstacle.mesh(bones.vertices, bones.faces)
         skin = qr.Obstacle.mesh(posed.surface.vertices, posed.surface.faces, check_crossings=False)
-        assert skin.signed_distance(bones.vertices)[0].max() < -0.3e-3
+        assert skin.signed_distance(bones.vertices)[0].max() <= -1e-3
 
 
 def test_a_motion_is_one_matrix_or_two(hand: qr.Hand) -> None:
@@ -403,7 +426,11 @@ def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_
         ({"weights": lambda hand: hand.weights * 0.9}, r"weights\[0\] sums to 0\.9"),
         ({"parents": lambda hand: np.roll(np.arange(len(hand.parents)), 1)}, r"run in a circle: .* on "),
         ({"parents": lambda hand: hand.parents + 0.5}, r"expected 26 integers"),
-        ({"joint_names": lambda hand: ["palm", *hand.joint_names[1:]]}, r"lacks 'wrist' \(1 of"),
+        ({"joint_names": lambda hand: ["palm", *hand.joint_names[1:]]}, r"has no joint 'wrist' \(1 of"),
+        (
+            {"joint_names": lambda hand: ["wrist", "Thumb-Metacarpal", *hand.joint_names[2:]]},
+            r"has no joint 'thumb-metacarpal' .*; is 'Thumb-Metacarpal' meant\?",
+        ),
         ({"joint_names": lambda hand: [hand.joint_names[1], *hand.joint_names[1:]]}, r"holds .* 2 times"),
         ({"rest": lambda hand: hand.rest[:, :3]}, r"rest has shape \(26, 3, 4\), expected \(26, 4, 4\)"),
         ({"rest": lambda hand: hand.rest * 1.1}, r"rest\[0\] \(wrist\) is no rigid motion"),
@@ -608,3 +635,115 @@ def test_a_picture_shows_each_region_in_a_colour_of_its_own_and_the_joints() -> 
     # Skin is of one hue; of the regions that the palm shows there are a dozen and more.
     found = [len(np.unique((one[one[:, 1] > 0.3][:, 0] * 30).astype(int))) for one in hues]
     assert found[1] > 12 > 3 >= found[0]
+
+
+@pytest.mark.parametrize("pose", ["flat", "relaxed", "cylinder"])
+@pytest.mark.parametrize("quarter", [0, 1])
+def test_a_hand_that_was_bound_bent_comes_back_from_its_file(tmp_path: Path, pose: str, quarter: int) -> None:
+    made = qr.models.hand(edge_length=5e-3)
+    for hand in (made, made.mirrored()):
+        posed = hand.posed(pose)
+        bound = qr.Hand(
+            posed.surface.vertices,
+            hand.surface.faces,
+            **(parts_of(hand) | {"rest": posed.joints}),
+            side=hand.side,
+        )
+        # As the file of another program, whose bones lead along x and whose backs look along y.
+        turned = posed.joints.copy()
+        if quarter:
+            turned[:, :3, :3] = turned[:, :3, [1, 2, 0]]
+        frames, side = uniform_frames(hand.joint_names, turned)
+        assert side == hand.side
+        cosines = np.einsum("jab,jab->jb", frames[:, :3, :3], posed.joints[:, :3, :3])
+        assert cosines[1:].min() > (math.cos(0.3) if quarter else 1.0 - 1e-12)
+        bound.save(tmp_path / "bound.glb")
+        back = qr.read_hand(tmp_path / "bound.glb")
+        # float32
+        np.testing.assert_allclose(back.rest, bound.rest, atol=1e-6)
+        assert (back.labels == bound.labels).all()
+
+
+def glb_parts(path: Path) -> tuple[dict[str, Any], bytearray]:
+    data = path.read_bytes()
+    size = struct.unpack_from("<I", data, 12)[0]
+    return json.loads(data[20 : 20 + size]), bytearray(data[28 + size :])
+
+
+def test_scales_of_bind_matrices_and_nodes_count(tmp_path: Path) -> None:
+    made = qr.models.hand(edge_length=5e-3)
+    made.save(tmp_path / "hand.glb")
+    described, binary = glb_parts(tmp_path / "hand.glb")
+
+    def array(accessor: int, columns: int) -> np.ndarray:
+        known = described["accessors"][accessor]
+        view = described["bufferViews"][known["bufferView"]]
+        start = view.get("byteOffset", 0) + known.get("byteOffset", 0)
+        return np.frombuffer(binary, "<f4", known["count"] * columns, start).reshape(-1, columns)
+
+    primitive = described["meshes"][0]["primitives"][0]
+    array(primitive["attributes"]["POSITION"], 3)[:] *= 100.0
+    inverse = array(described["skins"][0]["inverseBindMatrices"], 16).reshape(-1, 4, 4)
+    inverse[:, :3, :3] *= 0.01
+    described["buffers"] = [{"byteLength": len(binary), "uri": "hand%20of%20cm.bin"}]
+    (tmp_path / "hand of cm.bin").write_bytes(binary)
+    (tmp_path / "hand.gltf").write_text(json.dumps(described))
+    np.testing.assert_allclose(
+        qr.read_hand(tmp_path / "hand.gltf").surface.vertices, made.surface.vertices, atol=1e-7
+    )
+    # The same in metres once more: the skeleton hangs on a node that is a hundredth.
+    inverse[:, :3, :3] *= 1e4
+    inverse[:, 3, :3] *= 1e4
+    array(primitive["attributes"]["POSITION"], 3)[:] *= 0.01
+    inverse[:, 3, :3] *= 1e-2
+    root = described["skins"][0]["joints"][0]
+    described["nodes"].append({"scale": [0.01, 0.01, 0.01], "children": [root]})
+    described["buffers"][0]["uri"] = "data:;base64," + base64.b64encode(binary).decode()
+    (tmp_path / "hand.gltf").write_text(json.dumps(described))
+    np.testing.assert_allclose(
+        qr.read_hand(tmp_path / "hand.gltf").surface.vertices, made.surface.vertices, atol=1e-7
+    )
+
+
+@pytest.mark.parametrize(
+    ("uri", "message"),
+    [
+        ("../hand.bin", r"buffers/0 is '../hand.bin', expected a file beside it or its bytes"),
+        ("data:;base64,#", r"buffers/0 is no base64"),
+        ("none.bin", r"none.bin: No such file"),
+        (None, r"buffers/0 is None"),
+    ],
+)
+def test_a_buffer_that_is_not_there_is_named(tmp_path: Path, uri: str | None, message: str) -> None:
+    qr.models.hand(edge_length=5e-3).save(tmp_path / "hand.glb")
+    described, _ = glb_parts(tmp_path / "hand.glb")
+    described["buffers"][0]["uri"] = uri
+    (tmp_path / "hand.gltf").write_text(json.dumps(described))
+    with pytest.raises(qr.MeshFileError, match=message):
+        qr.read_hand(tmp_path / "hand.gltf")
+
+
+def test_crossing_skin_can_be_left_out_of_contact() -> None:
+    hand = qr.models.hand(edge_length=4e-3)
+    vectors = np.zeros((len(hand.joint_names), 3))
+    vectors[hand.joint_names.index(f"{INDEX}proximal"), 2] = -0.4  # into the middle finger
+    posed = hand.posed(vectors)
+    assert {one.partition("-")[0] for one in posed.crossings[0]} == {"index", "middle"}
+    open_to_touch = posed.without_crossings().surface
+    closed = posed.surface.skin_mask & ~open_to_touch.skin_mask
+    assert closed.any()
+    # Each such vertex has a face that crosses one of the regions named.
+    assert set(hand.labels[closed]) >= set(posed.crossings[0])
+    assert (hand.posed("flat").without_crossings().surface.skin_mask == hand.surface.skin_mask).all()
+
+
+def test_labels_of_ones_own_change_no_pose_and_no_grasp() -> None:
+    hand = qr.models.hand(edge_length=5e-3)
+    own = qr.Hand(
+        hand.surface.vertices, hand.surface.faces, **parts_of(hand), labels=["skin"] * len(hand.labels)
+    )
+    assert (own.labels == "skin").all()
+    assert (own.regions == hand.regions).all()
+    fists = [one.posed("fist") for one in (own, hand)]
+    np.testing.assert_allclose(fists[0].surface.vertices, fists[1].surface.vertices, atol=1e-15)
+    np.testing.assert_allclose(fists[0].palm, fists[1].palm, atol=1e-15)

@@ -7,11 +7,12 @@ each other.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import _core
 from ..models.fingers import REFERENCE_BREADTH
 from ..models.loft import loft
 from ..models.phalanges import JOINT_GAP, LENGTHS, SECTIONS
@@ -21,7 +22,10 @@ from .rays import way_out
 from .regions import metacarpal_base
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
     from ..models.loft import Indices
+    from ..surface import Surface
     from .hand import Hand
     from .rotations import Floats
 
@@ -40,7 +44,7 @@ _KIND = {"distal": 0, "middle": 1, "proximal": 2, "metacarpal": 2}
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bone:
-    """A bone at rest.
+    """A bone, at rest or where its joint is.
 
     Attributes
     ----------
@@ -49,9 +53,11 @@ class Bone:
     joint : int
         The joint that it moves with.
     vertices : (n, 3) float64
-        At rest (m).
+        Its surface (m).
     faces : (m, 3) int64
         Counter-clockwise seen from outside.
+    ends : (2, 3) float64
+        Of its axis (m).
     share : float
         Of the published section; below 1 where the skin leaves no room for more.
     """
@@ -60,7 +66,22 @@ class Bone:
     joint: int
     vertices: Floats
     faces: Indices
+    ends: Floats
     share: float
+
+    def moved(self, motion: Floats) -> Bone:
+        """Return the bone after a rigid motion (4, 4)."""
+        vertices, ends = (places @ motion[:3, :3].T + motion[:3, 3] for places in (self.vertices, self.ends))
+        return replace(self, vertices=vertices, ends=ends)
+
+    def slimmer(self) -> Bone | None:
+        """Return the bone closer to its axis; None where it would be too slim."""
+        if self.share * _SLIMMER < _SLIMMEST:
+            return None
+        axis = (self.ends[1] - self.ends[0]) / np.linalg.norm(self.ends[1] - self.ends[0])
+        on_axis = self.ends[0] + np.outer((self.vertices - self.ends[0]) @ axis, axis)
+        vertices = on_axis + _SLIMMER * (self.vertices - on_axis)
+        return replace(self, vertices=vertices, share=_SLIMMER * self.share)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,15 +95,15 @@ class _Rod:
     dorsal: Floats
     halves: Floats
 
-    def mesh(self, share: float) -> tuple[Floats, Indices]:
-        """Return vertices (m) and faces with a share of the section."""
+    def mesh(self) -> tuple[Floats, Indices]:
+        """Return vertices (m) and faces."""
         way = self.end - self.start
         length = float(np.linalg.norm(way))
         axis = way / length
         dorsal = self.dorsal - (self.dorsal @ axis) * axis
         dorsal /= np.linalg.norm(dorsal)
         across = np.cross(axis, dorsal)
-        halves = share * self.halves
+        halves = self.halves
         rows = max(5, round(length / (6.0 * np.pi * halves[1].mean() / _AROUND)))
         along = 0.5 * (1.0 - np.cos(np.pi * np.arange(1, rows) / rows))
         rings = []
@@ -102,18 +123,44 @@ class _Rod:
 
 def bones_of(hand: Hand) -> tuple[Bone, ...]:
     """Return the bones of a hand at rest, but for those that its skin has no room for."""
-    skin = Obstacle.mesh(hand.surface.vertices, hand.surface.faces, check_crossings=False)
     bones = []
     for rod in (_carpals(hand), *(rod for digit in DIGITS for rod in _rods(hand, digit))):
-        share = 1.0
-        while share >= _SLIMMEST:
-            vertices, faces = rod.mesh(share)
-            if -skin.signed_distance(vertices)[0].max() >= _MIN_THICKNESS:
-                joint = hand.joint_names.index(rod.joint)
-                bones.append(Bone(name=rod.name, joint=joint, vertices=vertices, faces=faces, share=share))
-                break
-            share *= _SLIMMER
-    return tuple(bones)
+        vertices, faces = rod.mesh()
+        ends = np.array([rod.start, rod.end])
+        joint = hand.joint_names.index(rod.joint)
+        bones.append(Bone(name=rod.name, joint=joint, vertices=vertices, faces=faces, ends=ends, share=1.0))
+    return fitted(bones, hand.surface)
+
+
+def fitted(bones: Iterable[Bone], surface: Surface) -> tuple[Bone, ...]:
+    """Return bones, slimmer or left out where they come nearer than 1 mm to the skin or cross each other."""
+    skin = Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False)
+    fitting: list[Bone] = []
+    for bone in bones:
+        slim: Bone | None = bone
+        while slim is not None and -skin.signed_distance(slim.vertices)[0].max() < _MIN_THICKNESS:
+            slim = slim.slimmer()
+        if slim is not None:
+            fitting.append(slim)
+    while crossing := _crossing(fitting):
+        slimmer = (bone.slimmer() if at in crossing else bone for at, bone in enumerate(fitting))
+        fitting = [bone for bone in slimmer if bone is not None]
+    return tuple(fitting)
+
+
+def joined(bones: Sequence[Bone]) -> tuple[Floats, Indices]:
+    """Return vertices (m) and faces of all bones, one after the other."""
+    firsts = np.cumsum([0, *(len(bone.vertices) for bone in bones[:-1])])
+    faces = [bone.faces + first for bone, first in zip(bones, firsts, strict=True)]
+    return np.concatenate([bone.vertices for bone in bones]), np.concatenate(faces)
+
+
+def _crossing(bones: Sequence[Bone]) -> set[int]:
+    """Return which bones cross another."""
+    if not bones:
+        return set()
+    of_face = np.repeat(np.arange(len(bones)), [len(bone.faces) for bone in bones])
+    return set(of_face[_core.find_crossings(*joined(bones))].ravel().tolist())
 
 
 def _rods(hand: Hand, digit: str) -> list[_Rod]:

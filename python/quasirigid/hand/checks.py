@@ -9,7 +9,7 @@ import numpy as np
 from .._check import as_vector, short
 from ..errors import HandError
 from ..obstacle import Obstacle
-from .joints import JOINTS_OF, WEBXR_25
+from .joints import JOINTS_OF, WEBXR_25, lacking
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,9 +36,9 @@ def as_names(names: Sequence[str]) -> tuple[str, ...]:
     double = sorted({name for name in known if known.count(name) > 1})
     if double:
         raise HandError(f"joint_names holds {double[0]!r} {known.count(double[0])} times")
-    missing = [name for name in WEBXR_25 if name not in known]
+    missing = lacking(known)
     if missing:
-        raise HandError(f"joint_names lacks {missing[0]!r} ({len(missing)} of WebXR's 25 are missing)")
+        raise HandError(f"joint_names has no {missing}")
     return known
 
 

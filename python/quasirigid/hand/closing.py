@@ -62,7 +62,7 @@ class Closing:
         self._digit = np.array(
             [DIGITS.index(DIGIT_OF[name]) if name in DIGIT_OF else -1 for name in hand.joint_names]
         )
-        self.parts = digit_of_vertices(hand.labels)
+        self.parts = digit_of_vertices(hand.regions)
         self.digits = np.full(len(self.parts), len(DIGITS))
         for at, digit in enumerate(DIGITS):
             self.digits[self.parts == digit] = at

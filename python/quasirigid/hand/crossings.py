@@ -7,23 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import _core
-
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from ..surface import Surface
 
 __all__ = ["crossing_parts", "in_words"]
 
 
-def crossing_parts(surface: Surface, labels: NDArray[np.str_]) -> tuple[tuple[str, str], ...]:
-    """Return the pairs of labels whose faces cross, those with the most crossings first."""
-    pairs = _core.find_crossings(surface.vertices, surface.faces)
-    names = labels[surface.faces]
+def crossing_parts(pairs: NDArray[np.int64], labels: NDArray[np.str_]) -> tuple[tuple[str, str], ...]:
+    """Return the pairs of labels whose faces (k, 2, 3) cross, those with the most crossings first."""
+    names = labels[pairs]
     # A face belongs to the label of most of its corners, the first where all differ.
-    own = np.where(names[:, 1] == names[:, 2], names[:, 1], names[:, 0])
-    counts = Counter(tuple(sorted((str(own[one]), str(own[other])))) for one, other in pairs)
+    own = np.where(names[..., 1] == names[..., 2], names[..., 1], names[..., 0])
+    counts = Counter(tuple(sorted((str(one), str(other)))) for one, other in own)
     return tuple((one, other) for (one, other), _ in counts.most_common())
 
 

@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from .hand import Side
     from .rotations import Floats
 
+_AS_MADE_HERE = 0.8  # least cosine between the axes of a file's frames and what they are to follow here
+
 
 def uniform_frames(names: Sequence[str], frames: Floats) -> tuple[Floats, Side]:
     """Return frames (J, 4, 4) with +y along the bone and +z dorsal, and which hand it is.
 
-    Bones lead from joint to joint. Which axes of the file's frames are dorsal is what fits all fingers best;
-    the thumb's follow the same axes.
+    Bones lead from joint to joint. Which axes of the file's frames are dorsal is what fits all fingers best,
+    as they are bent; the thumb's follow the same axes. Frames that are so in the file stay as they are.
 
     Parameters
     ----------
@@ -39,15 +41,16 @@ def uniform_frames(names: Sequence[str], frames: Floats) -> tuple[Floats, Side]:
     side: Side = "right"
     if (thumb - place["wrist"]) @ dorsal > 0.0:
         side, dorsal = "left", -dorsal
-    fingers = [name for digit in DIGITS[1:] for name in JOINTS_OF[digit][1:-1]]
+    upwards = _dorsal(bones, dorsal)
     turns = {name: frames[names.index(name), :3, :3] for name in PARENTS}
 
-    def fit(axes: Floats) -> float:
-        return sum(
-            float(turns[one] @ axes[:, 1] @ bones[one] + turns[one] @ axes[:, 2] @ dorsal) for one in fingers
-        )
+    def cosines(one: str, axes: Floats) -> tuple[float, float]:
+        turn = turns[one]
+        return float(turn @ axes[:, 1] @ bones[one]), float(turn @ axes[:, 2] @ upwards[one])
 
-    axes = max(_quarter_turns(), key=fit)
+    axes = max(_quarter_turns(), key=lambda axes: sum(sum(cosines(one, axes)) for one in upwards))
+    if (axes == np.eye(3)).all() and min(min(cosines(one, axes)) for one in upwards) > _AS_MADE_HERE:
+        return frames, side
     made = frames.copy()
     for name in PARENTS:
         along = bones[name]
@@ -58,6 +61,19 @@ def uniform_frames(names: Sequence[str], frames: Floats) -> tuple[Floats, Side]:
         sideways = _unit(sideways)
         made[names.index(name), :3, :3] = np.column_stack([sideways, along, np.cross(sideways, along)])
     return made, side
+
+
+def _dorsal(bones: dict[str, Floats], dorsal: Floats) -> dict[str, Floats]:
+    """Return the dorsal direction of each phalanx of the fingers: that of the hand, as far as bones bend."""
+    found = {}
+    for digit in DIGITS[1:]:
+        before, upward = bones["wrist"], dorsal
+        for name in JOINTS_OF[digit][1:-1]:
+            bone = bones[name]
+            # The least turn from bone to bone (Rodrigues), of what is perpendicular to the first.
+            upward = upward - (upward @ bone) / (1.0 + before @ bone) * (before + bone)
+            found[name], before = upward, bone
+    return found
 
 
 def _bones(place: dict[str, Floats]) -> dict[str, Floats]:

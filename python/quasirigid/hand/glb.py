@@ -11,7 +11,7 @@ from ..errors import HandError
 from .frames import uniform_frames
 from .gltf import Gltf
 from .hand import Hand
-from .joints import PARENTS, WEBXR_25
+from .joints import PARENTS, lacking
 from .kinematics import inverse_motions
 
 if TYPE_CHECKING:
@@ -34,10 +34,11 @@ def read_glb(path: Path) -> Hand:
     vertices, faces, joints, weights = _mesh(file)
     vertices, faces, joints, weights = _welded(path, vertices, faces, joints, weights)
     names = [str(file.description["nodes"][node].get("name", f"joint-{node}")) for node in _nodes(file)]
-    missing = [name for name in WEBXR_25 if name not in names]
+    missing = lacking(names)
     if missing:
-        raise HandError(f"{path}: it has no joint {missing[0]!r} ({len(missing)} of WebXR's 25 are missing)")
-    frames = _bind_frames(file, len(names))
+        raise HandError(f"{path}: it has no {missing}")
+    frames, scale = _bind_frames(file, len(names))
+    vertices, frames[:, :3, 3] = scale * vertices, scale * frames[:, :3, 3]
     parents = _parents(file, names)
     rest, side = uniform_frames(names, frames)
     return Hand(
@@ -135,9 +136,14 @@ def _welded(
     return vertices[kept], corners.reshape(-1, 3), joints[kept], weights[kept]
 
 
-def _bind_frames(file: Gltf, count: int) -> Floats:
-    """Return the frames (J, 4, 4) of the joints where the mesh was bound to them (m)."""
+def _bind_frames(file: Gltf, count: int) -> tuple[Floats, float]:
+    """Return the frames (J, 4, 4) of the joints where the mesh was bound to them, and metres in its unit."""
     path = file.path
+    if "inverseBindMatrices" not in file.objects("skins")[0]:
+        raise HandError(
+            f"{path}: its skin has no inverse bind matrices, so the mesh stands in the frame of each joint: "
+            "export the mesh as it was bound"
+        )
     matrices = file.rows(file.entry("skins", 0, "inverseBindMatrices")).astype(np.float64)
     if matrices.shape != (count, 16) or not np.isfinite(matrices).all():
         raise HandError(
@@ -155,7 +161,30 @@ def _bind_frames(file: Gltf, count: int) -> Floats:
     frames = np.tile(np.eye(4), (count, 1, 1))
     frames[:, :3, :3] = left @ right
     frames[:, :3, 3] = inverse[:, :3, 3] / scale[:, None]
-    return inverse_motions(frames) * 1.0
+    scales = scale * [_scale_of(file, node) for node in _nodes(file)]
+    if not np.ptp(scales) <= _SCALE_TOLERANCE * scales.mean():
+        raise HandError(
+            f"{path}: its joints have scales of {scales.min():.6g} to {scales.max():.6g}, expected one: "
+            "apply the scales before the export"
+        )
+    return inverse_motions(frames), float(scales.mean())
+
+
+def _scale_of(file: Gltf, node: int) -> float:
+    """Return the scale of a node in the scene, with those that it hangs on."""
+    nodes, above = file.objects("nodes"), _holders(file)
+    scale, at = 1.0, node
+    while True:
+        try:
+            if "matrix" in nodes[at]:
+                scale *= abs(np.linalg.det(np.reshape(nodes[at]["matrix"], (4, 4))[:3, :3]))
+            else:
+                scale *= abs(np.prod(np.reshape(nodes[at].get("scale", (1.0, 1.0, 1.0)), 3)))
+        except (TypeError, ValueError):
+            raise HandError(f"{file.path}: {_named(nodes, at)} has no place: {short(nodes[at])}") from None
+        if at not in above:
+            return float(np.cbrt(scale))
+        at = above[at]
 
 
 def _parents(file: Gltf, names: list[str]) -> list[int]:

@@ -1,11 +1,14 @@
-"""Binary glTF 2.0: the container and its arrays, strictly."""
+"""glTF 2.0, binary or as text: the container and its arrays, strictly."""
 
 from __future__ import annotations
 
+import base64
+import binascii
 import json
 import struct
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -23,26 +26,23 @@ _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 
 
 class Gltf:
-    """A GLB file: its description and its arrays.
+    """A glTF file: its description and its arrays.
 
     Parameters
     ----------
     path : Path
-        The file.
+        The file: .glb, or .gltf with its arrays in it or in files beside it.
 
     Raises
     ------
     MeshFileError
-        It cannot be read, is no GLB of version 2, ends too early, or describes what is not in it.
+        It cannot be read, is no glTF of version 2, ends too early, or describes what is not in it.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        try:
-            data = path.read_bytes()
-        except OSError as error:
-            raise MeshFileError(f"{path}: {error.strerror or error}") from None
-        chunks = self._chunks(data)
+        data = _bytes_of(path)
+        chunks = {_JSON: data} if path.suffix.lower() == ".gltf" else self._chunks(data)
         if _JSON not in chunks:
             raise MeshFileError(f"{path}: it has no description (JSON chunk)")
         try:
@@ -51,7 +51,8 @@ class Gltf:
             raise MeshFileError(f"{path}: its description is no JSON: {error}") from None
         if not isinstance(self.description, dict):
             raise MeshFileError(f"{path}: its description is no object, but {short(self.description)}")
-        self._binary = chunks.get(_BINARY, b"")
+        self._binary = chunks.get(_BINARY)
+        self._buffers: dict[int, bytes] = {}
         needed = self.entry("extensionsRequired") if "extensionsRequired" in self.description else []
         if needed:
             raise MeshFileError(f"{path}: it needs the extension {needed[0]}: save it without compression")
@@ -116,12 +117,40 @@ class Gltf:
             stride = int(view.get("byteStride", width))
         except (KeyError, TypeError, ValueError, OverflowError):
             raise MeshFileError(f"{self.path}: accessors/{accessor} describes no array: {known}") from None
+        buffer = self._buffer(view.get("buffer"))
         end = start + (count - 1) * stride + width if count else start
-        if min(count, start) < 0 or stride < width or end > len(self._binary):
+        if min(count, start) < 0 or stride < width or end > len(buffer):
             raise MeshFileError(
-                f"{self.path}: accessors/{accessor} reads up to byte {end}, there are {len(self._binary)}"
+                f"{self.path}: accessors/{accessor} reads up to byte {end}, there are {len(buffer)}"
             )
-        raw = np.ndarray((count, columns), kind, self._binary, start, (stride, kind.itemsize))
+        raw = np.ndarray((count, columns), kind, buffer, start, (stride, kind.itemsize))
         if known.get("normalized") and kind.kind in "iu":
             return np.maximum(raw / float(np.iinfo(kind).max), -1.0)
         return raw.copy()
+
+    def _buffer(self, number: Any) -> bytes:
+        """Return a buffer by its number: the file's own, one within the description, or a file beside it."""
+        self.objects("buffers")
+        uri = self.entry("buffers", number).get("uri")
+        if number not in self._buffers:
+            if uri is None and number == 0 and self._binary is not None:
+                self._buffers[number] = self._binary
+            elif isinstance(uri, str) and uri.startswith("data:"):
+                try:
+                    self._buffers[number] = base64.b64decode(uri.partition(";base64,")[2], validate=True)
+                except binascii.Error as error:
+                    raise MeshFileError(f"{self.path}: buffers/{number} is no base64: {error}") from None
+            elif isinstance(uri, str) and (beside := Path(unquote(uri))).name == str(beside) != "":
+                self._buffers[number] = _bytes_of(self.path.with_name(beside.name))
+            else:
+                raise MeshFileError(
+                    f"{self.path}: buffers/{number} is {short(uri)}, expected a file beside it or its bytes"
+                )
+        return self._buffers[number]
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise MeshFileError(f"{path}: {error.strerror or error}") from None

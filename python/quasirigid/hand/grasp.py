@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -13,11 +14,12 @@ from .._check import as_number, as_vector
 from .._frozen import Frozen
 from ..contact.options import ContactOptions, options_to_core
 from ..contact.press import end_of
-from ..errors import HandError
+from ..errors import HandError, QuasirigidWarning
 from ..scene import as_obstacle
 from ..skin import Body, GivenMatrix, Skin
 from ..skin.progress import Progress, as_progress
 from .closing import Closing
+from .crossings import in_words
 from .hand import Hand
 from .hold import Hold
 from .joints import DIGITS, index_of
@@ -51,7 +53,7 @@ class Grasp(Frozen):
     pose : (J, 4) float64
         Turn of each joint against its rest frame, quaternions x, y, z, w: a pose for `Hand.posed`.
     posed : PosedHand
-        The hand in it, where it stands.
+        The hand in it, where it stands; `PosedHand.crossings` names the regions that cross each other there.
     contact : Contact
         The contact of the whole hand, everything coupled.
     shares : dict of str to float
@@ -211,7 +213,7 @@ def close_hand(
     Warns
     -----
     QuasirigidWarning
-        What the last contact warns of.
+        What the last contact warns of, and regions of the hand that cross each other.
 
     Notes
     -----
@@ -262,9 +264,15 @@ def close_hand(
     )
     posed, contact = hold.run()
     end_of(contact, throw=throw, stacklevel=2)
+    if posed.crossings:
+        warnings.warn(
+            f"the hand crosses itself, {in_words(posed.crossings)}: digits do not hold each other off; "
+            "turn or move the hand, ask for less force or end in another pose",
+            QuasirigidWarning,
+            stacklevel=2,
+        )
     parts = contact.by_label(hold.closing.parts)  # each digit and the palm
-    loaded = np.unique(posed.labels[contact.active[contact.active < len(posed.labels)]])
-    regions = contact.by_label(np.where(np.isin(posed.labels, loaded), posed.labels, ""))
+    regions = contact.by_label(posed.labels)
     net_force = -contact.force
     net_moment = -(contact.moment - np.cross(middle, contact.force))
     return Grasp(

@@ -11,6 +11,7 @@ from .. import _core
 from .._check import as_number
 from ..errors import HandError
 from ..surface import Surface, skin_without_caps
+from .bend import shares_of
 from .bones import Bone, bones_of
 from .checks import as_frames, as_labels, as_names, as_parents, check_inside, read_only
 from .creases import without_folds
@@ -19,7 +20,7 @@ from .kinematics import mirrored_frames, motions_of, moved_frames
 from .pivots import pivots_of
 from .pose import turns_of
 from .posed import PosedHand
-from .regions import digit_of_vertices, regions_of
+from .regions import regions_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -117,8 +118,8 @@ class Hand:
 
     @property
     def labels(self) -> NDArray[np.str_]:
-        """(n,) str: the region of each vertex, such as ``"index-distal-palmar"``."""
-        return self._regions if self._labels is None else self._labels
+        """(n,) str: the region of each vertex, such as ``"index-distal-palmar"``, or what was given."""
+        return self.regions if self._labels is None else self._labels
 
     @property
     def length(self) -> float:
@@ -127,16 +128,25 @@ class Hand:
         return float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
 
     @cached_property
-    def _regions(self) -> NDArray[np.str_]:
+    def regions(self) -> NDArray[np.str_]:
+        """(n,) str: the regions found from joints and normals, whatever the labels are."""
         return read_only(regions_of(self))
 
     @cached_property
+    def _shares(self) -> Floats:
+        shares = shares_of(self)
+        return without_folds(self, pivots_of(self, shares), shares)
+
+    @cached_property
     def _pivots(self) -> Floats:
-        return pivots_of(self, digit_of_vertices(self._regions))
+        return pivots_of(self, self._shares)
 
     @cached_property
     def _influence(self) -> _core.SkinWeights:
-        return _core.SkinWeights(*without_folds(self, self._pivots), joint_count=len(self.joint_names))
+        most = np.count_nonzero(self._shares, axis=1).max()
+        joints = np.argpartition(-self._shares, most - 1, axis=1)[:, :most]
+        weights = np.take_along_axis(self._shares, joints, axis=1)
+        return _core.SkinWeights(joints, weights, joint_count=len(self.joint_names))
 
     def posed(
         self,
@@ -269,7 +279,7 @@ class Hand:
         }
         made = Hand(vertices, rest=rest, **(known | changed))
         # What rigid motions, scales and mirrors leave as it is.
-        for name in ("_regions", "_influence"):
+        for name in ("regions", "_shares", "_influence"):
             if name in vars(self):
                 vars(made)[name] = vars(self)[name]
         return made

@@ -64,6 +64,19 @@ DIGIT_OF: dict[str, str] = {name: digit for digit in DIGITS for name in JOINTS_O
 """The digit of each joint but the wrist."""
 
 
+def lacking(names: Iterable[str]) -> str:
+    """Return the first of WebXR's 25 joints that names lack, how many they are and a similar name; or ""."""
+    known = list(names)
+    missing = [name for name in WEBXR_25 if name not in known]
+    if not missing:
+        return ""
+    others = [name for name in known if name not in WEBXR_25]
+    lower = {name.lower(): name for name in others}
+    near = difflib.get_close_matches(missing[0], lower, n=1, cutoff=0.7)
+    offered = f"; is {lower[near[0]]!r} meant?" if near else ""
+    return f"joint {missing[0]!r} ({len(missing)} of WebXR's 25 are missing){offered}"
+
+
 def index_of(name: str, known: Iterable[str], what: str) -> int:
     """Return the place of a name among those known; a refusal offers the nearest one."""
     names = list(known)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .bend import Bend, moved_by, shares_of
+from .bend import Bend, moved_by
 from .joints import DIGITS, JOINTS_OF
+from .regions import digit_of_vertices
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,17 +23,17 @@ _SECANTS = 3  # the gain of volume is linear in the depth but for some per cent
 _FARTHEST = 0.5  # of the length of its bone: how far a pivot may lie from the joint
 
 
-def pivots_of(hand: Hand, digits: NDArray[np.str_]) -> Floats:
+def pivots_of(hand: Hand, shares: Floats) -> Floats:
     """Return the points (J, 3) (m) about which the joints of a hand turn at rest.
 
-    digits : (n,) str
-        Which each vertex lies on.
+    shares : (n, J) float64
+        How much each joint moves each vertex.
 
     The joints themselves, but that rigs have those of digits at any depth below the back, where a bend gains
     or loses volume: those turn at the depth at which a bend by a right angle keeps that of the digit.
     """
     pivots = hand.rest[:, :3, 3].copy()
-    shares, moved = shares_of(hand), moved_by(hand.parents)
+    moved, digits = moved_by(hand.parents), digit_of_vertices(hand.regions)
     for digit in DIGITS:
         joints = [hand.joint_names.index(name) for name in JOINTS_OF[digit][1:]]
         skin = _Digit(hand, digits == digit)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import _core
 from ..errors import HandError
 from ..skin import Body, Skin
 from ..surface import Surface
+from .bones import fitted, joined
 from .crossings import crossing_parts, in_words
 from .joints import index_of
 from .kept import kept
@@ -18,11 +21,13 @@ from .rays import way_out
 from .regions import digit_of_vertices
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from os import PathLike
 
     from numpy.typing import ArrayLike, NDArray
 
     from ..skin import PreparedSkin, Response
+    from .bones import Bone
     from .hand import Hand
     from .rotations import Floats
 
@@ -89,19 +94,39 @@ class PosedHand:
 
     @cached_property
     def bones(self) -> Surface:
-        """Bones of the hand where their joints are, one component each."""
-        vertices, faces, start = [], [], 0
-        for bone in self.hand.bones:
-            motion = self.motions[bone.joint]
-            vertices.append(bone.vertices @ motion[:3, :3].T + motion[:3, 3])
-            faces.append(bone.faces + start)
-            start += len(bone.vertices)
-        return Surface(np.concatenate(vertices), np.concatenate(faces))
+        """Bones of the hand where their joints are, one component each.
+
+        They stay at least 1 mm inside the skin and clear of each other: `bone_shares` says which are slimmer
+        for that. Of skin that crosses itself there is no inside: they are as at rest.
+        """
+        return Surface(*joined(self._bones))
+
+    @property
+    def bone_shares(self) -> Mapping[str, float]:
+        """What each bone has of its published section in this pose, by its name; 0 where it is left out."""
+        shares = dict.fromkeys((bone.name for bone in self.hand.bones), 0.0)
+        return MappingProxyType(shares | {bone.name: bone.share for bone in self._bones})
+
+    @cached_property
+    def _bones(self) -> tuple[Bone, ...]:
+        moved = tuple(bone.moved(self.motions[bone.joint]) for bone in self.hand.bones)
+        return moved if self.crossings else fitted(moved, self.surface)
 
     @cached_property
     def crossings(self) -> tuple[tuple[str, str], ...]:
         """Pairs of regions whose faces cross in this pose, those with the most crossings first."""
-        return crossing_parts(self.surface, self.labels)
+        return crossing_parts(self.surface.faces[self._crossing_faces], self.labels)
+
+    def without_crossings(self) -> PosedHand:
+        """Return the hand in the same pose, of which the skin that crosses itself may not touch."""
+        mask = self.surface.skin_mask.copy()
+        mask[self.surface.faces[self._crossing_faces]] = False
+        return replace(self, surface=self.surface.with_skin_mask(mask))
+
+    @cached_property
+    def _crossing_faces(self) -> NDArray[np.int64]:
+        """Pairs of faces (k, 2) that cross."""
+        return _core.find_crossings(self.surface.vertices, self.surface.faces)
 
     def skin(
         self,
@@ -157,11 +182,12 @@ class PosedHand:
 
     def _touching(self, body: Body) -> NDArray[np.int64]:
         """Return the vertices of the palmar side."""
-        palm = np.isin(self.labels, ("palm-center", "thenar", "hypothenar"))
-        digits = np.char.endswith(self.labels, "-palmar") | np.char.endswith(self.labels, "-head")
+        regions = self.hand.regions
+        palm = np.isin(regions, ("palm-center", "thenar", "hypothenar"))
+        digits = np.char.endswith(regions, "-palmar") | np.char.endswith(regions, "-head")
         held = False if body.fixed is None else np.asarray(body.fixed, dtype=bool)
         free = self.surface.skin_mask & ~held
-        return np.flatnonzero(free & (palm | digits | np.char.startswith(self.labels, "web-")))
+        return np.flatnonzero(free & (palm | digits | np.char.startswith(regions, "web-")))
 
     @property
     def palm(self) -> PalmFrame:
@@ -176,12 +202,13 @@ class PosedHand:
         out = np.cross(index - wrist, little - wrist) * (1.0 if self.hand.side == "right" else -1.0)
         out -= (out @ distal) * distal
         out /= np.linalg.norm(out)
-        middle = self.surface.vertices[self.labels == "palm-center"].mean(axis=0) - _BELOW * out
+        middle = self.surface.vertices[self.hand.regions == "palm-center"].mean(axis=0) - _BELOW * out
         middle += ((wrist + _PALM_MIDDLE * (knuckle - wrist) - middle) @ distal) * distal
         frame = np.eye(4)
         frame[:3, :3] = np.column_stack([np.cross(distal, out), distal, out])
         frame[:3, 3] = middle + way_out(self.surface, middle, out) * out
-        is_palm = (digit_of_vertices(self.labels) == "palm") & ~np.isin(self.labels, _OFF_PALM)
+        regions = self.hand.regions
+        is_palm = (digit_of_vertices(regions) == "palm") & ~np.isin(regions, _OFF_PALM)
         return PalmFrame(frame, self.surface.with_skin_mask(is_palm & self.surface.skin_mask))
 
     def frame_of(self, joint: str) -> Floats:

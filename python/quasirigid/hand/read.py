@@ -1,4 +1,4 @@
-"""Hands from files: GLB with a skin, or a mesh with its rig beside it."""
+"""Hands from files: glTF with a skin, or a mesh with its rig beside it."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def read_hand(
     Parameters
     ----------
     path : path
-        A GLB file with one skin (binary glTF 2.0), or a mesh (.ply, .stl, .obj).
+        A glTF 2.0 file with one skin (.glb or .gltf), or a mesh (.ply, .stl, .obj).
     rig : path, optional
         The .npz of a mesh. The one beside it when left out: the longest name that the mesh's begins with,
         followed by ``_rig.npz``.
     unit : {"m", "cm", "mm", "inch"}
-        Unit of a mesh and its rig; GLB is in metres.
+        Unit of a mesh and its rig; glTF is in metres.
 
     Returns
     -------
@@ -51,8 +51,8 @@ def read_hand(
     Raises
     ------
     HandError
-        No skin or several in a GLB, joints that are not WebXR's, doubled points whose weights differ, a rig
-        without weights for as many vertices; the message names the file.
+        No skin or several in a glTF file, joints that are not WebXR's, doubled points whose weights differ, a
+        rig without weights for as many vertices; the message names the file.
     MeshFileError
         The file cannot be read.
     SurfaceError
@@ -69,15 +69,15 @@ def read_hand(
     one pair ``<mesh>_joint`` and ``<mesh>_weight`` (n, k), found by the number of vertices; ``side`` ("right"
     or "left") is optional, "right" where it is missing.
 
-    Of a GLB, bit-equal points are welded, as texture seams need. Its joints get frames of this package: +y
-    to the next joint, +x the axis of flexion as the file has it. Which hand it is shows in the place of the
-    thumb.
+    Of glTF, bit-equal points are welded, as texture seams need. Its joints get frames of this package: +y to
+    the next joint, +x the axis of flexion as the file has it. Which hand it is shows in the place of the
+    thumb. Scales of its bind matrices and nodes count.
     """
     file = Path(path)
     try:
-        if file.suffix.lower() == ".glb":
+        if file.suffix.lower() in (".glb", ".gltf"):
             if rig is not None:
-                raise HandError("rig belongs to a mesh, a GLB has its own")
+                raise HandError("rig belongs to a mesh, glTF has its own")
             hand = read_glb(file)
         else:
             hand = _read_mesh_with_rig(file, None if rig is None else Path(rig), unit)
@@ -89,7 +89,7 @@ def read_hand(
     if not least <= hand.length <= most:
         warnings.warn(
             f"{file}: the hand is {hand.length:.4g} m long from wrist to middle tip, outside {least} to "
-            f"{most} m: is it in another unit? `unit` is that of mesh and rig, a GLB's is the metre",
+            f"{most} m: is it in another unit? `unit` is that of mesh and rig, glTF's is the metre",
             SizeWarning,
             stacklevel=2,
         )

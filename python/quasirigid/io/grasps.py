@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._units import KPA, MM
+from ..hand.crossings import in_words
 from .atomic import atomic_write
 from .record import as_plain
 from .summary import aligned
@@ -66,6 +67,8 @@ def digit_table(grasp: Grasp) -> str:
         column.append(f"{value:.4g}")
     lines = aligned(columns)
     lines += [f"{digit} {reason}" for digit, reason in grasp.missed.items()]
+    if grasp.posed.crossings:
+        lines.append(f"the hand crosses itself: {in_words(grasp.posed.crossings)}")
     net, moment = _length(grasp.net_force), _length(grasp.net_moment)
     lines.append(f"hand on product: {net:.4g} N, {moment:.4g} N m about its centre of mass")
     if grasp.unbalanced_force is not None and grasp.unbalanced_moment is not None:
@@ -90,6 +93,7 @@ def grasp_record(grasp: Grasp) -> dict[str, Any]:
         "regions": {name: _record(part) for name, part in grasp.regions.items()},
         **{name: {"value": as_plain(getattr(grasp, name)), "unit": unit} for name, unit in _BALANCE.items()},
         "missed": dict(grasp.missed),
+        "crossings": grasp.posed.crossings,
         "rounds": grasp.rounds,
         "timings": {name: {"value": seconds, "unit": "s"} for name, seconds in grasp.timings.items()},
     }
