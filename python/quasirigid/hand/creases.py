@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from .rotations import Floats
 
 _MOST_ROUNDS = 60
+_VAIN_ROUNDS = 10  # after which no more faces are won back
 _PATIENCE = 4  # rounds before one ring of faces more is smoothed
+_SPREAD = 0.01  # of the shares at the corners of a face, below which no bend turns it over
 _OTHERS = 0.1  # share of other joints from which skin is left to them
 _BORDER = 8  # rings of faces around those over which a joint's share changes
 
@@ -92,9 +94,10 @@ def _over(new: Floats, old: Floats) -> Floats:
 def _smoothed(hand: Hand, shares: Floats, bend: Bend, kept: NDArray[np.bool_]) -> Floats:
     """Return shares (n, k) of a bend, smoothed where faces turn over by their sums; those kept (n,) stay."""
     faces, points = hand.surface.faces, hand.surface.vertices
-    of_face = shares.sum(axis=1)[faces]
-    hinge = faces[of_face.max(axis=1) > of_face.min(axis=1)]
-    if not _turns_over(bend, points[hinge], shares.sum(axis=1)[hinge]).any():
+    first, second, third = (total := shares.sum(axis=1))[faces.T]
+    spread = np.maximum(np.maximum(first, second), third) - np.minimum(np.minimum(first, second), third)
+    hinge = faces[spread > _SPREAD]
+    if not _turns_over(bend, points[hinge], total[hinge]).any():
         return shares
     rows = np.zeros(len(shares), dtype=bool)
     rows[hinge] = True
@@ -102,10 +105,12 @@ def _smoothed(hand: Hand, shares: Floats, bend: Bend, kept: NDArray[np.bool_]) -
     part = _Part(faces[rows[faces].all(axis=1)])
     corners, local = points[part.vertices][part.faces], shares[part.vertices]
     over = np.zeros(len(corners), dtype=bool)
-    changed = np.arange(len(corners))
+    changed, fewest, since = np.arange(len(corners)), len(corners) + 1, 0
     for round_ in range(_MOST_ROUNDS):
         over[changed] = _turns_over(bend, corners[changed], local.sum(axis=1)[part.faces[changed]])
-        if not over.any():
+        count = int(np.count_nonzero(over))
+        fewest, since = (count, 0) if count < fewest else (fewest, since + 1)
+        if count == 0 or since == _VAIN_ROUNDS:
             break
         rings = 1 + round_ // _PATIENCE
         near = np.zeros(len(local), dtype=bool)

@@ -36,6 +36,7 @@ _MOST_TRIALS = 60  # on the given mesh
 _SEARCH_LINEARIZATIONS = 2  # there, where that is a start alone
 _MOST_ROUNDS = 6  # with all options
 _STEP = 1.5e-3  # m, of a hand of 0.19 m: a digit goes on by no more at once, or it steps through thin walls
+_BESIDE = 8e-3  # m, of that hand: skin so near the product is where a body is solved most finely
 _MET = "target_error"  # reason of a mesh that is as fine as was asked
 _ONE_FINENESS = 2.5  # nodes over a coarser mesh's, too few for the next finer one
 _HERTZ = 2.0 / 3.0  # the power of a force that grows in a straight line with the depth
@@ -267,8 +268,13 @@ class Hold:
         posed = self.closing.posed(self.shares)
         elastic: ElasticSkin = skin
         if isinstance(skin.response, Body):
+            away, _, _ = self.obstacle.signed_distance(posed.surface.vertices, _BESIDE * self.closing.scale)
+            beside = np.flatnonzero(np.isfinite(away) & posed.surface.skin_mask)
             elastic = posed.skin(
-                shear_modulus=skin.shear_modulus, poisson_ratio=skin.poisson_ratio, response=skin.response
+                shear_modulus=skin.shear_modulus,
+                poisson_ratio=skin.poisson_ratio,
+                response=skin.response,
+                nodes=beside if len(beside) else None,
             )
         contact = solve_quietly(posed.surface, self.obstacle, elastic, options)
         self.solved = Solved(posed, contact)
