@@ -10,15 +10,23 @@ use crate::linalg::factor::{Interrupt, NoFactor, RIGHT_SIDES, STRIP_COLUMNS, in_
 use crate::linalg::kernels::{add_terms_inline, axpy, dot};
 use crate::linalg::vectorized::vectorized;
 
-/// `A = L L'` of a symmetric positive definite matrix.
+/// `c A = L L'` of a symmetric positive definite matrix.
 pub(crate) struct Cholesky {
     l: Dense,
+    /// c, 1 or 1/2: the largest entry of c A has an even exponent, so that A and 2 A have the same digits under the roots.
+    scale: f64,
 }
 
 impl Cholesky {
     /// Reads the lower triangle of `a`.
     pub(crate) fn new(mut a: Dense, interrupted: Interrupt) -> Result<Self, NoFactor> {
         let n = a.rows();
+        let largest = (0..n).map(|i| a.at(i, i)).fold(0.0, f64::max);
+        let is_odd = largest > 0.0 && largest.is_finite() && libm::ilogb(largest).rem_euclid(2) == 1;
+        let scale = if is_odd { 0.5 } else { 1.0 };
+        if is_odd {
+            (0..n).for_each(|j| a.column_mut(j)[j..].iter_mut().for_each(|entry| *entry *= scale));
+        }
         for start in (0..n).step_by(panel_width(n)) {
             if interrupted() {
                 return Err(NoFactor::Interrupted);
@@ -57,13 +65,14 @@ impl Cholesky {
                 matmul::matmul(rest.rb_mut(), Accum::Add, under, own.transpose(), -1.0, Par::Seq);
             });
         }
-        Ok(Self { l: a })
+        Ok(Self { l: a, scale })
     }
 
     /// `A X = B` in place; left unfinished when interrupted.
     pub(crate) fn solve_in_place(&self, right: MatMut<'_, f64>, interrupted: Interrupt) {
         let (l, n) = (self.l.as_ref(), self.l.rows());
         in_strips(right, RIGHT_SIDES, n * n, &mut || interrupted(), |_, mut strip| {
+            strip.rb_mut().col_iter_mut().for_each(|mut column| column *= faer::Scale(self.scale));
             substitution::solve_lower_triangular_in_place(l, strip.rb_mut(), Par::Seq);
             substitution::solve_upper_triangular_in_place(l.transpose(), strip, Par::Seq);
         });
@@ -71,7 +80,7 @@ impl Cholesky {
 
     /// `A x = b`.
     pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
-        let mut x = b.to_vec();
+        let mut x: Vec<f64> = b.iter().map(|entry| self.scale * entry).collect();
         vectorized(
             #[inline(always)]
             || {

@@ -58,6 +58,12 @@ def huge() -> qr.Surface:
     return qr.Surface(*ball(8.0, 3))
 
 
+def pressed_on_caps() -> qr.Contact:
+    tip = qr.models.fingertip(edge_length=2.5e-3)
+    caps = tip.with_skin_mask(~qr.skin_without_caps(tip))
+    return qr.press(caps, PLATE, kernel(qr.HalfSpace()), [0, 0, 1], depth=1e-4, options=AS_GIVEN)
+
+
 CASES = {
     "a ball of metres": ("SizeWarning", "1.6000e1 m", lambda: pressed(huge(), depth=0.08)),
     "a metre deep": ("DepthWarning", "1.1200e0 m", lambda: pressed(qr.Surface(*ball(8e-3, 3)), depth=1.12)),
@@ -85,6 +91,7 @@ CASES = {
         lambda: pressed(qr.Surface(*ball(8e-3, 3)), kernel(qr.Layer(thickness=3e-3)), 1.8e-3),
     ),
     "an inverted mask": ("MaskWarning", "6 of 642", lambda: pressed(few_may_touch())),
+    "the caps instead of the skin": ("MaskWarning", "may touch", lambda: pressed_on_caps()),
 }
 
 

@@ -207,3 +207,23 @@ def test_an_option_that_the_method_does_not_know_is_named_with_the_method(
     with pytest.raises(qr.LcpError, match=f"option `{name}` is not known by method '{method}'"):
         qr.solve_lcp(M, q, method=method, options=qr.LcpOptions(**option))
     assert qr.solve_lcp(M, q, method="auto", options=qr.LcpOptions(**option)).status == "solved"
+
+
+@pytest.mark.parametrize("method", list(qr.LcpMethod))
+def test_twice_the_matrix_and_the_vector_give_the_same_answer_to_the_bit(method: qr.LcpMethod) -> None:
+    random = np.random.default_rng(8)
+    problems = [
+        # Next to singular: what is left of z is rounding.
+        (
+            np.array([[0.6130697109402233, 0.4870389835552794], [0.4870389835552794, 0.3869516597448032]]),
+            np.array([-0.40426959268751356, -0.3211625823152621]),
+        ),
+        (np.full((2, 2), 4.0), np.array([-0.7281367290764543, -0.7615617841772263])),
+    ]
+    for size in range(2, 10):
+        root = random.normal(size=(size, size))
+        problems.append((root @ root.T, random.normal(size=size)))
+    for m, q in problems:
+        once, twice = (qr.solve_lcp(c * m, c * q, method=method, throw=False) for c in (1.0, 2.0))
+        assert once.status == twice.status
+        np.testing.assert_array_equal(once.z, twice.z)

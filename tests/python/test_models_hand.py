@@ -330,7 +330,8 @@ def test_a_hand_that_cannot_be_is_refused(arguments: dict[str, Any], message: st
 def test_a_pose_keeps_the_volume_and_open_ones_do_not_cross(pose: str) -> None:
     hand = built(edge_length=2.5e-3)
     posed = hand.posed(pose).surface
-    assert posed.volume == pytest.approx(hand.surface.volume, rel=0.03)
+    # Digits keep theirs; the palm gains where knuckles turn at a depth that serves the digits.
+    assert posed.volume == pytest.approx(hand.surface.volume, rel=0.04)
     qr.Obstacle.mesh(posed.vertices, posed.faces, check_crossings=True)
 
 

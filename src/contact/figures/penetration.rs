@@ -32,6 +32,10 @@ pub(crate) fn penetration_after(
     motion: &CandidateMotion,
     beside: &Beside,
 ) -> Result<Penetration, ContactError> {
+    if forces.active.is_empty() {
+        // Nothing has moved.
+        return Ok(Penetration { depth: gaps.deepest(), is_at_vertex: false, stretch: 1.0 });
+    }
     let surface = gaps.surface;
     let mut vertices = forces.candidates.clone();
     let mut points: Vec<Vector3<f64>> = forces

@@ -32,8 +32,8 @@ const LAYER_SHARE: f64 = 0.5;
 const GAUSSIAN_SHARE: f64 = 0.5;
 /// Mesh cells in the radius of a contact below which force and area are guesses.
 const FEW_CELLS: f64 = 2.0;
-/// Share of the vertices that are few to touch.
-const FEW_VERTICES: f64 = 0.01;
+/// Share of the vertices that are few to touch: the flat cuts of hands and fingers are less.
+const FEW_VERTICES: f64 = 0.2;
 
 /// A question, with the contact that answers it.
 pub(crate) struct Guarded<'a> {
@@ -101,7 +101,7 @@ impl Guarded<'_> {
         (free < count && (free as f64) < FEW_VERTICES * count as f64).then(|| Warning {
             kind: WarningKind::Mask,
             message: format!(
-                "the skin mask lets {free} of {count} vertices touch ({:.2} %): is it inverted? It is true where the skin may touch",
+                "the skin mask lets {free} of {count} vertices touch ({:.1} %): is it inverted? It is true where the skin may touch",
                 100.0 * free as f64 / count as f64
             ),
         })

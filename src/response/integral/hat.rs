@@ -15,6 +15,14 @@ const PLAIN_LOSS: f64 = 20.0;
 const FAR_DISTANCE: f64 = 2.0;
 /// Most points of that rule in each direction, for an error below 1e-14.
 const FAR_POINTS: usize = 14;
+/// Length / height from which a triangle is a needle, cut across its length first: halves of its longest edges would lie
+/// side by side, ever more of them.
+const NEEDLE: f64 = 1e5;
+/// Length / height of a slice that is cut no further, and its distance / length from which it need not be.
+const SLICE_LENGTH: f64 = 32.0;
+const SLICE_DISTANCE: f64 = 2.5;
+/// Least share of a needle's length that a slice at its tip has.
+const LEAST_SLICE: f64 = 1e-15;
 /// Share of a tolerance that each of the two ways may use up.
 const TOLERANCE_SHARE: f64 = 0.1;
 
@@ -25,6 +33,67 @@ struct Piece {
     weights: [[f64; 3]; 3],
     /// As the whole triangle's corners give it: far from the point the piece's own may be rounded to a line (m²).
     area: f64,
+}
+
+impl Piece {
+    /// A needle cut across its length, ever finer towards the point.
+    fn slices(&self) -> Vec<Piece> {
+        let apex = (0..3)
+            .max_by(|&i, &j| self.edge_opposite(i).norm().total_cmp(&self.edge_opposite(j).norm()))
+            .expect("a triangle has three edges");
+        let [from, to] = [(apex + 1) % 3, (apex + 2) % 3];
+        let base = self.edge_opposite(apex);
+        let share = (self.corners[apex] - self.corners[from]).dot(&base) / base.norm_squared();
+        let foot = self.between(from, to, share);
+        let ends = [foot, (self.corners[apex], self.weights[apex])];
+        let mut slices = Vec::new();
+        for (tip, area) in [(from, share * self.area), (to, (1.0 - share) * self.area)] {
+            let tip = (self.corners[tip], self.weights[tip]);
+            let [length, height] = [(ends[0].0 - tip.0).norm(), (ends[1].0 - ends[0].0).norm()];
+            let mut intervals = vec![[0.0, 1.0]];
+            while let Some([a, b]) = intervals.pop() {
+                let middle = 0.5 * (a + b);
+                let distance = mixed(&tip, &ends[0], middle).0.norm();
+                let own = (b - a) * length;
+                if b > LEAST_SLICE && own > SLICE_LENGTH * b * height && distance < SLICE_DISTANCE * own {
+                    intervals.extend([[a, middle], [middle, b]]);
+                    continue;
+                }
+                let [near, far] = [a, b].map(|at| ends.map(|end| mixed(&tip, &end, at)));
+                slices.push(Piece::new([near[0], far[0], far[1]], b * (b - a) * area));
+                if a > 0.0 {
+                    slices.push(Piece::new([near[0], far[1], near[1]], a * (b - a) * area));
+                }
+            }
+        }
+        slices
+    }
+
+    fn new(corners: [(Vector3<f64>, [f64; 3]); 3], area: f64) -> Self {
+        Self {
+            corners: corners.map(|(corner, _)| corner),
+            weights: corners.map(|(_, weights)| weights),
+            area,
+        }
+    }
+
+    fn edge_opposite(&self, corner: usize) -> Vector3<f64> {
+        self.corners[(corner + 2) % 3] - self.corners[(corner + 1) % 3]
+    }
+
+    fn between(&self, from: usize, to: usize, share: f64) -> (Vector3<f64>, [f64; 3]) {
+        mixed(&(self.corners[from], self.weights[from]), &(self.corners[to], self.weights[to]), share)
+    }
+}
+
+/// The place and the weights so far on the way from one to another.
+fn mixed(
+    from: &(Vector3<f64>, [f64; 3]),
+    to: &(Vector3<f64>, [f64; 3]),
+    share: f64,
+) -> (Vector3<f64>, [f64; 3]) {
+    let place = from.0 + (to.0 - from.0) * share;
+    (place, std::array::from_fn(|k| from.1[k] + share * (to.1[k] - from.1[k])))
 }
 
 /// Integrals over a triangle of its three hat functions against `1/r`.
@@ -58,9 +127,9 @@ pub(crate) fn hat_integrals_within(
         weights: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         area: TriangleFrame::new(*triangle).area,
     };
-    let mut stack = vec![whole];
+    let size = (0..3).map(|k| (triangle[k] - triangle[(k + 1) % 3]).norm()).fold(0.0, f64::max);
+    let mut stack = if size * size > NEEDLE * 2.0 * whole.area { whole.slices() } else { vec![whole] };
     let mut integrals = [0.0; 3];
-    let mut size = None;
     while let Some(Piece { corners, weights, area }) = stack.pop() {
         let center = (corners[0] + corners[1] + corners[2]) / 3.0;
         let (apex, longest) = (0..3)
@@ -69,7 +138,7 @@ pub(crate) fn hat_integrals_within(
             .expect("a triangle has three edges");
         let height = 2.0 * area / longest;
         let distance = center.norm() / longest;
-        let share = longest / *size.get_or_insert(longest);
+        let share = longest / size;
         let loss = (longest / height).powi(2) * distance.max(1.0).powi(3) * share;
         if distance > FAR_DISTANCE {
             for (l, w) in far_rule {
@@ -105,6 +174,32 @@ pub(crate) fn hat_integrals_within(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Seen from afar a needle is a line of that weight, and its parts add up to it from anywhere.
+    #[test]
+    fn a_needle_is_the_sum_of_its_parts_at_any_height() {
+        for height in [1e-4, 1e-7, 1e-10, 1e-12] {
+            let needle = [Vector3::zeros(), Vector3::x(), Vector3::new(0.3, height, 0.0)];
+            let middle = Vector3::new(0.55, 0.0, 0.0);
+            let parts = [[needle[0], middle, needle[2]], [middle, needle[1], needle[2]]];
+            let inside = (needle[0] + needle[1] + needle[2] * 2.0) / 4.0;
+            for point in [inside, needle[0], needle[2], Vector3::new(0.4, 1e-3, 0.1)] {
+                let whole: f64 = hat_integrals(&point, &needle).iter().sum();
+                let sum: f64 = parts.iter().flat_map(|part| hat_integrals(&point, part)).sum();
+                // Corners are rounded to a share of a height that the integral feels by a thousandth.
+                let rounding = 1e-9_f64.max(1e-3 * f64::EPSILON / height);
+                assert!(
+                    (whole / sum - 1.0).abs() < rounding,
+                    "{height:e}, {point:?}: {whole:e} is not {sum:e}"
+                );
+            }
+            // On the axis of the strip h wide: int dA / r of a needle of full height from its tip is about h.
+            let from_tip: f64 = hat_integrals(&needle[0], &needle).iter().sum();
+            // Over s from 0 to 0.3 the width is h s / 0.3, then h (1 - s) / 0.7: h + h (ln(1/0.3) / 0.7 - 1).
+            let expected = height * ((1.0 / 0.3_f64).ln() / 0.7);
+            assert!((from_tip / expected - 1.0).abs() < 10.0 * height, "{from_tip:e} is not {expected:e}");
+        }
+    }
 
     #[test]
     fn a_needle_so_far_away_that_its_corners_round_to_a_line_keeps_its_area() {

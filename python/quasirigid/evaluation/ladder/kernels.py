@@ -20,9 +20,10 @@ __all__ = ["FORMS", "SOLVERS", "Task", "flat_skin", "kernel_tasks", "solver_task
 Form = Literal["collocation", "galerkin"]
 FORMS: tuple[Form, ...] = ("collocation", "galerkin")
 AS_GIVEN = ContactOptions(target_error=None)
-# What the rows of the solvers are of.
-SOLVERS = "sphere, by each solver"
+# How the scene of the solvers' rows ends.
+SOLVERS = ", by each solver"
 _GIVEN_CELLS = 3
+_USUAL_TARGET = 0.02
 
 # What a run is made of: a name, and the work that makes one row.
 Task = tuple[str, Callable[[], dict[str, Any]]]
@@ -70,14 +71,20 @@ def kernel_tasks(quick: bool) -> Iterator[Task]:
         for target in ladder.targets:
             work = partial(_over_places, scene, ladder.places, cells=_GIVEN_CELLS, target=target)
             yield f"{scene.name}, target {target:g}", work
+        if not quick:
+            # In the form that the package does not take on a refined mesh.
+            work = partial(_over_places, scene, 1, form="galerkin", cells=_GIVEN_CELLS, target=_USUAL_TARGET)
+            yield f"{scene.name}, galerkin, target {_USUAL_TARGET:g}", work
 
 
 def solver_tasks(quick: bool) -> Iterator[Task]:
-    """Make the solvers of the complementarity problem on one mesh; Galerkin's matrix suits all of them."""
-    scene, cells = sphere_scene(), 4 if quick else 8
-    for method in LcpMethod:
-        work = partial(_over_places, scene, 1 if quick else 4, form="galerkin", cells=cells, method=method)
-        yield f"{scene.name}, {method}", work
+    """Make the solvers of each complementarity problem on one mesh; Galerkin's matrices suit all of them."""
+    for scene in (sphere_scene(),) if quick else scenes():
+        is_sphere = scene.name == sphere_scene().name
+        cells, places = (8, 4) if is_sphere and not quick else (4, 1)
+        for method in LcpMethod:
+            work = partial(_over_places, scene, places, form="galerkin", cells=cells, method=method)
+            yield f"{scene.name}, {method}", work
 
 
 def _over_places(
@@ -104,7 +111,7 @@ def _over_places(
     means = {name: _known(_root_mean_square, numbers[name]) for name in errors}
     medians = {name: _known(np.median, values) for name, values in numbers.items() if name not in errors}
     return make_row(
-        scene=scene.name if method is None else SOLVERS,
+        scene=scene.name if method is None else scene.name + SOLVERS,
         response="layer" if isinstance(skin.response, Layer) else "half-space",
         discretization=contact.accuracy.discretization,
         solver=str(options.method),

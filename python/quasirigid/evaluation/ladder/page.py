@@ -65,13 +65,13 @@ def accuracy_page(rows: Sequence[Row], *, has_picture: bool) -> str:
     sphere = [row for row in rows if row["scene"] == "sphere"]
     bodies = [row for row in rows if row["depth"] is not None]
     estimates = [row for row in rows if row["scene"] == "estimates"]
-    solvers = [row for row in rows if row["scene"] == SOLVERS]
+    solvers = [row for row in rows if row["scene"].endswith(SOLVERS)]
     taken = {id(row) for group in (sphere, bodies, estimates, solvers) for row in group}
     others = [row for row in rows if id(row) not in taken]
     parts = [_SPHERE, markdown(*_columns(sphere, ("mesh", "fine", "nodes", *_ERRORS, "time")))]
     if solvers:
-        words = "Each solver of the complementarity problem on the same mesh:\n"
-        parts += [words, markdown(*_columns(solvers, ("solver", "fine", "nodes", *_ERRORS, "time")))]
+        words = "Each solver of the complementarity problems on the same meshes:\n"
+        parts += [words, markdown(*_columns(solvers, ("scene", "fine", "nodes", *_ERRORS, "time")))]
     if others:
         parts += [_OTHERS, markdown(*_columns(others, ("scene", "mesh", "fine", "nodes", *_ERRORS, "time")))]
     if bodies:
@@ -112,8 +112,8 @@ def _cell(row: Row, name: str) -> str:
             return _mesh(row)
         case "fine":
             return _fine(row)
-        case "scene" if row["scene"] == SOLVERS:
-            return f"sphere, {row['solver']}"
+        case "scene" if row["scene"].endswith(SOLVERS):
+            return f"{row['scene'].removesuffix(SOLVERS)}, {row['solver']}"
         case "depth":
             return "-" if row["depth"] is None else f"{row['depth'] * 1e3:g} mm"
         case "nodes":

@@ -64,7 +64,7 @@ def _draw(ax: Axes, curves: Mapping[str, Sequence[Row]], error: str) -> None:
             color=colour,
             label=label,
             linestyle="--" if label.startswith("tamaas") else "-",
-            linewidth=2.2 if label == "refined" else 1.2,
+            linewidth=2.2 if label == "refined, collocation" else 1.2,
             markersize=4,
         )
         for row in rows:
@@ -77,4 +77,5 @@ def _draw(ax: Axes, curves: Mapping[str, Sequence[Row]], error: str) -> None:
 def _label(row: Row) -> str:
     if str(row["response"]).startswith("tamaas"):
         return str(row["response"])
-    return "refined" if row["mesh"] == "refined" else f"as it is, {row['discretization']}"
+    mesh = "refined" if row["mesh"] == "refined" else "as it is"
+    return f"{mesh}, {row['discretization']}"
