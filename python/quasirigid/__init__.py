@@ -5,10 +5,11 @@ deformed skin, the pressure map, area, force and moment, and how far each can be
 m, N, Pa, rad, s. `io`, `plot`, `reference`, `accuracy` and `stress` are imported when they are first used.
 """
 
+from . import _interrupt as _interrupt  # isort: skip  # first: it hears Ctrl-C while the rest is imported
+
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 
-from . import _interrupt as _interrupt  # first: it hears Ctrl-C while the rest is imported
 from . import hand, models
 from ._core import __version__
 from .contact import (

@@ -3,21 +3,35 @@
 from __future__ import annotations
 
 import sys
-from pathlib import PurePath
-from types import TracebackType
+
+TYPE_CHECKING = False  # `typing` takes a while to import
+if TYPE_CHECKING:
+    from types import FrameType, TracebackType
 
 __all__: list[str] = []
 
 # What `sys.argv` begins with while `quasirigid` or `python -m quasirigid` imports the package.
-_PROGRAMS = ("quasirigid", "-m")
+_PROGRAMS = ("quasirigid", "quasirigid.exe", "-m")
+_heard: list[int] = []
+
+
+def _hear(number: int, frame: FrameType | None) -> None:
+    _heard.append(number)
+    raise KeyboardInterrupt
 
 
 def _say_interrupted(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-    if issubclass(kind, KeyboardInterrupt):
+    # Extensions whose import is cut off raise an ImportError of their own.
+    if issubclass(kind, KeyboardInterrupt) or (_heard and issubclass(kind, ImportError)):
         print("error: interrupted", file=sys.stderr)
     else:
         sys.__excepthook__(kind, error, trace)
 
 
-if sys.argv and PurePath(sys.argv[0]).stem in _PROGRAMS and sys.excepthook is sys.__excepthook__:
+_program = sys.argv[0].replace("\\", "/").rpartition("/")[2] if sys.argv else ""
+if _program in _PROGRAMS and sys.excepthook is sys.__excepthook__:
     sys.excepthook = _say_interrupted
+    import signal  # takes a while too
+
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _hear)

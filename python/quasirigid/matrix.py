@@ -9,6 +9,7 @@ from . import _core
 from ._check import as_index, as_integer_or_none
 from .errors import ResponseError
 from .obstacle import Obstacle
+from .scene import as_surface
 from .skin.elastic import core_skin
 from .skin.skins import CombinedSkin, PreparedSkin, Skin
 
@@ -64,7 +65,7 @@ def response_matrix(
         If a node, the tolerance or the memory needed is out of range.
     """
     return _core.response_matrix(
-        surface,
+        as_surface("surface", surface),
         core_skin(skin, surface),
         nodes,
         directions=directions,
@@ -121,6 +122,7 @@ def initial_gaps(
     >>> qr.solve_lcp(R, q).status
     <LcpStatus.SOLVED: 'solved'>
     """
+    as_surface("surface", surface)
     measured = (
         (lambda points: distance.signed_distance(points)[0]) if isinstance(distance, Obstacle) else distance
     )
