@@ -32,8 +32,8 @@ pub(crate) fn penetration_after(
     motion: &CandidateMotion,
     beside: &Beside,
 ) -> Result<Penetration, ContactError> {
-    if forces.active.is_empty() {
-        // Nothing has moved.
+    if forces.candidates.is_empty() {
+        // Nothing has moved, and what penetrates lies between vertices.
         return Ok(Penetration { depth: gaps.deepest(), is_at_vertex: false, stretch: 1.0 });
     }
     let surface = gaps.surface;

@@ -101,7 +101,7 @@ impl Guarded<'_> {
         (free < count && (free as f64) < FEW_VERTICES * count as f64).then(|| Warning {
             kind: WarningKind::Mask,
             message: format!(
-                "the skin mask lets {free} of {count} vertices touch ({:.1} %): is it inverted? It is true where the skin may touch",
+                "the skin mask lets {free} of {count} vertices touch ({:.2} %): is it inverted? It is true where the skin may touch",
                 100.0 * free as f64 / count as f64
             ),
         })
