@@ -33,8 +33,10 @@ pub(crate) fn penetration_after(
     beside: &Beside,
 ) -> Result<Penetration, ContactError> {
     if forces.candidates.is_empty() {
-        // Nothing has moved, and what penetrates lies between vertices.
-        return Ok(Penetration { depth: gaps.deepest(), is_at_vertex: false, stretch: 1.0 });
+        // Nothing has moved.
+        let (depth, of_vertices) = (gaps.deepest(), gaps.undeformed());
+        let is_at_vertex = of_vertices.into_iter().any(|gap| -gap >= depth);
+        return Ok(Penetration { depth, is_at_vertex, stretch: 1.0 });
     }
     let surface = gaps.surface;
     let mut vertices = forces.candidates.clone();
