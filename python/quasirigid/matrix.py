@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from . import _core
 from ._check import as_index, as_integer_or_none
 from .errors import ResponseError
-from .obstacle import Obstacle
-from .scene import as_surface
+from .scene import as_obstacle, as_surface
 from .skin.elastic import core_skin
 from .skin.skins import CombinedSkin, PreparedSkin, Skin
 
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
+    from .obstacle import Obstacle
     from .skin.elastic import ElasticSkin
     from .surface import Surface
 
@@ -123,9 +123,11 @@ def initial_gaps(
     <LcpStatus.SOLVED: 'solved'>
     """
     as_surface("surface", surface)
-    measured = (
-        (lambda points: distance.signed_distance(points)[0]) if isinstance(distance, Obstacle) else distance
-    )
+    if callable(distance):
+        measured = distance
+    else:
+        obstacle = as_obstacle("distance", distance)
+        measured = lambda points: obstacle.signed_distance(points)[0]  # noqa: E731
     return _core.initial_gaps(surface, core_skin(skin, surface), nodes, measured)
 
 
@@ -161,7 +163,7 @@ def net_volume(surface: Surface, skin: Skin, node: int) -> NetVolume:
     ResponseError
         If the node is out of range or the response is no kernel.
     """
-    vertex = as_index("node", node, len(surface.vertices), ResponseError)
+    vertex = as_index("node", node, len(as_surface("surface", surface).vertices), ResponseError)
     return NetVolume(*_require_kernel(skin).net_volume(surface, vertex))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from . import _core
 from ._core import Surface as Surface
-from ._core import skin_without_caps as skin_without_caps
+from .scene import as_surface
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -74,3 +74,19 @@ def repair(vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float) -> R
     """
     kept, corners, vertex_map, report = _core.repair(vertices, faces, weld_tolerance=weld_tolerance)
     return Repair(vertices=kept, faces=corners, vertex_map=vertex_map, report=report)
+
+
+def skin_without_caps(surface: Surface) -> NDArray[np.bool_]:
+    """Return the vertices that are skin: all but those of flat cut faces, rims included.
+
+    Parameters
+    ----------
+    surface : Surface
+        A finger or hand whose cut end is capped flat.
+
+    Returns
+    -------
+    (n,) bool
+        A `skin_mask`. True: skin; False: large flat faces behind a sharp rim.
+    """
+    return _core.skin_without_caps(as_surface("surface", surface))

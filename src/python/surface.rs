@@ -292,17 +292,7 @@ impl PySurface {
     }
 }
 
-/// Return the vertices that are skin: all but those of flat cut faces, rims included.
-///
-/// Parameters
-/// ----------
-/// surface : Surface
-///     A finger or hand whose cut end is capped flat.
-///
-/// Returns
-/// -------
-/// (n,) bool
-///     A `skin_mask`. True: skin; False: large flat faces behind a sharp rim.
+/// The vertices that are skin (n); the facade documents it.
 #[pyfunction]
 #[pyo3(text_signature = "(surface)")]
 pub(super) fn skin_without_caps<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {

@@ -52,10 +52,22 @@ def test_other_takers_of_a_surface_say_so_too() -> None:
         lambda surface: SKIN.prepared(surface),
         lambda surface: qr.cut_out(surface, keep=[True]),
         lambda surface: qr.models.bone_of(surface),
+        lambda surface: qr.response_matrix(surface, SKIN, [0]),
+        lambda surface: qr.initial_gaps(surface, SKIN, [0], PLATE),
+        lambda surface: qr.net_volume(surface, SKIN, 0),
+        lambda surface: qr.skin_without_caps(surface),
     )
     for take in takers:
+        with pytest.raises(TypeError, match="is an Obstacle, expected a Surface: a product goes"):
+            take(PLATE)
         with pytest.raises(TypeError, match=r"is the path 'a\.ply', expected a Surface: qr\.read_surface"):
             take("a.ply")
+
+
+@pytest.mark.parametrize("distance", ["a.ply", SURFACE, MESH])
+def test_gaps_to_what_is_no_obstacle_say_how_to_make_one(distance: object) -> None:
+    with pytest.raises(TypeError, match=r"distance is .*, expected an Obstacle"):
+        qr.initial_gaps(SURFACE, SKIN, [0], distance)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("thing", [SURFACE, PLATE, SKIN.prepared(SURFACE), SKIN.combined(SURFACE, {})])

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid.hand import kept
 
 INDEX = "index-finger-phalanx-"
 MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.495}
@@ -55,6 +56,26 @@ def test_a_body_is_prepared_once(hand: qr.Hand, tmp_path: Path) -> None:
     np.testing.assert_array_equal(first.nodes, nodes)
     assert posed.skin(**{**arguments, "poisson_ratio": 0.4}) is not first
     assert posed.skin(**{**arguments, "nodes": nodes[1:]}) is not first
+
+
+def test_a_damaged_file_of_a_body_is_written_anew(hand: qr.Hand, tmp_path: Path) -> None:
+    posed = hand.posed({"index-finger-phalanx-proximal": 0.1})
+    nodes = np.flatnonzero(posed.labels == "index-distal-palmar")
+    arguments = {**MATERIAL, "response": held_at_the_wrist(posed), "nodes": nodes}
+    posed.skin(**arguments, folder=tmp_path)
+    (file,) = tmp_path.iterdir()
+    sound = file.read_bytes()
+    file.write_bytes(sound[: len(sound) // 2])
+    kept._known.clear()
+    prepared = posed.skin(**arguments, folder=tmp_path)
+    np.testing.assert_array_equal(prepared.nodes, nodes)
+    np.testing.assert_array_equal(qr.load_prepared(file).nodes, nodes)
+
+
+def test_a_body_of_edges_that_were_asked_for_answers_everywhere(hand: qr.Hand) -> None:
+    posed = hand.posed({})
+    prepared = posed.skin(**MATERIAL, response=held_at_the_wrist(posed))
+    np.testing.assert_array_equal(prepared.nodes, np.flatnonzero(posed.surface.skin_mask))
 
 
 def test_a_folder_that_is_none_is_refused_before_the_work(hand: qr.Hand, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
 from threading import Lock
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import ResponseError
 from ..skin import Body, load_prepared
 
 if TYPE_CHECKING:
@@ -32,7 +34,10 @@ _lock = Lock()
 def kept(
     skin: Skin, surface: Surface, nodes: ArrayLike, folder: str | PathLike[str] | None = None
 ) -> PreparedSkin:
-    """Return a body prepared for a surface, from memory or the folder where it is there already."""
+    """Return a body prepared for a surface, from memory or the folder where it is there already.
+
+    A damaged file is written anew.
+    """
     key = _key(skin, surface, nodes)
     with _lock:
         if key in _known:
@@ -41,9 +46,11 @@ def kept(
     file = None if folder is None else Path(folder) / f"{key}.npz"
     if file is not None and not file.parent.is_dir():
         raise NotADirectoryError(f"{file.parent} is no folder: make it first")
+    prepared = None
     if file is not None and file.exists():
-        prepared = load_prepared(file)
-    else:
+        with suppress(ResponseError):
+            prepared = load_prepared(file)
+    if prepared is None:
         prepared = skin.prepared(surface, nodes)
         if file is not None:
             prepared.save(file)
