@@ -26,17 +26,25 @@ impl Measures {
             .into_par_iter()
             .map(|face| FaceMeasures::new(vertices, faces, topology, face))
             .collect();
-        let mut vertex_normals = vec![Vector3::zeros(); vertices.len()];
-        let mut vertex_areas = vec![0.0; vertices.len()];
-        for (corners, face) in faces.iter().zip(&measured) {
-            for (&vertex, angle) in corners.iter().zip(face.angles) {
-                vertex_normals[vertex as usize] += face.normal * angle;
-                vertex_areas[vertex as usize] += face.twice_area / 6.0;
-            }
-        }
-        let edge_total: f64 = measured.iter().flat_map(|face| face.edge_lengths).sum();
-        let face_normals: Vec<Vector3<f64>> = measured.iter().map(|face| face.normal).collect();
-        let face_areas: Vec<f64> = measured.iter().map(|face| face.twice_area / 2.0).collect();
+        let of_faces = || {
+            let normals: Vec<Vector3<f64>> = measured.iter().map(|face| face.normal).collect();
+            let areas: Vec<f64> = measured.iter().map(|face| face.twice_area / 2.0).collect();
+            let edges: f64 = measured.iter().flat_map(|face| face.edge_lengths).sum();
+            (normals, areas, edges)
+        };
+        let of_solid = || {
+            let bounding_box = Bounds::around(vertices);
+            let volume = if topology.is_closed() {
+                signed_volume(&bounding_box.center(), vertices, faces.iter().copied())
+            } else {
+                f64::NAN
+            };
+            (volume, bounding_box)
+        };
+        let (
+            (mut vertex_normals, vertex_areas),
+            ((face_normals, face_areas, edge_total), (volume, bounding_box)),
+        ) = rayon::join(|| at_vertices(vertices.len(), faces, &measured), || (of_faces(), of_solid()));
         for (vertex, normal) in vertex_normals.iter_mut().enumerate() {
             let length = normal.norm();
             if length > 1e-12 {
@@ -48,12 +56,6 @@ impl Measures {
                 *normal = largest.map_or(Vector3::zeros(), |face| face_normals[face]);
             }
         }
-        let bounding_box = Bounds::around(vertices);
-        let volume = if topology.is_closed() {
-            signed_volume(&bounding_box.center(), vertices, faces.iter().copied())
-        } else {
-            f64::NAN
-        };
         Measures {
             area: face_areas.iter().sum(),
             mean_edge_length: edge_total / topology.edge_count() as f64,
@@ -65,6 +67,18 @@ impl Measures {
             bounding_box,
         }
     }
+}
+
+/// Sums over the faces around each vertex: of the normals weighted by angle, and of thirds of the areas (m²).
+fn at_vertices(count: usize, faces: &[[u32; 3]], measured: &[FaceMeasures]) -> (Vec<Vector3<f64>>, Vec<f64>) {
+    let (mut normals, mut areas) = (vec![Vector3::zeros(); count], vec![0.0; count]);
+    for (corners, face) in faces.iter().zip(measured) {
+        for (&vertex, angle) in corners.iter().zip(face.angles) {
+            normals[vertex as usize] += face.normal * angle;
+            areas[vertex as usize] += face.twice_area / 6.0;
+        }
+    }
+    (normals, areas)
 }
 
 /// Of one face.
