@@ -145,6 +145,14 @@ def test_a_mirrored_and_a_scaled_grasp_are_the_same(hand, handle, held, factor):
     assert forces(grasp) == pytest.approx(wanted, rel=1e-3)
 
 
+def test_digits_that_a_large_contact_left_no_trials_are_named(hand, handle, monkeypatch):
+    monkeypatch.setattr(hold, "_LARGE", 1)
+    grasp = qr.close_hand(hand, handle, skin(), force=16.0, options=AS_GIVEN)
+    assert grasp.rounds <= 2
+    assert set(grasp.missed) == {"thumb", *FINGERS}
+    assert all("when its trials ended" in reason for reason in grasp.missed.values())
+
+
 def test_digits_that_meet_nothing_or_cannot_press_as_hard_are_named(hand, handle):
     far = handle.moved(translation=[0.0, 0.0, -0.3])
     grasp = qr.close_hand(hand, far, skin(), force=5.0, options=AS_GIVEN)

@@ -33,6 +33,7 @@ _NEAR = 3e-2  # of it, where that is a start for such poses alone
 _HELD = 8e-3  # of it, where each pose has meshes of its own
 _MISSED = 1e-2  # of it: beyond, a digit is said to miss
 _MOST_TRIALS = 60  # on the given mesh
+_LARGE = 1500  # candidates there: with more a trial counts for several, as its time grows with their square
 _SEARCH_LINEARIZATIONS = 2  # there, where that is a start alone
 _MOST_ROUNDS = 6  # with all options
 _STEP = 1.5e-3  # m, of a hand of 0.19 m: a digit goes on by no more at once, or it steps through thin walls
@@ -86,7 +87,10 @@ class Hold:
         self._timed("approach", self._approach)
         tolerance = _NEAR if self._has_rounds else _SAME
         air = self.closing.mesh_width if self.by_force else 0.0
-        self._timed("search", lambda: self._settle(self._on_given_mesh, tolerance, _MOST_TRIALS, air=air))
+        self._timed(
+            "search",
+            lambda: self._settle(self._on_given_mesh, tolerance, _MOST_TRIALS, air=air, large=_LARGE),
+        )
         self._timed("rounds", self._finish)
         assert self.solved is not None, "the last stage solves a contact"
         return self.solved
@@ -112,6 +116,11 @@ class Hold:
                 reason = "does not meet the product on its way"
             elif search.missed == "end":
                 reason = f"comes to {value} of {wanted} {unit} at the most on its way"
+            elif search.missed == "trials":
+                reason = (
+                    f"was at {value} of {wanted} {unit} when its trials ended, few as the contact is large: "
+                    "the product stands in the hand; move the hand away"
+                )
             elif search.error() > _MISSED:
                 reason = (
                     f"stands at {value} of {wanted} {unit}: there it jumps from pose to pose, "
@@ -157,16 +166,28 @@ class Hold:
         if hand.signed_distance(corners[:1])[0][0] < 0.0 and (hand.signed_distance(corners)[0] < 0.0).all():
             raise HandError("the product stands inside the hand: check its unit and place")
 
-    def _settle(self, measure: Callable[[], Floats], tolerance: float, most: int, *, air: float) -> None:
+    def _settle(
+        self,
+        measure: Callable[[], Floats],
+        tolerance: float,
+        most: int,
+        *,
+        air: float,
+        large: float = np.inf,
+    ) -> None:
         """Move the digits until all have what they shall hold, or cannot get it; else to the best trial.
 
-        A digit that is farther from the product than `air` (m) holds nothing.
+        A digit that is farther from the product than `air` (m) holds nothing. Of `most` trials, one with more
+        than `large` candidates counts for several.
         """
         best = worst = (len(self.searches) + 1, 0.0)
         near, steps = self._look(self.searches)
-        for trial in range(most):
-            self._tell("closing", trial / most)
-            values = measure()
+        trials = 0.0
+        while trials < most:
+            self._tell("closing", trials / most)
+            is_first, values = trials == 0.0, measure()
+            size = 0 if self.solved is None else len(self.solved.contact.candidates)
+            trials += max((size / large) ** 2, 1.0)
             before, lost = self.shares.copy(), self._lost
             if not np.isfinite(values).all():
                 return
@@ -178,7 +199,7 @@ class Hold:
                 return
             errors = [search.error() for search in self.searches.values() if not search.missed]
             score = (sum(error > tolerance for error in errors) + self._lost, sum(errors))
-            if score < best or trial == 0:
+            if score < best or is_first:
                 best, kept = score, (before, values, self.solved)
             near[moved], steps[moved] = self._through_air(moved.tolist(), tolerance, air)[:, moved]
             if self._lost > lost:
@@ -191,6 +212,8 @@ class Hold:
         self.shares, values, self.solved = kept
         for at, search in self.searches.items():
             search.share, search.value = float(self.shares[at]), float(values[at])
+            if trials >= most and size > large and not search.missed and search.error() > tolerance:
+                search.missed = "trials"
 
     @property
     def _lost(self) -> int:
