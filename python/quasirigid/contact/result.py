@@ -195,7 +195,7 @@ class Contact(Frozen):
             Node forces within ``sqrt(area / pi)`` of a vertex under force, in a straight line on the
             undeformed skin, over `area`: the largest (Pa). 0 without contact, nan where the contact did not
             solve. Mesh cells larger than `area` leave a disc with one node, whose force is then all that
-            counts.
+            counts: the mean may be above `max_pressure` there, and the summary says that it is not resolved.
 
         Raises
         ------
