@@ -152,7 +152,7 @@ class PosedHand:
         nodes : (k,) array_like of int, optional
             Vertices where a body is touched and the mesh that it is solved on is finest. When left out the
             palmar side, and all skin where the body has a `coarse_edge_length`. A whole hand without one
-            answers everywhere, more coarsely away from these: those beside the product make it exact there.
+            answers everywhere, more coarsely away from these: best beside the product.
         folder : path, optional
             Keeps prepared bodies in files, as `PreparedSkin.save`, and finds them there.
 
