@@ -123,12 +123,12 @@ def initial_gaps(
     <LcpStatus.SOLVED: 'solved'>
     """
     as_surface("surface", surface)
-    if callable(distance):
-        measured = distance
-    else:
-        obstacle = as_obstacle("distance", distance)
-        measured = lambda points: obstacle.signed_distance(points)[0]  # noqa: E731
+    measured = distance if callable(distance) else _distance_to(as_obstacle("distance", distance))
     return _core.initial_gaps(surface, core_skin(skin, surface), nodes, measured)
+
+
+def _distance_to(obstacle: Obstacle) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    return lambda points: obstacle.signed_distance(points)[0]
 
 
 class NetVolume(NamedTuple):

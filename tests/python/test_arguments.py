@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,9 +66,9 @@ def test_other_takers_of_a_surface_say_so_too() -> None:
 
 
 @pytest.mark.parametrize("distance", ["a.ply", SURFACE, MESH])
-def test_gaps_to_what_is_no_obstacle_say_how_to_make_one(distance: object) -> None:
+def test_gaps_to_what_is_no_obstacle_say_how_to_make_one(distance: Any) -> None:
     with pytest.raises(TypeError, match=r"distance is .*, expected an Obstacle"):
-        qr.initial_gaps(SURFACE, SKIN, [0], distance)  # type: ignore[arg-type]
+        qr.initial_gaps(SURFACE, SKIN, [0], distance)
 
 
 @pytest.mark.parametrize("thing", [SURFACE, PLATE, SKIN.prepared(SURFACE), SKIN.combined(SURFACE, {})])

@@ -185,7 +185,7 @@ class Hold:
         trials = 0.0
         while trials < most:
             self._tell("closing", trials / most)
-            is_first, values = trials == 0.0, measure()
+            values = measure()
             size = 0 if self.solved is None else len(self.solved.contact.candidates)
             trials += max((size / large) ** 2, 1.0)
             before, lost = self.shares.copy(), self._lost
@@ -199,7 +199,7 @@ class Hold:
                 return
             errors = [search.error() for search in self.searches.values() if not search.missed]
             score = (sum(error > tolerance for error in errors) + self._lost, sum(errors))
-            if score < best or is_first:
+            if score < best:
                 best, kept = score, (before, values, self.solved)
             near[moved], steps[moved] = self._through_air(moved.tolist(), tolerance, air)[:, moved]
             if self._lost > lost:
