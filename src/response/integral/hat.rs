@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::response::integral::cutoff::{Inverse, hats_within};
 use crate::response::integral::frame::TriangleFrame;
 use crate::response::integral::gauss::triangle_rule;
+use crate::response::integral::piece::Piece;
 
 /// Least (length / height)² (distance / length)³ of a piece, times its share of the whole triangle's
 /// length, up to which it is integrated by the closed form: 40 ε times that is its loss of digits. The share counts
@@ -15,86 +16,8 @@ const PLAIN_LOSS: f64 = 20.0;
 const FAR_DISTANCE: f64 = 2.0;
 /// Most points of that rule in each direction, for an error below 1e-14.
 const FAR_POINTS: usize = 14;
-/// Length / height from which a triangle is a needle, cut across its length first: halves of its longest edges would lie
-/// side by side, ever more of them.
-const NEEDLE: f64 = 1e5;
-/// Length / height of a slice that is cut no further, and its distance / length from which it need not be.
-const SLICE_LENGTH: f64 = 32.0;
-const SLICE_DISTANCE: f64 = 2.5;
-/// Least share of a needle's length that a slice at its tip has.
-const LEAST_SLICE: f64 = 1e-15;
 /// Share of a tolerance that each of the two ways may use up.
 const TOLERANCE_SHARE: f64 = 0.1;
-
-/// A part of the triangle, relative to the point, and the weights of the whole triangle's corners in each
-/// of its own.
-struct Piece {
-    corners: [Vector3<f64>; 3],
-    weights: [[f64; 3]; 3],
-    /// As the whole triangle's corners give it: far from the point the piece's own may be rounded to a line (m²).
-    area: f64,
-}
-
-impl Piece {
-    /// A needle cut across its length, ever finer towards the point.
-    fn slices(&self) -> Vec<Piece> {
-        let apex = (0..3)
-            .max_by(|&i, &j| self.edge_opposite(i).norm().total_cmp(&self.edge_opposite(j).norm()))
-            .expect("a triangle has three edges");
-        let [from, to] = [(apex + 1) % 3, (apex + 2) % 3];
-        let base = self.edge_opposite(apex);
-        let share = (self.corners[apex] - self.corners[from]).dot(&base) / base.norm_squared();
-        let foot = self.between(from, to, share);
-        let ends = [foot, (self.corners[apex], self.weights[apex])];
-        let mut slices = Vec::new();
-        for (tip, area) in [(from, share * self.area), (to, (1.0 - share) * self.area)] {
-            let tip = (self.corners[tip], self.weights[tip]);
-            let [length, height] = [(ends[0].0 - tip.0).norm(), (ends[1].0 - ends[0].0).norm()];
-            let mut intervals = vec![[0.0, 1.0]];
-            while let Some([a, b]) = intervals.pop() {
-                let middle = 0.5 * (a + b);
-                let distance = mixed(&tip, &ends[0], middle).0.norm();
-                let own = (b - a) * length;
-                if b > LEAST_SLICE && own > SLICE_LENGTH * b * height && distance < SLICE_DISTANCE * own {
-                    intervals.extend([[a, middle], [middle, b]]);
-                    continue;
-                }
-                let [near, far] = [a, b].map(|at| ends.map(|end| mixed(&tip, &end, at)));
-                slices.push(Piece::new([near[0], far[0], far[1]], b * (b - a) * area));
-                if a > 0.0 {
-                    slices.push(Piece::new([near[0], far[1], near[1]], a * (b - a) * area));
-                }
-            }
-        }
-        slices
-    }
-
-    fn new(corners: [(Vector3<f64>, [f64; 3]); 3], area: f64) -> Self {
-        Self {
-            corners: corners.map(|(corner, _)| corner),
-            weights: corners.map(|(_, weights)| weights),
-            area,
-        }
-    }
-
-    fn edge_opposite(&self, corner: usize) -> Vector3<f64> {
-        self.corners[(corner + 2) % 3] - self.corners[(corner + 1) % 3]
-    }
-
-    fn between(&self, from: usize, to: usize, share: f64) -> (Vector3<f64>, [f64; 3]) {
-        mixed(&(self.corners[from], self.weights[from]), &(self.corners[to], self.weights[to]), share)
-    }
-}
-
-/// The place and the weights so far on the way from one to another.
-fn mixed(
-    from: &(Vector3<f64>, [f64; 3]),
-    to: &(Vector3<f64>, [f64; 3]),
-    share: f64,
-) -> (Vector3<f64>, [f64; 3]) {
-    let place = from.0 + (to.0 - from.0) * share;
-    (place, std::array::from_fn(|k| from.1[k] + share * (to.1[k] - from.1[k])))
-}
 
 /// Integrals over a triangle of its three hat functions against `1/r`.
 ///
@@ -122,20 +45,14 @@ pub(crate) fn hat_integrals_within(
     let plain_loss = (allowed / (40.0 * f64::EPSILON)).max(PLAIN_LOSS);
     let far_points = (0.5 * allowed.max(1e-300).ln() / (0.29_f64).ln()).ceil() as usize;
     let far_rule = triangle_rule(far_points.clamp(4, FAR_POINTS));
-    let whole = Piece {
-        corners: triangle.map(|v| v - point),
-        weights: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        area: TriangleFrame::new(*triangle).area,
-    };
-    let size = (0..3).map(|k| (triangle[k] - triangle[(k + 1) % 3]).norm()).fold(0.0, f64::max);
-    let mut stack = if size * size > NEEDLE * 2.0 * whole.area { whole.slices() } else { vec![whole] };
+    let whole = Piece::whole(point, triangle);
+    let (_, size) = whole.longest_edge();
+    let mut stack = if whole.is_needle() { whole.slices() } else { vec![whole] };
     let mut integrals = [0.0; 3];
-    while let Some(Piece { corners, weights, area }) = stack.pop() {
+    while let Some(piece) = stack.pop() {
+        let (apex, longest) = piece.longest_edge();
+        let Piece { corners, weights, area } = piece;
         let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let (apex, longest) = (0..3)
-            .map(|k| (k, (corners[(k + 1) % 3] - corners[(k + 2) % 3]).norm()))
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .expect("a triangle has three edges");
         let height = 2.0 * area / longest;
         let distance = center.norm() / longest;
         let share = longest / size;
@@ -150,16 +67,7 @@ pub(crate) fn hat_integrals_within(
                 }
             }
         } else if loss > plain_loss {
-            // Halve the longest edge, opposite to `apex`
-            let (b, c) = ((apex + 1) % 3, (apex + 2) % 3);
-            let middle = (corners[b] + corners[c]) * 0.5;
-            let hats: [f64; 3] = std::array::from_fn(|k| 0.5 * (weights[b][k] + weights[c][k]));
-            for to in [c, b] {
-                let mut half = Piece { corners, weights, area: 0.5 * area };
-                half.corners[to] = middle;
-                half.weights[to] = hats;
-                stack.push(half);
-            }
+            stack.extend(piece.halves(apex));
         } else {
             let frame = TriangleFrame::new(corners);
             let own = hats_within(&frame, &Vector3::zeros(), &Inverse, f64::INFINITY);

@@ -10,3 +10,4 @@ pub(crate) mod gauss;
 pub(crate) mod gaussian;
 pub(crate) mod hat;
 pub(crate) mod hat_simd;
+mod piece;
