@@ -151,8 +151,8 @@ class PosedHand:
             in memory by content: the same body is prepared once.
         nodes : (k,) array_like of int, optional
             Vertices where a body is touched and the mesh that it is solved on is finest. When left out the
-            palmar side, and all skin where the body has a `coarse_edge_length`. A whole hand without one
-            answers everywhere, more coarsely away from these: best beside the product.
+            palmar side and the sides of the thumb's tip; all skin where the body has a `coarse_edge_length`.
+            A whole hand without one answers everywhere, best beside these.
         folder : path, optional
             Keeps prepared bodies in files, as `PreparedSkin.save`, and finds them there.
 
@@ -182,10 +182,14 @@ class PosedHand:
         return kept(skin, self.surface, self._touching(response) if nodes is None else nodes, folder)
 
     def _touching(self, body: Body) -> NDArray[np.int64]:
-        """Return the vertices of the palmar side; all that move where the mesh is as fine everywhere."""
+        """Return the vertices of the palmar side and the sides of the thumb's tip.
+
+        All that move where the mesh is as fine everywhere.
+        """
         regions = self.hand.regions
         palm = np.isin(regions, ("palm-center", "thenar", "hypothenar"))
         digits = np.char.endswith(regions, "-palmar") | np.char.endswith(regions, "-head")
+        digits |= np.isin(regions, ("thumb-distal-radial", "thumb-distal-ulnar"))
         held = False if body.fixed is None else np.asarray(body.fixed, dtype=bool)
         free = self.surface.skin_mask & ~held
         if body.coarse_edge_length is not None:

@@ -21,16 +21,16 @@ const SHORTER: f64 = 0.7;
 /// up to 1.5 times as long.
 const EDGE_PER_THICKNESS: [f64; 2] = [0.4, 0.7];
 
-/// Longest edge as a share of the radius that the skin bends with: twelve around a finger, and nine where there are too
+/// Longest edge as a share of the radius that the skin bends with: twelve around a finger, and eight where there are too
 /// many vertices.
-const EDGE_PER_BEND: [f64; 2] = [0.5, 0.7];
+const EDGE_PER_BEND: [f64; 2] = [0.5, 0.8];
 
 /// Vertices of a coarse skin above which its edges are longer than the least share.
 const MANY_VERTICES: f64 = 800.0;
 
 /// Vertices of a coarse skin above which its edges are longer than the most share: a whole hand with its bones then takes
 /// some 5e11 operations and 0.7 GB.
-const MOST_VERTICES: f64 = 1750.0;
+const MOST_VERTICES: f64 = 1700.0;
 
 /// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
 const LONGER: [f64; 2] = [2.0, 1.7];
@@ -65,27 +65,51 @@ fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
 }
 
 /// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, by as much as that
-/// is away, then everywhere by one factor. Returns whether it has too many.
+/// is away, then everywhere by one factor. At the nodes edges grow with the root of the thickness where the tissue is
+/// deeper than is typical: what coarse edges cost a force goes with their square over the thickness, so that a force all
+/// over the nodes errs least. Returns whether it has too many.
 ///
+/// * `thickness`: of the tissue (n, m)
 /// * `bends`: radius that the skin bends with (n, m)
 /// * `nodes`: vertices where contact is expected
-fn lengthen_edges(edges: &mut [f64], skin: &Surface, bends: &[f64], nodes: &[usize]) -> bool {
+fn lengthen_edges(
+    edges: &mut [f64],
+    skin: &Surface,
+    thickness: &[f64],
+    bends: &[f64],
+    nodes: &[usize],
+) -> bool {
     if vertex_count(skin, edges) <= MOST_VERTICES {
         return false;
     }
-    let mut at_nodes: Vec<f64> = nodes.iter().map(|&node| edges[node]).collect();
-    at_nodes.sort_unstable_by(f64::total_cmp);
-    // Where the tissue is deep a few more vertices cost little: with longer edges there the base of a thumb is too stiff.
-    let median = at_nodes[nodes.len() / 2];
+    let typical = typical_thickness(skin, thickness, nodes);
     let [far, everywhere] = LONGER;
     let bounded = |edge: f64, longer: f64, bend: f64| longer.min((EDGE_PER_BEND[1] * bend).max(edge));
     for (vertex, away) in skin.skin_distances(nodes, f64::INFINITY) {
-        let edge = edges[vertex].min(median + away);
+        let edge = edges[vertex].min(EDGE_PER_THICKNESS[1] * (typical * thickness[vertex]).sqrt() + away);
         edges[vertex] = bounded(edge, (edge + away).min(far * edge), bends[vertex]);
     }
     let longer = (vertex_count(skin, edges) / MOST_VERTICES).sqrt().clamp(1.0, everywhere);
     edges.iter_mut().zip(bends).for_each(|(edge, &bend)| *edge = bounded(*edge, longer * *edge, bend));
     true
+}
+
+/// The median thickness (m) over the coarse vertices at the nodes, their edges being a share of it.
+fn typical_thickness(skin: &Surface, thickness: &[f64], nodes: &[usize]) -> f64 {
+    let mut counts: Vec<(f64, f64)> = nodes
+        .iter()
+        .map(|&node| (thickness[node], skin.vertex_areas()[node] / thickness[node].powi(2)))
+        .collect();
+    counts.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * counts.iter().map(|(_, count)| count).sum::<f64>();
+    let mut below = 0.0;
+    for (thickness, count) in counts {
+        below += count;
+        if below >= half {
+            return thickness;
+        }
+    }
+    f64::INFINITY
 }
 
 /// Radius that the skin bends with at each vertex (n, m): from the turn of the normals along the edges around it, and
@@ -209,8 +233,8 @@ impl Body {
         let share = edge_per_thickness(skin, &thickness);
         let bends = bend_radii(skin, fixed);
         let wanted = |(thickness, bend): (f64, &f64)| (share * thickness).min(EDGE_PER_BEND[0] * bend);
-        let mut edges: Vec<f64> = thickness.into_iter().zip(&bends).map(wanted).collect();
-        let has_many = lengthen_edges(&mut edges, skin, &bends, nodes);
+        let mut edges: Vec<f64> = thickness.iter().copied().zip(&bends).map(wanted).collect();
+        let has_many = lengthen_edges(&mut edges, skin, &thickness, &bends, nodes);
         (edges, has_many)
     }
 
@@ -262,7 +286,7 @@ mod tests {
         let bends = vec![1.0; skin.vertices().len()];
         // 4 pi / (sqrt(3)/2 0.2^2) = 363 vertices
         let mut edges = vec![0.2; skin.vertices().len()];
-        assert!(!lengthen_edges(&mut edges, &skin, &bends, &cap));
+        assert!(!lengthen_edges(&mut edges, &skin, &bends, &bends, &cap));
         assert!(edges.iter().all(|&edge| edge == 0.2));
     }
 
@@ -274,14 +298,29 @@ mod tests {
             .min_by(|&a, &b| skin.vertices()[a].z.total_cmp(&skin.vertices()[b].z))
             .expect("vertices");
         // The cap is a tenth of the sphere, so that twice the length elsewhere is enough for the first alone.
+        let thickness = vec![1.0; skin.vertices().len()];
         for (times_too_many, is_enough) in [(1.14, true), (3.2, false)] {
             let area = 4.0 * std::f64::consts::PI;
             let edge = (area / (0.75_f64.sqrt() * times_too_many * MOST_VERTICES)).sqrt();
             let mut edges = vec![edge; skin.vertices().len()];
-            assert!(lengthen_edges(&mut edges, &skin, &bends, &cap));
+            assert!(lengthen_edges(&mut edges, &skin, &thickness, &bends, &cap));
             assert!(vertex_count(&skin, &edges) < MOST_VERTICES * (1.0 + 1e-9));
             assert_eq!(edges[cap[0]] == edge, is_enough);
             assert!((edges[south] / edges[cap[0]] - LONGER[0]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn edges_at_the_nodes_grow_with_the_root_of_the_thickness() {
+        let (skin, _) = ball();
+        let all: Vec<usize> = (0..skin.vertices().len()).collect();
+        let thickness: Vec<f64> =
+            skin.vertices().iter().map(|vertex| if vertex.z > 0.0 { 0.08 } else { 0.32 }).collect();
+        let mut edges: Vec<f64> = thickness.iter().map(|thickness| 0.7 * thickness).collect();
+        assert!(lengthen_edges(&mut edges, &skin, &thickness, &vec![1.0; all.len()], &all));
+        for (edge, thickness) in edges.iter().zip(&thickness) {
+            let of_thin = edges.iter().copied().fold(f64::INFINITY, f64::min);
+            assert!((edge / of_thin - (thickness / 0.08).sqrt()).abs() < 1e-12);
         }
     }
 }
