@@ -89,7 +89,8 @@ mod tests {
             assert_solves(&a, |b| lu.solve(b));
             assert_solves(&a, |b| in_place(b, |right| lu.solve_in_place(right, &|| false)));
             let wide = Lu::with_cuts(Dense::of(&a), WIDE, &mut |_| false).expect("regular");
-            assert_solves(&a.transpose().to_owned(), |b| in_place(b, |right| wide.solve_transposed(right)));
+            let transposed = a.transpose().to_owned();
+            assert_solves(&transposed, |b| in_place(b, |right| wide.solve_transposed(right, &|| false)));
             assert!(wide.pivot_ratio() > 0.0);
             let definite = &a * a.transpose() + Mat::<f64>::identity(n, n) * n as f64;
             let cholesky = Cholesky::new(Dense::of(&definite), &|| false).expect("definite");

@@ -1,10 +1,9 @@
 //! LU factors with partial pivoting in block columns.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::linalg::lu::partial_pivoting::factor;
 use faer::linalg::matmul;
 use faer::linalg::triangular_solve as substitution;
-use faer::perm::Perm;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, Par};
 
@@ -156,16 +155,16 @@ impl Lu {
         });
     }
 
-    /// `A' X = B` in place.
-    pub(crate) fn solve_transposed(&self, right: MatMut<'_, f64>) {
-        let n = self.order.len();
-        let mut place = vec![0; n];
-        self.order.iter().enumerate().for_each(|(i, &from)| place[from] = i);
-        let rows = Perm::new_checked(self.order.clone().into(), place.into(), n);
-        let scratch = solve::solve_transpose_in_place_scratch::<usize, f64>(n, right.ncols(), Par::Seq);
-        let mut memory = MemBuffer::new(scratch);
-        let (lu, memory) = (self.a.as_ref(), MemStack::new(&mut memory));
-        solve::solve_transpose_in_place(lu, lu, rows.as_ref(), right, Par::Seq, memory);
+    /// `A' X = B` in place; left unfinished when interrupted.
+    pub(crate) fn solve_transposed(&self, mut right: MatMut<'_, f64>, interrupted: Interrupt) {
+        let transposed = self.a.as_ref().transpose();
+        substitution::solve_lower_triangular_in_place(transposed, right.rb_mut(), Par::Seq);
+        if interrupted() {
+            return;
+        }
+        substitution::solve_unit_upper_triangular_in_place(transposed, right.rb_mut(), Par::Seq);
+        let moves: Vec<(usize, usize)> = self.order.iter().copied().zip(0..).collect();
+        move_rows(right, &moves);
     }
 }
 

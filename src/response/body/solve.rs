@@ -319,10 +319,14 @@ fn solve_columns<Part: Send>(
         let width = SOLVE_BLOCK.min(columns - start);
         let mut block = scratch.as_mut().subcols_mut(0, width);
         block.copy_from(loads.subrows(start, width).transpose());
-        factor.solve_transposed(block.rb_mut());
+        // Halfway and at the end of each block.
+        let advance = || {
+            let halves = width + solved.fetch_add(width, Ordering::Relaxed);
+            watch.advance("solution", 0.5 * halves as f64 / columns as f64)
+        };
+        factor.solve_transposed(block.rb_mut(), &|| !advance());
         take(block.rb(), part);
-        let solved = width + solved.fetch_add(width, Ordering::Relaxed);
-        watch.advance("solution", solved as f64 / columns as f64)
+        advance()
     });
     if finished.all(|go_on| go_on) { Ok(()) } else { Err(watch.interrupted("solution")) }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
@@ -212,10 +213,10 @@ fn less_near_kernel(
     let near = near.blocks(coarse, &everywhere, columns, options)?;
     let stored = &solved.parts().displacement;
     let mut remainder = Mat::zeros(3 * everywhere.len(), 3 * columns.len());
-    for (column, vertex) in columns.iter().enumerate() {
+    remainder.par_col_chunks_mut(3).zip(columns).enumerate().for_each(|(column, (block, vertex))| {
         let own = solved.nodes().binary_search(vertex).ok();
-        for b in 0..3 {
-            let entries = remainder.col_as_slice_mut(3 * column + b);
+        for (b, entries) in block.col_iter_mut().enumerate() {
+            let entries = entries.try_as_col_major_mut().expect("a column is contiguous").as_slice_mut();
             if let Some(own) = own {
                 entries.copy_from_slice(stored.col_as_slice(3 * own + b));
             }
@@ -224,6 +225,6 @@ fn less_near_kernel(
                 (0..3).for_each(|a| entries[a] -= block[(a, b)]);
             }
         }
-    }
+    });
     Ok(remainder)
 }
