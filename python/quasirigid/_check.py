@@ -32,6 +32,27 @@ def as_number(name: str, value: Any, refusal: Refusal, least: float = 0.0, most:
     raise refusal(f"{name} is {value!r}, expected a number {wanted}")
 
 
+def as_float(name: str, value: Any) -> float:
+    """Return a float, whatever it is; the core says which are allowed.
+
+    Raises
+    ------
+    TypeError
+        If it is no number, or one that no float holds.
+    """
+    try:
+        if not isinstance(value, (str, bytes)):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise TypeError(f"{name} is {short(value)}, expected a number")
+
+
+def as_float_or_none(name: str, value: Any) -> float | None:
+    """Return a float; None stays."""
+    return None if value is None else as_float(name, value)
+
+
 def as_length(name: str, value: Any, refusal: Refusal) -> float:
     """Return a finite length (m) above 0."""
     try:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from . import _core
-from ._check import as_index, as_integer_or_none
+from ._check import as_float, as_index, as_integer_or_none
 from .errors import ResponseError
 from .scene import as_obstacle, as_surface
 from .skin.elastic import core_skin
@@ -69,7 +69,7 @@ def response_matrix(
         core_skin(skin, surface),
         nodes,
         directions=directions,
-        tolerance=tolerance,
+        tolerance=as_float("tolerance", tolerance),
         num_threads=as_integer_or_none("num_threads", num_threads, ResponseError),
     )
 

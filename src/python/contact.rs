@@ -2,7 +2,9 @@
 
 use super::accuracy::{PyAccuracy, PyRefinement};
 use super::contact_options::PyContactOptions;
-use super::convert::{named, nodes_out, pairs_out, read_only, vector, vector_out, vectors, vectors_out};
+use super::convert::{
+    named, nodes_out, number, pairs_out, read_only, vector, vector_out, vectors, vectors_out,
+};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use super::forked::released;
 use super::interrupt::detached_with;
@@ -237,9 +239,9 @@ pub(super) fn press(
     obstacle: &PyObstacle,
     skin: &Bound<'_, PySkin>,
     direction: &Bound<'_, PyAny>,
-    depth: Option<f64>,
-    force: Option<f64>,
-    overlap: Option<f64>,
+    depth: Option<&Bound<'_, PyAny>>,
+    force: Option<&Bound<'_, PyAny>>,
+    overlap: Option<&Bound<'_, PyAny>>,
     start: &str,
     balance: &str,
     tilt_axes: Option<&Bound<'_, PyAny>>,
@@ -247,10 +249,14 @@ pub(super) fn press(
     options: &PyContactOptions,
 ) -> PyResult<PyContact> {
     let goal = match (depth, force, overlap) {
-        (Some(depth), None, None) => Goal::Depth(depth),
-        (None, Some(force), None) => Goal::Force(force),
-        (None, None, Some(overlap)) => Goal::Overlap(overlap),
-        _ => return Err(PyContactError::new_err(not_one_goal([depth, force, overlap]))),
+        (Some(depth), None, None) => Goal::Depth(number(depth, "depth")?),
+        (None, Some(force), None) => Goal::Force(number(force, "force")?),
+        (None, None, Some(overlap)) => Goal::Overlap(number(overlap, "overlap")?),
+        _ => {
+            return Err(PyContactError::new_err(not_one_goal(
+                [depth, force, overlap].map(|value| value.is_some()),
+            )));
+        }
     };
     let starts = [(Start::Infinity, "infinity"), (Start::Current, "current")];
     let start = named("start", start, &starts, PyContactError::new_err)?;
@@ -289,9 +295,9 @@ fn balance_in(
     }
 }
 
-fn not_one_goal(given: [Option<f64>; 3]) -> String {
-    let names = ["depth", "force", "overlap"].iter().zip(given);
-    let given: Vec<&str> = names.filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
+fn not_one_goal(is_given: [bool; 3]) -> String {
+    let names = ["depth", "force", "overlap"].into_iter().zip(is_given);
+    let given: Vec<&str> = names.filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
     let given = if given.is_empty() { "none of them".to_owned() } else { given.join(" and ") };
     format!("a press takes depth, force or overlap, and one of them alone; given: {given}")
 }

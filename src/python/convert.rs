@@ -74,6 +74,13 @@ pub(super) fn mesh_arrays<'py>(
     read.call((mesh,), Some(&keywords.into_py_dict(mesh.py())?))?.extract()
 }
 
+/// A number; the facade's `as_float` says what is wrong with what is none.
+pub(super) fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
+    let refused =
+        |_| value.py().import("quasirigid._check")?.getattr("as_float")?.call1((name, value))?.extract();
+    value.extract().or_else(refused)
+}
+
 /// (3,) vector.
 pub(super) fn vector(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vector3<f64>> {
     let array = float_array(value, name)?;

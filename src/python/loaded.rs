@@ -1,7 +1,7 @@
 //! The vertices under force, from which the figures of any part of a contact are summed.
 
 use super::contact::{PyPatch, PyResultant, patches_out};
-use super::convert::{MatrixArgument, mask, matrix_out, nodes_out};
+use super::convert::{MatrixArgument, mask, matrix_out, nodes_out, number};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use crate::contact::figures::resultant::{LoadedVertex, LoadedVertices};
 use faer::Mat;
@@ -88,8 +88,8 @@ impl PyLoadedVertices {
     }
 
     /// Largest mean pressure (Pa) over a disc of `area` (m²).
-    fn mean_pressure(&self, area: f64) -> PyResult<f64> {
-        self.inner.mean_pressure(area).map_err(IntoPyErr::into_py_err)
+    fn mean_pressure(&self, area: &Bound<'_, PyAny>) -> PyResult<f64> {
+        self.inner.mean_pressure(number(area, "area")?).map_err(IntoPyErr::into_py_err)
     }
 
     /// Resultant and patches of the vertices where `mask` is true.

@@ -1,8 +1,8 @@
 //! `quasirigid.Obstacle`.
 
 use super::convert::{
-    MatrixArgument, faces, faces_out, mesh_arrays, nodes, rotation_and_translation, vector, vector_out,
-    vectors, vectors_out,
+    MatrixArgument, faces, faces_out, mesh_arrays, nodes, number, rotation_and_translation, vector,
+    vector_out, vectors, vectors_out,
 };
 use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
@@ -124,8 +124,8 @@ impl PyObstacle {
     ///     Radius (m), > 0.
     #[staticmethod]
     #[pyo3(text_signature = "(center, radius)")]
-    fn sphere(center: &Bound<'_, PyAny>, radius: f64) -> PyResult<Self> {
-        made(Obstacle::sphere(vector(center, "center")?, radius))
+    fn sphere(center: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>) -> PyResult<Self> {
+        made(Obstacle::sphere(vector(center, "center")?, number(radius, "radius")?))
     }
 
     /// A box about the origin, its edges along the axes.
@@ -150,8 +150,8 @@ impl PyObstacle {
     ///     Radius (m), > 0.
     #[staticmethod]
     #[pyo3(text_signature = "(a, b, radius)")]
-    fn capsule(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, radius: f64) -> PyResult<Self> {
-        made(Obstacle::capsule(vector(a, "a")?, vector(b, "b")?, radius))
+    fn capsule(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>) -> PyResult<Self> {
+        made(Obstacle::capsule(vector(a, "a")?, vector(b, "b")?, number(radius, "radius")?))
     }
 
     /// A cylinder about the origin, its axis along z.
@@ -164,8 +164,8 @@ impl PyObstacle {
     ///     Radius (m), > 0.
     #[staticmethod]
     #[pyo3(text_signature = "(half_height, radius)")]
-    fn cylinder(half_height: f64, radius: f64) -> PyResult<Self> {
-        made(Obstacle::cylinder(half_height, radius))
+    fn cylinder(half_height: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>) -> PyResult<Self> {
+        made(Obstacle::cylinder(number(half_height, "half_height")?, number(radius, "radius")?))
     }
 
     /// A copy turned about the origin, then shifted: a point at x comes to ``rotation @ x + translation``.
@@ -241,11 +241,12 @@ impl PyObstacle {
     fn with_material(
         &self,
         py: Python<'_>,
-        shear_modulus: f64,
-        poisson_ratio: f64,
+        shear_modulus: &Bound<'_, PyAny>,
+        poisson_ratio: &Bound<'_, PyAny>,
         response: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        self.made_of(py, (shear_modulus, poisson_ratio), response, true)
+        let constants = (number(shear_modulus, "shear_modulus")?, number(poisson_ratio, "poisson_ratio")?);
+        self.made_of(py, constants, response, true)
     }
 
     /// What it is made of, or None of a rigid one.
@@ -276,9 +277,10 @@ impl PyObstacle {
         &self,
         py: Python<'py>,
         points: &Bound<'py, PyAny>,
-        max_distance: Option<f64>,
+        max_distance: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Distances<'py>> {
         let points = vectors(points, "points")?;
+        let max_distance = max_distance.map(|value| number(value, "max_distance")).transpose()?;
         let answer = released(py, || self.inner.signed_distance(&points, max_distance))
             .map_err(IntoPyErr::into_py_err)?;
         Ok((

@@ -116,3 +116,30 @@ def test_a_motion_that_is_none_is_refused(
     for thing in (SURFACE, PLATE, SKIN.prepared(SURFACE)):
         with pytest.raises(error, match=message):
             thing.moved(*arguments)  # type: ignore[arg-type]
+
+
+def _pressed(**given: Any) -> qr.Contact:
+    return qr.press(SURFACE, PLATE, SKIN, [0, 0, -1], **given)
+
+
+NUMBERS = {
+    "shear_modulus": lambda value: qr.Skin(shear_modulus=value, poisson_ratio=0.4, response=qr.HalfSpace()),
+    "poisson_ratio": lambda value: qr.Skin(shear_modulus=1e4, poisson_ratio=value, response=qr.HalfSpace()),
+    "radius": lambda value: qr.Obstacle.sphere([0, 0, 0], value),
+    "half_height": lambda value: qr.Obstacle.cylinder(value, 0.02),
+    "depth": lambda value: _pressed(depth=value),
+    "force": lambda value: _pressed(force=value),
+    "overlap": lambda value: _pressed(overlap=value),
+    "target_error": lambda value: _pressed(depth=1e-4, options=qr.ContactOptions(target_error=value)),
+    "pivot_tol": lambda value: qr.solve_lcp([[1]], [-1], options=qr.LcpOptions(pivot_tol=value)),
+    "coarse_edge_length": lambda value: qr.Skin(
+        shear_modulus=1e4, poisson_ratio=0.4, response=qr.Body(coarse_edge_length=value)
+    ).prepared(SURFACE),
+}
+
+
+@pytest.mark.parametrize("value", ["1mm", [1.0, 2.0], 1j, 10**400], ids=["word", "list", "complex", "huge"])
+@pytest.mark.parametrize("name", NUMBERS)
+def test_what_is_no_number_is_named(name: str, value: Any) -> None:
+    with pytest.raises(TypeError, match=rf"^{name} is .*, expected a number$"):
+        NUMBERS[name](value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import _core
-from .._check import as_integer, as_integer_or_none, short
+from .._check import as_float, as_float_or_none, as_integer, as_integer_or_none, short
 from ..lcp import LcpMethod, LcpMethodName
 
 __all__ = ["ContactOptions"]
@@ -75,16 +75,16 @@ def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
     elif not isinstance(options, ContactOptions):
         raise TypeError(f"options is {short(options)}, expected a ContactOptions")
     return _core.ContactOptions(
-        tolerance=options.tolerance,
-        target_error=options.target_error,
+        tolerance=as_float("tolerance", options.tolerance),
+        target_error=as_float_or_none("target_error", options.target_error),
         max_nodes=as_integer("max_nodes", options.max_nodes),
-        gap_tolerance=options.gap_tolerance,
+        gap_tolerance=as_float("gap_tolerance", options.gap_tolerance),
         max_linearizations=as_integer("max_linearizations", options.max_linearizations),
         rings=as_integer_or_none("rings", options.rings),
         method=options.method,
         num_threads=as_integer_or_none("num_threads", options.num_threads),
         memory_limit=as_integer_or_none("memory_limit", options.memory_limit),
-        search_distance=options.search_distance,
+        search_distance=as_float_or_none("search_distance", options.search_distance),
         condition=options.condition,
         couple_fingers=options.couple_fingers,
         max_growths=as_integer("max_growths", options.max_growths),

@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
-from .._check import as_integer_or_none, as_integers
+from .._check import as_float, as_integer_or_none, as_integers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -76,8 +76,8 @@ class LcpOptions:
         guess = None if self.initial_active is None else as_integers("initial_active", self.initial_active)
         return _core.LcpOptions(
             max_pivots=as_integer_or_none("max_pivots", self.max_pivots),
-            pivot_tol=self.pivot_tol,
-            tolerance=self.tolerance,
+            pivot_tol=as_float("pivot_tol", self.pivot_tol),
+            tolerance=as_float("tolerance", self.tolerance),
             initial_active=guess,
             covering=self.covering,
             definiteness=self.definiteness,

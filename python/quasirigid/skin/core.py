@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from .._check import as_integer_or_none, as_mask, short
+from .._check import as_float_or_none, as_integer_or_none, as_mask, short
 from ..errors import ResponseError
 from .progress import Progress, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
@@ -87,7 +87,7 @@ def _build_body(
         body.bone,
         fixed,
         nodes,
-        coarse_edge_length=body.coarse_edge_length,
+        coarse_edge_length=as_float_or_none("coarse_edge_length", body.coarse_edge_length),
         bone_pressure=body.bone_pressure,
         num_threads=None,
         memory_limit=as_integer_or_none("memory_limit", body.memory_limit, ResponseError),

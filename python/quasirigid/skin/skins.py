@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
+from .._check import as_float
 from ..errors import ResponseError, ResponseRangeWarning
 from ..scene import as_surface
 from .core import Material, build_kernel, build_prepared, restore_prepared
@@ -156,7 +157,7 @@ class Skin:
 
     @property
     def _material(self) -> Material:
-        return self.shear_modulus, self.poisson_ratio
+        return as_float("shear_modulus", self.shear_modulus), as_float("poisson_ratio", self.poisson_ratio)
 
     def _core_on(self, surface: Surface) -> _core.Skin:
         return self._kernel or build_prepared(self._material, self.response, surface)

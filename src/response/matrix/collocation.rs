@@ -10,7 +10,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::InverseThickness;
-use crate::response::matrix::fill::fill_columns;
+use crate::response::matrix::fill::filled_columns;
 use crate::response::matrix::galerkin::galerkin_block;
 use crate::response::matrix::options::{AssemblyOptions, check_directions, check_memory, rows_of_vertices};
 use crate::response::simd::points::{Targets, gather};
@@ -78,11 +78,9 @@ pub fn assemble_block(
         gather(&targets.rows, &of_rows, &mut inverse_thickness.of_targets);
         inverse_thickness.largest = of_rows.into_iter().fold(0.0, f64::max);
     }
-    let mut matrix = Mat::zeros(rows.len(), columns.len());
     let scratch = || ColumnScratch::new(&targets);
-    fill_columns(&mut matrix, options, scratch, |scratch: &mut ColumnScratch, j, column| {
+    filled_columns([rows.len(), columns.len()], options, scratch, |scratch: &mut ColumnScratch, j, column| {
         kernel.fill(scratch, &targets, &inverse_thickness, columns[j]);
         targets.scatter(&scratch.values, column);
-    })?;
-    Ok(matrix)
+    })
 }

@@ -10,18 +10,34 @@ use crate::response::matrix::options::AssemblyOptions;
 /// Columns between two looks at `interrupt`, per thread.
 const BATCH_COLUMNS: usize = 64;
 
-/// Fills each column of `matrix` by `fill(scratch, j, column)`: see [`fill_items`].
-pub(crate) fn fill_columns<S>(
-    matrix: &mut Mat<f64>,
+/// Entries cleared between two looks at `interrupt`: 64 MB.
+const CLEARED_AT_ONCE: usize = 1 << 23;
+
+/// A matrix (rows × columns) with each column filled by `fill(scratch, j, column)`, where it is zero: see [`fill_items`].
+pub(crate) fn filled_columns<S>(
+    [rows, columns]: [usize; 2],
     options: &AssemblyOptions,
     scratch: impl Fn() -> S + Sync + Send,
     fill: impl Fn(&mut S, usize, &mut [f64]) + Sync + Send,
-) -> Result<(), ResponseError> {
-    let mut columns: Vec<&mut [f64]> = matrix
+) -> Result<Mat<f64>, ResponseError> {
+    // It takes the system a second to find 2 GB.
+    let at_once = (CLEARED_AT_ONCE / rows.max(1)).max(1);
+    let mut matrix = Mat::with_capacity(rows, columns);
+    loop {
+        matrix.resize_with(rows, columns.min(matrix.ncols() + at_once), |_, _| 0.0);
+        if matrix.ncols() == columns {
+            break;
+        }
+        if options.interrupt.is_some_and(|stop| stop()) {
+            return Err(ResponseError::Interrupted { columns: 0, nodes: columns });
+        }
+    }
+    let mut entries: Vec<&mut [f64]> = matrix
         .col_iter_mut()
         .map(|c| c.try_as_col_major_mut().expect("columns of a Mat are contiguous").as_slice_mut())
         .collect();
-    fill_items(&mut columns, options, scratch, |scratch, j, column| fill(scratch, j, column))
+    fill_items(&mut entries, options, scratch, |scratch, j, column| fill(scratch, j, column))?;
+    Ok(matrix)
 }
 
 /// Fills each of some items by `fill(scratch, index, item)`.

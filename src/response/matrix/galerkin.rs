@@ -11,7 +11,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::{InverseThickness, Thickness};
-use crate::response::matrix::fill::fill_columns;
+use crate::response::matrix::fill::filled_columns;
 use crate::response::matrix::near_faces::{NearFaces, NodeFace};
 use crate::response::matrix::options::{AssemblyOptions, NO_ROW, rows_of_vertices};
 use crate::response::matrix::outer_rule::{OuterRule, OuterRules};
@@ -112,7 +112,6 @@ pub(crate) fn galerkin_block(
         of_columns,
         density: rows.iter().map(|&v| 1.0 / surface.vertex_areas()[v]).collect(),
     };
-    let mut matrix = Mat::zeros(rows.len(), columns.len());
     let outer = || Outer {
         scratch: ColumnScratch::new(&Targets::default()),
         targets: Targets::default(),
@@ -123,9 +122,9 @@ pub(crate) fn galerkin_block(
         seen_in: vec![usize::MAX; shared.faces.len()],
         means: Vec::new(),
     };
-    fill_columns(&mut matrix, options, outer, |outer: &mut Outer, j, column| {
-        shared.fill(outer, j, column);
-    })?;
+    let size = [rows.len(), columns.len()];
+    let mut matrix =
+        filled_columns(size, options, outer, |outer: &mut Outer, j, column| shared.fill(outer, j, column))?;
     if is_symmetric {
         for j in 0..columns.len() {
             for i in 0..j {

@@ -26,7 +26,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
 use crate::response::matrix::collocation::assemble_block;
-use crate::response::matrix::fill::fill_columns;
+use crate::response::matrix::fill::filled_columns;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
@@ -96,8 +96,8 @@ impl NearKernel {
         let ratio = self.half_space.poisson_ratio();
         let factors = [(1.0 - ratio) * per_modulus, ratio * per_modulus];
         let reach = RuleReach::new(options.tolerance);
-        let mut packed = Mat::zeros(PACKED * rows.len(), columns.len());
-        fill_columns(&mut packed, options, Scratch::default, |scratch, j, column| {
+        let size = [PACKED * rows.len(), columns.len()];
+        let mut packed = filled_columns(size, options, Scratch::default, |scratch, j, column| {
             let column = column.as_chunks_mut::<PACKED>().0;
             let vertex = columns[j];
             for &face in surface.faces_around(vertex) {
