@@ -118,4 +118,19 @@ mod tests {
             assert!((integral / expected - 1.0).abs() < 1e-9, "{integral:e} is not {expected:e}");
         }
     }
+
+    #[test]
+    fn an_isosceles_needle_is_finite_at_its_base() {
+        // Over s from 0 to L a strip of width w (1 - s / L), seen from a corner of its base:
+        // int asinh(w (1 - s / L) / s) ds = w ln(2 L / w), but for terms in w / L.
+        let width = 2_f64.sqrt();
+        for length in [1e7, 1e8, 1e9, 1e12] {
+            let needle = [Vector3::z() * length, Vector3::x(), Vector3::y()];
+            for corner in [Vector3::x(), Vector3::y()] {
+                let whole: f64 = hat_integrals(&corner, &needle).iter().sum();
+                let expected = width * (2.0 * length / width).ln();
+                assert!((whole / expected - 1.0).abs() < 1e-6, "{length:e}: {whole:e} is not {expected:e}");
+            }
+        }
+    }
 }

@@ -69,7 +69,9 @@ impl Piece {
         let foot = self.between(from, to, share);
         let ends = [foot, (self.corners[apex], self.weights[apex])];
         let mut slices = Vec::new();
-        for (tip, area) in [(from, share * self.area), (to, (1.0 - share) * self.area)] {
+        // In an isosceles needle rounding may leave nothing beyond the foot.
+        let sides = [(from, share * self.area), (to, (1.0 - share) * self.area)];
+        for (tip, area) in sides.into_iter().filter(|(_, area)| *area > 0.0) {
             let tip = (self.corners[tip], self.weights[tip]);
             let [length, height] = [(ends[0].0 - tip.0).norm(), (ends[1].0 - ends[0].0).norm()];
             let mut intervals = vec![[0.0, 1.0]];
