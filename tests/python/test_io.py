@@ -401,3 +401,13 @@ def test_an_stl_file_shorter_than_its_header_is_refused(tmp_path: Path, length: 
     (tmp_path / "short.stl").write_bytes(b"\x01" * length)
     with pytest.raises(MeshFileError, match=f"short.stl: is {length} bytes long, too short"):
         qr.read_mesh(tmp_path / "short.stl", unit="m")
+
+
+def test_a_signalling_nan_is_refused_without_a_warning_of_numpy(tmp_path: Path) -> None:
+    row = np.zeros(50, np.uint8)
+    row[12:48] = np.arange(9, dtype="<f4").view(np.uint8)
+    row[20:24] = np.frombuffer(b"\x01\x00\x81\x7f", np.uint8)
+    data = bytes(80) + np.array(1, "<u4").tobytes() + row.tobytes()
+    (tmp_path / "signal.stl").write_bytes(data)
+    with pytest.raises(MeshFileError, match=r"signal\.stl: vertex \d is at .*nan"):
+        qr.read_mesh(tmp_path / "signal.stl", unit="m")

@@ -11,6 +11,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError, QuasirigidError
 from ..obstacle import Obstacle
@@ -135,6 +137,7 @@ def _read_file(path: Path) -> tuple[Floats, Indices]:
         data = path.read_bytes()
     except OSError as error:
         raise MeshFileError(f"{path}: {error.strerror or error}") from None
-    vertices, faces = reader(data, str(path))
+    with np.errstate(invalid="ignore"):  # a signalling nan of single precision warns where it is widened
+        vertices, faces = reader(data, str(path))
     check_values(vertices, faces, str(path))
     return vertices, faces
