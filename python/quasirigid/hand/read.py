@@ -78,7 +78,8 @@ def read_hand(
         if file.suffix.lower() in (".glb", ".gltf"):
             if rig is not None:
                 raise HandError("rig belongs to a mesh, glTF has its own")
-            hand = read_glb(file)
+            with np.errstate(invalid="ignore"):  # signalling nan of single precision: refused as nan
+                hand = read_glb(file)
         else:
             hand = _read_mesh_with_rig(file, None if rig is None else Path(rig), unit)
     except QuasirigidError as error:
