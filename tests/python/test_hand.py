@@ -277,6 +277,28 @@ def test_every_vertex_has_a_region_in_one_piece(sparse_or_dense: qr.Hand) -> Non
         assert len({root(vertex) for vertex in group}) == 1, region
 
 
+def test_skin_under_a_finger_is_no_other_fingers(sparse_or_dense: qr.Hand) -> None:
+    """Webs that reached across the base of a finger cut its palmar skin off."""
+    labels, surface = sparse_or_dense.labels, sparse_or_dense.surface
+    out = sparse_or_dense.frame_of("wrist")[:3, 2]
+    stems = {"index": "index", "middle": "middle", "ring": "ring", "little": "pinky"}
+    for digit, stem in stems.items():
+        knuckle, joint = (
+            sparse_or_dense.frame_of(f"{stem}-finger-phalanx-{link}")[:3, 3]
+            for link in ("proximal", "intermediate")
+        )
+        along = (joint - knuckle) - ((joint - knuckle) @ out) * out
+        length = np.linalg.norm(along)
+        aside = np.cross(along / length, out)
+        way = surface.vertices - knuckle
+        share = way @ along / length**2
+        under = (share > 0.05) & (share < 0.9) & (np.abs(way @ aside) < 3e-3)
+        under &= surface.vertex_normals @ out < -0.5
+        assert under.any()
+        for other in stems.keys() - {digit}:
+            assert not np.char.startswith(labels[under], f"{other}-").any()
+
+
 def test_phalanges_end_at_their_joints(sparse_or_dense: qr.Hand) -> None:
     labels, surface = sparse_or_dense.labels, sparse_or_dense.surface
     edges = np.concatenate([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]])

@@ -116,7 +116,12 @@ class _Skin:
         # index's.
         root_a, root_b = (a[1], 0.5 * (b[0] + b[1])) if is_thumb else (a[1], b[1])
         along = _unit(_unit(a[2] - a[1]) + _unit((b[1] - b[0]) if is_thumb else (b[2] - b[1])))
-        across = (root_b - root_a) - ((root_b - root_a) @ along) * along
+        step = root_b - root_a
+        if not is_thumb:
+            # In the plane of the palm: rigs bend fingers at rest and place knuckles at different depths.
+            along, step = (way - (way @ self.dorsal) * self.dorsal for way in (along, step))
+            along = _unit(along)
+        across = step - (step @ along) * along
         share = (self.points - root_a) @ across / (across @ across)
         reach = (self.points - 0.5 * (root_a + root_b)) @ along
         between = np.abs(share - 0.5) < _WEB_SHARE
