@@ -10,7 +10,8 @@ from ._check import as_float, as_index, as_integer_or_none
 from .errors import ResponseError
 from .scene import as_obstacle, as_surface
 from .skin.elastic import core_skin
-from .skin.skins import CombinedSkin, PreparedSkin, Skin
+from .skin.prepared import PreparedSkin
+from .skin.skins import CombinedSkin, Skin
 
 if TYPE_CHECKING:
     from collections.abc import Callable

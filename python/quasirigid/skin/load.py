@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..errors import ResponseError
-from .skins import PreparedSkin, Skin, restore_skin
+from .prepared import PreparedSkin, restore_skin
+from .skins import Skin
 from .storage import read_prepared, restored_response
 
 if TYPE_CHECKING:

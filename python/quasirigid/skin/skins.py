@@ -1,4 +1,4 @@
-"""What the skin is made of: material and response, prepared for a surface, joined from parts."""
+"""What the skin is made of: material and response, joined from parts."""
 
 from __future__ import annotations
 
@@ -14,22 +14,20 @@ from .. import _core
 from .._check import as_float
 from ..errors import ResponseError, ResponseRangeWarning
 from ..scene import as_surface
-from .core import Material, build_kernel, build_prepared, restore_prepared
+from .core import Material, build_kernel, build_prepared
 from .cut_out import CutOut
 from .given_mesh import forces_on_given_mesh
+from .prepared import PreparedSkin
 from .progress import Progress, as_progress
 from .response import Response
-from .storage import write_prepared
 
 if TYPE_CHECKING:
-    from os import PathLike
-
     from numpy.typing import ArrayLike, NDArray
 
     from ..contact.result import Contact
     from ..surface import Surface
 
-__all__ = ["CombinedSkin", "PreparedSkin", "Skin", "restore_skin"]
+__all__ = ["CombinedSkin", "Skin"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,99 +159,6 @@ class Skin:
 
     def _core_on(self, surface: Surface) -> _core.Skin:
         return self._kernel or build_prepared(self._material, self.response, surface)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PreparedSkin:
-    """A skin whose response is computed for one surface; made by `Skin.prepared` or `load_prepared`.
-
-    Attributes
-    ----------
-    skin : Skin
-        Material and response that it came from; a body's bone and fixed vertices as they were when prepared.
-    """
-
-    skin: Skin
-    _response: _core.Skin
-
-    @property
-    def nodes(self) -> NDArray[np.int64]:
-        """(k,) int64: vertices whose response is known."""
-        return self._response.nodes()
-
-    def bone_pressure(self, load: Contact | ArrayLike) -> NDArray[np.float64]:
-        """Return the pressure on a body's bone.
-
-        Parameters
-        ----------
-        load : Contact or (n, 3) array_like
-            A contact solved with this skin, or forces (N) at the vertices of its surface, zero where it is
-            not prepared.
-
-        Returns
-        -------
-        (m,) float64
-            Pressure (Pa) at each vertex of the bone, positive where tissue pushes on it. At nu = 0.5 a
-            uniform pressure on the skin arrives unchanged.
-
-        Raises
-        ------
-        ResponseError
-            If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone.
-        """
-        pressures = self._response.bone_pressures(forces_on_given_mesh(load))
-        if pressures is None:
-            raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
-        return pressures
-
-    def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> PreparedSkin:
-        """Return the response of the surface after a rigid motion, ``rotation @ x + translation``.
-
-        Parameters
-        ----------
-        rotation : (3, 3) or (4, 4) array_like, optional
-            Proper rotation; a (4, 4) matrix holds the shift too.
-        translation : (3,) array_like, optional
-            Shift (m).
-
-        Returns
-        -------
-        PreparedSkin
-            For ``surface.moved(rotation, translation)``.
-        """
-        return replace(self, _response=self._response.moved(rotation, translation))
-
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write it to a file, whole or not at all.
-
-        Parameters
-        ----------
-        path : path
-            A file, by custom named ``.npz``: numbers of the response, and the mesh and material that it is
-            for.
-
-        Raises
-        ------
-        OSError
-            If the folder does not exist or cannot be written to.
-        """
-        write_prepared(path, self._response.parts(), self.skin._material, self.skin.response)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle the numbers, as `save` does, beside the skin as it is."""
-        return restore_skin, (self.skin, self._response.parts())
-
-    def __repr__(self) -> str:
-        """Return the number of nodes and the skin on one line."""
-        return f"PreparedSkin({len(self.nodes)} nodes, {self.skin!r})"
-
-    def _core_on(self, surface: Surface) -> _core.Skin:
-        return self._response
-
-
-def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:
-    """Return the prepared skin of a skin and the numbers that `_core.Skin.parts` returned."""
-    return PreparedSkin(skin=skin, _response=restore_prepared(skin._material, skin.response, stored))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
