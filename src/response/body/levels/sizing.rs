@@ -65,9 +65,8 @@ fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
 }
 
 /// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, by as much as that
-/// is away, then everywhere by one factor. At the nodes edges grow with the root of the thickness where the tissue is
-/// deeper than is typical: what coarse edges cost a force goes with their square over the thickness, so that a force all
-/// over the nodes errs least. Returns whether it has too many.
+/// is away, then everywhere by one factor. At the nodes edges grow with the cube root of the thickness where the tissue is
+/// deeper than is typical: there they cost few vertices, and a contact is not wider for it. Returns whether it has too many.
 ///
 /// * `thickness`: of the tissue (n, m)
 /// * `bends`: radius that the skin bends with (n, m)
@@ -86,7 +85,8 @@ fn lengthen_edges(
     let [far, everywhere] = LONGER;
     let bounded = |edge: f64, longer: f64, bend: f64| longer.min((EDGE_PER_BEND[1] * bend).max(edge));
     for (vertex, away) in skin.skin_distances(nodes, f64::INFINITY) {
-        let edge = edges[vertex].min(EDGE_PER_THICKNESS[1] * (typical * thickness[vertex]).sqrt() + away);
+        let edge =
+            edges[vertex].min(EDGE_PER_THICKNESS[1] * (typical * typical * thickness[vertex]).cbrt() + away);
         edges[vertex] = bounded(edge, (edge + away).min(far * edge), bends[vertex]);
     }
     let longer = (vertex_count(skin, edges) / MOST_VERTICES).sqrt().clamp(1.0, everywhere);
@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_at_the_nodes_grow_with_the_root_of_the_thickness() {
+    fn edges_at_the_nodes_grow_with_the_cube_root_of_the_thickness() {
         let (skin, _) = ball();
         let all: Vec<usize> = (0..skin.vertices().len()).collect();
         let thickness: Vec<f64> =
@@ -320,7 +320,7 @@ mod tests {
         assert!(lengthen_edges(&mut edges, &skin, &thickness, &vec![1.0; all.len()], &all));
         for (edge, thickness) in edges.iter().zip(&thickness) {
             let of_thin = edges.iter().copied().fold(f64::INFINITY, f64::min);
-            assert!((edge / of_thin - (thickness / 0.08).sqrt()).abs() < 1e-12);
+            assert!((edge / of_thin - (thickness / 0.08).cbrt()).abs() < 1e-12);
         }
     }
 }
