@@ -66,7 +66,8 @@ fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
 
 /// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, by as much as that
 /// is away, then everywhere by one factor. At the nodes edges grow with the cube root of the thickness where the tissue is
-/// deeper than is typical: there they cost few vertices, and a contact is not wider for it. Returns whether it has too many.
+/// deeper than is typical: balls on palm and fingertips of a hand erred less so than with the root or the fourth root
+/// (docs/responses.md). Returns whether it has too many.
 ///
 /// * `thickness`: of the tissue (n, m)
 /// * `bends`: radius that the skin bends with (n, m)
