@@ -219,10 +219,11 @@ class Body(_Response):
     coarse_edge_length : float or None
         Wanted length of the edges of the coarse mesh that the body is solved on (m), up to the size of the
         body; None for 0.4 to 0.7 of the tissue's thickness at each place, the more the larger the body, and
-        at most half of the radius that the skin bends with. A skin that would get more than 1,400 vertices
-        that way, as a whole hand, has edges up to twice as long away from the nodes that it is prepared
-        for, none there longer than their median, then all longer by one factor, and is prepared for all
-        that moves. 0 is the skin's own mesh.
+        at most half of the radius that the skin bends with. A skin that would get more than 1,700 vertices
+        that way, as a whole hand, has edges up to twice as long away from the nodes that it is prepared for.
+        At the nodes they are the least share that there are vertices for, and grow with the cube root of
+        the thickness above its median; then all are longer by one factor. It is prepared for all that
+        moves. 0 is the skin's own mesh.
 
     References
     ----------

@@ -35,6 +35,12 @@ const MOST_VERTICES: f64 = 1700.0;
 /// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
 const LONGER: [f64; 2] = [2.0, 1.7];
 
+/// How much longer edges get per distance from what may be loaded: the least and the most.
+const GROWTH: [f64; 2] = [0.4, 1.0];
+
+/// Steps from the least share and growth to the most.
+const STEPS: u32 = 20;
+
 /// The same for the edges of a coarse bone.
 const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
 
@@ -64,10 +70,10 @@ fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
     (least * (vertices / MANY_VERTICES).sqrt()).clamp(least, most)
 }
 
-/// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, by as much as that
-/// is away, then everywhere by one factor. At the nodes edges grow with the cube root of the thickness where the tissue is
-/// deeper than is typical: balls on palm and fingertips of a hand erred less so than with the root or the fourth root
-/// (docs/responses.md). Returns whether it has too many.
+/// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, the more so
+/// the farther away, then everywhere by one factor. At the nodes edges are the least share of the thickness that there are
+/// vertices for, and grow with its cube root where the tissue is deeper than is typical: balls on palm and fingertips of a
+/// hand erred less so than with the root or the fourth root (docs/responses.md). Returns whether it has too many.
 ///
 /// * `thickness`: of the tissue (n, m)
 /// * `bends`: radius that the skin bends with (n, m)
@@ -84,12 +90,22 @@ fn lengthen_edges(
     }
     let typical = typical_thickness(skin, thickness, nodes);
     let [far, everywhere] = LONGER;
+    let distances = skin.skin_distances(nodes, f64::INFINITY);
     let bounded = |edge: f64, longer: f64, bend: f64| longer.min((EDGE_PER_BEND[1] * bend).max(edge));
-    for (vertex, away) in skin.skin_distances(nodes, f64::INFINITY) {
-        let edge =
-            edges[vertex].min(EDGE_PER_THICKNESS[1] * (typical * typical * thickness[vertex]).cbrt() + away);
-        edges[vertex] = bounded(edge, (edge + away).min(far * edge), bends[vertex]);
-    }
+    let graded = |step: u32| {
+        let [share, growth] = [EDGE_PER_THICKNESS, GROWTH]
+            .map(|[least, most]| least + (most - least) * f64::from(step) / f64::from(STEPS));
+        let mut graded = edges.to_vec();
+        for &(vertex, away) in &distances {
+            let thickness = thickness[vertex].min((typical * typical * thickness[vertex]).cbrt());
+            let edge = edges[vertex].min(share * thickness + growth * away);
+            graded[vertex] = bounded(edge, (edge + growth * away).min(far * edge), bends[vertex]);
+        }
+        graded
+    };
+    let fits = |edges: &Vec<f64>| vertex_count(skin, edges) <= MOST_VERTICES;
+    let graded = (0..STEPS).map(graded).find(fits).unwrap_or_else(|| graded(STEPS));
+    edges.copy_from_slice(&graded);
     let longer = (vertex_count(skin, edges) / MOST_VERTICES).sqrt().clamp(1.0, everywhere);
     edges.iter_mut().zip(bends).for_each(|(edge, &bend)| *edge = bounded(*edge, longer * *edge, bend));
     true
@@ -309,6 +325,19 @@ mod tests {
             assert_eq!(edges[cap[0]] == edge, is_enough);
             assert!((edges[south] / edges[cap[0]] - LONGER[0]).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn edges_at_few_nodes_are_the_least_share_of_the_thickness() {
+        let (skin, _) = ball();
+        let cap: Vec<usize> =
+            (0..skin.vertices().len()).filter(|&vertex| skin.vertices()[vertex].z > 0.95).collect();
+        let (thickness, bends) = (vec![0.1; skin.vertices().len()], vec![1.0; skin.vertices().len()]);
+        // 4 pi / (sqrt(3)/2 0.07^2) = 2960 vertices
+        let mut edges = vec![0.07; skin.vertices().len()];
+        assert!(lengthen_edges(&mut edges, &skin, &thickness, &bends, &cap));
+        assert!(vertex_count(&skin, &edges) < MOST_VERTICES);
+        assert!(cap.iter().all(|&node| (edges[node] - 0.04).abs() < 1e-15));
     }
 
     #[test]
