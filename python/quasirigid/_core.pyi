@@ -28,6 +28,7 @@ __all__ = [
     "Skin",
     "SkinWeights",
     "Surface",
+    "WarmStart",
     "contact_modulus",
     "cut_out",
     "cut_out_marked",
@@ -445,7 +446,12 @@ def press(
     tilt_axes: ArrayLike | None,
     tilt_point: ArrayLike | None,
     options: ContactOptions,
+    warm: WarmStart | None = None,
 ) -> Contact: ...
+
+@final
+class WarmStart:
+    def __new__(cls) -> WarmStart: ...
 
 @final
 class LcpOptions:

@@ -178,7 +178,7 @@ fn loaded_edge(gaps: &Gaps, forces: &NodeForces) -> Option<LoadedEdge> {
 }
 
 /// Lengths of the edges at a vertex (m).
-fn edge_lengths(surface: &Surface, vertex: usize) -> impl Iterator<Item = f64> + '_ {
+pub(crate) fn edge_lengths(surface: &Surface, vertex: usize) -> impl Iterator<Item = f64> + '_ {
     let own = surface.vertices()[vertex];
     surface.neighbours(vertex).iter().map(move |&other| (surface.vertices()[other as usize] - own).norm())
 }

@@ -29,6 +29,7 @@ pub(crate) mod report;
 pub(crate) mod scene;
 pub(crate) mod solve;
 pub(crate) mod tilt;
+pub(crate) mod warm;
 
 pub use error::{ContactError, LargestContact};
 pub use figures::accuracy::Accuracy;
@@ -40,3 +41,4 @@ pub use report::warning::{Warning, WarningKind};
 pub use scene::{Goal, Press, Start};
 pub use solve::solve_contact;
 pub use tilt::axes::{Balance, Tilt, TiltAxes};
+pub use warm::presses::{WarmStart, press_after};

@@ -91,7 +91,7 @@ fn pressed(
     with_threads(options, || reach(surface, obstacle, approach(0.0), target, skin, options))
 }
 
-fn unit(direction: &Vector3<f64>) -> Result<Vector3<f64>, ContactError> {
+pub(crate) fn unit(direction: &Vector3<f64>) -> Result<Vector3<f64>, ContactError> {
     // Scaling first keeps tiny and huge directions from under- and overflowing.
     let scaled = direction / direction.amax();
     let length = scaled.norm();

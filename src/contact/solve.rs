@@ -43,11 +43,21 @@ pub(crate) fn solve(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     let started = Instant::now();
+    refine(on_given_mesh(surface, placement, skin, options)?, started, placement, skin, options)
+}
+
+/// Solves the contact on the skin's own mesh.
+pub(crate) fn on_given_mesh(
+    surface: &Surface,
+    placement: &Placement,
+    skin: &dyn ElasticSkin,
+    options: &ContactOptions,
+) -> Result<Contact, ContactError> {
+    let started = Instant::now();
     let scene = placement.scene(surface, false)?;
     let mut report = Report::default();
     if placement.press.is_some() {
         report.clock("first_touch", started);
     }
-    let contact = solve_in_place(surface, &scene, skin, options, report)?;
-    refine(contact, started, placement, skin, options)
+    solve_in_place(surface, &scene, skin, options, report)
 }

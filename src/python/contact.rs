@@ -15,13 +15,14 @@ use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::contact::{
     self, Balance, Contact, ContactError, ContactOptions, Goal, LargestContact, Patch, Press, Resultant,
-    Start, Tilt, TiltAxes,
+    Start, Tilt, TiltAxes, WarmStart,
 };
 use crate::lcp::LcpSolution;
 use crate::response::ElasticSkin;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::mem::take;
+use std::sync::Mutex;
 
 /// Force (N), moment (N m), center (m), area (m²) and peak (Pa) of a contact or of one of its patches.
 #[pyclass(name = "Resultant", module = "quasirigid._core", frozen, get_all)]
@@ -187,6 +188,19 @@ impl PyDrawing {
     }
 }
 
+/// What a press leaves to the next one of the same question but for the goal.
+#[pyclass(name = "WarmStart", module = "quasirigid._core", frozen)]
+#[derive(Default)]
+pub(super) struct PyWarmStart(Mutex<WarmStart>);
+
+#[pymethods]
+impl PyWarmStart {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+}
+
 /// Runs a solve with the interpreter released and Ctrl-C heard.
 fn run(
     skin: &Bound<'_, PySkin>,
@@ -232,7 +246,7 @@ pub(super) fn solve_contact(
 }
 
 #[pyfunction]
-#[pyo3(signature = (surface, obstacle, skin, direction, *, depth, force, overlap, start, balance, tilt_axes, tilt_point, options))]
+#[pyo3(signature = (surface, obstacle, skin, direction, *, depth, force, overlap, start, balance, tilt_axes, tilt_point, options, warm = None))]
 #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn press(
     surface: &PySurface,
@@ -247,6 +261,7 @@ pub(super) fn press(
     tilt_axes: Option<&Bound<'_, PyAny>>,
     tilt_point: Option<&Bound<'_, PyAny>>,
     options: &PyContactOptions,
+    warm: Option<&PyWarmStart>,
 ) -> PyResult<PyContact> {
     let goal = match (depth, force, overlap) {
         (Some(depth), None, None) => Goal::Depth(number(depth, "depth")?),
@@ -262,7 +277,13 @@ pub(super) fn press(
     let start = named("start", start, &starts, PyContactError::new_err)?;
     let balance = balance_in(balance, tilt_axes, tilt_point)?;
     let press = Press { direction: vector(direction, "direction")?, goal, start, balance };
-    run(skin, options, |skin, options| contact::press(&surface.inner, &obstacle.inner, skin, &press, options))
+    run(skin, options, |skin, options| match warm {
+        None => contact::press(&surface.inner, &obstacle.inner, skin, &press, options),
+        Some(PyWarmStart(before)) => {
+            let mut before = before.lock().expect("no panic while the lock is held");
+            contact::press_after(&surface.inner, &obstacle.inner, skin, &press, options, &mut before)
+        }
+    })
 }
 
 /// Whether an obstacle turns, and about what.

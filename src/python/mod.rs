@@ -29,7 +29,7 @@ mod _core {
     #[pymodule_export]
     use super::accuracy::{PyAccuracy, PyRefinement};
     #[pymodule_export]
-    use super::contact::{PyContact, PyDrawing, PyResultant, press, solve_contact};
+    use super::contact::{PyContact, PyDrawing, PyResultant, PyWarmStart, press, solve_contact};
     #[pymodule_export]
     use super::contact_options::PyContactOptions;
     #[pymodule_export]
@@ -82,6 +82,7 @@ mod _core {
                 "Skin",
                 "SkinWeights",
                 "Surface",
+                "WarmStart",
                 "contact_modulus",
                 "cut_out",
                 "cut_out_marked",

@@ -36,10 +36,9 @@ pub struct RefinedSurface {
 impl MeshRefinement {
     /// Nothing refined yet; only `faces` can be.
     pub fn new(given: &Surface, faces: impl IntoIterator<Item = u32>) -> Self {
-        let given = given.clone();
-        let mut mesh = RedGreen::new(&smooth(&given));
-        faces.into_iter().for_each(|face| mesh.take(&smooth(&given), face));
-        Self { given, mesh }
+        let mut none = Self { given: given.clone(), mesh: RedGreen::new(&smooth(given)) };
+        none.take(faces);
+        none
     }
 
     /// The surface that is refined.
@@ -60,6 +59,20 @@ impl MeshRefinement {
     /// Corners of a triangle, by their numbers in the whole refined surface.
     pub fn corners(&self, leaf: usize) -> [usize; 3] {
         self.mesh.leaves[leaf].corners.map(|corner| corner as usize)
+    }
+
+    /// Mean length of the edges of a triangle (m).
+    pub fn mean_edge(&self, leaf: usize) -> f64 {
+        let [a, b, c] =
+            self.mesh.leaves[leaf].corners.map(|corner| self.mesh.point(&smooth(&self.given), corner));
+        ((a - b).norm() + (b - c).norm() + (c - a).norm()) / 3.0
+    }
+
+    /// Takes in more faces; whether there was one that was not.
+    pub fn take(&mut self, faces: impl IntoIterator<Item = u32>) -> bool {
+        let before = self.leaf_count();
+        faces.into_iter().for_each(|face| self.mesh.take(&smooth(&self.given), face));
+        self.leaf_count() > before
     }
 
     /// Middles that the edges of a triangle have or would have (m).
@@ -170,6 +183,11 @@ impl RefinedSurface {
             None => self.given_vertices[vertex],
             Some(added) => self.given_count + added,
         }
+    }
+
+    /// The same of several.
+    pub(crate) fn numbers(&self, vertices: &[usize]) -> Vec<usize> {
+        vertices.iter().map(|&vertex| self.number(vertex)).collect()
     }
 
     /// For each vertex here the given one whose entry it takes: its own, or that of the nearer end of the edge that an

@@ -46,6 +46,78 @@ def test_every_row_is_the_press_of_its_depth(surface: qr.Surface, by_depth: qr.S
     assert (by_depth.seconds > 0.0).all()
 
 
+def mesh_rounds(contact: qr.Contact) -> int:
+    """Count the meshes that a contact was solved on."""
+    return sum(one.kind == "mesh" for one in contact.refinements)
+
+
+@pytest.fixture(scope="module")
+def rising(surface: qr.Surface) -> qr.Sweep:
+    """Small steps on a plate."""
+    return qr.sweep(surface, PLATE, SKIN, UP, depths=np.linspace(0.3e-3, 1.2e-3, 19))
+
+
+def test_small_steps_go_on_on_one_mesh(surface: qr.Surface, rising: qr.Sweep) -> None:
+    contacts = list(rising)
+    # The first begins on the given mesh; few others do, as the contact's radius doubles.
+    assert mesh_rounds(contacts[0]) > 1
+    assert sum(mesh_rounds(contact) == 1 for contact in contacts) >= len(contacts) // 2
+    for contact, row in zip(contacts, rising.force, strict=True):
+        np.testing.assert_array_equal(contact.force, row)
+        assert len(contact.surface.vertices) == len(contact.gap)
+        assert contact.given_vertex_count == len(surface.vertices)
+        np.testing.assert_allclose(contact.force_vectors.sum(axis=0), contact.force, atol=1e-12)
+
+
+def test_steps_are_those_of_presses_within_their_errors(surface: qr.Surface, rising: qr.Sweep) -> None:
+    for step, depth in enumerate(rising.depth):
+        contact = qr.press(surface, PLATE, SKIN, UP, depth=depth)
+        off = abs(rising.normal_force[step] / contact.force[2] - 1.0)
+        assert off <= rising.force_error[step] + contact.accuracy.force_error
+        off = abs(rising.contact_area[step] / contact.contact_area - 1.0)
+        assert off <= rising.area_error[step] + contact.accuracy.area_error
+    assert (np.diff(rising.normal_force) > 0.0).all()
+    assert (rising.force_error <= 0.02).all()
+    assert (rising.area_error <= 0.02).all()
+
+
+@pytest.mark.parametrize("response", [qr.HalfSpace(discretization="galerkin"), qr.Layer(thickness=4e-3)])
+def test_other_kernels_go_on_too(surface: qr.Surface, response: qr.HalfSpace | qr.Layer) -> None:
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.45, response=response)
+    depths = np.linspace(0.8e-3, 1e-3, 5)
+    curve = qr.sweep(surface, PLATE, skin, UP, depths=depths)
+    assert any(mesh_rounds(contact) == 1 for contact in curve)
+    alone = [qr.press(surface, PLATE, skin, UP, depth=depth).force[2] for depth in depths]
+    np.testing.assert_allclose(curve.normal_force, alone, rtol=0.02)
+
+
+def test_a_spot_beside_the_contact_gets_cells_of_its_own() -> None:
+    vertices, faces = ball(8e-3, 4)
+    # A second crest, half a millimetre above the first and 6 mm beside it.
+    crest = np.exp(-(((vertices[:, 0] - 6e-3) ** 2 + vertices[:, 1] ** 2) / 1.2e-3**2))
+    low = vertices[:, 2] < 8e-3
+    vertices[low, 2] -= 2.2e-3 * crest[low]
+    surface = qr.Surface(vertices, faces)
+    depths = np.linspace(0.3e-3, 1.6e-3, 27)
+    curve = qr.sweep(surface, PLATE, SKIN, UP, depths=depths)
+    contacts = [qr.press(surface, PLATE, SKIN, UP, depth=depth) for depth in depths]
+    assert len(contacts[0].patches) < len(contacts[-1].patches)
+    for contact, force, error in zip(contacts, curve.normal_force, curve.force_error, strict=True):
+        assert abs(force / contact.force[2] - 1.0) <= error + contact.accuracy.force_error
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
+def test_a_mesh_taken_as_it_is_and_a_sharp_edge_begin_anew_each_step(surface: qr.Surface) -> None:
+    options = qr.ContactOptions(target_error=None)
+    depths = [0.5e-3, 0.52e-3]
+    beside = qr.Obstacle.box([0.02, 0.02, 0.02]).moved(translation=[0.02, 0.0, -0.05])
+    for obstacle, how in ((PLATE, options), (beside, None)):
+        curve = qr.sweep(surface, obstacle, SKIN, UP, depths=depths, options=how)
+        for step, depth in enumerate(depths):
+            contact = qr.press(surface, obstacle, SKIN, UP, depth=depth, options=how)
+            np.testing.assert_array_equal(curve.force[step], contact.force)
+
+
 def test_each_step_keeps_its_warnings(fingertip: qr.Surface) -> None:
     options = qr.ContactOptions(target_error=None)
     with pytest.warns(qr.QuasirigidWarning):
@@ -63,10 +135,10 @@ def test_a_step_is_solved_again_when_asked(by_depth: qr.Sweep) -> None:
 
 
 def test_forces_are_found_one_by_one(surface: qr.Surface) -> None:
-    forces = [2.0, 0.5]
+    forces = [2.0, 0.5, 0.52, 0.54]
     curve = qr.sweep(surface, PLATE, SKIN, UP, forces=forces)
     np.testing.assert_allclose(curve.normal_force, forces, rtol=1e-6)
-    assert curve.depth[0] > curve.depth[1] > 0.0
+    assert curve.depth[0] > curve.depth[3] > curve.depth[2] > curve.depth[1] > 0.0
     assert curve[1].depth == curve.depth[1]
 
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..skin.elastic import ElasticSkin
     from ..surface import Surface
 
-__all__ = ["Balance", "Start", "end_of", "press", "solve_contact", "solve_quietly"]
+__all__ = ["Balance", "Start", "end_of", "press", "press_quietly", "solve_contact", "solve_quietly"]
 
 
 class Start(StrEnum):
@@ -215,6 +215,43 @@ def press(
     >>> bool(held.center_of_pressure[0] > contact.center_of_pressure[0] + 0.4e-3)
     True
     """
+    contact = press_quietly(
+        surface,
+        obstacle,
+        skin,
+        direction,
+        depth=depth,
+        force=force,
+        overlap=overlap,
+        start=start,
+        balance=balance,
+        tilt_axes=tilt_axes,
+        tilt_point=tilt_point,
+        options=options,
+    )
+    return end_of(contact, throw=throw, stacklevel=2)
+
+
+def press_quietly(
+    surface: Surface,
+    obstacle: Obstacle,
+    skin: ElasticSkin,
+    direction: ArrayLike,
+    *,
+    depth: float | None = None,
+    force: float | None = None,
+    overlap: float | None = None,
+    start: Start | Literal["infinity", "current"] = "infinity",
+    balance: Balance | Literal["none", "tilt"] = "none",
+    tilt_axes: ArrayLike | None = None,
+    tilt_point: ArrayLike | None = None,
+    options: ContactOptions | None = None,
+    warm: _core.WarmStart | None = None,
+) -> Contact:
+    """Return the contact of a press; nothing is warned of, no ending is an error.
+
+    From what the press before left in `warm`, where one is given.
+    """
     check_scene(surface, obstacle)
     core_options = options_to_core(options)
     try:
@@ -231,12 +268,13 @@ def press(
             tilt_axes=tilt_axes,
             tilt_point=tilt_point,
             options=core_options,
+            warm=warm,
         )
     except ContactError as error:
         if isinstance(error.contact, _core.Contact):
             error.contact = _from_core(error.contact, surface)
         raise
-    return end_of(_from_core(pressed, surface), throw=throw, stacklevel=2)
+    return _from_core(pressed, surface)
 
 
 def solve_quietly(

@@ -51,7 +51,7 @@ class Contact(Frozen):
     parents : (n - given_vertex_count, 2) int64
         The two vertices that each added one lies between.
     refinements : tuple of Refinement
-        What each mesh gave, the given one first.
+        What each mesh gave, the given one first; of a sweep's step, that of the step before.
     obstacle : Obstacle
         The obstacle where it stands now.
     travel : float

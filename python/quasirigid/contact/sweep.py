@@ -5,20 +5,22 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from .. import _core
 from .._check import as_direction, short
 from .._frozen import Frozen
 from ..errors import QuasirigidError, ResponseError
 from ..scene import check_scene
 from .ending import ContactStatus
 from .options import ContactOptions
-from .press import Start, press
+from .press import Start, end_of, press_quietly
 from .result import Contact, ContactError
-from .warned import Warned
+from .warned import Warned, warn_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,16 +58,17 @@ class _Question:
     start: Start | Literal["infinity", "current"]
     options: ContactOptions | None
 
-    def answer(self, step: int) -> Contact:
+    def answer(self, step: int, warm: _core.WarmStart) -> Contact:
+        """Return the contact of a step from what the step before left."""
         goal: dict[str, Any] = {self.goal: float(self.values[step])}
-        return press(
+        return press_quietly(
             self.surface,
             self.obstacle,
             self.skin,
             self.direction,
             start=self.start,
             options=self.options,
-            throw=False,
+            warm=warm,
             **goal,
         )
 
@@ -75,7 +78,9 @@ class Sweep(Frozen):
     """What presses to several depths or forces gave: one row a step (s of them), in the order asked.
 
     A step that did not end solved has nan for its figures, and its status says why. ``sweep[i]`` is the
-    `Contact` of step i, solved again; for a force out of reach it raises, with the largest contact.
+    `Contact` of step i with the figures of its row, solved again after the steps before it: all are best
+    asked for in order (``for contact in sweep``). For a force out of reach it raises, with the largest
+    contact.
 
     Attributes
     ----------
@@ -120,12 +125,18 @@ class Sweep(Frozen):
         return len(self.status)
 
     def __getitem__(self, step: int) -> Contact:
-        """Return the contact of one step, solved again."""
-        return self._question.answer(range(len(self))[step])
+        """Return the contact of one step, solved again as it was: after all before it."""
+        step, warm = range(len(self))[step], _core.WarmStart()
+        for before in range(step):
+            with suppress(ContactError, ResponseError):
+                self._question.answer(before, warm)
+        return end_of(self._question.answer(step, warm), throw=False, stacklevel=2)
 
     def __iter__(self) -> Iterator[Contact]:
         """Solve one step after the other again."""
-        return (self[step] for step in range(len(self)))
+        warm = _core.WarmStart()
+        for step in range(len(self)):
+            yield end_of(self._question.answer(step, warm), throw=False, stacklevel=2)
 
     def to_dataframe(self) -> Any:
         """Return a pandas DataFrame with one row a step."""
@@ -158,10 +169,13 @@ def sweep(
     options: ContactOptions | None = None,
     progress: SweepProgress | bool | None = None,
 ) -> Sweep:
-    """Press to several depths or forces, each as `press` does.
+    """Press to several depths or forces, each from what the one before left.
 
-    Takes one of `depths` and `forces`. A body is best prepared before (`Skin.prepared`): otherwise every step
-    computes its compliance anew.
+    Takes one of `depths` and `forces`. A step goes on on the refined mesh of the step before, which is cut
+    where the rim of the contact comes to larger triangles. It begins on the given mesh where that did not
+    meet the target (a sharp edge), or where the contact's radius has changed by half. Its figures are those
+    of `press` within the estimated errors, to the bit with ``target_error=None``. A body is best prepared
+    before (`Skin.prepared`): otherwise every step computes its compliance anew.
 
     Parameters
     ----------
@@ -223,9 +237,9 @@ def sweep(
         options=options,
     )
     report = _reporter(progress)
-    rows = _Rows(len(values))
+    rows, warm = _Rows(len(values)), _core.WarmStart()
     for step in range(len(values)):
-        rows.solve(question, step)
+        rows.solve(question, step, warm)
         if report is not None:
             report(step + 1, len(values))
     # What no step could answer was asked wrongly.
@@ -244,13 +258,13 @@ class _Rows:
         self.warnings: list[tuple[Warned, ...]] = []
         self.errors: list[QuasirigidError] = []
 
-    def solve(self, question: _Question, step: int) -> None:
+    def solve(self, question: _Question, step: int, warm: _core.WarmStart) -> None:
         """Solve one step and take its figures."""
         started = time.perf_counter()
         if question.goal == "depth":
             self.scalars["depth"][step] = question.values[step]
         try:
-            contact = question.answer(step)
+            contact = question.answer(step, warm)
         except (ContactError, ResponseError) as error:
             reached = error.contact if isinstance(error, ContactError) else None
             self.status.append("refused" if reached is None else "not_reached")
@@ -260,6 +274,7 @@ class _Rows:
         else:
             self.status.append(contact.status.value)
             self.warnings.append(contact.warnings)
+            warn_of(contact.warnings, stacklevel=3)
             self._take(contact, question.direction, step)
         self.scalars["seconds"][step] = time.perf_counter() - started
 

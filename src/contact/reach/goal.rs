@@ -3,11 +3,12 @@
 use std::time::Instant;
 
 use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::in_place::Known;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached};
 use crate::contact::reach::search::Search;
-use crate::contact::refine::rounds::{Begun, Rounds, begin};
+use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
 use crate::contact::scene::{Approach, Inherited, Placement};
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
@@ -68,7 +69,7 @@ impl Task<'_> {
             limit: on_given.limit(),
             known: None,
         };
-        let (mut given, power) = match on_given.reach(self.target.quantity, &search, None)? {
+        let (mut given, power) = match on_given.reach(self.target.quantity, &search, None, None)? {
             Reached::Goal { contact, power } => (contact, power),
             Reached::Short { contact, why } => {
                 let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
@@ -87,16 +88,20 @@ impl Task<'_> {
                 Begun::Rounds(rounds) => *rounds,
             };
             let reason = rounds.run()?;
-            let Some(why) = self.search_again(&mut rounds, power)? else { return rounds.conclude(reason) };
+            let Some(why) = self.search_again(&mut rounds, power)? else {
+                return rounds.meshes.conclude(reason, rounds.target);
+            };
             if let Err(why) = why {
-                return Err(self.not_reached(rounds.conclude(reason)?, why));
+                return Err(self.not_reached(rounds.meshes.conclude(reason, rounds.target)?, why));
             }
             // Without figures (an overlap whose contact did not end solved) there is no error to mend.
-            let Some((found, error)) = rounds.last_figures() else { return rounds.conclude(reason) };
+            let Some((found, error)) = rounds.meshes.last_figures() else {
+                return rounds.meshes.conclude(reason, rounds.target);
+            };
             let farther = found.travel - travel > FARTHER * self.surface.mean_edge_length();
-            let was_met = reason == "target_error";
+            let was_met = reason == MET;
             if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
-                return rounds.conclude(reason);
+                return rounds.meshes.conclude(reason, rounds.target);
             }
             started = Instant::now();
             given = on_given.solve(found.depth.expect("a press has a depth") - touch.1)?;
@@ -113,13 +118,14 @@ impl Task<'_> {
         power: f64,
     ) -> Result<Option<Result<(), String>>, ContactError> {
         let started = Instant::now();
-        let Some((part, last)) = rounds.last.as_ref() else { return Ok(None) };
+        let Some((part, last)) = rounds.meshes.last.as_ref() else { return Ok(None) };
         if matches!(last.status, ContactStatus::Failed(_)) {
             return Ok(None);
         }
         let touch = self.press.touch(&part.surface, self.obstacle, true)?;
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let on_part = self.on_mesh(&part.surface, &*skin, Some(rounds.inherited_by(part)), touch);
+        let on_part =
+            self.on_mesh(&part.surface, &*skin, Some(rounds.meshes.inherited_by(part, self.skin)), touch);
         let past = last.depth.expect("a press has a depth") - touch.1;
         let value = self.target.quantity.of(last, &self.press.direction);
         if (value / self.target.value - 1.0).abs() <= Search::CLOSE {
@@ -133,11 +139,12 @@ impl Task<'_> {
             limit: self.on_mesh(self.surface, self.skin, None, touch).limit(),
             known: is_known.then_some((past, value)),
         };
-        let (contact, end) = match on_part.reach(self.target.quantity, &search, Some(last))? {
+        let known = Known::of_active(last.active.clone());
+        let (contact, end) = match on_part.reach(self.target.quantity, &search, Some(known), Some(last))? {
             Reached::Goal { contact, .. } => (contact, Ok(())),
             Reached::Short { contact, why } => (contact, Err(why)),
         };
-        rounds.replace_last(contact, started);
+        rounds.meshes.replace_last(contact, started);
         Ok(Some(end))
     }
 

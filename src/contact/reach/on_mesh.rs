@@ -66,6 +66,16 @@ impl<'a> Trials<'a> {
         Self { skin, known: RefCell::default(), timings: RefCell::default(), refusal: RefCell::default() }
     }
 
+    /// The first trial begins from `known`.
+    pub fn from(skin: &'a dyn ElasticSkin, known: Option<Known>) -> Self {
+        Self { known: RefCell::new(known), ..Self::new(skin) }
+    }
+
+    /// What the last one in contact leaves.
+    pub fn into_known(self) -> Option<Known> {
+        self.known.into_inner()
+    }
+
     /// Adds what a trial took.
     pub fn note(&self, timings: &[Timing]) {
         add_timings(&mut self.timings.borrow_mut(), timings);
@@ -84,17 +94,17 @@ impl OnMesh<'_> {
     /// gives it to the bit; on a refined mesh it takes over what the search knows.
     ///
     /// * `search`: lengths past the touch (m), values in N or m
-    /// * `last`: a contact on this mesh that the search begins from; the answer where it is below the goal and none nearer
-    ///   is found
+    /// * `known`: what the first trial takes over
+    /// * `last`: a contact on this mesh; the answer where it is below the goal and none nearer is found
     pub fn reach(
         &self,
         quantity: Quantity,
         search: &Search,
+        known: Option<Known>,
         last: Option<&Contact>,
     ) -> Result<Reached, ContactError> {
         let kept = KeptSkin::new(self.skin);
-        let trials = Trials::new(&kept);
-        trials.known.replace(last.map(|contact| Known::of_active(contact.active.clone())));
+        let trials = Trials::from(&kept, known);
         let found = search.run(|past| self.trial(quantity, past, &trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),

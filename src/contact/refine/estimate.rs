@@ -1,5 +1,6 @@
 //! What mesh and body cost the figures of a contact: estimates, no bounds.
 
+use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::outcome::Contact;
 use crate::response::kernel::basis::Discretization;
 
@@ -25,13 +26,10 @@ const LEAST_LEFT: f64 = 0.25;
 
 impl MeshError {
     /// From the number of cells alone: the mesh as it is, of a contact that is smooth.
-    pub fn of_cells(contact: &Contact) -> Self {
-        let cells = contact.accuracy.cells_per_radius;
-        let known = match contact.accuracy.discretization {
-            Discretization::Collocation => COLLOCATION,
-            Discretization::Galerkin => GALERKIN,
-        };
-        let [force, area, pressure] = known.map(|(factor, power)| factor / cells.powf(power));
+    pub fn of_cells(accuracy: &Accuracy) -> Self {
+        let cells = accuracy.cells_per_radius;
+        let [force, area, pressure] =
+            powers(accuracy.discretization).map(|(factor, power)| factor / cells.powf(power));
         Self { force, area, pressure }
     }
 
@@ -65,20 +63,36 @@ impl MeshError {
         }
     }
 
-    /// From the estimate for another contact on the same mesh: what has fewer cells costs more.
-    pub fn carried_over(from: &Contact, to: &Contact) -> Option<Self> {
-        let known = &from.accuracy;
-        let (before, after) = (Self::of_cells(from), Self::of_cells(to));
-        let rise = |before: f64, after: f64| (after / before).max(1.0);
+    /// From the estimate for another contact.
+    ///
+    /// * `coarser`: cells a radius of that contact, over those of this one; what has more cells costs no less
+    /// * `at_rim`: the same of the cells at the rim alone, which the area hangs on
+    pub fn carried_over(known: &Accuracy, coarser: f64, at_rim: f64) -> Option<Self> {
+        let [force, area, pressure] = powers(known.discretization).map(|(_, power)| power);
+        let (coarser, at_rim) = (coarser.max(1.0), at_rim.max(1.0));
         Some(Self {
-            force: known.mesh_error? * rise(before.force, after.force),
-            area: known.area_error? * rise(before.area, after.area),
-            pressure: known.max_pressure_error? * rise(before.pressure, after.pressure),
+            force: known.mesh_error? * coarser.powf(force),
+            area: known.area_error? * at_rim.powf(area),
+            pressure: known.max_pressure_error? * coarser.powf(pressure),
         })
+    }
+
+    /// How many times coarser the cells may be until the force misses the target, and those at the rim until the area does.
+    pub fn room(known: &Accuracy, target: f64) -> Option<[f64; 2]> {
+        let [(_, force), (_, area), _] = powers(known.discretization);
+        let room = |error: f64, power: f64| (target / error).powf(1.0 / power);
+        Some([room(known.mesh_error?, force), room(known.area_error?, area)])
     }
 
     /// The larger of what force and area leave.
     pub fn worst(&self) -> f64 {
         self.force.max(self.area)
+    }
+}
+
+fn powers(discretization: Discretization) -> [(f64, f64); 3] {
+    match discretization {
+        Discretization::Collocation => COLLOCATION,
+        Discretization::Galerkin => GALERKIN,
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
-use crate::contact::outcome::Contact;
 use crate::obstacle::posed::Obstacle;
+use crate::response::skin::elastic::Traits;
 use crate::surface::checked::Surface;
 use crate::surface::refined::MeshRefinement;
 
@@ -13,18 +13,27 @@ const FARTHEST_POINT: f64 = 0.85;
 
 /// Faces that a contact may need finer: all around a vertex that may come to touch.
 ///
-/// * `contact`: on the given surface
-/// * `margin`: largest gap of a vertex that may come to touch (m)
-pub(crate) fn faces_near(contact: &Contact, surface: &Surface, margin: f64) -> Vec<u32> {
+/// * `gap`: of the given surface's vertices (m)
+/// * `candidates`: those that may touch, ascending
+/// * `deepest`: penetration (m)
+pub(crate) fn faces_near(
+    gap: &[f64],
+    candidates: &[usize],
+    deepest: f64,
+    surface: &Surface,
+    traits: &Traits,
+) -> Vec<u32> {
+    // Where forces can press skin outside, it must be there.
+    let margin = if traits.negative_entries { deepest } else { 0.0 };
     let mut is_near = vec![false; surface.faces().len()];
     let mut near = Vec::new();
-    for (vertex, &gap) in contact.gap.iter().enumerate() {
+    for (vertex, &gap) in gap.iter().enumerate() {
         if gap.is_infinite() {
             continue;
         }
         let around = surface.faces_around(vertex);
         let farthest = FARTHEST_POINT * longest_edge(surface, vertex);
-        if gap > margin.max(farthest) && contact.candidates.binary_search(&vertex).is_err() {
+        if gap > margin.max(farthest) && candidates.binary_search(&vertex).is_err() {
             continue;
         }
         for &face in around {
@@ -51,6 +60,17 @@ pub(crate) fn loaded(mesh: &MeshRefinement, active: &[usize]) -> Vec<bool> {
     (0..mesh.leaf_count()).map(|leaf| mesh.corners(leaf).iter().any(is_active)).collect()
 }
 
+/// Triangles with one of some corners and edges longer than so many m in the mean.
+///
+/// * `corners`: numbers in the whole refined surface, ascending
+pub(crate) fn too_large(mesh: &MeshRefinement, corners: &[usize], longest: f64) -> Vec<bool> {
+    let mut marked = loaded(mesh, corners);
+    for (leaf, is_marked) in marked.iter_mut().enumerate() {
+        *is_marked = *is_marked && mesh.mean_edge(leaf) > longest;
+    }
+    marked
+}
+
 /// Marks triangles of the given surface too that no vertex of feels the obstacle but a curved middle does.
 ///
 /// * `gap`: of the given surface's vertices (m)
@@ -63,7 +83,8 @@ pub(crate) fn add_pressed_middles(
     let mask = mesh.given().skin_mask();
     let may_press = |leaf: &usize| {
         let corners = mesh.corners(*leaf);
-        corners.iter().all(|&vertex| mask[vertex])
+        // Of the given vertices, none was added.
+        corners.iter().all(|&vertex| vertex < mask.len() && mask[vertex])
             && corners.iter().any(|&vertex| gap[vertex] < FARTHEST_POINT * longest_edge(mesh.given(), vertex))
     };
     let leaves: Vec<usize> = (0..marked.len()).filter(|&leaf| !marked[leaf]).filter(may_press).collect();

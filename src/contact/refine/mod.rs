@@ -1,10 +1,12 @@
 //! Finer meshes around the contact, until its figures are as good as wanted.
 //!
-//! [`rounds`] solves again and again; [`mark`] says where the mesh must be finer, [`estimate`] what is left to gain,
-//! [`round`] what each of them says of its mesh, and [`whole`] puts the part that was solved back into the skin.
+//! [`rounds`] solves again and again; [`meshes`] holds what it solved last, [`mark`] says where the mesh must be finer,
+//! [`estimate`] what is left to gain, [`round`] what each of them says of its mesh, and [`whole`] puts the part that was
+//! solved back into the skin.
 
 pub(crate) mod estimate;
 pub(crate) mod mark;
+pub(crate) mod meshes;
 pub(crate) mod round;
 pub(crate) mod rounds;
 pub(crate) mod whole;

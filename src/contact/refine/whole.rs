@@ -19,8 +19,7 @@ pub(crate) fn into_whole(
     mesh: MeshRefinement,
 ) -> Result<Contact, ContactError> {
     let count = mesh.given().vertices().len() + mesh.added_count();
-    let number = |vertex: &usize| part.number(*vertex);
-    let numbers = |vertices: &[usize]| -> Vec<usize> { vertices.iter().map(number).collect() };
+    let numbers = |vertices: &[usize]| part.numbers(vertices);
     let gap = gaps(&given, &contact, part, &mesh, count)?;
     let Drawing { fingers, motion } = &contact.drawing;
     let fingers = Fingers::listed(fingers.candidates.iter().map(|finger| numbers(finger)).collect());

@@ -9,7 +9,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
-use crate::contact::refine::rounds::{Begun, Rounds, begin};
+use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Placement};
@@ -93,16 +93,22 @@ impl Tilted<'_> {
             };
             let reason = rounds.run()?;
             let Some(found) = self.settle_again(&mut rounds, &given, lever)? else {
-                return rounds.conclude(reason);
+                return rounds.meshes.conclude(reason, rounds.target);
             };
             if let Some(why) = found.why {
-                return Err(self.not_balanced(rounds.conclude(reason)?, &found.turn, why));
+                return Err(self.not_balanced(
+                    rounds.meshes.conclude(reason, rounds.target)?,
+                    &found.turn,
+                    why,
+                ));
             }
-            let Some((contact, error)) = rounds.last_figures() else { return rounds.conclude(reason) };
+            let Some((contact, error)) = rounds.meshes.last_figures() else {
+                return rounds.meshes.conclude(reason, rounds.target);
+            };
             let farther = self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length();
-            let was_met = reason == "target_error";
+            let was_met = reason == MET;
             if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
-                return rounds.conclude(reason);
+                return rounds.meshes.conclude(reason, rounds.target);
             }
             started = Instant::now();
             let past = contact.depth.expect("a press has a depth") - touch.1;
@@ -122,17 +128,17 @@ impl Tilted<'_> {
         lever: f64,
     ) -> Result<Option<Settled>, ContactError> {
         let started = Instant::now();
-        let Some((part, last)) = rounds.last.as_ref() else { return Ok(None) };
+        let Some((part, last)) = rounds.meshes.last.as_ref() else { return Ok(None) };
         if last.status != ContactStatus::Solved {
             return Ok(None);
         }
         let touch = self.press.touch(&part.surface, self.obstacle, true)?;
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let inherited = Some(rounds.inherited_by(part));
+        let inherited = Some(rounds.meshes.inherited_by(part, self.skin));
         let on_part = OnMesh { inherited, ..self.on_mesh(&part.surface, &*skin, touch) };
         let (angles, stiffness) = (given.angles.clone(), given.stiffness.clone());
         let found = self.settle(&on_part, last.clone(), angles, stiffness, lever)?;
-        rounds.replace_last(found.contact.clone(), started);
+        rounds.meshes.replace_last(found.contact.clone(), started);
         Ok(Some(found))
     }
 

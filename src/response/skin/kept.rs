@@ -1,6 +1,6 @@
 //! A skin that keeps the response matrices that it was asked for.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use faer::Mat;
 use nalgebra::Vector3;
@@ -22,8 +22,14 @@ const SAME_DIRECTION: f64 = 1e-10;
 /// nodes are evaluated together.
 pub(crate) struct KeptSkin<'a> {
     skin: &'a dyn ElasticSkin,
+    kept: Arc<KeptMatrices>,
+}
+
+/// What is kept of one skin on one surface.
+#[derive(Default)]
+pub(crate) struct KeptMatrices {
     /// Of groups of nodes that share none.
-    kept: Mutex<Vec<KeptMatrix>>,
+    matrices: Mutex<Vec<KeptMatrix>>,
     factors: KeptFactors,
 }
 
@@ -62,7 +68,12 @@ impl KeptMatrix {
 
 impl<'a> KeptSkin<'a> {
     pub fn new(skin: &'a dyn ElasticSkin) -> Self {
-        Self { skin, kept: Mutex::default(), factors: KeptFactors::default() }
+        Self::with(skin, Arc::default())
+    }
+
+    /// With what was kept before of the same skin on the same surface.
+    pub fn with(skin: &'a dyn ElasticSkin, kept: Arc<KeptMatrices>) -> Self {
+        Self { skin, kept }
     }
 
     /// The matrix over some nodes and those around them, which may be asked for next; `None` where it cannot be had.
@@ -97,7 +108,7 @@ impl ElasticSkin for KeptSkin<'_> {
     }
 
     fn kept_factors(&self) -> Option<&KeptFactors> {
-        Some(&self.factors)
+        Some(&self.kept.factors)
     }
 
     fn is_held(&self, vertex: usize) -> bool {
@@ -134,7 +145,7 @@ impl ElasticSkin for KeptSkin<'_> {
         if asked.options.memory_limit.is_some() || asked.nodes.is_empty() {
             return self.skin.matrix(asked, directions);
         }
-        let mut kept = self.kept.lock().expect("no thread panics while it holds the lock");
+        let mut kept = self.kept.matrices.lock().expect("no thread panics while it holds the lock");
         if let Some(matrix) = kept.iter().find_map(|kept| kept.among(asked.nodes, directions)) {
             return Ok(matrix);
         }
@@ -208,6 +219,6 @@ mod tests {
             assert!((&own - &found).norm_max() <= 2.0 * options.tolerance * largest);
         }
         // The ring around the first was assembled with it, and serves all three.
-        assert_eq!(kept.kept.lock().expect("free")[0].nodes, wider);
+        assert_eq!(kept.kept.matrices.lock().expect("free")[0].nodes, wider);
     }
 }

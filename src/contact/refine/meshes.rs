@@ -1,0 +1,101 @@
+//! The meshes that a contact was solved on: the given one, and the finest around it so far.
+
+use std::collections::HashMap;
+use std::time::Instant;
+
+use crate::contact::error::ContactError;
+use crate::contact::figures::resultant::LoadedVertex;
+use crate::contact::gap::initial::search_distance_in_overlap;
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::refine::estimate::MeshError;
+use crate::contact::refine::whole::into_whole;
+use crate::contact::report::cuts::Cuts;
+use crate::contact::scene::Inherited;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::surface::refined::{MeshRefinement, RefinedSurface};
+
+/// A contact on the given mesh, and on the finest one so far.
+#[derive(Clone)]
+pub(crate) struct Meshes {
+    /// On the given mesh.
+    pub given: Contact,
+    pub mesh: MeshRefinement,
+    /// On the part of it around the contact; `None` where nothing was refined yet.
+    pub last: Option<(RefinedSurface, Contact)>,
+}
+
+impl Meshes {
+    /// Vertices of a finer part that are expected to carry force: those that do, those between two of them, and those
+    /// beside one that the rim lies farther out of than half-way to its neighbours.
+    pub fn expected(&self, part: &RefinedSurface) -> Vec<usize> {
+        let given_count = self.given.surface().vertices().len();
+        let (surface, contact, known) = match &self.last {
+            None => (self.given.surface(), &self.given, given_count),
+            Some((last, contact)) => (&last.surface, contact, given_count + last.parents().len()),
+        };
+        let number = |vertex| self.last.as_ref().map_or(vertex, |(last, _)| last.number(vertex));
+        let is_far_in = |one: &LoadedVertex| one.contact_area > surface.vertex_areas()[one.vertex];
+        let loaded: HashMap<usize, bool> =
+            contact.loaded.list.iter().map(|one| (number(one.vertex), is_far_in(one))).collect();
+        // `None` without force, else whether the rim is far.
+        let mut found: Vec<Option<bool>> = Vec::with_capacity(part.surface.vertices().len());
+        for vertex in 0..part.surface.vertices().len() {
+            let number = part.number(vertex);
+            found.push(if number < known {
+                loaded.get(&number).copied()
+            } else {
+                let ends = part.parents()[vertex - part.given_vertices().len()].map(|end| found[end]);
+                let is_loaded = ends.contains(&Some(true)) || !ends.contains(&None);
+                is_loaded.then_some(false)
+            });
+        }
+        (0..found.len()).filter(|&vertex| found[vertex].is_some()).collect()
+    }
+
+    /// What a refined part takes over from the given mesh.
+    pub fn inherited_by(&self, part: &RefinedSurface, skin: &dyn ElasticSkin) -> Inherited {
+        let fingers = &self.given.drawing.fingers;
+        Inherited {
+            finger_of: part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)),
+            cuts: Cuts::of(self.given.surface(), skin).on_refined(part),
+            search_distance: search_distance_in_overlap(self.given.surface()),
+        }
+    }
+
+    /// Puts a contact at another depth in the place of the last one, on the same mesh.
+    pub fn replace_last(&mut self, mut contact: Contact, started: Instant) {
+        let Some((_, last)) = &mut self.last else { return };
+        let mut known = std::mem::take(&mut last.refinements);
+        known.pop();
+        known.append(&mut contact.refinements);
+        contact.refinements = known;
+        let error = match contact.status {
+            ContactStatus::Solved => {
+                let coarser = last.accuracy.cells_per_radius / contact.accuracy.cells_per_radius;
+                MeshError::carried_over(&last.accuracy, coarser, coarser)
+            }
+            _ => None,
+        };
+        contact.note_round(error, started);
+        *last = contact;
+    }
+
+    /// The last contact on a refined mesh, with the larger of what force and area leave.
+    pub fn last_figures(&self) -> Option<(&Contact, f64)> {
+        let (_, contact) = self.last.as_ref()?;
+        let accuracy = &contact.accuracy;
+        Some((contact, accuracy.mesh_error?.max(accuracy.area_error?)))
+    }
+
+    /// The last contact in the numbers of the whole skin, with why no further round followed.
+    ///
+    /// * `target`: of the relative error
+    pub fn conclude(self, reason: &'static str, target: f64) -> Result<Contact, ContactError> {
+        let mut contact = match self.last {
+            None => self.given,
+            Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
+        };
+        contact.warn_of_refinement(reason, target);
+        Ok(contact.concluded(reason))
+    }
+}

@@ -1,0 +1,297 @@
+//! Presses one after the other.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::contact::error::ContactError;
+use crate::contact::gap::initial::Gaps;
+use crate::contact::in_place::Known;
+use crate::contact::options::{ContactOptions, with_threads};
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::press::{press, unit};
+use crate::contact::reach::goal::{FARTHER, Target, reach};
+use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, Trials};
+use crate::contact::reach::search::Search;
+use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
+use crate::contact::refine::meshes::Meshes;
+use crate::contact::refine::rounds::{Begun, MET, begin};
+use crate::contact::report::guards::Guarded;
+use crate::contact::scene::{Approach, Goal, Placement, Press};
+use crate::contact::solve::on_given_mesh;
+use crate::contact::tilt::axes::Balance;
+use crate::contact::warm::mesh::{RefinedFor, WarmMesh};
+use crate::obstacle::posed::Obstacle;
+use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::kept::KeptSkin;
+use crate::surface::checked::Surface;
+
+/// Mean edges of the given mesh that an obstacle may come farther until faces may be reached that are not taken in.
+const FARTHEST: f64 = 0.75;
+/// Most times that a mesh is changed for one press.
+const MOST_CHANGES: usize = 6;
+/// What a press leaves to the next one of the same obstacle against the same skin, along the same direction and with the
+/// same options.
+#[derive(Default)]
+pub struct WarmStart(Option<WarmMesh>);
+
+/// Everything that stays as it is from press to press.
+struct Presses<'a> {
+    surface: &'a Surface,
+    obstacle: &'a Obstacle,
+    skin: &'a dyn ElasticSkin,
+    options: &'a ContactOptions<'a>,
+    /// Its depth is not looked at.
+    press: Approach,
+}
+
+/// As [`press`], from what a press before leaves, if `before` holds anything.
+///
+/// On the mesh of that press, which is cut where skin comes under force; the figures are those of [`press`] within the
+/// estimates of their errors. An overlap, a tilt and a mesh taken as it is begin anew.
+///
+/// # Errors
+/// As [`press`]; nothing is left for the next one then.
+pub fn press_after(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    skin: &dyn ElasticSkin,
+    asked: &Press,
+    options: &ContactOptions,
+    before: &mut WarmStart,
+) -> Result<Contact, ContactError> {
+    let warm = before.0.take();
+    let is_plain = asked.balance == Balance::None && options.target_error.is_some();
+    let aim = match asked.goal {
+        Goal::Depth(depth) if is_plain && depth > 0.0 && depth.is_finite() => Aim::Depth(depth),
+        Goal::Force(force) if is_plain && force > 0.0 && force.is_finite() => Aim::Force(force),
+        _ => return press(surface, obstacle, skin, asked, options),
+    };
+    options.validate()?;
+    let press = Approach { direction: unit(&asked.direction)?, start: asked.start, depth: 0.0, turn: None };
+    let presses = Presses { surface, obstacle, skin, options, press };
+    let guarded = Guarded { surface, obstacle, skin, press: Some(asked) };
+    guarded.check(with_threads(options, || {
+        let (contact, warm) = presses.answer(aim, warm)?;
+        before.0 = warm;
+        Ok(contact)
+    }))
+}
+
+/// What is asked of a press.
+#[derive(Clone, Copy)]
+enum Aim {
+    /// Depth (m).
+    Depth(f64),
+    /// Force along the direction (N).
+    Force(f64),
+}
+
+impl Presses<'_> {
+    fn answer(&self, aim: Aim, warm: Option<WarmMesh>) -> Result<(Contact, Option<WarmMesh>), ContactError> {
+        if let Some(warm) = warm
+            && let Some((contact, warm)) = self.go_on(aim, warm)?
+        {
+            return Ok((contact, Some(warm)));
+        }
+        match aim {
+            Aim::Force(value) => {
+                let target = Target { quantity: Quantity::Force, value };
+                let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
+                let near = reach(self.surface, self.obstacle, self.press, target, self.skin, &unrefined)?;
+                let (_, warm) = self.begin_anew(near.depth.expect("a press has a depth"))?;
+                if let Some(warm) = warm
+                    && let Some((contact, warm)) = self.go_on(aim, warm)?
+                {
+                    return Ok((contact, Some(warm)));
+                }
+                let contact =
+                    reach(self.surface, self.obstacle, self.press, target, self.skin, self.options)?;
+                Ok((contact, None))
+            }
+            Aim::Depth(depth) => self.begin_anew(depth),
+        }
+    }
+
+    fn at(&self, depth: f64) -> Placement<'_> {
+        Placement { obstacle: self.obstacle, press: Some(Approach { depth, ..self.press }) }
+    }
+
+    /// The contact at a depth, from the given mesh.
+    fn begin_anew(&self, depth: f64) -> Result<(Contact, Option<WarmMesh>), ContactError> {
+        let started = Instant::now();
+        let placement = self.at(depth);
+        let given = on_given_mesh(self.surface, &placement, self.skin, self.options)?;
+        match begin(given, started, &placement, self.skin, self.options)? {
+            Begun::Ended(contact) => Ok((*contact, None)),
+            Begun::Rounds(mut rounds) => {
+                let reason = rounds.run()?;
+                let warm = if reason == MET { self.warm(&rounds.meshes)? } else { None };
+                Ok((rounds.meshes.conclude(reason, rounds.target)?, warm))
+            }
+        }
+    }
+
+    /// What a contact leaves.
+    fn warm(&self, meshes: &Meshes) -> Result<Option<WarmMesh>, ContactError> {
+        let Some((part, last)) = &meshes.last else { return Ok(None) };
+        let (Some(target), most) = (self.options.target_error, self.options.max_nodes) else {
+            return Ok(None);
+        };
+        let Some(refined_for) = RefinedFor::new(&part.surface, last, target, most) else { return Ok(None) };
+        let warm = WarmMesh {
+            refined_for,
+            touch: self.press.touch(&part.surface, self.obstacle, true)?,
+            inherited: meshes.inherited_by(part, self.skin),
+            kept: Arc::default(),
+            known: Some(Known::of_active(last.active.clone())),
+            meshes: meshes.clone(),
+        };
+        Ok(Some(warm))
+    }
+
+    /// The contact on the mesh of the one before; `None` where that does not serve.
+    fn go_on(&self, aim: Aim, mut warm: WarmMesh) -> Result<Option<(Contact, WarmMesh)>, ContactError> {
+        let started = Instant::now();
+        let Some(target) = self.options.target_error else { return Ok(None) };
+        for _ in 0..MOST_CHANGES {
+            if self.options.is_interrupted() {
+                return Err(ContactError::Interrupted { stage: "refinement" });
+            }
+            let Some(contact) = self.solve(aim, &mut warm)? else { return Ok(None) };
+            if !warm.serves(&contact) {
+                return Ok(None);
+            }
+            let Some(view) = self.look_around(&mut warm, &contact)? else { return Ok(None) };
+            if view != View::Another {
+                match warm.error(&contact) {
+                    Ok(error) => {
+                        let contact = warm.conclude(contact, error, started, target)?;
+                        if view == View::Wider {
+                            self.onto_mesh(&mut warm)?;
+                        }
+                        return Ok(Some((contact, warm)));
+                    }
+                    Err(longest) if !warm.cut(&contact, longest) => return Ok(None),
+                    Err(_) => {}
+                }
+            }
+            warm.put_contact(contact);
+            self.onto_mesh(&mut warm)?;
+        }
+        Ok(None)
+    }
+
+    /// The contact on the last mesh; `None` where the goal is out of its reach.
+    fn solve(&self, aim: Aim, warm: &mut WarmMesh) -> Result<Option<Contact>, ContactError> {
+        let before = warm.known.take();
+        let (part, last) = warm.last();
+        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
+        let kept = KeptSkin::with(&*skin, Arc::clone(&warm.kept));
+        let on = OnMesh {
+            surface: &part.surface,
+            skin: &kept,
+            inherited: Some(warm.inherited.clone()),
+            obstacle: self.obstacle,
+            press: self.press,
+            options: self.options,
+            touch: warm.touch,
+        };
+        let (contact, known) = match aim {
+            Aim::Depth(depth) => {
+                let trials = Trials::from(&kept, before);
+                (on.solve_with(depth - warm.touch.1, &trials)?, trials.into_known())
+            }
+            Aim::Force(value) => {
+                let past = last.depth.expect("a press has a depth") - warm.touch.1;
+                let force = Quantity::Force.of(last, &self.press.direction);
+                if past <= 0.0 || force <= 0.0 {
+                    return Ok(None);
+                }
+                let power = Quantity::Force.power();
+                // Of the mesh before, where that has changed: no more than a guess.
+                let first = past * (value / force).powf(1.0 / power);
+                let search = Search { value, first, power, limit: on.limit(), known: None };
+                match on.reach(Quantity::Force, &search, before, None)? {
+                    Reached::Short { .. } => return Ok(None),
+                    Reached::Goal { contact, .. } => {
+                        let known = Known::of_active(contact.active.clone());
+                        (contact, Some(known))
+                    }
+                }
+            }
+        };
+        warm.known = known;
+        Ok(Some(contact))
+    }
+
+    /// Takes in the faces that the obstacle may reach from here, and the fingers anew where there are more patches; `None`
+    /// where the given mesh does not answer.
+    fn look_around(&self, warm: &mut WarmMesh, contact: &Contact) -> Result<Option<View>, ContactError> {
+        let edges = (contact.travel - warm.meshes.given.travel).abs() / self.surface.mean_edge_length();
+        let has_more_patches = contact.patches.len() > warm.last().1.patches.len();
+        if edges <= FARTHER && !has_more_patches {
+            return Ok(Some(View::Same));
+        }
+        let depth = contact.depth.expect("a press has a depth");
+        let traits = self.skin.traits(self.surface)?.with_product(self.obstacle.material());
+        let near = if has_more_patches {
+            let given = on_given_mesh(self.surface, &self.at(depth), self.skin, self.options)?;
+            if given.status != ContactStatus::Solved {
+                return Ok(None);
+            }
+            let deepest = given.max_penetration_before;
+            let near = faces_near(&given.gap, &given.candidates, deepest, self.surface, &traits);
+            warm.meshes.given = given;
+            near
+        } else {
+            let approach = Approach { depth, ..self.press };
+            let scene = approach.scene(self.surface, self.obstacle, contact.travel - depth);
+            let gaps = Gaps::measure(self.surface, &scene, self.options.search_distance)?;
+            let given = &mut warm.meshes.given;
+            given.gap = gaps.undeformed();
+            faces_near(&given.gap, &gaps.penetrating, gaps.deepest(), self.surface, &traits)
+        };
+        warm.meshes.given.travel = contact.travel;
+        let is_wider = warm.meshes.mesh.take(near);
+        let is_pressed = self.cut_pressed_middles(warm, contact)?;
+        Ok(Some(match (has_more_patches || is_pressed || edges > FARTHEST, is_wider) {
+            (true, _) => View::Another,
+            (false, true) => View::Wider,
+            (false, false) => View::Same,
+        }))
+    }
+
+    /// Cuts triangles of the given mesh that no vertex of carries force and a curved middle is pressed of; whether there
+    /// are some.
+    fn cut_pressed_middles(&self, warm: &mut WarmMesh, contact: &Contact) -> Result<bool, ContactError> {
+        let Meshes { given, mesh, .. } = &warm.meshes;
+        let under_force = loaded(mesh, &warm.last().0.numbers(&contact.active));
+        let mut marked = under_force.clone();
+        add_pressed_middles(mesh, &given.gap, &contact.obstacle, &mut marked)?;
+        marked.iter_mut().zip(under_force).for_each(|(marked, known)| *marked &= !known);
+        warm.meshes.mesh.refine(&marked);
+        Ok(marked.contains(&true))
+    }
+
+    /// Puts what is known of the last contact onto the mesh, which has changed.
+    fn onto_mesh(&self, warm: &mut WarmMesh) -> Result<(), ContactError> {
+        let part = warm.meshes.mesh.part();
+        warm.known = Some(Known::of_active(warm.meshes.expected(&part)));
+        warm.inherited = warm.meshes.inherited_by(&part, self.skin);
+        warm.touch = self.press.touch(&part.surface, self.obstacle, true)?;
+        warm.kept = Arc::default();
+        warm.put_part(part);
+        Ok(())
+    }
+}
+
+/// What a look around shows.
+#[derive(Clone, Copy, PartialEq)]
+enum View {
+    /// Faces and fingers that were known.
+    Same,
+    /// More faces, which the next contact may need.
+    Wider,
+    /// Faces or fingers that this one may need.
+    Another,
+}
