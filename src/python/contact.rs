@@ -246,21 +246,21 @@ pub(super) fn solve_contact(
 }
 
 #[pyfunction]
-#[pyo3(signature = (surface, obstacle, skin, direction, *, depth, force, overlap, start, balance, tilt_axes, tilt_point, options, warm = None))]
+#[pyo3(signature = (surface, obstacle, skin, direction, *, start, options, depth = None, force = None, overlap = None, balance = "none", tilt_axes = None, tilt_point = None, warm = None))]
 #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn press(
     surface: &PySurface,
     obstacle: &PyObstacle,
     skin: &Bound<'_, PySkin>,
     direction: &Bound<'_, PyAny>,
+    start: &str,
+    options: &PyContactOptions,
     depth: Option<&Bound<'_, PyAny>>,
     force: Option<&Bound<'_, PyAny>>,
     overlap: Option<&Bound<'_, PyAny>>,
-    start: &str,
     balance: &str,
     tilt_axes: Option<&Bound<'_, PyAny>>,
     tilt_point: Option<&Bound<'_, PyAny>>,
-    options: &PyContactOptions,
     warm: Option<&PyWarmStart>,
 ) -> PyResult<PyContact> {
     let goal = match (depth, force, overlap) {

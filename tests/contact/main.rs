@@ -25,6 +25,7 @@ mod reach;
 mod refine;
 mod thin_walls;
 mod tilt;
+mod warm;
 
 const SHEAR_MODULUS: f64 = 60e3;
 const POISSON_RATIO: f64 = 0.5;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
 from ..lcp.solution import solution_from_core
@@ -220,6 +220,7 @@ def press(
         obstacle,
         skin,
         direction,
+        options,
         depth=depth,
         force=force,
         overlap=overlap,
@@ -227,7 +228,6 @@ def press(
         balance=balance,
         tilt_axes=tilt_axes,
         tilt_point=tilt_point,
-        options=options,
     )
     return end_of(contact, throw=throw, stacklevel=2)
 
@@ -237,38 +237,15 @@ def press_quietly(
     obstacle: Obstacle,
     skin: ElasticSkin,
     direction: ArrayLike,
-    *,
-    depth: float | None = None,
-    force: float | None = None,
-    overlap: float | None = None,
-    start: Start | Literal["infinity", "current"] = "infinity",
-    balance: Balance | Literal["none", "tilt"] = "none",
-    tilt_axes: ArrayLike | None = None,
-    tilt_point: ArrayLike | None = None,
-    options: ContactOptions | None = None,
-    warm: _core.WarmStart | None = None,
+    options: ContactOptions | None,
+    **asked: Any,
 ) -> Contact:
-    """Return the contact of a press; nothing is warned of, no ending is an error.
-
-    From what the press before left in `warm`, where one is given.
-    """
+    """Return the contact of a press; nothing is warned of, no ending is an error."""
     check_scene(surface, obstacle)
     core_options = options_to_core(options)
     try:
         pressed = _core.press(
-            surface,
-            obstacle,
-            core_skin(skin, surface),
-            direction,
-            depth=depth,
-            force=force,
-            overlap=overlap,
-            start=start,
-            balance=balance,
-            tilt_axes=tilt_axes,
-            tilt_point=tilt_point,
-            options=core_options,
-            warm=warm,
+            surface, obstacle, core_skin(skin, surface), direction, options=core_options, **asked
         )
     except ContactError as error:
         if isinstance(error.contact, _core.Contact):

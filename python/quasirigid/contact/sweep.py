@@ -60,14 +60,14 @@ class _Question:
 
     def answer(self, step: int, warm: _core.WarmStart) -> Contact:
         """Return the contact of a step from what the step before left."""
-        goal: dict[str, Any] = {self.goal: float(self.values[step])}
+        goal = {self.goal: float(self.values[step])}
         return press_quietly(
             self.surface,
             self.obstacle,
             self.skin,
             self.direction,
+            self.options,
             start=self.start,
-            options=self.options,
             warm=warm,
             **goal,
         )

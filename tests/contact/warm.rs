@@ -1,0 +1,83 @@
+//! Presses one after the other, each from what the one before leaves.
+
+use approx::assert_relative_eq;
+use quasirigid::contact::{
+    Balance, Contact, ContactError, ContactOptions, Goal, Press, Start, WarmStart, press, press_after,
+};
+use quasirigid::reference::{Hertz, contact_modulus};
+use quasirigid::surface::Surface;
+
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate};
+
+const RADIUS: f64 = 8e-3;
+
+fn upwards(goal: Goal) -> Press {
+    Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None }
+}
+
+fn after(surface: &Surface, goal: Goal, before: &mut WarmStart) -> Result<Contact, ContactError> {
+    press_after(surface, &plate(), &half_space(), &upwards(goal), &ContactOptions::default(), before)
+}
+
+fn alone(surface: &Surface, goal: Goal) -> Contact {
+    press(surface, &plate(), &half_space(), &upwards(goal), &ContactOptions::default()).expect("within reach")
+}
+
+fn mesh_rounds(contact: &Contact) -> usize {
+    contact.refinements.iter().filter(|round| round.kind == "mesh").count()
+}
+
+#[test]
+fn a_press_goes_on_on_the_mesh_before_and_keeps_to_hertz() {
+    let surface = ball(RADIUS, 3);
+    let hertz = Hertz { radius: RADIUS, contact_modulus: contact_modulus(SHEAR_MODULUS, POISSON_RATIO) };
+    let mut before = WarmStart::default();
+    let first = 0.05e-3;
+    for step in 0..12 {
+        let depth = first * 1.05_f64.powi(step);
+        let contact = after(&surface, Goal::Depth(depth), &mut before).expect("a depth");
+        assert_eq!(mesh_rounds(&contact) == 1, step > 0, "step {step}");
+        let error = contact.accuracy.force_error.expect("an estimate");
+        assert!(error <= 0.02);
+        // The sphere is no paraboloid: its force is above by a share of the depth over the radius.
+        assert_relative_eq!(
+            contact.resultant.force.z,
+            hertz.force(depth),
+            max_relative = error + depth / RADIUS
+        );
+    }
+}
+
+#[test]
+fn a_mesh_is_given_up_for_a_contact_of_another_size() {
+    let surface = ball(RADIUS, 3);
+    let mut before = WarmStart::default();
+    for depth in [0.1e-3, 1e-3, 0.1e-3] {
+        let contact = after(&surface, Goal::Depth(depth), &mut before).expect("a depth");
+        assert_eq!(contact.resultant.force, alone(&surface, Goal::Depth(depth)).resultant.force);
+    }
+}
+
+#[test]
+fn forces_are_found_on_the_mesh_before() {
+    let surface = ball(RADIUS, 3);
+    let mut before = WarmStart::default();
+    for force in [0.5, 0.52, 0.54] {
+        let contact = after(&surface, Goal::Force(force), &mut before).expect("within reach");
+        assert_relative_eq!(contact.resultant.force.z, force, max_relative = 1e-6);
+        let depth = alone(&surface, Goal::Force(force)).depth.expect("a depth");
+        assert_relative_eq!(contact.depth.expect("a depth"), depth, max_relative = 0.02);
+    }
+}
+
+#[test]
+fn a_bad_press_is_refused_and_the_next_one_begins_anew() {
+    let surface = ball(RADIUS, 3);
+    let mut before = WarmStart::default();
+    after(&surface, Goal::Depth(0.5e-3), &mut before).expect("a depth");
+    let error = after(&surface, Goal::Depth(-1.0), &mut before).unwrap_err();
+    assert!(matches!(error, ContactError::Depth { .. }));
+    let goal = Goal::Depth(0.51e-3);
+    let contact = after(&surface, goal, &mut before).expect("a depth");
+    assert_eq!(contact.resultant.force, alone(&surface, goal).resultant.force);
+}
