@@ -89,19 +89,19 @@ impl Task<'_> {
             };
             let reason = rounds.run()?;
             let Some(why) = self.search_again(&mut rounds, power)? else {
-                return rounds.meshes.conclude(reason, rounds.target);
+                return rounds.conclude(reason);
             };
             if let Err(why) = why {
-                return Err(self.not_reached(rounds.meshes.conclude(reason, rounds.target)?, why));
+                return Err(self.not_reached(rounds.conclude(reason)?, why));
             }
             // Without figures (an overlap whose contact did not end solved) there is no error to mend.
             let Some((found, error)) = rounds.meshes.last_figures() else {
-                return rounds.meshes.conclude(reason, rounds.target);
+                return rounds.conclude(reason);
             };
             let farther = found.travel - travel > FARTHER * self.surface.mean_edge_length();
             let was_met = reason == MET;
             if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
-                return rounds.meshes.conclude(reason, rounds.target);
+                return rounds.conclude(reason);
             }
             started = Instant::now();
             given = on_given.solve(found.depth.expect("a press has a depth") - touch.1)?;

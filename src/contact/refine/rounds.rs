@@ -53,7 +53,7 @@ pub(crate) fn refine(
         Begun::Ended(contact) => Ok(*contact),
         Begun::Rounds(mut rounds) => {
             let reason = rounds.run()?;
-            rounds.meshes.conclude(reason, rounds.target)
+            rounds.conclude(reason)
         }
     }
 }
@@ -249,5 +249,10 @@ impl Rounds<'_> {
         let contact =
             InPlace::solve_gaps(gaps, &*skin, Some(&known), self.options, report)?.contact(self.options)?;
         Ok((contact.candidates.len() <= most).then_some(contact))
+    }
+
+    /// The last contact in the numbers of the whole skin, with why no further round followed.
+    pub fn conclude(self, reason: &'static str) -> Result<Contact, ContactError> {
+        self.meshes.conclude(reason, self.target)
     }
 }

@@ -93,22 +93,18 @@ impl Tilted<'_> {
             };
             let reason = rounds.run()?;
             let Some(found) = self.settle_again(&mut rounds, &given, lever)? else {
-                return rounds.meshes.conclude(reason, rounds.target);
+                return rounds.conclude(reason);
             };
             if let Some(why) = found.why {
-                return Err(self.not_balanced(
-                    rounds.meshes.conclude(reason, rounds.target)?,
-                    &found.turn,
-                    why,
-                ));
+                return Err(self.not_balanced(rounds.conclude(reason)?, &found.turn, why));
             }
             let Some((contact, error)) = rounds.meshes.last_figures() else {
-                return rounds.meshes.conclude(reason, rounds.target);
+                return rounds.conclude(reason);
             };
             let farther = self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length();
             let was_met = reason == MET;
             if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
-                return rounds.meshes.conclude(reason, rounds.target);
+                return rounds.conclude(reason);
             }
             started = Instant::now();
             let past = contact.depth.expect("a press has a depth") - touch.1;

@@ -126,7 +126,7 @@ impl Presses<'_> {
             Begun::Rounds(mut rounds) => {
                 let reason = rounds.run()?;
                 let warm = if reason == MET { self.warm(&rounds.meshes)? } else { None };
-                Ok((rounds.meshes.conclude(reason, rounds.target)?, warm))
+                Ok((rounds.conclude(reason)?, warm))
             }
         }
     }
