@@ -10,6 +10,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::beside::Beside;
+use crate::contact::figures::cells::mean_edge;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
 use crate::contact::figures::penetration::penetration_after;
 use crate::contact::figures::pressure::VertexPressure;
@@ -23,7 +24,6 @@ use crate::contact::scene::Inherited;
 use crate::lcp::solution::LcpStatus;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::skin::elastic::Traits;
-use crate::surface::checked::Surface;
 
 /// What is read off the forces.
 struct Figures {
@@ -170,15 +170,7 @@ impl Figures {
 /// The sharp edge under the vertices that carry force on one.
 fn loaded_edge(gaps: &Gaps, forces: &NodeForces) -> Option<LoadedEdge> {
     let on_edge = |&vertex: &usize| Some((vertex, gaps.line_at(vertex).filter(|line| line.is_sharp)?.ends));
-    let held: Vec<_> = forces.active.iter().filter_map(on_edge).collect();
-    let lengths = held.iter().flat_map(|&(vertex, _)| edge_lengths(gaps.surface, vertex));
-    let (count, sum) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));
-    let &(_, ends) = held.first()?;
-    Some(LoadedEdge { ends, edge_length: sum / count as f64 })
-}
-
-/// Lengths of the edges at a vertex (m).
-pub(crate) fn edge_lengths(surface: &Surface, vertex: usize) -> impl Iterator<Item = f64> + '_ {
-    let own = surface.vertices()[vertex];
-    surface.neighbours(vertex).iter().map(move |&other| (surface.vertices()[other as usize] - own).norm())
+    let (held, lines): (Vec<_>, Vec<_>) = forces.active.iter().filter_map(on_edge).unzip();
+    let &ends = lines.first()?;
+    Some(LoadedEdge { ends, edge_length: mean_edge(gaps.surface, &held) })
 }

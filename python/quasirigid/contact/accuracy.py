@@ -32,7 +32,9 @@ class Accuracy:
         True: the symmetric part of every response matrix was shown to be positive definite, so the answer
         is the only one. False: shown not to be. None: not examined.
     cells_per_radius : float
-        Mesh cells per equivalent contact radius; under about 4 force and area are coarse.
+        Mesh cells per contact radius, which is twice the area over the length of the rim: a circle's radius,
+        the width of a strip, and of several patches alike that of one. Under about 4 force and area are
+        coarse.
     force_error : float or None
         Estimated error of the force over its length: `mesh_error` + `body_error`. None, here and below, where
         no estimate was made; `Contact.left_out` says why.

@@ -1,6 +1,7 @@
 //! How far the figures of a contact can be trusted.
 
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::figures::cells::cells_per_radius;
 use crate::lcp::solution::LcpSolution;
 use crate::linalg::definiteness::{Definiteness, Spectrum};
 use crate::response::kernel::basis::Discretization;
@@ -22,8 +23,9 @@ pub struct Accuracy {
     /// Whether the symmetric part of every response matrix was shown to be positive definite: the answer is
     /// then the only one. `None`: not examined.
     pub definite: Option<bool>,
-    /// Mesh cells per equivalent contact radius, `√(area / π) / mean edge length there`; below about 4 force and
-    /// area are coarse, at 8 a sphere's force is good to 0.2 %.
+    /// Mesh cells per contact radius, which is twice the area over the length of the rim: a circle's radius, the width
+    /// of a strip, and of several patches alike that of one. Below about 4 force and area are coarse, at 8 a sphere's
+    /// force is good to 0.2 %.
     pub cells_per_radius: f64,
     /// Estimated error of the force over its length: [`mesh_error`](Self::mesh_error) and
     /// [`body_error`](Self::body_error). `None`, here and below, where no estimate was made.
@@ -48,17 +50,6 @@ impl Accuracy {
     ) -> Self {
         let solutions = &forces.solutions;
         let worst = |value: fn(&LcpSolution) -> f64| solutions.iter().map(value).fold(0.0, f64::max);
-        let (mut length, mut edges) = (0.0, 0_usize);
-        for &vertex in &forces.active {
-            let position = surface.vertices()[vertex];
-            let neighbours = surface.neighbours(vertex);
-            length += neighbours
-                .iter()
-                .map(|&other| (surface.vertices()[other as usize] - position).norm())
-                .sum::<f64>();
-            edges += neighbours.len();
-        }
-        let radius = (contact_area / std::f64::consts::PI).sqrt();
         Self {
             natural_residual: worst(|solution| solution.natural_residual),
             complementarity: worst(|solution| solution.complementarity),
@@ -66,7 +57,7 @@ impl Accuracy {
             discretization,
             condition: worst_condition(&forces.spectra),
             definite: definite(solutions, &forces.spectra),
-            cells_per_radius: if edges == 0 { 0.0 } else { radius * edges as f64 / length },
+            cells_per_radius: cells_per_radius(surface, &forces.active, contact_area),
             force_error: None,
             mesh_error: None,
             body_error: None,

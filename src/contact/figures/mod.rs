@@ -4,6 +4,7 @@ pub(crate) mod accuracy;
 pub(crate) mod area;
 pub(crate) mod beside;
 pub(crate) mod between;
+pub(crate) mod cells;
 pub(crate) mod displacement;
 pub(crate) mod drawn;
 pub(crate) mod fade;

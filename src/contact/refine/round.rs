@@ -42,7 +42,7 @@ impl Contact {
             return None;
         }
         if previous.status != ContactStatus::Solved {
-            return Some(MeshError::of_cells(&self.accuracy));
+            return Some(MeshError::of_cells(self));
         }
         let mut error = MeshError::of_rounds(previous, self);
         if is_for_area {

@@ -75,8 +75,8 @@ pub(crate) fn begin<'a>(
             "one-rings and given matrices take no other mesh to compare with",
         );
     }
-    let error = (given.status == ContactStatus::Solved && traits.refines)
-        .then(|| MeshError::of_cells(&given.accuracy));
+    let error =
+        (given.status == ContactStatus::Solved && traits.refines).then(|| MeshError::of_cells(&given));
     given.note_round(error, started);
     let target = match options.target_error {
         None => return ended(given.concluded("the mesh was taken as it is")),

@@ -31,7 +31,7 @@ const LAYER_SHARE: f64 = 0.5;
 /// own (docs/responses.md).
 const GAUSSIAN_SHARE: f64 = 0.5;
 /// Mesh cells in the radius of a contact below which force and area are guesses.
-const FEW_CELLS: f64 = 2.0;
+const FEW_CELLS: f64 = 1.5;
 /// Share of the vertices that are few to touch: the flat cuts of hands and fingers are less.
 const FEW_VERTICES: f64 = 0.2;
 

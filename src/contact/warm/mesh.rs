@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::finish::edge_lengths;
+use crate::contact::figures::cells::{edge_lengths, mean_edge};
 use crate::contact::in_place::Known;
 use crate::contact::outcome::{Contact, ContactStatus, Patch};
 use crate::contact::refine::estimate::MeshError;
@@ -57,8 +57,7 @@ impl RefinedFor {
     /// * `target`: of the relative error
     pub fn new(surface: &Surface, contact: &Contact, target: f64, max_nodes: usize) -> Option<Self> {
         let [of_force, of_area] = MeshError::room(&contact.accuracy, target)?;
-        let (edge, rim_edge) =
-            (radius(contact) / contact.accuracy.cells_per_radius, rim_edge(surface, contact));
+        let (edge, rim_edge) = (mean_edge(surface, &contact.active), rim_edge(surface, contact));
         let nodes = contact.candidates.len();
         (MORE_NODES * nodes as f64 <= max_nodes as f64).then(|| Self {
             accuracy: contact.accuracy.clone(),

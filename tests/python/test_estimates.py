@@ -1,0 +1,83 @@
+"""What a contact on the mesh as it is says of its error, against a refined one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from shapes import AS_GIVEN, ball, grid
+
+UP = [0.0, 0.0, 1.0]
+FINE = qr.ContactOptions(target_error=0.004)
+PLATE = qr.Obstacle.half_space([0, 0, -1e-3], UP)
+
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning"),
+    pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning"),
+    pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning"),
+]
+
+
+def soft(discretization: str = "collocation") -> qr.Skin:
+    response = qr.HalfSpace(discretization=discretization)
+    return qr.Skin(shear_modulus=60e3, poisson_ratio=0.495, response=response)
+
+
+def check_covered(surface: qr.Surface, obstacle: qr.Obstacle, skin: qr.Skin, depth: float) -> qr.Contact:
+    """The given mesh's errors are within its estimates, with those of the refined one; returns the former."""
+    given = qr.press(surface, obstacle, skin, UP, depth=depth, options=AS_GIVEN)
+    fine = qr.press(surface, obstacle, soft(), UP, depth=depth, options=FINE)
+    figures = [
+        (contact.force[2], contact.contact_area, contact.accuracy.force_error, contact.accuracy.area_error)
+        for contact in (given, fine)
+    ]
+    force, area, force_error, area_error = np.array(figures, dtype=float).T
+    assert abs(np.diff(force)) <= force_error @ force
+    assert abs(np.diff(area)) <= area_error @ area
+    return given
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 0.9])
+@pytest.mark.parametrize("depth", [0.8e-3, 1.12e-3, 2e-3])
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+def test_the_estimate_under_a_sharp_edge_covers_the_error(
+    turn: float, depth: float, discretization: str
+) -> None:
+    half, sine, cosine = np.sqrt(0.5), np.sin(turn), np.cos(turn)
+    up_edge = np.array([[1, 0, 0], [0, half, -half], [0, half, half]])
+    about_z = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+    edge = qr.Obstacle.box([0.02, 0.02, 0.02]).moved(about_z @ up_edge, [1e-3, 3e-4, -0.06])
+    given = check_covered(qr.Surface(*ball(8e-3, 3)), edge, soft(discretization), depth)
+    assert given.accuracy.max_pressure_error == np.inf
+
+
+@pytest.mark.parametrize("depth", [0.3e-3, 1e-3, 2e-3])
+def test_the_estimate_of_averages_over_flat_triangles_covers_how_late_they_touch(depth: float) -> None:
+    for subdivisions in (2, 3):
+        check_covered(qr.Surface(*ball(8e-3, subdivisions)), PLATE, soft("galerkin"), depth)
+
+
+def test_many_patches_have_the_cells_of_one() -> None:
+    vertices, faces = ball(8e-3, 3)
+    apart = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]]
+    many = qr.Surface(
+        np.concatenate([vertices + place for place in apart]),
+        np.concatenate([faces + len(vertices) * k for k in range(len(apart))]),
+    )
+    of_one, of_many = (
+        qr.press(surface, PLATE, soft(), UP, depth=0.5e-3, options=AS_GIVEN).accuracy
+        for surface in (qr.Surface(vertices, faces), many)
+    )
+    assert of_many.cells_per_radius == pytest.approx(of_one.cells_per_radius, rel=1e-9)
+    assert of_many.force_error == pytest.approx(of_one.force_error, rel=1e-9)
+
+
+@pytest.mark.parametrize("radius", [0.4e-3, 1e-3, 3e-3])
+def test_the_estimate_of_a_strip_counts_the_cells_across_it(radius: float) -> None:
+    turned = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    cylinder = qr.Obstacle.cylinder(half_height=0.05, radius=radius).moved(turned, [2e-4, 0, -0.01])
+    vertices, faces = grid(40, 0.75e-3)
+    surface = qr.Surface(vertices + np.outer(vertices[:, 1] ** 2 / 0.2, UP), faces)
+    given = check_covered(surface, cylinder, soft(), 0.3e-3)
+    of_circle = np.sqrt(given.contact_area / np.pi) / surface.mean_edge_length
+    assert given.accuracy.cells_per_radius < 0.9 * of_circle
