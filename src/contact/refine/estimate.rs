@@ -1,5 +1,7 @@
 //! What mesh and body cost the figures of a contact: estimates, no bounds.
 
+use std::f64::consts::PI;
+
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::mean_bulge;
 use crate::contact::outcome::Contact;
@@ -21,6 +23,8 @@ const GALERKIN: [(f64, f64); 3] = [(0.12, 3.0), (0.25, 1.5), (0.2, 2.0)];
 /// The same of force and area under a sharp edge, as shares of what is right: nine of ten contacts of fingers with products have
 /// less, on one to four cells, and a ball of 8 mm on an edge of 90 degrees.
 const ON_EDGE: [(f64, f64); 2] = [(6.0, 3.0), (200.0, 5.0)];
+/// Cells around a vertex and its neighbours, by which the deepest penetration between them is felt.
+const AROUND_DEEPEST: f64 = 10.0;
 /// A round's change as a share of that before: a third on smooth skin, half on scanned fingers, whose curvature is rough.
 const NEXT_CHANGE: f64 = 3.0 / 7.0;
 /// The largest that is taken from what sharp edges show: their figures settle slowly.
@@ -39,14 +43,20 @@ impl MeshError {
             let [force, area] = ON_EDGE.map(|(factor, power)| factor / (factor + cells.powf(power)));
             return Self { force, area, pressure };
         }
-        // Depth that the nodes do not feel. In collocation it lies between the vertices; for smooth contacts the cells say as
-        // much. Averages over flat triangles touch later than the smooth surface does; the cells are those of flat skin.
         let deepest = contact.max_penetration_before;
-        let (unfelt, add): (f64, fn(f64, f64) -> f64) = match discretization {
-            Discretization::Collocation => (contact.max_penetration_after, f64::max),
-            Discretization::Galerkin => (mean_bulge(contact.surface(), &contact.active).abs(), |a, b| a + b),
+        let late = |unfelt: f64| unfelt / (deepest - unfelt).max(0.0);
+        // Depth that the nodes do not feel. In collocation it lies between the vertices, for smooth contacts as much as the cells
+        // say, and the deepest around a few cells of all. Averages over flat triangles touch later than the smooth surface does;
+        // the cells are those of flat skin.
+        let (late, add): (f64, fn(f64, f64) -> f64) = match discretization {
+            Discretization::Collocation => {
+                let share = (AROUND_DEEPEST / (PI * cells * cells)).min(1.0);
+                (share * late(contact.max_penetration_after), f64::max)
+            }
+            Discretization::Galerkin => {
+                (late(mean_bulge(contact.surface(), &contact.active).abs()), |a, b| a + b)
+            }
         };
-        let late = unfelt / (deepest - unfelt).max(0.0);
         // The powers that figures go with the depth of a sphere.
         let [force, area, pressure] =
             [(force, 1.5), (area, 1.0), (pressure, 0.5)].map(|(of_cells, power)| add(of_cells, power * late));
