@@ -80,5 +80,6 @@ def test_the_estimate_of_a_strip_counts_the_cells_across_it(radius: float) -> No
     bent = vertices + np.outer(vertices[:, 1] ** 2 / 0.2, UP)
     surface = qr.Surface(bent, faces[:, ::-1])
     given = check_covered(surface, cylinder, soft(), 0.3e-3)
+    # No figure has as short a rim as a circle of its area, a strip of several times its width by far.
     of_circle = np.sqrt(given.contact_area / np.pi) / surface.mean_edge_length
     assert given.accuracy.cells_per_radius < 0.9 * of_circle
