@@ -57,6 +57,25 @@ def test_the_estimate_of_averages_over_flat_triangles_covers_how_late_they_touch
         check_covered(qr.Surface(*ball(8e-3, subdivisions)), PLATE, soft("galerkin"), depth)
 
 
+@pytest.mark.parametrize("depth", [0.2e-3, 0.4e-3])
+def test_the_estimate_on_a_thin_layer_covers_nine_of_ten(depth: float) -> None:
+    layer = qr.Layer(thickness=2e-3, discretization="collocation")
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.495, response=layer)
+    vertices, faces = ball(8e-3, 3)
+    turns, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(20, 3, 3)))
+    covered = 0
+    for turn in turns:
+        # A mirrored ball has its triangles the other way round.
+        turned = faces if np.linalg.det(turn) > 0 else faces[:, ::-1]
+        given, fine = (
+            qr.press(qr.Surface(vertices @ turn.T, turned), PLATE, skin, UP, depth=depth, options=options)
+            for options in (AS_GIVEN, FINE)
+        )
+        within = sum(contact.accuracy.force_error * contact.force[2] for contact in (given, fine))
+        covered += abs(given.force[2] - fine.force[2]) <= within
+    assert covered >= 0.9 * len(turns)
+
+
 def test_many_patches_have_the_cells_of_one() -> None:
     vertices, faces = ball(8e-3, 3)
     apart = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]]

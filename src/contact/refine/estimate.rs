@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::cells::mean_bulge;
+use crate::contact::figures::cells::{mean_bulge, mean_edge};
 use crate::contact::outcome::Contact;
 use crate::response::kernel::basis::Discretization;
 
@@ -23,6 +23,9 @@ const GALERKIN: [(f64, f64); 3] = [(0.12, 3.0), (0.25, 1.5), (0.2, 2.0)];
 /// The same of force and area under a sharp edge, as shares of what is right: nine of ten contacts of fingers with products have
 /// less, on one to four cells, and a ball of 8 mm on an edge of 90 degrees.
 const ON_EDGE: [(f64, f64); 2] = [(6.0, 3.0), (200.0, 5.0)];
+/// What thin tissue adds to the error of force, in those of a half-space, and the square of the contact's radius in thicknesses
+/// that adds half of it: there the force goes with the cube of the area, not with the power 1.5 (Johnson 1985, §5.8).
+const ON_BONE: (f64, f64) = (2.0, 0.5);
 /// Cells around a vertex and its neighbours, by which the deepest penetration between them is felt.
 const AROUND_DEEPEST: f64 = 10.0;
 /// A round's change as a share of that before: a third on smooth skin, half on scanned fingers, whose curvature is rough.
@@ -35,13 +38,21 @@ const LEAST_LEFT: f64 = 0.2;
 
 impl MeshError {
     /// Of the mesh as it is, from its cells and what the nodes do not feel.
-    pub fn of_cells(contact: &Contact) -> Self {
+    ///
+    /// * `tissue`: mean thickness under the forces (m), where there is bone or a layer
+    pub fn of_cells(contact: &Contact, tissue: Option<f64>) -> Self {
         let Accuracy { cells_per_radius: cells, discretization, .. } = contact.accuracy;
         let [force, area, pressure] =
             powers(discretization).map(|(factor, power)| factor / cells.powf(power));
+        let steeper = tissue.map_or(1.0, |tissue| {
+            let radii = (cells * mean_edge(contact.surface(), &contact.active) / tissue).powi(2);
+            1.0 + ON_BONE.0 * radii / (ON_BONE.1 + radii)
+        });
+        let force = steeper * force;
         if contact.clues.edge.is_some() {
             // Always too high, of which no more than all is wrong.
-            let [force, area] = ON_EDGE.map(|(factor, power)| factor / (factor + cells.powf(power)));
+            let [force, area] = [(ON_EDGE[0], steeper), (ON_EDGE[1], 1.0)]
+                .map(|((factor, power), more)| more * factor / (more * factor + cells.powf(power)));
             return Self { force, area, pressure };
         }
         let deepest = contact.max_penetration_before;
@@ -59,8 +70,8 @@ impl MeshError {
             }
         };
         // The powers that figures go with the depth of a sphere.
-        let [force, area, pressure] =
-            [(force, 1.5), (area, 1.0), (pressure, 0.5)].map(|(of_cells, power)| add(of_cells, power * late));
+        let [force, area, pressure] = [(force, 1.5 * steeper), (area, 1.0), (pressure, 0.5)]
+            .map(|(of_cells, power)| add(of_cells, power * late));
         Self { force, area, pressure }
     }
 

@@ -42,7 +42,7 @@ impl Contact {
             return None;
         }
         if previous.status != ContactStatus::Solved {
-            return Some(MeshError::of_cells(self));
+            return Some(MeshError::of_cells(self, None));
         }
         let mut error = MeshError::of_rounds(previous, self);
         if is_for_area {

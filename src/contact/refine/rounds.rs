@@ -75,8 +75,8 @@ pub(crate) fn begin<'a>(
             "one-rings and given matrices take no other mesh to compare with",
         );
     }
-    let error =
-        (given.status == ContactStatus::Solved && traits.refines).then(|| MeshError::of_cells(&given));
+    let error = (given.status == ContactStatus::Solved && traits.refines)
+        .then(|| MeshError::of_cells(&given, mean_tissue(&given.active, skin)));
     given.note_round(error, started);
     let target = match options.target_error {
         None => return ended(given.concluded("the mesh was taken as it is")),
@@ -94,6 +94,12 @@ pub(crate) fn begin<'a>(
     let mesh = MeshRefinement::new(&surface, near);
     let meshes = Meshes { given, mesh, last: None };
     Ok(Begun::Rounds(Box::new(Rounds { meshes, placement, skin, options, target })))
+}
+
+/// Mean thickness of the tissue under some vertices (m), where it is known.
+fn mean_tissue(vertices: &[usize], skin: &dyn ElasticSkin) -> Option<f64> {
+    let known: Vec<f64> = vertices.iter().filter_map(|&vertex| skin.tissue_at(vertex)).collect();
+    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
 /// The rounds of a refinement.
