@@ -28,13 +28,14 @@ const ON_EDGE: [(f64, f64); 2] = [(6.0, 3.0), (200.0, 5.0)];
 const ON_BONE: (f64, f64) = (2.0, 0.5);
 /// Cells around a vertex and its neighbours, by which the deepest penetration between them is felt.
 const AROUND_DEEPEST: f64 = 10.0;
-/// A round's change as a share of that before: a third on smooth skin, half on scanned fingers, whose curvature is rough.
-const NEXT_CHANGE: f64 = 3.0 / 7.0;
+/// A round's change of force, area and peak as a share of that before, and the least share of their estimates that a round
+/// leaves, as two rounds may agree by chance. The force keeps a third on smooth skin and half on scanned fingers, whose
+/// curvature is rough; the area comes nearer than its changes say, which change sign.
+const COLLOCATION_ROUND: [(f64, f64); 3] = [(3.0 / 7.0, 0.2), (1.0 / 3.0, 0.2), (3.0 / 7.0, 0.2)];
+/// The same in Galerkin form, where the rim is felt from the triangles beside it, so that the area keeps half.
+const GALERKIN_ROUND: [(f64, f64); 3] = [(3.0 / 7.0, 0.2), (0.5, 0.3), (3.0 / 7.0, 0.2)];
 /// The largest that is taken from what sharp edges show: their figures settle slowly.
 const SLOWEST_CHANGE: f64 = 0.8;
-/// Least share of an estimate that a round leaves, as two rounds may agree by chance: halved cells leave a quarter of an error
-/// where they do best, and the estimates on a mesh as it is are above that.
-const LEAST_LEFT: f64 = 0.2;
 
 impl MeshError {
     /// Of the mesh as it is, from its cells and what the nodes do not feel.
@@ -79,18 +80,23 @@ impl MeshError {
     pub fn of_rounds(before: &Contact, last: &Contact) -> Self {
         let earlier = before.refinements.iter().filter(|round| round.kind == "mesh").nth_back(1);
         let earlier = earlier.filter(|_| last.clues.edge.is_some());
-        let left = |known: Option<f64>, earlier: Option<f64>, before: f64, last: f64| {
-            if last == 0.0 {
-                // Penetration without force: nothing is known.
-                return f64::INFINITY;
-            }
-            // An infinite one was that of a sharp edge.
-            let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
-            let change = (last - before).abs();
-            let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).abs());
-            let next = slowed.clamp(NEXT_CHANGE, SLOWEST_CHANGE);
-            // All changes to come, each that share of the one before.
-            (next / (1.0 - next) * change / last.abs()).max(LEAST_LEFT * known)
+        let left =
+            |(next, least): (f64, f64), known: Option<f64>, earlier: Option<f64>, before: f64, last: f64| {
+                if last == 0.0 {
+                    // Penetration without force: nothing is known.
+                    return f64::INFINITY;
+                }
+                // An infinite one was that of a sharp edge.
+                let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
+                let change = (last - before).abs();
+                let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).abs());
+                let next = slowed.clamp(next, SLOWEST_CHANGE);
+                // All changes to come, each that share of the one before.
+                (next / (1.0 - next) * change / last.abs()).max(least * known)
+            };
+        let [of_force, of_area, of_peak] = match last.accuracy.discretization {
+            Discretization::Collocation => COLLOCATION_ROUND,
+            Discretization::Galerkin => GALERKIN_ROUND,
         };
         let (known, a, b) = (&before.accuracy, &before.resultant, &last.resultant);
         let (force, area, pressure) = (
@@ -98,10 +104,11 @@ impl MeshError {
             earlier.and_then(|round| round.contact_area),
             earlier.and_then(|round| round.max_pressure),
         );
+        let within_rim = |contact: &Contact| contact.clues.area_within_rim;
         Self {
-            force: left(known.mesh_error, force, a.force.norm(), b.force.norm()),
-            area: left(known.area_error, area, before.clues.area_within_rim, last.clues.area_within_rim),
-            pressure: left(known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
+            force: left(of_force, known.mesh_error, force, a.force.norm(), b.force.norm()),
+            area: left(of_area, known.area_error, area, within_rim(before), within_rim(last)),
+            pressure: left(of_peak, known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
         }
     }
 
