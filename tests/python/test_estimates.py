@@ -76,6 +76,24 @@ def test_the_estimate_on_a_thin_layer_covers_nine_of_ten(depth: float) -> None:
     assert covered >= 0.9 * len(turns)
 
 
+def test_the_estimate_of_refined_areas_in_galerkin_form_covers_nine_of_ten(fingertip: qr.Surface) -> None:
+    lowest = fingertip.vertices[np.argmin(fingertip.vertices[:, 2])]
+    lying = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    obstacles = [
+        qr.Obstacle.half_space([0, 0, -1], UP),
+        qr.Obstacle.sphere(center=lowest - [0, 0, 0.05], radius=8e-3),
+        qr.Obstacle.cylinder(half_height=0.2, radius=0.015).moved(lying, lowest - [0, 0, 0.05]),
+    ]
+    covered = []
+    for obstacle in obstacles:
+        for depth in (0.3e-3, 0.6e-3, 1.12e-3):
+            averaged = qr.press(fingertip, obstacle, soft("galerkin"), UP, depth=depth)
+            fine = qr.press(fingertip, obstacle, soft(), UP, depth=depth, options=FINE)
+            within = sum(contact.accuracy.area_error * contact.contact_area for contact in (averaged, fine))
+            covered.append(abs(averaged.contact_area - fine.contact_area) <= within)
+    assert np.mean(covered) >= 0.9
+
+
 def test_many_patches_have_the_cells_of_one() -> None:
     vertices, faces = ball(8e-3, 3)
     apart = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]]

@@ -28,14 +28,47 @@ const ON_EDGE: [(f64, f64); 2] = [(6.0, 3.0), (200.0, 5.0)];
 const ON_BONE: (f64, f64) = (2.0, 0.5);
 /// Cells around a vertex and its neighbours, by which the deepest penetration between them is felt.
 const AROUND_DEEPEST: f64 = 10.0;
-/// A round's change of force, area and peak as a share of that before, and the least share of their estimates that a round
-/// leaves, as two rounds may agree by chance. The force keeps a third on smooth skin and half on scanned fingers, whose
-/// curvature is rough; the area comes nearer than its changes say, which change sign.
-const COLLOCATION_ROUND: [(f64, f64); 3] = [(3.0 / 7.0, 0.2), (1.0 / 3.0, 0.2), (3.0 / 7.0, 0.2)];
+/// How a figure settles from round to round.
+#[derive(Debug, Clone, Copy)]
+struct Settling {
+    /// A round's change as a share of that before.
+    next: f64,
+    /// Least share of an estimate that a round leaves, as two rounds may agree by chance.
+    least: f64,
+}
+
+/// Of force, area and peak. The force keeps a third on smooth skin and half on scanned fingers, whose curvature is rough; the
+/// area comes nearer than its changes say, which change sign.
+const COLLOCATION_ROUND: [Settling; 3] = [
+    Settling { next: 3.0 / 7.0, least: 0.2 },
+    Settling { next: 1.0 / 3.0, least: 0.2 },
+    Settling { next: 3.0 / 7.0, least: 0.2 },
+];
 /// The same in Galerkin form, where the rim is felt from the triangles beside it, so that the area keeps half.
-const GALERKIN_ROUND: [(f64, f64); 3] = [(3.0 / 7.0, 0.2), (0.5, 0.3), (3.0 / 7.0, 0.2)];
+const GALERKIN_ROUND: [Settling; 3] =
+    [COLLOCATION_ROUND[0], Settling { next: 0.5, least: 0.3 }, COLLOCATION_ROUND[2]];
 /// The largest that is taken from what sharp edges show: their figures settle slowly.
 const SLOWEST_CHANGE: f64 = 0.8;
+
+impl Settling {
+    /// Error that a round leaves, over the figure.
+    ///
+    /// * `known`: what the round before was estimated to leave
+    /// * `earlier`: two rounds before, where the change of that round counts too
+    fn left(self, known: Option<f64>, earlier: Option<f64>, before: f64, last: f64) -> f64 {
+        if last == 0.0 {
+            // Penetration without force: nothing is known.
+            return f64::INFINITY;
+        }
+        // An infinite one was that of a sharp edge.
+        let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
+        let change = (last - before).abs();
+        let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).abs());
+        let next = slowed.clamp(self.next, SLOWEST_CHANGE);
+        // All changes to come, each that share of the one before.
+        (next / (1.0 - next) * change / last.abs()).max(self.least * known)
+    }
+}
 
 impl MeshError {
     /// Of the mesh as it is, from its cells and what the nodes do not feel.
@@ -80,20 +113,6 @@ impl MeshError {
     pub fn of_rounds(before: &Contact, last: &Contact) -> Self {
         let earlier = before.refinements.iter().filter(|round| round.kind == "mesh").nth_back(1);
         let earlier = earlier.filter(|_| last.clues.edge.is_some());
-        let left =
-            |(next, least): (f64, f64), known: Option<f64>, earlier: Option<f64>, before: f64, last: f64| {
-                if last == 0.0 {
-                    // Penetration without force: nothing is known.
-                    return f64::INFINITY;
-                }
-                // An infinite one was that of a sharp edge.
-                let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
-                let change = (last - before).abs();
-                let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).abs());
-                let next = slowed.clamp(next, SLOWEST_CHANGE);
-                // All changes to come, each that share of the one before.
-                (next / (1.0 - next) * change / last.abs()).max(least * known)
-            };
         let [of_force, of_area, of_peak] = match last.accuracy.discretization {
             Discretization::Collocation => COLLOCATION_ROUND,
             Discretization::Galerkin => GALERKIN_ROUND,
@@ -106,9 +125,9 @@ impl MeshError {
         );
         let within_rim = |contact: &Contact| contact.clues.area_within_rim;
         Self {
-            force: left(of_force, known.mesh_error, force, a.force.norm(), b.force.norm()),
-            area: left(of_area, known.area_error, area, within_rim(before), within_rim(last)),
-            pressure: left(of_peak, known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
+            force: of_force.left(known.mesh_error, force, a.force.norm(), b.force.norm()),
+            area: of_area.left(known.area_error, area, within_rim(before), within_rim(last)),
+            pressure: of_peak.left(known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
         }
     }
 
