@@ -35,8 +35,8 @@ pub struct ContactOptions<'a> {
     pub search_distance: Option<f64>,
     /// Whether to examine definiteness and condition of response matrices of any size; small ones always are.
     pub condition: bool,
-    /// Whether a kernel couples patches on different fingers too, through the air between them. `false`: patches
-    /// that share no tissue ([`shares_tissue`](crate::surface::shares_tissue)) are problems of their own.
+    /// Whether a kernel couples patches on different fingers too, through the air between them. `false`: patches feel of
+    /// each other what they share of their tissue ([`shared_tissue`](crate::surface::shared_tissue)).
     pub couple_fingers: bool,
     /// How often candidates may be added before the solve gives up (growth ends by itself in a few steps).
     pub max_growths: usize,

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::candidate::coupling::Coupling;
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
@@ -80,6 +81,8 @@ pub(crate) struct Scene {
 pub(crate) struct Inherited {
     /// The finger of each vertex.
     pub finger_of: Vec<Option<usize>>,
+    /// What fingers feel of each other.
+    pub coupling: Coupling,
     /// Where the skin ends.
     pub cuts: Cuts,
     /// How far skin in overlap looks for the way that it came in (m): no shorter on finer edges.

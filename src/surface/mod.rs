@@ -5,7 +5,7 @@
 //! the area of the faces around `i`, so that `Σ S_i` is the area of the skin. Open surfaces are welcome.
 //!
 //! Searches on it: [`Surface::k_ring`], [`Surface::patches`], [`Surface::skin_distances`],
-//! [`Surface::nearest_along_skin`] and [`Surface::skin_without_caps`]. [`shares_tissue`]: whether two
+//! [`Surface::nearest_along_skin`] and [`Surface::skin_without_caps`]. [`shared_tissue`]: how far two
 //! points are coupled through the tissue or belong to different fingers. [`cut_out`] takes one finger out of a whole hand.
 
 pub(crate) mod cap;
@@ -21,4 +21,4 @@ pub use checked::{Surface, SurfaceError};
 pub use coarse::{CoarsePlace, CoarseSkin};
 pub use cut_out::{CutOut, CutOutError, cut_out, cut_out_marked};
 pub use refined::RefinedSurface;
-pub use shortest_paths::{LONGEST_DETOUR, NearestAlongSkin, shares_tissue};
+pub use shortest_paths::{LONGEST_DETOUR, NearestAlongSkin, SHORT_DETOUR, shared_tissue};

@@ -11,17 +11,24 @@ use crate::surface::checked::Surface;
 /// that: 1.81. An oval section of 3 : 2 gives 1.98 between the middles of its flat sides. From one finger to the next
 /// the way leads down to the web and up again, many times the gap between them.
 pub const LONGEST_DETOUR: f64 = 2.0;
+/// The same between points that share all of it: over a bent palm, and along a path of edges on flat skin.
+pub const SHORT_DETOUR: f64 = 1.5;
 
-/// Whether the tissue between two points of the skin couples them: the force at one moves the other.
+/// How much of the tissue between two points of the skin couples them: the share of the force at one that moves the other.
 ///
-/// `along_skin <= LONGEST_DETOUR · straight + slack`: points that are close in space but far along the skin lie on
+/// 1 up to `along_skin = SHORT_DETOUR · straight + slack`, 0 from `LONGEST_DETOUR · straight + slack` on, and straight in
+/// between, so that no force jumps where a contact grows. Points that are close in space but far along the skin lie on
 /// different fingers, with air in between.
 ///
 /// * `along_skin`: distance along the skin (m), see [`Surface::skin_distances`]; infinite for another component
 /// * `straight`: straight-line distance (m)
 /// * `slack`: allowance for how coarsely both are known (m), a mesh edge or the size of the sets compared
-pub fn shares_tissue(along_skin: f64, straight: f64, slack: f64) -> bool {
-    along_skin <= LONGEST_DETOUR * straight + slack
+pub fn shared_tissue(along_skin: f64, straight: f64, slack: f64) -> f64 {
+    if along_skin <= SHORT_DETOUR * straight + slack {
+        return 1.0;
+    }
+    let left = LONGEST_DETOUR * straight + slack - along_skin;
+    (left / ((LONGEST_DETOUR - SHORT_DETOUR) * straight)).max(0.0)
 }
 
 /// What [`Surface::nearest_along_skin`] found, one entry a vertex.
@@ -117,9 +124,21 @@ mod tests {
     #[test]
     fn opposite_points_of_a_round_finger_share_tissue_and_those_of_two_fingers_do_not() {
         let diameter = 16e-3;
-        assert!(shares_tissue(1.15 * 0.5 * PI * diameter, diameter, 0.0));
+        assert!(shared_tissue(1.15 * 0.5 * PI * diameter, diameter, 0.0) > 0.0);
         // 2 mm of air between two fingers, 30 mm above the web
-        assert!(!shares_tissue(2.0 * 30e-3 + 2e-3, 2e-3, 1e-3));
-        assert!(!shares_tissue(f64::INFINITY, 1e-3, 1e-3));
+        assert_eq!(shared_tissue(2.0 * 30e-3 + 2e-3, 2e-3, 1e-3), 0.0);
+        assert_eq!(shared_tissue(f64::INFINITY, 1e-3, 1e-3), 0.0);
+    }
+
+    #[test]
+    fn what_is_shared_fades_without_a_jump() {
+        let [straight, slack] = [10e-3, 1e-3];
+        let [whole, none] = [SHORT_DETOUR, LONGEST_DETOUR].map(|detour| detour * straight + slack);
+        for (way, expected) in
+            [(whole, 1.0), (whole + 1e-9, 1.0), (0.5 * (whole + none), 0.5), (none - 1e-9, 0.0)]
+        {
+            assert!((shared_tissue(way, straight, slack) - expected).abs() < 1e-6);
+        }
+        assert_eq!([slack, 1.01 * slack].map(|way| shared_tissue(way, 0.0, slack)), [1.0, 0.0]);
     }
 }

@@ -91,6 +91,35 @@ fn two_fingers_under_one_plate_are_two_problems_that_add_up() {
 }
 
 #[test]
+fn coupling_fades_as_the_way_between_two_fingers_grows() {
+    let force = |height: f64, couple_fingers: bool, skin: &dyn ElasticSkin| {
+        let surface = two_ridges(height);
+        solve(&surface, &plate_at(&surface, 0.4e-3), skin, couple_fingers).resultant.force.z
+    };
+    for skin in [half_space(), galerkin()] {
+        let shares: Vec<f64> = (0..=24)
+            .map(|step| {
+                let height = 8e-3 + 0.5e-3 * f64::from(step);
+                let surface = two_ridges(height);
+                let plate = plate_at(&surface, 0.4e-3);
+                let alone = |first: bool| {
+                    let mask = surface.vertices().iter().map(|x| (x.x < PITCH) == first).collect();
+                    let masked = surface.clone().with_skin_mask(mask).unwrap();
+                    solve(&masked, &plate, &skin, false).resultant.force.z
+                };
+                let apart = alone(true) + alone(false);
+                (apart - force(height, false, &skin)) / (apart - force(height, true, &skin))
+            })
+            .collect();
+        assert_relative_eq!(shares[0], 1.0, max_relative = 1e-9);
+        assert!(shares[24].abs() < 1e-9, "{shares:?}");
+        let steps = shares.windows(2).map(|pair| pair[0] - pair[1]);
+        assert!(steps.clone().all(|step| (-1e-9..0.3).contains(&step)), "{shares:?}");
+        assert!(steps.filter(|step| *step > 0.01).count() >= 4, "{shares:?}");
+    }
+}
+
+#[test]
 fn every_kernel_tells_fingers_apart_and_a_matrix_of_its_own_is_left_whole() {
     let surface = two_ridges(40e-3);
     let plate = plate_at(&surface, 0.4e-3);
@@ -207,4 +236,25 @@ fn fingertips_of_a_real_hand_are_told_apart() {
     };
     let alone = alone(true) + alone(false);
     assert_relative_eq!(alone, contact.resultant.force, max_relative = 1e-12);
+}
+
+#[test]
+fn a_third_patch_joins_no_two_others() {
+    let Some(data) = data_dir() else { return };
+    let (vertices, faces) = read_ply(&data.join("hands/libhand_right_13k.ply"));
+    let hand = Surface::new(vertices, faces).unwrap();
+    let plate = Obstacle::half_space(Vector3::zeros(), UP).unwrap();
+    // Two fingertips, and from 3.25 mm on the middle of one of these fingers.
+    let pressed = |depth: f64| {
+        let pressed =
+            Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
+        press(&hand, &plate, &half_space(), &pressed, &ContactOptions::on_given_mesh()).unwrap()
+    };
+    let contacts: Vec<Contact> = (28..=38).map(|step| pressed(f64::from(step) * 1e-4)).collect();
+    let patches = |contact: &Contact| hand.patches(&contact.candidates).len();
+    assert_eq!((patches(&contacts[0]), patches(&contacts[10])), (2, 3));
+    for three in contacts.windows(3) {
+        let [before, force, after] = [0, 1, 2].map(|at| three[at].resultant.force.z);
+        assert_relative_eq!(force, 0.5 * (before + after), max_relative = 5e-3);
+    }
 }

@@ -1,17 +1,18 @@
-//! Fingers: parts of the skin that touch without feeling each other.
+//! Fingers: parts of the skin that touch without feeling all of each other.
 //!
 //! A kernel depends on the straight line between two points alone, so on a hand one fingertip would press down its
 //! neighbour through the air. Candidates are on different fingers where the way along the skin is long against the
-//! straight line ([`shares_tissue`]) and that line leaves the skin: a palm and the back of its hand are one.
+//! straight line ([`shared_tissue`]) and that line leaves the skin: a palm and the back of its hand are one.
 
 use std::collections::BTreeMap;
 
-use nalgebra::Vector3;
+use faer::Mat;
 
+use crate::contact::candidate::coupling::Coupling;
+use crate::contact::candidate::ways::{Way, joined_inside, shortest_ways, ways_between};
 use crate::geometry::bounds::Bounds;
-use crate::geometry::solid_angle::winding_number;
 use crate::surface::checked::Surface;
-use crate::surface::shortest_paths::{NearestAlongSkin, shares_tissue};
+use crate::surface::shortest_paths::{NearestAlongSkin, shared_tissue};
 
 /// Slack of the way along the skin (mean edge lengths): between patches a few edges apart a path of edges may
 /// be long against the straight line for no reason but the mesh.
@@ -20,24 +21,17 @@ const SLACK_EDGES: f64 = 4.0;
 /// Share of the skin's diagonal beyond which a search along the skin may as well take all of it.
 const MOST_OF_SKIN: f64 = 0.3;
 
-/// The shortest way along the skin between two sets of candidates.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Way {
-    /// Its length (m).
-    pub along_skin: f64,
-    /// Straight line between its ends (m).
-    pub straight: f64,
-    /// The vertices at its ends.
-    pub ends: [usize; 2],
-}
-
 /// The fingers in contact.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fingers {
-    /// Candidates of each, ascending; ordered by the first. All in one where they share tissue.
+    /// Candidates of each, ascending; ordered by the first. All in one where they share their tissue.
     pub candidates: Vec<Vec<usize>>,
-    /// Shortest way between two of them, where the skin has one, the shortest first.
-    pub ways: Vec<([usize; 2], Way)>,
+    /// What they feel of each other.
+    pub coupling: Coupling,
+    /// The way between the two that feel least of each other, where that was looked for.
+    pub parting: Option<Way>,
+    /// Shortest way from each to the next (m).
+    to_next: Vec<f64>,
     /// What is known of every vertex; `None` with one finger.
     vertices: Option<NearestAlongSkin>,
     /// Finger of each candidate (n); `usize::MAX` elsewhere. Empty with one finger.
@@ -49,81 +43,137 @@ impl Fingers {
     pub fn one(candidates: &[usize]) -> Self {
         Self {
             candidates: vec![candidates.to_vec()],
-            ways: Vec::new(),
+            coupling: Coupling::one(),
+            parting: None,
+            to_next: vec![f64::INFINITY],
             vertices: None,
             of_candidate: Vec::new(),
         }
     }
 
     /// Fingers that only their candidates are asked of.
-    pub fn listed(candidates: Vec<Vec<usize>>) -> Self {
-        Self { candidates, ways: Vec::new(), vertices: None, of_candidate: Vec::new() }
+    pub fn listed(candidates: Vec<Vec<usize>>, coupling: Coupling) -> Self {
+        Self {
+            candidates,
+            coupling,
+            parting: None,
+            to_next: Vec::new(),
+            vertices: None,
+            of_candidate: Vec::new(),
+        }
     }
 
-    /// Splits candidates into fingers: patches that share no tissue.
+    /// Splits candidates into fingers: patches that do not feel the same of all others.
     ///
-    /// Patches that share tissue with a third are on one finger. The search along the skin covers what could be
-    /// one finger first, and the whole surface only where there are two or more.
+    /// The search along the skin covers what could be one finger first, and the whole surface only where there are two or
+    /// more.
     pub fn split_by_tissue(surface: &Surface, candidates: &[usize]) -> Self {
         let patches = surface.patches(candidates);
         if patches.len() < 2 {
             return Self::one(candidates);
         }
         let slack = SLACK_EDGES * surface.mean_edge_length();
-        let mut label = vec![usize::MAX; surface.vertices().len()];
-        for (index, patch) in patches.iter().enumerate() {
-            patch.iter().for_each(|&vertex| label[vertex] = index);
-        }
         // Two searches meet half-way, so ways up to twice the candidates' extent are found.
         let extent = Bounds::around(candidates.iter().map(|&vertex| &surface.vertices()[vertex])).diagonal();
         let reach = extent + slack;
-        // Where that is most of the skin, one search serves for the fingers too.
-        let covers_all = reach > MOST_OF_SKIN * surface.bounding_box().diagonal();
-        let near = surface.nearest_along_skin(candidates, if covers_all { f64::INFINITY } else { reach });
-        let mut finger_of_patch: Vec<usize> = (0..patches.len()).collect();
-        for ([a, b], way) in shortest_ways(surface, &near, &label, reach) {
-            if shares_tissue(way.along_skin, way.straight, slack) || joined_inside(surface, way.ends) {
-                let (kept, merged) = (finger_of_patch[a], finger_of_patch[b]);
-                finger_of_patch.iter_mut().filter(|finger| **finger == merged).for_each(|f| *f = kept);
-            }
+        let is_whole = reach > MOST_OF_SKIN * surface.bounding_box().diagonal();
+        let mut near = surface.nearest_along_skin(candidates, if is_whole { f64::INFINITY } else { reach });
+        let mut felt = felt_between(surface, &patches, &near, slack);
+        if felt.iter().all(|felt| felt.share == 1.0) {
+            return Self::one(candidates);
         }
+        if !is_whole {
+            near = surface.nearest_along_skin(candidates, f64::INFINITY);
+            felt = felt_between(surface, &patches, &near, slack);
+        }
+        let parting = felt.iter().min_by(|a, b| a.share.total_cmp(&b.share)).map(|felt| felt.way);
+        let coupling = Coupling::new(patches.len(), felt.iter().map(|felt| (felt.pair, felt.share)));
         let mut by_finger: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (patch, finger) in patches.into_iter().zip(finger_of_patch) {
-            by_finger.entry(finger).or_default().extend(patch);
+        for (index, patch) in patches.into_iter().enumerate() {
+            by_finger.entry(coupling.same_as(index)).or_default().extend(patch);
         }
-        Self::searched(surface, by_finger.into_values().collect(), covers_all.then_some(near))
+        Self { parting, ..Self::searched(surface, by_finger, &coupling, Some(near)) }
     }
 
     /// Fingers of which the candidates are known.
-    pub fn apart(surface: &Surface, fingers: Vec<Vec<usize>>) -> Self {
-        Self::searched(surface, fingers, None)
+    pub fn known(surface: &Surface, fingers: Vec<Vec<usize>>, coupling: &Coupling) -> Self {
+        Self::searched(surface, fingers.into_iter().enumerate().collect(), coupling, None)
     }
 
     /// Fingers of which the candidates are known, and maybe what is nearest to each vertex of the skin.
-    fn searched(surface: &Surface, mut fingers: Vec<Vec<usize>>, nearest: Option<NearestAlongSkin>) -> Self {
-        let candidates = fingers.concat();
+    ///
+    /// * `fingers`: by their numbers in `coupling`
+    fn searched(
+        surface: &Surface,
+        fingers: BTreeMap<usize, Vec<usize>>,
+        coupling: &Coupling,
+        nearest: Option<NearestAlongSkin>,
+    ) -> Self {
+        let mut fingers = Vec::from_iter(fingers);
+        let candidates: Vec<usize> = fingers.iter().flat_map(|(_, finger)| finger).copied().collect();
         if fingers.len() < 2 {
             return Self::one(&candidates);
         }
         let mut label = vec![usize::MAX; surface.vertices().len()];
-        fingers.iter_mut().for_each(|finger| finger.sort_unstable());
-        fingers.sort_unstable_by_key(|finger| finger[0]);
+        fingers.iter_mut().for_each(|(_, finger)| finger.sort_unstable());
+        fingers.sort_unstable_by_key(|(_, finger)| finger[0]);
+        let (numbers, fingers): (Vec<usize>, Vec<Vec<usize>>) = fingers.into_iter().unzip();
         for (index, finger) in fingers.iter().enumerate() {
             finger.iter().for_each(|&vertex| label[vertex] = index);
         }
         let vertices = nearest.unwrap_or_else(|| surface.nearest_along_skin(&candidates, f64::INFINITY));
-        let mut ways: Vec<_> = shortest_ways(surface, &vertices, &label, f64::INFINITY).into_iter().collect();
-        ways.sort_by(|a, b| a.1.along_skin.total_cmp(&b.1.along_skin).then(a.0.cmp(&b.0)));
-        Self { candidates: fingers, ways, vertices: Some(vertices), of_candidate: label }
+        let mut to_next = vec![f64::INFINITY; fingers.len()];
+        for (pair, way) in shortest_ways(surface, &vertices, &label) {
+            pair.into_iter().for_each(|finger| to_next[finger] = to_next[finger].min(way.length));
+        }
+        Self {
+            candidates: fingers,
+            coupling: coupling.among(&numbers),
+            parting: None,
+            to_next,
+            vertices: Some(vertices),
+            of_candidate: label,
+        }
     }
 
     /// Candidates by the finger that each vertex of the skin was found to belong to before.
-    pub fn as_before(surface: &Surface, candidates: &[usize], finger_of: &[Option<usize>]) -> Self {
-        let mut by_finger: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+    pub fn as_before(
+        surface: &Surface,
+        candidates: &[usize],
+        finger_of: &[Option<usize>],
+        coupling: &Coupling,
+    ) -> Self {
+        let mut by_finger: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for &vertex in candidates {
-            by_finger.entry(finger_of[vertex]).or_default().push(vertex);
+            by_finger.entry(finger_of[vertex].unwrap_or(usize::MAX)).or_default().push(vertex);
         }
-        Self::apart(surface, by_finger.into_values().collect())
+        Self::searched(surface, by_finger, coupling, None)
+    }
+
+    /// Candidates of fingers that feel each other, each ascending; ordered by the first.
+    pub fn groups(&self) -> Vec<Vec<usize>> {
+        let candidates = |group: Vec<usize>| {
+            let mut all: Vec<usize> =
+                group.iter().flat_map(|&finger| &self.candidates[finger]).copied().collect();
+            all.sort_unstable();
+            all
+        };
+        self.coupling.groups().into_iter().map(candidates).collect()
+    }
+
+    /// Leaves of the response of `nodes` to each other what their fingers feel.
+    pub fn weaken(&self, nodes: &[usize], matrix: &mut Mat<f64>) {
+        if self.candidates.len() < 2 {
+            return;
+        }
+        let of_node: Vec<usize> = nodes.iter().map(|&node| self.of_candidate[node]).collect();
+        for (column, &finger) in of_node.iter().enumerate() {
+            for (entry, &other) in matrix.col_as_slice_mut(column).iter_mut().zip(&of_node) {
+                if other != finger {
+                    *entry *= self.coupling.between(finger, other);
+                }
+            }
+        }
     }
 
     /// Finger nearest to a vertex along the skin, whose forces move it; `None` where the skin leads to none.
@@ -141,60 +191,35 @@ impl Fingers {
 
     /// Way along the skin from a finger to the next one (m); infinite where the skin leads to none.
     pub fn distance_to_next(&self, finger: usize) -> f64 {
-        let of_finger = |(pair, _): &&([usize; 2], Way)| pair.contains(&finger);
-        self.ways.iter().find(of_finger).map_or(f64::INFINITY, |(_, way)| way.along_skin)
+        self.to_next[finger]
     }
 }
 
-/// Points on the line between two vertices that must lie inside the skin.
-const LINE_POINTS: usize = 12;
+/// What two patches feel of each other.
+struct Felt {
+    pair: [usize; 2],
+    way: Way,
+    /// From 0 to 1.
+    share: f64,
+}
 
-/// Whether the straight line between two vertices runs inside the skin all the way.
-fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
-    let [a, b] = ends.map(|end| surface.vertices()[end]);
-    let inward = |end: usize, towards: Vector3<f64>| surface.vertex_normals()[end].dot(&towards) < 0.0;
-    let inside = |k: usize| {
-        let share = (k as f64 + 0.5) / LINE_POINTS as f64;
-        winding_number(&a.lerp(&b, share), surface.vertices(), surface.faces().iter().copied()) > 0.5
+/// What each two patches feel of each other, by what is nearest to each vertex of the skin.
+///
+/// * `slack`: of ways along the skin (m)
+fn felt_between(surface: &Surface, patches: &[Vec<usize>], near: &NearestAlongSkin, slack: f64) -> Vec<Felt> {
+    let felt = |(pair, way): ([usize; 2], Way)| {
+        let share = shared_tissue(way.along_skin, way.straight, slack);
+        let is_joined = share < 1.0 && joined_inside(surface, way.closest);
+        Felt { pair, way, share: if is_joined { 1.0 } else { share } }
     };
-    inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)
-}
-
-/// The shortest way found between any two sets of sources, by their `label`: where the searches from
-/// both meet on an edge, neither farther than `reach` (m) from its source.
-fn shortest_ways(
-    surface: &Surface,
-    nearest: &NearestAlongSkin,
-    label: &[usize],
-    reach: f64,
-) -> BTreeMap<[usize; 2], Way> {
-    let mut ways: BTreeMap<[usize; 2], Way> = BTreeMap::new();
-    let source_of = |vertex: usize| nearest.source(vertex).filter(|_| nearest.distance[vertex] <= reach);
-    for vertex in 0..label.len() {
-        let Some(source) = source_of(vertex) else { continue };
-        for &other in surface.neighbours(vertex) {
-            let other = other as usize;
-            let Some(other_source) = source_of(other).filter(|_| other > vertex) else { continue };
-            let ends = [source, other_source];
-            let [a, b] = ends.map(|end| label[end]);
-            if a == b {
-                continue;
-            }
-            let step = |from: usize, to: usize| (surface.vertices()[from] - surface.vertices()[to]).norm();
-            let along_skin = nearest.distance[vertex] + step(vertex, other) + nearest.distance[other];
-            let way = Way { along_skin, straight: step(ends[0], ends[1]), ends };
-            let known = ways.entry([a.min(b), a.max(b)]).or_insert(way);
-            if along_skin < known.along_skin {
-                *known = way;
-            }
-        }
-    }
-    ways
+    ways_between(surface, patches, near).into_iter().map(felt).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+
+    use nalgebra::Vector3;
 
     use super::*;
     use crate::sample::grid;
@@ -220,7 +245,9 @@ mod tests {
             let (surface, crests) = two_ridges(flat_columns);
             let fingers = Fingers::split_by_tissue(&surface, &crests);
             assert_eq!(fingers.candidates.len(), 2);
-            assert_eq!(fingers, Fingers::apart(&surface, fingers.candidates.clone()));
+            let known = Fingers::known(&surface, fingers.candidates.clone(), &fingers.coupling);
+            assert_eq!(Fingers { parting: None, ..fingers.clone() }, known);
+            assert!(fingers.parting.is_some_and(|way| way.along_skin.is_finite()));
             assert!(fingers.finger_of(surface.vertices().len() - 1).is_some());
         }
     }

@@ -25,19 +25,19 @@ pub(crate) fn loaded_rim(surface: &Surface, candidates: &[usize], node_force: &[
 
 /// Splits candidates into groups that cannot feel each other, each ascending, in order of their first vertex.
 ///
-/// On a finger, two connected patches belong together when the boxes around their loaded triangles come within
-/// `reach` (m) of each other; a response without limit of reach couples all of a finger.
+/// On fingers that feel each other, two connected patches belong together when the boxes around their loaded triangles come
+/// within `reach` (m) of each other; a response without limit of reach couples all of them.
 pub(crate) fn uncoupled_groups(surface: &Surface, fingers: &Fingers, reach: Option<f64>) -> Vec<Vec<usize>> {
     let Some(reach) = reach else {
-        return fingers.candidates.clone();
+        return fingers.groups();
     };
     let mut groups: Vec<Vec<usize>> =
-        fingers.candidates.iter().flat_map(|finger| within_reach(surface, finger, reach)).collect();
+        fingers.groups().iter().flat_map(|group| within_reach(surface, group, reach)).collect();
     groups.sort_unstable_by_key(|group| group[0]);
     groups
 }
 
-/// The groups of one finger.
+/// The groups of candidates that may feel each other.
 fn within_reach(surface: &Surface, candidates: &[usize], reach: f64) -> Vec<Vec<usize>> {
     let mut groups: Vec<(Bounds, Vec<usize>)> = surface
         .patches(candidates)

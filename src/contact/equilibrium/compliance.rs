@@ -92,7 +92,7 @@ impl<'a> Compliance<'a> {
 
     /// R over `nodes` along the obstacle's normals there (k × k, m/N).
     ///
-    /// * `fingers`: between which the skin passes nothing on
+    /// * `fingers`: between which the skin passes less on, or nothing
     pub fn matrix(
         &self,
         nodes: &[usize],
@@ -101,15 +101,14 @@ impl<'a> Compliance<'a> {
     ) -> Result<Mat<f64>, ContactError> {
         let asked = Request { surface: self.surface, nodes, options: &self.options };
         let mut matrix = self.skin.matrix(&asked, normals)?;
+        if self.joins_fingers() {
+            fingers.weaken(nodes, &mut matrix);
+        }
         if let Some(product) = &self.product {
-            if product.joins_fingers && fingers.candidates.len() > 1 {
-                let of_node: Vec<_> = nodes.iter().map(|&vertex| fingers.finger_of(vertex)).collect();
-                for j in 0..nodes.len() {
-                    let apart = (0..nodes.len()).filter(|&i| of_node[i] != of_node[j]);
-                    apart.for_each(|i| matrix[(i, j)] = 0.0);
-                }
-            }
             matrix += product.response.matrix(&asked, normals)?;
+        }
+        if !self.joins_fingers() {
+            fingers.weaken(nodes, &mut matrix);
         }
         Ok(matrix)
     }
@@ -194,14 +193,15 @@ impl<'a> Compliance<'a> {
         forces: AppliedForces,
         vertices: &[usize],
     ) -> Result<Displacements, ContactError> {
-        let under = |active: &[usize], vertices: &[usize]| {
-            let pushed: Vec<Vector3<f64>> = active.iter().map(|&vertex| forces.vectors[vertex]).collect();
+        let under = |active: &[usize], pushed: &[Vector3<f64>], vertices: &[usize]| {
             let asked = Request { surface: self.surface, nodes: active, options };
-            moving.displace(&asked, &pushed, vertices)
+            moving.displace(&asked, pushed, vertices)
         };
         let fingers = forces.fingers;
         if fingers.candidates.len() == 1 {
-            return Ok(under(forces.active, vertices)?);
+            let pushed: Vec<Vector3<f64>> =
+                forces.active.iter().map(|&vertex| forces.vectors[vertex]).collect();
+            return Ok(under(forces.active, &pushed, vertices)?);
         }
         let mut all = Displacements {
             vectors: vec![Vector3::zeros(); vertices.len()],
@@ -211,8 +211,14 @@ impl<'a> Compliance<'a> {
             let is_own = |vertex: usize| fingers.finger_of(vertex) == Some(finger);
             let rows: Vec<usize> = (0..vertices.len()).filter(|&row| is_own(vertices[row])).collect();
             let own: Vec<usize> = rows.iter().map(|&row| vertices[row]).collect();
-            let active: Vec<usize> = forces.active.iter().copied().filter(|&vertex| is_own(vertex)).collect();
-            let moved = under(&active, &own)?;
+            let felt = |vertex: usize| {
+                fingers.finger_of(vertex).map_or(0.0, |other| fingers.coupling.between(finger, other))
+            };
+            let (active, pushed): (Vec<usize>, Vec<Vector3<f64>>) = (forces.active.iter())
+                .map(|&vertex| (vertex, felt(vertex) * forces.vectors[vertex]))
+                .filter(|(_, force)| *force != Vector3::zeros())
+                .unzip();
+            let moved = under(&active, &pushed, &own)?;
             for (row, (vector, along)) in
                 rows.into_iter().zip(moved.vectors.into_iter().zip(moved.along_normal))
             {

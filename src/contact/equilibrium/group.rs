@@ -150,9 +150,11 @@ impl GroupProblem<'_> {
         let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
         let started = Instant::now();
         let q = response.traits.discretization.initial_gap(gaps, response, nodes)?;
+        // What fingers feel of each other may change with the candidates.
+        let kept = response.kept_factors().filter(|_| forces.fingers.coupling.extremes()[1] == 0.0);
         let problem = LcpProblem::new(matrix.as_ref(), &q)?
             .with_known_definiteness(definiteness)
-            .with_kept_factors(response.kept_factors(), nodes);
+            .with_kept_factors(kept, nodes);
         let is_guessed = |guess: &[usize]| {
             (0..nodes.len()).filter(|&node| guess.binary_search(&nodes[node]).is_ok()).collect()
         };

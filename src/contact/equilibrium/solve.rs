@@ -93,7 +93,7 @@ fn solve_on(
     let traits = &response.traits;
     let fingers = match &gaps.scene.inherited {
         _ if !traits.is_kernel || options.couple_fingers => Fingers::one(&candidates),
-        Some(known) => Fingers::as_before(gaps.surface, &candidates, &known.finger_of),
+        Some(known) => Fingers::as_before(gaps.surface, &candidates, &known.finger_of, &known.coupling),
         None => Fingers::split_by_tissue(gaps.surface, &candidates),
     };
     let at_candidates = gaps.at(&candidates)?;

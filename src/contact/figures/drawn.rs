@@ -61,7 +61,8 @@ impl Contact {
         let surface = self.surface();
         let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
         let motion = &self.drawing.motion;
-        let fingers = &Fingers::apart(surface, self.drawing.fingers.candidates.clone());
+        let Fingers { candidates, coupling, .. } = &self.drawing.fingers;
+        let fingers = &Fingers::known(surface, candidates.clone(), coupling);
         let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
         let everywhere: Vec<usize> = (0..surface.vertices().len()).collect();
         let found = response.displace_coarsely(forces, &everywhere)?;

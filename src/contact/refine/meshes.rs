@@ -57,6 +57,7 @@ impl Meshes {
         let fingers = &self.given.drawing.fingers;
         Inherited {
             finger_of: part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)),
+            coupling: fingers.coupling.clone(),
             cuts: Cuts::of(self.given.surface(), skin).on_refined(part),
             search_distance: search_distance_in_overlap(self.given.surface()),
         }

@@ -22,7 +22,8 @@ pub(crate) fn into_whole(
     let numbers = |vertices: &[usize]| part.numbers(vertices);
     let gap = gaps(&given, &contact, part, &mesh, count)?;
     let Drawing { fingers, motion } = &contact.drawing;
-    let fingers = Fingers::listed(fingers.candidates.iter().map(|finger| numbers(finger)).collect());
+    let candidates = fingers.candidates.iter().map(|finger| numbers(finger)).collect();
+    let fingers = Fingers::listed(candidates, fingers.coupling.clone());
     let motion = CandidateMotion { scalar: numbers(&motion.scalar), ..motion.clone() };
     let patch =
         |patch: &Patch| Patch { vertices: numbers(&patch.vertices), resultant: patch.resultant.clone() };

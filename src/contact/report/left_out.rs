@@ -1,12 +1,13 @@
 //! What a scene did not need, and why.
 
 use crate::contact::candidate::fingers::Fingers;
+use crate::contact::candidate::ways::Way;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
-use crate::surface::shortest_paths::LONGEST_DETOUR;
+use crate::surface::shortest_paths::{LONGEST_DETOUR, SHORT_DETOUR};
 
 impl Report {
     /// What the measurement of gaps left out.
@@ -64,7 +65,7 @@ impl Report {
         if fingers > 1 {
             self.leave_out("coupling between fingers", apart(&forces.fingers, response));
         }
-        if forces.solutions.len() > fingers {
+        if forces.solutions.len() > forces.fingers.coupling.groups().len() {
             let why = format!(
                 "the response does not reach from one to another: {} separate problems",
                 forces.solutions.len()
@@ -78,22 +79,34 @@ impl Report {
     }
 }
 
-/// Why the fingers are solved apart.
+/// Why the fingers do not feel all of each other.
 fn apart(fingers: &Fingers, response: &Compliance) -> String {
-    let way = match fingers.ways.first() {
-        None => "no way along the skin leads from one to another".into(),
-        Some((_, way)) => format!(
-            "the shortest way along the skin from one to another, between vertices {} and {}, is {:.3e} m against {:.3e} m in a straight line, more than {LONGEST_DETOUR} times",
-            way.ends[0], way.ends[1], way.along_skin, way.straight
-        ),
+    let [least, largest] = fingers.coupling.extremes();
+    let way = match fingers.parting {
+        None => String::new(),
+        Some(way) if way.along_skin.is_infinite() => {
+            ": no way along the skin leads from one to another".into()
+        }
+        Some(Way { along_skin, straight, closest: [a, b] }) => {
+            let detour = if least > 0.0 { SHORT_DETOUR } else { LONGEST_DETOUR };
+            format!(
+                ": between vertices {a} and {b} the way along the skin is {along_skin:.3e} m against {straight:.3e} m in a straight line, more than {detour} times"
+            )
+        }
     };
     let how = match (response.joins_fingers(), response.has_product()) {
-        (true, _) => "joined by the product alone",
-        (_, true) => "each a problem of its own, with nothing passed on by the product either",
-        _ => "each a problem of its own",
+        _ if largest > 0.0 => {
+            let [least, largest] = [least, largest].map(|share| 100.0 * share);
+            format!("part of their tissue and pass on {least:.0} to {largest:.0} % of the response")
+        }
+        (true, _) => "no tissue, joined by the product alone".into(),
+        (_, true) => {
+            "no tissue, each a problem of its own, with nothing passed on by the product either".into()
+        }
+        _ => "no tissue, each a problem of its own".into(),
     };
     format!(
-        "the candidates lie on {} parts of the skin that share no tissue, {how}: {way}; `couple_fingers` joins them",
+        "the candidates lie on {} parts of the skin that share {how}{way}; `couple_fingers` joins them",
         fingers.candidates.len()
     )
 }
