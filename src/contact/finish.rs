@@ -10,14 +10,14 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::beside::Beside;
-use crate::contact::figures::cells::mean_edge;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
+use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::figures::penetration::penetration_after;
 use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus, LoadedEdge};
+use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus};
 use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Inherited;
@@ -78,12 +78,13 @@ impl Contact {
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let within_rim = areas_within_rim(gaps, response, &forces, &beside)?;
         let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;
-        let edge = loaded_edge(gaps, &forces);
-        if let Some(LoadedEdge { ends, .. }) = &edge {
-            report.note_edge(ends);
+        let edge = LoadedEdge::of_obstacle(gaps, &forces);
+        let skin_edge = LoadedEdge::of_skin(gaps, &forces);
+        for (whose, edge) in [("obstacle", &edge), ("skin", &skin_edge)] {
+            edge.iter().for_each(|edge| report.note_edge(whose, edge));
         }
-        let clues =
-            Clues { area_within_rim: within_rim.iter().sum(), body, edge, is_unsettled: report.is_unsettled };
+        let area_within_rim = within_rim.iter().sum();
+        let clues = Clues { area_within_rim, body, edge, skin_edge, is_unsettled: report.is_unsettled };
         // In collocation on a mesh that was given the area is that of its vertices.
         let is_given = discretization == Discretization::Collocation && gaps.scene.inherited.is_none();
         let areas = if is_given { surface.vertex_areas() } else { &within_rim };
@@ -165,12 +166,4 @@ impl Figures {
         let areas = gaps.surface.vertex_areas();
         Self::new(gaps, forces, pressure, areas, motion, gaps.deepest(), traits.discretization)
     }
-}
-
-/// The sharp edge under the vertices that carry force on one.
-fn loaded_edge(gaps: &Gaps, forces: &NodeForces) -> Option<LoadedEdge> {
-    let on_edge = |&vertex: &usize| Some((vertex, gaps.line_at(vertex).filter(|line| line.is_sharp)?.ends));
-    let (held, lines): (Vec<_>, Vec<_>) = forces.active.iter().filter_map(on_edge).unzip();
-    let &ends = lines.first()?;
-    Some(LoadedEdge { ends, edge_length: mean_edge(gaps.surface, &held) })
 }

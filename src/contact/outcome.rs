@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::Drawing;
+use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
@@ -202,19 +203,12 @@ pub(crate) struct Clues {
     pub area_within_rim: f64,
     /// What the coarse mesh of a body costs.
     pub body: Option<BodyDoubt>,
-    /// Where a sharp edge carries force.
+    /// Where a sharp edge of the obstacle carries force.
     pub edge: Option<LoadedEdge>,
+    /// Where one of the skin does.
+    pub skin_edge: Option<LoadedEdge>,
     /// Whether gaps taken anew at the deformed skin led to no better answer.
     pub is_unsettled: bool,
-}
-
-/// A sharp edge of the obstacle that carries force.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct LoadedEdge {
-    /// Ends of one of them (m).
-    pub ends: [Vector3<f64>; 2],
-    /// Mean edge length of the mesh there (m).
-    pub edge_length: f64,
 }
 
 impl Contact {

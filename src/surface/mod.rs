@@ -15,6 +15,7 @@ pub(crate) mod cut_out;
 pub(crate) mod measures;
 pub(crate) mod refined;
 pub(crate) mod rings;
+pub(crate) mod sharp;
 pub(crate) mod shortest_paths;
 
 pub use checked::{Surface, SurfaceError};

@@ -156,7 +156,8 @@ impl MeshRefinement {
     }
 }
 
-fn smooth(surface: &Surface) -> SmoothMesh<'_> {
+/// The surface as its vertex normals bend it.
+pub(super) fn smooth(surface: &Surface) -> SmoothMesh<'_> {
     SmoothMesh {
         vertices: surface.vertices(),
         normals: surface.vertex_normals(),

@@ -99,6 +99,24 @@ def test_the_estimate_of_refined_areas_in_galerkin_form_covers_nine_of_ten(finge
     assert np.mean(covered) >= 0.9
 
 
+@pytest.mark.parametrize(("pitch", "target"), [(5.0, None), (5.0, 0.05), (45.0, None), (45.0, 0.05)])
+def test_the_estimate_at_the_cut_end_of_a_finger_says_what_its_edge_costs(
+    fingertip: qr.Surface, pitch: float, target: float | None
+) -> None:
+    cosine, sine = np.cos(np.radians(pitch)), np.sin(np.radians(pitch))
+    turn = np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
+    cut_down = qr.Surface(fingertip.vertices @ turn.T, fingertip.faces)
+    plate = qr.Obstacle.half_space([0, 0, -0.1], UP)
+    coarse, fine = (
+        qr.press(cut_down, plate, soft(), UP, depth=0.3e-3, options=options)
+        for options in (qr.ContactOptions(target_error=target), FINE)
+    )
+    assert covers(coarse, fine) == (True, True)
+    assert coarse.accuracy.max_pressure_error == np.inf
+    notes = [note.why for note in coarse.left_out if note.what == "a finite peak pressure"]
+    assert len(notes) == 1 and notes[0].startswith("a sharp edge of the skin carries force")
+
+
 def test_many_patches_have_the_cells_of_one() -> None:
     vertices, faces = ball(8e-3, 3)
     apart = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]]

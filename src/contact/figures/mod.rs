@@ -8,6 +8,7 @@ pub(crate) mod cells;
 pub(crate) mod displacement;
 pub(crate) mod drawn;
 pub(crate) mod fade;
+pub(crate) mod loaded_edge;
 pub(crate) mod mean_pressure;
 pub(crate) mod moved_product;
 pub(crate) mod penetration;

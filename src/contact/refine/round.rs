@@ -61,7 +61,7 @@ impl Contact {
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
         self.accuracy.area_error = error.map(|error| error.area);
-        let is_infinite = self.clues.edge.is_some();
+        let is_infinite = self.clues.edge.is_some() || self.clues.skin_edge.is_some();
         self.accuracy.max_pressure_error =
             error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
         self.refinements.push(Refinement {
