@@ -114,7 +114,8 @@ def test_the_estimate_at_the_cut_end_of_a_finger_says_what_its_edge_costs(
     assert covers(coarse, fine) == (True, True)
     assert coarse.accuracy.max_pressure_error == np.inf
     notes = [note.why for note in coarse.left_out if note.what == "a finite peak pressure"]
-    assert len(notes) == 1 and notes[0].startswith("a sharp edge of the skin carries force")
+    assert len(notes) == 1
+    assert notes[0].startswith("a sharp edge of the skin carries force")
 
 
 def test_many_patches_have_the_cells_of_one() -> None:
