@@ -16,18 +16,17 @@ pub const SHORT_DETOUR: f64 = 1.5;
 
 /// How much of the tissue between two points of the skin couples them: the share of the force at one that moves the other.
 ///
-/// 1 up to `along_skin = SHORT_DETOUR · straight + slack`, 0 from `LONGEST_DETOUR · straight + slack` on, and straight in
-/// between, so that no force jumps where a contact grows. Points that are close in space but far along the skin lie on
-/// different fingers, with air in between.
+/// 1 up to `along_skin = SHORT_DETOUR · straight`, 0 from `LONGEST_DETOUR · straight` on, and straight in between, so that
+/// no force jumps where a contact grows. Points that are close in space but far along the skin lie on different fingers, with
+/// air in between.
 ///
 /// * `along_skin`: distance along the skin (m), see [`Surface::skin_distances`]; infinite for another component
 /// * `straight`: straight-line distance (m)
-/// * `slack`: allowance for how coarsely both are known (m), a mesh edge or the size of the sets compared
-pub fn shared_tissue(along_skin: f64, straight: f64, slack: f64) -> f64 {
-    if along_skin <= SHORT_DETOUR * straight + slack {
+pub fn shared_tissue(along_skin: f64, straight: f64) -> f64 {
+    if along_skin <= SHORT_DETOUR * straight {
         return 1.0;
     }
-    let left = LONGEST_DETOUR * straight + slack - along_skin;
+    let left = LONGEST_DETOUR * straight - along_skin;
     (left / ((LONGEST_DETOUR - SHORT_DETOUR) * straight)).max(0.0)
 }
 
@@ -124,21 +123,20 @@ mod tests {
     #[test]
     fn opposite_points_of_a_round_finger_share_tissue_and_those_of_two_fingers_do_not() {
         let diameter = 16e-3;
-        assert!(shared_tissue(1.15 * 0.5 * PI * diameter, diameter, 0.0) > 0.0);
+        assert!(shared_tissue(1.15 * 0.5 * PI * diameter, diameter) > 0.0);
         // 2 mm of air between two fingers, 30 mm above the web
-        assert_eq!(shared_tissue(2.0 * 30e-3 + 2e-3, 2e-3, 1e-3), 0.0);
-        assert_eq!(shared_tissue(f64::INFINITY, 1e-3, 1e-3), 0.0);
+        assert_eq!(shared_tissue(2.0 * 30e-3 + 2e-3, 2e-3), 0.0);
+        assert_eq!(shared_tissue(f64::INFINITY, 1e-3), 0.0);
     }
 
     #[test]
     fn what_is_shared_fades_without_a_jump() {
-        let [straight, slack] = [10e-3, 1e-3];
-        let [whole, none] = [SHORT_DETOUR, LONGEST_DETOUR].map(|detour| detour * straight + slack);
-        for (way, expected) in
-            [(whole, 1.0), (whole + 1e-9, 1.0), (0.5 * (whole + none), 0.5), (none - 1e-9, 0.0)]
-        {
-            assert!((shared_tissue(way, straight, slack) - expected).abs() < 1e-6);
+        let straight = 10e-3;
+        let [whole, none] = [SHORT_DETOUR, LONGEST_DETOUR].map(|detour| detour * straight);
+        let middle = 0.5 * (whole + none);
+        for (way, expected) in [(whole, 1.0), (whole + 1e-9, 1.0), (middle, 0.5), (none - 1e-9, 0.0)] {
+            assert!((shared_tissue(way, straight) - expected).abs() < 1e-6);
         }
-        assert_eq!([slack, 1.01 * slack].map(|way| shared_tissue(way, 0.0, slack)), [1.0, 0.0]);
+        assert_eq!(shared_tissue(1e-3, 0.0), 0.0);
     }
 }

@@ -9,14 +9,10 @@ use std::collections::BTreeMap;
 use faer::Mat;
 
 use crate::contact::candidate::coupling::Coupling;
-use crate::contact::candidate::ways::{Way, joined_inside, shortest_ways, ways_between};
+use crate::contact::candidate::ways::{Way, joined_inside, middle, shortest_ways, ways_between};
 use crate::geometry::bounds::Bounds;
 use crate::surface::checked::Surface;
 use crate::surface::shortest_paths::{NearestAlongSkin, shared_tissue};
-
-/// Slack of the way along the skin (mean edge lengths): between patches a few edges apart a path of edges may
-/// be long against the straight line for no reason but the mesh.
-const SLACK_EDGES: f64 = 4.0;
 
 /// Share of the skin's diagonal beyond which a search along the skin may as well take all of it.
 const MOST_OF_SKIN: f64 = 0.3;
@@ -67,48 +63,46 @@ impl Fingers {
     ///
     /// The search along the skin covers what could be one finger first, and the whole surface only where there are two or
     /// more.
-    pub fn split_by_tissue(surface: &Surface, candidates: &[usize]) -> Self {
+    ///
+    /// * `gap`: of the undeformed skin's vertices (n, m)
+    pub fn split_by_tissue(surface: &Surface, candidates: &[usize], gap: &[f64]) -> Self {
         let patches = surface.patches(candidates);
         if patches.len() < 2 {
             return Self::one(candidates);
         }
-        let slack = SLACK_EDGES * surface.mean_edge_length();
-        // Two searches meet half-way, so ways up to twice the candidates' extent are found.
-        let extent = Bounds::around(candidates.iter().map(|&vertex| &surface.vertices()[vertex])).diagonal();
-        let reach = extent + slack;
-        let is_whole = reach > MOST_OF_SKIN * surface.bounding_box().diagonal();
-        let mut near = surface.nearest_along_skin(candidates, if is_whole { f64::INFINITY } else { reach });
-        let mut felt = felt_between(surface, &patches, &near, slack);
-        if felt.iter().all(|felt| felt.share == 1.0) {
+        let pressed = |vertex: usize| surface.vertex_areas()[vertex] * (-gap[vertex]).max(0.0);
+        let middles: Vec<usize> = patches.iter().map(|patch| middle(surface, patch, pressed)).collect();
+        // Two searches meet half-way, so ways up to twice the patches' extent are found.
+        let extent = Bounds::around(middles.iter().map(|&vertex| &surface.vertices()[vertex])).diagonal();
+        let is_whole = extent > MOST_OF_SKIN * surface.bounding_box().diagonal();
+        let felt_within = |reach: f64| {
+            let near = surface.nearest_along_skin(&middles, reach);
+            let ways = ways_between(surface, &middles, &near);
+            ways.into_iter().map(|(pair, way)| (pair, felt(surface, &way), way)).collect::<Vec<_>>()
+        };
+        let mut shares = felt_within(if is_whole { f64::INFINITY } else { extent });
+        if shares.iter().all(|(_, share, _)| *share == 1.0) {
             return Self::one(candidates);
         }
         if !is_whole {
-            near = surface.nearest_along_skin(candidates, f64::INFINITY);
-            felt = felt_between(surface, &patches, &near, slack);
+            shares = felt_within(f64::INFINITY);
         }
-        let parting = felt.iter().min_by(|a, b| a.share.total_cmp(&b.share)).map(|felt| felt.way);
-        let coupling = Coupling::new(patches.len(), felt.iter().map(|felt| (felt.pair, felt.share)));
+        let parting = shares.iter().min_by(|(_, a, _), (_, b, _)| a.total_cmp(b)).map(|(.., way)| *way);
+        let coupling = Coupling::new(patches.len(), shares.into_iter().map(|(pair, share, _)| (pair, share)));
         let mut by_finger: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (index, patch) in patches.into_iter().enumerate() {
             by_finger.entry(coupling.same_as(index)).or_default().extend(patch);
         }
-        Self { parting, ..Self::searched(surface, by_finger, &coupling, Some(near)) }
+        Self { parting, ..Self::searched(surface, by_finger, &coupling) }
     }
 
     /// Fingers of which the candidates are known.
     pub fn known(surface: &Surface, fingers: Vec<Vec<usize>>, coupling: &Coupling) -> Self {
-        Self::searched(surface, fingers.into_iter().enumerate().collect(), coupling, None)
+        Self::searched(surface, fingers.into_iter().enumerate().collect(), coupling)
     }
 
-    /// Fingers of which the candidates are known, and maybe what is nearest to each vertex of the skin.
-    ///
-    /// * `fingers`: by their numbers in `coupling`
-    fn searched(
-        surface: &Surface,
-        fingers: BTreeMap<usize, Vec<usize>>,
-        coupling: &Coupling,
-        nearest: Option<NearestAlongSkin>,
-    ) -> Self {
+    /// * `fingers`: candidates by their numbers in `coupling`
+    fn searched(surface: &Surface, fingers: BTreeMap<usize, Vec<usize>>, coupling: &Coupling) -> Self {
         let mut fingers = Vec::from_iter(fingers);
         let candidates: Vec<usize> = fingers.iter().flat_map(|(_, finger)| finger).copied().collect();
         if fingers.len() < 2 {
@@ -121,10 +115,10 @@ impl Fingers {
         for (index, finger) in fingers.iter().enumerate() {
             finger.iter().for_each(|&vertex| label[vertex] = index);
         }
-        let vertices = nearest.unwrap_or_else(|| surface.nearest_along_skin(&candidates, f64::INFINITY));
+        let vertices = surface.nearest_along_skin(&candidates, f64::INFINITY);
         let mut to_next = vec![f64::INFINITY; fingers.len()];
-        for (pair, way) in shortest_ways(surface, &vertices, &label) {
-            pair.into_iter().for_each(|finger| to_next[finger] = to_next[finger].min(way.length));
+        for (pair, length) in shortest_ways(surface, &vertices, &label) {
+            pair.into_iter().for_each(|finger| to_next[finger] = to_next[finger].min(length));
         }
         Self {
             candidates: fingers,
@@ -147,7 +141,7 @@ impl Fingers {
         for &vertex in candidates {
             by_finger.entry(finger_of[vertex].unwrap_or(usize::MAX)).or_default().push(vertex);
         }
-        Self::searched(surface, by_finger, coupling, None)
+        Self::searched(surface, by_finger, coupling)
     }
 
     /// Candidates of fingers that feel each other, each ascending; ordered by the first.
@@ -195,24 +189,10 @@ impl Fingers {
     }
 }
 
-/// What two patches feel of each other.
-struct Felt {
-    pair: [usize; 2],
-    way: Way,
-    /// From 0 to 1.
-    share: f64,
-}
-
-/// What each two patches feel of each other, by what is nearest to each vertex of the skin.
-///
-/// * `slack`: of ways along the skin (m)
-fn felt_between(surface: &Surface, patches: &[Vec<usize>], near: &NearestAlongSkin, slack: f64) -> Vec<Felt> {
-    let felt = |(pair, way): ([usize; 2], Way)| {
-        let share = shared_tissue(way.along_skin, way.straight, slack);
-        let is_joined = share < 1.0 && joined_inside(surface, way.closest);
-        Felt { pair, way, share: if is_joined { 1.0 } else { share } }
-    };
-    ways_between(surface, patches, near).into_iter().map(felt).collect()
+/// What two patches feel of each other, from 0 to 1.
+fn felt(surface: &Surface, way: &Way) -> f64 {
+    let share = shared_tissue(way.along_skin, way.straight);
+    if share < 1.0 && joined_inside(surface, way.ends) { 1.0 } else { share }
 }
 
 #[cfg(test)]
@@ -243,7 +223,7 @@ mod tests {
         // The first search covers all of the small skin, and only what is near on the large one.
         for flat_columns in [0, 100] {
             let (surface, crests) = two_ridges(flat_columns);
-            let fingers = Fingers::split_by_tissue(&surface, &crests);
+            let fingers = Fingers::split_by_tissue(&surface, &crests, &vec![0.0; surface.vertices().len()]);
             assert_eq!(fingers.candidates.len(), 2);
             let known = Fingers::known(&surface, fingers.candidates.clone(), &fingers.coupling);
             assert_eq!(Fingers { parting: None, ..fingers.clone() }, known);

@@ -94,7 +94,7 @@ fn solve_on(
     let fingers = match &gaps.scene.inherited {
         _ if !traits.is_kernel || options.couple_fingers => Fingers::one(&candidates),
         Some(known) => Fingers::as_before(gaps.surface, &candidates, &known.finger_of, &known.coupling),
-        None => Fingers::split_by_tissue(gaps.surface, &candidates),
+        None => Fingers::split_by_tissue(gaps.surface, &candidates, &gaps.undeformed()),
     };
     let at_candidates = gaps.at(&candidates)?;
     let mut forces = NodeForces::none(gaps, candidates, fingers, at_candidates);

@@ -87,7 +87,7 @@ fn apart(fingers: &Fingers, response: &Compliance) -> String {
         Some(way) if way.along_skin.is_infinite() => {
             ": no way along the skin leads from one to another".into()
         }
-        Some(Way { along_skin, straight, closest: [a, b] }) => {
+        Some(Way { along_skin, straight, ends: [a, b] }) => {
             let detour = if least > 0.0 { SHORT_DETOUR } else { LONGEST_DETOUR };
             format!(
                 ": between vertices {a} and {b} the way along the skin is {along_skin:.3e} m against {straight:.3e} m in a straight line, more than {detour} times"

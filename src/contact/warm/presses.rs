@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::contact::candidate::fingers::Fingers;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::in_place::Known;
@@ -234,6 +235,7 @@ impl Presses<'_> {
         }
         let depth = contact.depth.expect("a press has a depth");
         let traits = self.skin.traits(self.surface)?.with_product(self.obstacle.material());
+        let mut is_felt_anew = has_more_patches;
         let near = if has_more_patches {
             let given = on_given_mesh(self.surface, &self.at(depth), self.skin, self.options)?;
             if given.status != ContactStatus::Solved {
@@ -249,12 +251,17 @@ impl Presses<'_> {
             let gaps = Gaps::measure(self.surface, &scene, self.options.search_distance)?;
             let given = &mut warm.meshes.given;
             given.gap = gaps.undeformed();
+            if traits.is_kernel && !self.options.couple_fingers {
+                let fingers = Fingers::split_by_tissue(self.surface, &gaps.penetrating, &given.gap);
+                is_felt_anew = fingers.coupling != given.drawing.fingers.coupling;
+                given.drawing.fingers = fingers;
+            }
             faces_near(&given.gap, &gaps.penetrating, gaps.deepest(), self.surface, &traits)
         };
         warm.meshes.given.travel = contact.travel;
         let is_wider = warm.meshes.mesh.take(near);
         let is_pressed = self.cut_pressed_middles(warm, contact)?;
-        Ok(Some(match (has_more_patches || is_pressed || edges > FARTHEST, is_wider) {
+        Ok(Some(match (is_felt_anew || is_pressed || edges > FARTHEST, is_wider) {
             (true, _) => View::Another,
             (false, true) => View::Wider,
             (false, false) => View::Same,
