@@ -1,5 +1,7 @@
 //! Initial gaps averaged against the pressures of the nodes, for the Galerkin form.
 
+use nalgebra::Vector3;
+
 use crate::contact::error::ContactError;
 use crate::contact::gap::entry::{WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
@@ -20,6 +22,7 @@ use crate::surface::checked::Surface;
 ///
 /// * `highest`: deepest penetration of a vertex (m)
 /// * `at_vertices`: the initial gap (m) of some vertices
+/// * `shift_at`: the displacement (m) that a vertex was measured at
 /// * `is_on_line`: whether the gap of a vertex is that to a plane through a line of the obstacle
 pub(crate) fn measure(
     surface: &Surface,
@@ -28,6 +31,7 @@ pub(crate) fn measure(
     nodes: &[usize],
     highest: f64,
     at_vertices: impl FnOnce(&[usize]) -> Result<Vec<f64>, ContactError>,
+    shift_at: impl Fn(usize) -> Vector3<f64>,
     is_on_line: impl Fn(usize) -> bool,
 ) -> Result<Vec<f64>, ContactError> {
     let around = AveragePoints::around(surface, nodes);
@@ -37,12 +41,16 @@ pub(crate) fn measure(
     };
     // A distance changes by no more than the way, so no middle is beyond the reach.
     let mut reach: f64 = 0.0;
-    for &[a, b] in &around.edges {
+    let mut middles = around.middles(surface);
+    let mut shifts = Vec::with_capacity(middles.len());
+    for (&[a, b], middle) in around.edges.iter().zip(&mut middles) {
         let [a, b] = [a as usize, b as usize];
         let length = (surface.vertices()[a] - surface.vertices()[b]).norm();
-        reach = reach.max(gap_at(a).abs() + length);
+        let shift = 0.5 * (shift_at(a) + shift_at(b));
+        reach = reach.max(gap_at(a).abs() + length + shift_at(a).norm() + shift.norm());
+        *middle += shift;
+        shifts.push(shift);
     }
-    let middles = around.middles(surface);
     let found = scene.obstacle.signed_distance(&middles, Some(reach))?;
     let mut at_middles = Measured { distance: found.distance, normal: found.normal };
     let normals = surface.vertex_normals();
@@ -52,6 +60,9 @@ pub(crate) fn measure(
     });
     let way_in = WayIn::new(scene, between, reach);
     measure_entries(&middles, |_| true, &scene.obstacle, &way_in, &mut at_middles)?;
+    for (row, shift) in shifts.iter().enumerate().filter(|(_, shift)| **shift != Vector3::zeros()) {
+        at_middles.distance[row] -= at_middles.normal[row].dot(shift);
+    }
     for (&ends, gap) in around.edges.iter().zip(&mut at_middles.distance) {
         let [a, b] = ends.map(|end| end as usize);
         if is_on_line(a) && is_on_line(b) {

@@ -137,6 +137,7 @@ impl<'a> Gaps<'a> {
             known.normal[vertex] = normal;
             self.shifts.insert(vertex, displacement[row]);
         }
+        self.averaged.get_mut().clear();
         // What was inside must stay out, wherever a plane at its displacement lies.
         let is_inside = |&vertex: &usize| {
             self.surface.skin_mask()[vertex] && undeformed[vertex].min(known.distance[vertex]) < 0.0
@@ -177,6 +178,7 @@ impl<'a> Gaps<'a> {
                 &missing,
                 self.deepest,
                 at_vertices,
+                |vertex| self.linearised_at(vertex),
                 is_on_line,
             )?;
             known.extend(missing.into_iter().zip(averages));
