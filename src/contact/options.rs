@@ -31,7 +31,8 @@ pub struct ContactOptions<'a> {
     pub num_threads: Option<usize>,
     /// Largest memory for response matrices (bytes); `None`: what the system has free, where it says so.
     pub memory_limit: Option<usize>,
-    /// Distance (m) from the obstacle up to which gaps are reported; `None`: depth plus two mean edge lengths.
+    /// Distance (m) from the obstacle up to which gaps are reported; `None`: depth plus two mean edge lengths, in overlap more
+    /// where skin stands deeper.
     pub search_distance: Option<f64>,
     /// Whether to examine definiteness and condition of response matrices of any size; small ones always are.
     pub condition: bool,

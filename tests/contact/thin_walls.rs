@@ -175,6 +175,26 @@ fn a_sheet_in_overlap_presses_like_a_block_on_refined_meshes_too() {
 }
 
 #[test]
+fn a_sheet_in_overlap_is_found_deeper_than_two_edges() {
+    let (mut vertices, faces) = icosphere(8e-3, 3);
+    vertices.iter_mut().for_each(|x| x.z -= 8e-3);
+    let ball = Surface::new(vertices, faces).unwrap();
+    let depth = 3e-3;
+    assert!(depth > 2.0 * ball.mean_edge_length());
+    for skin in [half_space(), galerkin()] {
+        let solved = |thickness: f64| {
+            let wall = box_of([20e-3, 20e-3, 0.5 * thickness]);
+            let wall = wall.translated(&Vector3::new(0.0, 0.0, 0.5 * thickness - depth));
+            solve_contact(&ball, &wall, &skin, &ContactOptions::on_given_mesh()).unwrap()
+        };
+        let block = solved(20e-3).resultant.force;
+        for thickness in [4e-3, 1e-3, 0.2e-3] {
+            assert_relative_eq!(solved(thickness).resultant.force, block, max_relative = 0.01);
+        }
+    }
+}
+
+#[test]
 fn an_edge_presses_along_the_press_and_harder_with_depth() {
     // Boxes wider than the press is deep, under a ball: beside their edges the closest side is a lateral one.
     let (mut vertices, faces) = icosphere(8e-3, 4);

@@ -70,13 +70,15 @@ impl<'a> WayIn<'a> {
 const FACING_BACK: f64 = -1e-3;
 
 /// Vertices whose gap is measured back the way they came.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct EntryGap {
     /// All of them.
     pub vertices: usize,
     /// Those that went through a wall thinner than their depth: they left the obstacle again, or their closest
     /// surface faces against the travel, or lies on a wall thinner than twice the way back.
     pub through_walls: usize,
+    /// The deepest of them (m).
+    pub deepest: f64,
 }
 
 /// Measures the gap back along the way in where the entry normal points elsewhere than the one at the closest point.
@@ -127,6 +129,7 @@ pub(crate) fn measure_entries(
         gaps.distance[vertex] = -way * advance;
         gaps.normal[vertex] = entry;
         counted.vertices += 1;
+        counted.deepest = counted.deepest.max(way * advance);
         counted.through_walls += usize::from(through_wall);
     }
     Ok(counted)

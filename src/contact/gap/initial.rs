@@ -17,6 +17,10 @@ use crate::surface::checked::Surface;
 
 /// Default search distance beyond the depth, in mean edge lengths.
 const SEARCH_EDGES: f64 = 2.0;
+/// Where skin in overlap stands deeper than this share of the search distance, some may stand deeper than that.
+const NEARLY_ALL: f64 = 0.7;
+/// How often the search distance is doubled for that.
+const MOST_DOUBLINGS: usize = 4;
 
 /// Initial gap g0 (m) and obstacle normal of the skin's vertices, measured anew where somebody asks beyond the search
 /// distance.
@@ -53,7 +57,7 @@ impl<'a> Gaps<'a> {
     /// Measures every vertex nearer to the obstacle than the search distance and every vertex inside it; back the way it came
     /// where the closest side is not the one that it came in through.
     ///
-    /// * `search_distance`: (m); `None`: depth and two mean edge lengths
+    /// * `search_distance`: (m); `None`: depth and two mean edge lengths, in overlap more where skin stands deeper
     pub fn measure(
         surface: &'a Surface,
         scene: &'a Scene,
@@ -65,11 +69,16 @@ impl<'a> Gaps<'a> {
             (None, Some(inherited)) => inherited.search_distance,
             (None, None) => search_distance_in_overlap(surface),
         };
-        let reach = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
-        let mut measured = Measured::near(surface.vertices(), &scene.obstacle, reach, depth_bound)?;
-        let may_touch = |vertex: usize| surface.skin_mask()[vertex];
-        let way_in = WayIn::new(scene, surface.vertex_normals().iter().copied(), reach);
-        let entry = measure_entries(surface.vertices(), may_touch, &scene.obstacle, &way_in, &mut measured)?;
+        let mut reach = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
+        let (mut measured, mut entry) = Self::within(surface, scene, reach)?;
+        let may_be_deeper = search_distance.is_none() && scene.press.is_none();
+        for _ in 0..MOST_DOUBLINGS {
+            if !may_be_deeper || entry.deepest <= NEARLY_ALL * reach {
+                break;
+            }
+            reach *= 2.0;
+            (measured, entry) = Self::within(surface, scene, reach)?;
+        }
         let deepest = depth_bound.unwrap_or(reach);
         let on_lines = take_edges(surface, &scene.obstacle, deepest, &mut measured);
         let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
@@ -87,6 +96,15 @@ impl<'a> Gaps<'a> {
             shifts: HashMap::new(),
             averaged: RefCell::default(),
         })
+    }
+
+    /// Gaps of the vertices within a search distance (m).
+    fn within(surface: &Surface, scene: &Scene, reach: f64) -> Result<(Measured, EntryGap), ContactError> {
+        let mut measured = Measured::near(surface.vertices(), &scene.obstacle, reach, scene.depth_bound)?;
+        let may_touch = |vertex: usize| surface.skin_mask()[vertex];
+        let way_in = WayIn::new(scene, surface.vertex_normals().iter().copied(), reach);
+        let entry = measure_entries(surface.vertices(), may_touch, &scene.obstacle, &way_in, &mut measured)?;
+        Ok((measured, entry))
     }
 
     /// Deepest penetration of a vertex of the undeformed skin (m, ≥ 0).
