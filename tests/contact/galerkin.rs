@@ -2,13 +2,13 @@
 
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use quasirigid::contact::ContactStatus;
+use quasirigid::contact::{Balance, ContactOptions, ContactStatus, Goal, Press, Start, press};
 use quasirigid::obstacle::Obstacle;
-use quasirigid::response::{Discretization, Kernel};
+use quasirigid::response::{Discretization, Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, icosphere};
-use crate::{ball, galerkin, lattice, plate, press_up, skin, solve};
+use crate::{UP, ball, galerkin, half_space, lattice, plate, press_up, skin, solve};
 
 #[test]
 fn no_patch_carries_its_force_above_its_largest_pressure() {
@@ -93,4 +93,26 @@ fn an_obstacle_between_the_vertices_leaves_its_depth_and_a_word() {
     assert_relative_eq!(contact.max_penetration_after, depth, max_relative = 0.05);
     let says = |words: &str| contact.warnings.iter().any(|warning| warning.message.contains(words));
     assert!(says("still penetrates") && !says("NaN"), "{:?}", contact.warnings);
+}
+
+#[test]
+fn skin_that_folds_around_a_rod_presses_as_in_collocation() {
+    // Linearised once both are a quarter too strong.
+    let (mut vertices, faces) = icosphere(8e-3, 3);
+    vertices.iter_mut().for_each(|x| x.z += 8e-3);
+    let ball = Surface::new(vertices, faces).unwrap();
+    for size in [1e-3, 2e-3] {
+        let end = |x: f64| Vector3::new(x, 0.0, -2.0 * size);
+        let rod = Obstacle::capsule(end(-20e-3), end(20e-3), size).unwrap();
+        let pressed =
+            Press { direction: UP, goal: Goal::Depth(size), start: Start::Infinity, balance: Balance::None };
+        let force = |skin: &KernelSkin, options: &ContactOptions| {
+            press(&ball, &rod, skin, &pressed, options).unwrap().resultant.force.z
+        };
+        let to_the_end = ContactOptions::default();
+        let expected = force(&half_space(), &to_the_end);
+        assert_relative_eq!(force(&galerkin(), &to_the_end), expected, max_relative = 0.02);
+        let once = ContactOptions { max_linearizations: 1, ..ContactOptions::default() };
+        assert!(force(&galerkin(), &once) > 1.15 * expected);
+    }
 }

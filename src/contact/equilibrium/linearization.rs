@@ -8,9 +8,7 @@
 //! ```
 //!
 //! so that each round poses the same problem with other initial gaps and normals. The plane between a sharp edge and the
-//! undeformed skin stays: the skin that drapes over the edge has no normal of its own. So do averaged gaps, where no skin
-//! went through a wall: a smooth contact hardly changes them, and beside a sharp rim they come out too wide, as the skin
-//! beside it is measured to the side of the obstacle.
+//! undeformed skin stays: the skin that drapes over the edge has no normal of its own.
 
 use std::time::Instant;
 
@@ -107,8 +105,7 @@ pub(crate) fn solve_to_the_end(
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = response.traits;
-    let is_averaged = traits.discretization == Discretization::Galerkin;
-    if forces.failure.is_some() || is_averaged && gaps.entry.through_walls == 0 {
+    if forces.failure.is_some() {
         return Ok(forces);
     }
     let allowed = options.gap_tolerance * gaps.deepest();

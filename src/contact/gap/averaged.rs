@@ -3,12 +3,24 @@
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::entry::{WayIn, measure_entries};
+use crate::contact::gap::entry::{OTHER_SIDE, WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::matrix::average::AveragePoints;
 use crate::surface::checked::Surface;
+
+/// What is known of a vertex.
+pub(crate) struct VertexGap {
+    /// Initial gap (m).
+    pub distance: f64,
+    /// Outward unit normal of the obstacle there.
+    pub normal: Vector3<f64>,
+    /// The displacement (m) that it was measured at.
+    pub shift: Vector3<f64>,
+    /// Whether the gap is that to a plane through a line of the obstacle.
+    pub is_on_line: bool,
+}
 
 /// Average of the initial gap (m) against the pressure of each node, from the vertices and the middles of the edges
 /// around it.
@@ -21,33 +33,32 @@ use crate::surface::checked::Surface;
 /// such gaps beyond twice its radius.
 ///
 /// * `highest`: deepest penetration of a vertex (m)
-/// * `at_vertices`: the initial gap (m) of some vertices
-/// * `shift_at`: the displacement (m) that a vertex was measured at
-/// * `is_on_line`: whether the gap of a vertex is that to a plane through a line of the obstacle
+/// * `at_vertices`: what is known of some vertices
 pub(crate) fn measure(
     surface: &Surface,
     scene: &Scene,
     basis: PressureBasis,
     nodes: &[usize],
     highest: f64,
-    at_vertices: impl FnOnce(&[usize]) -> Result<Vec<f64>, ContactError>,
-    shift_at: impl Fn(usize) -> Vector3<f64>,
-    is_on_line: impl Fn(usize) -> bool,
+    at_vertices: impl FnOnce(&[usize]) -> Result<Vec<VertexGap>, ContactError>,
 ) -> Result<Vec<f64>, ContactError> {
     let around = AveragePoints::around(surface, nodes);
     let at_vertices = at_vertices(&around.vertices)?;
-    let gap_at = |vertex: usize| {
-        at_vertices[around.vertices.binary_search(&vertex).expect("the edges join the vertices")]
+    let at = |vertex: u32| {
+        let row = around.vertices.binary_search(&(vertex as usize)).expect("the edges join the vertices");
+        &at_vertices[row]
     };
     // A distance changes by no more than the way, so no middle is beyond the reach.
     let mut reach: f64 = 0.0;
     let mut middles = around.middles(surface);
     let mut shifts = Vec::with_capacity(middles.len());
     for (&[a, b], middle) in around.edges.iter().zip(&mut middles) {
-        let [a, b] = [a as usize, b as usize];
-        let length = (surface.vertices()[a] - surface.vertices()[b]).norm();
-        let shift = 0.5 * (shift_at(a) + shift_at(b));
-        reach = reach.max(gap_at(a).abs() + length + shift_at(a).norm() + shift.norm());
+        let length = (surface.vertices()[a as usize] - surface.vertices()[b as usize]).norm();
+        let [a, b] = [at(a), at(b)];
+        // Between skin that moves along one side of the obstacle and skin that moves along another nobody knows the way.
+        let is_one_side = a.normal.dot(&b.normal) >= OTHER_SIDE;
+        let shift = if is_one_side { 0.5 * (a.shift + b.shift) } else { Vector3::zeros() };
+        reach = reach.max(a.distance.abs() + length + a.shift.norm() + shift.norm());
         *middle += shift;
         shifts.push(shift);
     }
@@ -64,12 +75,12 @@ pub(crate) fn measure(
         at_middles.distance[row] -= at_middles.normal[row].dot(shift);
     }
     for (&ends, gap) in around.edges.iter().zip(&mut at_middles.distance) {
-        let [a, b] = ends.map(|end| end as usize);
-        if is_on_line(a) && is_on_line(b) {
-            *gap = 0.5 * (gap_at(a) + gap_at(b));
+        let [a, b] = ends.map(at);
+        if a.is_on_line && b.is_on_line {
+            *gap = 0.5 * (a.distance + b.distance);
         }
     }
-    let lowered = |gaps: &[f64]| gaps.iter().map(|gap| gap.min(highest)).collect::<Vec<f64>>();
-    let (at_vertices, at_middles) = (lowered(&at_vertices), lowered(&at_middles.distance));
+    let at_vertices: Vec<f64> = at_vertices.iter().map(|vertex| vertex.distance.min(highest)).collect();
+    let at_middles: Vec<f64> = at_middles.distance.iter().map(|gap| gap.min(highest)).collect();
     Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles))
 }

@@ -19,7 +19,7 @@ use crate::contact::scene::{Scene, Travel};
 use crate::obstacle::posed::Obstacle;
 
 /// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees.
-const OTHER_SIDE: f64 = 0.5;
+pub(crate) const OTHER_SIDE: f64 = 0.5;
 
 /// How skin came into the obstacle.
 pub(crate) enum WayIn<'a> {

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap};
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::averaged;
+use crate::contact::gap::averaged::{self, VertexGap};
 use crate::contact::gap::edge::{Line, SkinPart};
 use crate::contact::gap::entry::{EntryGap, WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
@@ -187,18 +187,18 @@ impl<'a> Gaps<'a> {
         let mut known = self.averaged.borrow_mut();
         let missing: Vec<usize> = nodes.iter().copied().filter(|node| !known.contains_key(node)).collect();
         if !missing.is_empty() {
-            let at_vertices = |vertices: &[usize]| Ok(self.at(vertices)?.distance);
-            let is_on_line = |vertex: usize| self.line_at(vertex).is_some();
-            let averages = averaged::measure(
-                self.surface,
-                self.scene,
-                basis,
-                &missing,
-                self.deepest,
-                at_vertices,
-                |vertex| self.linearised_at(vertex),
-                is_on_line,
-            )?;
+            let at_vertices = |vertices: &[usize]| {
+                let measured = self.at(vertices)?;
+                let vertex_gap = |(row, &vertex): (usize, &usize)| VertexGap {
+                    distance: measured.distance[row],
+                    normal: measured.normal[row],
+                    shift: self.linearised_at(vertex),
+                    is_on_line: self.line_at(vertex).is_some(),
+                };
+                Ok(vertices.iter().enumerate().map(vertex_gap).collect())
+            };
+            let averages =
+                averaged::measure(self.surface, self.scene, basis, &missing, self.deepest, at_vertices)?;
             known.extend(missing.into_iter().zip(averages));
         }
         Ok(nodes.iter().map(|node| known[node]).collect())
