@@ -42,8 +42,8 @@ class ContactOptions:
     memory_limit : int or None
         Largest memory for response matrices (bytes); None for what the system has free, where it says so.
     search_distance : float or None
-        Gaps are measured up to this distance from the obstacle (m); None: depth plus two mean edge lengths, in
-        overlap more where skin stands deeper.
+        Gaps are measured up to this distance from the obstacle (m); None: depth plus two mean edge lengths,
+        in overlap more where skin stands deeper.
     condition : bool
         Examine definiteness and condition of response matrices of any size; small ones always are.
     couple_fingers : bool
