@@ -1,4 +1,7 @@
 //! Which vertices enter the complementarity problem, and which of them share one.
+//!
+//! [`groups`] poses a problem for those that feel each other. On a hand a kernel is cut between [`fingers`]: the share
+//! ([`coupling`]) that they feel of each other hangs on the [`ways`] between them, along the skin and straight.
 
 pub(crate) mod coupling;
 pub(crate) mod fingers;
