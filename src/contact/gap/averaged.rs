@@ -28,18 +28,15 @@ pub(crate) struct VertexGap {
 /// From the vertices alone a round obstacle's gap would be overrated by some h²/6R on edges of length h, which
 /// costs more force than all else in the Galerkin form.
 ///
-/// A gap above `highest` counts as that. Beside a sharp rim the distance is that to the side of the obstacle, which says
-/// nothing of its gap: there the average is closed where half of the pressure is over the obstacle. A smooth contact has
-/// such gaps beyond twice its radius.
+/// A gap to another side of the obstacle than the node's says nothing of the way to the node's side: across a sharp edge
+/// the node's own gap stands for it.
 ///
-/// * `highest`: deepest penetration of a vertex (m)
 /// * `at_vertices`: what is known of some vertices
 pub(crate) fn measure(
     surface: &Surface,
     scene: &Scene,
     basis: PressureBasis,
     nodes: &[usize],
-    highest: f64,
     at_vertices: impl FnOnce(&[usize]) -> Result<Vec<VertexGap>, ContactError>,
 ) -> Result<Vec<f64>, ContactError> {
     let around = AveragePoints::around(surface, nodes);
@@ -80,7 +77,11 @@ pub(crate) fn measure(
             *gap = 0.5 * (a.distance + b.distance);
         }
     }
-    let at_vertices: Vec<f64> = at_vertices.iter().map(|vertex| vertex.distance.min(highest)).collect();
-    let at_middles: Vec<f64> = at_middles.distance.iter().map(|gap| gap.min(highest)).collect();
-    Ok(around.averages(surface, basis, nodes, &at_vertices, &at_middles))
+    let own = |node: usize| at(node as u32);
+    let taken = |own: &VertexGap, gap: f64, normal: &Vector3<f64>| {
+        if normal.dot(&own.normal) < OTHER_SIDE { own.distance } else { gap }
+    };
+    let at_vertex = |node, row: usize| taken(own(node), at_vertices[row].distance, &at_vertices[row].normal);
+    let at_middle = |node, row: usize| taken(own(node), at_middles.distance[row], &at_middles.normal[row]);
+    Ok(around.averages(surface, basis, nodes, at_vertex, at_middle))
 }

@@ -197,8 +197,7 @@ impl<'a> Gaps<'a> {
                 };
                 Ok(vertices.iter().enumerate().map(vertex_gap).collect())
             };
-            let averages =
-                averaged::measure(self.surface, self.scene, basis, &missing, self.deepest, at_vertices)?;
+            let averages = averaged::measure(self.surface, self.scene, basis, &missing, at_vertices)?;
             known.extend(missing.into_iter().zip(averages));
         }
         Ok(nodes.iter().map(|node| known[node]).collect())

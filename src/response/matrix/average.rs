@@ -35,19 +35,22 @@ impl AveragePoints {
 
     /// Average at each of the nodes that the points were chosen for.
     ///
-    /// * `at_vertices`, `at_middles`: the field at [`Self::vertices`] and at [`Self::middles`]
+    /// * `at_vertex`, `at_middle`: the field as a node takes it, at a row of [`Self::vertices`] and of [`Self::middles`]
     pub(crate) fn averages(
         &self,
         surface: &Surface,
         basis: PressureBasis,
         nodes: &[usize],
-        at_vertices: &[f64],
-        at_middles: &[f64],
+        at_vertex: impl Fn(usize, usize) -> f64,
+        at_middle: impl Fn(usize, usize) -> f64,
     ) -> Vec<f64> {
         let known = "a point around the nodes";
-        let vertex_value = |v: u32| at_vertices[self.vertices.binary_search(&(v as usize)).expect(known)];
-        let middle_value = |a: u32, b: u32| at_middles[self.edges.binary_search(&edge(a, b)).expect(known)];
-        let average = |&node: &usize| pressure_average(surface, basis, node, vertex_value, middle_value);
+        let vertex_row = |v: u32| self.vertices.binary_search(&(v as usize)).expect(known);
+        let middle_row = |a: u32, b: u32| self.edges.binary_search(&edge(a, b)).expect(known);
+        let average = |&node: &usize| {
+            let at_vertex = |v| at_vertex(node, vertex_row(v));
+            pressure_average(surface, basis, node, at_vertex, |a, b| at_middle(node, middle_row(a, b)))
+        };
         nodes.iter().map(average).collect()
     }
 }
@@ -80,7 +83,7 @@ pub fn initial_gaps<E>(
     points.extend(around.middles(surface));
     let found = distance(&points)?;
     let (at_vertices, at_middles) = found.split_at(around.vertices.len());
-    Ok(around.averages(surface, basis, nodes, at_vertices, at_middles))
+    Ok(around.averages(surface, basis, nodes, |_, row| at_vertices[row], |_, row| at_middles[row]))
 }
 
 /// Average of a field against the pressure that a force at a vertex stands for, `∫ p g dA / ∫ p dA`.
