@@ -6,6 +6,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::area::contact_areas;
 use crate::contact::figures::beside::Beside;
+use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Displacements;
@@ -65,12 +66,13 @@ impl Discretization {
     }
 }
 
-/// Contact area at each vertex (n, m²), within the rim that the gaps beside it place.
+/// Contact area at each vertex (n, m²), within the rim that sharp edges and the gaps beside it place.
 pub(crate) fn areas_within_rim(
     gaps: &Gaps,
     response: &Compliance,
     forces: &NodeForces,
     beside: &Beside,
+    on_edges: &RimOnEdges,
 ) -> Result<Vec<f64>, ContactError> {
     let rim_shift = match response.traits.discretization {
         Discretization::Collocation => COLLOCATION_RIM_SHIFT,
@@ -79,7 +81,12 @@ pub(crate) fn areas_within_rim(
     let mut gap = forces.gap.clone();
     let (vertices, at_rim) = beside.rim(gaps)?;
     vertices.iter().zip(at_rim).for_each(|(&vertex, at_rim)| gap[vertex] = at_rim);
-    Ok(contact_areas(gaps.surface, rim_shift, &gap, &forces.touching(), &forces.force, &forces.active))
+    let mut is_across = vec![false; gap.len()];
+    for &(vertex, distance) in &on_edges.across {
+        (gap[vertex], is_across[vertex]) = (distance, true);
+    }
+    let (touches, active) = (forces.touching(), &forces.active);
+    Ok(contact_areas(gaps.surface, rim_shift, &gap, &is_across, &touches, &forces.force, active))
 }
 
 /// `g0 + R f` (m) at vertices.

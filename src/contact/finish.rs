@@ -15,6 +15,7 @@ use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::figures::penetration::penetration_after;
 use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::resultant::LoadedVertices;
+use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus};
@@ -76,15 +77,24 @@ impl Contact {
             None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
         }
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
-        let within_rim = areas_within_rim(gaps, response, &forces, &beside)?;
+        let on_edges = RimOnEdges::new(gaps, &forces)?;
+        let within_rim = areas_within_rim(gaps, response, &forces, &beside, &on_edges)?;
         let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;
         let edge = LoadedEdge::of_obstacle(gaps, &forces);
         let skin_edge = LoadedEdge::of_skin(gaps, &forces);
-        for (whose, edge) in [("obstacle", &edge), ("skin", &skin_edge)] {
-            edge.iter().for_each(|edge| report.note_edge(whose, edge));
+        let ends_of = |edge: &Option<LoadedEdge>| edge.map(|edge| edge.ends);
+        for (whose, ends) in [("obstacle", ends_of(&edge).or(on_edges.ends)), ("skin", ends_of(&skin_edge))] {
+            ends.iter().for_each(|ends| report.note_edge(whose, ends));
         }
         let area_within_rim = within_rim.iter().sum();
-        let clues = Clues { area_within_rim, body, edge, skin_edge, is_unsettled: report.is_unsettled };
+        let clues = Clues {
+            area_within_rim,
+            body,
+            edge,
+            skin_edge,
+            ends_at_edges: on_edges.share,
+            is_unsettled: report.is_unsettled,
+        };
         // In collocation on a mesh that was given the area is that of its vertices.
         let is_given = discretization == Discretization::Collocation && gaps.scene.inherited.is_none();
         let areas = if is_given { surface.vertex_areas() } else { &within_rim };

@@ -207,6 +207,8 @@ pub(crate) struct Clues {
     pub edge: Option<LoadedEdge>,
     /// Where one of the skin does.
     pub skin_edge: Option<LoadedEdge>,
+    /// Share of the area under force that ends at sharp edges of the obstacle.
+    pub ends_at_edges: f64,
     /// Whether gaps taken anew at the deformed skin led to no better answer.
     pub is_unsettled: bool,
 }

@@ -43,6 +43,13 @@ impl SharpEdge {
         let is_between = one.cross(&across).dot(&turn) > least && across.cross(other).dot(&turn) > least;
         (is_between && across.dot(&(one + other)) > 0.0).then_some(across)
     }
+
+    /// Distance of a point (m).
+    pub fn distance(&self, point: &Vector3<f64>) -> f64 {
+        let [from, way] = [point - self.ends[0], self.ends[1] - self.ends[0]];
+        let share = (from.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+        (from - share * way).norm()
+    }
 }
 
 impl Obstacle {

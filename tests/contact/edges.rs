@@ -1,5 +1,7 @@
 //! Edges, pins and balls that meet the skin between its vertices.
 
+use std::f64::consts::PI;
+
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press};
@@ -108,7 +110,25 @@ fn a_flat_pin_presses_like_the_flat_punch() {
         for skin in [half_space(), galerkin()] {
             let contact = pressed_on(&flat(20, 1e-3), &pin(radius).translated(&BELOW), &skin, depth);
             assert_relative_eq!(contact.resultant.force.z, punch, max_relative = 0.02);
+            assert_relative_eq!(contact.resultant.contact_area, PI * radius * radius, max_relative = 0.01);
         }
+    }
+}
+
+#[test]
+fn a_contact_that_ends_at_an_edge_knows_its_area_and_that_the_peak_is_infinite_on_any_mesh() {
+    let (radius, depth) = (4e-3, 0.1e-3);
+    let punch = 8.0 * SHEAR_MODULUS * radius * depth;
+    for (cells, edge) in [(16, 1.5e-3), (24, 1e-3), (48, 0.5e-3)] {
+        let upright = pin(radius).translated(&(BELOW + Vector3::new(0.13e-3, 0.21e-3, 0.0)));
+        let contact = press_up(&flat(cells, edge), &upright, &galerkin(), depth);
+        let accuracy = &contact.accuracy;
+        let error = contact.resultant.force.z / punch - 1.0;
+        assert!(error.abs() <= accuracy.force_error.unwrap(), "{error} at {edge} m");
+        let error = contact.resultant.contact_area / (PI * radius * radius) - 1.0;
+        assert!(error.abs() <= accuracy.area_error.unwrap().min(0.03), "{error} at {edge} m");
+        assert_eq!(accuracy.max_pressure_error, Some(f64::INFINITY));
+        assert!(contact.left_out.iter().any(|left| left.what == "a finite peak pressure"));
     }
 }
 

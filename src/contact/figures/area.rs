@@ -1,4 +1,4 @@
-//! Contact area in Galerkin form: the rim is found between the vertices.
+//! Contact area within the rim, which is found between the vertices.
 
 use crate::surface::checked::Surface;
 
@@ -6,13 +6,14 @@ use crate::surface::checked::Surface;
 ///
 /// Outside a smooth contact the gap grows as the 3/2 power of the distance from the rim (Johnson 1985, §4.2 and §5.1).
 /// So `g^(2/3) / |∇ g^(2/3)|`, over the free triangles around a free vertex, is its distance from the rim for any
-/// skin. It is continued with slope one to the touching vertices of the triangles that the rim cuts, and the area of a
+/// skin. Across a sharp edge of the obstacle the gap to the other side is that distance itself. It is continued with slope one to the touching vertices of the triangles that the rim cuts, and the area of a
 /// triangle within the rim is shared by its loaded vertices. A rim that is not smooth leaves the area between that of
 /// the triangles with all corners touching and that of all loaded triangles. The area of a patch is at least its force
 /// over its largest `f_i / S_i`: a vertex alone has its S_i.
 ///
 /// * `rim_shift`: how far the rim lies outside of where the gaps put it, in edge lengths
 /// * `gap`: (n, m), read around the contact up to two rings
+/// * `is_across`: (n,) free vertices whose gap is to the other side of a sharp edge
 /// * `touches`: (n,) vertices that carry force or whose gap is closed
 /// * `node_force`: (n, N)
 /// * `active`: vertices with f > 0
@@ -20,6 +21,7 @@ pub(crate) fn contact_areas(
     surface: &Surface,
     rim_shift: f64,
     gap: &[f64],
+    is_across: &[bool],
     touches: &[bool],
     node_force: &[f64],
     active: &[usize],
@@ -29,6 +31,10 @@ pub(crate) fn contact_areas(
     let mut depth = vec![0.0; gap.len()];
     let around = surface.k_ring(active, 1);
     for &vertex in around.iter().filter(|&&vertex| !touches[vertex]) {
+        if is_across[vertex] {
+            depth[vertex] = -gap[vertex].max(0.0);
+            continue;
+        }
         let own = surface.vertices()[vertex];
         let edges = surface.neighbours(vertex).iter();
         let shortest = edges.map(|&other| (surface.vertices()[other as usize] - own).norm());
@@ -160,7 +166,7 @@ mod tests {
         let touches: Vec<bool> = distance.iter().map(|&s| s <= 0.0).collect();
         let active: Vec<usize> = (0..gap.len()).filter(|&vertex| distance[vertex] < 0.0).collect();
         let force: Vec<f64> = distance.iter().map(|&s| f64::from(s < 0.0)).collect();
-        contact_areas(surface, 0.0, &gap, &touches, &force, &active).iter().sum()
+        contact_areas(surface, 0.0, &gap, &vec![false; gap.len()], &touches, &force, &active).iter().sum()
     }
 
     #[test]
@@ -201,7 +207,7 @@ mod tests {
             surface.faces_around(center).iter().map(|&face| surface.face_areas()[face as usize]).sum();
         let force: Vec<f64> = (0..49).map(|vertex| f64::from(vertex == center)).collect();
         let found = |gap: &[f64], touches: &[bool]| -> f64 {
-            contact_areas(&surface, 0.0, gap, touches, &force, &[center]).iter().sum()
+            contact_areas(&surface, 0.0, gap, &[false; 49], touches, &force, &[center]).iter().sum()
         };
         let jump: Vec<f64> = (0..49).map(|vertex| if vertex == center { 0.0 } else { 1.0 }).collect();
         for gap in [&jump, &vec![0.0; 49]] {
@@ -226,7 +232,7 @@ mod tests {
             let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]][turns];
             let faces = surface.faces().iter().map(turned).collect();
             let surface = Surface::new(surface.vertices().to_vec(), faces).expect("a valid surface");
-            contact_areas(&surface, 0.0, &gap, &touches, &force, &active)
+            contact_areas(&surface, 0.0, &gap, &[false; 81], &touches, &force, &active)
         };
         for turns in [1, 2] {
             for (turned, first) in found(turns).into_iter().zip(found(0)) {

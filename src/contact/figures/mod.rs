@@ -15,3 +15,4 @@ pub(crate) mod penetration;
 pub(crate) mod pressure;
 pub(crate) mod recovery;
 pub(crate) mod resultant;
+pub(crate) mod rim;

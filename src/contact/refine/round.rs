@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::contact::outcome::{Contact, ContactStatus, Refinement};
+use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement};
 use crate::contact::refine::estimate::MeshError;
 use crate::response::kernel::basis::Discretization;
 
@@ -61,7 +61,8 @@ impl Contact {
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
         self.accuracy.area_error = error.map(|error| error.area);
-        let is_infinite = self.clues.edge.is_some() || self.clues.skin_edge.is_some();
+        let Clues { edge, skin_edge, ends_at_edges, .. } = &self.clues;
+        let is_infinite = edge.is_some() || skin_edge.is_some() || *ends_at_edges > 0.0;
         self.accuracy.max_pressure_error =
             error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
         self.refinements.push(Refinement {

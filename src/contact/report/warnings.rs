@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::figures::penetration::Penetration;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::Contact;
@@ -52,7 +51,7 @@ impl Report {
     }
 
     /// Notes a sharp edge of the obstacle or of the skin that carries force.
-    pub fn note_edge(&mut self, whose: &str, LoadedEdge { ends: [a, b], .. }: &LoadedEdge) {
+    pub fn note_edge(&mut self, whose: &str, [a, b]: &[Vector3<f64>; 2]) {
         let point = |x: &Vector3<f64>| format!("({:.4}, {:.4}, {:.4})", x.x, x.y, x.z);
         let why = format!(
             "a sharp edge of the {whose} carries force, as from {} to {} m, where the pressure is infinite: take means over an area",
