@@ -82,8 +82,8 @@ pub(crate) fn areas_within_rim(
     let (vertices, at_rim) = beside.rim(gaps)?;
     vertices.iter().zip(at_rim).for_each(|(&vertex, at_rim)| gap[vertex] = at_rim);
     let mut is_across = vec![false; gap.len()];
-    for &(vertex, distance) in &on_edges.across {
-        (gap[vertex], is_across[vertex]) = (distance, true);
+    for across in &on_edges.across {
+        (gap[across.vertex], is_across[across.vertex]) = (across.distance, true);
     }
     let (touches, active) = (forces.touching(), &forces.active);
     Ok(contact_areas(gaps.surface, rim_shift, &gap, &is_across, &touches, &forces.force, active))

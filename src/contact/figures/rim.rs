@@ -1,5 +1,7 @@
 //! Where the contact ends at a sharp edge of the obstacle, not where the gap opens.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
@@ -10,62 +12,84 @@ use crate::geometry::bounds::Bounds;
 use crate::obstacle::edges::SharpEdge;
 
 /// The rim of a contact along sharp edges of the obstacle.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct RimOnEdges {
-    /// Free vertices across an edge from all skin that touches beside them, and how far (m) they are from it: the gap to their
-    /// own side, which no displacement changes that the other side asks for.
-    pub across: Vec<(usize, f64)>,
+    pub across: Vec<Across>,
     /// Ends of one of the edges (m).
     pub ends: Option<[Vector3<f64>; 2]>,
-    /// Share of the vertices under force that stand beside those across, by their areas.
+    /// Share of the area of the vertices under force that belongs to those beside an edge.
     pub share: f64,
+}
+
+/// A free vertex beside skin under force, on another side of the obstacle than all of that.
+#[derive(Debug)]
+pub(crate) struct Across {
+    pub vertex: usize,
+    /// Gap to its own side (m), as no pressure on the other side changes it: where that ends.
+    pub distance: f64,
+    /// Normal of the other side, and of its own.
+    normals: [Vector3<f64>; 2],
 }
 
 impl RimOnEdges {
     pub fn new(gaps: &Gaps, forces: &NodeForces) -> Result<Self, ContactError> {
-        let (surface, touches) = (gaps.surface, forces.touching());
-        let mut free = surface.k_ring(&forces.active, 1);
-        free.retain(|&vertex| !touches[vertex]);
-        let around = Bounds::around(free.iter().map(|&vertex| &surface.vertices()[vertex]));
-        // The skin that touches goes up to the depth beyond the edge.
-        let reach = gaps.deepest() + surface.mean_edge_length();
-        let around = around.grown(reach);
-        let is_around = |edge: &SharpEdge| Bounds::around(&edge.ends).meets(&around);
-        let edges: Vec<SharpEdge> = gaps.scene.obstacle.sharp_edges().filter(is_around).collect();
-        if edges.is_empty() {
+        let mut across = on_other_sides(gaps, forces)?;
+        if across.is_empty() {
             return Ok(Self::default());
         }
-        let mut rim = Self::default();
-        let own = gaps.at(&free)?;
-        let mut is_beside = vec![false; touches.len()];
-        for (row, &vertex) in free.iter().enumerate() {
-            let neighbours = surface.neighbours(vertex).iter().map(|&other| other as usize);
-            let touching: Vec<usize> = neighbours.filter(|&other| touches[other]).collect();
-            let (normal, distance) = (own.normal[row], own.distance[row]);
-            let sides = gaps.at(&touching)?.normal;
-            if distance < 0.0 || sides.iter().any(|side| side.dot(&normal) >= OTHER_SIDE) {
-                continue;
-            }
-            let Some(side) = sides.first() else { continue };
-            let point = &surface.vertices()[vertex];
-            let is_between = |edge: &&SharpEdge| {
-                let [one, other] = &edge.normals;
-                let joins = |one: &Vector3<f64>, other: &Vector3<f64>| {
-                    one.dot(side) >= OTHER_SIDE && other.dot(&normal) >= OTHER_SIDE
-                };
-                (joins(one, other) || joins(other, one)) && edge.distance(point) <= distance + reach
-            };
-            if let Some(edge) = edges.iter().find(is_between) {
-                rim.across.push((vertex, distance));
-                rim.ends = rim.ends.or(Some(edge.ends));
-                touching.iter().for_each(|&other| is_beside[other] = true);
-            }
-        }
-        let area = |vertices: &mut dyn Iterator<Item = &usize>| {
-            vertices.map(|&vertex| surface.vertex_areas()[vertex]).sum::<f64>()
+        let surface = gaps.surface;
+        // The skin that touches goes up to the depth beyond the edge.
+        let reach = gaps.deepest() + surface.mean_edge_length();
+        let point = |across: &Across| surface.vertices()[across.vertex];
+        let around = Bounds::around_each(across.iter().map(point)).grown(reach);
+        let is_around = |edge: &SharpEdge| Bounds::around(&edge.ends).meets(&around);
+        let edges: Vec<SharpEdge> = gaps.scene.obstacle.sharp_edges().filter(is_around).collect();
+        let edge_of = |across: &Across| {
+            let is_near = |edge: &SharpEdge| edge.distance(&point(across)) <= across.distance + reach;
+            edges.iter().find(|edge| across.is_over(edge) && is_near(edge))
         };
-        rim.share = area(&mut forces.active.iter().filter(|&&vertex| is_beside[vertex]))
-            / area(&mut forces.active.iter());
-        Ok(rim)
+        across.retain(|across| edge_of(across).is_some());
+        let ends = across.first().and_then(edge_of).map(|edge| edge.ends);
+        let beside: BTreeSet<usize> = across
+            .iter()
+            .flat_map(|across| surface.neighbours(across.vertex))
+            .map(|&other| other as usize)
+            .filter(|other| forces.active.binary_search(other).is_ok())
+            .collect();
+        let area = |vertex: &usize| surface.vertex_areas()[*vertex];
+        let share = beside.iter().map(area).sum::<f64>() / forces.active.iter().map(area).sum::<f64>();
+        Ok(Self { across, ends, share })
     }
+}
+
+impl Across {
+    /// Whether the sides meet at such an edge.
+    fn is_over(&self, edge: &SharpEdge) -> bool {
+        let [touched, own] = &self.normals;
+        let are =
+            |a: &Vector3<f64>, b: &Vector3<f64>| a.dot(touched) >= OTHER_SIDE && b.dot(own) >= OTHER_SIDE;
+        let [one, other] = &edge.normals;
+        are(one, other) || are(other, one)
+    }
+}
+
+/// Free vertices beside the skin under force whose sides are others than those that touch there.
+fn on_other_sides(gaps: &Gaps, forces: &NodeForces) -> Result<Vec<Across>, ContactError> {
+    let (surface, touches) = (gaps.surface, forces.touching());
+    let mut free = surface.k_ring(&forces.active, 1);
+    free.retain(|&vertex| !touches[vertex]);
+    let (own, active) = (gaps.at(&free)?, gaps.at(&forces.active)?);
+    let side_of = |&vertex: &u32| {
+        let row = forces.active.binary_search(&(vertex as usize)).ok()?;
+        Some(active.normal[row])
+    };
+    let across = |(row, &vertex): (usize, &usize)| {
+        let (distance, normal) = (own.distance[row], own.normal[row]);
+        let mut sides = surface.neighbours(vertex).iter().filter_map(side_of);
+        let first = sides.next()?;
+        let is_other = |side: Vector3<f64>| side.dot(&normal) < OTHER_SIDE;
+        let is_across = distance >= 0.0 && is_other(first) && sides.all(is_other);
+        is_across.then_some(Across { vertex, distance, normals: [first, normal] })
+    };
+    Ok(free.iter().enumerate().filter_map(across).collect())
 }
