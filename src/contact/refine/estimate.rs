@@ -1,6 +1,9 @@
 //! What mesh and body cost the figures of a contact: estimates, no bounds.
 
 use std::f64::consts::PI;
+use std::ops::Sub;
+
+use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::{mean_bulge, mean_edge};
@@ -56,23 +59,40 @@ const GALERKIN_ROUND: [Settling; 3] =
 /// The largest that is taken from what sharp edges show: their figures settle slowly.
 const SLOWEST_CHANGE: f64 = 0.8;
 
+/// What settles: a number, or a force with its direction.
+trait Figure: Copy + Sub<Output = Self> {
+    fn size(self) -> f64;
+}
+
+impl Figure for f64 {
+    fn size(self) -> f64 {
+        self.abs()
+    }
+}
+
+impl Figure for Vector3<f64> {
+    fn size(self) -> f64 {
+        self.norm()
+    }
+}
+
 impl Settling {
     /// Error that a round leaves, over the figure.
     ///
     /// * `known`: what the round before was estimated to leave
     /// * `earlier`: two rounds before, where the change of that round counts too
-    fn left(self, known: Option<f64>, earlier: Option<f64>, before: f64, last: f64) -> f64 {
-        if last == 0.0 {
+    fn left<F: Figure>(self, known: Option<f64>, earlier: Option<F>, before: F, last: F) -> f64 {
+        if last.size() == 0.0 {
             // Penetration without force: nothing is known.
             return f64::INFINITY;
         }
         // An infinite one was that of a sharp edge.
         let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
-        let change = (last - before).abs();
-        let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).abs());
+        let change = (last - before).size();
+        let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).size());
         let next = slowed.clamp(self.next, SLOWEST_CHANGE);
         // All changes to come, each that share of the one before.
-        (next / (1.0 - next) * change / last.abs()).max(self.least * known)
+        (next / (1.0 - next) * change / last.size()).max(self.least * known)
     }
 }
 
@@ -125,13 +145,13 @@ impl MeshError {
         };
         let (known, a, b) = (&before.accuracy, &before.resultant, &last.resultant);
         let (force, area, pressure) = (
-            earlier.map(|round| round.force.norm()),
+            earlier.map(|round| round.force),
             earlier.and_then(|round| round.contact_area),
             earlier.and_then(|round| round.max_pressure),
         );
         let within_rim = |contact: &Contact| contact.clues.area_within_rim;
         let settling = Self {
-            force: of_force.left(known.mesh_error, force, a.force.norm(), b.force.norm()),
+            force: of_force.left(known.mesh_error, force, a.force, b.force),
             area: of_area.left(known.area_error, area, within_rim(before), within_rim(last)),
             pressure: of_peak.left(known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
         };
@@ -179,5 +199,20 @@ fn powers(discretization: Discretization) -> [(f64, f64); 3] {
     match discretization {
         Discretization::Collocation => COLLOCATION,
         Discretization::Galerkin => GALERKIN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_that_turns_has_not_settled() {
+        let [of_force, ..] = COLLOCATION_ROUND;
+        let turned = of_force.left(None, None, Vector3::x(), Vector3::y());
+        // Three sevenths of every change are left of it: three quarters of √2.
+        assert!((turned - 0.75 * f64::sqrt(2.0)).abs() < 1e-12, "{turned}");
+        assert_eq!(of_force.left(None, None, Vector3::x(), Vector3::x()), 0.0);
+        assert_eq!(of_force.left(None, None, Vector3::x(), Vector3::zeros()), f64::INFINITY);
     }
 }
