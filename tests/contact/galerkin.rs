@@ -100,15 +100,15 @@ fn an_obstacle_between_the_vertices_is_met_as_in_collocation_and_called_too_smal
 
 #[test]
 fn skin_that_folds_around_a_rod_presses_as_in_collocation() {
-    // Linearised once both are a quarter too strong.
+    // Linearised once they are 7 % to a quarter too strong.
     let (mut vertices, faces) = icosphere(8e-3, 3);
     vertices.iter_mut().for_each(|x| x.z += 8e-3);
     let ball = Surface::new(vertices, faces).unwrap();
-    for size in [1e-3, 2e-3] {
+    for (size, depth) in [(1e-3, 1e-3), (2e-3, 2e-3), (0.7e-3, 1.4e-3)] {
         let end = |x: f64| Vector3::new(x, 0.0, -2.0 * size);
         let rod = Obstacle::capsule(end(-20e-3), end(20e-3), size).unwrap();
         let pressed =
-            Press { direction: UP, goal: Goal::Depth(size), start: Start::Infinity, balance: Balance::None };
+            Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
         let force = |skin: &KernelSkin, options: &ContactOptions| {
             press(&ball, &rod, skin, &pressed, options).unwrap().resultant.force.z
         };
@@ -116,6 +116,7 @@ fn skin_that_folds_around_a_rod_presses_as_in_collocation() {
         let expected = force(&half_space(), &to_the_end);
         assert_relative_eq!(force(&galerkin(), &to_the_end), expected, max_relative = 0.02);
         let once = ContactOptions { max_linearizations: 1, ..ContactOptions::default() };
-        assert!(force(&galerkin(), &once) > 1.15 * expected);
+        let once = force(&galerkin(), &once);
+        assert!(once > 1.05 * expected, "{once} N, {expected} N");
     }
 }

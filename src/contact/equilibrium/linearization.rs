@@ -140,7 +140,10 @@ pub(crate) fn solve_to_the_end(
         let there = Deformed::at(gaps, deformed.vertices.clone(), shift)?;
         let last = gaps.clone();
         gaps.linearise(&there.vertices, &there.displacement, &there.measured);
-        let guess = Guess { active: &active, nearness: Nearness::Near };
+        // The last attempt looks for an answer far away as well.
+        let is_last = report.is_unsettled && in_vain + 1 == MOST_IN_VAIN && !was_vain;
+        let nearness = if is_last { Nearness::OfCoarser } else { Nearness::Near };
+        let guess = Guess { active: &active, nearness };
         let forces = solve(gaps, response, Some(guess), options, report)?;
         if forces.failure.is_some() || forces.active.is_empty() {
             // Half-way there fewer nodes change sides, and skin that was inside is not let go.
