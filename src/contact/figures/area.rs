@@ -6,10 +6,11 @@ use crate::surface::checked::Surface;
 ///
 /// Outside a smooth contact the gap grows as the 3/2 power of the distance from the rim (Johnson 1985, §4.2 and §5.1).
 /// So `g^(2/3) / |∇ g^(2/3)|`, over the free triangles around a free vertex, is its distance from the rim for any
-/// skin. Across a sharp edge of the obstacle the gap to the other side is that distance itself. It is continued with slope one to the touching vertices of the triangles that the rim cuts, and the area of a
-/// triangle within the rim is shared by its loaded vertices. A rim that is not smooth leaves the area between that of
-/// the triangles with all corners touching and that of all loaded triangles. The area of a patch is at least its force
-/// over its largest `f_i / S_i`: a vertex alone has its S_i.
+/// skin. Across a sharp edge of the obstacle the gap to the other side is that distance itself. It is continued with
+/// slope one to the touching vertices of the triangles that the rim cuts, and the area of a triangle within the rim is
+/// shared by its loaded vertices. A rim that is not smooth leaves the area between that of the triangles with all
+/// corners touching and that of all loaded triangles. The area of a patch is at least its force over its largest
+/// `f_i / S_i`: a vertex alone has its S_i.
 ///
 /// * `rim_shift`: how far the rim lies outside of where the gaps put it, in edge lengths
 /// * `gap`: (n, m), read around the contact up to two rings
