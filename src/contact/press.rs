@@ -22,7 +22,7 @@ use crate::surface::checked::Surface;
 /// mesh, to a relative 1e-6 of the value; force and overlap rise with the depth.
 ///
 /// From infinity, the depth counts from the *first touch*: the position along the line of travel at which the
-/// obstacle first brings a skin vertex to distance 0. The travel reported may be negative, for a scene that starts
+/// obstacle first meets the skin, at a vertex or between vertices. The travel reported may be negative, for a scene that starts
 /// in overlap.
 ///
 /// With [`Balance::Tilt`] the obstacle turns as well, until the moment about the axes through the point is below 1e-6 of
@@ -57,7 +57,7 @@ fn pressed(
 ) -> Result<Contact, ContactError> {
     options.validate()?;
     let direction = unit(&press.direction)?;
-    let approach = |depth| Approach { direction, start: press.start, depth, turn: None };
+    let approach = |depth| Approach::new(direction, press.start, depth);
     let tilt = match press.balance {
         Balance::None => None,
         Balance::Tilt(tilt) => Some((tilt.checked_point()?, tilt.axes.units(&direction)?)),

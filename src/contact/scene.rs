@@ -59,6 +59,8 @@ pub(crate) struct Approach {
     pub depth: f64,
     /// Of the obstacle, where it has turned.
     pub turn: Option<Turn>,
+    /// Travel of the first touch (m), where the skin at hand is a part that need not show it.
+    pub known_touch: Option<f64>,
 }
 
 /// The obstacle in place, and what is known from bringing it there.
@@ -115,7 +117,7 @@ impl Placement<'_> {
             });
         };
         let begin = match approach.start {
-            Start::Infinity => first_touch(surface, self.obstacle, &approach.direction)?,
+            Start::Infinity => approach.first_touch(surface, self.obstacle)?,
             Start::Current if is_refined => 0.0,
             Start::Current => free_start(surface, self.obstacle)?,
         };
@@ -124,6 +126,11 @@ impl Placement<'_> {
 }
 
 impl Approach {
+    /// Of an obstacle that does not turn.
+    pub fn new(direction: Vector3<f64>, start: Start, depth: f64) -> Self {
+        Self { direction, start, depth, turn: None, known_touch: None }
+    }
+
     /// The obstacle at the depth.
     ///
     /// * `begin`: travel at which the press begins (m)
@@ -132,18 +139,18 @@ impl Approach {
         let way = travel * self.direction;
         let mut placed = obstacle.translated(&way);
         let mut deepest = self.depth;
-        if let Some(turn) = &self.turn {
-            placed = turn.of(&placed, &way);
-            let center = turn.point + way;
-            let farthest = skin_vertices(surface).map(|(_, position)| (position - center).norm());
+        let turned = self.turn.map(|turn| Turn { point: turn.point + way, ..turn });
+        if let Some(turn) = &turned {
+            placed = turn.of(&placed);
+            let farthest = skin_vertices(surface).map(|(_, position)| (position - turn.point).norm());
             deepest += turn.farthest(farthest.fold(0.0, f64::max));
         }
         Scene {
             obstacle: placed,
             travel,
             depth: Some(self.depth),
-            press: Some(Travel { direction: self.direction, depth: deepest }),
-            depth_bound: Some(deepest + TOUCH_ROUNDING * surface.bounding_box().diagonal()),
+            press: Some(Travel { direction: self.direction, depth: self.depth, turned, deepest }),
+            depth_bound: Some(deepest + touch_rounding(surface)),
             inherited: None,
         }
     }
@@ -158,16 +165,25 @@ impl Approach {
         is_refined: bool,
     ) -> Result<(f64, f64), ContactError> {
         if self.start == Start::Infinity {
-            return Ok((first_touch(surface, obstacle, &self.direction)?, 0.0));
+            return Ok((self.first_touch(surface, obstacle)?, 0.0));
         }
         if !is_refined {
             free_start(surface, obstacle)?;
         }
         let touching: Vec<Vector3<f64>> = skin_vertices(surface).map(|(_, position)| position).collect();
-        match obstacle.first_touch_from_current(&touching, &self.direction)? {
-            Some(touch) => Ok((0.0, touch.travel)),
-            None => Err(never_touches(&self.direction, touching.len())),
+        let of_vertices = obstacle.first_touch_from_current(&touching, &self.direction)?;
+        let of_vertices = of_vertices.map_or(f64::INFINITY, |touch| touch.travel);
+        let between =
+            touch_between(surface, obstacle, &self.direction, [-touch_rounding(surface), of_vertices]);
+        match of_vertices.min(between.max(0.0)) {
+            f64::INFINITY => Err(never_touches(&self.direction, touching.len())),
+            travel => Ok((0.0, travel)),
         }
+    }
+
+    /// Travel at which the obstacle, coming from infinity, first touches (m).
+    fn first_touch(&self, surface: &Surface, obstacle: &Obstacle) -> Result<f64, ContactError> {
+        self.known_touch.map_or_else(|| first_touch(surface, obstacle, &self.direction), Ok)
     }
 }
 
@@ -176,12 +192,24 @@ impl Approach {
 pub(crate) struct Travel {
     /// Unit direction of the obstacle.
     pub direction: Vector3<f64>,
-    /// Its length (m), or a penetration that none exceeds where the obstacle turned too.
+    /// Its length (m).
     pub depth: f64,
+    /// How the obstacle turned there.
+    pub turned: Option<Turn>,
+    /// A penetration that none exceeds (m): the length where the obstacle did not turn.
+    pub deepest: f64,
+}
+
+impl Travel {
+    /// How far the obstacle came along the direction to a place (m).
+    pub fn way_to(&self, place: &Vector3<f64>) -> f64 {
+        let by_turning = self.turned.map_or(0.0, |turn| self.direction.dot(&turn.way_to(place)));
+        self.depth + by_turning
+    }
 }
 
 /// Travel (m) at which the obstacle, coming from infinity, first touches skin that may touch.
-fn first_touch(
+pub(crate) fn first_touch(
     surface: &Surface,
     obstacle: &Obstacle,
     direction: &Vector3<f64>,
@@ -191,7 +219,8 @@ fn first_touch(
         return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
     }
     let of_vertices = obstacle.first_touch(&touching, direction)?.map_or(f64::INFINITY, |touch| touch.travel);
-    let travel = of_vertices.min(touch_between(surface, obstacle, direction, of_vertices));
+    let travel =
+        of_vertices.min(touch_between(surface, obstacle, direction, [f64::NEG_INFINITY, of_vertices]));
     if travel.is_infinite() {
         return Err(never_touches(direction, touching.len()));
     }
@@ -207,7 +236,7 @@ fn free_start(surface: &Surface, obstacle: &Obstacle) -> Result<f64, ContactErro
     let (vertices, positions): (Vec<usize>, Vec<Vector3<f64>>) = skin_vertices(surface).unzip();
     let distance = Measured::near(&positions, obstacle, 0.0, None)?.distance;
     // A position reached by an earlier press touches exactly; its rounding is no penetration.
-    let allowed = -TOUCH_ROUNDING * surface.bounding_box().diagonal();
+    let allowed = -touch_rounding(surface);
     let inside = distance.iter().filter(|&&d| d < allowed).count();
     let deepest = (0..distance.len()).min_by(|&a, &b| distance[a].total_cmp(&distance[b]));
     match deepest {
@@ -218,6 +247,11 @@ fn free_start(surface: &Surface, obstacle: &Obstacle) -> Result<f64, ContactErro
         }),
         _ => Ok(0.0),
     }
+}
+
+/// Rounding of a touch (m).
+fn touch_rounding(surface: &Surface) -> f64 {
+    TOUCH_ROUNDING * surface.bounding_box().diagonal()
 }
 
 fn skin_vertices(surface: &Surface) -> impl Iterator<Item = (usize, Vector3<f64>)> + '_ {

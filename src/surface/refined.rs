@@ -61,6 +61,11 @@ impl MeshRefinement {
         self.mesh.leaves[leaf].corners.map(|corner| corner as usize)
     }
 
+    /// Face of the given surface that a triangle is a part of.
+    pub fn face(&self, leaf: usize) -> u32 {
+        self.mesh.leaves[leaf].face
+    }
+
     /// Mean length of the edges of a triangle (m).
     pub fn mean_edge(&self, leaf: usize) -> f64 {
         let [a, b, c] =

@@ -1,9 +1,10 @@
 //! Presses to a force and to an overlap.
 
+use std::f64::consts::{FRAC_PI_4, SQRT_2};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use approx::assert_relative_eq;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use quasirigid::contact::{
     Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press, solve_contact,
 };
@@ -13,7 +14,7 @@ use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, jittered_grid};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate, skin, solve};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, lattice, plate, skin, solve};
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, goal: Goal, options: &ContactOptions) -> Contact {
     let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
@@ -109,6 +110,27 @@ fn a_press_from_where_the_obstacle_stands_counts_its_depth_from_there() {
     let again = from_here(Goal::Depth(contact.travel));
     assert_eq!(again.node_force, contact.node_force);
     assert_eq!(solve(&surface, &far, &half_space()).depth, None);
+}
+
+#[test]
+fn a_force_is_found_from_anywhere_where_the_skin_is_met_between_its_vertices() {
+    let (x, y) = (Vector3::new(2e-3, 0.0, 0.0), Vector3::new(0.0, 2e-3, 0.0));
+    let flat = lattice(20, [x, y], Vector3::zeros(), 0.0, &mut Random(1));
+    let ball = Obstacle::sphere(Vector3::new(1.3e-3, 0.5e-3, 3e-3), 0.5e-3).expect("a ball");
+    let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_4);
+    let bar = Obstacle::cuboid(Vector3::new(0.01, 5e-3, 5e-3)).expect("a bar");
+    let bar = bar.moved(turn.matrix(), &Vector3::new(0.0, 1e-3, 9e-3)).expect("a rotation");
+    for (obstacle, touch, force) in [(ball, 2.5e-3, 5e-3), (bar, 9e-3 - 5e-3 * SQRT_2, 0.5)] {
+        let depth = |start| {
+            let direction = -UP;
+            let down = Press { direction, goal: Goal::Force(force), start, balance: Balance::None };
+            let options = ContactOptions::default();
+            let contact = press(&flat, &obstacle, &half_space(), &down, &options).expect("within reach");
+            assert_relative_eq!(-contact.resultant.force.z, force, max_relative = 1e-6);
+            contact.depth.expect("a press")
+        };
+        assert_relative_eq!(depth(Start::Current), touch + depth(Start::Infinity), max_relative = 1e-6);
+    }
 }
 
 #[test]

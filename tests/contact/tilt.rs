@@ -30,6 +30,22 @@ fn tilted(surface: &Surface, goal: Goal, tilt: Tilt) -> Result<Contact, ContactE
     press(surface, &plate(), &half_space(), &upwards, &ContactOptions::on_given_mesh())
 }
 
+/// The depth counts from where the lower ball is touched, which the plate turns away from.
+#[test]
+fn a_depth_counts_from_the_first_touch_though_that_skin_is_left() {
+    let surface = two_balls(4e-4);
+    let balance = Balance::Tilt(about(ARM + 1e-3));
+    for goal in [Goal::Depth(1e-3), Goal::Force(0.5)] {
+        let upwards = Press { direction: UP, goal, start: Start::Infinity, balance };
+        let options = ContactOptions::default();
+        let contact = press(&surface, &plate(), &half_space(), &upwards, &options).expect("a balance");
+        assert_eq!(contact.patches.len(), 1);
+        assert!(contact.patches[0].resultant.center_of_pressure.x > 0.0);
+        let touch = contact.travel - contact.depth.expect("a press");
+        assert!(touch.abs() < 1e-6, "{touch}");
+    }
+}
+
 /// About y through a point on the x axis.
 fn about(x: f64) -> Tilt {
     Tilt { point: Vector3::new(x, 0.0, 0.0), axes: TiltAxes::One(Vector3::y()) }

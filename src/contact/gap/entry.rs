@@ -45,9 +45,11 @@ impl<'a> WayIn<'a> {
         }
     }
 
-    fn reach(&self) -> f64 {
+    /// How far back the way of a point (m) goes at the most; inside the obstacle none is deeper.
+    fn reach(&self, point: &Vector3<f64>, is_inside: bool) -> f64 {
         match self {
-            Self::Press(travel) => travel.depth,
+            Self::Press(travel) if is_inside => travel.deepest,
+            Self::Press(travel) => travel.way_to(point),
             Self::Inward { reach, .. } => *reach,
         }
     }
@@ -60,7 +62,7 @@ impl<'a> WayIn<'a> {
         directions: &[Vector3<f64>],
     ) -> Result<Vec<Option<f64>>, ContactError> {
         Ok(match self {
-            Self::Press(travel) => obstacle.entry_distances(points, &travel.direction, travel.depth)?,
+            Self::Press(travel) => obstacle.entry_distances(points, &travel.direction, travel.deepest)?,
             Self::Inward { reach, .. } => obstacle.farthest_surfaces(points, directions, *reach)?,
         })
     }
@@ -95,8 +97,9 @@ pub(crate) fn measure_entries(
     gaps: &mut Measured,
 ) -> Result<EntryGap, ContactError> {
     let cosine = |row: usize| gaps.normal[row].dot(&way_in.direction(row));
+    let reach = |row: usize| way_in.reach(&points[row], gaps.distance[row] < 0.0);
     let suspects: Vec<usize> = (0..gaps.distance.len())
-        .filter(|&row| may_touch(row) && gaps.distance[row] < way_in.reach())
+        .filter(|&row| may_touch(row) && gaps.distance[row] < reach(row))
         .filter(|&row| cosine(row) < if gaps.distance[row] < 0.0 { OTHER_SIDE } else { FACING_BACK })
         .collect();
     if suspects.is_empty() {
@@ -105,8 +108,9 @@ pub(crate) fn measure_entries(
     let suspected: Vec<Vector3<f64>> = suspects.iter().map(|&row| points[row]).collect();
     let directions: Vec<Vector3<f64>> = suspects.iter().map(|&row| way_in.direction(row)).collect();
     let ways = way_in.back(obstacle, &suspected, &directions)?;
-    let met: Vec<(usize, f64)> =
-        suspects.into_iter().zip(ways).filter_map(|(vertex, way)| Some((vertex, way?))).collect();
+    let in_reach =
+        |(row, way): (usize, Option<f64>)| way.filter(|way| *way <= reach(row)).map(|way| (row, way));
+    let met: Vec<(usize, f64)> = suspects.into_iter().zip(ways).filter_map(in_reach).collect();
     let entries: Vec<Vector3<f64>> =
         met.iter().map(|&(vertex, way)| points[vertex] + way * way_in.direction(vertex)).collect();
     let entry_normal = obstacle.signed_distance(&entries, None)?.normal;
@@ -133,4 +137,29 @@ pub(crate) fn measure_entries(
         counted.through_walls += usize::from(through_wall);
     }
     Ok(counted)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::UnitQuaternion;
+
+    use super::*;
+    use crate::contact::tilt::axes::Turn;
+
+    #[test]
+    fn a_turn_meets_the_skin_behind_on_the_side_that_it_brings_forward_alone() {
+        let (up, arm) = (Vector3::z(), 20e-3);
+        let rotation = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -0.2);
+        let turn = Turn { rotation, point: Vector3::zeros() };
+        let plate = turn.of(&Obstacle::cuboid(Vector3::new(0.05, 0.05, 2e-4)).expect("a plate"));
+        // 1 mm behind the plate, on the side that came forward by 4 mm, and on the other.
+        let points = [arm, -arm].map(|x| rotation * Vector3::new(x, 0.0, -1.2e-3));
+        let travel = Travel { direction: up, depth: 1e-3, turned: Some(turn), deepest: 0.02 };
+        let mut gaps = Measured::near(&points, &plate, 0.01, None).expect("points");
+        let way_in = WayIn::Press(&travel);
+        measure_entries(&points, |_| true, &plate, &way_in, &mut gaps).expect("points");
+        // Back to the upper face, along its normal.
+        let expected = [-1.4e-3, 1e-3];
+        (gaps.distance.iter().zip(expected)).for_each(|(gap, at)| assert!((gap - at).abs() < 1e-12, "{gap}"));
+    }
 }

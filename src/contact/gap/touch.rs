@@ -11,18 +11,25 @@ use crate::obstacle::posed::Obstacle;
 use crate::obstacle::primitive::perpendicular;
 use crate::surface::checked::Surface;
 
-/// Travel (m) at which a sharp edge or the line of a round primitive, coming from infinity, first touches a triangle that
-/// may touch; infinite, or any after `latest` (m), where none does so before.
+/// Travel (m) at which a sharp edge or the line of a round primitive first touches a triangle that may touch; infinite, or
+/// any after the latest, where none does so before.
+///
+/// * `[earliest, latest]`: travel (m) between which to look
 pub(crate) fn touch_between(
     surface: &Surface,
     obstacle: &Obstacle,
     direction: &Vector3<f64>,
-    latest: f64,
+    [earliest, latest]: [f64; 2],
 ) -> f64 {
     let may_touch = |face: &&[u32; 3]| face.iter().all(|&corner| surface.skin_mask()[corner as usize]);
     let faces: Vec<&[u32; 3]> = surface.faces().iter().filter(may_touch).collect();
-    touch_of_line(surface, &faces, obstacle, direction)
-        .min(touch_of_edges(surface, &faces, obstacle, direction, latest))
+    touch_of_line(surface, &faces, obstacle, direction, earliest).min(touch_of_edges(
+        surface,
+        &faces,
+        obstacle,
+        direction,
+        [earliest, latest],
+    ))
 }
 
 /// The same of the line of a round primitive.
@@ -31,6 +38,7 @@ fn touch_of_line(
     faces: &[&[u32; 3]],
     obstacle: &Obstacle,
     direction: &Vector3<f64>,
+    earliest: f64,
 ) -> f64 {
     if !obstacle.is_round() {
         return f64::INFINITY;
@@ -41,16 +49,17 @@ fn touch_of_line(
         let inward = (c - a).cross(&(b - a)).try_normalize(0.0)?;
         Some(-depth_along(&obstacle.line_towards(&inward)?, &triangle, direction)?.depth)
     };
-    faces.par_iter().filter_map(travel).reduce(|| f64::INFINITY, f64::min)
+    let in_time = |travel: &f64| *travel >= earliest;
+    faces.par_iter().filter_map(travel).filter(in_time).reduce(|| f64::INFINITY, f64::min)
 }
 
-/// The same of sharp edges that touch before `latest` (m).
+/// The same of sharp edges.
 fn touch_of_edges(
     surface: &Surface,
     faces: &[&[u32; 3]],
     obstacle: &Obstacle,
     direction: &Vector3<f64>,
-    latest: f64,
+    [earliest, latest]: [f64; 2],
 ) -> f64 {
     // Both as seen along the direction, which is the third axis.
     let across = perpendicular(direction);
@@ -79,7 +88,7 @@ fn touch_of_edges(
         let over = tree.leaves(|node| node_bounds(node).meets(&reach));
         let travel =
             |edge: u32| Some(-depth_along(&edges[edge as usize].0.ends, &triangle, direction)?.depth);
-        over.filter_map(travel).fold(f64::INFINITY, f64::min)
+        over.filter_map(travel).filter(|travel| *travel >= earliest).fold(f64::INFINITY, f64::min)
     };
     faces.par_iter().map(travel).reduce(|| f64::INFINITY, f64::min)
 }

@@ -87,20 +87,24 @@ fn unit(number: usize, axis: &Vector3<f64>) -> Result<Vector3<f64>, ContactError
     Ok(scaled / length)
 }
 
-/// A turn about a point that travels with the obstacle.
+/// A turn about a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Turn {
     pub rotation: UnitQuaternion<f64>,
-    /// Before any travel (m).
+    /// The point (m); of a press, before any travel.
     pub point: Vector3<f64>,
 }
 
 impl Turn {
     /// The obstacle turned where it stands.
-    ///
-    /// * `way`: by which it has moved (m)
-    pub fn of(&self, obstacle: &Obstacle, way: &Vector3<f64>) -> Obstacle {
-        obstacle.turned(&self.rotation, &(self.point + way))
+    pub fn of(&self, obstacle: &Obstacle) -> Obstacle {
+        obstacle.turned(&self.rotation, &self.point)
+    }
+
+    /// Way by which it brought the obstacle to a place (m).
+    pub fn way_to(&self, place: &Vector3<f64>) -> Vector3<f64> {
+        let arm = place - self.point;
+        arm - self.rotation.inverse_transform_vector(&arm)
     }
 
     /// How far a point of the obstacle moves at the most (m), within a distance (m) of the point.

@@ -9,12 +9,13 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
+use crate::contact::refine::mark::touch_of_smooth_skin;
 use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
-use crate::contact::scene::{Approach, Placement};
+use crate::contact::scene::{Approach, Placement, Start};
 use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
-use crate::contact::tilt::rest::{Ended, Place, Start, find};
+use crate::contact::tilt::rest::{Beginning, Ended, Place, find};
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
@@ -83,8 +84,9 @@ impl Tilted<'_> {
                 Begun::Rounds(_) => unreachable!("no refinement was asked for"),
             };
         }
+        let refined = self.for_refined_skin()?;
         for refinement in 1..=REFINEMENTS {
-            let placement = self.placement(&given);
+            let placement = refined.placement(&given);
             let before = given.contact.obstacle.clone();
             let mut rounds = match begin(given.contact.clone(), started, &placement, self.skin, self.options)?
             {
@@ -92,7 +94,7 @@ impl Tilted<'_> {
                 Begun::Rounds(rounds) => *rounds,
             };
             let reason = rounds.run()?;
-            let Some(found) = self.settle_again(&mut rounds, &given, lever)? else {
+            let Some(found) = refined.settle_again(&mut rounds, &given, lever)? else {
                 return rounds.conclude(reason);
             };
             if let Some(why) = found.why {
@@ -112,6 +114,16 @@ impl Tilted<'_> {
             given = Settled { contact, ..found };
         }
         unreachable!("the last refinement returns")
+    }
+
+    /// The same on a part of the skin, where the obstacle that has turned away may leave what it touched first.
+    fn for_refined_skin(&self) -> Result<Self, ContactError> {
+        let mut press = self.press;
+        if press.start == Start::Infinity && self.options.target_error.is_some() {
+            let touch = touch_of_smooth_skin(self.surface, self.obstacle, &press.direction)?;
+            press.known_touch = Some(touch);
+        }
+        Ok(Self { press, axes: self.axes.clone(), ..*self })
     }
 
     /// Balances the obstacle on the mesh that was refined last, and puts the contact found in the place of the one there.
@@ -166,7 +178,7 @@ impl Tilted<'_> {
         let kept = KeptSkin::new(on.skin);
         let trials = Trials::new(&kept);
         let mut timings = std::mem::take(&mut first.timings);
-        let started = Start { at, stiffness, lengths: LENGTHS.map(|share| share * past) };
+        let started = Beginning { at, stiffness, lengths: LENGTHS.map(|share| share * past) };
         let free = FREE * first.resultant.force.norm();
         let first = self.place(first, lever, free);
         let room = |at: &DVector<f64>, step: &DVector<f64>| {

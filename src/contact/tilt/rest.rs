@@ -30,7 +30,7 @@ pub(crate) struct Place<T> {
 }
 
 /// Where a search begins.
-pub(crate) struct Start {
+pub(crate) struct Beginning {
     pub at: DVector<f64>,
     /// Derivative of the gradient (N/m), as far as known.
     pub stiffness: Option<DMatrix<f64>>,
@@ -54,7 +54,7 @@ pub(crate) struct Ended<T> {
 /// * `room`: share of a step from a place that stays within the bounds
 /// * `trial`: `None` where a place has no answer
 pub(crate) fn find<T, E>(
-    start: Start,
+    start: Beginning,
     first: Place<T>,
     room: impl Fn(&DVector<f64>, &DVector<f64>) -> f64,
     mut trial: impl FnMut(&DVector<f64>) -> Result<Option<Place<T>>, E>,
@@ -192,7 +192,7 @@ mod tests {
         let places = [(-1.0, 0.0), (1.0, -3.0), (0.5, -2.0)];
         let at = DVector::from_vec(vec![1.0, 0.0]);
         let first = springs(&places, &at);
-        let start = Start { at, stiffness: None, lengths: [0.5, 1e-2] };
+        let start = Beginning { at, stiffness: None, lengths: [0.5, 1e-2] };
         let mut trials = 0;
         let ended = find(
             start,
@@ -218,7 +218,7 @@ mod tests {
         };
         let at = DVector::from_vec(vec![0.0]);
         let first = falling(&at);
-        let start = Start { at, stiffness: None, lengths: [0.5, 1e-2] };
+        let start = Beginning { at, stiffness: None, lengths: [0.5, 1e-2] };
         let room = |at: &DVector<f64>, step: &DVector<f64>| (1.0 - at[0]) / step[0];
         let ended = find(start, first, room, |at| -> Result<_, ()> { Ok(Some(falling(at))) });
         let ended = ended.expect("no trial fails");

@@ -68,7 +68,7 @@ pub fn press_after(
         _ => return press(surface, obstacle, skin, asked, options),
     };
     options.validate()?;
-    let press = Approach { direction: unit(&asked.direction)?, start: asked.start, depth: 0.0, turn: None };
+    let press = Approach::new(unit(&asked.direction)?, asked.start, 0.0);
     let presses = Presses { surface, obstacle, skin, options, press };
     let guarded = Guarded { surface, obstacle, skin, press: Some(asked) };
     guarded.check(with_threads(options, || {
