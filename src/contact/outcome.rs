@@ -46,9 +46,9 @@ pub struct Resultant {
     pub moment: Vector3<f64>,
     /// Mean of the deformed positions weighted by node force (m); NaN without force.
     pub center_of_pressure: Vector3<f64>,
-    /// Sum of the vertex areas with f > 0; in Galerkin form the area within the rim, which the gaps
-    /// place between the vertices (m²). Under a sharp edge, where the gap opens with a step, that rim is up to a cell
-    /// too far in.
+    /// In collocation on the mesh as given the sum of the vertex areas with f > 0; on a refined mesh, and in Galerkin form
+    /// on any, the area within the rim, which the gaps beside it and sharp edges of the product place between the
+    /// vertices (m²).
     pub contact_area: f64,
     /// Largest pressure at a vertex; in Galerkin form between vertices too. There and with one-rings, never below the
     /// mean over the contact area of a patch (Pa).

@@ -5,7 +5,8 @@ use nalgebra::Vector3;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
-use crate::contact::outcome::{Contact, ContactMesh, Patch};
+use crate::contact::outcome::{Contact, ContactMesh, LeftOut, Patch};
+use crate::contact::report::left_out::{FAR_VERTICES, FINGER_COUPLING, MASKED_VERTICES};
 use crate::contact::report::record::add_timings;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
@@ -27,17 +28,7 @@ pub(crate) fn into_whole(
     let motion = CandidateMotion { scalar: numbers(&motion.scalar), ..motion.clone() };
     let patch =
         |patch: &Patch| Patch { vertices: numbers(&patch.vertices), resultant: patch.resultant.clone() };
-    let mut left_out = contact.left_out.clone();
-    for one in &mut left_out {
-        // What was measured on the whole of the given skin.
-        if let Some(whole) = given
-            .left_out
-            .iter()
-            .find(|whole| whole.what == one.what && one.what == "coupling between fingers")
-        {
-            one.why.clone_from(&whole.why);
-        }
-    }
+    let left_out = left_out(&given.left_out, &contact.left_out);
     let mut timings = given.timings;
     add_timings(&mut timings, &contact.timings);
     Ok(Contact {
@@ -55,6 +46,17 @@ pub(crate) fn into_whole(
         drawing: Drawing { fingers, motion },
         ..contact
     })
+}
+
+/// What was left out: on the whole of the given skin where that was looked at, else on the part.
+fn left_out(given: &[LeftOut], part: &[LeftOut]) -> Vec<LeftOut> {
+    let is_of_whole = |one: &&LeftOut| [FAR_VERTICES, MASKED_VERTICES].contains(&one.what);
+    let mut all: Vec<LeftOut> = given.iter().filter(is_of_whole).cloned().collect();
+    for one in part.iter().filter(|one| !is_of_whole(one)) {
+        let on_whole = given.iter().find(|whole| whole.what == one.what && one.what == FINGER_COUPLING);
+        all.push(on_whole.unwrap_or(one).clone());
+    }
+    all
 }
 
 /// Values of a part at the vertices of the whole, `elsewhere` off it.

@@ -9,6 +9,10 @@ use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
 use crate::surface::shortest_paths::{LONGEST_DETOUR, SHORT_DETOUR};
 
+pub(crate) const FAR_VERTICES: &str = "exact distance of far vertices";
+pub(crate) const MASKED_VERTICES: &str = "masked vertices";
+pub(crate) const FINGER_COUPLING: &str = "coupling between fingers";
+
 impl Report {
     /// What the measurement of gaps left out.
     pub fn note_gaps(&mut self, gaps: &Gaps) {
@@ -22,12 +26,12 @@ impl Report {
             let why = format!(
                 "{beyond} of {vertex_count} vertices are farther from the obstacle than {limit:.3e} m"
             );
-            self.leave_out("exact distance of far vertices", why);
+            self.leave_out(FAR_VERTICES, why);
         }
         let masked = gaps.surface.skin_mask().iter().filter(|&&may_touch| !may_touch).count();
         if masked > 0 {
             let why = format!("the skin mask keeps {masked} vertices out of contact");
-            self.leave_out("masked vertices", why);
+            self.leave_out(MASKED_VERTICES, why);
         }
         let entered = gaps.entry.vertices;
         if entered > 0 {
@@ -53,8 +57,7 @@ impl Report {
     ) {
         let rest = gaps.surface.vertices().len() - forces.candidates.len();
         if !response.traits.negative_entries && options.rings.is_none() {
-            let why =
-                format!("the response has no negative entry, so the {rest} vertices outside can never touch");
+            let why = "the response has no negative entry, so vertices outside can never touch";
             self.leave_out("growth of the candidates", why);
         }
         if rest > 0 {
@@ -63,7 +66,7 @@ impl Report {
         }
         let fingers = forces.fingers.candidates.len();
         if fingers > 1 {
-            self.leave_out("coupling between fingers", apart(&forces.fingers, response));
+            self.leave_out(FINGER_COUPLING, apart(&forces.fingers, response));
         }
         if forces.solutions.len() > forces.fingers.coupling.groups().len() {
             let why = format!(
