@@ -151,6 +151,13 @@ def _one_a_vertex(count: int | tuple[int, int]) -> str:
     return f"one per vertex: {given} of the given mesh or {solved} of the contact's surface"
 
 
+def as_boolean(name: str, value: Any) -> bool:
+    """Return a boolean; a TypeError if it is none."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise TypeError(f"{name} is {short(value)}, expected True or False")
+
+
 def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int:
     """Return an integer >= 0.
 

@@ -1,4 +1,4 @@
-"""Results that nobody can change."""
+"""What nobody can change."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Frozen:
-    """Base of results whose arrays and mappings are read-only, after a pickle too."""
+    """Base of objects whose arrays and mappings are read-only, after a pickle too."""
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the attributes; pickle knows no `MappingProxyType`."""

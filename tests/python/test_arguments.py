@@ -143,3 +143,28 @@ NUMBERS = {
 def test_what_is_no_number_is_named(name: str, value: Any) -> None:
     with pytest.raises(TypeError, match=rf"^{name} is .*, expected a number$"):
         NUMBERS[name](value)
+
+
+BOOLEANS = {
+    "condition": lambda value: _pressed(depth=1e-4, options=qr.ContactOptions(condition=value)),
+    "couple_fingers": lambda value: _pressed(depth=1e-4, options=qr.ContactOptions(couple_fingers=value)),
+    "crash": lambda value: qr.solve_lcp([[1]], [-1], options=qr.LcpOptions(crash=value)),
+    "known_p_matrix": lambda value: qr.solve_lcp([[1]], [-1], options=qr.LcpOptions(known_p_matrix=value)),
+    "bone_pressure": lambda value: qr.Skin(
+        shear_modulus=1e4,
+        poisson_ratio=0.4,
+        response=qr.Body(fixed=SURFACE.vertices[:, 2] > 8e-3, bone_pressure=value),
+    ).prepared(SURFACE),
+}
+
+
+@pytest.mark.parametrize("value", ["no", None, 1, [True]], ids=["word", "none", "one", "list"])
+@pytest.mark.parametrize("name", BOOLEANS)
+def test_what_is_no_boolean_is_named(name: str, value: Any) -> None:
+    with pytest.raises(TypeError, match=rf"^{name} is .*, expected True or False$"):
+        BOOLEANS[name](value)
+
+
+def test_a_boolean_of_numpy_is_one() -> None:
+    options = qr.LcpOptions(crash=np.False_, known_p_matrix=np.True_)  # type: ignore[arg-type]
+    assert qr.solve_lcp([[1]], [-1], options=options).certificate.definiteness is qr.LcpDefiniteness.P_MATRIX

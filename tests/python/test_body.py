@@ -327,6 +327,20 @@ def test_fixed_is_looked_at_before_it_is_used() -> None:
         skin_of(fixed=held, memory_limit=-5).prepared(BALL)
 
 
+def test_a_vertex_marked_as_fixed_without_a_face_stays_free() -> None:
+    held = BALL.vertices[:, 2] > 0
+    lowest = int(np.argmin(BALL.vertices[:, 2]))
+    held[lowest] = True
+    with pytest.warns(qr.CutWarning, match=rf"1 of the fixed vertices \(first: {lowest}\)") as caught:
+        skin = skin_of(fixed=held).prepared(BALL)
+    assert caught[0].filename == __file__
+    assert lowest in skin.nodes
+    beside = BALL.faces[(BALL.faces == lowest).any(axis=1)][0]
+    held[beside] = True
+    with pytest.raises(qr.ResponseError, match="fixed vertices"):
+        skin_of(fixed=held).prepared(BALL, [lowest])
+
+
 def test_a_body_beyond_the_memory_is_refused_with_what_would_fit() -> None:
     with pytest.raises(qr.ResponseError, match=r"42 skin.*42 bone.*\d+ "):
         skin_of(bone=CORE, memory_limit=100_000).prepared(BALL)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import shutil
 import subprocess
@@ -76,6 +77,21 @@ def test_json_is_what_the_file_holds_and_nothing_else(
     assert columns["depth (m)"] == pytest.approx([0.5e-3, 1e-3])
     assert run(["info", "tip.ply", "--unit", "m", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["vertices"] == len(TIP.vertices)
+
+
+def test_a_sweep_prints_and_writes_why_a_press_failed(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    steps = words("sweep", "--forces", "0.5,1e5N", "--out", "out", "--quiet")
+    assert run(steps) == 1
+    error = capsys.readouterr().err
+    message = json.loads((folder / "out" / "sweep.json").read_text())["columns"]["message"]
+    assert message[0] == ""
+    assert "the largest force found is" in message[1]
+    assert error == f"error: 1 of 2 presses ended with 'not_reached': {message[1]}\n"
+    header, *rows = csv.reader((folder / "out" / "sweep.csv").read_text().splitlines())
+    assert header[-2:] == ["status", "message"]
+    assert [row[-2:] for row in rows] == [["solved", ""], ["not_reached", message[1]]]
 
 
 def test_without_a_folder_nothing_is_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -24,6 +25,7 @@ from quasirigid.io import (
     write_mesh,
 )
 from quasirigid.io.atomic import atomic_write
+from shapes import AS_GIVEN, ball, grid
 
 FILES = ["contact.json", "contact.npz", "deformed.ply", "deformed.vtp"]
 
@@ -35,6 +37,31 @@ def folder(pressed: qr.Contact, tmp_path_factory: pytest.TempPathFactory) -> Pat
     inputs = {"depth": {"value": np.float64(1.12e-3), "unit": "m"}, "file": Path("finger.ply")}
     save_contact(pressed, folder, inputs=inputs)
     return folder
+
+
+@pytest.fixture(scope="module")
+def on_edge() -> qr.Contact:
+    """A ball pressed by an edge of a box."""
+    return pressed_by_edge(qr.HalfSpace(), depth=1e-3)
+
+
+def pressed_by_edge(response: qr.HalfSpace, depth: float) -> qr.Contact:
+    """Press a ball as it is by an edge between the vertices of its pad."""
+    turn, half = 2.79, np.sqrt(0.5)
+    up_edge = np.array([[1, 0, 0], [0, half, -half], [0, half, half]])
+    about_z = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    edge = qr.Obstacle.box([0.02, 0.02, 0.02]).moved(about_z @ up_edge, [7e-5, 4.1e-4, -0.06])
+    return pressed_as_given(qr.Surface(*ball(8e-3, 2)), edge, response, depth)
+
+
+def pressed_as_given(
+    surface: qr.Surface, obstacle: qr.Obstacle, response: qr.HalfSpace, depth: float
+) -> qr.Contact:
+    """Press on the mesh as it is, with no word of how coarse it is."""
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", qr.QuasirigidWarning)
+        return qr.press(surface, obstacle, skin, [0, 0, 1], depth=depth, options=AS_GIVEN)
 
 
 def read_record(folder: Path) -> dict[str, Any]:
@@ -125,12 +152,21 @@ def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, folder: Pa
     assert len(document["patches"]) == len(pressed.patches) == 1
 
 
-def test_numbers_that_are_not_finite_are_null(apart: qr.Contact, tmp_path: Path) -> None:
-    save_contact(apart, tmp_path, inputs={"limit": float("inf")})
+def test_what_is_not_known_is_null(apart: qr.Contact, tmp_path: Path) -> None:
+    save_contact(apart, tmp_path)
     document = read_record(tmp_path)
     assert document["status"] == "no_contact"
     assert document["center_of_pressure"]["value"] == [None, None, None]
-    assert document["inputs"] == {"limit": None}
+    assert document["accuracy"]["force_error"]["value"] is None
+
+
+def test_what_is_infinite_is_a_word_that_reads_as_such(on_edge: qr.Contact, tmp_path: Path) -> None:
+    save_contact(on_edge, tmp_path, inputs={"limits": [float("-inf"), float("nan"), np.float64("inf")]})
+    document = read_record(tmp_path)
+    assert document["inputs"] == {"limits": ["-Infinity", None, "Infinity"]}
+    error = document["accuracy"]["max_pressure_error"]
+    assert error == {"value": "Infinity", "unit": "1"}
+    assert float(error["value"]) == on_edge.accuracy.max_pressure_error
 
 
 def test_a_contact_without_result_is_written_with_its_reason(unsolved: qr.Contact, tmp_path: Path) -> None:
@@ -275,6 +311,24 @@ def test_a_table_has_one_line_a_patch(pressed: qr.Contact, apart: qr.Contact) ->
         [float(word) for word in cells[-1].split(", ")], 1e3 * patch.center_of_pressure, rtol=1e-3, atol=1e-9
     )
     assert len(patch_table(apart).splitlines()) == 1
+
+
+def test_a_summary_tells_an_infinite_error_by_its_cause(on_edge: qr.Contact) -> None:
+    # Averages that feel nothing of a graze; a rod that came twice as far in between the vertices as at them.
+    unfelt = pressed_by_edge(qr.HalfSpace(discretization="galerkin"), depth=2e-5)
+    across = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    rod = qr.Obstacle.cylinder(half_height=5e-3, radius=1e-3).moved(across, [1e-4, 6e-4, -0.01])
+    coarse = pressed_as_given(qr.Surface(*grid(20, 2e-3)), rod, qr.HalfSpace(), 0.2e-3)
+    assert coarse.max_penetration_after > coarse.max_penetration_before
+    expected = {
+        "infinite on a sharp edge": (on_edge, ["peak pressure"]),
+        "not known: nothing carries force": (unfelt, ["force", "contact area", "peak pressure"]),
+        "not known: mesh too coarse": (coarse, ["force", "contact area", "peak pressure"]),
+    }
+    for words, (contact, figures) in expected.items():
+        lines = [line for line in contact_summary(contact).splitlines() if line.endswith(f", {words}")]
+        assert [line.split("  ")[0] for line in lines] == figures
+        assert ("not known" in words) == (contact.accuracy.force_error == np.inf)
 
 
 def test_a_summary_of_a_bad_ending_says_what_to_try(unsolved: qr.Contact) -> None:

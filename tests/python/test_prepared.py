@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import io
+import pickle
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -94,6 +96,43 @@ def test_numbers_of_numpy_are_saved_as_numbers(
         qr.response_matrix(surface, loaded, np.arange(10)),
         qr.response_matrix(surface, prepared, np.arange(10)),
     )
+
+
+HELD = ball(8e-3, 3)[0][:, 2] > 12e-3
+LAST = np.arange(630, 642)
+ARRAYS: dict[str, tuple[type[Any], dict[str, Any]]] = {
+    "layer": (qr.Layer, {"thickness": np.full(642, 20e-3)}),
+    "list": (qr.Layer, {"thickness": [20e-3] * 642}),
+    "number": (qr.Layer, {"thickness": np.array(20e-3)}),
+    "body": (qr.Body, {"fixed": HELD}),
+    "given": (qr.GivenMatrix, {"nodes": LAST, "compliance": 1e-3 * np.eye(12)}),
+}
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+def test_a_response_is_what_it_was_made_of_whatever_becomes_of_the_arrays(
+    name: str, surface: qr.Surface, tmp_path: Path
+) -> None:
+    kind, made_of = ARRAYS[name]
+    mine = copy.deepcopy(made_of)
+    response = kind(**mine)
+    prepared = skin_of(response).prepared(surface, LAST if kind is qr.Layer else None)
+    for values in mine.values():
+        if isinstance(values, list):
+            values[:] = [0.0] * len(values)
+        else:
+            values[...] = 0
+    prepared.save(tmp_path / "skin.npz")
+    loaded = qr.load_prepared(tmp_path / "skin.npz").skin.response
+    for one in (response, loaded, pickle.loads(pickle.dumps(response)), copy.deepcopy(response)):
+        for field, values in made_of.items():
+            kept = getattr(one, field)
+            np.testing.assert_array_equal(kept, values)
+            # A number is loaded as one.
+            if np.ndim(values) > 0 or one is not loaded:
+                with pytest.raises(ValueError, match="read-only"):
+                    kept[...] = 0
+    assert repr(response) == repr(kind(**made_of))
 
 
 def test_a_folder_that_is_missing_is_named(surface: qr.Surface, tmp_path: Path) -> None:

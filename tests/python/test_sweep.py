@@ -130,8 +130,12 @@ def test_a_step_is_solved_again_when_asked(by_depth: qr.Sweep) -> None:
     for step in (0, 2, -1):
         np.testing.assert_array_equal(by_depth[step].force, by_depth.force[step])
     assert [contact.status for contact in by_depth] == list(by_depth.status)
-    with pytest.raises(IndexError):
-        by_depth[3]
+    for step in (3, -4):
+        with pytest.raises(IndexError, match=rf"there is no step {step} in a sweep of 3 steps"):
+            by_depth[step]
+    for wrong in (slice(0, 1), 1.0, "1"):
+        with pytest.raises(TypeError, match=r"step is .*, expected an integer"):
+            by_depth[wrong]  # type: ignore[index]
 
 
 def test_forces_are_found_one_by_one(surface: qr.Surface) -> None:
@@ -150,8 +154,21 @@ def test_a_bad_step_is_nan_and_the_rest_goes_on(surface: qr.Surface) -> None:
     for name in ("depth", "force", "moment", *FIGURES):
         assert np.isnan(getattr(curve, name)[1]).all()
         assert np.isfinite(getattr(curve, name)[[0, 2]]).all()
-    with pytest.raises(qr.ContactError, match="not reached"):
+    with pytest.raises(qr.ContactError, match="not reached") as caught:
         curve[1]
+    assert curve.messages == ("", str(caught.value), "")
+    assert pickle.loads(pickle.dumps(curve)).messages == curve.messages
+    columns = qr.io.sweep_columns(curve)
+    assert (columns["status"], columns["message"]) == (list(curve.status), list(curve.messages))
+
+
+def test_a_step_that_the_response_refuses_says_why(surface: qr.Surface) -> None:
+    low = np.flatnonzero(surface.vertices[:, 2] < 1e-3)
+    options = qr.ContactOptions(target_error=None)
+    curve = qr.sweep(surface, PLATE, SKIN.prepared(surface, low), UP, depths=[0.5e-3, 4e-3], options=options)
+    assert curve.status == ("solved", "refused")
+    assert curve.messages[0] == ""
+    assert f"prepared for {len(low)} other vertices" in curve.messages[1]
 
 
 @pytest.mark.filterwarnings("ignore:.*not well posed:quasirigid.QuasirigidWarning")
@@ -161,6 +178,8 @@ def test_a_bad_ending_is_nan_with_its_status(fingertip: qr.Surface) -> None:
     curve = qr.sweep(fingertip, PLATE, skin, UP, depths=[2e-3, 0.1e-3])
     assert curve.status[0] not in ("solved", "no_contact")
     assert curve.status[1] == "solved"
+    assert curve.messages == (curve[0].advice, "")
+    assert curve.messages[0].startswith(curve.status[0])
     np.testing.assert_array_equal(np.isnan(curve.normal_force), [True, False])
     np.testing.assert_array_equal(curve.depth, [2e-3, 0.1e-3])
 
@@ -212,6 +231,7 @@ def test_a_sweep_becomes_a_data_frame(by_depth: qr.Sweep) -> None:
     np.testing.assert_array_equal(frame["depth (m)"], by_depth.depth)
     np.testing.assert_array_equal(frame["force_z (N)"], by_depth.force[:, 2])
     assert list(frame["status"]) == list(by_depth.status)
+    assert list(frame["message"]) == [""] * 3
 
 
 def test_a_sweep_is_drawn_over_its_depth(by_depth: qr.Sweep) -> None:

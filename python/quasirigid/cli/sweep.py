@@ -71,8 +71,11 @@ def sweep(
         files = _save(record, scene.out)
         if not talk.json:
             say("wrote " + ", ".join(map(str, files)))
-    bad = [status for status in curve.status if status not in ("solved", "no_contact")]
-    return refuse(f"{len(bad)} of {len(curve)} presses ended with {bad[0]!r}", status=1) if bad else 0
+    bad = [step for step, status in enumerate(curve.status) if status not in ("solved", "no_contact")]
+    if not bad:
+        return 0
+    status, message = curve.status[bad[0]], curve.messages[bad[0]]
+    return refuse(f"{len(bad)} of {len(curve)} presses ended with {status!r}: {message}", status=1)
 
 
 def _save(record: dict[str, Any], folder: Path) -> tuple[Path, ...]:

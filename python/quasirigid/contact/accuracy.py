@@ -37,13 +37,14 @@ class Accuracy:
         coarse.
     force_error : float or None
         Estimated error of the force over its length: `mesh_error` + `body_error`. None, here and below, where
-        no estimate was made; `Contact.left_out` says why.
+        no estimate was made; `Contact.left_out` says why. Infinite where the mesh is too coarse to tell, as
+        where it penetrates and nothing carries force.
     mesh_error, body_error : float or None
         What the mesh around the contact costs of that, and what the coarse mesh of a body does.
     area_error : float or None
         Estimated error of `contact_area` over it.
     max_pressure_error : float or None
-        Estimated error of `max_pressure` over it; infinite where a sharp edge carries force.
+        Estimated error of `max_pressure` over it; infinite where a sharp edge carries force too.
     """
 
     natural_residual: float

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import _core
-from .._check import as_float, as_float_or_none, as_integer, as_integer_or_none, short
+from .._check import as_boolean, as_float, as_float_or_none, as_integer, as_integer_or_none, short
 from ..lcp import LcpMethod, LcpMethodName
 
 __all__ = ["ContactOptions"]
@@ -31,7 +31,7 @@ class ContactOptions:
         Gap that may be left at the deformed skin where it touches, as a share of `max_penetration_before`.
     max_linearizations : int
         Most linear problems, each with gaps and normals taken at the skin as the one before deformed it; 1
-        takes them at the undeformed skin alone. The Galerkin form is solved with these alone.
+        takes them at the undeformed skin alone.
     rings : int or None
         Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
         entry (further vertices can never touch), 3 otherwise.
@@ -47,9 +47,10 @@ class ContactOptions:
     condition : bool
         Examine definiteness and condition of response matrices of any size; small ones always are.
     couple_fingers : bool
-        Let a kernel couple patches on different fingers too, through the air between them. False: patches
-        more than 1.5 times as far apart along the skin as in a straight line feel less of each other, and
-        from twice as far on nothing, unless that line runs inside the skin.
+        Let a kernel couple patches on different fingers too, through the air between them, as that beside
+        the parts of a `CombinedSkin` always does. False: patches more than 1.5 times as far apart along the
+        skin as in a straight line feel less of each other, and from twice as far on nothing, unless that line
+        runs inside the skin.
     max_growths : int
         How often candidates may be added before the solve gives up.
     """
@@ -70,7 +71,7 @@ class ContactOptions:
 
 
 def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
-    """Return the core's options, or its defaults; refuse what is no integer where one is due."""
+    """Return the core's options, or its defaults; refuse by name what is of another kind."""
     if options is None:
         options = ContactOptions()
     elif not isinstance(options, ContactOptions):
@@ -86,7 +87,7 @@ def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
         num_threads=as_integer_or_none("num_threads", options.num_threads),
         memory_limit=as_integer_or_none("memory_limit", options.memory_limit),
         search_distance=as_float_or_none("search_distance", options.search_distance),
-        condition=options.condition,
-        couple_fingers=options.couple_fingers,
+        condition=as_boolean("condition", options.condition),
+        couple_fingers=as_boolean("couple_fingers", options.couple_fingers),
         max_growths=as_integer("max_growths", options.max_growths),
     )

@@ -137,8 +137,9 @@ def press(
         Deepest overlap of obstacle and undeformed skin, `Contact.max_penetration_before` (m, > 0).
     start : {"infinity", "current"}
         "infinity": the depth counts from first touch, the position on the line of travel at which the
-        obstacle, coming from infinity, first brings a skin vertex to distance 0. "current": from where the
-        obstacle stands, which must be free of penetration.
+        obstacle, coming from infinity, first meets the skin: at a vertex or, with an edge, a corner or as a
+        round primitive, between vertices. "current": from where the obstacle stands, which must be free of
+        penetration.
     balance : {"none", "tilt"}
         "none": the obstacle travels and keeps its attitude. "tilt": it also turns, by 30 degrees at the most,
         until the moment on the skin about the tilt axes vanishes, as a plate that is held at one point

@@ -42,7 +42,8 @@ class Contact(Frozen):
     ----------
     status : ContactStatus
         "solved", "no_contact" (no error: all zero) or the ending of the complementarity problem. For any
-        other ending than these two the figures are nan, and `advice` says what happened and what to try.
+        other ending than these two the figures are nan, the skin is as it was, and `advice` says what happened
+        and what to try.
     surface : Surface
         The undeformed skin on the mesh that was solved: the given object itself, or that refined around the
         contact, whose first vertices are the given ones.
@@ -66,9 +67,9 @@ class Contact(Frozen):
     center_of_pressure : (3,) float64
         Mean of the deformed positions weighted by node force (m); nan without contact.
     contact_area : float
-        Sum of the vertex areas with f > 0 (m^2). In Galerkin form, the area within the rim that the gaps
-        beside it imply, between the vertices; under a sharp edge, where the gap opens with a step, that rim
-        is up to a cell too far in.
+        Area that carries force (m^2): in collocation on the mesh as given the sum of the vertex areas with
+        f > 0; on a refined mesh, and in Galerkin form on any, the area within the rim, which the gaps beside
+        it and sharp edges of the product place between the vertices.
     max_pressure : float
         Largest pressure at a vertex (Pa), ``pressure.max()``. In Galerkin form the largest between vertices
         too; there and with ``pressure="one_ring"`` never below the mean over a patch's contact area.

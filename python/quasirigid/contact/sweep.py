@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -77,7 +78,7 @@ class _Question:
 class Sweep(Frozen):
     """What presses to several depths or forces gave: one row a step (s of them), in the order asked.
 
-    A step that did not end solved has nan for its figures, and its status says why. ``sweep[i]`` is the
+    A step that did not end solved has nan for its figures, and its message says why. ``sweep[i]`` is the
     `Contact` of step i with the figures of its row, solved again after the steps before it: all are best
     asked for in order (``for contact in sweep``). For a force out of reach it raises, with the largest
     contact.
@@ -103,6 +104,8 @@ class Sweep(Frozen):
     status : tuple of str
         Each a `ContactStatus`, "not_reached" (a force out of reach), or "refused" where the response could
         not answer.
+    messages : tuple of str
+        Why a step has no figures, and what to try; "" where it has.
     warnings : tuple of tuple of (category, message)
         What each step warned of, as in `Contact.warnings`.
     """
@@ -117,6 +120,7 @@ class Sweep(Frozen):
     area_error: NDArray[np.float64]
     seconds: NDArray[np.float64]
     status: tuple[str, ...]
+    messages: tuple[str, ...]
     warnings: tuple[tuple[Warned, ...], ...]
     _question: _Question
 
@@ -125,12 +129,28 @@ class Sweep(Frozen):
         return len(self.status)
 
     def __getitem__(self, step: int) -> Contact:
-        """Return the contact of one step, solved again as it was: after all before it."""
-        step, warm = range(len(self))[step], _core.WarmStart()
+        """Return the contact of one step, solved again as it was: after all before it.
+
+        Raises
+        ------
+        TypeError
+            If `step` is no integer; an IndexError if there is no such step.
+        """
+        step, warm = self._number_of(step), _core.WarmStart()
         for before in range(step):
             with suppress(ContactError, ResponseError):
                 self._question.answer(before, warm)
         return end_of(self._question.answer(step, warm), throw=False, stacklevel=2)
+
+    def _number_of(self, step: int) -> int:
+        """Return the number of a step that may count from the end."""
+        try:
+            number = operator.index(step)
+        except TypeError:
+            raise TypeError(f"step is {short(step)}, expected an integer") from None
+        if not -len(self) <= number < len(self):
+            raise IndexError(f"there is no step {number} in a sweep of {len(self)} steps")
+        return number % len(self)
 
     def __iter__(self) -> Iterator[Contact]:
         """Solve one step after the other again."""
@@ -255,6 +275,7 @@ class _Rows:
         self.scalars = {name: np.full(count, np.nan) for name in _SCALARS}
         self.vectors = {name: np.full((count, 3), np.nan) for name in ("force", "moment")}
         self.status: list[str] = []
+        self.messages: list[str] = []
         self.warnings: list[tuple[Warned, ...]] = []
         self.errors: list[QuasirigidError] = []
 
@@ -268,11 +289,13 @@ class _Rows:
         except (ContactError, ResponseError) as error:
             reached = error.contact if isinstance(error, ContactError) else None
             self.status.append("refused" if reached is None else "not_reached")
+            self.messages.append(str(error))
             self.warnings.append(() if reached is None else reached.warnings)
             if reached is None:
                 self.errors.append(error)
         else:
             self.status.append(contact.status.value)
+            self.messages.append(contact.advice)
             self.warnings.append(contact.warnings)
             warn_of(contact.warnings, stacklevel=3)
             self._take(contact, question.direction, step)
@@ -303,6 +326,7 @@ class _Rows:
             **self.scalars,
             **self.vectors,
             status=tuple(self.status),
+            messages=tuple(self.messages),
             warnings=tuple(self.warnings),
             _question=question,
         )

@@ -109,7 +109,8 @@ def sweep_columns(sweep: Sweep) -> dict[str, Any]:
     Returns
     -------
     dict of str to array
-        In SI, the unit in each column's name, vectors as ``force_x (N)`` and so on; ``status`` last.
+        In SI, the unit in each column's name, vectors as ``force_x (N)`` and so on; ``status`` and
+        ``message`` last.
     """
     columns: dict[str, Any] = {}
     for name, unit in _SWEEP_UNITS.items():
@@ -118,7 +119,7 @@ def sweep_columns(sweep: Sweep) -> dict[str, Any]:
             columns |= {f"{name}_{axis} ({unit})": values[:, at] for at, axis in enumerate("xyz")}
         else:
             columns[f"{name} ({unit})" if unit else name] = values
-    return columns | {"status": list(sweep.status)}
+    return columns | {"status": list(sweep.status), "message": list(sweep.messages)}
 
 
 def sweep_dataframe(sweep: Sweep) -> Any:

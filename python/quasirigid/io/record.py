@@ -59,7 +59,8 @@ def contact_record(contact: Contact) -> dict[str, Any]:
     Returns
     -------
     dict
-        Ready for JSON: figures in SI as ``{"value": ..., "unit": ...}``, numbers that are not finite as None.
+        Ready for JSON: figures in SI as ``{"value": ..., "unit": ...}``; what is not known (nan, no estimate)
+        is None, an infinite error the word "Infinity", as `as_plain` writes it.
     """
     return {
         "status": str(contact.status),
@@ -92,11 +93,16 @@ def _refinement(one: Refinement) -> dict[str, Any]:
 
 
 def as_plain(value: Any) -> Any:
-    """Return any value as what JSON holds: arrays as lists, numbers that are not finite as None."""
+    """Return any value as what JSON holds: arrays as lists, nan as None, infinity as a word.
+
+    The word is "Infinity" or "-Infinity", which ``float`` reads, and ``Number`` in JavaScript.
+    """
     if value is None or isinstance(value, (bool, int)):
         return value
     if isinstance(value, float):
-        return value if math.isfinite(value) else None
+        if math.isinf(value):
+            return "Infinity" if value > 0.0 else "-Infinity"
+        return None if math.isnan(value) else value
     if isinstance(value, (np.generic, np.ndarray)):
         return as_plain(value.tolist())
     if isinstance(value, Mapping):

@@ -199,14 +199,16 @@ def _rows(contact: Contact) -> dict[str, str]:
     counts = len(contact.pressure), len(contact.candidates), len(contact.active)
     accuracy, rounds = contact.accuracy, _meshes(contact)
     force = float(np.linalg.norm(contact.force))
+    infinite = _infinite(contact)
     return {
         "status": str(contact.status),
-        "force": f"{force:.4g} N" + _estimated(accuracy.force_error),
+        "force": f"{force:.4g} N" + _estimated(accuracy.force_error, infinite),
         "force vector": f"{_vector(contact.force, 1.0)} N",
         "moment about the origin": f"{_vector(contact.moment, MM)} N mm",
         "center of pressure": f"{_vector(contact.center_of_pressure, MM)} mm",
-        "contact area": f"{contact.contact_area * MM**2:.4g} mm²" + _estimated(accuracy.area_error),
-        "peak pressure": f"{contact.max_pressure * KPA:.4g} kPa" + _estimated(accuracy.max_pressure_error),
+        "contact area": f"{contact.contact_area * MM**2:.4g} mm²" + _estimated(accuracy.area_error, infinite),
+        "peak pressure": f"{contact.max_pressure * KPA:.4g} kPa"
+        + _estimated(accuracy.max_pressure_error, infinite),
         "mean pressure over 1 cm²": _mean_pressure(contact, 1e-4),
         "mean pressure over 1 mm²": _mean_pressure(contact, 1e-6),
         "overlap before": f"{contact.max_penetration_before * MM:.4g} mm",
@@ -234,11 +236,20 @@ def _share(contact: Contact) -> dict[str, str]:
     return {"share of the product": f"{100.0 * share:.3g} %"}
 
 
-def _estimated(error: float | None) -> str:
-    """Return a relative error as in " ± 1 %"; nothing where there is none."""
+def _infinite(contact: Contact) -> str:
+    """Return in words what an infinite error of a contact means; on a sharp edge the peak's alone is."""
+    if len(contact.active) == 0:
+        return "not known: nothing carries force"
+    of_force = contact.accuracy.force_error
+    is_known = of_force is not None and np.isfinite(of_force)
+    return "infinite on a sharp edge" if is_known else "not known: mesh too coarse"
+
+
+def _estimated(error: float | None, infinite: str) -> str:
+    """Return a relative error as in " ± 1 %", an infinite one in words; nothing where there is none."""
     if error is None:
         return ""
-    return f" ± {_percent(error)}" if np.isfinite(error) else ", infinite on a sharp edge"
+    return f" ± {_percent(error)}" if np.isfinite(error) else f", {infinite}"
 
 
 def _percent(error: float | None) -> str:

@@ -7,7 +7,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
-from .._check import as_float, as_integer_or_none, as_integers
+from .._check import as_boolean, as_float, as_integer_or_none, as_integers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -81,6 +81,6 @@ class LcpOptions:
             initial_active=guess,
             covering=self.covering,
             definiteness=self.definiteness,
-            crash=self.crash,
-            known_p_matrix=self.known_p_matrix,
+            crash=as_boolean("crash", self.crash),
+            known_p_matrix=as_boolean("known_p_matrix", self.known_p_matrix),
         )

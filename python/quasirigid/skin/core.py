@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import _core
-from .._check import as_float_or_none, as_integer_or_none, as_mask, short
-from ..errors import ResponseError
+from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, short
+from ..errors import CutWarning, ResponseError
 from .progress import Progress, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
@@ -50,7 +51,7 @@ def build_prepared(
     nodes: ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> _core.Skin:
-    """Return the response computed once at nodes; None: the skin mask, less the fixed vertices of a body."""
+    """Return the response computed once at nodes; None: the skin mask, less what a body holds."""
     _check_surface("surface", surface)
     chosen = None if nodes is None else np.asarray(nodes)
     if isinstance(response, GivenMatrix):
@@ -79,8 +80,9 @@ def _build_body(
     fixed = body.fixed
     if fixed is not None:
         fixed = as_mask("fixed", fixed, len(surface.vertices), ResponseError)
+    held = np.zeros(len(surface.vertices), dtype=bool) if fixed is None else _held(fixed, surface)
     if nodes is None:
-        nodes = np.flatnonzero(surface.skin_mask if fixed is None else surface.skin_mask & ~fixed)
+        nodes = np.flatnonzero(surface.skin_mask & ~held)
     return _core.Skin.body(
         surface,
         *material,
@@ -88,11 +90,25 @@ def _build_body(
         fixed,
         nodes,
         coarse_edge_length=as_float_or_none("coarse_edge_length", body.coarse_edge_length),
-        bone_pressure=body.bone_pressure,
+        bone_pressure=as_boolean("bone_pressure", body.bone_pressure),
         num_threads=None,
         memory_limit=as_integer_or_none("memory_limit", body.memory_limit, ResponseError),
         progress=stage_reporter(progress),
     )
+
+
+def _held(fixed: NDArray[np.bool_], surface: Surface) -> NDArray[np.bool_]:
+    """Return which vertices a body holds, those of fixed faces, and warn of others that are marked."""
+    held = np.zeros_like(fixed)
+    held[surface.faces[fixed[surface.faces].all(axis=1)]] = True
+    loose = np.flatnonzero(fixed & ~held)
+    if held.any() and len(loose) > 0:
+        why = (
+            f"{len(loose)} of the fixed vertices (first: {loose[0]}) belong to no face that is fixed at all "
+            "three corners: they stay free; mark the faces around them whole"
+        )
+        warnings.warn(why, CutWarning, stacklevel=5)
+    return held
 
 
 def _build_given(material: Material, given: GivenMatrix, surface: Surface) -> _core.Skin:

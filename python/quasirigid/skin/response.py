@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from .._check import as_choice
+from .._frozen import Frozen
 from ..errors import ResponseError
 
 if TYPE_CHECKING:
@@ -45,14 +46,17 @@ class Discretization(StrEnum):
 
 _Pressure = PressureBasis | Literal["linear", "one_ring"]
 _Discretization = Discretization | Literal["collocation", "galerkin"] | None
+# Fields that hold an array, or may.
+_ARRAYS = ("thickness", "fixed", "nodes", "compliance")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class _Response:
-    """Base of the responses: words are checked, and the repr has one line, of what is no default."""
+class _Response(Frozen):
+    """Base of the responses: words are checked, arrays copied, the repr is one line, less the defaults."""
 
     def __post_init__(self) -> None:
         given = vars(self)
+        given |= {name: _kept(given[name]) for name in _ARRAYS if name in given}
         if "pressure" in given:
             given["pressure"] = as_choice("pressure", given["pressure"], PressureBasis, ResponseError)
         if given.get("discretization") is not None:
@@ -64,6 +68,19 @@ class _Response:
         values = ((field, getattr(self, field.name)) for field in dataclasses.fields(self))
         given = (f"{field.name}={_shown(value)}" for field, value in values if value is not field.default)
         return f"{type(self).__name__}({', '.join(given)})"
+
+
+def _kept(value: Any) -> Any:
+    """Return an array, or rows of numbers, as a read-only copy; all else stays, for whoever refuses it."""
+    try:
+        array = np.array(value)
+    except ValueError:
+        return value
+    has_rows = array.ndim > 0 and array.dtype.kind in "biuf"
+    if not (has_rows or isinstance(value, np.ndarray)):
+        return value
+    array.flags.writeable = False
+    return array
 
 
 def _shown(value: object) -> str:
@@ -210,8 +227,8 @@ class Body(_Response):
     bone : Surface, optional
         Rigid bones inside the skin, each a closed surface.
     fixed : (n,) array_like of bool, optional
-        Skin vertices that do not move, such as those of a finger's cut end. A body needs a bone or fixed
-        vertices.
+        Skin vertices that do not move, such as those of a finger's cut end: those of faces with all three
+        corners marked; a vertex marked without such a face stays free. A body needs a bone or fixed vertices.
     memory_limit : int, optional
         Largest memory of the preparation (bytes); what the system has free when left out, where it says so.
     bone_pressure : bool
