@@ -135,7 +135,6 @@ def test_an_added_vertex_may_touch_where_both_its_parents_may(pressed: Pressed) 
     assert mask[contact.candidates].all()
 
 
-@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 def test_a_refined_contact_leaves_out_what_was_seen_of_the_whole_skin() -> None:
     tip, refined = fingertip_on_plate()
     whys = {one.what: one.why for one in refined.left_out}
@@ -143,6 +142,7 @@ def test_a_refined_contact_leaves_out_what_was_seen_of_the_whole_skin() -> None:
     assert f"of {len(tip.vertices)} vertices" in whys["exact distance of far vertices"]
 
 
+@pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 def test_nothing_presses_beside_a_mask_that_cuts_through_the_contact() -> None:
     surface = jittered_ball(1)
     masked = surface.with_skin_mask(surface.vertices[:, 0] > 0)

@@ -42,8 +42,8 @@ class Contact(Frozen):
     ----------
     status : ContactStatus
         "solved", "no_contact" (no error: all zero) or the ending of the complementarity problem. For any
-        other ending than these two the figures are nan, the skin is as it was, and `advice` says what happened
-        and what to try.
+        other ending than these two the figures are nan, the skin is as it was, and `advice` says what
+        happened and what to try.
     surface : Surface
         The undeformed skin on the mesh that was solved: the given object itself, or that refined around the
         contact, whose first vertices are the given ones.
