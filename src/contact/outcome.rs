@@ -211,6 +211,8 @@ pub(crate) struct Clues {
     pub ends_at_edges: f64,
     /// Whether gaps taken anew at the deformed skin led to no better answer.
     pub is_unsettled: bool,
+    /// Vertices that penetrate away from all force, as averages over their triangles feel nothing of it.
+    pub unfelt: Vec<usize>,
 }
 
 impl Contact {

@@ -160,6 +160,13 @@ impl RedGreen {
         }
     }
 
+    /// How far the middle of an edge stands out from between its ends, along their normals (m).
+    pub fn bulge(&self, mesh: &SmoothMesh, a: u32, b: u32) -> f64 {
+        let between = 0.5 * (self.point(mesh, a) + self.point(mesh, b));
+        let outward = self.normal(mesh, a) + self.normal(mesh, b);
+        (self.middle_point(mesh, a, b) - between).dot(&outward) / outward.norm()
+    }
+
     /// Vertex in the middle of an edge, if it is halved.
     fn middle_of(&self, a: u32, b: u32) -> Option<u32> {
         self.sides.get(&edge(a, b)).map(|side| side.middle).filter(|&middle| middle != NONE)

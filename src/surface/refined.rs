@@ -87,6 +87,12 @@ impl MeshRefinement {
         [middle(a, b), middle(b, c), middle(c, a)]
     }
 
+    /// How far these stand out from the straight edges along the outward normals (m).
+    pub fn bulges(&self, leaf: usize) -> [f64; 3] {
+        let (mesh, corners) = (smooth(&self.given), self.mesh.leaves[leaf].corners);
+        [0, 1, 2].map(|side| self.mesh.bulge(&mesh, corners[side], corners[(side + 1) % 3]))
+    }
+
     /// The two vertices that each added one lies between, by their numbers in the whole refined surface.
     pub fn parents(&self) -> Vec<[usize; 2]> {
         self.mesh.middles.iter().map(|middle| middle.ends.map(|end| end as usize)).collect()
@@ -192,6 +198,14 @@ impl RefinedSurface {
     }
 
     /// The same of several.
+    /// The vertex here of one of the whole, if it is one.
+    pub(crate) fn row(&self, number: usize) -> Option<usize> {
+        match number.checked_sub(self.given_count) {
+            None => self.given_vertices.binary_search(&number).ok(),
+            Some(added) => Some(self.given_vertices.len() + added).filter(|_| added < self.parents.len()),
+        }
+    }
+
     pub(crate) fn numbers(&self, vertices: &[usize]) -> Vec<usize> {
         vertices.iter().map(|&vertex| self.number(vertex)).collect()
     }

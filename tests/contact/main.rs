@@ -19,6 +19,7 @@ mod galerkin;
 mod guards;
 mod hertz;
 mod parts;
+mod patches;
 mod prepared;
 mod press;
 mod reach;

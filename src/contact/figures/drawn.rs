@@ -10,7 +10,7 @@ use crate::contact::figures::displacement::drawn_vector;
 use crate::contact::figures::fade::Fade;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
-use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::elastic::{Displacements, ElasticSkin};
 use crate::surface::checked::Surface;
 
 /// The skin under the forces of a contact.
@@ -59,13 +59,10 @@ impl Contact {
 
     fn draw(&self, skin: &dyn ElasticSkin, options: &ContactOptions) -> Result<DrawnSkin, ContactError> {
         let surface = self.surface();
-        let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
         let motion = &self.drawing.motion;
-        let Fingers { candidates, coupling, .. } = &self.drawing.fingers;
-        let fingers = &Fingers::known(surface, candidates.clone(), coupling);
-        let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
+        let fingers = &self.known_fingers();
         let everywhere: Vec<usize> = (0..surface.vertices().len()).collect();
-        let found = response.displace_coarsely(forces, &everywhere)?;
+        let found = self.displacements(skin, fingers, &everywhere, options)?;
 
         let mut displacement: Vec<Vector3<f64>> =
             everywhere.iter().map(|&vertex| drawn_vector(&found, vertex)).collect();
@@ -83,6 +80,37 @@ impl Contact {
         let moved = surface.vertices().iter().zip(&displacement).map(|(x, u)| x + u).collect();
         let deformed = surface.with_vertices(moved);
         Ok(DrawnSkin { displacement, fade_distance: fade.distance, volume_change, deformed })
+    }
+
+    /// How some vertices move (m), without a fade.
+    ///
+    /// * `skin`: that of the mesh that the contact was solved on
+    pub(crate) fn moved(
+        &self,
+        skin: &dyn ElasticSkin,
+        vertices: &[usize],
+        options: &ContactOptions,
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
+        let found = self.displacements(skin, &self.known_fingers(), vertices, options)?;
+        Ok((0..vertices.len()).map(|row| drawn_vector(&found, row)).collect())
+    }
+
+    fn known_fingers(&self) -> Fingers {
+        let Fingers { candidates, coupling, .. } = &self.drawing.fingers;
+        Fingers::known(self.surface(), candidates.clone(), coupling)
+    }
+
+    fn displacements(
+        &self,
+        skin: &dyn ElasticSkin,
+        fingers: &Fingers,
+        vertices: &[usize],
+        options: &ContactOptions,
+    ) -> Result<Displacements, ContactError> {
+        let surface = self.surface();
+        let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
+        let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
+        response.displace_coarsely(forces, vertices)
     }
 }
 

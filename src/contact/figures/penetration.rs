@@ -13,8 +13,11 @@ use crate::contact::gap::edge::SkinPart;
 use crate::contact::gap::initial::{Gaps, triangles_among};
 use crate::contact::gap::measured::Measured;
 
+/// Penetration, as a share of that before, that may stay away from all force.
+pub(crate) const LITTLE: f64 = 0.02;
+
 /// What penetration is left.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct Penetration {
     /// The deepest (m, ≥ 0).
     pub depth: f64,
@@ -23,6 +26,8 @@ pub(crate) struct Penetration {
     /// Longest side of a triangle over that of the undeformed one, at the most (≥ 1); 1 where a vertex is that deep or
     /// displacements are known in all directions.
     pub stretch: f64,
+    /// Vertices that penetrate by more than a little away from all force, as averages over their triangles feel nothing of it.
+    pub unfelt: Vec<usize>,
 }
 
 /// Deepest penetration of skin and obstacle into one another, where the forces put the skin.
@@ -36,7 +41,7 @@ pub(crate) fn penetration_after(
         // Nothing has moved.
         let (depth, of_vertices) = (gaps.deepest(), gaps.undeformed());
         let is_at_vertex = of_vertices.into_iter().any(|gap| -gap >= depth);
-        return Ok(Penetration { depth, is_at_vertex, stretch: 1.0 });
+        return Ok(Penetration { depth, is_at_vertex, stretch: 1.0, unfelt: gaps.penetrating.clone() });
     }
     let surface = gaps.surface;
     let mut vertices = forces.candidates.clone();
@@ -74,5 +79,11 @@ pub(crate) fn penetration_after(
         let rows = corners.map(|corner| corner as usize);
         longest(rows.map(|row| points[row])) / longest(rows.map(|row| surface.vertices()[vertices[row]]))
     });
-    Ok(Penetration { depth, is_at_vertex, stretch: stretch.fold(1.0, f64::max) })
+    let is_free = |vertex: usize| forces.force[vertex] == 0.0;
+    let is_unfelt = |(&vertex, &depth): (&usize, &f64)| {
+        let mut beside = surface.neighbours(vertex).iter().map(|&other| other as usize);
+        (depth > LITTLE * reach && is_free(vertex) && beside.all(is_free)).then_some(vertex)
+    };
+    let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
+    Ok(Penetration { depth, is_at_vertex, stretch: stretch.fold(1.0, f64::max), unfelt })
 }

@@ -3,15 +3,21 @@
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
+use crate::contact::figures::penetration::LITTLE;
 use crate::contact::gap::measured::Measured;
+use crate::contact::options::ContactOptions;
+use crate::contact::outcome::Contact;
 use crate::contact::scene::first_touch;
 use crate::obstacle::posed::Obstacle;
-use crate::response::skin::elastic::Traits;
+use crate::response::kernel::basis::Discretization;
+use crate::response::skin::elastic::{ElasticSkin, Traits};
 use crate::surface::checked::Surface;
-use crate::surface::refined::MeshRefinement;
+use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// Most times that a triangle is cut to find a first touch: each quarters how far its middle stands out.
 const MOST_CUTS: usize = 8;
+/// How much farther than its middle a curved face may stand out from the straight edge: where it is cut, a quarter is left.
+const BEYOND_MIDDLE: f64 = 0.25;
 /// Farthest that a point of a curved face lies from its nearest corner, as a share of the longest edge: in its plane
 /// 1/√3, and a quarter over it, as edges meet at no more than sharp angles.
 const FARTHEST_POINT: f64 = 0.85;
@@ -76,15 +82,16 @@ pub(crate) fn too_large(mesh: &MeshRefinement, corners: &[usize], longest: f64) 
     marked
 }
 
-/// Marks triangles of the given surface too that no vertex of feels the obstacle but a curved middle does.
+/// Triangles of the given surface that a curved middle of is in the obstacle and no vertex need be.
 ///
 /// * `gap`: of the given surface's vertices (m)
-pub(crate) fn add_pressed_middles(
+/// * `is_marked`: triangles that are not looked at
+pub(crate) fn pressed_between(
     mesh: &MeshRefinement,
     gap: &[f64],
     obstacle: &Obstacle,
-    marked: &mut [bool],
-) -> Result<(), ContactError> {
+    is_marked: &[bool],
+) -> Result<Vec<usize>, ContactError> {
     let mask = mesh.given().skin_mask();
     let may_press = |leaf: &usize| {
         let corners = mesh.corners(*leaf);
@@ -92,22 +99,79 @@ pub(crate) fn add_pressed_middles(
         corners.iter().all(|&vertex| vertex < mask.len() && mask[vertex])
             && corners.iter().any(|&vertex| gap[vertex] < FARTHEST_POINT * longest_edge(mesh.given(), vertex))
     };
-    let leaves: Vec<usize> = (0..marked.len()).filter(|&leaf| !marked[leaf]).filter(may_press).collect();
-    pressed_middles(mesh, &leaves, obstacle)?.into_iter().for_each(|leaf| marked[leaf] = true);
-    Ok(())
+    let leaves = (0..is_marked.len()).filter(|&leaf| !is_marked[leaf]).filter(may_press).collect();
+    with_pressed_middle(mesh, leaves, obstacle, |_| 0.0, |_| Vector3::zeros())
 }
 
-/// Those of some triangles that a curved middle of is in the obstacle.
-fn pressed_middles(
+/// Triangles without force that stand out between their vertices so far that they touch where the skin has moved to, by
+/// more than a little: as another patch begins to.
+///
+/// * `contact`: on `part` of the mesh
+/// * `skin`: of the given surface
+pub(crate) fn touched_between(
     mesh: &MeshRefinement,
-    leaves: &[usize],
-    obstacle: &Obstacle,
+    part: &RefinedSurface,
+    contact: &Contact,
+    skin: &dyn ElasticSkin,
+    options: &ContactOptions,
 ) -> Result<Vec<usize>, ContactError> {
-    let middles: Vec<_> = leaves.iter().flat_map(|&leaf| mesh.curved_middles(leaf)).collect();
-    let measured = Measured::near(&middles, obstacle, 0.0, None)?;
-    let gaps = leaves.iter().zip(measured.distance.as_chunks::<3>().0);
-    let pressed = gaps.filter(|(_, gaps)| gaps.iter().any(|&gap| gap < 0.0));
-    Ok(pressed.map(|(&leaf, _)| leaf).collect())
+    let felt = match contact.accuracy.discretization {
+        Discretization::Collocation => contact.active.clone(),
+        // Averages over the triangles of the vertices beside are closed or open.
+        Discretization::Galerkin => part.surface.k_ring(&contact.active, 1),
+    };
+    let mut felt = part.numbers(&felt);
+    felt.sort_unstable();
+    let is_felt = loaded(mesh, &felt);
+    let mask = part.surface.skin_mask();
+    // Against an obstacle that is flat beside the triangle, with gaps that are no larger than they are where it moved.
+    let may_touch = |leaf: &usize| {
+        let rows = mesh.corners(*leaf).map(|corner| part.row(corner));
+        let [Some(a), Some(b), Some(c)] = rows else { return false };
+        let gaps = [[a, b], [b, c], [c, a]].map(|[from, to]| 0.5 * (contact.gap[from] + contact.gap[to]));
+        let is_near = |(gap, bulge)| gap < (1.0 + BEYOND_MIDDLE) * bulge;
+        mask[a] && mask[b] && mask[c] && gaps.into_iter().zip(mesh.bulges(*leaf)).any(is_near)
+    };
+    let leaves: Vec<usize> = (0..is_felt.len()).filter(|&leaf| !is_felt[leaf]).filter(may_touch).collect();
+    if leaves.is_empty() || contact.active.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut corners: Vec<usize> = leaves.iter().flat_map(|&leaf| mesh.corners(leaf)).collect();
+    corners.sort_unstable();
+    corners.dedup();
+    let rows: Vec<usize> = corners.iter().filter_map(|&corner| part.row(corner)).collect();
+    let on_part = skin.refined(part)?.expect("a skin that was refined before");
+    let moved = contact.moved(&*on_part, &rows, options)?;
+    let moved =
+        |corner: usize| corners.binary_search(&corner).map_or_else(|_| Vector3::zeros(), |at| moved[at]);
+    let little = LITTLE * contact.max_penetration_before;
+    with_pressed_middle(mesh, leaves, &contact.obstacle, |bulge| BEYOND_MIDDLE * bulge - little, moved)
+}
+
+/// Those of some triangles that have a curved middle as near to the obstacle, or as deep in it, as is asked for.
+///
+/// * `most`: gap (m) of a middle below which it is, by how far it stands out from the straight edge (m)
+/// * `moved`: how far corners have moved (m)
+fn with_pressed_middle(
+    mesh: &MeshRefinement,
+    mut leaves: Vec<usize>,
+    obstacle: &Obstacle,
+    most: impl Fn(f64) -> f64,
+    moved: impl Fn(usize) -> Vector3<f64>,
+) -> Result<Vec<usize>, ContactError> {
+    let places = leaves.iter().flat_map(|&leaf| {
+        let [a, b, c] = mesh.corners(leaf).map(&moved);
+        let [ab, bc, ca] = mesh.curved_middles(leaf);
+        [ab + 0.5 * (a + b), bc + 0.5 * (b + c), ca + 0.5 * (c + a)]
+    });
+    let most: Vec<f64> = leaves.iter().flat_map(|&leaf| mesh.bulges(leaf)).map(most).collect();
+    let reach = most.iter().copied().fold(0.0, f64::max);
+    let measured = Measured::near(&places.collect::<Vec<_>>(), obstacle, reach, None)?;
+    let is_pressed =
+        |(gaps, most): (&[f64; 3], &[f64; 3])| gaps.iter().zip(most).any(|(gap, most)| gap < most);
+    let mut pressed = measured.distance.as_chunks().0.iter().zip(most.as_chunks().0).map(is_pressed);
+    leaves.retain(|_| pressed.next().is_some_and(|is_pressed| is_pressed));
+    Ok(leaves)
 }
 
 /// Travel (m) at which the obstacle, coming from infinity along a unit direction, first touches the smooth skin: triangles
@@ -119,8 +183,8 @@ pub(crate) fn touch_of_smooth_skin(
 ) -> Result<f64, ContactError> {
     let mut travel = first_touch(surface, obstacle, direction)?;
     let pressed_at = |mesh: &MeshRefinement, travel: f64| {
-        let leaves: Vec<usize> = (0..mesh.leaf_count()).collect();
-        pressed_middles(mesh, &leaves, &obstacle.translated(&(travel * direction)))
+        let placed = obstacle.translated(&(travel * direction));
+        with_pressed_middle(mesh, (0..mesh.leaf_count()).collect(), &placed, |_| 0.0, |_| Vector3::zeros())
     };
     let mask = surface.skin_mask();
     let may_touch = |face: &u32| surface.faces()[*face as usize].iter().all(|&corner| mask[corner as usize]);

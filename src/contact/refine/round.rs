@@ -12,13 +12,11 @@ const SMALL_PENETRATION: f64 = 0.02;
 const SMALL_SHARE: f64 = 0.6;
 
 impl Contact {
-    /// Vertices under force; those that penetrate where averages over their triangles feel nothing of it.
+    /// Vertices under force, and those that penetrate where averages over their triangles feel nothing of it, ascending.
     pub(crate) fn pressed(&self) -> Vec<usize> {
-        if !self.active.is_empty() {
-            return self.active.clone();
-        }
-        let may_touch = self.surface().skin_mask();
-        (0..self.gap.len()).filter(|&vertex| may_touch[vertex] && self.gap[vertex] < 0.0).collect()
+        let mut pressed = [&self.active[..], &self.clues.unfelt].concat();
+        pressed.sort_unstable();
+        pressed
     }
 
     /// Whether the mesh costs so little of the force that more of it is for the area alone.
@@ -27,10 +25,10 @@ impl Contact {
     }
 
     /// Whether the mesh is so fine that between its vertices next to no penetration is left; more may stay on sharp edges
-    /// and in Galerkin form.
+    /// and, beside what carries force, in Galerkin form.
     pub(crate) fn is_free_of_penetration(&self) -> bool {
         self.clues.edge.is_some()
-            || self.accuracy.discretization == Discretization::Galerkin
+            || self.accuracy.discretization == Discretization::Galerkin && self.clues.unfelt.is_empty()
             || self.max_penetration_after <= SMALL_PENETRATION * self.max_penetration_before
     }
 

@@ -8,7 +8,7 @@ use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Clues, Contact, ContactStatus};
 use crate::contact::refine::estimate::MeshError;
-use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
+use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
@@ -93,7 +93,15 @@ pub(crate) fn begin<'a>(
     let near = faces_near(&given.gap, &given.candidates, deepest, &surface, &traits);
     let mesh = MeshRefinement::new(&surface, near);
     let meshes = Meshes { given, mesh, last: None };
-    Ok(Begun::Rounds(Box::new(Rounds { meshes, placement, skin, options, target })))
+    Ok(Begun::Rounds(Box::new(Rounds {
+        meshes,
+        between: Vec::new(),
+        touches_elsewhere_alone: false,
+        placement,
+        skin,
+        options,
+        target,
+    })))
 }
 
 /// Mean thickness of the tissue under some vertices (m), where it is known.
@@ -105,6 +113,10 @@ fn mean_tissue(vertices: &[usize], skin: &dyn ElasticSkin) -> Option<f64> {
 /// The rounds of a refinement.
 pub(crate) struct Rounds<'a> {
     pub meshes: Meshes,
+    /// Triangles away from all force that the obstacle touches between their vertices.
+    between: Vec<usize>,
+    /// Whether the mesh is fine enough but for where it is touched away from all force.
+    touches_elsewhere_alone: bool,
     placement: &'a Placement<'a>,
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions<'a>,
@@ -167,14 +179,17 @@ impl Rounds<'_> {
                 edge.edge_length * CELLS_PER_DEPTH_ON_EDGE <= contact.max_penetration_before
             });
             let left_before = std::mem::replace(&mut left, contact.max_penetration_after);
-            let is_resolved = contact.is_free_of_penetration()
-                || left > SETTLING * left_before
-                || contact.candidates.len() > FEW_NODES;
+            self.between = touched_between(&self.meshes.mesh, &part, &contact, self.skin, self.options)?;
+            let touches_elsewhere = !self.between.is_empty() || !contact.clues.unfelt.is_empty();
+            let is_met = error.is_some_and(|error| error.worst() <= self.target);
+            self.touches_elsewhere_alone = is_met && touches_elsewhere;
+            let is_resolved = !touches_elsewhere
+                && (contact.is_free_of_penetration()
+                    || left > SETTLING * left_before
+                    || contact.candidates.len() > FEW_NODES);
             self.meshes.last = Some((part, contact));
             match error {
-                Some(error) if error.worst() <= self.target && is_resolved => {
-                    return Ok(MET);
-                }
+                Some(_) if is_met && is_resolved => return Ok(MET),
                 Some(_) if is_fine_on_edge => return Ok("a sharp edge"),
                 Some(error) => {
                     unsettled =
@@ -190,10 +205,13 @@ impl Rounds<'_> {
         Ok("the most rounds")
     }
 
-    /// Vertices whose triangles are too large, by their numbers in the whole refined surface: all under force, or those at the
-    /// rim where the force is known well enough and the area is not.
+    /// Vertices whose triangles are too large, by their numbers in the whole refined surface: all that are pressed, those at the
+    /// rim where the force is known well enough and the area is not, or those away from all force where both are.
     fn wanting(&self, is_for_area: bool) -> Vec<usize> {
         let Some((part, contact)) = &self.meshes.last else { return self.meshes.given.pressed() };
+        if self.touches_elsewhere_alone {
+            return part.numbers(&contact.clues.unfelt);
+        }
         let active = contact.pressed();
         if !is_for_area {
             return active.into_iter().map(|vertex| part.number(vertex)).collect();
@@ -206,13 +224,11 @@ impl Rounds<'_> {
     /// Triangles to cut.
     fn marked(&self, wanting: &[usize]) -> Result<Vec<bool>, ContactError> {
         let mut marked = loaded(&self.meshes.mesh, wanting);
+        self.between.iter().for_each(|&leaf| marked[leaf] = true);
         if self.meshes.last.is_none() {
-            add_pressed_middles(
-                &self.meshes.mesh,
-                &self.meshes.given.gap,
-                &self.meshes.given.obstacle,
-                &mut marked,
-            )?;
+            let given = &self.meshes.given;
+            let between = pressed_between(&self.meshes.mesh, &given.gap, &given.obstacle, &marked)?;
+            between.into_iter().for_each(|leaf| marked[leaf] = true);
         }
         Ok(marked)
     }

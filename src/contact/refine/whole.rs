@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
-use crate::contact::outcome::{Contact, ContactMesh, LeftOut, Patch};
+use crate::contact::outcome::{Clues, Contact, ContactMesh, LeftOut, Patch};
 use crate::contact::report::left_out::{FAR_VERTICES, FINGER_COUPLING, MASKED_VERTICES};
 use crate::contact::report::record::add_timings;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
@@ -41,6 +41,7 @@ pub(crate) fn into_whole(
         patches: contact.patches.iter().map(patch).collect(),
         loaded: contact.loaded.in_whole(part, [mesh.given().vertices().len(), count]),
         mesh: ContactMesh::refined(mesh),
+        clues: Clues { unfelt: numbers(&contact.clues.unfelt), ..contact.clues.clone() },
         timings,
         left_out,
         drawing: Drawing { fingers, motion },

@@ -92,6 +92,7 @@ impl WarmMesh {
         let nodes = contact.candidates.len();
         contact.status == ContactStatus::Solved
             && (contact.clues.edge.is_none() || self.refined_for.is_on_edge)
+            && contact.clues.unfelt.is_empty()
             && (contact.is_free_of_penetration() || nodes > FEW_NODES)
             && (1.0 / ANOTHER_SIZE..=ANOTHER_SIZE).contains(&ratio)
             && nodes <= self.most_nodes()

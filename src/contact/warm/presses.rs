@@ -13,7 +13,7 @@ use crate::contact::press::{press, unit};
 use crate::contact::reach::goal::{FARTHER, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, Trials};
 use crate::contact::reach::search::Search;
-use crate::contact::refine::mark::{add_pressed_middles, faces_near, loaded};
+use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::rounds::{Begun, MET, begin};
 use crate::contact::report::guards::Guarded;
@@ -231,7 +231,8 @@ impl Presses<'_> {
         let edges = (contact.travel - warm.meshes.given.travel).abs() / self.surface.mean_edge_length();
         let has_more_patches = contact.patches.len() > warm.last().1.patches.len();
         if edges <= FARTHER && !has_more_patches {
-            return Ok(Some(View::Same));
+            let is_touched = self.cut_between(warm, contact, false)?;
+            return Ok(Some(if is_touched { View::Another } else { View::Same }));
         }
         let depth = contact.depth.expect("a press has a depth");
         let traits = self.skin.traits(self.surface)?.with_product(self.obstacle.material());
@@ -260,24 +261,34 @@ impl Presses<'_> {
         };
         warm.meshes.given.travel = contact.travel;
         let is_wider = warm.meshes.mesh.take(near);
-        let is_pressed = self.cut_pressed_middles(warm, contact)?;
-        Ok(Some(match (is_felt_anew || is_pressed || edges > FARTHEST, is_wider) {
+        let is_touched = self.cut_between(warm, contact, true)?;
+        Ok(Some(match (is_felt_anew || is_touched || edges > FARTHEST, is_wider) {
             (true, _) => View::Another,
             (false, true) => View::Wider,
             (false, false) => View::Same,
         }))
     }
 
-    /// Cuts triangles of the given mesh that no vertex of carries force and a curved middle is pressed of; whether there
-    /// are some.
-    fn cut_pressed_middles(&self, warm: &mut WarmMesh, contact: &Contact) -> Result<bool, ContactError> {
+    /// Cuts triangles without force that the obstacle touches between their vertices; whether there are some.
+    ///
+    /// * `looks_around`: also those of the given mesh that a curved middle of is in the obstacle before the skin moves
+    fn cut_between(
+        &self,
+        warm: &mut WarmMesh,
+        contact: &Contact,
+        looks_around: bool,
+    ) -> Result<bool, ContactError> {
         let Meshes { given, mesh, .. } = &warm.meshes;
-        let under_force = loaded(mesh, &warm.last().0.numbers(&contact.active));
-        let mut marked = under_force.clone();
-        add_pressed_middles(mesh, &given.gap, &contact.obstacle, &mut marked)?;
-        marked.iter_mut().zip(under_force).for_each(|(marked, known)| *marked &= !known);
+        let (part, _) = warm.last();
+        let mut between = touched_between(mesh, part, contact, self.skin, self.options)?;
+        if looks_around {
+            let under_force = loaded(mesh, &part.numbers(&contact.active));
+            between.extend(pressed_between(mesh, &given.gap, &contact.obstacle, &under_force)?);
+        }
+        let mut marked = vec![false; mesh.leaf_count()];
+        between.iter().for_each(|&leaf| marked[leaf] = true);
         warm.meshes.mesh.refine(&marked);
-        Ok(marked.contains(&true))
+        Ok(!between.is_empty())
     }
 
     /// Puts what is known of the last contact onto the mesh, which has changed.
