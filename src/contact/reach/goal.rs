@@ -8,6 +8,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached};
 use crate::contact::reach::search::Search;
+use crate::contact::refine::meshes::is_of_another_size;
 use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
 use crate::contact::scene::{Approach, Inherited, Placement};
 use crate::obstacle::posed::Obstacle;
@@ -88,6 +89,7 @@ impl Task<'_> {
                 Begun::Rounds(rounds) => *rounds,
             };
             let reason = rounds.run()?;
+            let refined_for = rounds.meshes.last_area();
             let Some(why) = self.search_again(&mut rounds, power)? else {
                 return rounds.conclude(reason);
             };
@@ -99,8 +101,9 @@ impl Task<'_> {
                 return rounds.conclude(reason);
             };
             let farther = found.travel - travel > FARTHER * self.surface.mean_edge_length();
-            let was_met = reason == MET;
-            if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
+            let (area, was_met) = (found.resultant.contact_area, reason == MET);
+            let is_to_mend = was_met && (error > rounds.target || farther);
+            if refinement == REFINEMENTS || !is_to_mend && !is_of_another_size(area, refined_for) {
                 return rounds.conclude(reason);
             }
             started = Instant::now();

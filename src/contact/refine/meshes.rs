@@ -14,6 +14,9 @@ use crate::contact::scene::Inherited;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
+/// A contact with a radius so many times that of another, or as many times smaller, wants a mesh of its own.
+const ANOTHER_SIZE: f64 = 1.5;
+
 /// A contact on the given mesh, and on the finest one so far.
 #[derive(Clone)]
 pub(crate) struct Meshes {
@@ -22,6 +25,12 @@ pub(crate) struct Meshes {
     pub mesh: MeshRefinement,
     /// On the part of it around the contact; `None` where nothing was refined yet.
     pub last: Option<(RefinedSurface, Contact)>,
+}
+
+/// Whether a contact of one area (m²) wants another mesh than one of another.
+pub(crate) fn is_of_another_size(area: f64, other: f64) -> bool {
+    let ratio = (area / other).sqrt();
+    !(1.0 / ANOTHER_SIZE..=ANOTHER_SIZE).contains(&ratio)
 }
 
 impl Meshes {
@@ -79,6 +88,11 @@ impl Meshes {
         };
         contact.note_round(error, started);
         *last = contact;
+    }
+
+    /// Area of the last contact (m²).
+    pub fn last_area(&self) -> f64 {
+        self.last.as_ref().map_or(&self.given, |(_, contact)| contact).resultant.contact_area
     }
 
     /// The last contact on a refined mesh, with the larger of what force and area leave.

@@ -10,6 +10,7 @@ use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
 use crate::contact::refine::mark::touch_of_smooth_skin;
+use crate::contact::refine::meshes::is_of_another_size;
 use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
@@ -94,6 +95,7 @@ impl Tilted<'_> {
                 Begun::Rounds(rounds) => *rounds,
             };
             let reason = rounds.run()?;
+            let refined_for = rounds.meshes.last_area();
             let Some(found) = refined.settle_again(&mut rounds, &given, lever)? else {
                 return rounds.conclude(reason);
             };
@@ -104,8 +106,9 @@ impl Tilted<'_> {
                 return rounds.conclude(reason);
             };
             let farther = self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length();
-            let was_met = reason == MET;
-            if refinement == REFINEMENTS || !was_met || error <= rounds.target && !farther {
+            let (area, was_met) = (contact.resultant.contact_area, reason == MET);
+            let is_to_mend = was_met && (error > rounds.target || farther);
+            if refinement == REFINEMENTS || !is_to_mend && !is_of_another_size(area, refined_for) {
                 return rounds.conclude(reason);
             }
             started = Instant::now();

@@ -1,6 +1,5 @@
 //! A mesh that was refined for one contact, and what it costs another.
 
-use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -11,7 +10,7 @@ use crate::contact::in_place::Known;
 use crate::contact::outcome::{Contact, ContactStatus, Patch};
 use crate::contact::refine::estimate::MeshError;
 use crate::contact::refine::mark::too_large;
-use crate::contact::refine::meshes::Meshes;
+use crate::contact::refine::meshes::{Meshes, is_of_another_size};
 use crate::contact::refine::rounds::{FEW_NODES, MET};
 use crate::contact::scene::Inherited;
 use crate::response::skin::kept::KeptMatrices;
@@ -19,9 +18,7 @@ use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
 const REFINED: &str = "a contact on a refined mesh";
-/// A contact with a radius so many times that one, or as many times smaller, gets a mesh of its own.
-const ANOTHER_SIZE: f64 = 1.5;
-/// The same where it would come to so many times its nodes.
+/// A contact that would come to so many times the nodes of that one gets a mesh of its own.
 const MORE_NODES: f64 = 1.5;
 
 /// A contact on a refined mesh that the next one begins from.
@@ -39,8 +36,8 @@ pub(crate) struct WarmMesh {
 /// The contact that a mesh was refined for.
 pub(crate) struct RefinedFor {
     accuracy: Accuracy,
-    /// Of a circle of its area (m).
-    radius: f64,
+    /// Its area (m²).
+    area: f64,
     nodes: usize,
     /// Whether a sharp edge carried force.
     is_on_edge: bool,
@@ -61,7 +58,7 @@ impl RefinedFor {
         let nodes = contact.candidates.len();
         (MORE_NODES * nodes as f64 <= max_nodes as f64).then(|| Self {
             accuracy: contact.accuracy.clone(),
-            radius: radius(contact),
+            area: contact.resultant.contact_area,
             nodes,
             is_on_edge: contact.clues.edge.is_some(),
             edge,
@@ -88,20 +85,19 @@ impl WarmMesh {
     /// Whether the mesh was made for a contact of about that size, on no sharp edge more, and leaves no penetration between its
     /// nodes that more of them would end.
     pub fn serves(&self, contact: &Contact) -> bool {
-        let ratio = radius(contact) / self.refined_for.radius;
         let nodes = contact.candidates.len();
         contact.status == ContactStatus::Solved
             && (contact.clues.edge.is_none() || self.refined_for.is_on_edge)
             && contact.clues.unfelt.is_empty()
             && (contact.is_free_of_penetration() || nodes > FEW_NODES)
-            && (1.0 / ANOTHER_SIZE..=ANOTHER_SIZE).contains(&ratio)
+            && !is_of_another_size(contact.resultant.contact_area, self.refined_for.area)
             && nodes <= self.most_nodes()
     }
 
     /// What the mesh costs a contact; `Err` with the edges (m) to cut longer ones to where its rim is too coarse.
     pub fn error(&self, contact: &Contact) -> Result<Option<MeshError>, f64> {
         let known = &self.refined_for;
-        let scale = radius(contact) / known.radius;
+        let scale = (contact.resultant.contact_area / known.area).sqrt();
         let rim_edge = rim_edge(&self.last().0.surface, contact) / scale;
         if rim_edge > known.longest {
             // With some way to go until they are too long again.
@@ -139,11 +135,6 @@ impl WarmMesh {
         self.meshes.given.timings.clear();
         self.meshes.clone().conclude(MET, target)
     }
-}
-
-/// Radius of a circle of the contact's area (m).
-fn radius(contact: &Contact) -> f64 {
-    (contact.resultant.contact_area / PI).sqrt()
 }
 
 /// Whether a vertex lies beside one without force.
