@@ -95,6 +95,7 @@ impl Contact {
             ends_at_edges: on_edges.share,
             is_unsettled: report.is_unsettled,
             unfelt: left.unfelt,
+            touched_between: 0,
         };
         // In collocation on a mesh that was given the area is that of its vertices.
         let is_given = discretization == Discretization::Collocation && gaps.scene.inherited.is_none();

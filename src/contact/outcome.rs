@@ -213,6 +213,8 @@ pub(crate) struct Clues {
     pub is_unsettled: bool,
     /// Vertices that penetrate away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
+    /// Number of triangles away from all force that the obstacle touches between their vertices.
+    pub touched_between: usize,
 }
 
 impl Contact {

@@ -22,8 +22,8 @@ use crate::surface::checked::Surface;
 /// mesh, to a relative 1e-6 of the value; force and overlap rise with the depth.
 ///
 /// From infinity, the depth counts from the *first touch*: the position along the line of travel at which the
-/// obstacle first meets the skin, at a vertex or between vertices. The travel reported may be negative, for a scene that starts
-/// in overlap.
+/// obstacle first meets the skin, at a vertex or between vertices. The travel reported may be negative, for a scene
+/// that starts in overlap.
 ///
 /// With [`Balance::Tilt`] the obstacle turns as well, until the moment about the axes through the point is below 1e-6 of
 /// the force times the largest distance of a loaded vertex from the point. The depth is then the travel of that point

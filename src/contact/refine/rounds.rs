@@ -180,6 +180,7 @@ impl Rounds<'_> {
             });
             let left_before = std::mem::replace(&mut left, contact.max_penetration_after);
             self.between = touched_between(&self.meshes.mesh, &part, &contact, self.skin, self.options)?;
+            contact.clues.touched_between = self.between.len();
             let touches_elsewhere = !self.between.is_empty() || !contact.clues.unfelt.is_empty();
             let is_met = error.is_some_and(|error| error.worst() <= self.target);
             self.touches_elsewhere_alone = is_met && touches_elsewhere;
@@ -192,8 +193,11 @@ impl Rounds<'_> {
                 Some(_) if is_met && is_resolved => return Ok(MET),
                 Some(_) if is_fine_on_edge => return Ok("a sharp edge"),
                 Some(error) => {
-                    unsettled =
-                        if error.worst() > SETTLING * before && may_settle { unsettled + 1 } else { 0 };
+                    unsettled = if !is_met && error.worst() > SETTLING * before && may_settle {
+                        unsettled + 1
+                    } else {
+                        0
+                    };
                     before = error.worst();
                 }
                 None => {}

@@ -105,6 +105,12 @@ impl Contact {
                 "the mesh around the contact costs about {force} of the force and {area} of the area: the refinement ended by {reason}"
             ));
         }
+        let places = self.clues.touched_between + self.clues.unfelt.len();
+        if places > 0 {
+            short.push(format!(
+                "the product touches the skin at {places} places away from all force that the mesh is too coarse for: the refinement ended by {reason}"
+            ));
+        }
         if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {
             let cost = percent(doubt.force_error);
             let length = doubt.edge_length * (target / doubt.force_error).sqrt();
