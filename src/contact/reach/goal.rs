@@ -102,7 +102,8 @@ impl Task<'_> {
             };
             let farther = found.travel - travel > FARTHER * self.surface.mean_edge_length();
             let (area, was_met) = (found.resultant.contact_area, reason == MET);
-            let is_to_mend = was_met && (error > rounds.target || farther);
+            let is_too_coarse = error > rounds.target || found.clues.touched_between > 0;
+            let is_to_mend = was_met && (is_too_coarse || farther);
             if refinement == REFINEMENTS || !is_to_mend && !is_of_another_size(area, refined_for) {
                 return rounds.conclude(reason);
             }
@@ -147,7 +148,7 @@ impl Task<'_> {
             Reached::Goal { contact, .. } => (contact, Ok(())),
             Reached::Short { contact, why } => (contact, Err(why)),
         };
-        rounds.meshes.replace_last(contact, started);
+        rounds.meshes.replace_last(contact, started, self.skin, self.options)?;
         Ok(Some(end))
     }
 

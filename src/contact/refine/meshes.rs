@@ -6,8 +6,10 @@ use std::time::Instant;
 use crate::contact::error::ContactError;
 use crate::contact::figures::resultant::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
+use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::refine::estimate::MeshError;
+use crate::contact::refine::mark::touched_between;
 use crate::contact::refine::whole::into_whole;
 use crate::contact::report::cuts::Cuts;
 use crate::contact::scene::Inherited;
@@ -73,14 +75,24 @@ impl Meshes {
     }
 
     /// Puts a contact at another depth in the place of the last one, on the same mesh.
-    pub fn replace_last(&mut self, mut contact: Contact, started: Instant) {
-        let Some((_, last)) = &mut self.last else { return };
+    ///
+    /// * `skin`: of the given surface
+    pub fn replace_last(
+        &mut self,
+        mut contact: Contact,
+        started: Instant,
+        skin: &dyn ElasticSkin,
+        options: &ContactOptions,
+    ) -> Result<(), ContactError> {
+        let Some((part, last)) = &mut self.last else { return Ok(()) };
         let mut known = std::mem::take(&mut last.refinements);
         known.pop();
         known.append(&mut contact.refinements);
         contact.refinements = known;
         let error = match contact.status {
             ContactStatus::Solved => {
+                let between = touched_between(&self.mesh, part, &contact, skin, options)?;
+                contact.clues.touched_between = between.len();
                 let coarser = last.accuracy.cells_per_radius / contact.accuracy.cells_per_radius;
                 MeshError::carried_over(&last.accuracy, coarser, coarser)
             }
@@ -88,6 +100,7 @@ impl Meshes {
         };
         contact.note_round(error, started);
         *last = contact;
+        Ok(())
     }
 
     /// Area of the last contact (m²).

@@ -107,7 +107,8 @@ impl Tilted<'_> {
             };
             let farther = self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length();
             let (area, was_met) = (contact.resultant.contact_area, reason == MET);
-            let is_to_mend = was_met && (error > rounds.target || farther);
+            let is_too_coarse = error > rounds.target || contact.clues.touched_between > 0;
+            let is_to_mend = was_met && (is_too_coarse || farther);
             if refinement == REFINEMENTS || !is_to_mend && !is_of_another_size(area, refined_for) {
                 return rounds.conclude(reason);
             }
@@ -149,7 +150,7 @@ impl Tilted<'_> {
         let on_part = OnMesh { inherited, ..self.on_mesh(&part.surface, &*skin, touch) };
         let (angles, stiffness) = (given.angles.clone(), given.stiffness.clone());
         let found = self.settle(&on_part, last.clone(), angles, stiffness, lever)?;
-        rounds.meshes.replace_last(found.contact.clone(), started);
+        rounds.meshes.replace_last(found.contact.clone(), started, self.skin, self.options)?;
         Ok(Some(found))
     }
 
