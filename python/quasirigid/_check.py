@@ -158,6 +158,17 @@ def as_boolean(name: str, value: Any) -> bool:
     raise TypeError(f"{name} is {short(value)}, expected True or False")
 
 
+def as_place(name: str, value: Any, count: int, where: str) -> int:
+    """Return the number of one of so many steps or the like; negative ones count from the end."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {short(value)}, expected an integer") from None
+    if not -count <= number < count:
+        raise IndexError(f"there is no {name} {number} in {where} of {count} {name}s")
+    return number % count
+
+
 def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int:
     """Return an integer >= 0.
 

@@ -141,7 +141,7 @@ impl RedGreen {
         }
     }
 
-    fn normal(&self, mesh: &SmoothMesh, vertex: u32) -> Vector3<f64> {
+    pub fn normal(&self, mesh: &SmoothMesh, vertex: u32) -> Vector3<f64> {
         match self.added(vertex) {
             None => mesh.normals[vertex as usize],
             Some(middle) => middle.normal,
@@ -158,13 +158,6 @@ impl RedGreen {
             Some(middle) => self.point(mesh, middle),
             None => self.curved_middle(mesh, [a.min(b), a.max(b)]).0,
         }
-    }
-
-    /// How far the middle of an edge stands out from between its ends, along their normals (m).
-    pub fn bulge(&self, mesh: &SmoothMesh, a: u32, b: u32) -> f64 {
-        let between = 0.5 * (self.point(mesh, a) + self.point(mesh, b));
-        let outward = self.normal(mesh, a) + self.normal(mesh, b);
-        (self.middle_point(mesh, a, b) - between).dot(&outward) / outward.norm()
     }
 
     /// Vertex in the middle of an edge, if it is halved.

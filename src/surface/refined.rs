@@ -90,7 +90,14 @@ impl MeshRefinement {
     /// How far these stand out from the straight edges along the outward normals (m).
     pub fn bulges(&self, leaf: usize) -> [f64; 3] {
         let (mesh, corners) = (smooth(&self.given), self.mesh.leaves[leaf].corners);
-        [0, 1, 2].map(|side| self.mesh.bulge(&mesh, corners[side], corners[(side + 1) % 3]))
+        let middles = self.curved_middles(leaf);
+        [0, 1, 2].map(|side| {
+            let ends = [corners[side], corners[(side + 1) % 3]];
+            let [a, b] = ends.map(|end| self.mesh.point(&mesh, end));
+            let [at_a, at_b] = ends.map(|end| self.mesh.normal(&mesh, end));
+            let outward = at_a + at_b;
+            (middles[side] - 0.5 * (a + b)).dot(&outward) / outward.norm()
+        })
     }
 
     /// The two vertices that each added one lies between, by their numbers in the whole refined surface.

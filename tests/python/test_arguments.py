@@ -166,5 +166,6 @@ def test_what_is_no_boolean_is_named(name: str, value: Any) -> None:
 
 
 def test_a_boolean_of_numpy_is_one() -> None:
-    options = qr.LcpOptions(crash=np.False_, known_p_matrix=np.True_)  # type: ignore[arg-type]
+    words: dict[str, Any] = {"crash": np.False_, "known_p_matrix": np.True_}
+    options = qr.LcpOptions(**words)
     assert qr.solve_lcp([[1]], [-1], options=options).certificate.definiteness is qr.LcpDefiniteness.P_MATRIX

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -133,9 +134,10 @@ def test_a_step_is_solved_again_when_asked(by_depth: qr.Sweep) -> None:
     for step in (3, -4):
         with pytest.raises(IndexError, match=rf"there is no step {step} in a sweep of 3 steps"):
             by_depth[step]
+    wrong: Any
     for wrong in (slice(0, 1), 1.0, "1"):
         with pytest.raises(TypeError, match=r"step is .*, expected an integer"):
-            by_depth[wrong]  # type: ignore[index]
+            by_depth[wrong]
 
 
 def test_forces_are_found_one_by_one(surface: qr.Surface) -> None:

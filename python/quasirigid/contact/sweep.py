@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import _core
-from .._check import as_direction, short
+from .._check import as_direction, as_place, short
 from .._frozen import Frozen
 from ..errors import QuasirigidError, ResponseError
 from ..scene import check_scene
@@ -136,21 +135,11 @@ class Sweep(Frozen):
         TypeError
             If `step` is no integer; an IndexError if there is no such step.
         """
-        step, warm = self._number_of(step), _core.WarmStart()
+        step, warm = as_place("step", step, len(self), "a sweep"), _core.WarmStart()
         for before in range(step):
             with suppress(ContactError, ResponseError):
                 self._question.answer(before, warm)
         return end_of(self._question.answer(step, warm), throw=False, stacklevel=2)
-
-    def _number_of(self, step: int) -> int:
-        """Return the number of a step that may count from the end."""
-        try:
-            number = operator.index(step)
-        except TypeError:
-            raise TypeError(f"step is {short(step)}, expected an integer") from None
-        if not -len(self) <= number < len(self):
-            raise IndexError(f"there is no step {number} in a sweep of {len(self)} steps")
-        return number % len(self)
 
     def __iter__(self) -> Iterator[Contact]:
         """Solve one step after the other again."""

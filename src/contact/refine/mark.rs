@@ -7,15 +7,12 @@ use crate::contact::figures::penetration::LITTLE;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::Contact;
-use crate::contact::scene::first_touch;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::{ElasticSkin, Traits};
 use crate::surface::checked::Surface;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
-/// Most times that a triangle is cut to find a first touch: each quarters how far its middle stands out.
-const MOST_CUTS: usize = 8;
 /// How much farther than its middle a curved face may stand out from the straight edge: where it is cut, a quarter is left.
 const BEYOND_MIDDLE: f64 = 0.25;
 /// Farthest that a point of a curved face lies from its nearest corner, as a share of the longest edge: in its plane
@@ -152,7 +149,7 @@ pub(crate) fn touched_between(
 ///
 /// * `most`: gap (m) of a middle below which it is, by how far it stands out from the straight edge (m)
 /// * `moved`: how far corners have moved (m)
-fn with_pressed_middle(
+pub(crate) fn with_pressed_middle(
     mesh: &MeshRefinement,
     mut leaves: Vec<usize>,
     obstacle: &Obstacle,
@@ -172,34 +169,4 @@ fn with_pressed_middle(
     let mut pressed = measured.distance.as_chunks().0.iter().zip(most.as_chunks().0).map(is_pressed);
     leaves.retain(|_| pressed.next().is_some_and(|is_pressed| is_pressed));
     Ok(leaves)
-}
-
-/// Travel (m) at which the obstacle, coming from infinity along a unit direction, first touches the smooth skin: triangles
-/// are cut until no curved middle is touched before the vertices.
-pub(crate) fn touch_of_smooth_skin(
-    surface: &Surface,
-    obstacle: &Obstacle,
-    direction: &Vector3<f64>,
-) -> Result<f64, ContactError> {
-    let mut travel = first_touch(surface, obstacle, direction)?;
-    let pressed_at = |mesh: &MeshRefinement, travel: f64| {
-        let placed = obstacle.translated(&(travel * direction));
-        with_pressed_middle(mesh, (0..mesh.leaf_count()).collect(), &placed, |_| 0.0, |_| Vector3::zeros())
-    };
-    let mask = surface.skin_mask();
-    let may_touch = |face: &u32| surface.faces()[*face as usize].iter().all(|&corner| mask[corner as usize]);
-    let all = MeshRefinement::new(surface, (0..surface.faces().len() as u32).filter(may_touch));
-    let faces: Vec<u32> = pressed_at(&all, travel)?.into_iter().map(|leaf| all.face(leaf)).collect();
-    let mut mesh = MeshRefinement::new(surface, faces);
-    for _ in 0..MOST_CUTS {
-        let pressed = pressed_at(&mesh, travel)?;
-        if pressed.is_empty() {
-            break;
-        }
-        let mut marked = vec![false; mesh.leaf_count()];
-        pressed.into_iter().for_each(|leaf| marked[leaf] = true);
-        mesh.refine(&marked);
-        travel = travel.min(first_touch(&mesh.part().surface, obstacle, direction)?);
-    }
-    Ok(travel)
 }

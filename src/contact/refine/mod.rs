@@ -1,7 +1,7 @@
 //! Finer meshes around the contact, until its figures are as good as wanted.
 //!
 //! [`rounds`] solves again and again; [`meshes`] holds what it solved last, [`mark`] says where the mesh must be finer,
-//! [`estimate`] what is left to gain, [`round`] what each of them says of its mesh, and [`whole`] puts the part that was
+//! [`smooth_touch`] where the smooth skin is first touched, [`estimate`] what is left to gain, [`round`] what each of them says of its mesh, and [`whole`] puts the part that was
 //! solved back into the skin.
 
 pub(crate) mod estimate;
@@ -9,4 +9,5 @@ pub(crate) mod mark;
 pub(crate) mod meshes;
 pub(crate) mod round;
 pub(crate) mod rounds;
+mod smooth_touch;
 pub(crate) mod whole;

@@ -9,12 +9,11 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
-use crate::contact::refine::mark::touch_of_smooth_skin;
 use crate::contact::refine::meshes::is_of_another_size;
 use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
-use crate::contact::scene::{Approach, Placement, Start};
+use crate::contact::scene::{Approach, Placement};
 use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
 use crate::contact::tilt::rest::{Beginning, Ended, Place, find};
 use crate::obstacle::posed::Obstacle;
@@ -85,7 +84,8 @@ impl Tilted<'_> {
                 Begun::Rounds(_) => unreachable!("no refinement was asked for"),
             };
         }
-        let refined = self.for_refined_skin()?;
+        let press = self.press.on_part(self.surface, self.obstacle, self.options)?;
+        let refined = Self { press, axes: self.axes.clone(), ..*self };
         for refinement in 1..=REFINEMENTS {
             let placement = refined.placement(&given);
             let before = given.contact.obstacle.clone();
@@ -118,16 +118,6 @@ impl Tilted<'_> {
             given = Settled { contact, ..found };
         }
         unreachable!("the last refinement returns")
-    }
-
-    /// The same on a part of the skin, where the obstacle that has turned away may leave what it touched first.
-    fn for_refined_skin(&self) -> Result<Self, ContactError> {
-        let mut press = self.press;
-        if press.start == Start::Infinity && self.options.target_error.is_some() {
-            let touch = touch_of_smooth_skin(self.surface, self.obstacle, &press.direction)?;
-            press.known_touch = Some(touch);
-        }
-        Ok(Self { press, axes: self.axes.clone(), ..*self })
     }
 
     /// Balances the obstacle on the mesh that was refined last, and puts the contact found in the place of the one there.
