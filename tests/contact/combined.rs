@@ -15,12 +15,14 @@ fn sphere() -> Surface {
     Surface::new(vertices, faces).expect("a sound mesh")
 }
 
-/// The lowest vertices, below z = -4 mm, as a body of their own; prepared at the lowest of them.
-fn lower_part(skin: &Surface) -> Part {
-    let height = |v: usize| skin.vertices()[v].z;
-    let lowest = (0..skin.vertices().len()).min_by(|&a, &b| height(a).total_cmp(&height(b))).expect("some");
-    let cut = cut_out(skin, lowest, &Vector3::new(0.0, 0.0, -2e-3), &-Vector3::z()).expect("a cap");
-    let low = |&own: &usize| cut.surface.vertices()[own].z < -6e-3 && !cut.fixed[own];
+/// The lowest vertices of a ball of 8 mm, 2 mm and more below its `center`, as a body of their own; prepared at those
+/// below 6 mm.
+pub(crate) fn lower_part(skin: &Surface, center: Vector3<f64>) -> Part {
+    let bottom = center - Vector3::z() * 8e-3;
+    let away = |v: usize| (skin.vertices()[v] - bottom).norm();
+    let lowest = (0..skin.vertices().len()).min_by(|&a, &b| away(a).total_cmp(&away(b))).expect("some");
+    let cut = cut_out(skin, lowest, &(center - Vector3::z() * 2e-3), &-Vector3::z()).expect("a cap");
+    let low = |&own: &usize| cut.surface.vertices()[own].z < center.z - 6e-3 && !cut.fixed[own];
     let nodes: Vec<usize> = (0..cut.surface.vertices().len()).filter(low).collect();
     let prepared = PreparedBody::new(
         &cut.surface,
@@ -52,7 +54,7 @@ fn ask<'a>(surface: &'a Surface, nodes: &'a [usize]) -> Request<'a> {
 #[test]
 fn each_side_of_a_cut_answers_for_itself() {
     let skin = sphere();
-    let part = lower_part(&skin);
+    let part = lower_part(&skin, Vector3::zeros());
     let combined = CombinedSkin::new(&skin, half_space(), vec![part.clone()]).expect("a part that fits");
     combined.traits(&skin).expect("the same surface");
     let (low, high) = (near(&skin, |z| z < -7.5e-3), near(&skin, |z| z > 7.5e-3));
@@ -87,7 +89,7 @@ fn each_side_of_a_cut_answers_for_itself() {
 #[test]
 fn a_patch_across_the_cut_and_parts_that_do_not_fit_are_named() {
     let skin = sphere();
-    let part = lower_part(&skin);
+    let part = lower_part(&skin, Vector3::zeros());
     let combined = CombinedSkin::new(&skin, half_space(), vec![part.clone()]).expect("a part that fits");
     let across = near(&skin, |z| z < 0.0);
     let up = vec![Vector3::z(); across.len()];

@@ -6,9 +6,12 @@ use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
-use quasirigid::response::{AssemblyOptions, ElasticSkin, GivenMatrix, Kernel, PreparedKernel, assemble};
+use quasirigid::response::{
+    AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, PreparedKernel, assemble,
+};
 use quasirigid::surface::{LONGEST_DETOUR, Surface};
 
+use crate::combined::lower_part;
 use crate::common::{data_dir, flipped, grid, icosphere, joined, read_ply};
 use crate::{UP, galerkin, half_space, skin};
 
@@ -140,6 +143,32 @@ fn every_kernel_tells_fingers_apart_and_a_matrix_of_its_own_is_left_whole() {
     let matrix = assemble(&surface, &half_space(), &nodes, None, &AssemblyOptions::default()).unwrap();
     let given = GivenMatrix::new(&surface, &nodes, matrix).unwrap();
     assert_eq!(solve(&surface, &plate, &given, false).lcp_solutions.len(), 1);
+}
+
+#[test]
+fn a_kernel_beside_a_body_tells_fingers_apart_too() {
+    let ridges = two_ridges(40e-3);
+    let lowest = ridges.vertices().iter().map(|x| x.z).fold(f64::INFINITY, f64::min);
+    let (ball, faces) = icosphere(8e-3, 3);
+    let beside = Vector3::new(3.0 * PITCH, 0.0, lowest + 8e-3);
+    let ball: Vec<Vector3<f64>> = ball.iter().map(|x| x + beside).collect();
+    let (vertices, faces) = joined(&(ridges.vertices().to_vec(), ridges.faces().to_vec()), &(ball, faces));
+    let surface = Surface::new(vertices, faces).unwrap();
+    let plate = plate_at(&surface, 0.4e-3);
+    let part = lower_part(&surface, beside);
+    let combined = CombinedSkin::new(&surface, half_space(), vec![part]).unwrap();
+    let on_part = |x: &Vector3<f64>| x.x > 2.5 * PITCH;
+    let only = |on_its_side: &dyn Fn(&Vector3<f64>) -> bool| {
+        let masked = surface.clone().with_skin_mask(surface.vertices().iter().map(on_its_side).collect());
+        solve(&masked.unwrap(), &plate, &combined, false).resultant.force.z
+    };
+    let alone = [only(&|x| x.x < PITCH), only(&|x| x.x >= PITCH && !on_part(x)), only(&on_part)];
+    assert!(alone.iter().all(|force| *force > 0.0));
+    let all = solve(&surface, &plate, &combined, false);
+    assert_relative_eq!(all.resultant.force.z, alone.iter().sum(), max_relative = 1e-9);
+    assert!(note(&all, APART).is_some());
+    let coupled = solve(&surface, &plate, &combined, true).resultant.force.z;
+    assert!(coupled < 0.98 * all.resultant.force.z);
 }
 
 #[test]

@@ -47,10 +47,10 @@ class ContactOptions:
     condition : bool
         Examine definiteness and condition of response matrices of any size; small ones always are.
     couple_fingers : bool
-        Let a kernel couple patches on different fingers too, through the air between them, as that beside
-        the parts of a `CombinedSkin` always does. False: patches more than 1.5 times as far apart along the
-        skin as in a straight line feel less of each other, and from twice as far on nothing, unless that line
-        runs inside the skin.
+        Let a kernel couple patches on different fingers too, through the air between them, that beside the
+        parts of a `CombinedSkin` included. False: patches more than 1.5 times as far apart along the skin as
+        in a straight line feel less of each other, and from twice as far on nothing, unless that line runs
+        inside the skin.
     max_growths : int
         How often candidates may be added before the solve gives up.
     """

@@ -59,15 +59,23 @@ impl Fingers {
         }
     }
 
-    /// Splits candidates into fingers: patches that do not feel the same of all others.
+    /// Splits candidates into fingers: patches that do not feel the same of all others. What a body or a matrix passes on
+    /// is right as it is.
     ///
     /// The search along the skin covers what could be one finger first, and the whole surface only where there are two or
     /// more.
     ///
     /// * `gap`: of the undeformed skin's vertices (n, m)
-    pub fn split_by_tissue(surface: &Surface, candidates: &[usize], gap: &[f64]) -> Self {
+    /// * `is_under_kernel`: whether a kernel answers at a vertex
+    pub fn split_by_tissue(
+        surface: &Surface,
+        candidates: &[usize],
+        gap: &[f64],
+        is_under_kernel: impl Fn(usize) -> bool,
+    ) -> Self {
         let patches = surface.patches(candidates);
-        if patches.len() < 2 {
+        let is_under_kernel: Vec<bool> = patches.iter().map(|patch| is_under_kernel(patch[0])).collect();
+        if is_under_kernel.iter().filter(|is_so| **is_so).count() < 2 {
             return Self::one(candidates);
         }
         let pressed = |vertex: usize| surface.vertex_areas()[vertex] * (-gap[vertex]).max(0.0);
@@ -78,7 +86,10 @@ impl Fingers {
         let felt_within = |reach: f64| {
             let near = surface.nearest_along_skin(&middles, reach);
             let ways = ways_between(surface, &middles, &near);
-            ways.into_iter().map(|(pair, way)| (pair, felt(surface, &way), way)).collect::<Vec<_>>()
+            let share = |pair: [usize; 2], way: &Way| {
+                if pair.iter().all(|&patch| is_under_kernel[patch]) { felt(surface, way) } else { 1.0 }
+            };
+            ways.into_iter().map(|(pair, way)| (pair, share(pair, &way), way)).collect::<Vec<_>>()
         };
         let mut shares = felt_within(if is_whole { f64::INFINITY } else { extent });
         if shares.iter().all(|(_, share, _)| *share == 1.0) {
@@ -189,7 +200,7 @@ impl Fingers {
     }
 }
 
-/// What two patches feel of each other, from 0 to 1.
+/// What two patches under a kernel feel of each other, from 0 to 1.
 fn felt(surface: &Surface, way: &Way) -> f64 {
     let share = shared_tissue(way.along_skin, way.straight);
     if share < 1.0 && joined_inside(surface, way.ends) { 1.0 } else { share }
@@ -223,7 +234,8 @@ mod tests {
         // The first search covers all of the small skin, and only what is near on the large one.
         for flat_columns in [0, 100] {
             let (surface, crests) = two_ridges(flat_columns);
-            let fingers = Fingers::split_by_tissue(&surface, &crests, &vec![0.0; surface.vertices().len()]);
+            let gap = vec![0.0; surface.vertices().len()];
+            let fingers = Fingers::split_by_tissue(&surface, &crests, &gap, |_| true);
             assert_eq!(fingers.candidates.len(), 2);
             let known = Fingers::known(&surface, fingers.candidates.clone(), &fingers.coupling);
             assert_eq!(Fingers { parting: None, ..fingers.clone() }, known);

@@ -92,9 +92,12 @@ fn solve_on(
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
     let fingers = match &gaps.scene.inherited {
-        _ if !traits.is_kernel || options.couple_fingers => Fingers::one(&candidates),
+        _ if options.couple_fingers => Fingers::one(&candidates),
         Some(known) => Fingers::as_before(gaps.surface, &candidates, &known.finger_of, &known.coupling),
-        None => Fingers::split_by_tissue(gaps.surface, &candidates, &gaps.undeformed()),
+        None => {
+            let is_under_kernel = |vertex| response.skin.kernel_at(vertex).is_some();
+            Fingers::split_by_tissue(gaps.surface, &candidates, &gaps.undeformed(), is_under_kernel)
+        }
     };
     let at_candidates = gaps.at(&candidates)?;
     let mut forces = NodeForces::none(gaps, candidates, fingers, at_candidates);

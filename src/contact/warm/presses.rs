@@ -252,8 +252,10 @@ impl Presses<'_> {
             let gaps = Gaps::measure(self.surface, &scene, self.options.search_distance)?;
             let given = &mut warm.meshes.given;
             given.gap = gaps.undeformed();
-            if traits.is_kernel && !self.options.couple_fingers {
-                let fingers = Fingers::split_by_tissue(self.surface, &gaps.penetrating, &given.gap);
+            if !self.options.couple_fingers {
+                let is_under_kernel = |vertex| self.skin.kernel_at(vertex).is_some();
+                let pressed = &gaps.penetrating;
+                let fingers = Fingers::split_by_tissue(self.surface, pressed, &given.gap, is_under_kernel);
                 is_felt_anew = fingers.coupling != given.drawing.fingers.coupling;
                 given.drawing.fingers = fingers;
             }
