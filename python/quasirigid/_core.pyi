@@ -181,6 +181,7 @@ class Skin:
         levels: tuple[ArrayLike, ...] | None,
         solved: bool,
     ) -> Skin: ...
+    def with_discretization(self, discretization: str | None) -> Skin: ...
     @staticmethod
     def combined(
         surface: Surface, background: Skin, parts: Sequence[tuple[str, Skin, list[int], ArrayLike]]

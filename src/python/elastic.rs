@@ -31,14 +31,21 @@ impl Elastic {
     ) -> PyResult<Self> {
         let bases = [(PressureBasis::Linear, "linear"), (PressureBasis::OneRing, "one_ring")];
         let basis = named("pressure", pressure, &bases, ResponseError::new_err)?;
-        let all = [(Discretization::Collocation, "collocation"), (Discretization::Galerkin, "galerkin")];
-        let discretization = match discretization {
-            None => Discretization::default(),
-            Some(name) => named("discretization", name, &all, ResponseError::new_err)?,
-        };
+        let discretization = discretization_of(discretization)?;
         let skin = KernelSkin::new(shear_modulus, poisson_ratio, kernel)
             .and_then(|skin| skin.with_basis(basis).with_discretization(discretization));
         Ok(Self::Kernel(skin.map_err(IntoPyErr::into_py_err)?))
+    }
+
+    /// A body with another discretization by name.
+    pub(super) fn with_discretization(&self, name: Option<&str>) -> PyResult<Self> {
+        let Self::Body(body) = self else {
+            return Err(ResponseError::new_err(
+                "only a body takes another discretization once it is prepared",
+            ));
+        };
+        let body = body.clone().with_discretization(discretization_of(name)?);
+        Ok(Self::Body(body.map_err(IntoPyErr::into_py_err)?))
     }
 
     pub(super) fn as_skin(&self) -> &dyn ElasticSkin {
@@ -89,6 +96,12 @@ impl Elastic {
         };
         moved.map_err(IntoPyErr::into_py_err)
     }
+}
+
+fn discretization_of(name: Option<&str>) -> PyResult<Discretization> {
+    let all = [Discretization::Collocation, Discretization::Galerkin].map(|one| (one, one.as_str()));
+    let named = |name| named("discretization", name, &all, ResponseError::new_err);
+    name.map_or(Ok(Discretization::default()), named)
 }
 
 fn not_prepared() -> PyErr {

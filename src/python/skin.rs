@@ -298,6 +298,11 @@ impl PySkin {
         Ok(if solved { Elastic::Body(body) } else { Elastic::GivenBlocks(body) }.into())
     }
 
+    /// The same body in another discretization.
+    fn with_discretization(&self, discretization: Option<&str>) -> PyResult<Self> {
+        Ok(self.inner.with_discretization(discretization)?.into())
+    }
+
     /// Prepared bodies on parts of a surface, a kernel off them.
     #[staticmethod]
     fn combined(

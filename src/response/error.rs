@@ -16,11 +16,11 @@ pub enum ResponseError {
         /// The range, in words.
         expected: &'static str,
     },
-    /// The kernel has no Galerkin form.
-    #[error("the {kernel} kernel takes the gap at the nodes: discretization = collocation")]
+    /// The response has no Galerkin form.
+    #[error("the {response} response takes the gap at the nodes: discretization = collocation")]
     CollocationOnly {
-        /// Name of the kernel.
-        kernel: &'static str,
+        /// What it is.
+        response: &'static str,
     },
     /// A node is no vertex of the surface.
     #[error("entry {index} of nodes is vertex {vertex}, but the surface has {vertex_count} vertices")]
@@ -172,8 +172,10 @@ pub enum ResponseError {
         /// What does not fit.
         what: String,
     },
-    /// A combined response was given a kernel that bodies cannot be joined with.
-    #[error("bodies can be combined with a kernel of linear pressure and gaps at the vertices only")]
+    /// A combined response was given a kernel or a body that cannot be joined with others.
+    #[error(
+        "a combined skin takes linear pressure and gaps at the vertices (discretization = collocation) only, of its kernel and of its bodies"
+    )]
     PartsNeedLinear,
     /// A patch of candidates lies on both sides of a cut.
     #[error(

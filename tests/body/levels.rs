@@ -5,7 +5,10 @@ use nalgebra::{Isometry3, Vector3};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{CoredSphere, plate_on_cored_sphere};
 use quasirigid::response::body::{Body, BodyError, BodyOptions};
-use quasirigid::response::{AssemblyOptions, ElasticSkin, Levels, PreparedBody, Request, ResponseError};
+use quasirigid::response::{
+    AssemblyOptions, Discretization, ElasticSkin, Kernel, KernelSkin, Levels, PreparedBody, Request,
+    ResponseError, assemble,
+};
 use quasirigid::surface::{CoarseSkin, Surface};
 
 use crate::forces::contact_forces;
@@ -174,6 +177,40 @@ fn held_vertices_stay_where_they_are_and_the_rest_goes_as_on_one_level() {
             assert_eq!(*two, Vector3::zeros());
         } else if (skin.vertices()[vertex] - skin.vertices()[tip]).norm() > 2e-3 {
             assert!((two - one).norm() < 0.02 * largest, "vertex {vertex}: {two} of {one}");
+        }
+    }
+}
+
+#[test]
+fn averaging_adds_to_a_body_what_it_adds_to_its_near_kernel() {
+    let (skin, held) = thumb();
+    let nodes = skin.k_ring(&[(0..held.len()).find(|&v| !held[v]).expect("free skin")], 4);
+    let nodes: Vec<usize> = nodes.into_iter().filter(|&v| !held[v]).collect();
+    let normals: Vec<Vector3<f64>> = nodes.iter().map(|&v| skin.vertex_normals()[v]).collect();
+    let options = AssemblyOptions { tolerance: 1e-6, ..AssemblyOptions::default() };
+    let asked = Request { surface: &skin, nodes: &nodes, options: &options };
+    // Without bone the near kernel is a half-space.
+    let half_space = KernelSkin::new(SHEAR_MODULUS, 0.4, Kernel::HalfSpace).expect("valid constants");
+    let [of_kernel, of_one, of_two] = [None, Some(0.0), Some(1.5e-3)].map(|coarse_edge_length| {
+        let form = |form| {
+            if coarse_edge_length.is_none() {
+                let kernel = half_space.clone().with_discretization(form).expect("has both");
+                return assemble(&skin, &kernel, &nodes, None, &options).expect("vertices");
+            }
+            let body = Body { bone: None, fixed: Some(held.clone()), coarse_edge_length };
+            let body = prepared(&body, &skin, 0.4, &nodes).with_discretization(form).expect("has both");
+            assert_eq!(body.traits(&skin).expect("its surface").discretization, form);
+            body.matrix(&asked, &normals).expect("prepared")
+        };
+        form(Discretization::Galerkin) - form(Discretization::Collocation)
+    });
+    let largest = of_kernel.norm_max();
+    for found in [of_one, of_two] {
+        for j in 0..nodes.len() {
+            for i in 0..nodes.len() {
+                let expected = of_kernel[(i, j)] * normals[i].dot(&normals[j]);
+                assert!((found[(i, j)] - expected).abs() < 2e-3 * largest, "{i}, {j}");
+            }
         }
     }
 }

@@ -47,6 +47,7 @@ RESPONSES = {
     "layer": qr.Layer(thickness=20e-3),
     "field": qr.Layer(thickness=np.full(642, 20e-3)),
     "body": qr.Body(bone=core()),
+    "averaged_body": qr.Body(bone=core(), discretization="galerkin"),
 }
 
 
@@ -224,6 +225,20 @@ def test_a_body_on_its_bone_is_right_against_finite_elements(surface: qr.Surface
         inward = -np.einsum("ij,ij->i", contact.displacement, surface.vertex_normals)
         pushed = np.maximum(inward, 0) @ surface.vertex_areas
         assert abs(contact.volume_change) < 5e-3 * pushed
+
+
+@pytest.mark.parametrize("length", [0, None])
+def test_averaged_gaps_of_a_refined_body_are_right_against_finite_elements(
+    length: float | None, surface: qr.Surface
+) -> None:
+    sphere = qr.reference.plate_on_cored_sphere()[0]
+    body = qr.Body(bone=core(), coarse_edge_length=length, discretization="galerkin")
+    skin = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=body)
+    prepared = skin.prepared(surface, np.flatnonzero(surface.vertices[:, 2] < 5e-3))
+    for depth in (0.6e-3, 1.12e-3):
+        contact = qr.press(surface, PLATE, prepared, [0, 0, 1], depth=depth)
+        assert contact.accuracy.discretization == "galerkin"
+        assert contact.force[2] == pytest.approx(sphere.indentations[depth], rel=0.012)
 
 
 def test_a_body_that_nothing_holds_is_refused(surface: qr.Surface) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -18,18 +19,19 @@ from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_numbers, parse_
 __all__ = [
     "choice",
     "file_unit",
-    "parse_body",
+    "on_skin",
     "parse_response",
     "parse_target_error",
     "rotation",
     "with_skin_mask",
 ]
 
-_Kernel: TypeAlias = type[HalfSpace | Layer | GaussianCorrected]
+_Named: TypeAlias = HalfSpace | Layer | GaussianCorrected | Body
 
-# Each kernel with its constants, their units, and its choices.
-_KERNELS: dict[str, tuple[_Kernel, dict[str, dict[str, float]], tuple[str, ...]]] = {
+# Each response with its constants, their units, and its choices.
+_RESPONSES: dict[str, tuple[type[_Named], dict[str, dict[str, float]], tuple[str, ...]]] = {
     "half-space": (HalfSpace, {}, ("pressure", "discretization")),
+    "body": (Body, {}, ("discretization",)),
     "layer": (Layer, {"thickness": LENGTH}, ("pressure", "discretization")),
     "gaussian": (
         GaussianCorrected,
@@ -54,10 +56,10 @@ def file_unit(text: str, option: str) -> LengthUnit:
     return cast(LengthUnit, choice(text, tuple(UNITS), option))
 
 
-def parse_response(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
+def parse_response(text: str) -> _Named:
     """Return the response of a name and constants, as in `gaussian:height=0.8mm/N,width=5mm,cutoff=15mm`.
 
-    None for a body, which needs the skin first.
+    A body has neither bone nor fixed vertices yet, as these need the skin.
     """
     name, _, rest = text.partition(":")
     values: dict[str, str] = {}
@@ -68,14 +70,8 @@ def parse_response(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
         if key in values:
             raise QuantityError(f"--response: '{key}' is given twice, {values[key]} and {value}")
         values[key] = value
-    choice(name, ("half-space", "body", "layer", "gaussian"), "--response")
-    if name == "body":
-        if values:
-            raise QuantityError(
-                f"--response: body has no constant '{next(iter(values))}'; see --bone, --fixed"
-            )
-        return None
-    kernel, units, choices = _KERNELS[name]
+    choice(name, tuple(_RESPONSES), "--response")
+    response, units, choices = _RESPONSES[name]
     if wrong := sorted(values.keys() - units.keys() - set(choices)):
         raise QuantityError(f"--response: {name} has no constant '{wrong[0]}'")
     if missing := [key for key in units if key not in values]:
@@ -86,7 +82,7 @@ def parse_response(text: str) -> HalfSpace | Layer | GaussianCorrected | None:
             arguments[key] = parse_quantity(value, units[key], f"--response {key}")
         else:
             arguments[key] = choice(value, _CHOICES[key], f"--response {key}")
-    return kernel(**arguments)
+    return response(**arguments)
 
 
 def parse_target_error(text: str) -> float | None:
@@ -107,8 +103,8 @@ def with_skin_mask(surface: Surface, text: str) -> Surface:
     return surface.with_skin_mask(mask)
 
 
-def parse_body(surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Body:
-    """Return the body of a skin from `--bone`, whose file is in `unit`, and `--fixed`."""
+def on_skin(body: Body, surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Body:
+    """Return the body under a skin with `--bone`, whose file is in `unit`, and `--fixed`."""
     bones = None
     if bone == "auto":
         bones = bone_of(surface)
@@ -122,7 +118,7 @@ def parse_body(surface: Surface, bone: str, fixed: str, unit: LengthUnit) -> Bod
             held = None
     elif fixed != "none":
         held = _mask_file(surface, fixed, "--fixed")
-    return Body(bone=bones, fixed=held)
+    return replace(body, bone=bones, fixed=held)
 
 
 def _mask_file(surface: Surface, text: str, option: str) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ from .._units import UNITS
 from .arguments import (
     choice,
     file_unit,
-    parse_body,
+    on_skin,
     parse_response,
     parse_target_error,
     rotation,
@@ -69,7 +69,7 @@ ResponseName = Annotated[
     typer.Option(
         help="half-space; body (see --bone and --fixed); layer:thickness=5mm (on bone); or"
         " gaussian:height=0.8mm/N,width=5mm,cutoff=15mm (the paper's). The kernels take pressure=linear"
-        " or pressure=one_ring, half-space and layer discretization=collocation or"
+        " or pressure=one_ring, all but the gaussian discretization=collocation or"
         " discretization=galerkin too, as in half-space:discretization=galerkin."
     ),
 ]
@@ -161,22 +161,26 @@ def read_scene(words: SceneWords) -> Scene:
     options = qr.ContactOptions(target_error=parse_target_error(words.target_error))
     shift = parse_quantities(words.translate, 3, LENGTH, "--translate")
     angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
-    kernel = parse_response(words.response)
-    if kernel is not None:
+    response = parse_response(words.response)
+    if not isinstance(response, qr.Body):
         _only_for_a_body(words.bone, "--bone")
         _only_for_a_body(words.fixed, "--fixed")
         _only_for_a_body(words.prepared, "--prepared")
     modulus = parse_quantity(words.shear_modulus, STRESS, "--shear-modulus")
     skin = qr.Skin(
-        shear_modulus=modulus, poisson_ratio=words.poisson_ratio, response=kernel or qr.HalfSpace()
+        shear_modulus=modulus,
+        poisson_ratio=words.poisson_ratio,
+        response=qr.HalfSpace() if isinstance(response, qr.Body) else response,
     )
     unit = file_unit(words.unit, "--unit")
     product_unit = file_unit(words.product_unit or words.unit, "--product-unit")
     with progress(f"reading {words.skin_file} and {words.product_file}"):
         surface = with_skin_mask(qr.read_surface(words.skin_file, unit=unit), words.skin_mask)
         obstacle = qr.read_obstacle(words.product_file, unit=product_unit).moved(rotation(angles), shift)
-    body = None if kernel else parse_body(surface, words.bone or "auto", words.fixed or "caps", unit)
-    held = {"bone": words.bone or "auto", "fixed": words.fixed or "caps"} if body else {}
+    body, held = None, {}
+    if isinstance(response, qr.Body):
+        held = {"bone": words.bone or "auto", "fixed": words.fixed or "caps"}
+        body = on_skin(response, surface, held["bone"], held["fixed"], unit)
     inputs = {
         "skin": str(words.skin_file),
         "product": str(words.product_file),

@@ -83,7 +83,7 @@ def _build_body(
     held = np.zeros(len(surface.vertices), dtype=bool) if fixed is None else _held(fixed, surface)
     if nodes is None:
         nodes = np.flatnonzero(surface.skin_mask & ~held)
-    return _core.Skin.body(
+    prepared = _core.Skin.body(
         surface,
         *material,
         body.bone,
@@ -95,6 +95,7 @@ def _build_body(
         memory_limit=as_integer_or_none("memory_limit", body.memory_limit, ResponseError),
         progress=stage_reporter(progress),
     )
+    return prepared.with_discretization(body.discretization)
 
 
 def _held(fixed: NDArray[np.bool_], surface: Surface) -> NDArray[np.bool_]:
@@ -152,7 +153,7 @@ def restore_prepared(
     if "coarse_nodes" in stored:
         names = "coarse_nodes", "coarse_corners", "coarse_weights", "coarse_edges", "held"
         levels = tuple(stored[name] for name in names)
-    return _core.Skin.restore_body(
+    restored = _core.Skin.restore_body(
         surface,
         *material,
         nodes,
@@ -164,3 +165,4 @@ def restore_prepared(
         levels=levels,
         solved=isinstance(response, Body),
     )
+    return restored.with_discretization(response.discretization) if isinstance(response, Body) else restored

@@ -241,6 +241,9 @@ class Body(_Response):
         At the nodes they are the least share that there are vertices for, and grow with the cube root of
         the thickness above its median; then all are longer by one factor. It is prepared for all that
         moves. 0 is the skin's own mesh.
+    discretization : {"collocation", "galerkin"}, optional
+        How the gap of a node is taken, see `HalfSpace`. "galerkin" averages the near kernel; what is left of
+        the body is smooth and stays at the nodes.
 
     References
     ----------
@@ -252,6 +255,7 @@ class Body(_Response):
     memory_limit: int | None = None
     bone_pressure: bool = False
     coarse_edge_length: float | None = None
+    discretization: _Discretization = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

@@ -139,17 +139,17 @@ class Skin:
         Raises
         ------
         ResponseError
-            If a part does not fit, two overlap, or this skin is no kernel of linear pressure. A contact
-            raises it where a patch of candidates straddles a cut, naming the part; `CombinedSkin.without`
-            leaves that part to the kernel.
+            If a part does not fit, two overlap, this skin is no kernel of linear pressure, or one of them
+            takes its gaps in Galerkin form. A contact raises it where a patch of candidates straddles a cut,
+            naming the part; `CombinedSkin.without` leaves that part to the kernel.
         TypeError
             If `parts` is no mapping of names to a cut and its prepared skin.
 
         Notes
         -----
         A force on a part moves that part alone, a force off the parts the rest alone: patches on different
-        sides of a cut do not couple, since each body is held there. Patches off the parts couple with one
-        another.
+        sides of a cut do not couple, since each body is held there. Patches off the parts feel of each other
+        what they do under the kernel alone.
         """
         return _combine(self, surface, parts)
 

@@ -71,7 +71,10 @@ def _numbers(response: Response) -> dict[str, Any]:
     """Return the response's numbers and choices."""
     numbers: dict[str, Any] = {}
     if isinstance(response, Body):
-        return {"coarse_edge_length": response.coarse_edge_length}
+        return {
+            "coarse_edge_length": response.coarse_edge_length,
+            "discretization": response.discretization,
+        }
     if not isinstance(response, GivenMatrix):
         for name, value in vars(response).items():
             if value is None or isinstance(value, str):

@@ -120,7 +120,7 @@ impl KernelSkin {
     pub fn with_discretization(self, discretization: Discretization) -> Result<Self, ResponseError> {
         match (&self.kernel, discretization) {
             (Kernel::GaussianCorrected { .. }, Discretization::Galerkin) => {
-                Err(ResponseError::CollocationOnly { kernel: self.kernel.name() })
+                Err(ResponseError::CollocationOnly { response: self.kernel.name() })
             }
             _ => Ok(Self { discretization, ..self }),
         }

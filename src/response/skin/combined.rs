@@ -88,11 +88,11 @@ impl CombinedSkin {
     ///
     /// # Errors
     /// - [`ResponseError::PartMismatch`]: a part does not fit the surface, is no body, or shares vertices with another
-    /// - [`ResponseError::PartsNeedLinear`]: the kernel averages gaps or spreads forces over one-rings
+    /// - [`ResponseError::PartsNeedLinear`]: the kernel or a part averages gaps, or the kernel spreads forces over one-rings
     pub fn new(surface: &Surface, background: KernelSkin, parts: Vec<Part>) -> Result<Self, ResponseError> {
-        if background.discretization() != Discretization::Collocation
-            || background.basis() != PressureBasis::Linear
-        {
+        let of_parts = parts.iter().map(|part| part.prepared.own_traits().discretization);
+        let mut all = of_parts.chain([background.discretization()]);
+        if all.any(|one| one != Discretization::Collocation) || background.basis() != PressureBasis::Linear {
             return Err(ResponseError::PartsNeedLinear);
         }
         let mut owner: Vec<Option<usize>> = vec![None; surface.vertices().len()];

@@ -13,6 +13,7 @@ use crate::response::body::levels::sizing::{OnCoarse, tissue_thickness};
 use crate::response::body::levels::two_levels::TwoLevels;
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
@@ -27,6 +28,7 @@ pub struct PreparedBody {
     surface: Surface,
     /// `None` of blocks of somebody else.
     coarseness: Option<Coarseness>,
+    discretization: Discretization,
 }
 
 /// What the compliance is made of.
@@ -101,7 +103,23 @@ impl PreparedBody {
                 Some(Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref()))
             }
         };
-        Ok(Self { levels, nodes: PreparedNodes::new(surface, nodes)?, surface: surface.clone(), coarseness })
+        let nodes = PreparedNodes::new(surface, nodes)?;
+        let discretization = Discretization::Collocation;
+        Ok(Self { levels, nodes, surface: surface.clone(), coarseness, discretization })
+    }
+
+    /// The same body in another discretization: in Galerkin form its near kernel is averaged, and the rest of it, which is
+    /// smooth, is taken at the nodes.
+    ///
+    /// # Errors
+    /// [`ResponseError::CollocationOnly`] for blocks of somebody else in Galerkin form.
+    pub fn with_discretization(self, discretization: Discretization) -> Result<Self, ResponseError> {
+        match (&self.levels, discretization) {
+            (Levels::Given(_), Discretization::Galerkin) => {
+                Err(ResponseError::CollocationOnly { response: "given-matrix" })
+            }
+            _ => Ok(Self { discretization, ..self }),
+        }
     }
 
     /// What the compliance is made of.
@@ -135,7 +153,8 @@ impl PreparedBody {
 
     /// What a contact may rely on, on whichever surface.
     pub(crate) fn own_traits(&self) -> Traits {
-        Traits::of_matrix(true, self.coarseness.is_some())
+        let traits = Traits::of_matrix(true, self.coarseness.is_some());
+        Traits { discretization: self.discretization, ..traits }
     }
 
     /// On a refinement of the skin, or of a skin that this one is a part of; `None` where it takes the mesh as it is.
@@ -150,8 +169,10 @@ impl PreparedBody {
         let coarseness = coarseness.on_refined(mesh, &own);
         match &self.levels {
             Levels::Given(_) => Ok(None),
-            Levels::One(one) => one.on_refined(&self.surface, mesh, own, coarseness).map(Some),
-            Levels::Two(two) => two.on_refined(mesh, own, coarseness).map(Some),
+            Levels::One(one) => {
+                one.on_refined(&self.surface, mesh, own, self.discretization, coarseness).map(Some)
+            }
+            Levels::Two(two) => two.on_refined(mesh, own, self.discretization, coarseness).map(Some),
         }
     }
 
@@ -216,7 +237,7 @@ impl ElasticSkin for PreparedBody {
     ) -> Result<Option<BodyDoubt>, ResponseError> {
         let Some(coarseness) = &self.coarseness else { return Ok(None) };
         let lost = match &self.levels {
-            Levels::Two(two) => two.near_and_far().lost_displacement(asked, forces)?,
+            Levels::Two(two) => two.near_and_far(self.discretization).lost_displacement(asked, forces)?,
             Levels::Given(_) | Levels::One(_) => 0.0,
         };
         Ok(Some(coarseness.doubt(asked.nodes, forces, lost / depth)))
@@ -224,13 +245,17 @@ impl ElasticSkin for PreparedBody {
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
         let rows = self.nodes.checked_rows(asked.nodes, directions)?;
+        let asked = &Request { surface: &self.surface, ..*asked };
         match &self.levels {
-            Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
-                Ok(compliance.response_among(&rows, directions)?)
+            Levels::Given(compliance) => Ok(compliance.response_among(&rows, directions)?),
+            Levels::One(one) => {
+                let at_nodes = one.compliance.response_among(&rows, directions)?;
+                match self.discretization {
+                    Discretization::Collocation => Ok(at_nodes),
+                    Discretization::Galerkin => Ok(at_nodes + one.averaging(asked, directions)?),
+                }
             }
-            Levels::Two(two) => {
-                two.near_and_far().matrix(&Request { surface: &self.surface, ..*asked }, directions)
-            }
+            Levels::Two(two) => two.near_and_far(self.discretization).matrix(asked, directions),
         }
     }
 
@@ -248,7 +273,7 @@ impl ElasticSkin for PreparedBody {
                 let moved = compliance.displacements(&at_nodes)?;
                 vertices.iter().map(|&vertex| moved[vertex]).collect()
             }
-            Levels::Two(two) => two.near_and_far().displacements(
+            Levels::Two(two) => two.near_and_far(self.discretization).displacements(
                 &Request { surface: &self.surface, ..*asked },
                 forces,
                 vertices,
@@ -260,7 +285,7 @@ impl ElasticSkin for PreparedBody {
 
 impl ElasticSkin for BodyOnMesh {
     fn traits(&self, _: &Surface) -> Result<Traits, ResponseError> {
-        Ok(Traits::of_matrix(true, false))
+        Ok(Traits { discretization: self.response.discretization, ..Traits::of_matrix(true, false) })
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {

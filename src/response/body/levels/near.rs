@@ -23,6 +23,7 @@ use crate::response::body::equations::quadrature::{
 };
 use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
 use crate::response::matrix::collocation::assemble_block;
@@ -132,16 +133,17 @@ impl NearKernel {
     /// R of the kernel over the nodes along `directions` (k × k, m/N).
     ///
     /// Along the normals of one surface `n_i·r^` and `n_j·r^` vanish with r, so that the second term has no singularity and is
-    /// taken at the nodes; the first is a scalar kernel's.
+    /// taken at the nodes in either discretization; the first is a scalar kernel's.
     ///
-    /// * `kept`: what is known of the scalar kernel on this mesh
+    /// * `kept`: what is known of the scalar kernel on this mesh, in that discretization
     pub fn along(
         &self,
         asked: &Request,
         directions: &[Vector3<f64>],
+        discretization: Discretization,
         kept: &KeptBlock,
     ) -> Result<Mat<f64>, ResponseError> {
-        let mut response = self.scalar_rows(asked, asked.nodes, kept)?;
+        let mut response = self.scalar_rows(asked, asked.nodes, discretization, kept)?;
         let [x, y, z] = coordinates(asked.nodes.iter().map(|&vertex| &asked.surface.vertices()[vertex]));
         let [along_x, along_y, along_z] = coordinates(directions.iter());
         let factor = self.outer_factor();
@@ -169,7 +171,7 @@ impl NearKernel {
 
     /// Displacement (m) of `vertices` under `forces` (N) at the nodes, the second term at the nodes too.
     ///
-    /// * `kept`: as for [`along`](Self::along)
+    /// * `kept`: what is known of the scalar kernel at vertices of this mesh
     pub fn displacements(
         &self,
         asked: &Request,
@@ -177,7 +179,7 @@ impl NearKernel {
         vertices: &[usize],
         kept: &KeptBlock,
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        let scalar = self.scalar_rows(asked, vertices, kept)?;
+        let scalar = self.scalar_rows(asked, vertices, Discretization::Collocation, kept)?;
         let points = asked.surface.vertices();
         let [x, y, z] = coordinates(vertices.iter().map(|&vertex| &points[vertex]));
         let factor = self.outer_factor();
@@ -221,13 +223,15 @@ impl NearKernel {
         &self,
         asked: &Request,
         rows: &[usize],
+        discretization: Discretization,
         kept: &KeptBlock,
     ) -> Result<Mat<f64>, ResponseError> {
         let options =
             &AssemblyOptions { tolerance: asked.options.tolerance.max(LEAST_TOLERANCE), ..*asked.options };
         let kernel = self.layer.as_ref().unwrap_or(&self.half_space);
+        let kernel = kernel.clone().with_discretization(discretization)?;
         let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
-            assemble_block(asked.surface, kernel, rows, columns, options)
+            assemble_block(asked.surface, &kernel, rows, columns, options)
         };
         kept.entries(rows, asked.nodes, options, assemble)
     }

@@ -12,6 +12,7 @@ use crate::response::body::levels::coarseness::Coarseness;
 use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::NearKernel;
 use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
 
@@ -101,8 +102,12 @@ pub(crate) struct NearAndFar {
     /// Vertices that do not move (n).
     pub fixed: Arc<[bool]>,
     pub near: NearKernel,
-    /// What is known of it on this mesh.
+    /// How R takes the near kernel; the remainder is smooth, and taken at the nodes.
+    pub discretization: Discretization,
+    /// What is known of the near kernel at vertices of this mesh.
     pub kept: KeptBlock,
+    /// What is known of it as R takes it, where that is not at vertices.
+    pub averaged: KeptBlock,
 }
 
 impl NearAndFar {
@@ -200,7 +205,11 @@ impl NearAndFar {
             let half = half.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
             half.as_slice_mut().iter_mut().zip(&spread).for_each(|(entry, terms)| *entry = along(terms));
         });
-        let mut response = self.near.along(asked, directions, &self.kept)?;
+        let kept = match self.discretization {
+            Discretization::Collocation => &self.kept,
+            Discretization::Galerkin => &self.averaged,
+        };
+        let mut response = self.near.along(asked, directions, self.discretization, kept)?;
         response.par_col_chunks_mut(1).zip(&spread).for_each(|(column, terms)| {
             let column = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
             kernels::add_terms(column.as_slice_mut(), terms.len(), |k| {

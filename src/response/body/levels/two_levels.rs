@@ -15,6 +15,7 @@ use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, 
 use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::{CoarsePlace, CoarseSkin, edges_at_vertices};
@@ -150,13 +151,15 @@ impl TwoLevels {
     }
 
     /// On the skin's own mesh.
-    pub(crate) fn near_and_far(&self) -> NearAndFar {
+    pub(crate) fn near_and_far(&self, discretization: Discretization) -> NearAndFar {
         NearAndFar {
             remainder: Remainder::new(&self.remainder, None),
             weights: Arc::clone(&self.weights),
             fixed: Arc::clone(&self.fixed),
             near: self.near.clone(),
+            discretization,
             kept: KeptBlock::default(),
+            averaged: KeptBlock::default(),
         }
     }
 
@@ -167,6 +170,7 @@ impl TwoLevels {
         &self,
         mesh: &RefinedSurface,
         own: impl Fn(usize) -> Option<usize>,
+        discretization: Discretization,
         coarseness: Coarseness,
     ) -> Result<BodyOnMesh, ResponseError> {
         let weights = |vertex| own(vertex).and_then(|own| self.weights[own].clone());
@@ -176,7 +180,9 @@ impl TwoLevels {
             weights: mesh.inherit(weights, joined).into(),
             fixed: mesh.inherit(is_fixed, |a, b| *a && *b).into(),
             near: self.near.on_refined(mesh, own)?,
+            discretization,
             kept: KeptBlock::default(),
+            averaged: KeptBlock::default(),
         };
         Ok(BodyOnMesh { response, coarseness })
     }
