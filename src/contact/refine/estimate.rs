@@ -12,7 +12,7 @@ use crate::response::kernel::basis::Discretization;
 
 /// Relative errors of force, area and peak pressure.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct MeshError {
+pub(crate) struct ErrorEstimate {
     pub force: f64,
     pub area: f64,
     pub pressure: f64,
@@ -96,7 +96,7 @@ impl Settling {
     }
 }
 
-impl MeshError {
+impl ErrorEstimate {
     /// Of the mesh as it is, from its cells and what the nodes do not feel.
     ///
     /// * `tissue`: mean thickness under the forces (m), where there is bone or a layer

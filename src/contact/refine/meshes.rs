@@ -8,7 +8,7 @@ use crate::contact::figures::resultant::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
-use crate::contact::refine::estimate::MeshError;
+use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::touched_between;
 use crate::contact::refine::whole::into_whole;
 use crate::contact::report::cuts::Cuts;
@@ -94,7 +94,7 @@ impl Meshes {
                 let between = touched_between(&self.mesh, part, &contact, skin, options)?;
                 contact.clues.touched_between = between.len();
                 let coarser = last.accuracy.cells_per_radius / contact.accuracy.cells_per_radius;
-                MeshError::carried_over(&last.accuracy, coarser, coarser)
+                ErrorEstimate::carried_over(&last.accuracy, coarser, coarser)
             }
             _ => None,
         };

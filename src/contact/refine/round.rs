@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement};
-use crate::contact::refine::estimate::MeshError;
+use crate::contact::refine::estimate::ErrorEstimate;
 use crate::response::kernel::basis::Discretization;
 
 /// Penetration left on a mesh that is fine enough, as a share of that before.
@@ -35,14 +35,14 @@ impl Contact {
     /// What the mesh is estimated to cost after `previous`; `None` without contact.
     ///
     /// * `is_for_area`: whether the rim alone was refined since
-    pub(crate) fn error_after(&self, previous: &Contact, is_for_area: bool) -> Option<MeshError> {
+    pub(crate) fn error_after(&self, previous: &Contact, is_for_area: bool) -> Option<ErrorEstimate> {
         if self.status != ContactStatus::Solved {
             return None;
         }
         if previous.status != ContactStatus::Solved {
-            return Some(MeshError::of_cells(self, None));
+            return Some(ErrorEstimate::of_cells(self, None));
         }
-        let mut error = MeshError::of_rounds(previous, self);
+        let mut error = ErrorEstimate::of_rounds(previous, self);
         if is_for_area {
             // Nothing but the rim was refined.
             let known = &previous.accuracy;
@@ -53,7 +53,7 @@ impl Contact {
     }
 
     /// Adds what this round found.
-    pub(crate) fn note_round(&mut self, error: Option<MeshError>, started: Instant) {
+    pub(crate) fn note_round(&mut self, error: Option<ErrorEstimate>, started: Instant) {
         let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
         self.accuracy.mesh_error = error.map(|error| error.force);
         self.accuracy.body_error = error.map(|_| body);

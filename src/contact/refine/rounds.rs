@@ -1,5 +1,6 @@
 //! Solve, look where the mesh is too coarse, refine it there, solve again.
 
+use std::ops::ControlFlow::{self, Break, Continue};
 use std::time::Instant;
 
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
@@ -7,7 +8,7 @@ use crate::contact::error::ContactError;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Clues, Contact, ContactStatus};
-use crate::contact::refine::estimate::MeshError;
+use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::report::record::Report;
@@ -76,7 +77,7 @@ pub(crate) fn begin<'a>(
         );
     }
     let error = (given.status == ContactStatus::Solved && traits.refines)
-        .then(|| MeshError::of_cells(&given, mean_tissue(&given.active, skin)));
+        .then(|| ErrorEstimate::of_cells(&given, mean_tissue(&given.active, skin)));
     given.note_round(error, started);
     let target = match options.target_error {
         None => return ended(given.concluded("the mesh was taken as it is")),
@@ -110,6 +111,15 @@ fn mean_tissue(vertices: &[usize], skin: &dyn ElasticSkin) -> Option<f64> {
     (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
+/// How the rounds settle.
+struct Watch {
+    /// Rounds in a row in which the figures failed to.
+    unsettled: usize,
+    /// Estimate after the last round, and the penetration that it left (m).
+    worst: f64,
+    left: f64,
+}
+
 /// The rounds of a refinement.
 pub(crate) struct Rounds<'a> {
     pub meshes: Meshes,
@@ -126,87 +136,128 @@ pub(crate) struct Rounds<'a> {
 impl Rounds<'_> {
     /// Refines until the target is met, or something else ends it: says what.
     pub fn run(&mut self) -> Result<&'static str, ContactError> {
-        let mut unsettled = 0;
-        let mut before = f64::INFINITY;
-        let mut left = f64::INFINITY;
+        let mut watch = Watch { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
-            let is_for_area =
-                self.meshes.last.as_ref().is_some_and(|(_, contact)| contact.knows_force(self.target));
-            let wanting = self.wanting(is_for_area);
-            let marked = self.marked(&wanting)?;
-            if !marked.contains(&true) {
-                return Ok("nothing carries force");
-            }
-            let (nodes, most) = (self.predicted_nodes(&wanting), self.options.max_nodes);
-            if nodes > most {
-                return Ok("max_nodes");
-            }
-            if let Some(reason) = self.doubt()
-                && nodes > most / 2
-            {
-                return Ok(reason);
-            }
-            let mut finer = self.meshes.mesh.clone();
-            finer.refine(&marked);
-            let part = finer.part();
-            let mut contact = match self.solve(&part) {
-                Err(ContactError::Response(ResponseError::TooLarge { .. })) => {
-                    return Ok("memory_limit");
-                }
-                other => match other? {
-                    Some(contact) => contact,
-                    None => return Ok("max_nodes"),
-                },
+            let last = self.meshes.last.as_ref();
+            let is_for_area = last.is_some_and(|(_, contact)| contact.knows_force(self.target));
+            let finer = match self.finer(is_for_area)? {
+                Continue(finer) => finer,
+                Break(reason) => return Ok(reason),
             };
-            if matches!(contact.status, ContactStatus::Failed(LcpStatus::Breakdown | LcpStatus::PivotLimit))
-                && contact.candidates.len() > MOST_BY_PIVOTS
-            {
-                return Ok("a problem of many nodes that block exchanges do not end");
-            }
+            let part = finer.part();
+            let mut contact = match self.solved_on(&part)? {
+                Continue(contact) => contact,
+                Break(reason) => return Ok(reason),
+            };
             self.meshes.mesh = finer;
-            let has_failed = matches!(contact.status, ContactStatus::Failed(_));
             let previous = self.meshes.last.as_ref().map_or(&self.meshes.given, |(_, contact)| contact);
             contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
+            let has_failed = matches!(contact.status, ContactStatus::Failed(_));
             let error = if has_failed { None } else { contact.error_after(previous, is_for_area) };
             contact.note_round(error, started);
-            if has_failed {
-                self.meshes.last = Some((part, contact));
-                return Ok("a complementarity problem did not end solved");
-            }
-            let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_VERTICES;
-            let is_fine_on_edge = contact.clues.edge.is_some_and(|edge| {
-                edge.edge_length * CELLS_PER_DEPTH_ON_EDGE <= contact.max_penetration_before
-            });
-            let left_before = std::mem::replace(&mut left, contact.max_penetration_after);
-            self.between = touched_between(&self.meshes.mesh, &part, &contact, self.skin, self.options)?;
-            contact.clues.touched_between = self.between.len();
-            let touches_elsewhere = !self.between.is_empty() || !contact.clues.unfelt.is_empty();
-            let is_met = error.is_some_and(|error| error.worst() <= self.target);
-            self.touches_elsewhere_alone = is_met && touches_elsewhere;
-            let is_resolved = !touches_elsewhere
-                && (contact.is_free_of_penetration()
-                    || left > SETTLING * left_before
-                    || contact.candidates.len() > FEW_NODES);
+            let reason = if has_failed {
+                Some("a complementarity problem did not end solved")
+            } else {
+                self.look_elsewhere(&part, &mut contact, error)?;
+                self.ending(&contact, error, &mut watch)
+            };
             self.meshes.last = Some((part, contact));
-            match error {
-                Some(_) if is_met && is_resolved => return Ok(MET),
-                Some(_) if is_fine_on_edge => return Ok("a sharp edge"),
-                Some(error) => {
-                    unsettled = if !is_met && error.worst() > SETTLING * before && may_settle {
-                        unsettled + 1
-                    } else {
-                        0
-                    };
-                    before = error.worst();
-                }
-                None => {}
-            }
-            if unsettled >= UNSETTLED_ROUNDS {
-                return Ok("force or area does not settle");
+            if let Some(reason) = reason {
+                return Ok(reason);
             }
         }
         Ok("the most rounds")
+    }
+
+    /// The mesh of the next round, or why there is none.
+    fn finer(&self, is_for_area: bool) -> Result<ControlFlow<&'static str, MeshRefinement>, ContactError> {
+        let wanting = self.wanting(is_for_area);
+        let marked = self.marked(&wanting)?;
+        if !marked.contains(&true) {
+            return Ok(Break("nothing carries force"));
+        }
+        let (nodes, most) = (self.predicted_nodes(&wanting), self.options.max_nodes);
+        if nodes > most {
+            return Ok(Break("max_nodes"));
+        }
+        if let Some(reason) = self.doubt()
+            && nodes > most / 2
+        {
+            return Ok(Break(reason));
+        }
+        let mut finer = self.meshes.mesh.clone();
+        finer.refine(&marked);
+        Ok(Continue(finer))
+    }
+
+    /// The contact on a finer mesh, or why that is too much.
+    fn solved_on(&self, part: &RefinedSurface) -> Result<ControlFlow<&'static str, Contact>, ContactError> {
+        let contact = match self.solve(part) {
+            Err(ContactError::Response(ResponseError::TooLarge { .. })) => return Ok(Break("memory_limit")),
+            other => match other? {
+                Some(contact) => contact,
+                None => return Ok(Break("max_nodes")),
+            },
+        };
+        let has_no_end =
+            matches!(contact.status, ContactStatus::Failed(LcpStatus::Breakdown | LcpStatus::PivotLimit));
+        if has_no_end && contact.candidates.len() > MOST_BY_PIVOTS {
+            return Ok(Break("a problem of many nodes that block exchanges do not end"));
+        }
+        Ok(Continue(contact))
+    }
+
+    /// Notes where the skin is touched away from all force.
+    fn look_elsewhere(
+        &mut self,
+        part: &RefinedSurface,
+        contact: &mut Contact,
+        error: Option<ErrorEstimate>,
+    ) -> Result<(), ContactError> {
+        self.between = touched_between(&self.meshes.mesh, part, contact, self.skin, self.options)?;
+        contact.clues.touched_between = self.between.len();
+        self.touches_elsewhere_alone = self.is_met(error) && self.touches_elsewhere(contact);
+        Ok(())
+    }
+
+    fn is_met(&self, error: Option<ErrorEstimate>) -> bool {
+        error.is_some_and(|error| error.worst() <= self.target)
+    }
+
+    fn touches_elsewhere(&self, contact: &Contact) -> bool {
+        !self.between.is_empty() || !contact.clues.unfelt.is_empty()
+    }
+
+    /// Why no further round follows, if none does.
+    fn ending(
+        &self,
+        contact: &Contact,
+        error: Option<ErrorEstimate>,
+        watch: &mut Watch,
+    ) -> Option<&'static str> {
+        let left_before = std::mem::replace(&mut watch.left, contact.max_penetration_after);
+        let error = error?;
+        let is_met = self.is_met(Some(error));
+        let is_resolved = !self.touches_elsewhere(contact)
+            && (contact.is_free_of_penetration()
+                || watch.left > SETTLING * left_before
+                || contact.candidates.len() > FEW_NODES);
+        if is_met && is_resolved {
+            return Some(MET);
+        }
+        let is_fine_on_edge = contact
+            .clues
+            .edge
+            .is_some_and(|edge| edge.edge_length * CELLS_PER_DEPTH_ON_EDGE <= contact.max_penetration_before);
+        if is_fine_on_edge {
+            return Some("a sharp edge");
+        }
+        let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_VERTICES;
+        let is_unsettled = !is_met && error.worst() > SETTLING * watch.worst && may_settle;
+        watch.unsettled = if is_unsettled { watch.unsettled + 1 } else { 0 };
+        watch.worst = error.worst();
+        (watch.unsettled >= UNSETTLED_ROUNDS).then_some("force or area does not settle")
     }
 
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface: all that are pressed, those at the

@@ -88,28 +88,7 @@ pub(crate) fn find<T, E>(
             );
         }
         step *= share.min(1.0);
-        let slope = here.gradient.dot(&step);
-        let mut cut = 1.0;
-        let mut next = None;
-        for _ in 0..MAX_CUTS {
-            let there = trial(&(&at + cut * &step))?;
-            cut *= match there {
-                Some(place) if place.off <= 1.0 => {
-                    next = Some(place);
-                    break;
-                }
-                Some(place) if !place.is_free => {
-                    let slope_there = place.gradient.dot(&step);
-                    if slope_there <= -SLOPE_SHARE * slope {
-                        next = Some(place);
-                        break;
-                    }
-                    (slope / (slope - slope_there)).clamp(CUTS[0], CUTS[1])
-                }
-                _ => 0.5,
-            };
-        }
-        let Some(next) = next else {
+        let Some((cut, next)) = fallen_along(&step, here.gradient.dot(&step), &at, &mut trial)? else {
             if is_new {
                 let why = "the obstacle swings free of the skin, or the contact changes by jumps";
                 return ended(at, here.found, Some(stiffness), Some(why));
@@ -129,6 +108,33 @@ pub(crate) fn find<T, E>(
     }
     let why = (here.off > 1.0).then_some("it does not settle");
     ended(at, here.found, known, why)
+}
+
+/// The share of a step at which the energy no longer falls as it did, or the place is one of rest, and that place; `None`
+/// where no cut leads to one.
+///
+/// * `slope`: along the step where it begins (N m)
+fn fallen_along<T, E>(
+    step: &DVector<f64>,
+    slope: f64,
+    at: &DVector<f64>,
+    mut trial: impl FnMut(&DVector<f64>) -> Result<Option<Place<T>>, E>,
+) -> Result<Option<(f64, Place<T>)>, E> {
+    let mut cut = 1.0;
+    for _ in 0..MAX_CUTS {
+        cut *= match trial(&(at + cut * step))? {
+            Some(place) if place.off <= 1.0 => return Ok(Some((cut, place))),
+            Some(place) if !place.is_free => {
+                let slope_there = place.gradient.dot(step);
+                if slope_there <= -SLOPE_SHARE * slope {
+                    return Ok(Some((cut, place)));
+                }
+                (slope / (slope - slope_there)).clamp(CUTS[0], CUTS[1])
+            }
+            _ => 0.5,
+        };
+    }
+    Ok(None)
 }
 
 /// Newton's step, or one down the energy where that is too long or leads up.

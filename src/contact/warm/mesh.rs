@@ -8,7 +8,7 @@ use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::{edge_lengths, mean_edge};
 use crate::contact::in_place::Known;
 use crate::contact::outcome::{Contact, ContactStatus, Patch};
-use crate::contact::refine::estimate::MeshError;
+use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::too_large;
 use crate::contact::refine::meshes::{Meshes, is_of_another_size};
 use crate::contact::refine::rounds::{FEW_NODES, MET};
@@ -53,7 +53,7 @@ impl RefinedFor {
     ///
     /// * `target`: of the relative error
     pub fn new(surface: &Surface, contact: &Contact, target: f64, max_nodes: usize) -> Option<Self> {
-        let [of_force, of_area] = MeshError::room(&contact.accuracy, target)?;
+        let [of_force, of_area] = ErrorEstimate::room(&contact.accuracy, target)?;
         let (edge, rim_edge) = (mean_edge(surface, &contact.active), rim_edge(surface, contact));
         let nodes = contact.candidates.len();
         (MORE_NODES * nodes as f64 <= max_nodes as f64).then(|| Self {
@@ -95,7 +95,7 @@ impl WarmMesh {
     }
 
     /// What the mesh costs a contact; `Err` with the edges (m) to cut longer ones to where its rim is too coarse.
-    pub fn error(&self, contact: &Contact) -> Result<Option<MeshError>, f64> {
+    pub fn error(&self, contact: &Contact) -> Result<Option<ErrorEstimate>, f64> {
         let known = &self.refined_for;
         let scale = (contact.resultant.contact_area / known.area).sqrt();
         let rim_edge = rim_edge(&self.last().0.surface, contact) / scale;
@@ -103,7 +103,7 @@ impl WarmMesh {
             // With some way to go until they are too long again.
             return Err(scale * (known.rim_edge * known.longest).sqrt());
         }
-        Ok(MeshError::carried_over(&known.accuracy, rim_edge / known.edge, rim_edge / known.rim_edge))
+        Ok(ErrorEstimate::carried_over(&known.accuracy, rim_edge / known.edge, rim_edge / known.rim_edge))
     }
 
     /// Cuts the triangles at the rim of a contact with edges longer than so many m; whether the nodes stay few enough.
@@ -125,7 +125,7 @@ impl WarmMesh {
     pub fn conclude(
         &mut self,
         mut contact: Contact,
-        error: Option<MeshError>,
+        error: Option<ErrorEstimate>,
         started: Instant,
         target: f64,
     ) -> Result<Contact, ContactError> {
