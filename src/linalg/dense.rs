@@ -7,6 +7,9 @@ use rayon::prelude::*;
 use crate::linalg::factor::Interrupt;
 use crate::linalg::kernels::SHARED_WORK;
 
+/// Rows and columns of a tile that two of fit into the nearest cache.
+const TILE: usize = 32;
+
 /// Entries by columns; a new one is zero, and its memory is touched only as it is filled, which for a large one
 /// can then be interrupted.
 #[derive(Debug, Clone)]
@@ -31,6 +34,21 @@ impl Dense {
     pub(crate) fn of(m: &faer::Mat<f64>) -> Self {
         let entries = (0..m.ncols()).flat_map(|j| m.col_as_slice(j)).copied().collect();
         Self::from_columns(entries, m.nrows(), m.ncols())
+    }
+
+    /// Swaps rows and columns of a square matrix in place.
+    pub(crate) fn transpose(&mut self) {
+        assert_eq!(self.rows, self.columns, "a square matrix");
+        let n = self.rows;
+        for first_row in (0..n).step_by(TILE) {
+            for first_column in (first_row..n).step_by(TILE) {
+                for j in first_column..n.min(first_column + TILE) {
+                    for i in first_row..j.min(first_row + TILE) {
+                        self.entries.swap(i + j * n, j + i * n);
+                    }
+                }
+            }
+        }
     }
 
     pub(crate) fn rows(&self) -> usize {

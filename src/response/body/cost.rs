@@ -15,22 +15,31 @@ pub struct BodyCost {
     pub peak_bytes: usize,
     /// Memory of the result (bytes).
     pub kept_bytes: usize,
-    /// Floating-point operations of factorization and solution.
+    /// Floating-point operations of factorization and solution, without the pressure on the bone.
     pub flops: f64,
 }
 
+/// Right-hand sides solved together at the most: each block reads the whole factor.
+const LARGEST_BLOCK: usize = 256;
+/// Blocks come in groups of so many, to keep as many threads busy to the end; the width hangs on no thread, so that the
+/// answer does not either.
+const BLOCKS_AT_ONCE: usize = 4;
+
 /// Right-hand sides solved between two looks at the interrupt.
-pub(crate) const SOLVE_BLOCK: usize = 128;
+pub(crate) fn solve_width(right_hand_sides: usize) -> usize {
+    let groups = right_hand_sides.div_ceil(BLOCKS_AT_ONCE * LARGEST_BLOCK);
+    right_hand_sides.div_ceil(BLOCKS_AT_ONCE * groups.max(1)).max(1)
+}
 
 impl BodyCost {
     /// The cost for a skin and bones of so many vertices and so many loaded nodes.
     pub fn estimate(skin_count: usize, bone_count: usize, node_count: usize) -> BodyCost {
         let unknowns = 3 * (skin_count + bone_count);
         let right_hand_sides = 3 * node_count;
-        let (n, k) = (unknowns as f64, right_hand_sides as f64);
+        let (n, skin, k) = (unknowns as f64, 3.0 * skin_count as f64, right_hand_sides as f64);
         let kept = 8 * 3 * skin_count * right_hand_sides;
         // matrix, right-hand sides, one block of them twice, result, faces with their geometry
-        let working = 8 * unknowns * (unknowns + right_hand_sides + 2 * SOLVE_BLOCK.min(right_hand_sides));
+        let working = 8 * unknowns * (unknowns + right_hand_sides + 2 * solve_width(right_hand_sides));
         let faces = 2 * (skin_count + bone_count) * size_of::<Element>();
         BodyCost {
             counts: [skin_count, bone_count, node_count],
@@ -38,7 +47,7 @@ impl BodyCost {
             right_hand_sides,
             peak_bytes: working + kept + faces,
             kept_bytes: kept,
-            flops: 2.0 / 3.0 * n.powi(3) + 2.0 * n * n * k,
+            flops: 2.0 / 3.0 * n.powi(3) + (n * n + skin * skin) * k,
         }
     }
 

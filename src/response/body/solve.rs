@@ -17,7 +17,7 @@ use crate::response::body::check::tissue::{
     TissueReport, area_vectors, check_fixed, check_nodes, check_tissue,
 };
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
-use crate::response::body::cost::{BodyCost, SOLVE_BLOCK};
+use crate::response::body::cost::{BodyCost, solve_width};
 use crate::response::body::equations::assemble::assemble_equations;
 use crate::response::body::equations::incompressible::impose_flux_identities;
 use crate::response::body::error::BodyError;
@@ -156,7 +156,7 @@ impl Body {
         BodyCost::estimate(skin.vertices().len(), self.bone_count(), node_count)
     }
 
-    fn bone_count(&self) -> usize {
+    pub(crate) fn bone_count(&self) -> usize {
         self.bone.as_ref().map_or(0, |bone| bone.vertices().len())
     }
 
@@ -247,24 +247,32 @@ impl Body {
 
         let columns = 3 * nodes.len();
         let loads = MatRef::from_column_major_slice(&equations.loads, columns, unknowns);
-        let mut displacement = Mat::zeros(3 * skin.vertices().len(), columns);
+        let (skin_rows, bone_rows) = (3 * skin.vertices().len(), 3 * self.bone_count());
+        let mut displacement = Mat::zeros(skin_rows, columns);
         let bone_normals = self.bone.as_ref().filter(|_| options.bone_pressure).map(Surface::vertex_normals);
         let mut pressure = Mat::zeros(bone_normals.map_or(0, <[_]>::len), columns);
         let per_newton = 1.0 / (shear_modulus * length);
-        let results =
-            displacement.par_col_chunks_mut(SOLVE_BLOCK).zip(pressure.par_col_chunks_mut(SOLVE_BLOCK));
-        solve_columns(&factor, loads, &watch, results, |solved, (mut displacement, mut pressure)| {
-            let skin_rows = 3 * fixed.len();
-            for (column, solved) in solved.col_iter().enumerate() {
-                for row in (0..skin_rows).filter(|row| !fixed[row / 3]) {
-                    displacement[(row, column)] = solved[row] * per_newton;
+        let width = solve_width(columns);
+        let results = displacement.par_col_chunks_mut(width).zip(pressure.par_col_chunks_mut(width));
+        let wanted = if bone_normals.is_some() { unknowns } else { skin_rows };
+        solve_columns(
+            &factor,
+            wanted,
+            loads,
+            &watch,
+            results,
+            |solved, (mut displacement, mut pressure)| {
+                for (column, solved) in solved.col_iter().enumerate() {
+                    for row in (0..skin_rows).filter(|row| !fixed[row / 3]) {
+                        displacement[(row, column)] = solved[bone_rows + row] * per_newton;
+                    }
+                    for (vertex, normal) in bone_normals.into_iter().flatten().enumerate() {
+                        let traction = Vector3::from_fn(|axis, _| solved[3 * vertex + axis]);
+                        pressure[(vertex, column)] = traction.dot(normal) / (length * length);
+                    }
                 }
-                for (vertex, normal) in bone_normals.into_iter().flatten().enumerate() {
-                    let traction = Vector3::from_fn(|axis, _| solved[skin_rows + 3 * vertex + axis]);
-                    pressure[(vertex, column)] = traction.dot(normal) / (length * length);
-                }
-            }
-        })?;
+            },
+        )?;
         let pressure = bone_normals.map(|_| pressure);
         Ok(BodyParts {
             nodes: nodes.to_vec(),
@@ -287,8 +295,11 @@ fn parallelism() -> Par {
 }
 
 /// Factor of the equations, refused where it is singular to rounding.
-fn factorize(matrix: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, BodyError> {
-    let matrix = Dense::from_columns(matrix, unknowns, unknowns);
+///
+/// * `transposed`: their matrix by rows
+fn factorize(transposed: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, BodyError> {
+    let mut matrix = Dense::from_columns(transposed, unknowns, unknowns);
+    matrix.transpose();
     let cuts = Cuts { panel: FACTOR_PANEL, strip: FACTOR_STRIP, par: parallelism() };
     let stop = &mut |done| match done {
         0.0 => watch.is_interrupted(),
@@ -304,8 +315,11 @@ fn factorize(matrix: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, Bod
 
 /// Solves for every row of `loads`, a block of them on each thread, and hands `take` the solutions of each block with its
 /// part of `results`.
+///
+/// * `wanted`: how many of the unknowns, the last ones
 fn solve_columns<Part: Send>(
     factor: &Lu,
+    wanted: usize,
     loads: MatRef<'_, f64>,
     watch: &Watch,
     results: impl IndexedParallelIterator<Item = Part>,
@@ -313,10 +327,11 @@ fn solve_columns<Part: Send>(
 ) -> Result<(), BodyError> {
     let (columns, unknowns) = (loads.nrows(), loads.ncols());
     let solved = AtomicUsize::new(0);
-    let scratch = || Mat::zeros(unknowns, SOLVE_BLOCK.min(columns));
+    let most = solve_width(columns);
+    let scratch = || Mat::zeros(unknowns, most);
     let finished = results.enumerate().map_init(scratch, |scratch, (block, part)| {
-        let start = block * SOLVE_BLOCK;
-        let width = SOLVE_BLOCK.min(columns - start);
+        let start = block * most;
+        let width = most.min(columns - start);
         let mut block = scratch.as_mut().subcols_mut(0, width);
         block.copy_from(loads.subrows(start, width).transpose());
         // Halfway and at the end of each block.
@@ -324,7 +339,7 @@ fn solve_columns<Part: Send>(
             let halves = width + solved.fetch_add(width, Ordering::Relaxed);
             watch.advance("solution", 0.5 * halves as f64 / columns as f64)
         };
-        factor.solve_transposed(block.rb_mut(), &|| !advance());
+        factor.solve_last(block.rb_mut(), wanted, &|| !advance());
         take(block.rb(), part);
         advance()
     });

@@ -31,7 +31,7 @@ pub(crate) const NO_COLUMN: u32 = u32::MAX;
 #[derive(Debug, Clone)]
 pub(crate) struct Element {
     pub triangle: Triangle,
-    /// Nodes at the corners: skin vertices, then bone vertices.
+    /// Nodes at the corners: bone vertices, then skin vertices.
     pub nodes: [u32; 3],
     /// Columns (in blocks of 3) of unknown displacements, [`NO_COLUMN`] where the displacement is zero.
     pub moving: [u32; 3],
@@ -53,7 +53,7 @@ impl Element {
 #[derive(Debug, Clone)]
 pub(crate) struct DiscreteBody {
     pub kelvin: Kelvin,
-    /// Collocation points: skin vertices, then bone vertices.
+    /// Collocation points: bone vertices, then skin vertices.
     pub points: Vec<Vector3<f64>>,
     /// Whether a point's own displacement is unknown (skin that is not fixed).
     pub is_moving: Vec<bool>,

@@ -22,13 +22,11 @@ impl Body {
     ) -> (DiscreteBody, Vec<ClosedSurface>) {
         let skin_count = skin.vertices().len();
         let origin = skin.vertices().iter().sum::<Vector3<f64>>() / skin_count as f64;
-        let points: Vec<Vector3<f64>> = skin
-            .vertices()
-            .iter()
-            .chain(self.bone.iter().flat_map(|bone| bone.vertices()))
-            .map(|vertex| (vertex - origin) / length)
-            .collect();
-        let is_moving = (0..points.len()).map(|node| node < skin_count && !fixed[node]).collect();
+        let bones = self.bone.iter().flat_map(|bone| bone.vertices());
+        let points: Vec<Vector3<f64>> =
+            bones.chain(skin.vertices()).map(|vertex| (vertex - origin) / length).collect();
+        let is_moving =
+            std::iter::repeat_n(false, self.bone_count()).chain(fixed.iter().map(|fixed| !fixed)).collect();
         let kelvin = Kelvin::new(poisson_ratio);
         let elements = self.elements(skin, &points, length, fixed, nodes);
         let surfaces = self.closed_surfaces(skin, length);
@@ -44,45 +42,43 @@ impl Body {
         fixed: &[bool],
         nodes: &[usize],
     ) -> Vec<Element> {
-        let skin_count = skin.vertices().len();
-        let mut slots = vec![NO_COLUMN; skin_count];
+        let bone_count = self.bone_count() as u32;
+        let mut slots = vec![NO_COLUMN; skin.vertices().len()];
         nodes.iter().enumerate().for_each(|(slot, &node)| slots[node] = slot as u32);
 
         let skin_elements = skin.faces().iter().map(|face| {
             let is_held = face.iter().all(|&v| fixed[v as usize]);
+            let nodes = face.map(|v| v + bone_count);
             Element {
-                triangle: Triangle::new(face.map(|v| points[v as usize])),
-                nodes: *face,
-                moving: face.map(|v| if fixed[v as usize] { NO_COLUMN } else { v }),
-                supported: if is_held { *face } else { [NO_COLUMN; 3] },
+                triangle: Triangle::new(nodes.map(|node| points[node as usize])),
+                nodes,
+                moving: face.map(|v| if fixed[v as usize] { NO_COLUMN } else { v + bone_count }),
+                supported: if is_held { nodes } else { [NO_COLUMN; 3] },
                 loaded: face.map(|v| slots[v as usize]),
                 load_scales: face.map(|v| length * length / skin.vertex_areas()[v as usize]),
                 is_skin: true,
             }
         });
-        let bone_elements = self.bone.iter().flat_map(|bone| bone.faces()).map(|face| {
-            let face = face.map(|v| v + skin_count as u32);
-            Element {
-                triangle: Triangle::new(face.map(|v| points[v as usize])),
-                nodes: face,
-                moving: [NO_COLUMN; 3],
-                supported: face,
-                loaded: [NO_COLUMN; 3],
-                load_scales: [0.0; 3],
-                is_skin: false,
-            }
+        let bone_elements = self.bone.iter().flat_map(|bone| bone.faces()).map(|&face| Element {
+            triangle: Triangle::new(face.map(|v| points[v as usize])),
+            nodes: face,
+            moving: [NO_COLUMN; 3],
+            supported: face,
+            loaded: [NO_COLUMN; 3],
+            load_scales: [0.0; 3],
+            is_skin: false,
         });
         skin_elements.chain(bone_elements).collect()
     }
 
     /// The skin and each bone, areas in units of `length`².
     fn closed_surfaces(&self, skin: &Surface, length: f64) -> Vec<ClosedSurface> {
-        let skin_count = skin.vertices().len();
+        let bone_count = self.bone_count();
         let scaled = |surface: &Surface| -> Vec<Vector3<f64>> {
             area_vectors(surface).iter().map(|area| area / (length * length)).collect()
         };
         let mut surfaces = vec![ClosedSurface {
-            nodes: (0..skin_count as u32).collect(),
+            nodes: (0..skin.vertices().len()).map(|v| (bone_count + v) as u32).collect(),
             area_vectors: scaled(skin),
             is_bone: false,
         }];
@@ -93,7 +89,7 @@ impl Body {
                 let members: Vec<usize> =
                     (0..areas.len()).filter(|&v| topology.vertex_component(v) == component).collect();
                 surfaces.push(ClosedSurface {
-                    nodes: members.iter().map(|&v| (skin_count + v) as u32).collect(),
+                    nodes: members.iter().map(|&v| v as u32).collect(),
                     area_vectors: members.iter().map(|&v| areas[v]).collect(),
                     is_bone: true,
                 });
