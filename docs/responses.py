@@ -68,6 +68,12 @@ incompressible layer of a tenth of a cell: -3e-5 of the largest eigenvalue, wher
 Where the surface bends within the layer's reach neither has to be: 800 nodes around a fingertip under 1 mm,
 nu = 0.5, have -0.1 % (collocation) and -0.3 % (Galerkin). Galerkin assembly costs some 9 times
 collocation's, 10 to 20 times for a layer, up to 60 times for one thinner than the mesh.
+
+A body in Galerkin form, `Body(discretization="galerkin")`, averages its near kernel; what is left of it is
+smooth and stays at the nodes. On the sphere with a core of docs/validation.md, uniform and turned at
+random, target error 0.005, four depths, nu = 0.3 and 0.495, the worst force is 1.2 % off under a plate and
+1.5 % under a ball of 15 mm with 642 vertices, 2.6 and 2.1 % with 162; by collocation 1.3 and 1.4, 2.6 and
+2.2 %. On two real fingers a press takes 3 to 8 times as long.
 """
 
 
