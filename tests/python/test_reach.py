@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -144,3 +145,18 @@ def test_a_bad_ending_on_the_way_is_out_of_reach(fingertip: qr.Surface) -> None:
     assert contact is not None
     assert contact.status == "solved"
     assert 0.0 < contact.force[2] < 50.0
+
+
+@pytest.mark.parametrize(("degrees", "force"), [(0.0, 1.0), (0.573, 0.2)])
+def test_a_force_on_a_flat_end_is_that_of_the_depth_found(degrees: float, force: float) -> None:
+    # The search ends at several times the area that its first mesh was refined for, or at a fraction of it.
+    finger = qr.models.finger(edge_length=2.2e-3)
+    up = np.array([0.0, np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    plate = qr.Obstacle.half_space(-0.1 * up, up)
+    with warnings.catch_warnings():
+        # The end is a sharp edge of the skin, and coarse.
+        warnings.simplefilter("ignore", qr.QuasirigidWarning)
+        found = qr.press(finger, plate, SKIN, [0, 1, 0], force=force)
+        assert found.depth is not None
+        back = qr.press(finger, plate, SKIN, [0, 1, 0], depth=found.depth)
+    assert back.force[1] == pytest.approx(force, rel=0.01)
