@@ -12,6 +12,7 @@ use crate::contact::scene::{Approach, Goal, Placement, Press};
 use crate::contact::solve::solve;
 use crate::contact::tilt::axes::Balance;
 use crate::contact::tilt::goal::Tilted;
+use crate::geometry::direction::unit;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
@@ -56,7 +57,7 @@ fn pressed(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     options.validate()?;
-    let direction = unit(&press.direction)?;
+    let direction = unit_direction(&press.direction)?;
     let approach = |depth| Approach::new(direction, press.start, depth);
     let tilt = match press.balance {
         Balance::None => None,
@@ -91,12 +92,7 @@ fn pressed(
     with_threads(options, || reach(surface, obstacle, approach(0.0), target, skin, options))
 }
 
-pub(crate) fn unit(direction: &Vector3<f64>) -> Result<Vector3<f64>, ContactError> {
-    // Scaling first keeps tiny and huge directions from under- and overflowing.
-    let scaled = direction / direction.amax();
-    let length = scaled.norm();
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(ContactError::Direction { direction: (*direction).into() });
-    }
-    Ok(scaled / length)
+/// The unit vector along the direction of a press.
+pub(crate) fn unit_direction(direction: &Vector3<f64>) -> Result<Vector3<f64>, ContactError> {
+    unit(direction).ok_or(ContactError::Direction { direction: (*direction).into() })
 }

@@ -1,8 +1,9 @@
-//! Points and triangles: bounds, closest point, crossing, solid angle, rigid motion. No mesh, no physics.
+//! Points and triangles: bounds, closest point, crossing, direction, solid angle, rigid motion. No mesh, no physics.
 
 pub(crate) mod bounds;
 pub(crate) mod closest_point;
 pub(crate) mod crossing;
+pub(crate) mod direction;
 pub(crate) mod face_tree;
 pub(crate) mod rigid_motion;
 pub(crate) mod solid_angle;

@@ -5,9 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::geometry::direction::unit;
 use crate::obstacle::distance::check_points;
 use crate::obstacle::error::ObstacleError;
-use crate::obstacle::posed::{Obstacle, unit};
+use crate::obstacle::posed::Obstacle;
 use crate::obstacle::sweep::SweptShape;
 
 /// A point that rounding puts this share of the obstacle's size inside still counts as not yet met.

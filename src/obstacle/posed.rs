@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use crate::geometry::bounds::{Bounds, LARGEST_COORDINATE, is_within_range};
+use crate::geometry::direction::unit;
 use crate::geometry::rigid_motion::rigid_motion;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::material::Material;
@@ -311,12 +312,6 @@ impl Shape {
             Shape::Primitive(primitive) => Some(primitive.nearest(p)),
         }
     }
-}
-
-/// The unit vector along `direction`; `None` if it is zero. Any length that a float can have will do.
-pub(super) fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
-    let largest = direction.amax();
-    (largest > 0.0).then(|| (direction / largest).normalize())
 }
 
 fn check_finite(kind: &'static str, what: &'static str, value: &Vector3<f64>) -> Result<(), ObstacleError> {

@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::contact::error::ContactError;
+use crate::geometry::direction::unit;
 use crate::obstacle::posed::Obstacle;
 
 /// Largest angle that an obstacle turns by (rad): 30 degrees.
@@ -62,29 +63,22 @@ impl TiltAxes {
     /// # Errors
     /// [`ContactError::TiltAxis`], [`ContactError::ParallelAxes`].
     pub(crate) fn units(&self, direction: &Vector3<f64>) -> Result<Vec<Vector3<f64>>, ContactError> {
+        let unit_of = |number, axis: &Vector3<f64>| {
+            unit(axis).ok_or(ContactError::TiltAxis { number, axis: (*axis).into() })
+        };
         let units = match self {
             Self::Across => {
                 let across = direction.cross(&Vector3::ith(direction.iamin(), 1.0)).normalize();
                 vec![across, direction.cross(&across)]
             }
-            Self::One(axis) => vec![unit(0, axis)?],
-            Self::Two([a, b]) => vec![unit(0, a)?, unit(1, b)?],
+            Self::One(axis) => vec![unit_of(0, axis)?],
+            Self::Two([a, b]) => vec![unit_of(0, a)?, unit_of(1, b)?],
         };
         match units[..] {
             [a, b] if a.cross(&b).norm() < LEAST_SINE => Err(ContactError::ParallelAxes),
             _ => Ok(units),
         }
     }
-}
-
-fn unit(number: usize, axis: &Vector3<f64>) -> Result<Vector3<f64>, ContactError> {
-    // Scaling first keeps tiny and huge axes from under- and overflowing.
-    let scaled = axis / axis.amax();
-    let length = scaled.norm();
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(ContactError::TiltAxis { number, axis: (*axis).into() });
-    }
-    Ok(scaled / length)
 }
 
 /// A turn about a point.

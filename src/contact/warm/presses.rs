@@ -9,7 +9,7 @@ use crate::contact::gap::initial::Gaps;
 use crate::contact::in_place::Known;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
-use crate::contact::press::{press, unit};
+use crate::contact::press::{press, unit_direction};
 use crate::contact::reach::goal::{FARTHER, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, Trials};
 use crate::contact::reach::search::Search;
@@ -68,7 +68,7 @@ pub fn press_after(
         _ => return press(surface, obstacle, skin, asked, options),
     };
     options.validate()?;
-    let press = Approach::new(unit(&asked.direction)?, asked.start, 0.0);
+    let press = Approach::new(unit_direction(&asked.direction)?, asked.start, 0.0);
     let presses = Presses { surface, obstacle, skin, options, press };
     let guarded = Guarded { surface, obstacle, skin, press: Some(asked) };
     guarded.check(with_threads(options, || {

@@ -1,0 +1,26 @@
+//! Directions of any length.
+
+use nalgebra::Vector3;
+
+/// The unit vector along `direction`, of any length that a float can have; `None` if it is zero or not finite.
+pub(crate) fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
+    // Scaling first keeps tiny and huge directions from under- and overflowing.
+    let scaled = direction / direction.amax();
+    let length = scaled.norm();
+    (length > 0.0 && length.is_finite()).then(|| scaled / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_direction_has_its_unit_vector_and_nothing_else_has_one() {
+        for length in [5e-324, 1e-300, 1.0, 1e300] {
+            assert_eq!(unit(&Vector3::new(0.0, -length, 0.0)), Some(-Vector3::y()));
+        }
+        for bad in [0.0, f64::NAN, f64::INFINITY] {
+            assert_eq!(unit(&Vector3::new(0.0, bad, 0.0)), None);
+        }
+    }
+}
