@@ -29,6 +29,7 @@ impl Obstacle {
     /// Of the four turns that lay the axes so, the one that turns it least.
     ///
     /// * `rotation`, `translation`: from the frame to the world (m)
+    /// * `turn`: of the obstacle as it lies, in the frame, about its centre of mass
     /// * `skin`: to be touched in place of the plane z = 0, where it may touch
     ///
     /// # Errors
@@ -38,11 +39,13 @@ impl Obstacle {
         &self,
         rotation: &Matrix3<f64>,
         translation: &Vector3<f64>,
+        turn: &Matrix3<f64>,
         skin: Option<&Surface>,
     ) -> Result<Obstacle, ObstacleError> {
         let frame = rigid_motion(rotation, translation)?;
         let mass = self.mass().ok_or(ObstacleError::Endless)?;
-        let laid = Isometry3::from_parts(Translation3::identity(), self.turn_into(&frame, &mass.spread))
+        let laid = rigid_motion(turn, &Vector3::zeros())?
+            * self.turn_into(&frame, &mass.spread)
             * Translation3::from(-mass.center);
         let Some(skin) = skin else {
             let lowest = self.at(laid).bounding_box().map_or(0.0, |bounds| bounds.low.z);

@@ -1,7 +1,7 @@
 //! `quasirigid.Obstacle`.
 
 use super::convert::{
-    MatrixArgument, faces, faces_out, mesh_arrays, nodes, number, rotation_and_translation, vector,
+    MatrixArgument, faces, faces_out, matrix3, mesh_arrays, nodes, number, rotation_and_translation, vector,
     vector_out, vectors, vectors_out,
 };
 use super::errors::{IntoPyErr, ObstacleError};
@@ -10,6 +10,7 @@ use super::material::{material_out, product_skin};
 use super::pickle::{Pose, Reduced, reduced, restored};
 use super::surface::PySurface;
 use crate::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
+use nalgebra::Matrix3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -320,6 +321,8 @@ impl PyObstacle {
     /// surface : Surface, optional
     ///     Skin that it touches, coming from +z; for the frame of a palm, the palm's when left out. Without a
     ///     skin its lowest point is at z = 0.
+    /// rotation : (3, 3) array_like, optional
+    ///     Turn of the obstacle as it lies so, in the frame, about its centre of mass, before it comes down.
     ///
     /// Returns
     /// -------
@@ -328,7 +331,8 @@ impl PyObstacle {
     /// Raises
     /// ------
     /// ObstacleError
-    ///     The frame is no rigid motion, the obstacle is a half-space, or it meets no vertex that may touch.
+    ///     The frame or the turn is no rigid motion, the obstacle is a half-space, or it meets no vertex that may
+    ///     touch.
     ///
     /// Examples
     /// --------
@@ -337,18 +341,20 @@ impl PyObstacle {
     /// >>> handle = qr.Obstacle.cylinder(half_height=0.06, radius=0.015)
     /// >>> handle.placed(np.eye(4)).bounding_box.round(3).tolist()
     /// [[-0.06, -0.015, 0.0], [0.06, 0.015, 0.03]]
-    #[pyo3(signature = (frame, surface=None), text_signature = "(self, frame, surface=None)")]
+    #[pyo3(signature = (frame, surface=None, *, rotation=None), text_signature = "(self, frame, surface=None, *, rotation=None)")]
     fn placed(
         &self,
         py: Python<'_>,
         frame: &Bound<'_, PyAny>,
         surface: Option<&PySurface>,
+        rotation: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let (rotation, translation) = rotation_and_translation(Some(frame), None)?;
+        let (axes, origin) = rotation_and_translation(Some(frame), None)?;
+        let turn = rotation.map_or(Ok(Matrix3::identity()), |rotation| matrix3(rotation, "rotation"))?;
         let known = frame.getattr_opt("surface")?.filter(|known| !known.is_none());
         let known = known.as_ref().map(|known| known.cast::<PySurface>()).transpose()?;
         let skin = surface.or(known.map(|known| known.get())).map(|surface| &surface.inner);
-        made(released(py, || self.inner.placed(&rotation, &translation, skin)))
+        made(released(py, || self.inner.placed(&axes, &origin, &turn, skin)))
     }
 
     /// Vertices and faces of a mesh obstacle in the world, or None for a primitive.

@@ -147,7 +147,7 @@ def test_a_hand_grasps_with_the_force_asked_for(
     assert json.loads((out / "grasp.json").read_text())["inputs"]["force"] == {"index": 2.0, "ring": 1.0}
     assert (out / "contact.json").exists()
     # Far above the palm nothing is met: status 1, and the table says why.
-    assert run([*words, "--force", "5N", "--shift", "0,0,300mm", "--as-placed"]) == 1
+    assert run([*words, "--force", "5N", "--shift", "0,0,300mm"]) == 1
     assert "does not meet the product" in capsys.readouterr().out
 
 
@@ -157,6 +157,7 @@ def test_a_hand_grasps_with_the_force_asked_for(
         ([], "give one of --force and --overlap; given: neither"),
         (["--force", "5N", "--overlap", "1mm"], "given: both"),
         (["--force", "5"], "has no unit"),
+        (["--force", "5N", "--shift", "0,0,3mm", "--as-placed"], "leave out --as-placed"),
         (["--force", "pinky=5N"], "the nearest is"),
         (["--force", "index=5N,index=6N"], "'index' stands there twice"),
         (["--force", "5N", "--start", "fits"], "the nearest is 'fist'"),

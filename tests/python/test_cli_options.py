@@ -211,6 +211,7 @@ def test_a_kept_body_is_read_again_and_grows_with_what_is_asked(
         (("--poisson-ratio", "0.4"), "Poisson's ratio 0.5, not 0.4"),
         (("--bone", "none"), "another bone"),
         (("--fixed", "none"), "other fixed vertices"),
+        (("--response", "body:discretization=galerkin"), "discretization collocation, not galerkin"),
     ):
         assert run(words("press", "--depth", "0.5mm", *body, *other)) == 2
         assert f"kept.npz holds a body of {difference}" in capsys.readouterr().err

@@ -326,6 +326,19 @@ def test_a_product_is_laid_across_the_palm_in_touch(hand):
     np.testing.assert_allclose(np.abs(inwards), [1.0, 0.0, 0.0], atol=1e-12)
     on_palm = palm.surface.vertices[palm.surface.skin_mask]
     assert rod.signed_distance(on_palm)[0].min() == pytest.approx(0.0, abs=1e-12)
+    # Turned as it lies, it comes down onto the palm all the same, with its centre of mass over the origin.
+    for turn in (
+        np.diag([1.0, -1.0, -1.0]),
+        [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
+        [[0, -1, 0], [1, 0, 0], [0, 0, 1]],
+    ):
+        turned = rod.placed(palm, rotation=turn)
+        axes = np.array(palm[:3, :3])
+        np.testing.assert_allclose(turned.rotation, axes @ turn @ axes.T @ rod.rotation, atol=1e-9)
+        over = axes.T @ (turned.center_of_mass - palm[:3, 3])
+        np.testing.assert_allclose(over[:2], 0.0, atol=1e-12)
+        assert over[2] > 0.0
+        assert turned.signed_distance(on_palm)[0].min() == pytest.approx(0.0, abs=1e-12)
     # A frame without a skin: on its plane.
     flat = qr.Obstacle.box([0.01, 0.03, 0.02]).placed(np.eye(4))
     np.testing.assert_allclose(flat.bounding_box, [[-0.03, -0.02, 0.0], [0.03, 0.02, 0.02]], atol=1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,26 @@ def test_a_body_is_prepared_once(hand: qr.Hand, tmp_path: Path) -> None:
     np.testing.assert_array_equal(first.nodes, nodes)
     assert posed.skin(**{**arguments, "poisson_ratio": 0.4}) is not first
     assert posed.skin(**{**arguments, "nodes": nodes[1:]}) is not first
+    averaged = replace(arguments["response"], discretization="galerkin")
+    assert posed.skin(**{**arguments, "response": averaged}).skin.response.discretization == "galerkin"
+
+
+def test_every_field_of_a_body_but_its_memory_is_told_apart(hand: qr.Hand) -> None:
+    surface, bone = hand.surface, hand.posed({}).bones
+    others = {
+        "bone": bone,
+        "fixed": ~surface.skin_mask,
+        "bone_pressure": True,
+        "coarse_edge_length": 1e-3,
+        "discretization": "galerkin",
+    }
+    assert set(others) == {field.name for field in fields(qr.Body)} - {"memory_limit"}
+    bodies = [qr.Body(), *(qr.Body(**{name: value}) for name, value in others.items())]
+    skins = [qr.Skin(**MATERIAL, response=body) for body in bodies]
+    keys = {kept._key(skin, surface, [0, 1]) for skin in skins}
+    assert len(keys) == len(bodies)
+    named = qr.Skin(**MATERIAL, response=qr.Body(discretization="collocation"))
+    assert kept._key(named, surface, [0, 1]) in keys
 
 
 def test_a_damaged_file_of_a_body_is_written_anew(hand: qr.Hand, tmp_path: Path) -> None:

@@ -48,10 +48,17 @@ def grasp(
     start: PoseWord = "relaxed",
     end: PoseWord = "fist",
     rotate: Annotated[
-        str, typer.Option(help="Turns of the product in the palm about x, y, z: across, distal, out of it.")
+        str,
+        typer.Option(
+            help="Turns of the product about x, y, z: across the palm, distal, out of it; then it comes down."
+        ),
     ] = "0,0,0deg",
     shift: Annotated[
-        str, typer.Option(help="Shift of the product from the palm's centre along x, y, z, as in 0,10,0mm.")
+        str,
+        typer.Option(
+            help="Shift of the product from the palm's centre along x and y, as in 0,10,0mm, and along z from"
+            " where it touches."
+        ),
     ] = "0,0,0mm",
     as_placed: Annotated[
         bool, typer.Option("--as-placed", help="Leave hand and product where their files have them.")
@@ -84,6 +91,10 @@ def grasp(
     skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=parse_response(response))
     angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
     way = parse_quantities(shift, 3, LENGTH, "--shift")
+    if as_placed and any([*angles, *way]):
+        raise QuantityError(
+            "--rotate and --shift are of a product in the palm: leave out --as-placed, or them"
+        )
     mass = None if product_mass is None else parse_quantity(product_mass, _MASS, "--product-mass")
     poses = {"start": read_pose_word(start), "end": read_pose_word(end)}
     if out is not None and pictures:
@@ -93,9 +104,9 @@ def grasp(
         obstacle = qr.read_obstacle(product, unit=file_unit(product_unit or unit, "--product-unit"))
     if not as_placed:
         palm = known.posed(poses["start"]).palm
-        palm[:3, 3] += palm[:3, :3] @ way
-        palm[:3, :3] = palm[:3, :3] @ rotation(angles)
-        obstacle = obstacle.placed(palm)
+        across, distal, out_of_palm = palm[:3, :3].T
+        palm[:3, 3] += way[0] * across + way[1] * distal
+        obstacle = obstacle.placed(palm, rotation=rotation(angles)).moved(translation=way[2] * out_of_palm)
     with progress("closing the hand"):
         held = qr.close_hand(
             known, obstacle, skin, **goal, **poses, product_mass=mass, options=options, throw=False

@@ -61,8 +61,14 @@ def _difference(known: qr.Skin, asked: qr.Skin) -> str:
     one, other = known.response, asked.response
     if not isinstance(one, qr.Body) or not isinstance(other, qr.Body):
         return "another response"
-    if not _are_equal(*(body.bone and body.bone.vertices for body in (one, other))):
-        return "another bone"
+    for part in ("vertices", "faces"):
+        if not _are_equal(*(body.bone and getattr(body.bone, part) for body in (one, other))):
+            return "another bone"
+    if one.coarse_edge_length != other.coarse_edge_length:
+        return f"coarse edge length {one.coarse_edge_length} m, not {other.coarse_edge_length}"
+    forms = [body.discretization or qr.Discretization.COLLOCATION for body in (one, other)]
+    if forms[0] != forms[1]:
+        return f"discretization {forms[0]}, not {forms[1]}"
     return "" if _are_equal(one.fixed, other.fixed) else "other fixed vertices"
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import ResponseError
-from ..skin import Body, load_prepared
+from ..skin import Body, Discretization, load_prepared
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["kept"]
 
 _MOST_BYTES = 5e8  # of all bodies in memory: about three whole hands
-_VERSION = b"1"  # another one where the same body is solved otherwise
+_VERSION = b"2"  # another one where the same body is solved otherwise
 
 _known: OrderedDict[str, tuple[PreparedSkin, int]] = OrderedDict()
 _lock = Lock()
@@ -67,7 +67,8 @@ def _key(skin: Skin, surface: Surface, nodes: ArrayLike) -> str:
     body = skin.response
     assert isinstance(body, Body)
     content = sha256(_VERSION)
-    numbers = (skin.shear_modulus, skin.poisson_ratio, body.coarse_edge_length, body.bone_pressure)
+    form = str(body.discretization or Discretization.COLLOCATION)
+    numbers = (skin.shear_modulus, skin.poisson_ratio, body.coarse_edge_length, body.bone_pressure, form)
     content.update(repr(numbers).encode())
     arrays = [surface.vertices, surface.faces, surface.skin_mask, body.fixed, nodes]
     arrays += [None, None] if body.bone is None else [body.bone.vertices, body.bone.faces]
