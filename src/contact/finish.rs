@@ -72,14 +72,14 @@ impl Contact {
         let beside = Beside::new(gaps, response, &forces, &motion)?;
         let left = penetration_after(gaps, &forces, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
-        match &gaps.scene.inherited {
+        let reaches_cut = match &gaps.scene.inherited {
             Some(Inherited { cuts, .. }) => report.warn_of_cuts(surface, cuts, &forces),
             None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
-        }
+        };
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let on_edges = RimOnEdges::new(gaps, &forces)?;
         let within_rim = areas_within_rim(gaps, response, &forces, &beside, &on_edges)?;
-        let body = response.doubt(&forces.active, &forces.active_vectors(), gaps.deepest())?;
+        let [body, product] = response.doubts(&forces.active, &forces.active_vectors(), gaps.deepest())?;
         let edge = LoadedEdge::of_obstacle(gaps, &forces);
         let skin_edge = LoadedEdge::of_skin(gaps, &forces);
         let ends_of = |edge: &Option<LoadedEdge>| edge.map(|edge| edge.ends);
@@ -90,6 +90,8 @@ impl Contact {
         let clues = Clues {
             area_within_rim,
             body,
+            product,
+            reaches_cut,
             edge,
             skin_edge,
             ends_at_edges: on_edges.share,

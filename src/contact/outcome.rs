@@ -203,6 +203,10 @@ pub(crate) struct Clues {
     pub area_within_rim: f64,
     /// What the coarse mesh of a body costs.
     pub body: Option<BodyDoubt>,
+    /// What the mesh costs that a product's matrix is given on.
+    pub product: Option<BodyDoubt>,
+    /// Whether force lies where the skin is cut, masked or held, so that the pressure has no bound.
+    pub reaches_cut: bool,
     /// Where a sharp edge of the obstacle carries force.
     pub edge: Option<LoadedEdge>,
     /// Where one of the skin does.

@@ -41,6 +41,7 @@ fn assert_warns(contact: &Contact, place: &str, is_at: impl Fn(usize) -> bool) {
     let found = cuts(contact);
     assert_eq!(found.len(), 1, "{:?}", contact.warnings);
     assert!(share > 0.1);
+    assert_eq!(contact.accuracy.max_pressure_error, Some(f64::INFINITY));
     assert!(found[0].contains(place), "{}", found[0]);
     assert!(found[0].contains(&format!("{force:.3e} N there ({share:.2} % of all)")), "{}", found[0]);
 }
@@ -49,6 +50,7 @@ fn assert_warns(contact: &Contact, place: &str, is_at: impl Fn(usize) -> bool) {
 fn a_contact_at_an_open_border_says_so_and_one_inside_does_not() {
     for contact in both(&square(), &over(10e-3), &half_space()) {
         assert!(cuts(&contact).is_empty());
+        assert!(contact.accuracy.max_pressure_error.is_some_and(f64::is_finite));
     }
     for contact in both(&square(), &over(0.5e-3), &half_space()) {
         assert_warns(&contact, "open border", |vertex| contact.surface().vertices()[vertex].x < 1e-9);

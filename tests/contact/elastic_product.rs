@@ -234,6 +234,8 @@ fn a_product_on_a_spring_takes_its_travel_off_the_depth() {
     let inner = 6 * 13 + 6;
     assert_relative_eq!(moved.vertices()[inner].z - before[inner].z, -sunk, max_relative = 1e-9);
     assert_eq!(moved.vertices()[200], before[200]);
+    // Its matrix is linear, so that nothing is lost between the vertices.
+    assert!(elastic.accuracy.body_error.expect("an estimate") < 1e-12);
 }
 
 #[test]
@@ -254,6 +256,41 @@ fn a_given_matrix_of_a_half_space_answers_as_its_kernel() {
     // The skin is bowed by 0.3 mm over 6 mm, so its distances are some (0.3 / 6)² longer than the slab's.
     assert_relative_eq!(force(&found), force(&expected), max_relative = 2.5e-3);
     assert_relative_eq!(found.obstacle_share.expect("in contact"), 0.5, max_relative = 2.5e-3);
+}
+
+#[test]
+fn what_is_lost_between_the_vertices_of_a_products_matrix_is_said() {
+    let surface = ball(8e-3, 4);
+    let upwards =
+        Press { direction: UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity, balance: Balance::None };
+    let refined =
+        |obstacle| press(&surface, &obstacle, &half_space(), &upwards, &ContactOptions::default()).unwrap();
+    for softer in [0.5, 3.0] {
+        let material = KernelSkin::new(SHEAR_MODULUS / softer, POISSON_RATIO, Kernel::HalfSpace).unwrap();
+        let slab = slab(16);
+        let (grid, faces) = one_diagonal_grid(16);
+        let top = Surface::new(grid.iter().map(|at| 1e-3 * at).collect(), faces).expect("a valid surface");
+        let nodes: Vec<usize> = (0..17 * 17).collect();
+        let matrix = assemble(&top, &material, &nodes, None, &AssemblyOptions::default()).expect("a matrix");
+        let given = refined(with_matrix(&slab, nodes, matrix).expect("a matrix"));
+        let kernel = refined(made_of(&slab, SHEAR_MODULUS / softer, POISSON_RATIO));
+        let off = |figure: fn(&Contact) -> f64| (figure(&given) / figure(&kernel) - 1.0).abs();
+        let [of_force, of_area, of_peak] = [
+            (off(force), given.accuracy.force_error),
+            (off(|contact| contact.resultant.contact_area), given.accuracy.area_error),
+            (off(|contact| contact.resultant.max_pressure), given.accuracy.max_pressure_error),
+        ]
+        .map(|(found, said)| (found, said.expect("an estimate")));
+        println!("{softer} times as soft: {of_force:.3?} {of_area:.3?} {of_peak:.3?}");
+        for (found, said) in [of_force, of_area, of_peak] {
+            assert!(found < said);
+        }
+        assert!(of_area.0 > 0.05 && of_area.1 < 5.0 * of_area.0);
+        assert!(
+            given.warnings.iter().any(|warning| warning.message.contains("product's matrix is given on"))
+        );
+        assert_eq!(kernel.accuracy.body_error, Some(0.0));
+    }
 }
 
 #[test]

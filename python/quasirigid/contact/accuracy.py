@@ -40,11 +40,13 @@ class Accuracy:
         no estimate was made; `Contact.left_out` says why. Infinite where the mesh is too coarse to tell, as
         where it penetrates and nothing carries force.
     mesh_error, body_error : float or None
-        What the mesh around the contact costs of that, and what the coarse mesh of a body does.
+        What the mesh around the contact costs of that, and what the coarse mesh of a body does, or that which
+        the matrix of a product is given on.
     area_error : float or None
         Estimated error of `contact_area` over it.
     max_pressure_error : float or None
-        Estimated error of `max_pressure` over it; infinite where a sharp edge carries force too.
+        Estimated error of `max_pressure` over it; infinite where a sharp edge carries force, or a vertex at
+        a cut or the rim of the skin mask, too.
     """
 
     natural_residual: float

@@ -237,12 +237,12 @@ def _share(contact: Contact) -> dict[str, str]:
 
 
 def _infinite(contact: Contact) -> str:
-    """Return in words what an infinite error of a contact means; on a sharp edge the peak's alone is."""
+    """Return in words what an infinite error of a contact means; at an edge or a cut the peak's alone is."""
     if len(contact.active) == 0:
         return "not known: nothing carries force"
     of_force = contact.accuracy.force_error
     is_known = of_force is not None and np.isfinite(of_force)
-    return "infinite on a sharp edge" if is_known else "not known: mesh too coarse"
+    return "infinite at an edge or a cut" if is_known else "not known: mesh too coarse"
 
 
 def _estimated(error: float | None, infinite: str) -> str:

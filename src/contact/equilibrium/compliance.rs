@@ -120,19 +120,20 @@ impl<'a> Compliance<'a> {
         self.skin.kept_factors().filter(|_| is_one)
     }
 
-    /// What the mesh that a body was solved on costs a contact of so many m in depth with `forces` (N) at `nodes`;
-    /// `None` of a kernel or a matrix, and without forces.
-    pub fn doubt(
+    /// What the meshes that a body was solved on and that a product's matrix is given on cost a contact of so many m in
+    /// depth with `forces` (N) at `nodes`; `None` of others, and without forces.
+    pub fn doubts(
         &self,
         nodes: &[usize],
         forces: &[Vector3<f64>],
         depth: f64,
-    ) -> Result<Option<BodyDoubt>, ContactError> {
+    ) -> Result<[Option<BodyDoubt>; 2], ContactError> {
         if nodes.is_empty() {
-            return Ok(None);
+            return Ok([None; 2]);
         }
         let asked = Request { surface: self.surface, nodes, options: &self.options };
-        Ok(self.skin.doubt(&asked, forces, depth)?)
+        let of_product = self.product.as_ref().map(|product| product.response.doubt(&asked, forces, depth));
+        Ok([self.skin.doubt(&asked, forces, depth)?, of_product.transpose()?.flatten()])
     }
 
     /// Displacement of `vertices` against the product, each under the forces of its own finger, to the tolerance of R

@@ -17,6 +17,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::obstacle::material::Material;
 use crate::obstacle::posed::Obstacle;
+use crate::response::body::levels::coarseness::{BodyDoubt, lost_displacement};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
@@ -82,6 +83,16 @@ impl GivenProduct<'_> {
         corners.find(|&corner| self.given.nodes().row(corner).is_none())
     }
 
+    /// Mean length of the edges of the product's triangles opposite vertices of the skin (m).
+    fn edge_length(&self, vertices: &[usize]) -> f64 {
+        let points = self.given.nodes().vertices();
+        let around = |&vertex: &usize| {
+            let [a, b, c] = self.place(vertex).corners.map(|corner| points[corner as usize]);
+            ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
+        };
+        vertices.iter().map(around).sum::<f64>() / vertices.len() as f64
+    }
+
     /// `W M Wᵀ` between two sets of vertices of the skin (m/N).
     fn block(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
         let matrix = self.given.response_matrix();
@@ -108,6 +119,20 @@ impl ElasticSkin for GivenProduct<'_> {
 
     fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         Ok(None)
+    }
+
+    fn doubt(
+        &self,
+        asked: &Request,
+        forces: &[Vector3<f64>],
+        depth: f64,
+    ) -> Result<Option<BodyDoubt>, ResponseError> {
+        let weights: Vec<Vec<(usize, f64)>> = asked.nodes.iter().map(|&vertex| self.rows(vertex)).collect();
+        let matrix = self.given.response_matrix();
+        let moved = |row: usize, column: usize, force: &Vector3<f64>| matrix[(row, column)] * force.norm();
+        let sizes: Vec<Vector3<f64>> = forces.iter().map(|force| Vector3::x() * force.norm()).collect();
+        let lost = lost_displacement(matrix.nrows(), &weights, &sizes, moved);
+        Ok(Some(BodyDoubt::of_product(lost / depth, self.edge_length(asked.nodes))))
     }
 
     fn matrix(&self, asked: &Request, _: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

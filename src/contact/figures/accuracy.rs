@@ -32,11 +32,11 @@ pub struct Accuracy {
     pub force_error: Option<f64>,
     /// What the mesh around the contact costs of that.
     pub mesh_error: Option<f64>,
-    /// What the coarse mesh of a body costs of that; 0 of a kernel.
+    /// What the coarse mesh of a body costs of that, and that which the matrix of a product is given on; 0 of a kernel.
     pub body_error: Option<f64>,
     /// Estimated error of the contact area over it.
     pub area_error: Option<f64>,
-    /// Estimated error of the largest pressure over it; infinite where a sharp edge carries force.
+    /// Estimated error of the largest pressure over it; infinite where a sharp edge carries force, or a vertex at a cut.
     pub max_pressure_error: Option<f64>,
 }
 

@@ -54,13 +54,14 @@ impl Contact {
 
     /// Adds what this round found.
     pub(crate) fn note_round(&mut self, error: Option<ErrorEstimate>, started: Instant) {
-        let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
+        let doubts = [self.clues.body, self.clues.product].into_iter().flatten();
+        let body = doubts.map(|doubt| doubt.force_error).sum();
         self.accuracy.mesh_error = error.map(|error| error.force);
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
         self.accuracy.area_error = error.map(|error| error.area);
-        let Clues { edge, skin_edge, ends_at_edges, .. } = &self.clues;
-        let is_infinite = edge.is_some() || skin_edge.is_some() || *ends_at_edges > 0.0;
+        let Clues { edge, skin_edge, ends_at_edges, reaches_cut, .. } = &self.clues;
+        let is_infinite = edge.is_some() || skin_edge.is_some() || *ends_at_edges > 0.0 || *reaches_cut;
         self.accuracy.max_pressure_error =
             error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
         self.refinements.push(Refinement {
@@ -83,6 +84,12 @@ impl Contact {
             self.leave_out("estimates of error", "there is no contact");
         }
         self.refinements.last_mut().expect("a round was noted").reason = reason;
+        // No round makes this less.
+        if let Some(doubt) = self.clues.product {
+            self.accuracy.area_error = self.accuracy.area_error.map(|error| error + doubt.area_error());
+            let of_peak = doubt.max_pressure_error();
+            self.accuracy.max_pressure_error = self.accuracy.max_pressure_error.map(|error| error + of_peak);
+        }
         self
     }
 }

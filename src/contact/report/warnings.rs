@@ -118,6 +118,13 @@ impl Contact {
                 "the coarse mesh of the body costs about {cost} of the force: prepare it with coarse_edge_length = {length:.2e} m"
             ));
         }
+        if let Some(doubt) = self.clues.product.filter(|doubt| doubt.area_error() > target) {
+            let (force, area) = (percent(doubt.force_error), percent(doubt.area_error()));
+            let length = doubt.edge_length * target / doubt.area_error();
+            short.push(format!(
+                "the mesh that the product's matrix is given on costs about {force} of the force and {area} of the area: take edges of {length:.2e} m there"
+            ));
+        }
         if !short.is_empty() {
             let message = format!("the target of {} is not met: {}", percent(target), short.join("; "));
             self.warn(WarningKind::Refinement, message);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::linalg::kernels;
 use crate::response::body::compliance::BodyCompliance;
-use crate::response::body::levels::coarseness::Coarseness;
+use crate::response::body::levels::coarseness::{Coarseness, lost_displacement};
 use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::NearKernel;
 use crate::response::error::ResponseError;
@@ -131,39 +131,20 @@ impl NearAndFar {
     }
 
     /// Displacement (m) that interpolation between coarse vertices loses at the nodes: its mean over the forces (N).
-    ///
-    /// A remainder that is linear moves a coarse vertex as its neighbours on average. What it moves the vertex beyond that
-    /// is what the coarse mesh does not resolve.
     pub fn lost_displacement(&self, asked: &Request, forces: &[Vector3<f64>]) -> Result<f64, ResponseError> {
         let support = self.support(asked.nodes);
         let at = |coarse: u32| support.binary_search(&(coarse as usize)).expect("a vertex of the support");
-        let mut spread = vec![Vector3::zeros(); support.len()];
-        let mut beside = vec![Vec::new(); support.len()];
-        for (&vertex, force) in asked.nodes.iter().zip(forces) {
-            for &(coarse, weight) in self.weights(vertex) {
-                spread[at(coarse)] += weight * force;
-                let others = self.weights(vertex).iter().filter(|other| other.0 != coarse);
-                beside[at(coarse)].extend(others.map(|other| at(other.0)));
-            }
-        }
+        let own = |&vertex: &usize| {
+            self.weights(vertex).iter().map(|&(coarse, weight)| (at(coarse), weight)).collect()
+        };
+        let weights: Vec<Vec<(usize, f64)>> = asked.nodes.iter().map(own).collect();
         let among = self.remainder.blocks(&support, &support, asked)?;
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (own, (force, others)) in spread.iter().zip(&mut beside).enumerate() {
-            others.sort_unstable();
-            others.dedup();
-            let size = force.norm();
-            let moved = |row: usize| {
-                let block = among.as_ref().submatrix(3 * row, 3 * own, 3, 3);
-                let along = |a: usize| (0..3).map(|b| block[(a, b)] * force[b]).sum::<f64>() * force[a];
-                (0..3).map(along).sum::<f64>() / size
-            };
-            if size > 0.0 && !others.is_empty() {
-                let mean = others.iter().map(|&row| moved(row)).sum::<f64>() / others.len() as f64;
-                sum += size * (moved(own) - mean).abs();
-            }
-            total += size;
-        }
-        Ok(sum / total)
+        let moved = |row: usize, column: usize, force: &Vector3<f64>| {
+            let block = among.as_ref().submatrix(3 * row, 3 * column, 3, 3);
+            let along = |a: usize| (0..3).map(|b| block[(a, b)] * force[b]).sum::<f64>() * force[a];
+            (0..3).map(along).sum::<f64>() / force.norm()
+        };
+        Ok(lost_displacement(support.len(), &weights, forces, moved))
     }
 
     /// # Errors
