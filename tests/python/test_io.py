@@ -132,6 +132,25 @@ def test_an_unknown_unit_is_refused(tmp_path: Path, unit: Any) -> None:
         write_mesh(np.array(POINTS), np.array(FACES), tmp_path / "mesh.ply", unit=unit)
 
 
+@pytest.mark.parametrize("word", ["верх".encode(), "naïf…".encode("cp1252")])
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("ascii.ply", ply_text(good_ply_rows())),
+        (
+            "other.ply",
+            ply_text(good_ply_rows()).replace(b"end_h", b"element corner 0\nproperty int corner\nend_h"),
+        ),
+        ("text.stl", stl_text(FACES).encode()),
+        ("plain.obj", obj_text().replace("corner\n", "corner f\n").encode()),
+    ],
+)
+def test_names_and_comments_hold_any_letters(tmp_path: Path, name: str, content: bytes, word: bytes) -> None:
+    assert word.endswith(b"\x85")  # which ends a line in Latin-1
+    vertices, faces = read(tmp_path, name, content.replace(b"corner", word))
+    assert np.array_equal(vertices[faces], np.array(POINTS)[np.array(FACES)])
+
+
 def test_stl_and_obj_join_equal_points_and_nothing_else(tmp_path: Path) -> None:
     nudged = stl_text(FACES).replace("vertex 1.0 0.0 0.0", "vertex 1.0000000001 0.0 0.0", 1)
     assert len(read(tmp_path, "nudged.stl", nudged)[0]) == 5

@@ -1,4 +1,4 @@
-"""What the readers share: checks of the values, fans, and the welding of equal points."""
+"""What the readers share: lines, checks of the values, fans, and the welding of equal points."""
 
 from __future__ import annotations
 
@@ -35,6 +35,12 @@ def check_values(vertices: Floats, faces: Indices, name: str) -> None:
 
 def _how_many(count: int, what: str) -> str:
     return "the only one" if count == 1 else f"{count} such {what} in all"
+
+
+def lines_of(data: bytes) -> list[str]:
+    """Return the lines of a text, whatever letters it holds."""
+    # Bytes end a line at \n, \r and \r\n alone: decoded first, bytes of many a letter would too.
+    return [line.decode("utf-8", "backslashreplace") for line in data.splitlines()]
 
 
 def to_float(word: str) -> float:

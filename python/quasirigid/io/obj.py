@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import MeshFileError
-from .check import Floats, Indices, fans, to_float, to_int, weld_equal
+from .check import Floats, Indices, fans, lines_of, to_float, to_int, weld_equal
 
 _FREE_FORM = {"vp", "cstype", "curv", "curv2", "surf"}
 
@@ -14,8 +14,8 @@ def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
     """Return vertices (n, 3), equal ones joined, and faces (m, 3); larger faces become fans."""
     points: list[tuple[float, float, float]] = []
     faces: list[list[int]] = []
-    text = data.decode("latin-1").replace("\\\r\n", "  ").replace("\\\n", " ")
-    for number, line in enumerate(text.splitlines(), start=1):
+    text = data.replace(b"\\\r\n", b"  ").replace(b"\\\n", b" ")
+    for number, line in enumerate(lines_of(text), start=1):
         words = line.partition("#")[0].split()
         if not words:
             continue

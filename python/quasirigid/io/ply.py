@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import MeshFileError
-from .check import Floats, Indices, fans, to_float, to_int
+from .check import Floats, Indices, fans, lines_of, to_float, to_int
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -65,7 +65,7 @@ def _header(data: bytes, name: str) -> tuple[str, list[_Element], int]:
         raise MeshFileError(f"{name}: the header has no end ('end_header')")
     order: str | None = None
     elements: list[_Element] = []
-    for number, line in enumerate(data[: end.start()].decode("latin-1").splitlines(), start=1):
+    for number, line in enumerate(lines_of(data[: end.start()]), start=1):
         match line.split():
             case [] | ["ply"] | ["comment", *_] | ["obj_info", *_]:
                 pass
@@ -178,7 +178,7 @@ def _rows_of_lists(
 
 
 def _ascii(text: bytes, elements: list[_Element], name: str) -> dict[str, dict[str, Any]]:
-    lines = [line for line in text.decode("latin-1").splitlines() if line.strip()]
+    lines = [line for line in lines_of(text) if line.strip()]
     columns: dict[str, dict[str, Any]] = {}
     at = 0
     for element in elements:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import MeshFileError
-from .check import Floats, Indices, to_float, weld_equal
+from .check import Floats, Indices, lines_of, to_float, weld_equal
 
 _ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -35,7 +35,7 @@ def _ascii(data: bytes, name: str) -> Floats:
     step = 0
     open_solid = False
     number = 0
-    for number, line in enumerate(data.decode("latin-1").splitlines(), start=1):
+    for number, line in enumerate(lines_of(data), start=1):
         words = line.split()
         if not words:
             continue
