@@ -105,6 +105,15 @@ def test_a_folder_that_is_none_is_refused_before_the_work(hand: qr.Hand, tmp_pat
         posed.skin(**MATERIAL, folder=tmp_path / "none")
 
 
+def test_a_hand_without_room_for_a_bone_is_refused_with_its_length(hand: qr.Hand) -> None:
+    posed = hand.scaled(1e-3).posed("flat")
+    words = rf"no bone fits into this skin, {1e-3 * hand.length:.4g} m long .*: check the unit"
+    with pytest.raises(qr.HandError, match=words):
+        posed.skin(**MATERIAL)
+    with pytest.raises(qr.HandError, match=words):
+        _ = posed.bones
+
+
 class Stop(Exception):
     """Raised at the first sign of work."""
 

@@ -98,7 +98,15 @@ class PosedHand:
 
         They stay at least 1 mm inside the skin and clear of each other: `bone_shares` says which are slimmer
         for that. Of skin that crosses itself there is no inside: they are as at rest.
+
+        Raises
+        ------
+        HandError
+            The skin leaves no room for any.
         """
+        if not self._bones:
+            length = f"{self.hand.length:.4g} m long from wrist to middle tip"
+            raise HandError(f"no bone fits into this skin, {length}: check the unit")
         return Surface(*joined(self._bones))
 
     @property
@@ -159,8 +167,8 @@ class PosedHand:
         Raises
         ------
         HandError
-            The skin of a body crosses itself in this pose (the regions are named), or its bones cross the
-            skin.
+            The skin of a body crosses itself in this pose (the regions are named), leaves no room for bones,
+            or its bones cross the skin.
         ResponseError
             As `Skin` and `Skin.prepared` say.
         OSError
