@@ -6,6 +6,7 @@ import copy
 import dataclasses
 import pickle
 import warnings
+from collections.abc import Callable
 from multiprocessing import get_context
 from typing import Any
 
@@ -103,6 +104,25 @@ def test_a_skin_and_its_preparation_come_back(name: str) -> None:
     assert type(again(prepared).skin.response) is type(skin.response)
     with pytest.raises(dataclasses.FrozenInstanceError):
         copied.shear_modulus = 1.0
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")  # of the coarse mesh
+@pytest.mark.parametrize("copied", [again, copy.copy, copy.deepcopy])
+def test_a_hand_its_pose_and_its_grasp_come_back(copied: Callable[[Any], Any]) -> None:
+    hand = qr.models.hand(edge_length=5e-3)
+    product = qr.Obstacle.sphere([0.0, 0.0, 0.0], 0.02).placed(hand.posed("relaxed").palm)
+    skin = qr.Skin(**MATERIAL, response=qr.HalfSpace())
+    options = qr.ContactOptions(target_error=None)
+    grasp = qr.close_hand(hand, product, skin, force={"index": 1.0}, options=options)
+    its_hand, its_grasp = copied(hand), copied(grasp)
+    its_pose = its_grasp.posed
+    for mine, its in ((hand, its_hand), (hand, its_pose.hand), (hand, copied(hand.posed("fist")).hand)):
+        np.testing.assert_array_equal(its.posed("fist").surface.vertices, mine.posed("fist").surface.vertices)
+        assert not its.rest.flags.writeable
+    np.testing.assert_array_equal(its_pose.surface.vertices, grasp.posed.surface.vertices)
+    assert not its_pose.joints.flags.writeable
+    assert its_pose.crossings == grasp.posed.crossings
+    assert its_grasp.summary() == grasp.summary()
 
 
 def press_in_place(job: tuple[qr.Surface, qr.Obstacle, qr.Skin, qr.ContactOptions]) -> qr.Contact:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .. import _core
 from .._check import as_number
+from .._frozen import Frozen
 from ..errors import HandError
 from ..surface import Surface, skin_without_caps
 from .bend import shares_of
@@ -37,7 +38,7 @@ __all__ = ["Hand", "Side"]
 Side = Literal["right", "left"]
 
 
-class Hand:
+class Hand(Frozen):
     """A hand: its skin at rest, its joints, and the weights by which the skin follows them.
 
     Parameters
@@ -260,6 +261,10 @@ class Hand:
         from .save import save_glb
 
         save_glb(self, path, contact)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the attributes but for the core's weights, which are made anew of the others."""
+        return {name: value for name, value in super().__getstate__().items() if name != "_influence"}
 
     def __repr__(self) -> str:
         """Return side, counts and length on one line."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
+from .._frozen import Frozen
 from ..errors import HandError
 from ..skin import Body, Skin
 from ..surface import Surface
@@ -67,7 +68,7 @@ class PalmFrame(np.ndarray[Any, np.dtype[np.float64]]):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PosedHand:
+class PosedHand(Frozen):
     """A hand in a pose, ready to press.
 
     Attributes
