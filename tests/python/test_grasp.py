@@ -1,7 +1,9 @@
 """Hands that close on products."""
 
+import copy
 import json
 import os
+import pickle
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -346,6 +348,30 @@ def test_a_product_is_laid_across_the_palm_in_touch(hand):
         qr.Obstacle.half_space([0, 0, 0], [0, 0, 1]).placed(palm)
     with pytest.raises(qr.ObstacleError, match="meets no vertex"):
         rod.placed(np.eye(4), qr.Surface(hand.surface.vertices + 9.0, hand.surface.faces))
+
+
+@pytest.mark.parametrize(
+    "copied",
+    [lambda palm: palm.copy(), copy.copy, copy.deepcopy, lambda palm: pickle.loads(pickle.dumps(palm))],
+)
+def test_a_copy_of_a_palm_lays_a_product_as_the_palm_does(hand, copied):
+    palm = hand.posed("relaxed").palm
+    frame = copied(palm)
+    rod = qr.Obstacle.capsule(*ENDS, RADIUS)
+    np.testing.assert_array_equal(rod.placed(frame).translation, rod.placed(palm).translation)
+    # It is a frame of its own, and keeps its skin where it is changed.
+    frame[:3, 3] += 1e-3
+    frame += 0.0
+    assert frame.surface is not None
+    np.testing.assert_allclose(frame[:3, 3] - palm[:3, 3], 1e-3, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "part",
+    [lambda palm: palm[:3, 2], lambda palm: np.eye(4) @ palm, np.linalg.inv, lambda palm: next(iter(palm))],
+)
+def test_parts_of_a_palm_and_what_is_computed_of_it_are_plain_arrays(hand, part):
+    assert type(part(hand.posed("relaxed").palm)) is np.ndarray
 
 
 @pytest.mark.parametrize(

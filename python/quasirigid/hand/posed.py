@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -48,23 +48,49 @@ _PALM_MIDDLE = 2.0 / 3.0  # of the way from the wrist to the middle knuckle
 class PalmFrame(np.ndarray[Any, np.dtype[np.float64]]):
     """The frame (4, 4) of a palm (m) with its skin.
 
+    Copies and pickles know the skin too; what is computed from a frame and parts of it are plain arrays.
+
     Attributes
     ----------
     surface : Surface or None
-        The hand's, of which the palm alone may touch; None of a frame that was computed from this one.
+        The hand's, of which the palm alone may touch; None of another view of the frame.
     """
 
     surface: Surface | None
 
-    def __new__(cls, frame: Floats, surface: Surface) -> PalmFrame:
+    def __new__(cls, frame: Floats, surface: Surface | None) -> PalmFrame:
         """Return the frame with its skin."""
         palm = frame.view(cls)
         palm.surface = surface
         return palm
 
     def __array_finalize__(self, source: Any) -> None:
-        """Forget the skin: what is computed from a frame lies elsewhere."""
+        """Forget the skin: what is made of a frame may lie elsewhere."""
         self.surface = None
+
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
+        """Return what was computed as a plain array or number; what was changed in place as it is."""
+        return self if array is self else np.asarray(array)[()]
+
+    def __getitem__(self, key: Any) -> Any:
+        """Return a part as a plain array, which changes the frame where it is changed."""
+        return np.asarray(self)[key]
+
+    def copy(self, order: Literal["K", "A", "C", "F"] | None = "C") -> PalmFrame:
+        """Return a frame of its own with the same skin."""
+        return PalmFrame(np.array(self, order=order), self.surface)
+
+    def __copy__(self) -> PalmFrame:
+        """Return a frame of its own with the same skin."""
+        return self.copy()
+
+    def __deepcopy__(self, memo: object) -> PalmFrame:
+        """Return a frame of its own with the same skin, which nobody changes."""
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        """Return what a pickle makes the frame of."""
+        return PalmFrame, (np.array(self), self.surface)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
