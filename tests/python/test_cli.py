@@ -371,6 +371,24 @@ def test_bad_input_is_one_line_and_status_2(
     assert sorted(in_demo_folder.iterdir()) == before
 
 
+@pytest.mark.parametrize("changes", [{"skin_mask": "file.npy"}, {"response": "body", "fixed": "file.npy"}])
+@pytest.mark.parametrize("content", ["empty", "several arrays", "a damaged header"])
+def test_a_mask_file_that_holds_no_array_is_one_line(
+    changes: dict[str, str | None], content: str, in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = in_demo_folder / "file.npy"
+    with file.open("wb") as stream:
+        if content == "several arrays":
+            np.savez(stream, mask=np.ones(9, dtype=bool))
+        elif content == "a damaged header":
+            np.save(stream, np.ones(9, dtype=bool))
+    file.write_bytes(file.read_bytes().replace(b", }", b",  "))
+    assert run(press_arguments(**{"out": "refused", **changes})) == 2
+    printed = capsys.readouterr().err
+    assert f"{list(changes)[-1].replace('_', '-')}: file.npy is no NumPy array: " in printed
+    assert printed.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

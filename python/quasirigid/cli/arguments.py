@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -128,8 +129,9 @@ def _mask_file(surface: Surface, text: str, option: str) -> NDArray[np.bool_]:
             f"{option}: '{text}' is not known, expected caps, none or a file that ends in .npy"
         )
     try:
-        mask = np.load(text, allow_pickle=False)
-    except (OSError, ValueError) as error:
+        with Path(text).open("rb") as stream:
+            mask = np.lib.format.read_array(stream, allow_pickle=False)
+    except Exception as error:  # damaged headers raise many kinds
         raise QuantityError(f"{option}: {text} is no NumPy array: {error}") from None
     if mask.dtype != np.bool_ or mask.shape != (len(surface.vertices),):
         raise QuantityError(
