@@ -616,10 +616,24 @@ def test_a_rig_that_does_not_fit_is_named(tmp_path: Path) -> None:
     other.write_bytes(mesh.read_bytes())
     with pytest.raises(qr.HandError, match="no rig beside it"):
         qr.read_hand(other)
+
+
+@pytest.mark.parametrize("damage", ["in the head", "in what is compressed", "in the version"])
+def test_a_damaged_rig_is_named(tmp_path: Path, damage: str) -> None:
+    tetrahedron = tmp_path / "hand.obj"
+    tetrahedron.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
     rig = tmp_path / "broken_rig.npz"
-    rig.write_bytes(b"PK\x03\x04 not a file of arrays")
-    with pytest.raises(qr.HandError, match="broken_rig"):
-        qr.read_hand(other, rig=rig)
+    np.savez_compressed(rig, rest=np.random.default_rng(3).random((26, 4, 4)))
+    data = bytearray(rig.read_bytes())
+    if damage == "in the head":
+        data[2:] = b"\x03\x04 not a file of arrays"
+    elif damage == "in what is compressed":
+        data[60:200] = b"\xff" * 140
+    else:
+        data[data.rindex(b"PK\x01\x02") + 6] = 200  # of the program that would be needed
+    rig.write_bytes(data)
+    with pytest.raises(qr.HandError, match=r"broken_rig.npz: no file of arrays"):
+        qr.read_hand(tetrahedron, rig=rig)
 
 
 @pytest.mark.parametrize(
