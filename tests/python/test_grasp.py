@@ -401,7 +401,12 @@ def test_the_centre_of_mass_of_a_cone_is_a_quarter_up():
 def test_a_grasp_is_told_drawn_and_written(held, tmp_path):
     lines = held.summary().splitlines()
     assert lines[0].split()[:4] == ["digit", "closed", "(%)", "force"]
-    assert [line.split()[0] for line in lines[1:8]] == ["thumb", *FINGERS, "palm", "sum"]
+    rows = [line.split() for line in lines[1:8]]
+    assert [row[0] for row in rows] == ["thumb", *FINGERS, "palm", "all"]
+    # Thumb and fingers face each other: their forces are more than their resultant.
+    *single, whole = (float(row[-4]) for row in rows)
+    assert whole == pytest.approx(sum(single), rel=1e-3)
+    assert whole > 1.1 * np.linalg.norm(held.contact.force)
     assert "out of balance with its weight" in held.summary()
     files = held.save(tmp_path / "out", inputs={"product": "handle"})
     assert {"grasp.json", "hand.glb", "contact.npz", "deformed.ply"} <= {file.name for file in files}

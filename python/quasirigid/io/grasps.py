@@ -45,24 +45,26 @@ def digit_table(grasp: Grasp) -> str:
     Returns
     -------
     str
-        A line for each digit, the palm and their sum: how far it closed (%), force (N), area (mm²), peak
-        pressure and mean over 1 cm² (kPa); then what missed, and what is out of balance.
+        A line for each digit, the palm and all: how far it closed (%), force (N; of all the sum of these,
+        whatever their directions), area (mm²), peak pressure and mean over 1 cm² (kPa); then what missed,
+        the resultant force, and what is out of balance.
     """
     parts = dict(grasp.digits) | {"palm": grasp.palm}
+    forces = [_length(part.force) for part in parts.values()]
     columns = [
-        ["digit", *parts, "sum"],
+        ["digit", *parts, "all"],
         [
             "closed (%)",
             *(f"{100.0 * grasp.shares[name]:.1f}" if name in grasp.shares else "" for name in parts),
             "",
         ],
-        ["force (N)", *(f"{_length(part.force):.4g}" for part in parts.values())],
+        ["force (N)", *(f"{force:.4g}" for force in forces)],
         ["area (mm²)", *(f"{part.contact_area * MM**2:.4g}" for part in parts.values())],
         ["peak (kPa)", *(f"{part.max_pressure * KPA:.4g}" for part in parts.values())],
         ["mean over 1 cm² (kPa)", *(f"{part.mean_pressure * KPA:.4g}" for part in parts.values())],
     ]
     contact = grasp.contact
-    whole = (_length(contact.force), contact.contact_area * MM**2, contact.max_pressure * KPA)
+    whole = (sum(forces), contact.contact_area * MM**2, contact.max_pressure * KPA)
     for column, value in zip(columns[2:], (*whole, contact.mean_pressure() * KPA), strict=True):
         column.append(f"{value:.4g}")
     lines = aligned(columns)
