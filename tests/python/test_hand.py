@@ -348,6 +348,25 @@ def test_a_motion_is_one_matrix_or_two(hand: qr.Hand) -> None:
         hand.moved(motion)
 
 
+@pytest.mark.parametrize(
+    ("rotation", "message"),
+    [
+        (spin(1, 0.3).astype(np.float32), r"orthonormal to 1e-09, but \|R'R - I\| reaches \d\.?\d*e-08"),
+        (2.0 * np.eye(3), r"orthonormal to 1e-09, but \|R'R - I\| reaches 3$"),
+        (np.diag([1.0, 1.0, -1.0]), r"is a reflection \(determinant -1\)"),
+        (np.full((3, 3), np.nan), r"an array of shape \(3, 3\), expected a \(3, 3\) rotation matrix"),
+        (np.eye(2), r"\[\[1\.0, 0\.0\], \[0\.0, 1\.0\]\], expected a \(3, 3\) rotation matrix"),
+    ],
+)
+def test_a_rotation_that_is_none_is_refused_with_its_deviation(
+    hand: qr.Hand, rotation: np.ndarray, message: str
+) -> None:
+    with pytest.raises(qr.HandError, match=message):
+        hand.posed("flat", rotation=rotation)
+    with pytest.raises(qr.HandError, match=message):
+        hand.moved(rotation)
+
+
 def test_bones_move_rigidly_with_their_joints(hand: qr.Hand) -> None:
     bent = hand.posed({f"{INDEX}distal": 0.8})
     start = 0

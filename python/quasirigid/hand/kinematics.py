@@ -75,16 +75,19 @@ def moved_frames(
             matrix = np.empty(0)
         if matrix.shape == (4, 4) and (matrix[3] == [0.0, 0.0, 0.0, 1.0]).all():
             motion[:3, 3], matrix = as_vector("rotation[:3, 3]", matrix[:3, 3], refusal), matrix[:3, :3]
-        is_rotation = (
-            matrix.shape == (3, 3)
-            and np.isfinite(matrix).all()
-            and np.abs(matrix.T @ matrix - np.eye(3)).max() <= _ROTATION_TOLERANCE
-            and np.linalg.det(matrix) > 0.0
-        )
-        if not is_rotation:
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
             raise refusal(
                 f"rotation is {short(rotation)}, expected a (3, 3) rotation matrix or a (4, 4) rigid motion"
             )
+        deviation = np.abs(matrix.T @ matrix - np.eye(3)).max()
+        if deviation > _ROTATION_TOLERANCE:
+            raise refusal(
+                f"rotation must be orthonormal to {_ROTATION_TOLERANCE:g}, but |R'R - I| reaches"
+                f" {deviation:.3g}"
+            )
+        determinant = np.linalg.det(matrix)
+        if determinant < 0.0:
+            raise refusal(f"rotation is a reflection (determinant {determinant:.3g})")
         motion[:3, :3] = matrix
     motion[:3, 3] += as_vector("translation", translation, refusal)
     return motion @ frames
