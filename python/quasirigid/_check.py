@@ -22,14 +22,27 @@ _Choice = TypeVar("_Choice", bound=StrEnum)
 
 def as_number(name: str, value: Any, refusal: Refusal, least: float = 0.0, most: float = np.inf) -> float:
     """Return a finite number above 0, at least `least` and at most `most`."""
-    try:
-        number = float("nan") if isinstance(value, (str, bytes)) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = float("nan")
+    number = real_or_nan(value)
     if np.isfinite(number) and number > 0.0 and least <= number <= most:
         return number
     wanted = "above 0" if most == np.inf else f"from {least:g} to {most:g}"
     raise refusal(f"{name} is {value!r}, expected a number {wanted}")
+
+
+def as_share(name: str, value: Any, refusal: Refusal) -> float:
+    """Return a number from 0 to 1."""
+    share = real_or_nan(value)
+    if not 0.0 <= share <= 1.0:
+        raise refusal(f"{name} is {short(value)}, expected a number from 0 to 1")
+    return share
+
+
+def real_or_nan(value: Any) -> float:
+    """Return a float; nan of what is no number, as words and booleans are none."""
+    try:
+        return float("nan") if isinstance(value, (str, bytes, bool, np.bool_)) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        return float("nan")
 
 
 def as_float(name: str, value: Any) -> float:

@@ -8,6 +8,7 @@ import math
 import os
 import struct
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -225,6 +226,18 @@ def test_a_mixture_lies_on_the_way(hand: qr.Hand) -> None:
     for share, end in zip((0.0, 1.0), ("flat", "fist"), strict=True):
         mixed = hand.posed(qr.hand.mix("flat", "fist", share))
         np.testing.assert_allclose(mixed.joints, hand.posed(end).joints, atol=1e-14)
+
+
+@pytest.mark.parametrize("half", [np.float32(0.5), np.array(0.5), Fraction(1, 2)])
+def test_a_share_is_any_number_from_0_to_1(half: Any) -> None:
+    assert qr.hand.mix("flat", "fist", half).share == 0.5
+    assert qr.hand.mix("flat", "fist", np.int64(1)).share == 1.0
+
+
+@pytest.mark.parametrize("share", [True, np.True_, "0.5", None, math.nan, -0.1, 1.1, 10**400, [0.5, 0.5]])
+def test_what_is_no_share_is_refused(share: Any) -> None:
+    with pytest.raises(qr.HandError, match=r"share is .*, expected a number from 0 to 1"):
+        qr.hand.mix("flat", "fist", share)
 
 
 def test_presets_bend_the_fingers_alike_whatever_their_bend_at_rest() -> None:
@@ -498,6 +511,7 @@ def test_a_joint_outside_the_skin_is_named(hand: qr.Hand) -> None:
         ({"index-finger-proximal": 0.1}, r"nearest is 'index-finger-phalanx-proximal'"),
         ({"wrist": {"flexing": 0.1}}, r"the angle of wrist 'flexing' is not known; the nearest is 'flexion'"),
         ({"wrist": math.nan}, r"flexion of wrist is nan, expected a finite angle"),
+        ({"wrist": np.True_}, r"flexion of wrist is .*True.*, expected a finite angle"),
         (np.full((26, 3), math.nan), r"pose\[0\] is \[nan, nan, nan\], expected finite numbers"),
         (np.zeros((25, 3)), r"an array \(26, 3\) of rotation vectors"),
         (np.zeros((26, 4)), r"pose\[0\] has length 0, expected a unit quaternion"),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
-from .._check import short
+from .._check import as_share, real_or_nan, short
 from ..errors import HandError, QuasirigidWarning
 from .joints import DIGIT_OF, DIGITS, JOINTS_OF, index_of
 from .rotations import Floats, about, between, from_vectors, product
@@ -116,9 +116,7 @@ def mix(first: Pose, second: Pose, share: float) -> Mixed:
     >>> half_closed.share
     0.5
     """
-    if not (isinstance(share, (int, float)) and 0.0 <= share <= 1.0):
-        raise HandError(f"share is {share!r}, expected a number from 0 to 1")
-    return Mixed(first=first, second=second, share=float(share))
+    return Mixed(first=first, second=second, share=as_share("share", share, HandError))
 
 
 def turns_of(pose: Pose, hand: Hand) -> Floats:
@@ -185,10 +183,7 @@ def _of_mapping(pose: Mapping[str, float | Mapping[str, float]], hand: Hand) -> 
 
 
 def _as_angle(name: str, value: Any) -> float:
-    try:
-        angle = float("nan") if isinstance(value, (str, bytes, bool)) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        angle = float("nan")
+    angle = real_or_nan(value)
     if not math.isfinite(angle):
         raise HandError(f"{name} is {short(value)}, expected a finite angle (rad)")
     return angle
