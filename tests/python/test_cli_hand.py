@@ -93,6 +93,22 @@ def test_a_faulty_hand_file_is_one_line(
     assert message in error
 
 
+@pytest.mark.parametrize("command", ["hand", "grasp"])
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--rig", "rig.npz"], "--rig: 'rig.npz' belongs to a mesh, the built-in hand has its own"),
+        (["--unit", "furlong"], "--unit: 'furlong' is not known, expected m, cm, mm or inch"),
+    ],
+)
+def test_options_of_a_mesh_are_checked_for_the_built_in_hand_too(
+    bottle: Path, capsys: pytest.CaptureFixture[str], command: str, words: list[str], message: str
+) -> None:
+    more = [] if command == "hand" else [str(bottle), "--product-unit", "mm", "--force", "5N"]
+    assert run([command, "built-in", *more, *words]) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == f"error: {message}"
+
+
 def test_a_joint_that_no_hand_has_is_one_line(
     saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -18,6 +18,7 @@ from .arguments import file_unit
 from .console import Talk, progress
 from .folder import OutFolder, check_folder
 from .meshes import record_table
+from .quantities import QuantityError
 from .scene import UNIT_NAMES
 
 __all__ = ["HAND_EXAMPLE", "HandFile", "HandUnit", "PoseWord", "Rig", "hand", "read_pose_word", "read_rigged"]
@@ -69,9 +70,12 @@ def read_pose_word(word: str) -> Any:
 
 def read_rigged(file: str, rig: Path | None, unit: str) -> qr.Hand:
     """Return the hand of a file, or the built-in one."""
-    if file == _BUILT_IN:
-        return qr.models.hand()
-    return qr.read_hand(file, rig=rig, unit=file_unit(unit, "--unit"))
+    length = file_unit(unit, "--unit")
+    if file != _BUILT_IN:
+        return qr.read_hand(file, rig=rig, unit=length)
+    if rig is not None:
+        raise QuantityError(f"--rig: '{rig}' belongs to a mesh, the {_BUILT_IN} hand has its own")
+    return qr.models.hand()
 
 
 def _record(known: qr.Hand, pose: str | None) -> dict[str, Any]:
