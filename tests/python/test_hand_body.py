@@ -93,6 +93,18 @@ def test_a_damaged_file_of_a_body_is_written_anew(hand: qr.Hand, tmp_path: Path)
     np.testing.assert_array_equal(qr.load_prepared(file).nodes, nodes)
 
 
+def test_a_body_in_memory_goes_into_a_folder_too(hand: qr.Hand, tmp_path: Path) -> None:
+    posed = hand.posed({})
+    nodes = np.flatnonzero(posed.labels == "index-distal-palmar")
+    arguments = {**MATERIAL, "response": held_at_the_wrist(posed), "nodes": nodes}
+    prepared = posed.skin(**arguments)
+    assert posed.skin(**arguments, folder=tmp_path) is prepared
+    (file,) = tmp_path.iterdir()
+    np.testing.assert_array_equal(qr.load_prepared(file).nodes, nodes)
+    with pytest.raises(NotADirectoryError, match="make it first"):
+        posed.skin(**arguments, folder=tmp_path / "none")
+
+
 def test_a_body_of_edges_that_were_asked_for_answers_everywhere(hand: qr.Hand) -> None:
     posed = hand.posed({})
     prepared = posed.skin(**MATERIAL, response=held_at_the_wrist(posed))

@@ -36,17 +36,20 @@ def kept(
 ) -> PreparedSkin:
     """Return a body prepared for a surface, from memory or the folder where it is there already.
 
-    A damaged file is written anew.
+    A file that the folder lacks is written, a damaged one anew; a body in memory reads none.
     """
+    if folder is not None and not Path(folder).is_dir():
+        raise NotADirectoryError(f"{folder} is no folder: make it first")
     key = _key(skin, surface, nodes)
+    file = None if folder is None else Path(folder) / f"{key}.npz"
     with _lock:
         if key in _known:
             _known.move_to_end(key)
-            return _known[key][0]
-    file = None if folder is None else Path(folder) / f"{key}.npz"
-    if file is not None and not file.parent.is_dir():
-        raise NotADirectoryError(f"{file.parent} is no folder: make it first")
-    prepared = None
+        prepared, _ = _known.get(key, (None, 0))
+    if prepared is not None:
+        if file is not None and not file.exists():
+            prepared.save(file)
+        return prepared
     if file is not None and file.exists():
         with suppress(ResponseError):
             prepared = load_prepared(file)
