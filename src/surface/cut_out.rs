@@ -4,7 +4,11 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
+use crate::geometry::face_tree::find_crossings;
 use crate::surface::checked::{Surface, SurfaceError};
+
+/// Times that faces at the rim of a cap that folds are left out.
+const MOST_TRIES: usize = 20;
 
 /// A part of a skin, closed by caps.
 #[derive(Debug, Clone)]
@@ -71,6 +75,9 @@ pub enum CutOutError {
         /// Number of skin vertices.
         vertex_count: usize,
     },
+    /// A cap folds however many faces at its rim are left out.
+    #[error("the cap over the border folds: cut along a smoother border, or by a plane")]
+    Folds,
     /// The closed part is no sound surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
@@ -79,7 +86,8 @@ pub enum CutOutError {
 /// The part of a skin around a vertex in front of a plane, as a closed surface.
 ///
 /// Keeps the faces in front of the plane that are connected to `tip`, cut along existing edges, and closes every
-/// border by rings of triangles of the border's edge length around its centroid. A body response takes what the
+/// border by rings of triangles of the border's edge length around its centroid; faces at the border that such a cap
+/// would cross are left out too. A body response takes what the
 /// cut leaves out as immobile, so cut a finger's width or more away from the contact.
 ///
 /// * `skin`: the whole hand
@@ -88,7 +96,7 @@ pub enum CutOutError {
 /// * `normal`: the plane's normal, towards the part to keep; of any length
 ///
 /// # Errors
-/// [`CutOutError`] by variant; [`CutOutError::Surface`] if the border is so crooked that its cap folds.
+/// [`CutOutError`] by variant; [`CutOutError::Folds`] if the border is so crooked that its cap folds.
 pub fn cut_out(
     skin: &Surface,
     tip: usize,
@@ -104,11 +112,15 @@ pub fn cut_out(
         return Err(CutOutError::Normal { length });
     }
     let normal = normal / length;
-    let kept = keep_faces(skin, tip, point, &normal);
-    if !kept.contains(&true) {
-        return Err(CutOutError::TipCutOff { tip, distance: (skin.vertices()[tip] - point).dot(&normal) });
-    }
-    closed(skin, &kept)?.ok_or(CutOutError::NothingCut { tip })
+    let in_front = |v: u32| (skin.vertices()[v as usize] - point).dot(&normal) > 0.0;
+    let allowed = skin.faces().iter().map(|face| face.iter().all(|&v| in_front(v))).collect();
+    let around_tip = |allowed: &[bool]| {
+        let first = skin.faces_around(tip).iter().map(|&face| face as usize).find(|&face| allowed[face]);
+        first.map_or_else(|| vec![false; allowed.len()], |first| connected(skin, allowed, first))
+    };
+    let tip_cut_off =
+        || CutOutError::TipCutOff { tip, distance: (skin.vertices()[tip] - point).dot(&normal) };
+    closed_without_folds(skin, allowed, around_tip, tip_cut_off)?.ok_or(CutOutError::NothingCut { tip })
 }
 
 /// The part of a skin that a mask marks, as a closed surface: [`cut_out`] with the faces whose corners are all marked.
@@ -118,7 +130,7 @@ pub fn cut_out(
 /// * `keep`: one entry a vertex of the skin
 ///
 /// # Errors
-/// [`CutOutError`] by variant; [`CutOutError::Surface`] if the border is so crooked that its cap folds.
+/// [`CutOutError`] by variant; [`CutOutError::Folds`] if the border is so crooked that its cap folds.
 pub fn cut_out_marked(skin: &Surface, keep: &[bool]) -> Result<CutOut, CutOutError> {
     let (found, vertex_count) = (keep.len(), skin.vertices().len());
     if found != vertex_count {
@@ -126,12 +138,53 @@ pub fn cut_out_marked(skin: &Surface, keep: &[bool]) -> Result<CutOut, CutOutErr
     }
     let marked = keep.iter().filter(|&&marked| marked).count();
     let is_marked = |face: &[u32; 3]| face.iter().all(|&vertex| keep[vertex as usize]);
-    let kept = largest_piece(skin, skin.faces().iter().map(is_marked).collect());
+    let allowed = skin.faces().iter().map(is_marked).collect();
     let nothing = || CutOutError::KeepNothing { marked, vertex_count };
-    if !kept.contains(&true) {
-        return Err(nothing());
+    closed_without_folds(skin, allowed, |allowed| largest_piece(skin, allowed), nothing)?.ok_or_else(nothing)
+}
+
+/// What `pick` keeps of the allowed faces, closed by caps, less the faces that a cap crosses or folds at; `None` where it
+/// has no border.
+///
+/// * `nothing`: why nothing is left
+fn closed_without_folds(
+    skin: &Surface,
+    mut allowed: Vec<bool>,
+    pick: impl Fn(&[bool]) -> Vec<bool>,
+    nothing: impl Fn() -> CutOutError,
+) -> Result<Option<CutOut>, CutOutError> {
+    for _ in 0..MOST_TRIES {
+        let kept = without_pinches(skin, &mut allowed, &pick);
+        if !kept.contains(&true) {
+            return Err(nothing());
+        }
+        let Some(cut) = closed(skin, &kept)? else { return Ok(None) };
+        let folds = folds(skin, &kept, &cut);
+        if folds.is_empty() {
+            return Ok(Some(cut));
+        }
+        folds.iter().for_each(|&face| allowed[face] = false);
     }
-    closed(skin, &kept)?.ok_or_else(nothing)
+    Err(CutOutError::Folds)
+}
+
+/// Kept faces of the skin that a cap crosses, and those around the rim of caps that cross themselves.
+fn folds(skin: &Surface, kept: &[bool], cut: &CutOut) -> Vec<usize> {
+    let kept: Vec<usize> = (0..kept.len()).filter(|&face| kept[face]).collect();
+    let faces = cut.surface.faces();
+    let mut found = Vec::new();
+    for pair in find_crossings(cut.surface.vertices(), faces) {
+        let is_at_cap = pair.iter().any(|&face| face >= kept.len());
+        for face in pair.into_iter().filter(|_| is_at_cap) {
+            let Some(&own) = kept.get(face) else {
+                let rim = faces[face].iter().filter_map(|&vertex| cut.source_vertices[vertex as usize]);
+                found.extend(rim.flat_map(|vertex| skin.faces_around(vertex)).map(|&face| face as usize));
+                continue;
+            };
+            found.push(own);
+        }
+    }
+    found
 }
 
 /// The kept faces closed by caps; `None` where they have no border.
@@ -170,41 +223,25 @@ fn closed(skin: &Surface, kept: &[bool]) -> Result<Option<CutOut>, CutOutError> 
     Ok(Some(CutOut { surface, fixed, source_vertices, part_vertices }))
 }
 
-/// The faces in front of the plane that are connected to `tip`, less those that meet others in a vertex alone.
-fn keep_faces(skin: &Surface, tip: usize, point: &Vector3<f64>, normal: &Vector3<f64>) -> Vec<bool> {
-    let in_front = |v: u32| (skin.vertices()[v as usize] - point).dot(normal) > 0.0;
-    let allowed = skin.faces().iter().map(|face| face.iter().all(|&v| in_front(v))).collect();
-    without_pinches(skin, allowed, |allowed| {
-        let first = skin.faces_around(tip).iter().map(|&face| face as usize).find(|&face| allowed[face]);
-        first.map_or_else(|| vec![false; allowed.len()], |first| connected(skin, allowed, first))
-    })
-}
-
-/// The largest connected piece of some faces, less those that meet others in a vertex alone.
-fn largest_piece(skin: &Surface, allowed: Vec<bool>) -> Vec<bool> {
-    without_pinches(skin, allowed, |allowed| {
-        let mut left = allowed.to_vec();
-        let (mut largest, mut most) = (vec![false; allowed.len()], 0);
-        while let Some(first) = left.iter().position(|&is_left| is_left) {
-            let piece = connected(skin, allowed, first);
-            let count = piece
-                .iter()
-                .zip(&mut left)
-                .filter(|(is_in, _)| **is_in)
-                .map(|(_, left)| *left = false)
-                .count();
-            if count > most {
-                (largest, most) = (piece, count);
-            }
+/// The largest connected piece of some faces.
+fn largest_piece(skin: &Surface, allowed: &[bool]) -> Vec<bool> {
+    let mut left = allowed.to_vec();
+    let (mut largest, mut most) = (vec![false; allowed.len()], 0);
+    while let Some(first) = left.iter().position(|&is_left| is_left) {
+        let piece = connected(skin, allowed, first);
+        let taken = piece.iter().zip(&mut left).filter(|(is_in, _)| **is_in);
+        let count = taken.map(|(_, left)| *left = false).count();
+        if count > most {
+            (largest, most) = (piece, count);
         }
-        largest
-    })
+    }
+    largest
 }
 
 /// What `pick` keeps of the allowed faces, once no two of its borders meet in a vertex.
-fn without_pinches(skin: &Surface, mut allowed: Vec<bool>, pick: impl Fn(&[bool]) -> Vec<bool>) -> Vec<bool> {
+fn without_pinches(skin: &Surface, allowed: &mut [bool], pick: impl Fn(&[bool]) -> Vec<bool>) -> Vec<bool> {
     loop {
-        let kept = pick(&allowed);
+        let kept = pick(allowed);
         let mut starts: HashMap<u32, usize> = HashMap::new();
         border_edges(skin, &kept).for_each(|[a, _]| *starts.entry(a).or_default() += 1);
         let pinched: Vec<u32> =

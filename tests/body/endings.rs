@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use quasirigid::geometry::RigidMotionError;
+use quasirigid::response::PreparedBody;
 use quasirigid::response::body::{
     Body, BodyCompliance, BodyCost, BodyError, BodyOptions, BodyProgress, TissueWarning,
 };
@@ -82,6 +83,23 @@ fn the_skin_must_bound_one_body() {
     let mirrored = skin().with_vertices(vertices.iter().map(|v| -v).collect());
     let error = with_core().inspect(&mirrored).expect_err("inside out");
     assert!(matches!(error, BodyError::SkinInverted { volume } if volume < 0.0));
+}
+
+#[test]
+fn a_skin_that_crosses_itself_is_named_where_it_is_solved_and_where_its_coarse_mesh_does_too() {
+    let fine = sphere(8e-3, Vector3::zeros());
+    let mut vertices = fine.vertices().to_vec();
+    let far = (0..vertices.len()).max_by(|&a, &b| vertices[a].x.total_cmp(&vertices[b].x)).expect("some");
+    vertices[far] = Vector3::new(-12e-3, 0.5e-3, 0.3e-3);
+    let skin = fine.with_vertices(vertices);
+    let held: Vec<bool> = skin.vertices().iter().map(|vertex| vertex.z > 4e-3).collect();
+    for coarse_edge_length in [Some(0.0), Some(6e-3)] {
+        let body = Body { bone: None, fixed: Some(held.clone()), coarse_edge_length };
+        let free = held.iter().position(|held| !held).expect("free skin");
+        let error = PreparedBody::new(&skin, &body, 60e3, 0.5, &[free], &BodyOptions::default());
+        let message = error.expect_err("it encloses no body").to_string();
+        assert!(message.contains("the skin crosses itself in"), "{message}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Cutting a finger out of a hand for its body response.
 
 use nalgebra::Vector3;
-use quasirigid::geometry::Bounds;
+use quasirigid::geometry::{Bounds, find_crossings};
 use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::surface::{CutOut, CutOutError, Surface, cut_out, cut_out_marked};
 
@@ -21,6 +21,7 @@ fn lowest(skin: &Surface) -> usize {
 /// What must hold of every part: closed, its kept vertices those of the whole, faces of a tame shape.
 fn check_part(skin: &Surface, part: &CutOut) {
     assert!(part.surface.is_closed() && part.surface.volume() > 0.0);
+    assert!(find_crossings(part.surface.vertices(), part.surface.faces()).is_empty());
     assert_eq!(part.fixed.len(), part.surface.vertices().len());
     assert_eq!(part.source_vertices.len(), part.surface.vertices().len());
     for (vertex, source) in part.source_vertices.iter().enumerate() {
@@ -36,6 +37,24 @@ fn check_part(skin: &Surface, part: &CutOut) {
     }
     let kept = part.part_vertices.iter().flatten().count();
     assert_eq!(kept, part.source_vertices.iter().flatten().count());
+}
+
+#[test]
+fn a_border_aslant_over_a_waist_is_moved_until_its_cap_does_not_fold() {
+    let (vertices, faces) = icosphere(1.0, 4);
+    let waist = |p: &Vector3<f64>| {
+        let width = 1.0 - 0.9 * (-(p.z / 0.35).powi(2)).exp();
+        8e-3 * Vector3::new(width * p.x, 0.6 * width * p.y, 1.5 * p.z)
+    };
+    let skin = surface((vertices.iter().map(waist).collect(), faces));
+    for slope in [0.9, 1.5] {
+        let keep: Vec<bool> = vertices.iter().map(|p| p.z < slope * p.x).collect();
+        let part = cut_out_marked(&skin, &keep).expect("a part");
+        check_part(&skin, &part);
+        let kept = part.source_vertices.iter().flatten();
+        assert!(kept.clone().all(|&vertex| keep[vertex]));
+        assert!(kept.count() > keep.iter().filter(|&&marked| marked).count() / 2);
+    }
 }
 
 #[test]

@@ -77,8 +77,9 @@ def cut_out(
     """Take one finger out of a hand, as a closed surface.
 
     Keeps the faces in front of a plane that hang together with `tip`, or those whose corners `keep` marks,
-    cutting along existing edges, and closes every border by a flat cap. What the cut leaves out is taken as
-    immobile, so cut a finger's width or more away from the contact.
+    cutting along existing edges, and closes every border by a flat cap; faces at a border that its cap would
+    cross are left out too. What the cut leaves out is taken as immobile, so cut a finger's width or more away
+    from the contact.
 
     Parameters
     ----------

@@ -42,6 +42,19 @@ pub enum BodyError {
         /// What is wrong with it.
         reason: String,
     },
+    /// The skin crosses itself, so it bounds no body there.
+    #[error(
+        "the skin crosses itself in {count} pairs of faces (first: {first} and {second}): it encloses no body there; part \
+         what crosses, or cut it off"
+    )]
+    SkinCrosses {
+        /// A face of the skin that crosses another.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Number of such pairs.
+        count: usize,
+    },
     /// The skin has a border, so it bounds no body.
     #[error(
         "the skin is open ({border_count} borders): the body response needs a closed surface, cut faces included"

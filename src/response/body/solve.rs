@@ -14,7 +14,7 @@ use crate::linalg::lu::{Cuts, Lu};
 use crate::linalg::memory::free_memory;
 use crate::linalg::threads::bounded_pool;
 use crate::response::body::check::tissue::{
-    TissueReport, area_vectors, check_fixed, check_nodes, check_tissue,
+    TissueReport, area_vectors, check_fixed, check_nodes, check_tissue, check_uncrossed,
 };
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::cost::{BodyCost, solve_width};
@@ -194,6 +194,7 @@ impl Body {
         self.check_memory(skin, nodes.len(), options.memory_limit)?;
         let (report, fixed) = self.check(skin)?;
         check_nodes(skin.vertices().len(), &fixed, nodes)?;
+        check_uncrossed(skin)?;
         let solve = || {
             let parts = self.solve(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
             Ok(BodyCompliance::new(parts, report))

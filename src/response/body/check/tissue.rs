@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::geometry::face_tree::find_crossings;
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::nesting::component_volumes;
 use crate::response::body::check::distance::{
@@ -112,6 +113,15 @@ pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<Tis
         });
     }
     Ok(report)
+}
+
+/// A skin that crosses itself encloses no body.
+pub(crate) fn check_uncrossed(skin: &Surface) -> Result<(), BodyError> {
+    let crossings = find_crossings(skin.vertices(), skin.faces());
+    match crossings.first() {
+        Some(&[first, second]) => Err(BodyError::SkinCrosses { first, second, count: crossings.len() }),
+        None => Ok(()),
+    }
 }
 
 fn check_each_bone(bone: &Surface) -> Result<(), BodyError> {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::geometry::face_tree::{Faces, face_tree, find_crossings};
 use crate::response::body::check::distance::crossings;
-use crate::response::body::check::tissue::check_nodes;
+use crate::response::body::check::tissue::{check_nodes, check_uncrossed};
 use crate::response::body::error::BodyError;
 use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
@@ -230,7 +230,13 @@ impl Body {
             at.iter().for_each(|&at| edge_length[at] = shorter(edge_length[at], own_edges[at]));
             coarse = self.coarse_body(skin, &edge_length, &fixed);
         }
-        let coarse = coarse.map_err(|Refused { reason, .. }| BodyError::CoarseMesh { reason })?;
+        let coarse = match coarse {
+            Ok(coarse) => coarse,
+            Err(Refused { reason, .. }) => {
+                check_uncrossed(skin)?;
+                return Err(BodyError::CoarseMesh { reason });
+            }
+        };
         Ok(coarse.map(|coarse| {
             let moving = || (0..vertex_count).filter(|&vertex| !fixed[vertex]).collect();
             OnCoarse { skin: coarse, nodes: if has_many { moving() } else { nodes.to_vec() }, fixed }
