@@ -37,10 +37,16 @@ struct Figures {
 
 impl Contact {
     /// Skin and obstacle are apart: no forces.
-    pub(crate) fn apart(gaps: &Gaps, traits: &Traits, options: &ContactOptions, report: Report) -> Self {
+    pub(crate) fn apart(
+        gaps: &Gaps,
+        traits: &Traits,
+        options: &ContactOptions,
+        mut report: Report,
+    ) -> Result<Self, ContactError> {
         let forces = NodeForces::apart(gaps);
         let figures = Figures::at_rest(gaps, traits, &forces);
-        Self::new(ContactStatus::NoContact, gaps, forces, figures, options, report)
+        report.warn_of_swallowed(gaps)?;
+        Ok(Self::new(ContactStatus::NoContact, gaps, forces, figures, options, report))
     }
 
     /// A complementarity problem did not end solved: no figures but those of the problems that did.

@@ -150,7 +150,7 @@ impl<'a> InPlace<'a> {
     pub fn contact(self, options: &ContactOptions) -> Result<Contact, ContactError> {
         let Self { gaps, response, forces, mut report } = self;
         let Some(forces) = forces else {
-            return Ok(Contact::apart(&gaps, &response.traits, options, report));
+            return Contact::apart(&gaps, &response.traits, options, report);
         };
         report.note_forces(&gaps, &response, &forces, options);
         match forces.failure {

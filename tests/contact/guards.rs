@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use quasirigid::contact::{
-    Balance, Contact, ContactOptions, Goal, Press, Start, WarningKind, press, solve_contact,
+    Balance, Contact, ContactOptions, ContactStatus, Goal, Press, Start, WarningKind, press, solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::body::{Body, BodyOptions};
@@ -10,7 +10,7 @@ use quasirigid::response::{Discretization, ElasticSkin, Kernel, KernelSkin, Prep
 use quasirigid::surface::Surface;
 
 use crate::common::icosphere;
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate, skin};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate, skin, solve};
 
 /// A plate pressed on a surface.
 fn pressed(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, options: &ContactOptions) -> Contact {
@@ -181,4 +181,16 @@ fn an_ordinary_press_is_told_nothing() {
         let contact = pressed(&ball(8e-3, 3), &skin, 1e-3, &ContactOptions::default());
         assert!(contact.warnings.is_empty(), "{:?}", contact.warnings);
     }
+}
+
+#[test]
+fn an_obstacle_inside_the_skin_is_no_quiet_miss() {
+    let skin = ball(8e-3, 3);
+    let at = |height: f64| Obstacle::sphere(height * UP, 2e-3).expect("a sphere");
+    let warned =
+        |contact: &Contact| contact.warnings.iter().any(|one| one.message.contains("inside the skin"));
+    let swallowed = solve(&skin, &at(8e-3), &half_space());
+    assert_eq!((swallowed.status, warned(&swallowed)), (ContactStatus::NoContact, true));
+    let beside = solve(&skin, &at(-3e-3), &half_space());
+    assert_eq!((beside.status, warned(&beside)), (ContactStatus::NoContact, false));
 }

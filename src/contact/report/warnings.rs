@@ -3,11 +3,13 @@
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::error::ContactError;
 use crate::contact::figures::penetration::Penetration;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::Contact;
 use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
+use crate::geometry::solid_angle::winding_number;
 use crate::response::kernel::basis::Discretization;
 
 /// Penetration left at the deformed skin, as a share of that before, from which the user is warned.
@@ -32,6 +34,22 @@ impl Report {
             );
             self.warn(WarningKind::Penetration, message);
         }
+    }
+
+    /// Warns where an obstacle that no skin is in lies inside it.
+    pub fn warn_of_swallowed(&mut self, gaps: &Gaps) -> Result<(), ContactError> {
+        let (surface, obstacle) = (gaps.surface, &gaps.scene.obstacle);
+        if !surface.is_closed() || obstacle.bounding_box().is_none() {
+            return Ok(());
+        }
+        let vertex = &surface.vertices()[..1];
+        let nearest = obstacle.signed_distance(vertex, None)?;
+        let on_obstacle = vertex[0] - nearest.distance[0] * nearest.normal[0];
+        if winding_number(&on_obstacle, surface.vertices(), surface.faces().iter().copied()) > 0.5 {
+            let message = "the obstacle lies inside the skin and no vertex of the skin in it: nothing is pressed; check its place and unit, or press it on from outside";
+            self.warn(WarningKind::Penetration, message.to_string());
+        }
+        Ok(())
     }
 
     /// Warns of vertices under force that the obstacle's normal pulls outward.
