@@ -2,31 +2,43 @@
 
 use crate::surface::checked::Surface;
 
+/// Power of the gap that grows with the distance from the rim of a smooth contact.
+pub(crate) const SMOOTH_RIM: f64 = 2.0 / 3.0;
+
+/// The gaps that place the rim.
+pub(crate) struct GapsBeside<'a> {
+    /// (n, m).
+    pub gap: &'a [f64],
+    /// Free vertices whose gap is to the other side of a sharp edge (n).
+    pub is_across: &'a [bool],
+    /// Power of the gap that grows with the distance from the rim around a vertex.
+    pub power: &'a dyn Fn(usize) -> f64,
+}
+
 /// Contact area at each vertex (n, m²), from the rim that the gaps beside it place; zero without force.
 ///
 /// Outside a smooth contact the gap grows as the 3/2 power of the distance from the rim (Johnson 1985, §4.2 and §5.1).
 /// So `g^(2/3) / |∇ g^(2/3)|`, over the free triangles around a free vertex, is its distance from the rim for any
-/// skin. Across a sharp edge of the obstacle the gap to the other side is that distance itself. It is continued with
+/// skin; beyond the thickness of a layer, where it gives way as springs do, the gap grows as the distance itself. Across a sharp edge of the obstacle the gap to the other side is that distance itself. It is continued with
 /// slope one to the touching vertices of the triangles that the rim cuts, and the area of a triangle within the rim is
 /// shared by its loaded vertices. A rim that is not smooth leaves the area between that of the triangles with all
 /// corners touching and that of all loaded triangles. The area of a patch is at least its force over its largest
 /// `f_i / S_i`: a vertex alone has its S_i.
 ///
 /// * `rim_shift`: how far the rim lies outside of where the gaps put it, in edge lengths
-/// * `gap`: (n, m), read around the contact up to two rings
-/// * `is_across`: (n,) free vertices whose gap is to the other side of a sharp edge
+/// * `gaps`: beside the contact, read up to two rings around it
 /// * `touches`: (n,) vertices that carry force or whose gap is closed
 /// * `node_force`: (n, N)
 /// * `active`: vertices with f > 0
 pub(crate) fn contact_areas(
     surface: &Surface,
     rim_shift: f64,
-    gap: &[f64],
-    is_across: &[bool],
+    gaps: &GapsBeside,
     touches: &[bool],
     node_force: &[f64],
     active: &[usize],
 ) -> Vec<f64> {
+    let GapsBeside { gap, is_across, .. } = gaps;
     // Distance inside the rim (m), negative outside. Vertices off the loaded triangles keep 0: their own distances shift
     // the rim inward by 0.03 cells.
     let mut depth = vec![0.0; gap.len()];
@@ -40,7 +52,7 @@ pub(crate) fn contact_areas(
         let edges = surface.neighbours(vertex).iter();
         let shortest = edges.map(|&other| (surface.vertices()[other as usize] - own).norm());
         let shift = rim_shift * shortest.fold(f64::INFINITY, f64::min);
-        depth[vertex] = -(distance_outside(surface, gap, touches, vertex) - shift).max(0.0);
+        depth[vertex] = -(distance_outside(surface, gaps, touches, vertex) - shift).max(0.0);
     }
     for &vertex in around.iter().filter(|&&vertex| touches[vertex]) {
         depth[vertex] = depth_inside(surface, touches, &depth, vertex);
@@ -70,8 +82,9 @@ pub(crate) fn contact_areas(
 }
 
 /// Distance of a free vertex from the rim (m); half the way to the closest touching neighbour where no triangle is free.
-fn distance_outside(surface: &Surface, gap: &[f64], touches: &[bool], vertex: usize) -> f64 {
-    let root = |vertex: u32| gap[vertex as usize].max(0.0).powf(2.0 / 3.0);
+fn distance_outside(surface: &Surface, gaps: &GapsBeside, touches: &[bool], vertex: usize) -> f64 {
+    let power = (gaps.power)(vertex);
+    let root = |vertex: u32| gaps.gap[vertex as usize].max(0.0).powf(power);
     let (mut slope, mut area) = (0.0, 0.0);
     for &face in surface.faces_around(vertex) {
         let corners = surface.faces()[face as usize];
@@ -148,7 +161,7 @@ mod tests {
     use approx::assert_relative_eq;
     use nalgebra::Vector3;
 
-    use super::contact_areas;
+    use super::{GapsBeside, SMOOTH_RIM, contact_areas};
     use crate::sample::one_diagonal_grid;
     use crate::surface::checked::Surface;
 
@@ -160,6 +173,13 @@ mod tests {
         Surface::new(vertices, faces).expect("a valid surface")
     }
 
+    /// The areas within the rim of a smooth contact.
+    fn areas(surface: &Surface, gap: &[f64], touches: &[bool], force: &[f64], active: &[usize]) -> Vec<f64> {
+        let is_across = vec![false; gap.len()];
+        let gaps = GapsBeside { gap, is_across: &is_across, power: &|_| SMOOTH_RIM };
+        contact_areas(surface, 0.0, &gaps, touches, force, active)
+    }
+
     /// The area found for a rim at distance 0 of `outside`, with a gap of `stiffness` times its 3/2 power.
     fn area(surface: &Surface, stiffness: f64, outside: impl Fn(&Vector3<f64>) -> f64) -> f64 {
         let distance: Vec<f64> = surface.vertices().iter().map(outside).collect();
@@ -167,7 +187,7 @@ mod tests {
         let touches: Vec<bool> = distance.iter().map(|&s| s <= 0.0).collect();
         let active: Vec<usize> = (0..gap.len()).filter(|&vertex| distance[vertex] < 0.0).collect();
         let force: Vec<f64> = distance.iter().map(|&s| f64::from(s < 0.0)).collect();
-        contact_areas(surface, 0.0, &gap, &vec![false; gap.len()], &touches, &force, &active).iter().sum()
+        areas(surface, &gap, &touches, &force, &active).iter().sum()
     }
 
     #[test]
@@ -208,7 +228,7 @@ mod tests {
             surface.faces_around(center).iter().map(|&face| surface.face_areas()[face as usize]).sum();
         let force: Vec<f64> = (0..49).map(|vertex| f64::from(vertex == center)).collect();
         let found = |gap: &[f64], touches: &[bool]| -> f64 {
-            contact_areas(&surface, 0.0, gap, &[false; 49], touches, &force, &[center]).iter().sum()
+            areas(&surface, gap, touches, &force, &[center]).iter().sum()
         };
         let jump: Vec<f64> = (0..49).map(|vertex| if vertex == center { 0.0 } else { 1.0 }).collect();
         for gap in [&jump, &vec![0.0; 49]] {
@@ -233,7 +253,7 @@ mod tests {
             let turned = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]][turns];
             let faces = surface.faces().iter().map(turned).collect();
             let surface = Surface::new(surface.vertices().to_vec(), faces).expect("a valid surface");
-            contact_areas(&surface, 0.0, &gap, &[false; 81], &touches, &force, &active)
+            areas(&surface, &gap, &touches, &force, &active)
         };
         for turns in [1, 2] {
             for (turned, first) in found(turns).into_iter().zip(found(0)) {
