@@ -252,6 +252,24 @@ def test_a_bare_response_is_no_skin() -> None:
         qr.response_matrix(finger, None, [0, 1])  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("direction", "length"),
+    [([0, 0, 2], "2"), ([0, 0, 0], "0"), ([0.6, 0, 0.800002], "1.0000016"), ([0, np.nan, 1], "nan")],
+)
+def test_directions_that_are_not_unit_are_refused(
+    fingertip: qr.Surface, direction: list[float], length: str
+) -> None:
+    expected = rf"^directions\[1\] has length {length}, expected a unit vector$"
+    with pytest.raises(qr.ResponseError, match=expected):
+        qr.response_matrix(fingertip, SKIN, [0, 1], directions=[[0, 0, 1], direction])
+    normals = fingertip.vertex_normals[:2].astype(np.float32)
+    found = qr.response_matrix(fingertip, SKIN, [0, 1], directions=-normals)
+    np.testing.assert_array_equal(found, qr.response_matrix(fingertip, SKIN, [0, 1]))
+    for wrong, refusal in (("up", TypeError), ([["0", "0", "1"]] * 2, TypeError), ([0, 0, 1], ValueError)):
+        with pytest.raises(refusal, match="directions"):
+            qr.response_matrix(fingertip, SKIN, [0, 1], directions=wrong)
+
+
 @pytest.mark.parametrize("options", [{}, 5, "auto", [], qr.LcpOptions()])
 def test_options_of_another_kind_are_refused_by_name(fingertip: qr.Surface, options: Any) -> None:
     plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
