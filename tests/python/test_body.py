@@ -247,8 +247,22 @@ def test_a_bone_pressure_that_is_not_known_is_refused() -> None:
     with pytest.raises(qr.ResponseError, match="3 forces for 42 vertices"):
         prepared.bone_pressure(np.zeros((3, 3)))
     forces[5] = 1.0
-    with pytest.raises(qr.ResponseError, match="vertex 5"):
+    message = (
+        "^vertex 5 carries force, but the response was prepared for 1 other vertices: prepare it for this"
+    )
+    with pytest.raises(qr.ResponseError, match=message):
         prepared.bone_pressure(forces)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_load_that_is_not_finite_is_refused_by_its_row(value: float) -> None:
+    prepared = skin_of(bone=CORE, bone_pressure=True).prepared(BALL)
+    forces = np.zeros((42, 3))
+    forces[7, 1] = forces[9, 2] = value
+    message = rf"^forces\[7\] is \[0\.0, {value}, 0\.0\], expected finite forces \(2 are not\)$"
+    for load in (forces, forces.astype(np.float32), forces.tolist()):
+        with pytest.raises(qr.ResponseError, match=message):
+            prepared.bone_pressure(load)
 
 
 def test_only_the_nodes_asked_for_get_right_hand_sides(tmp_path: Path) -> None:

@@ -322,5 +322,14 @@ def test_a_combined_contact_presses_on_the_bones_of_its_parts(finger: qr.Surface
     assert refined["tip"].max() > 0.0
     with pytest.raises(qr.ResponseError, match=r"the forces have shape \(3, 3\)"):
         combined.bone_pressure(np.zeros((3, 3)))
+    forces = np.zeros((len(finger.vertices), 3))
+    other = np.flatnonzero(part.surface.skin_mask & ~pad & ~part.fixed)[-1]
+    there = part.source_vertices[other]
+    forces[there] = UP
+    with pytest.raises(qr.ResponseError, match=f"^vertex {there} carries force, but part 'tip' .*{other}$"):
+        combined.bone_pressure(forces)
+    forces[there] = np.nan
+    with pytest.raises(qr.ResponseError, match=rf"^forces\[{there}\] is \[nan, nan, nan\], expected finite"):
+        combined.bone_pressure(forces)
     with pytest.raises(qr.ResponseError, match="bone_pressure=True"):
         HALF_SPACE.combined(finger, {"tip": (part, prepared_part(part))}).bone_pressure(whole)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import ResponseError
 from .core import restore_prepared
 from .given_mesh import forces_on_given_mesh
@@ -14,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from os import PathLike
 
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     from .. import _core
@@ -61,11 +62,18 @@ class PreparedSkin:
         Raises
         ------
         ResponseError
-            If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone.
+            If the body was not asked for it (``Body(..., bone_pressure=True)``) or has no bone, or a force is
+            not finite or at a vertex that it is not prepared for.
         """
-        pressures = self._response.bone_pressures(forces_on_given_mesh(load))
+        forces = forces_on_given_mesh(load)
+        pressures, unprepared = bone_pressures_of(self._response, forces)
         if pressures is None:
             raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
+        if unprepared.size > 0:
+            raise ResponseError(
+                f"vertex {unprepared[0]} carries force, but the response was prepared for {len(self.nodes)} "
+                "other vertices: prepare it for this one too"
+            )
         return pressures
 
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> PreparedSkin:
@@ -111,6 +119,24 @@ class PreparedSkin:
 
     def _core_on(self, surface: Surface) -> _core.Skin:
         return self._response
+
+
+def bone_pressures_of(
+    response: _core.Skin, forces: ArrayLike
+) -> tuple[NDArray[np.float64] | None, NDArray[np.int64]]:
+    """Return the pressure on the bone, where it is known, and the vertices under force that are not prepared.
+
+    The pressure is that of the forces at the prepared vertices alone.
+    """
+    try:
+        rows = np.asarray(forces)
+    except ValueError:
+        rows = np.empty(0)
+    if rows.dtype.kind not in "fiu" or rows.ndim != 2:
+        return response.bone_pressures(forces), np.empty(0, dtype=np.int64)
+    other = ~np.isin(np.arange(len(rows)), response.nodes())
+    pressures = response.bone_pressures(np.where(other[:, None], 0.0, rows))
+    return pressures, np.flatnonzero(other & rows.any(axis=1))
 
 
 def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:

@@ -17,7 +17,7 @@ from ..scene import as_surface
 from .core import Material, build_kernel, build_prepared
 from .cut_out import CutOut
 from .given_mesh import forces_on_given_mesh
-from .prepared import PreparedSkin
+from .prepared import PreparedSkin, bone_pressures_of
 from .progress import Progress, as_progress
 from .response import Response
 
@@ -215,7 +215,8 @@ class CombinedSkin:
         Raises
         ------
         ResponseError
-            If no part was asked for it (``Body(..., bone_pressure=True)``).
+            If no part was asked for it (``Body(..., bone_pressure=True)``), or a force is not finite or at a
+            vertex that its part is not prepared for.
         """
         forces = np.asarray(forces_on_given_mesh(load), dtype=np.float64)
         count = len(self._surface.vertices)
@@ -224,9 +225,16 @@ class CombinedSkin:
         found = {}
         for name, (cut, prepared) in self.parts.items():
             on_part = np.where(cut.fixed[:, None], 0.0, forces[cut.source_vertices])
-            pressures = prepared._response.bone_pressures(on_part)
-            if pressures is not None:
-                found[name] = pressures
+            pressures, unprepared = bone_pressures_of(prepared._response, on_part)
+            if pressures is None:
+                continue
+            if unprepared.size > 0:
+                first = unprepared[0]
+                raise ResponseError(
+                    f"vertex {cut.source_vertices[first]} carries force, but part {name!r} was prepared for "
+                    f"{len(prepared.nodes)} other vertices: prepare it for this one too, its vertex {first}"
+                )
+            found[name] = pressures
         if not found:
             raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
         return found
