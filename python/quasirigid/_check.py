@@ -124,7 +124,8 @@ def as_labels(name: str, value: Any, counts: tuple[int, int], refusal: Refusal) 
     Raises
     ------
     TypeError
-        If they are neither integers nor words; a `refusal` if there are more or fewer, or some are nan.
+        If they are neither integers nor words; a `refusal` if there are more or fewer, or some are nan or
+        integers of more than 64 bits.
     """
     # Of a list as its members are: NumPy would make words of a mixture.
     entries = value if isinstance(value, np.ndarray) else np.asarray(value, dtype=object)
@@ -139,6 +140,11 @@ def as_labels(name: str, value: Any, counts: tuple[int, int], refusal: Refusal) 
         return entries.astype(np.str_)
     whole = [isinstance(entry, (int, np.integer)) and not isinstance(entry, bool) for entry in entries]
     if entries.dtype.kind == "O" and all(whole):
+        bounds = np.iinfo(np.int64)
+        large = [at for at, entry in enumerate(entries) if not bounds.min <= entry <= bounds.max]
+        if large:
+            found = f"`{name}[{large[0]}]` is {short(entries[large[0]])}"
+            raise refusal(f"{found}, expected integers of 64 bits or words, {_one_a_vertex(counts)}")
         return entries.astype(np.int64)
     kinds = ", ".join(sorted({type(entry).__name__ for entry in entries}))
     raise TypeError(f"`{name}` holds {kinds}, {expected}")

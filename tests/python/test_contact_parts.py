@@ -146,6 +146,11 @@ WRONG: list[tuple[Any, type[Exception], str]] = [
     ([None] * 162, qr.ContactError, r"`labels\[0\]` is None, expected integers or words, "),
     (np.zeros(162), TypeError, "`labels` holds float64, expected integers or words, "),
     (np.zeros(162, dtype=bool), TypeError, "`labels` holds bool, expected integers or words, "),
+    (
+        [2**63 - 1] * 161 + [-(2**70)],
+        qr.ContactError,
+        r"`labels\[161\]` is -11805.*, expected integers of 64",
+    ),
     (["a"] * 161 + [1], TypeError, "`labels` holds int, str, expected integers or words, "),
 ]
 
