@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import pickle
+import re
 from dataclasses import FrozenInstanceError
 from typing import Any, Literal
 
 import numpy as np
 import pytest
 import quasirigid as qr
+import shapes
 
 
 def random_problem(size: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -145,8 +147,21 @@ def test_every_option_of_the_core_has_its_twin() -> None:
     promised = qr.solve_lcp(matrix, q, options=qr.LcpOptions(known_p_matrix=True))
     assert promised.certificate.definiteness == "p_matrix"
     assert promised.certificate.is_unique
-    with pytest.raises(ValueError, match=r"definiteness is .sometimes., expected one of .*always"):
-        qr.solve_lcp(matrix, q, options=qr.LcpOptions(definiteness="sometimes"))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("value", ["sometimes", None, 3, ["lemke"], True])
+def test_what_is_no_word_of_an_option_is_named(value: Any) -> None:
+    found = rf"is {re.escape(repr(value))}, expected one of"
+    with pytest.raises(qr.LcpError, match=rf'^definiteness {found} "cheap", "always", "never"$'):
+        qr.solve_lcp([[1]], [-1], options=qr.LcpOptions(definiteness=value))
+    for options in (None, qr.LcpOptions(), qr.LcpOptions(pivot_tol=1e-9)):
+        with pytest.raises(qr.LcpError, match=rf'^method {found} "lemke", "block_pivoting"'):
+            qr.solve_lcp([[1]], [-1], method=value, options=options)
+    ball = qr.Surface(*shapes.ball(8e-3, 1))
+    plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    with pytest.raises(qr.LcpError, match=rf'^method {found} "lemke", "block_pivoting"'):
+        qr.press(ball, plate, skin, [0, 0, 1], depth=1e-4, options=qr.ContactOptions(method=value))
 
 
 def test_a_crash_basis_is_recorded_and_can_be_left_out() -> None:

@@ -5,8 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from .. import _core
-from .._check import as_boolean, as_float, as_float_or_none, as_integer, as_integer_or_none, short
-from ..lcp import LcpMethod, LcpMethodName
+from .._check import (
+    as_boolean,
+    as_choice,
+    as_float,
+    as_float_or_none,
+    as_integer,
+    as_integer_or_none,
+    short,
+)
+from ..lcp import LcpError, LcpMethod, LcpMethodName
 
 __all__ = ["ContactOptions"]
 
@@ -83,7 +91,7 @@ def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
         gap_tolerance=as_float("gap_tolerance", options.gap_tolerance),
         max_linearizations=as_integer("max_linearizations", options.max_linearizations),
         rings=as_integer_or_none("rings", options.rings),
-        method=options.method,
+        method=as_choice("method", options.method, LcpMethod, LcpError),
         num_threads=as_integer_or_none("num_threads", options.num_threads),
         memory_limit=as_integer_or_none("memory_limit", options.memory_limit),
         search_distance=as_float_or_none("search_distance", options.search_distance),

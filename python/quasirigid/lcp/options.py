@@ -7,7 +7,8 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
-from .._check import as_boolean, as_float, as_integer_or_none, as_integers
+from .._check import as_boolean, as_choice, as_float, as_integer_or_none, as_integers
+from .error import LcpError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,6 +26,14 @@ class LcpMethod(StrEnum):
     BLOCK_PIVOTING = "block_pivoting"
     PROJECTED_CG = "projected_cg"
     AUTO = "auto"
+
+
+class _Examination(StrEnum):
+    """When the certificate looks for positive definiteness."""
+
+    CHEAP = "cheap"
+    ALWAYS = "always"
+    NEVER = "never"
 
 
 DEFAULTS: dict[str, Any] = _core.LcpOptions.defaults()
@@ -80,7 +89,7 @@ class LcpOptions:
             tolerance=as_float("tolerance", self.tolerance),
             initial_active=guess,
             covering=self.covering,
-            definiteness=self.definiteness,
+            definiteness=as_choice("definiteness", self.definiteness, _Examination, LcpError),
             crash=as_boolean("crash", self.crash),
             known_p_matrix=as_boolean("known_p_matrix", self.known_p_matrix),
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .. import _core
-from .._check import short
+from .._check import as_choice, short
 from .error import LcpError
 from .options import DEFAULTS, LcpMethod, LcpOptions
 from .solution import LcpStatus, solution_from_core
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from .solution import LcpSolution
 
 
-_METHODS = frozenset(LcpMethod)
 _DEFAULT_OPTIONS = LcpOptions().to_core()
 
 # Options that only some methods know: Lemke's, with which "auto" and block pivoting may end.
@@ -28,7 +27,7 @@ _KNOWN_BY = {
 }
 
 
-def _core_options(options: LcpOptions | None, method: str) -> _core.LcpOptions:
+def _core_options(options: LcpOptions | None, method: LcpMethod) -> _core.LcpOptions:
     """Return the core's options; refuse one that the method does not know, set to other than its default."""
     if options is None:
         return _DEFAULT_OPTIONS
@@ -37,7 +36,7 @@ def _core_options(options: LcpOptions | None, method: str) -> _core.LcpOptions:
     for name, methods in _KNOWN_BY.items():
         value = getattr(options, name)
         is_default = value is None if name == "covering" else value == DEFAULTS[name]
-        if method in _METHODS and method not in methods and not is_default:
+        if method not in methods and not is_default:
             known = ", ".join(methods)
             raise LcpError(f"option `{name}` is not known by method {str(method)!r}, only by {known}")
     return options.to_core()
@@ -95,6 +94,7 @@ def solve_lcp(
     >>> solution.status.value, solution.z.round(6).tolist()
     ('solved', [1.333333, 2.333333])
     """
+    method = as_choice("method", method, LcpMethod, LcpError)
     solution = solution_from_core(_core.solve_lcp(M, q, method, _core_options(options, method)))
     if throw and solution.status is not LcpStatus.SOLVED:
         error = LcpError(f"the complementarity problem ended with status {solution.advice}")
