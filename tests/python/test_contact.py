@@ -270,6 +270,16 @@ def test_directions_that_are_not_unit_are_refused(
             qr.response_matrix(fingertip, SKIN, [0, 1], directions=wrong)
 
 
+@pytest.mark.parametrize(
+    "name", ["max_nodes", "max_linearizations", "rings", "num_threads", "memory_limit", "max_growths"]
+)
+def test_counts_below_zero_are_errors_of_the_contact(fingertip: qr.Surface, name: str) -> None:
+    plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
+    counts: dict[str, Any] = {name: -1}
+    with pytest.raises(qr.ContactError, match=f"^{name} is -1, expected an integer of at least 0"):
+        qr.press(fingertip, plate, SKIN, [0, 0, 1], depth=1e-3, options=qr.ContactOptions(**counts))
+
+
 @pytest.mark.parametrize("options", [{}, 5, "auto", [], qr.LcpOptions()])
 def test_options_of_another_kind_are_refused_by_name(fingertip: qr.Surface, options: Any) -> None:
     plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])

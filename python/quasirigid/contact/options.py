@@ -15,6 +15,7 @@ from .._check import (
     short,
 )
 from ..lcp import LcpError, LcpMethod, LcpMethodName
+from .result import ContactError
 
 __all__ = ["ContactOptions"]
 
@@ -87,15 +88,15 @@ def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
     return _core.ContactOptions(
         tolerance=as_float("tolerance", options.tolerance),
         target_error=as_float_or_none("target_error", options.target_error),
-        max_nodes=as_integer("max_nodes", options.max_nodes),
+        max_nodes=as_integer("max_nodes", options.max_nodes, ContactError),
         gap_tolerance=as_float("gap_tolerance", options.gap_tolerance),
-        max_linearizations=as_integer("max_linearizations", options.max_linearizations),
-        rings=as_integer_or_none("rings", options.rings),
+        max_linearizations=as_integer("max_linearizations", options.max_linearizations, ContactError),
+        rings=as_integer_or_none("rings", options.rings, ContactError),
         method=as_choice("method", options.method, LcpMethod, LcpError),
-        num_threads=as_integer_or_none("num_threads", options.num_threads),
-        memory_limit=as_integer_or_none("memory_limit", options.memory_limit),
+        num_threads=as_integer_or_none("num_threads", options.num_threads, ContactError),
+        memory_limit=as_integer_or_none("memory_limit", options.memory_limit, ContactError),
         search_distance=as_float_or_none("search_distance", options.search_distance),
         condition=as_boolean("condition", options.condition),
         couple_fingers=as_boolean("couple_fingers", options.couple_fingers),
-        max_growths=as_integer("max_growths", options.max_growths),
+        max_growths=as_integer("max_growths", options.max_growths, ContactError),
     )
