@@ -204,6 +204,18 @@ def test_a_uniform_pressure_reaches_the_bone_unchanged() -> None:
     np.testing.assert_allclose(found, pressure, rtol=0.01)
 
 
+@pytest.mark.parametrize(("coarse_edge_length", "error"), [(None, 0.025), (0.0, 0.002)])
+def test_a_coarse_mesh_costs_a_uniform_pressure_what_the_docstring_says(
+    coarse_edge_length: float | None, error: float
+) -> None:
+    surface, core = at(ball(8e-3, 3), 0.0), at(ball(3e-3, 2), 0.0)
+    skin = skin_of(bone=core, bone_pressure=True, coarse_edge_length=coarse_edge_length)
+    found = skin.prepared(surface).bone_pressure(
+        -1e3 * surface.vertex_areas[:, None] * surface.vertex_normals
+    )
+    assert np.abs(found / 1e3 - 1.0).max() == pytest.approx(error, rel=0.2)
+
+
 @pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 def test_the_pressure_on_the_bone_under_a_contact_is_saved_and_turned_too(tmp_path: Path) -> None:
     surface = qr.Surface(*ball(8e-3, 2))
