@@ -44,7 +44,8 @@ pub enum ContactError {
     },
     /// A press cannot reach the force or the overlap asked for.
     #[error(
-        "a {goal} of {asked:.6e} {unit} is not reached: the {} {goal} found is {largest:.6e} {unit} at a depth of {depth:.6e} m; {why}",
+        "a{} {goal} of {asked:.6e} {unit} is not reached: the {} {goal} found is {largest:.6e} {unit} at a depth of {depth:.6e} m; {why}",
+        if *goal == "overlap" { "n" } else { "" },
         // Where contacts do not settle, the one found last can lie above.
         if largest < asked { "largest" } else { "nearest" }
     )]

@@ -6,6 +6,7 @@ import math
 import pickle
 import re
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -102,6 +103,15 @@ def test_a_contact_knows_its_depth(fingertip: qr.Surface, apart: qr.Contact) -> 
 def test_a_goal_that_is_not_above_zero_is_named(name: str, value: float, fingertip: qr.Surface) -> None:
     with pytest.raises(qr.ContactError, match=f"{name} is .*, expected a finite {name} > 0"):
         qr.press(fingertip, PLATE, SKIN, UP, **{name: value})  # type: ignore[arg-type]
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize(("goal", "words"), [("force", "a force of .* N"), ("overlap", "an overlap of .* m")])
+def test_a_goal_out_of_reach_is_named_with_its_article(goal: str, words: str) -> None:
+    surface, small = qr.Surface(*ball(8e-3, 2)), qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)
+    asked: dict[str, Any] = {goal: 1e3}
+    with pytest.raises(qr.ContactError, match=f"^{words} is not reached: the largest {goal} found is"):
+        qr.press(surface, small, SKIN, UP, options=AS_GIVEN, **asked)
 
 
 def test_none_or_several_goals_are_named(fingertip: qr.Surface) -> None:
