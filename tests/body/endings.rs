@@ -56,7 +56,7 @@ fn material_and_tolerance_must_be_in_range() {
         let options = BodyOptions { tolerance, ..BodyOptions::default() };
         with_core().prepare(&skin(), modulus, nu, &[0], &options).expect_err("out of range")
     };
-    for modulus in [0.0, -1.0, f64::INFINITY] {
+    for modulus in [0.0, -1.0, f64::INFINITY, 1e200, 1e-61] {
         assert_eq!(with(modulus, 0.5, 1e-6), BodyError::ShearModulus { value: modulus });
     }
     for nu in [-0.1, 0.5000001] {

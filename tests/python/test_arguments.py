@@ -145,6 +145,17 @@ def test_what_is_no_number_is_named(name: str, value: Any) -> None:
         NUMBERS[name](value)
 
 
+@pytest.mark.parametrize("value", [1e200, 1e61, 1e-61, 0.0, -1.0, np.inf])
+@pytest.mark.parametrize(
+    "response", [qr.HalfSpace(), qr.Body(fixed=SURFACE.vertices[:, 2] > 8e-3)], ids=["kernel", "body"]
+)
+def test_a_shear_modulus_out_of_range_is_named(value: float, response: qr.HalfSpace | qr.Body) -> None:
+    with pytest.raises(
+        qr.ResponseError, match=r"^shear_modulus is .*finite and positive, from 1e-60 to 1e60"
+    ):
+        qr.Skin(shear_modulus=value, poisson_ratio=0.4, response=response).prepared(SURFACE)
+
+
 BOOLEANS = {
     "condition": lambda value: _pressed(depth=1e-4, options=qr.ContactOptions(condition=value)),
     "couple_fingers": lambda value: _pressed(depth=1e-4, options=qr.ContactOptions(couple_fingers=value)),

@@ -18,6 +18,8 @@ fn constant_error(result: Result<KernelSkin, ResponseError>) -> (&'static str, f
 fn constants_out_of_range_are_named_with_their_value() {
     assert_eq!(constant_error(KernelSkin::new(0.0, 0.5, HALF_SPACE)), ("shear_modulus", 0.0));
     assert_eq!(constant_error(KernelSkin::new(-1.0, 0.5, HALF_SPACE)), ("shear_modulus", -1.0));
+    assert_eq!(constant_error(KernelSkin::new(1e200, 0.5, HALF_SPACE)), ("shear_modulus", 1e200));
+    assert_eq!(constant_error(KernelSkin::new(1e-61, 0.5, HALF_SPACE)), ("shear_modulus", 1e-61));
     assert_eq!(constant_error(KernelSkin::new(f64::NAN, 0.5, HALF_SPACE)).0, "shear_modulus");
     assert_eq!(constant_error(KernelSkin::new(60e3, 0.51, HALF_SPACE)), ("poisson_ratio", 0.51));
     assert_eq!(constant_error(KernelSkin::new(60e3, -0.1, HALF_SPACE)), ("poisson_ratio", -0.1));

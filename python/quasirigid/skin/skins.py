@@ -37,7 +37,7 @@ class Skin:
     Parameters
     ----------
     shear_modulus : float
-        G (Pa), > 0. About 60 kPa for a fingertip (Xie, Kanai, Date 2011).
+        G (Pa), > 0 (1e-60 to 1e60). About 60 kPa for a fingertip (Xie, Kanai, Date 2011).
     poisson_ratio : float
         nu, in [0, 0.5]; 0.5 is incompressible.
     response : HalfSpace, GaussianCorrected, Layer, Body or GivenMatrix

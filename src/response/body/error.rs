@@ -6,8 +6,8 @@ use crate::geometry::rigid_motion::RigidMotionError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BodyError {
-    /// The shear modulus is not a positive number.
-    #[error("shear modulus {value} Pa: it must be positive and finite")]
+    /// The shear modulus is not a positive number, or is out of range.
+    #[error("shear modulus {value:e} Pa: it must be positive and finite, from 1e-60 to 1e60")]
     ShearModulus {
         /// What was given (Pa).
         value: f64,

@@ -21,6 +21,7 @@ use crate::response::body::cost::{BodyCost, solve_width};
 use crate::response::body::equations::assemble::assemble_equations;
 use crate::response::body::equations::incompressible::impose_flux_identities;
 use crate::response::body::error::BodyError;
+use crate::response::kernel::skin::SHEAR_MODULI;
 use crate::surface::checked::Surface;
 use crate::surface::cut_out::CutOut;
 
@@ -163,7 +164,7 @@ impl Body {
     /// Displacement of the whole skin per unit force at each of `nodes`, by boundary elements on the skin's own mesh.
     ///
     /// * `skin`: the closed skin of one body
-    /// * `shear_modulus`: G (Pa), > 0
+    /// * `shear_modulus`: G (Pa), 1e-60 ..= 1e60
     /// * `poisson_ratio`: ν, 0 to 0.5, both included
     /// * `nodes`: skin vertices that may be loaded, each once, none fixed
     ///
@@ -182,7 +183,7 @@ impl Body {
         nodes: &[usize],
         options: &BodyOptions,
     ) -> Result<BodyCompliance, BodyError> {
-        if !(shear_modulus > 0.0 && shear_modulus.is_finite()) {
+        if !SHEAR_MODULI.contains(&shear_modulus) {
             return Err(BodyError::ShearModulus { value: shear_modulus });
         }
         if !(0.0..=0.5).contains(&poisson_ratio) {

@@ -1,6 +1,7 @@
 //! The skin's material and the kernel by which it answers a force.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
@@ -85,6 +86,8 @@ pub struct KernelSkin {
 const THINNEST_LAYER: f64 = 1e-3;
 /// A layer's kernel below this times K/h is not felt.
 const LAYER_SILENCE: f64 = 1e-8;
+/// Shear moduli (Pa) whose compliances, forces and displacements stay numbers.
+pub(crate) const SHEAR_MODULI: RangeInclusive<f64> = 1e-60..=1e60;
 
 fn require(ok: bool, name: &'static str, value: f64, expected: &'static str) -> Result<(), ResponseError> {
     if ok { Ok(()) } else { Err(ResponseError::Constant { name, value, expected }) }
@@ -93,15 +96,15 @@ fn require(ok: bool, name: &'static str, value: f64, expected: &'static str) -> 
 impl KernelSkin {
     /// A skin with a linear pressure basis and collocation.
     ///
-    /// * `shear_modulus`: G (Pa), finite, > 0
+    /// * `shear_modulus`: G (Pa), 1e-60 ..= 1e60
     /// * `poisson_ratio`: ν, 0 ..= 0.5
     /// * `kernel`: the kernel and its constants
     ///
     /// # Errors
     /// [`ResponseError::Constant`] names the constant that is out of range.
     pub fn new(shear_modulus: f64, poisson_ratio: f64, kernel: Kernel) -> Result<Self, ResponseError> {
-        let modulus_ok = shear_modulus > 0.0 && shear_modulus.is_finite();
-        require(modulus_ok, "shear_modulus", shear_modulus, "finite and positive (Pa)")?;
+        let modulus_ok = SHEAR_MODULI.contains(&shear_modulus);
+        require(modulus_ok, "shear_modulus", shear_modulus, "finite and positive, from 1e-60 to 1e60 (Pa)")?;
         require((0.0..=0.5).contains(&poisson_ratio), "poisson_ratio", poisson_ratio, "from 0 to 0.5")?;
         kernel.check()?;
         let (basis, discretization) = (PressureBasis::default(), Discretization::default());
