@@ -10,7 +10,7 @@ use quasirigid::contact::{
 };
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
-use quasirigid::response::{ElasticSkin, KernelSkin, PressureBasis};
+use quasirigid::response::{ElasticSkin, Kernel, KernelSkin, PressureBasis};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, jittered_grid};
@@ -55,6 +55,23 @@ fn a_coarse_mesh_meets_hertz_within_its_estimates() {
         assert!(contact.accuracy.mesh_error.unwrap() <= 0.01 && contact.accuracy.area_error.unwrap() <= 0.01);
         assert_eq!(contact.refinements.last().unwrap().reason, "target_error");
         assert!(force.abs() <= 0.01 && area.abs() <= 0.012);
+    }
+}
+
+#[test]
+fn a_layer_thin_against_the_mesh_is_touched_as_far_as_springs_are() {
+    // Springs are touched where the sphere cuts their plane, over 2πRd (Johnson 1985, §4.3); 63 thicknesses a radius.
+    let (radius, depth) = (0.1, 0.05e-3);
+    let thickness = 0.05e-3;
+    let surface = jittered(24, 0.5e-3, 3);
+    let sphere = Obstacle::sphere((radius - depth) * UP, radius).expect("a sphere");
+    for poisson_ratio in [0.0, 0.3] {
+        let layer = Kernel::Layer { thickness: thickness.into() };
+        let skin = KernelSkin::new(SHEAR_MODULUS, poisson_ratio, layer).expect("valid constants");
+        let contact = solve_contact(&surface, &sphere, &skin, &ContactOptions::default()).expect("a request");
+        let area = contact.resultant.contact_area;
+        println!("nu {poisson_ratio}: {:.4}", area / (2.0 * PI * radius * depth));
+        assert_relative_eq!(area, 2.0 * PI * radius * depth, max_relative = 0.015);
     }
 }
 
