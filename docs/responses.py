@@ -44,7 +44,7 @@ The body is prepared for the {node_count} vertices that may touch. Written by `p
 - **body**: `Body(bone=models.bone_of(finger), fixed=cut)`.
 
 A whole hand with its bones (`PosedHand.skin`), 13,000 vertices, nu = 0.495: at most some 1,700 coarse
-vertices of the skin, 12 to 15 s and 1 GB of the whole process. Against edges of 4.3 mm everywhere, about
+vertices of the skin, 11 to 13 s and 1 GB of the whole process. Against edges of 4.3 mm everywhere, about
 twice as many vertices (55 s, 2.7 GB), on refined contacts:
 
 - a ball of 15 mm, 1, 2, 3 mm deep: thenar +0.4, +0.6, +0.7 %, hypothenar +0.3, +0.6, +0.7 %, pad of the
