@@ -213,13 +213,13 @@ def as_integer_or_none(name: str, value: Any, refusal: type[ValueError] = ValueE
     return None if value is None else as_integer(name, value, refusal)
 
 
-def as_integers(name: str, values: Iterable[Any]) -> list[int]:
-    """Return a list of integers >= 0."""
+def as_integers(name: str, values: Iterable[Any], refusal: type[ValueError] = ValueError) -> list[int]:
+    """Return a list of integers >= 0; a `refusal` of others."""
     try:
         listed = list(values)
     except TypeError:
         raise TypeError(f"{name} is {values!r}, expected a sequence of integers") from None
-    return [as_integer(f"{name}[{place}]", value) for place, value in enumerate(listed)]
+    return [as_integer(f"{name}[{place}]", value, refusal) for place, value in enumerate(listed)]
 
 
 def as_index(name: str, value: Any, count: int, refusal: Refusal) -> int:

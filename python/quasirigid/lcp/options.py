@@ -82,9 +82,10 @@ class LcpOptions:
     known_p_matrix: bool = False
 
     def to_core(self) -> _core.LcpOptions:
-        guess = None if self.initial_active is None else as_integers("initial_active", self.initial_active)
+        given = self.initial_active
+        guess = None if given is None else as_integers("initial_active", given, LcpError)
         return _core.LcpOptions(
-            max_pivots=as_integer_or_none("max_pivots", self.max_pivots),
+            max_pivots=as_integer_or_none("max_pivots", self.max_pivots, LcpError),
             pivot_tol=as_float("pivot_tol", self.pivot_tol),
             tolerance=as_float("tolerance", self.tolerance),
             initial_active=guess,
