@@ -4,13 +4,12 @@ use crate::contact::candidate::groups::with_rings;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::area::{GapsBeside, SMOOTH_RIM, contact_areas};
+use crate::contact::figures::area::{GapsBeside, SMOOTH_RIM, contact_areas, shortest_edge};
 use crate::contact::figures::beside::Beside;
 use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Displacements;
-use crate::surface::checked::Surface;
 
 /// In collocation the hats of the outermost nodes carry force beyond the rim, and their contact is smaller by this share of
 /// an edge (docs/accuracy.md).
@@ -112,13 +111,6 @@ fn rim_on_layer(cell: f64, poisson_ratio: f64) -> f64 {
     let half = incompressible + compressible * (1.0 - 2.0 * poisson_ratio);
     let cell = cell.powf(1.5);
     SMOOTH_RIM + (1.0 - SMOOTH_RIM) * cell / (cell + half)
-}
-
-/// Length of the shortest edge at a vertex (m).
-fn shortest_edge(surface: &Surface, vertex: usize) -> f64 {
-    let own = surface.vertices()[vertex];
-    let length = |&other: &u32| (surface.vertices()[other as usize] - own).norm();
-    surface.neighbours(vertex).iter().map(length).fold(f64::INFINITY, f64::min)
 }
 
 /// `g0 + R f` (m) at vertices.

@@ -87,8 +87,8 @@ pub enum CutOutError {
 ///
 /// Keeps the faces in front of the plane that are connected to `tip`, cut along existing edges, and closes every
 /// border by rings of triangles of the border's edge length around its centroid; faces at the border that such a cap
-/// would cross are left out too. A body response takes what the
-/// cut leaves out as immobile, so cut a finger's width or more away from the contact.
+/// would cross are left out too. A body response takes what the cut leaves out as immobile, so cut a finger's width or more
+/// away from the contact.
 ///
 /// * `skin`: the whole hand
 /// * `tip`: a vertex of the part to keep, such as a fingertip
@@ -159,32 +159,34 @@ fn closed_without_folds(
             return Err(nothing());
         }
         let Some(cut) = closed(skin, &kept)? else { return Ok(None) };
-        let folds = folds(skin, &kept, &cut);
-        if folds.is_empty() {
+        let kept: Vec<usize> = (0..kept.len()).filter(|&face| kept[face]).collect();
+        let mut crossings = find_crossings(cut.surface.vertices(), cut.surface.faces());
+        crossings.retain(|pair| pair.iter().any(|&face| face >= kept.len()));
+        if crossings.is_empty() {
             return Ok(Some(cut));
         }
-        folds.iter().for_each(|&face| allowed[face] = false);
+        let left_out = at_rim(skin, &kept, &cut, crossings.as_flattened());
+        if left_out.is_empty() {
+            break;
+        }
+        left_out.iter().for_each(|&face| allowed[face] = false);
     }
     Err(CutOutError::Folds)
 }
 
-/// Kept faces of the skin that a cap crosses, and those around the rim of caps that cross themselves.
-fn folds(skin: &Surface, kept: &[bool], cut: &CutOut) -> Vec<usize> {
-    let kept: Vec<usize> = (0..kept.len()).filter(|&face| kept[face]).collect();
-    let faces = cut.surface.faces();
-    let mut found = Vec::new();
-    for pair in find_crossings(cut.surface.vertices(), faces) {
-        let is_at_cap = pair.iter().any(|&face| face >= kept.len());
-        for face in pair.into_iter().filter(|_| is_at_cap) {
-            let Some(&own) = kept.get(face) else {
-                let rim = faces[face].iter().filter_map(|&vertex| cut.source_vertices[vertex as usize]);
-                found.extend(rim.flat_map(|vertex| skin.faces_around(vertex)).map(|&face| face as usize));
-                continue;
-            };
-            found.push(own);
+/// Those of some faces of a part that are faces of the skin, and the skin's around those of its caps.
+///
+/// * `kept`: the face of the skin for each of the part that is one
+fn at_rim(skin: &Surface, kept: &[usize], cut: &CutOut, faces: &[usize]) -> Vec<usize> {
+    let of_skin = |&face: &usize| match kept.get(face) {
+        Some(&own) => vec![own],
+        None => {
+            let corners = cut.surface.faces()[face].iter();
+            let rim = corners.filter_map(|&vertex| cut.source_vertices[vertex as usize]);
+            rim.flat_map(|vertex| skin.faces_around(vertex)).map(|&face| face as usize).collect()
         }
-    }
-    found
+    };
+    faces.iter().flat_map(of_skin).collect()
 }
 
 /// The kept faces closed by caps; `None` where they have no border.

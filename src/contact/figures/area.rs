@@ -19,7 +19,8 @@ pub(crate) struct GapsBeside<'a> {
 ///
 /// Outside a smooth contact the gap grows as the 3/2 power of the distance from the rim (Johnson 1985, §4.2 and §5.1).
 /// So `g^(2/3) / |∇ g^(2/3)|`, over the free triangles around a free vertex, is its distance from the rim for any
-/// skin; beyond the thickness of a layer, where it gives way as springs do, the gap grows as the distance itself. Across a sharp edge of the obstacle the gap to the other side is that distance itself. It is continued with
+/// skin; beyond the thickness of a layer, where it gives way as springs do, the gap grows as the distance itself. Across a
+/// sharp edge of the obstacle the gap to the other side is that distance. It is continued with
 /// slope one to the touching vertices of the triangles that the rim cuts, and the area of a triangle within the rim is
 /// shared by its loaded vertices. A rim that is not smooth leaves the area between that of the triangles with all
 /// corners touching and that of all loaded triangles. The area of a patch is at least its force over its largest
@@ -48,10 +49,7 @@ pub(crate) fn contact_areas(
             depth[vertex] = -gap[vertex].max(0.0);
             continue;
         }
-        let own = surface.vertices()[vertex];
-        let edges = surface.neighbours(vertex).iter();
-        let shortest = edges.map(|&other| (surface.vertices()[other as usize] - own).norm());
-        let shift = rim_shift * shortest.fold(f64::INFINITY, f64::min);
+        let shift = rim_shift * shortest_edge(surface, vertex);
         depth[vertex] = -(distance_outside(surface, gaps, touches, vertex) - shift).max(0.0);
     }
     for &vertex in around.iter().filter(|&&vertex| touches[vertex]) {
@@ -79,6 +77,13 @@ pub(crate) fn contact_areas(
         }
     }
     areas
+}
+
+/// Length of the shortest edge at a vertex (m).
+pub(crate) fn shortest_edge(surface: &Surface, vertex: usize) -> f64 {
+    let own = surface.vertices()[vertex];
+    let length = |&other: &u32| (surface.vertices()[other as usize] - own).norm();
+    surface.neighbours(vertex).iter().map(length).fold(f64::INFINITY, f64::min)
 }
 
 /// Distance of a free vertex from the rim (m); half the way to the closest touching neighbour where no triangle is free.

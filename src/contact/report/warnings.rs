@@ -36,7 +36,7 @@ impl Report {
         }
     }
 
-    /// Warns where an obstacle that no skin is in lies inside it.
+    /// Warns of an obstacle that lies inside the skin, with no vertex of the skin in it.
     pub fn warn_of_swallowed(&mut self, gaps: &Gaps) -> Result<(), ContactError> {
         let (surface, obstacle) = (gaps.surface, &gaps.scene.obstacle);
         if !surface.is_closed() || obstacle.bounding_box().is_none() {
