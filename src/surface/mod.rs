@@ -14,6 +14,7 @@ pub(crate) mod coarse;
 pub(crate) mod cut_out;
 pub(crate) mod measures;
 pub(crate) mod refined;
+mod rim;
 pub(crate) mod rings;
 pub(crate) mod sharp;
 pub(crate) mod shortest_paths;

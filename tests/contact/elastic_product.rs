@@ -263,10 +263,13 @@ fn what_is_lost_between_the_vertices_of_a_products_matrix_is_said() {
     let surface = ball(8e-3, 4);
     let upwards =
         Press { direction: UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity, balance: Balance::None };
-    let refined =
-        |obstacle| press(&surface, &obstacle, &half_space(), &upwards, &ContactOptions::default()).unwrap();
+    let refined = |obstacle| {
+        press(&surface, &obstacle, &half_space(), &upwards, &ContactOptions::default())
+            .expect("a valid request")
+    };
     for softer in [0.5, 3.0] {
-        let material = KernelSkin::new(SHEAR_MODULUS / softer, POISSON_RATIO, Kernel::HalfSpace).unwrap();
+        let material = KernelSkin::new(SHEAR_MODULUS / softer, POISSON_RATIO, Kernel::HalfSpace)
+            .expect("valid constants");
         let slab = slab(16);
         let (grid, faces) = one_diagonal_grid(16);
         let top = Surface::new(grid.iter().map(|at| 1e-3 * at).collect(), faces).expect("a valid surface");

@@ -153,14 +153,14 @@ fn a_kernel_beside_a_body_tells_fingers_apart_too() {
     let beside = Vector3::new(3.0 * PITCH, 0.0, lowest + 8e-3);
     let ball: Vec<Vector3<f64>> = ball.iter().map(|x| x + beside).collect();
     let (vertices, faces) = joined(&(ridges.vertices().to_vec(), ridges.faces().to_vec()), &(ball, faces));
-    let surface = Surface::new(vertices, faces).unwrap();
+    let surface = Surface::new(vertices, faces).expect("a valid surface");
     let plate = plate_at(&surface, 0.4e-3);
     let part = lower_part(&surface, beside);
-    let combined = CombinedSkin::new(&surface, half_space(), vec![part]).unwrap();
+    let combined = CombinedSkin::new(&surface, half_space(), vec![part]).expect("a part that fits");
     let on_part = |x: &Vector3<f64>| x.x > 2.5 * PITCH;
     let only = |on_its_side: &dyn Fn(&Vector3<f64>) -> bool| {
         let masked = surface.clone().with_skin_mask(surface.vertices().iter().map(on_its_side).collect());
-        solve(&masked.unwrap(), &plate, &combined, false).resultant.force.z
+        solve(&masked.expect("one entry a vertex"), &plate, &combined, false).resultant.force.z
     };
     let alone = [only(&|x| x.x < PITCH), only(&|x| x.x >= PITCH && !on_part(x)), only(&on_part)];
     assert!(alone.iter().all(|force| *force > 0.0));

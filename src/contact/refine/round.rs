@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::response::kernel::basis::Discretization;
@@ -86,8 +87,8 @@ impl Contact {
         self.refinements.last_mut().expect("a round was noted").reason = reason;
         // No round makes this less.
         if let Some(doubt) = self.clues.product {
-            self.accuracy.area_error = self.accuracy.area_error.map(|error| error + doubt.area_error());
-            let of_peak = doubt.max_pressure_error();
+            let [of_area, of_peak] = errors_of_area_and_peak(&doubt);
+            self.accuracy.area_error = self.accuracy.area_error.map(|error| error + of_area);
             self.accuracy.max_pressure_error = self.accuracy.max_pressure_error.map(|error| error + of_peak);
         }
         self

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::error::ContactError;
 use crate::contact::figures::penetration::Penetration;
 use crate::contact::gap::initial::Gaps;
@@ -136,9 +137,12 @@ impl Contact {
                 "the coarse mesh of the body costs about {cost} of the force: prepare it with coarse_edge_length = {length:.2e} m"
             ));
         }
-        if let Some(doubt) = self.clues.product.filter(|doubt| doubt.area_error() > target) {
-            let (force, area) = (percent(doubt.force_error), percent(doubt.area_error()));
-            let length = doubt.edge_length * target / doubt.area_error();
+        if let Some(doubt) = self.clues.product
+            && let [of_area, _] = errors_of_area_and_peak(&doubt)
+            && of_area > target
+        {
+            let (force, area) = (percent(doubt.force_error), percent(of_area));
+            let length = doubt.edge_length * target / of_area;
             short.push(format!(
                 "the mesh that the product's matrix is given on costs about {force} of the force and {area} of the area: take edges of {length:.2e} m there"
             ));

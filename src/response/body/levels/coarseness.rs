@@ -15,14 +15,6 @@ const ERROR_AT_THICKNESS: f64 = 0.06;
 /// Relative error of the force per share of the depth that interpolation between the body's vertices loses there.
 const ERROR_PER_LOSS: f64 = 0.4;
 
-/// The same of a product whose matrix is linear in between, which has all its local give from there. Half-spaces of a third to
-/// three times the skin's stiffness, on one to five triangles a contact radius, under a finger have 0.1 to 1.2 of the force,
-/// 1 to 2.8 of the area and up to 7.7 of the peak pressure.
-const PRODUCT_ERROR_PER_LOSS: f64 = 1.2;
-/// What the area and the peak pressure lose then, over what the force does.
-const AREA_PER_FORCE: f64 = 2.5;
-const PEAK_PER_FORCE: f64 = 6.5;
-
 /// What the mesh that a body was solved on, or that a matrix is given on, costs a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyDoubt {
@@ -30,25 +22,6 @@ pub struct BodyDoubt {
     pub force_error: f64,
     /// Mean length of the body's edges at the contact (m).
     pub edge_length: f64,
-}
-
-impl BodyDoubt {
-    /// Of a product whose matrix is given at vertices.
-    ///
-    /// * `loss`: displacement that interpolation between them loses, over the depth of the contact
-    pub(crate) fn of_product(loss: f64, edge_length: f64) -> Self {
-        Self { force_error: PRODUCT_ERROR_PER_LOSS * loss, edge_length }
-    }
-
-    /// Estimated error of the area over it, of a product.
-    pub(crate) fn area_error(&self) -> f64 {
-        AREA_PER_FORCE * self.force_error
-    }
-
-    /// Estimated error of the peak pressure over it, of a product.
-    pub(crate) fn max_pressure_error(&self) -> f64 {
-        PEAK_PER_FORCE * self.force_error
-    }
 }
 
 /// Displacement (m) that linear interpolation between coarse vertices loses: its mean over the forces.
