@@ -50,8 +50,9 @@ def response_matrix(
     nodes : (k,) array_like of int
         Vertices, each at most once.
     directions : (k, 3) array_like, optional
-        Unit directions of force and displacement; None means minus the vertex normal. Kernels that depend
-        on the distance alone ignore it.
+        Unit directions of force and displacement; None means minus the vertex normal. Kernels and given
+        matrices ignore it: they move the skin along the force, so that a contact with normals ``n`` takes
+        their R times ``n @ n.T``.
     tolerance : float
         Error of every entry relative to the half-space's, some K/r; a layer's entries fade faster, so of
         these it is a larger share far away. 0 means all that double precision gives.

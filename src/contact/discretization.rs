@@ -1,5 +1,7 @@
 //! What a contact does differently in collocation and in Galerkin form.
 
+use nalgebra::Vector3;
+
 use crate::contact::candidate::groups::with_rings;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
@@ -9,7 +11,6 @@ use crate::contact::figures::beside::Beside;
 use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
-use crate::response::skin::elastic::Displacements;
 
 /// In collocation the hats of the outermost nodes carry force beyond the rim, and their contact is smaller by this share of
 /// an edge (docs/accuracy.md).
@@ -127,11 +128,11 @@ pub(crate) fn gap_at(
 pub(crate) fn gap_of(
     gaps: &Gaps,
     vertices: &[usize],
-    moved: &Displacements,
+    moved: &[Vector3<f64>],
 ) -> Result<Vec<f64>, ContactError> {
     let initial = gaps.at(vertices)?;
-    let along = |row: usize| moved.along_normal[row].unwrap_or(moved.vectors[row].dot(&initial.normal[row]));
-    Ok((0..vertices.len()).map(|row| initial.distance[row] + along(row)).collect())
+    let rows = initial.distance.iter().zip(&initial.normal).zip(moved);
+    Ok(rows.map(|((distance, normal), u)| distance + normal.dot(u)).collect())
 }
 
 /// `vertices` whose response is known; a penetrating one must be.

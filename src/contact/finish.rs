@@ -76,7 +76,7 @@ impl Contact {
         let motion = CandidateMotion::new(gaps, response, &forces)?;
         report.warn_of_pull(gaps, &forces);
         let beside = Beside::new(gaps, response, &forces, &motion)?;
-        let left = penetration_after(gaps, &forces, &motion, &beside)?;
+        let left = penetration_after(gaps, &forces, response.skin, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
         let reaches_cut = match &gaps.scene.inherited {
             Some(Inherited { cuts, .. }) => report.warn_of_cuts(surface, cuts, &forces),

@@ -1,6 +1,19 @@
-//! Directions of any length.
+//! Directions: of any length, and which are the same.
 
 use nalgebra::Vector3;
+
+/// Two unit directions no farther apart are one.
+const SAME_DIRECTION: f64 = 1e-10;
+
+/// Whether two unit vectors are one direction.
+pub(crate) fn is_same(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
+    (a - b).norm_squared() <= SAME_DIRECTION * SAME_DIRECTION
+}
+
+/// Whether unit vectors are all one direction.
+pub(crate) fn are_one(directions: &[Vector3<f64>]) -> bool {
+    directions.iter().all(|other| is_same(other, &directions[0]))
+}
 
 /// The unit vector along `direction`, of any length that a float can have; `None` if it is zero or not finite.
 pub(crate) fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {

@@ -41,7 +41,7 @@ pub use matrix::collocation::{assemble, assemble_block};
 pub use matrix::net_volume::{NetVolume, balanced_height, net_volume};
 pub use matrix::options::AssemblyOptions;
 pub use skin::combined::{CombinedSkin, Part};
-pub use skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+pub use skin::elastic::{ElasticSkin, Request, Traits};
 pub use skin::given_matrix::GivenMatrix;
 pub use skin::nodes::PreparedNodes;
 pub use skin::prepared_body::{Levels, PreparedBody};

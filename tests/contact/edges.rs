@@ -144,13 +144,11 @@ fn an_edge_left_in_the_triangles_of_a_mesh_taken_as_it_is_is_said() {
 }
 
 #[test]
-fn triangles_that_a_corner_draws_out_are_the_cause_of_penetration_not_the_mesh() {
+fn skin_gives_way_around_a_corner_without_being_left_in_it() {
     // A corner of a cube, upwards.
     let tilt = nalgebra::Rotation3::rotation_between(&Vector3::repeat(1.0), &UP).expect("no half turn");
     let cube = Obstacle::cuboid(Vector3::repeat(0.02)).expect("a box");
     let corner = cube.moved(tilt.matrix(), &(BELOW - UP * 0.02 * 3f64.sqrt())).expect("a rotation");
     let contact = pressed(&ball(8e-3, 3), &corner, 1.12e-3);
-    assert!(contact.max_penetration_after > 0.05 * contact.max_penetration_before);
-    let warning = of_penetration(&contact);
-    assert!(warning.contains("moved apart"), "{warning}");
+    assert!(contact.max_penetration_after < 0.05 * contact.max_penetration_before);
 }

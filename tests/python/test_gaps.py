@@ -43,7 +43,9 @@ def test_gaps_of_an_obstacle_are_those_of_a_contact(discretization: qr.Discretiz
     skin = half_space(discretization)
     contact = qr.solve_contact(surface, obstacle, skin, options=AS_GIVEN)
     q = qr.initial_gaps(surface, skin, contact.candidates, obstacle)
-    solution = qr.solve_lcp(qr.response_matrix(surface, skin, contact.candidates), q)
+    normals = obstacle.signed_distance(surface.vertices[contact.candidates])[2]
+    response = qr.response_matrix(surface, skin, contact.candidates) * (normals @ normals.T)
+    solution = qr.solve_lcp(response, q)
     np.testing.assert_allclose(solution.z, contact.node_force[contact.candidates], rtol=1e-8, atol=1e-12)
 
 
@@ -70,3 +72,47 @@ def test_a_function_that_returns_no_gaps_is_named(bad: object) -> None:
     surface = qr.Surface(*grid(4, SPACING))
     with pytest.raises(ValueError, match=r"distance\(points\) must return \d+ finite numbers"):
         qr.initial_gaps(surface, half_space(qr.Discretization.GALERKIN), [0], bad)  # type: ignore[arg-type]
+
+
+def leaning_response(place: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """n . G n of points on an incompressible half-space (Boussinesq 1885, Cerruti 1882), cells as squares."""
+    apart = place[:, None, :2] - place[None, :, :2]
+    distance = np.linalg.norm(apart, axis=2)
+    np.fill_diagonal(distance, 1.0)
+    along = apart / distance[..., None]
+    # mean of 1/r over a square cell, seen from its middle: 4 asinh(1) / h; of cos^2 there: a half
+    inverse = 1.0 / distance
+    np.fill_diagonal(inverse, 4.0 * np.arcsinh(1.0) / (place[1, 1] - place[0, 1]))
+    side, up = normals[:, :2], normals[:, 2]
+    across = 0.5 * (side @ side.T)
+    across += 0.5 * np.einsum("ia,ija->ij", side, along) * np.einsum("ja,ija->ij", side, along)
+    across[np.diag_indices(len(place))] = 0.75 * (side**2).sum(axis=1)
+    return inverse * (across + 0.5 * np.outer(up, up)) / (2 * np.pi * 60e3)
+
+
+# The ridge is as long as the skin.
+@pytest.mark.filterwarnings("ignore::quasirigid.CutWarning")
+def test_skin_stays_on_both_sides_of_a_ridge_as_a_half_space_in_all_directions_does() -> None:
+    cells, spacing, depth = 24, 0.625e-3, 3e-3
+    surface = qr.Surface(*grid(cells, spacing))
+    half = 0.5 * cells * spacing
+    # a roof of 90 degrees, its ridge along a line of the mesh
+    roof = np.array(
+        [
+            [0, y, z] if z == 0 else [x, y, z]
+            for y in (-half, half)
+            for x, z in ((0, 0), (0.05, 0.05), (-0.05, 0.05))
+        ]
+    )
+    faces = [[0, 1, 2], [3, 5, 4], [0, 3, 4], [0, 4, 1], [1, 4, 5], [1, 5, 2], [2, 5, 3], [2, 3, 0]]
+    ridge = qr.Obstacle.mesh(roof * [1, 1.01, 1], np.array(faces))
+    skin = half_space(qr.Discretization.COLLOCATION)
+    contact = qr.press(surface, ridge, skin, [0, 0, -1], depth=depth, options=AS_GIVEN)
+    nodes = contact.candidates
+    place = surface.vertices[nodes]
+    side = np.sign(np.where(np.abs(place[:, 0]) < 0.1 * spacing, 0.0, place[:, 0]))
+    normals = np.stack([side, 0.0 * side, -np.ones(len(side))], axis=1)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    gaps = (np.abs(place[:, 0]) - depth) * np.where(side == 0.0, 1.0, np.sqrt(0.5))
+    expected = qr.solve_lcp(leaning_response(place, normals), gaps).z @ normals[:, 2]
+    assert contact.force[2] == pytest.approx(expected, rel=0.04)

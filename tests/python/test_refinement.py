@@ -458,9 +458,9 @@ def test_the_estimate_on_a_sharp_edge_covers_what_finer_meshes_change(depth: flo
     for one in meshes[3:]:
         assert one.force_error is not None
         assert abs(one.force[2] - finest) <= one.force_error * one.force[2]
-    # The last is not the limit either.
+    # The last is not the limit either: a mesh twice as fine is another 5 % off.
     assert contact.accuracy.force_error is not None
-    assert contact.accuracy.force_error > 0.2
+    assert contact.accuracy.force_error > 0.05
 
 
 @pytest.mark.filterwarnings("ignore::quasirigid.ResponseRangeWarning")

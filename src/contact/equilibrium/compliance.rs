@@ -1,5 +1,6 @@
 //! The response as the pipeline uses it: a square matrix over candidates, displacement anywhere under forces.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::rc::Rc;
 
 use faer::Mat;
@@ -11,10 +12,12 @@ use crate::contact::equilibrium::product::product_response;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
+use crate::geometry::direction::are_one;
 use crate::lcp::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
+use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
 
 /// Relative quadrature tolerance of displacements that are drawn and summed to a volume but enter no complementarity.
@@ -57,6 +60,7 @@ impl<'a> Compliance<'a> {
 
     /// The same against the product of `gaps`.
     pub fn with_product(mut self, gaps: &Gaps<'a>) -> Result<Self, ContactError> {
+        self.traits.negative_entries |= are_opposed(&gaps.at(&gaps.penetrating)?.normal);
         if let Some(material) = gaps.scene.obstacle.material() {
             let response = product_response(material, gaps, &self.traits)?;
             self.product = Some(Rc::new(Product { response, joins_fingers: material.given().is_some() }));
@@ -100,12 +104,12 @@ impl<'a> Compliance<'a> {
         fingers: &Fingers,
     ) -> Result<Mat<f64>, ContactError> {
         let asked = Request { surface: self.surface, nodes, options: &self.options };
-        let mut matrix = self.skin.matrix(&asked, normals)?;
+        let mut matrix = along(self.skin, &asked, normals)?;
         if self.joins_fingers() {
             fingers.weaken(nodes, &mut matrix);
         }
         if let Some(product) = &self.product {
-            matrix += product.response.matrix(&asked, normals)?;
+            matrix += along(&*product.response, &asked, normals)?;
         }
         if !self.joins_fingers() {
             fingers.weaken(nodes, &mut matrix);
@@ -113,10 +117,14 @@ impl<'a> Compliance<'a> {
         Ok(matrix)
     }
 
-    /// Factors of blocks of one matrix that those of all nodes are blocks of; `None` where there is no such, or it is not
-    /// kept.
-    pub fn kept_factors(&self) -> Option<&KeptFactors> {
-        let is_one = self.traits.is_kernel && self.product.is_none() && self.options.memory_limit.is_none();
+    /// Factors of blocks of one matrix that those of all nodes with such normals are blocks of; `None` where there is no
+    /// such, or it is not kept.
+    pub fn kept_factors(&self, normals: &[Vector3<f64>]) -> Option<&KeptFactors> {
+        let is_plane = are_one(normals);
+        let is_one = is_plane
+            && self.traits.is_kernel
+            && self.product.is_none()
+            && self.options.memory_limit.is_none();
         self.skin.kept_factors().filter(|_| is_one)
     }
 
@@ -138,7 +146,11 @@ impl<'a> Compliance<'a> {
 
     /// Displacement of `vertices` against the product, each under the forces of its own finger, to the tolerance of R
     /// itself: `u_H - u_P`, that of the skin alone against a rigid product.
-    pub fn displace(&self, forces: AppliedForces, vertices: &[usize]) -> Result<Displacements, ContactError> {
+    pub fn displace(
+        &self,
+        forces: AppliedForces,
+        vertices: &[usize],
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
         self.displace_to(&self.options, forces, vertices)
     }
 
@@ -147,7 +159,7 @@ impl<'a> Compliance<'a> {
         &self,
         forces: AppliedForces,
         vertices: &[usize],
-    ) -> Result<Displacements, ContactError> {
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let tolerance = self.options.tolerance.max(DRAWN_TOLERANCE);
         self.displace_to(&AssemblyOptions { tolerance, ..self.options }, forces, vertices)
     }
@@ -157,7 +169,7 @@ impl<'a> Compliance<'a> {
         &self,
         forces: AppliedForces,
         vertices: &[usize],
-    ) -> Result<Option<Displacements>, ContactError> {
+    ) -> Result<Option<Vec<Vector3<f64>>>, ContactError> {
         let of_product = |product| self.product_under(product, &self.options, forces, vertices);
         self.product.as_deref().map(of_product).transpose()
     }
@@ -167,10 +179,11 @@ impl<'a> Compliance<'a> {
         options: &AssemblyOptions,
         forces: AppliedForces,
         vertices: &[usize],
-    ) -> Result<Displacements, ContactError> {
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let mut moved = self.under(self.skin, options, forces, vertices)?;
         if let Some(product) = &self.product {
-            moved.add(self.product_under(product, options, forces, vertices)?);
+            let of_product = self.product_under(product, options, forces, vertices)?;
+            moved.iter_mut().zip(of_product).for_each(|(moved, product)| *moved += product);
         }
         Ok(moved)
     }
@@ -181,7 +194,7 @@ impl<'a> Compliance<'a> {
         options: &AssemblyOptions,
         forces: AppliedForces,
         vertices: &[usize],
-    ) -> Result<Displacements, ContactError> {
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let together = Fingers::one(forces.active);
         let fingers = if product.joins_fingers { &together } else { forces.fingers };
         self.under(&*product.response, options, AppliedForces { fingers, ..forces }, vertices)
@@ -193,7 +206,7 @@ impl<'a> Compliance<'a> {
         options: &AssemblyOptions,
         forces: AppliedForces,
         vertices: &[usize],
-    ) -> Result<Displacements, ContactError> {
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let under = |active: &[usize], pushed: &[Vector3<f64>], vertices: &[usize]| {
             let asked = Request { surface: self.surface, nodes: active, options };
             moving.displace(&asked, pushed, vertices)
@@ -204,10 +217,7 @@ impl<'a> Compliance<'a> {
                 forces.active.iter().map(|&vertex| forces.vectors[vertex]).collect();
             return Ok(under(forces.active, &pushed, vertices)?);
         }
-        let mut all = Displacements {
-            vectors: vec![Vector3::zeros(); vertices.len()],
-            along_normal: vec![Some(0.0); vertices.len()],
-        };
+        let mut all = vec![Vector3::zeros(); vertices.len()];
         for finger in 0..fingers.candidates.len() {
             let is_own = |vertex: usize| fingers.finger_of(vertex) == Some(finger);
             let rows: Vec<usize> = (0..vertices.len()).filter(|&row| is_own(vertices[row])).collect();
@@ -220,12 +230,33 @@ impl<'a> Compliance<'a> {
                 .filter(|(_, force)| *force != Vector3::zeros())
                 .unzip();
             let moved = under(&active, &pushed, &own)?;
-            for (row, (vector, along)) in
-                rows.into_iter().zip(moved.vectors.into_iter().zip(moved.along_normal))
-            {
-                (all.vectors[row], all.along_normal[row]) = (vector, along);
-            }
+            rows.into_iter().zip(moved).for_each(|(row, vector)| all[row] = vector);
         }
         Ok(all)
     }
+}
+
+/// Whether some of these normals meet at more than a right angle: a force along one pulls the skin towards the other.
+fn are_opposed(normals: &[Vector3<f64>]) -> bool {
+    let mean = normals.iter().sum::<Vector3<f64>>().normalize();
+    // Within 45 degrees of one direction no two do.
+    !normals.iter().all(|normal| normal.dot(&mean) >= FRAC_1_SQRT_2)
+        && normals.iter().enumerate().any(|(at, a)| normals[..at].iter().any(|b| a.dot(b) < 0.0))
+}
+
+/// R of a skin over the nodes along normals: a scalar response moves the skin along the force, by `R_ij n_i . n_j` along n_i.
+fn along(
+    skin: &dyn ElasticSkin,
+    asked: &Request,
+    normals: &[Vector3<f64>],
+) -> Result<Mat<f64>, ResponseError> {
+    let mut matrix = skin.matrix(asked, normals)?;
+    let is_scalar: Vec<bool> = asked.nodes.iter().map(|&vertex| skin.is_scalar(vertex)).collect();
+    for (column, normal) in normals.iter().enumerate().filter(|&(column, _)| is_scalar[column]) {
+        let entries = matrix.col_as_slice_mut(column).iter_mut().zip(normals).zip(&is_scalar);
+        entries
+            .filter(|(_, is_scalar)| **is_scalar)
+            .for_each(|((entry, other), _)| *entry *= other.dot(normal));
+    }
+    Ok(matrix)
 }

@@ -143,7 +143,8 @@ impl GroupProblem<'_> {
     ) -> Result<(LcpSolution, Option<Spectrum>), ContactError> {
         let Self { gaps, response, options, .. } = *self;
         let started = Instant::now();
-        let matrix = response.matrix(nodes, &gaps.at(nodes)?.normal, &forces.fingers)?;
+        let normals = gaps.at(nodes)?.normal;
+        let matrix = response.matrix(nodes, &normals, &forces.fingers)?;
         report.clock("response", started);
         let is_examined = options.condition || nodes.len() <= EXAMINED_SIZE;
         let spectrum = is_examined.then(|| spectrum(matrix.as_ref()));
@@ -151,7 +152,7 @@ impl GroupProblem<'_> {
         let started = Instant::now();
         let q = response.traits.discretization.initial_gap(gaps, response, nodes)?;
         // What fingers feel of each other may change with the candidates.
-        let kept = response.kept_factors().filter(|_| forces.fingers.coupling.extremes()[1] == 0.0);
+        let kept = response.kept_factors(&normals).filter(|_| forces.fingers.coupling.extremes()[1] == 0.0);
         let problem = LcpProblem::new(matrix.as_ref(), &q)?
             .with_known_definiteness(definiteness)
             .with_kept_factors(kept, nodes);

@@ -4,6 +4,7 @@ use crate::contact::candidate::groups::loaded_rim;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
+use crate::contact::gap::entry::FACING_BACK;
 use crate::contact::gap::initial::Gaps;
 
 /// A vertex outside the candidates counts as pressed when its gap falls below this share of the deepest
@@ -40,20 +41,20 @@ fn pressed_outside(
     };
     let moved = response.displace_coarsely(forces.applied(), &outside)?;
     // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
-    let sinks = |row: usize| moved.along_normal[row].map_or(moved.vectors[row].norm(), |along| -along);
     let sinking: Vec<usize> = {
         let distance = gaps.distances();
         // An unmeasured vertex stays clear unless it sinks by more than the search distance.
         let clear = |vertex: usize| distance[vertex].min(gaps.search_distance);
-        (0..outside.len()).filter(|&row| sinks(row) > 0.0 && clear(outside[row]) < sinks(row)).collect()
+        (0..outside.len()).filter(|&row| clear(outside[row]) < moved[row].norm()).collect()
     };
     let vertices: Vec<usize> = sinking.iter().map(|&row| outside[row]).collect();
     let there = gaps.at(&vertices)?;
     let pressed = PRESSED_SHARE * gaps.deepest();
     let is_pressed = |index: &usize| {
-        let row = sinking[*index];
-        let along = moved.along_normal[row].unwrap_or_else(|| moved.vectors[row].dot(&there.normal[*index]));
-        there.distance[*index] + along < -pressed
+        let (moved, normal) = (&moved[sinking[*index]], &there.normal[*index]);
+        // No force along a side that faces back would press.
+        let is_met = normal.dot(&gaps.way_in(vertices[*index])) >= FACING_BACK;
+        is_met && there.distance[*index] + moved.dot(normal) < -pressed
     };
     Ok((0..sinking.len()).filter(is_pressed).map(|index| vertices[index]).collect())
 }

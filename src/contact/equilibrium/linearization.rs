@@ -19,7 +19,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::group::{Guess, Nearness};
 use crate::contact::equilibrium::solve::solve;
 use crate::contact::error::ContactError;
-use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
+use crate::contact::figures::displacement::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
@@ -56,9 +56,8 @@ impl Deformed {
         beside.retain(|vertex| is_other(vertex) && response.is_prepared(*vertex));
         let found = response.displace_coarsely(forces.applied(), &beside)?;
         let motion = CandidateMotion::new(gaps, response, forces)?;
-        let others = beside.iter().enumerate().map(|(row, &vertex)| (vertex, drawn_vector(&found, row)));
-        let mut moved: Vec<(usize, Vector3<f64>)> =
-            forces.candidates.iter().copied().zip(motion.displacement).chain(others).collect();
+        let candidates = forces.candidates.iter().copied().zip(motion.displacement);
+        let mut moved: Vec<(usize, Vector3<f64>)> = candidates.chain(beside.into_iter().zip(found)).collect();
         moved.retain(|(vertex, _)| gaps.line_at(*vertex).is_none());
         moved.sort_unstable_by_key(|(vertex, _)| *vertex);
         let (vertices, displacement) = moved.into_iter().unzip();

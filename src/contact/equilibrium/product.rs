@@ -20,7 +20,7 @@ use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::{BodyDoubt, lost_displacement};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarsePlace;
@@ -126,6 +126,10 @@ impl ElasticSkin for GivenProduct<'_> {
         Ok(Traits::of_matrix(true, false))
     }
 
+    fn is_scalar(&self, _: usize) -> bool {
+        true
+    }
+
     fn is_prepared(&self, vertex: usize) -> bool {
         self.unknown(vertex).is_none()
     }
@@ -163,9 +167,9 @@ impl ElasticSkin for GivenProduct<'_> {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
-        let mut moved = Displacements::default();
-        moved.append_products(&self.block(vertices, asked.nodes), forces);
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
+        let mut moved = Vec::with_capacity(vertices.len());
+        append_products(&mut moved, &self.block(vertices, asked.nodes), forces);
         Ok(moved)
     }
 }

@@ -8,7 +8,6 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
-use crate::response::skin::elastic::Displacements;
 
 /// Rings around the vertices under force in which gaps place the rim.
 const RIM_RINGS: usize = 2;
@@ -21,7 +20,7 @@ pub(crate) struct Beside {
     rim: Vec<usize>,
     /// Both, ascending.
     vertices: Vec<usize>,
-    moved: Displacements,
+    moved: Vec<Vector3<f64>>,
 }
 
 impl Beside {
@@ -57,7 +56,7 @@ impl Beside {
     }
 
     /// The vertices that can penetrate, ascending, and how they move.
-    pub fn near(&self) -> (&[usize], Displacements) {
+    pub fn near(&self) -> (&[usize], Vec<Vector3<f64>>) {
         (&self.near, self.moved_at(&self.near))
     }
 
@@ -66,8 +65,8 @@ impl Beside {
         Ok((&self.rim, gap_of(gaps, &self.rim, &self.moved_at(&self.rim))?))
     }
 
-    fn moved_at(&self, vertices: &[usize]) -> Displacements {
+    fn moved_at(&self, vertices: &[usize]) -> Vec<Vector3<f64>> {
         let row = |vertex| self.vertices.binary_search(vertex).expect("one of those beside");
-        self.moved.rows(&vertices.iter().map(row).collect::<Vec<_>>())
+        vertices.iter().map(|vertex| self.moved[row(vertex)]).collect()
     }
 }

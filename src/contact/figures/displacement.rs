@@ -9,16 +9,16 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
-use crate::response::skin::elastic::Displacements;
+use crate::geometry::direction::are_one;
 
 /// How the candidates move (k of them).
 #[derive(Debug, Clone, Default)]
 pub(crate) struct CandidateMotion {
-    /// `u_H - u_P` (k, m), against the product: `(R f)_i n_i` under a scalar kernel, the whole vector of a body.
+    /// `u_H - u_P` (k, m), against the product.
     pub displacement: Vec<Vector3<f64>>,
     /// Candidates that a scalar kernel answers for, ascending.
     pub scalar: Vec<usize>,
-    /// u_P (k, m) of the product opposite each, `-(R_P f)_i n_i`; empty of a rigid one.
+    /// u_P (k, m) of the product opposite each; empty of a rigid one.
     pub product: Vec<Vector3<f64>>,
 }
 
@@ -29,19 +29,13 @@ impl CandidateMotion {
             .map(|((&vertex, initial), normal)| (forces.gap[vertex] - initial) * normal)
             .collect();
         let mut scalar = forces.candidates.clone();
-        if !response.traits.is_kernel {
+        scalar.retain(|&vertex| response.skin.is_scalar(vertex));
+        // Forces along one direction move it along that.
+        if scalar.len() < forces.candidates.len() || !are_one(&forces.normal) {
             let found = response.displace_coarsely(forces.applied(), &forces.candidates)?;
-            scalar.clear();
-            for (row, along) in found.along_normal.iter().enumerate() {
-                match along {
-                    Some(_) => scalar.push(forces.candidates[row]),
-                    None => {
-                        // Along the normal the gap knows more than what is drawn.
-                        let normal = forces.normal[row];
-                        let missing = displacement[row].dot(&normal) - found.vectors[row].dot(&normal);
-                        displacement[row] = found.vectors[row] + missing * normal;
-                    }
-                }
+            for ((u, vector), normal) in displacement.iter_mut().zip(found).zip(&forces.normal) {
+                // Along the normal the gap knows more than what is drawn.
+                *u = vector + (*u - vector).dot(normal) * normal;
             }
         }
         Ok(Self { displacement, scalar, product: Vec::new() })
@@ -57,9 +51,7 @@ impl CandidateMotion {
         let Some(found) = response.displace_product(forces.applied(), &forces.candidates)? else {
             return Ok((self, (!forces.active.is_empty()).then_some(0.0)));
         };
-        let along = found.along_normal.iter().map(|along| along.expect("a product answers along the normal"));
-        let product: Vec<Vector3<f64>> =
-            along.zip(&forces.normal).map(|(along, normal)| -along * normal).collect();
+        let product: Vec<Vector3<f64>> = found.into_iter().map(|moved| -moved).collect();
         let work = |moved: &[Vector3<f64>]| -> f64 {
             let force = forces.candidates.iter().map(|&vertex| &forces.vectors[vertex]);
             force.zip(moved).map(|(force, moved)| force.dot(moved)).sum()
@@ -84,9 +76,4 @@ impl CandidateMotion {
 pub(crate) struct Drawing {
     pub fingers: Fingers,
     pub motion: CandidateMotion,
-}
-
-/// Displacement (m) of a row before it fades.
-pub(crate) fn drawn_vector(found: &Displacements, row: usize) -> Vector3<f64> {
-    found.drawn(row)
 }

@@ -6,11 +6,10 @@ use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::AppliedForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::displacement::drawn_vector;
 use crate::contact::figures::fade::Fade;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
-use crate::response::skin::elastic::{Displacements, ElasticSkin};
+use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 
 /// The skin under the forces of a contact.
@@ -30,9 +29,8 @@ pub struct DrawnSkin {
 impl Contact {
     /// Displaces the skin under the forces of this contact.
     ///
-    /// On a candidate `u_i = (R f)_i n_i`, with the obstacle's normal there. Elsewhere the magnitude is `(R f)_i` too and
-    /// the direction that of `Σ_j R_ij f_j n_j`, which goes over into the former without a need for the obstacle's
-    /// normal far away. A vertex moves with the finger nearest along the skin. A body moves each of its vertices.
+    /// Under a kernel w `u_i = Σ_j w_ij f_j n_j`, of the forces on the finger nearest along the skin. A body moves each of its
+    /// vertices.
     ///
     /// * `skin`, `options`: those that the contact was solved with
     ///
@@ -62,10 +60,7 @@ impl Contact {
         let motion = &self.drawing.motion;
         let fingers = &self.known_fingers();
         let everywhere: Vec<usize> = (0..surface.vertices().len()).collect();
-        let found = self.displacements(skin, fingers, &everywhere, options)?;
-
-        let mut displacement: Vec<Vector3<f64>> =
-            everywhere.iter().map(|&vertex| drawn_vector(&found, vertex)).collect();
+        let mut displacement = self.displacements(skin, fingers, &everywhere, options)?;
         // At the candidates the forces answer for more than the drawing's tolerance.
         for (&vertex, u) in self.candidates.iter().zip(&*motion.of_skin()) {
             displacement[vertex] = *u;
@@ -73,7 +68,7 @@ impl Contact {
         let volume_change = volume_change(surface, &displacement);
         let fade = Fade::new(surface, fingers, &self.candidates, &motion.scalar);
         for (vertex, u) in displacement.iter_mut().enumerate() {
-            if found.along_normal[vertex].is_some() {
+            if skin.is_scalar(vertex) {
                 *u *= fade.share(vertex);
             }
         }
@@ -91,8 +86,7 @@ impl Contact {
         vertices: &[usize],
         options: &ContactOptions,
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
-        let found = self.displacements(skin, &self.known_fingers(), vertices, options)?;
-        Ok((0..vertices.len()).map(|row| drawn_vector(&found, row)).collect())
+        self.displacements(skin, &self.known_fingers(), vertices, options)
     }
 
     fn known_fingers(&self) -> Fingers {
@@ -106,7 +100,7 @@ impl Contact {
         fingers: &Fingers,
         vertices: &[usize],
         options: &ContactOptions,
-    ) -> Result<Displacements, ContactError> {
+    ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let surface = self.surface();
         let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
         let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };

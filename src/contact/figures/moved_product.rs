@@ -130,8 +130,8 @@ impl Contact {
         let forces: Vec<Vector3<f64>> = active.iter().map(|&vertex| self.force_vectors[vertex]).collect();
         let asked = Request { surface: &surface, nodes: &nodes, options: &assembly };
         let moved = kernel.displace(&asked, &forces, &targets)?;
-        for (row, (&vertex, share)) in near.iter().zip(shares).enumerate() {
-            vertices[vertex] -= share * moved.drawn(row);
+        for ((&vertex, share), moved) in near.iter().zip(shares).zip(moved) {
+            vertices[vertex] -= share * moved;
         }
         Ok(())
     }

@@ -7,11 +7,12 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::beside::Beside;
 use crate::contact::figures::between::PointsBetween;
-use crate::contact::figures::displacement::{CandidateMotion, drawn_vector};
+use crate::contact::figures::displacement::CandidateMotion;
 use crate::contact::figures::fade::Fade;
 use crate::contact::gap::edge::SkinPart;
 use crate::contact::gap::initial::{Gaps, triangles_among};
 use crate::contact::gap::measured::Measured;
+use crate::response::skin::elastic::ElasticSkin;
 
 /// Penetration, as a share of that before, that may stay away from all force.
 pub(crate) const LITTLE: f64 = 0.02;
@@ -23,9 +24,6 @@ pub(crate) struct Penetration {
     pub depth: f64,
     /// Whether a vertex of the skin is that deep, not only a point between vertices.
     pub is_at_vertex: bool,
-    /// Longest side of a triangle over that of the undeformed one, at the most (≥ 1); 1 where a vertex is that deep or
-    /// displacements are known in all directions.
-    pub stretch: f64,
     /// Vertices that penetrate by more than a little away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
 }
@@ -34,6 +32,7 @@ pub(crate) struct Penetration {
 pub(crate) fn penetration_after(
     gaps: &Gaps,
     forces: &NodeForces,
+    skin: &dyn ElasticSkin,
     motion: &CandidateMotion,
     beside: &Beside,
 ) -> Result<Penetration, ContactError> {
@@ -41,7 +40,7 @@ pub(crate) fn penetration_after(
         // Nothing has moved.
         let (depth, of_vertices) = (gaps.deepest(), gaps.undeformed());
         let is_at_vertex = of_vertices.into_iter().any(|gap| -gap >= depth);
-        return Ok(Penetration { depth, is_at_vertex, stretch: 1.0, unfelt: gaps.penetrating.clone() });
+        return Ok(Penetration { depth, is_at_vertex, unfelt: gaps.penetrating.clone() });
     }
     let surface = gaps.surface;
     let mut vertices = forces.candidates.clone();
@@ -54,36 +53,27 @@ pub(crate) fn penetration_after(
     let (others, found) = beside.near();
     if !others.is_empty() {
         let fade = Fade::new(surface, &forces.fingers, &forces.candidates, &motion.scalar);
-        for (row, &vertex) in others.iter().enumerate() {
-            let share = found.along_normal[row].map_or(1.0, |_| fade.share(vertex));
+        for (&vertex, moved) in others.iter().zip(found) {
+            let share = if skin.is_scalar(vertex) { fade.share(vertex) } else { 1.0 };
             vertices.push(vertex);
-            points.push(surface.vertices()[vertex] + share * drawn_vector(&found, row));
+            points.push(surface.vertices()[vertex] + share * moved);
         }
     }
     let triangles = triangles_among(surface, &vertices);
-    let skin = SkinPart { points: &points, triangles: &triangles };
+    let moved_skin = SkinPart { points: &points, triangles: &triangles };
     let reach = gaps.deepest();
     let measured = Measured::near(&points, &gaps.scene.obstacle, reach, None)?;
     let depths: Vec<f64> = measured.distance.iter().map(|distance| -distance.min(reach)).collect();
     let at_vertices = depths.iter().copied().fold(0.0, f64::max);
-    let of_edges = skin.deepest_edge(&gaps.scene.obstacle, reach, at_vertices);
+    let of_edges = moved_skin.deepest_edge(&gaps.scene.obstacle, reach, at_vertices);
     let between = PointsBetween::new(&points, &depths, &triangles);
     let depth = between.deepest(&gaps.scene.obstacle, of_edges)?;
     let is_at_vertex = at_vertices >= depth;
-    let longest = |corners: [Vector3<f64>; 3]| {
-        let [a, b, c] = corners;
-        (b - a).norm().max((c - b).norm()).max((a - c).norm())
-    };
-    let drawn = if is_at_vertex || motion.scalar.is_empty() { &[][..] } else { &triangles[..] };
-    let stretch = drawn.iter().map(|corners| {
-        let rows = corners.map(|corner| corner as usize);
-        longest(rows.map(|row| points[row])) / longest(rows.map(|row| surface.vertices()[vertices[row]]))
-    });
     let is_free = |vertex: usize| forces.force[vertex] == 0.0;
     let is_unfelt = |(&vertex, &depth): (&usize, &f64)| {
         let mut beside = surface.neighbours(vertex).iter().map(|&other| other as usize);
         (depth > LITTLE * reach && is_free(vertex) && beside.all(is_free)).then_some(vertex)
     };
     let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
-    Ok(Penetration { depth, is_at_vertex, stretch: stretch.fold(1.0, f64::max), unfelt })
+    Ok(Penetration { depth, is_at_vertex, unfelt })
 }

@@ -69,7 +69,7 @@ impl<'a> WayIn<'a> {
 }
 
 /// A normal faces against the way in from this cosine on: that of a side is no more than rounded.
-const FACING_BACK: f64 = -1e-3;
+pub(crate) const FACING_BACK: f64 = -1e-3;
 
 /// Vertices whose gap is measured back the way they came.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -124,12 +124,11 @@ pub(crate) fn measure_entries(
     for (row, (vertex, way)) in met.into_iter().enumerate() {
         let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
         let advance = entry.dot(&way_in.direction(vertex));
-        if normal.dot(&entry) >= OTHER_SIDE || advance <= 0.0 {
+        let faces_back = normal.dot(&way_in.direction(vertex)) < FACING_BACK;
+        if normal.dot(&entry) >= OTHER_SIDE && !faces_back || advance <= 0.0 {
             continue;
         }
-        let through_wall = gaps.distance[vertex] >= 0.0
-            || normal.dot(&way_in.direction(vertex)) < FACING_BACK
-            || behind[row] > 0.0;
+        let through_wall = gaps.distance[vertex] >= 0.0 || faces_back || behind[row] > 0.0;
         gaps.distance[vertex] = -way * advance;
         gaps.normal[vertex] = entry;
         counted.vertices += 1;

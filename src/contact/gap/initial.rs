@@ -122,6 +122,12 @@ impl<'a> Gaps<'a> {
         self.on_lines.get(&vertex)
     }
 
+    /// Direction in which a vertex came to the obstacle: that of the press, or into the skin.
+    pub fn way_in(&self, vertex: usize) -> Vector3<f64> {
+        let travel = self.scene.press.as_ref();
+        travel.map_or_else(|| -self.surface.vertex_normals()[vertex], |travel| travel.direction)
+    }
+
     /// Displacement (m) at which the gap of a vertex was linearised.
     pub fn linearised_at(&self, vertex: usize) -> Vector3<f64> {
         self.shifts.get(&vertex).copied().unwrap_or_default()

@@ -19,9 +19,6 @@ const UNRESOLVED_SHARE: f64 = 0.05;
 /// Why it is left between vertices.
 const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarser than the obstacle's features; refine it (`target_error`, `max_nodes`), and do not trust force and area there";
 
-/// Triangles drawn out by more than that hang over the obstacle, however small they are.
-const DRAWN_OUT: f64 = 1.5;
-
 /// Cosine between force and outward normal of the skin from which a vertex is pulled.
 const PULL: f64 = 0.5;
 
@@ -84,14 +81,6 @@ impl Report {
     /// averaged ones.
     pub fn warn_of_penetration(&mut self, discretization: Discretization, before: f64, left: &Penetration) {
         if left.depth <= UNRESOLVED_SHARE * before {
-            return;
-        }
-        if left.stretch > DRAWN_OUT {
-            let cause = format!(
-                "it does between vertices that moved apart, each along its own normal, and drew a triangle out {:.1} times; a body's skin holds together, or press less deep, and do not trust force and area there",
-                left.stretch
-            );
-            self.warn(WarningKind::Penetration, still_penetrates(left.depth, before, &cause));
             return;
         }
         let cause = match discretization {

@@ -15,7 +15,7 @@ use crate::response::body::levels::on_mesh::BodyOnMesh;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::pieces::{Piece, Pieces};
 use crate::response::skin::prepared_body::PreparedBody;
 use crate::surface::checked::Surface;
@@ -167,6 +167,10 @@ impl ElasticSkin for CombinedSkin {
         Ok(if self.parts.is_empty() { background } else { Traits::of_matrix(true, refines) })
     }
 
+    fn is_scalar(&self, vertex: usize) -> bool {
+        self.owner[vertex].is_none()
+    }
+
     fn is_prepared(&self, vertex: usize) -> bool {
         self.pieces().is_prepared(vertex)
     }
@@ -223,7 +227,7 @@ impl ElasticSkin for CombinedSkin {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         self.pieces().displace(asked, forces, vertices)
     }
 }
@@ -232,6 +236,10 @@ impl ElasticSkin for RefinedCombination {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
         let background = self.background.traits(surface)?;
         Ok(if self.parts.is_empty() { background } else { Traits::of_matrix(true, false) })
+    }
+
+    fn is_scalar(&self, vertex: usize) -> bool {
+        self.owner[vertex].is_none()
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {
@@ -260,7 +268,7 @@ impl ElasticSkin for RefinedCombination {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         self.pieces().displace(asked, forces, vertices)
     }
 }

@@ -59,66 +59,16 @@ pub struct Request<'a> {
     pub options: &'a AssemblyOptions<'a>,
 }
 
-/// Displacement of some vertices under forces at others.
-#[derive(Debug, Clone, Default)]
-pub struct Displacements {
-    /// u (m), one vector a vertex.
-    pub vectors: Vec<Vector3<f64>>,
-    /// `(R f)_i` (m), along the obstacle's normal at each vertex, of a scalar kernel; `None` where the response is vectorial
-    /// (body): `vectors` is then exact.
-    pub along_normal: Vec<Option<f64>>,
-}
-
-impl Displacements {
-    /// Appends `Σ_j R_ij f_j` (m) and, along the normal, `Σ_j R_ij |f_j|` (m) of every row of a scalar kernel's block.
-    pub(crate) fn append_products(&mut self, block: &Mat<f64>, forces: &[Vector3<f64>]) {
-        let first = self.vectors.len();
-        self.vectors.resize(first + block.nrows(), Vector3::zeros());
-        let mut along_normal = vec![0.0; block.nrows()];
-        let sizes: Vec<f64> = forces.iter().map(|force| force.norm()).collect();
-        let rows = self.vectors[first..].par_chunks_mut(ROWS_PER_TASK);
-        let rows = rows.zip(along_normal.par_chunks_mut(ROWS_PER_TASK)).enumerate();
-        rows.for_each(|(task, (vectors, along_normal))| {
-            for (column, (force, size)) in forces.iter().zip(&sizes).enumerate() {
-                let entries = &block.col_as_slice(column)[task * ROWS_PER_TASK..];
-                for ((vector, along), entry) in vectors.iter_mut().zip(along_normal.iter_mut()).zip(entries) {
-                    *vector += *entry * force;
-                    *along += *entry * size;
-                }
-            }
-        });
-        self.along_normal.extend(along_normal.into_iter().map(Some));
-    }
-
-    /// Adds those of a scalar kernel; where only these know their size along the normal, they go that far as they point.
-    pub(crate) fn add(&mut self, other: Self) {
-        for (row, vector) in self.vectors.iter_mut().enumerate() {
-            match (&mut self.along_normal[row], other.along_normal[row]) {
-                (Some(own), Some(along)) => {
-                    *vector += other.vectors[row];
-                    *own += along;
-                }
-                _ => *vector += other.drawn(row),
-            }
+/// Appends `Σ_j R_ij f_j` (m) of every row of a scalar response's block.
+pub(crate) fn append_products(moved: &mut Vec<Vector3<f64>>, block: &Mat<f64>, forces: &[Vector3<f64>]) {
+    let first = moved.len();
+    moved.resize(first + block.nrows(), Vector3::zeros());
+    moved[first..].par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(|(task, vectors)| {
+        for (column, force) in forces.iter().enumerate() {
+            let entries = &block.col_as_slice(column)[task * ROWS_PER_TASK..];
+            vectors.iter_mut().zip(entries).for_each(|(vector, entry)| *vector += *entry * force);
         }
-    }
-
-    /// Some of the rows, in that order.
-    pub(crate) fn rows(&self, rows: &[usize]) -> Self {
-        Self {
-            vectors: rows.iter().map(|&row| self.vectors[row]).collect(),
-            along_normal: rows.iter().map(|&row| self.along_normal[row]).collect(),
-        }
-    }
-
-    /// Displacement (m) of a row as a vector: under a scalar kernel the direction of `Σ_j R_ij f_j n_j` and the magnitude
-    /// `(R f)_i`; of a body the vector itself.
-    pub(crate) fn drawn(&self, row: usize) -> Vector3<f64> {
-        let vector = self.vectors[row];
-        let Some(along) = self.along_normal[row] else { return vector };
-        let norm = vector.norm();
-        if norm > 0.0 { vector * (along.abs() / norm) } else { Vector3::zeros() }
-    }
+    });
 }
 
 /// A skin that answers contact forces: a [`KernelSkin`](crate::response::KernelSkin) computes what is asked, prepared ones
@@ -132,6 +82,9 @@ pub trait ElasticSkin: Sync {
 
     /// Whether the response to a force at `vertex` is known.
     fn is_prepared(&self, vertex: usize) -> bool;
+
+    /// Whether the response at `vertex` is one number a pair, whatever the directions: the skin moves along the force.
+    fn is_scalar(&self, vertex: usize) -> bool;
 
     /// Where matrices that were asked for are kept for the next time: the place for factors of their blocks.
     fn kept_factors(&self) -> Option<&KeptFactors> {
@@ -178,13 +131,13 @@ pub trait ElasticSkin: Sync {
         Ok(None)
     }
 
-    /// R over the nodes along `directions` (k × k, m/N).
+    /// R over the nodes (k × k, m/N): along `directions`, and without them where the response is scalar.
     ///
     /// # Errors
     /// [`ResponseError`] by variant.
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError>;
 
-    /// Displacement of `vertices` under `forces` (N) at the nodes.
+    /// Displacement (m) of `vertices` under `forces` (N) at the nodes.
     ///
     /// # Errors
     /// [`ResponseError`] by variant.
@@ -193,5 +146,5 @@ pub trait ElasticSkin: Sync {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError>;
+    ) -> Result<Vec<Vector3<f64>>, ResponseError>;
 }

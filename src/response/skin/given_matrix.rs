@@ -6,7 +6,7 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -62,6 +62,10 @@ impl ElasticSkin for GivenMatrix {
         Ok(Traits::of_matrix(columns.any(|column| column.iter().any(|&entry| entry < 0.0)), false))
     }
 
+    fn is_scalar(&self, _: usize) -> bool {
+        true
+    }
+
     fn is_prepared(&self, vertex: usize) -> bool {
         self.nodes.row(vertex).is_some()
     }
@@ -80,14 +84,14 @@ impl ElasticSkin for GivenMatrix {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let columns = self.nodes.rows(asked.nodes)?;
         let entry = |vertex: usize, column: usize| {
             self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
         };
         let block = Mat::from_fn(vertices.len(), columns.len(), |i, j| entry(vertices[i], columns[j]));
-        let mut moved = Displacements::default();
-        moved.append_products(&block, forces);
+        let mut moved = Vec::with_capacity(vertices.len());
+        append_products(&mut moved, &block, forces);
         Ok(moved)
     }
 }

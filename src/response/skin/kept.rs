@@ -5,16 +5,14 @@ use std::sync::{Arc, Mutex};
 use faer::Mat;
 use nalgebra::Vector3;
 
+use crate::geometry::direction::{are_one, is_same};
 use crate::lcp::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
-
-/// Two unit directions no farther apart are one.
-const SAME_DIRECTION: f64 = 1e-10;
 
 /// A skin asked again and again about nearly the same nodes of one surface, as the trials of a search do.
 ///
@@ -103,6 +101,10 @@ impl ElasticSkin for KeptSkin<'_> {
         self.skin.traits(surface)
     }
 
+    fn is_scalar(&self, vertex: usize) -> bool {
+        self.skin.is_scalar(vertex)
+    }
+
     fn is_prepared(&self, vertex: usize) -> bool {
         self.skin.is_prepared(vertex)
     }
@@ -150,7 +152,7 @@ impl ElasticSkin for KeptSkin<'_> {
             return Ok(matrix);
         }
         let is_kernel = self.skin.traits(asked.surface)?.is_kernel;
-        let is_one_direction = directions.iter().all(|other| is_same(other, &directions[0]));
+        let is_one_direction = are_one(directions);
         let around =
             if is_kernel || is_one_direction { self.around(asked, directions[0], is_kernel)? } else { None };
         let with_wanted = around.and_then(|new| Some((new.among(asked.nodes, directions)?, new)));
@@ -172,13 +174,9 @@ impl ElasticSkin for KeptSkin<'_> {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         self.skin.displace(asked, forces, vertices)
     }
-}
-
-fn is_same(a: &Vector3<f64>, b: &Vector3<f64>) -> bool {
-    (a - b).norm_squared() <= SAME_DIRECTION * SAME_DIRECTION
 }
 
 #[cfg(test)]

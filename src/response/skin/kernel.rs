@@ -7,7 +7,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::{assemble, assemble_block};
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
@@ -25,6 +25,10 @@ impl ElasticSkin for KernelSkin {
             basis: self.basis(),
             discretization: self.discretization(),
         })
+    }
+
+    fn is_scalar(&self, _: usize) -> bool {
+        true
     }
 
     fn is_prepared(&self, _: usize) -> bool {
@@ -48,13 +52,13 @@ impl ElasticSkin for KernelSkin {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         // Displacements are those of the vertices, in either discretization.
         let at_vertices = self.clone().with_discretization(Discretization::Collocation)?;
-        let mut moved = Displacements::default();
+        let mut moved = Vec::with_capacity(vertices.len());
         for rows in vertices.chunks(ROWS_AT_ONCE) {
             let block = assemble_block(asked.surface, &at_vertices, rows, asked.nodes, asked.options)?;
-            moved.append_products(&block, forces);
+            append_products(&mut moved, &block, forces);
         }
         Ok(moved)
     }

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request};
+use crate::response::skin::elastic::{ElasticSkin, Request};
 use crate::surface::checked::Surface;
 
 /// Name of a part, its response, and its own vertex for one of the whole that moves with it.
@@ -99,9 +99,8 @@ impl Pieces<'_> {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let mut vectors = vec![Vector3::zeros(); vertices.len()];
-        let mut along_normal = vec![None; vertices.len()];
         let targets = self.by_owner(vertices);
         for (number, positions) in self.by_owner(asked.nodes).iter().enumerate() {
             let wanted = &targets[number];
@@ -109,12 +108,9 @@ impl Pieces<'_> {
             let (_, rows) = self.ask(number, &picked(vertices, wanted));
             let moved =
                 skin.displace(&Request { nodes: &own, ..*asked }, &picked(forces, positions), &rows)?;
-            for ((&position, vector), along) in wanted.iter().zip(moved.vectors).zip(moved.along_normal) {
-                vectors[position] = vector;
-                along_normal[position] = along;
-            }
+            wanted.iter().zip(moved).for_each(|(&position, vector)| vectors[position] = vector);
         }
-        Ok(Displacements { vectors, along_normal })
+        Ok(vectors)
     }
 }
 

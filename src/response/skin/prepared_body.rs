@@ -14,7 +14,7 @@ use crate::response::body::levels::two_levels::TwoLevels;
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::edges_at_vertices;
@@ -204,6 +204,10 @@ impl ElasticSkin for PreparedBody {
         Ok(self.own_traits())
     }
 
+    fn is_scalar(&self, _: usize) -> bool {
+        false
+    }
+
     fn is_prepared(&self, vertex: usize) -> bool {
         self.nodes.row(vertex).is_some()
     }
@@ -264,9 +268,9 @@ impl ElasticSkin for PreparedBody {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let rows = self.nodes.rows(asked.nodes)?;
-        let vectors = match &self.levels {
+        Ok(match &self.levels {
             Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
                 let mut at_nodes = vec![Vector3::zeros(); self.nodes.list().len()];
                 rows.iter().zip(forces).for_each(|(&row, force)| at_nodes[row] = *force);
@@ -278,14 +282,17 @@ impl ElasticSkin for PreparedBody {
                 forces,
                 vertices,
             )?,
-        };
-        Ok(Displacements { vectors, along_normal: vec![None; vertices.len()] })
+        })
     }
 }
 
 impl ElasticSkin for BodyOnMesh {
     fn traits(&self, _: &Surface) -> Result<Traits, ResponseError> {
         Ok(Traits { discretization: self.response.discretization, ..Traits::of_matrix(true, false) })
+    }
+
+    fn is_scalar(&self, _: usize) -> bool {
+        false
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {
@@ -316,9 +323,8 @@ impl ElasticSkin for BodyOnMesh {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         self.response.check_nodes(asked.nodes)?;
-        let vectors = self.response.displacements(asked, forces, vertices)?;
-        Ok(Displacements { along_normal: vec![None; vectors.len()], vectors })
+        Ok(self.response.displacements(asked, forces, vertices)?)
     }
 }

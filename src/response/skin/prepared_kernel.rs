@@ -7,7 +7,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::assemble;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{Displacements, ElasticSkin, Request, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
@@ -75,6 +75,10 @@ impl ElasticSkin for PreparedKernel {
         self.skin.traits(surface)
     }
 
+    fn is_scalar(&self, _: usize) -> bool {
+        true
+    }
+
     fn is_prepared(&self, vertex: usize) -> bool {
         self.given.is_prepared(vertex)
     }
@@ -96,7 +100,7 @@ impl ElasticSkin for PreparedKernel {
         asked: &Request,
         forces: &[Vector3<f64>],
         vertices: &[usize],
-    ) -> Result<Displacements, ResponseError> {
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         self.nodes().rows(asked.nodes)?;
         self.skin.displace(asked, forces, vertices)
     }
