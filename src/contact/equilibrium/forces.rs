@@ -1,8 +1,12 @@
 //! Solved node forces and what it took to find them.
 
+use std::cell::OnceCell;
+
 use nalgebra::Vector3;
 
 use crate::contact::candidate::fingers::Fingers;
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
@@ -42,6 +46,8 @@ pub(crate) struct NodeForces {
     pub spectra: Vec<Option<Spectrum>>,
     /// First ending other than `Solved`.
     pub failure: Option<LcpStatus>,
+    /// How the forces move the candidates (k, m), once somebody asked.
+    moved: OnceCell<Vec<Vector3<f64>>>,
 }
 
 impl NodeForces {
@@ -58,6 +64,7 @@ impl NodeForces {
             solutions: Vec::new(),
             spectra: Vec::new(),
             failure: None,
+            moved: OnceCell::new(),
             candidates,
         }
     }
@@ -76,6 +83,15 @@ impl NodeForces {
     /// Forces on the skin at the active vertices (N).
     pub fn active_vectors(&self) -> Vec<Vector3<f64>> {
         self.active.iter().map(|&vertex| self.vectors[vertex]).collect()
+    }
+
+    /// How the forces move the candidates (k, m), no nearer than what is drawn needs.
+    pub fn moved(&self, response: &Compliance) -> Result<&[Vector3<f64>], ContactError> {
+        if let Some(moved) = self.moved.get() {
+            return Ok(moved);
+        }
+        let moved = response.displace_coarsely(self.applied(), &self.candidates)?;
+        Ok(self.moved.get_or_init(|| moved))
     }
 
     /// Takes over forces and gaps of the nodes of one problem.

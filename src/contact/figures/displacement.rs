@@ -32,7 +32,7 @@ impl CandidateMotion {
         scalar.retain(|&vertex| response.skin.is_scalar(vertex));
         // Forces along one direction move it along that.
         if scalar.len() < forces.candidates.len() || !are_one(&forces.normal) {
-            let found = response.displace_coarsely(forces.applied(), &forces.candidates)?;
+            let found = forces.moved(response)?;
             for ((u, vector), normal) in displacement.iter_mut().zip(found).zip(&forces.normal) {
                 // Along the normal the gap knows more than what is drawn.
                 *u = vector + (*u - vector).dot(normal) * normal;

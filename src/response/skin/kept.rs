@@ -9,6 +9,7 @@ use crate::geometry::direction::{are_one, is_same};
 use crate::lcp::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
+use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
@@ -57,6 +58,24 @@ impl KeptMatrix {
             to.iter_mut().zip(&rows).for_each(|(entry, &row)| *entry = from[row]);
         }
         Some(matrix)
+    }
+
+    /// Displacement (m) of vertices under forces (N) at nodes, where the entries are known.
+    fn displace(
+        &self,
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+        vertices: &[usize],
+    ) -> Option<Vec<Vector3<f64>>> {
+        let row = |node: &usize| self.nodes.binary_search(node).ok();
+        let columns: Vec<usize> = nodes.iter().map(row).collect::<Option<_>>()?;
+        let rows: Vec<usize> = vertices.iter().map(row).collect::<Option<_>>()?;
+        let mut moved = vec![Vector3::zeros(); rows.len()];
+        for (column, force) in columns.into_iter().zip(forces) {
+            let entries = self.matrix.col_as_slice(column);
+            moved.iter_mut().zip(&rows).for_each(|(moved, &row)| *moved += entries[row] * force);
+        }
+        Some(moved)
     }
 
     fn shares(&self, nodes: &[usize]) -> bool {
@@ -175,6 +194,13 @@ impl ElasticSkin for KeptSkin<'_> {
         forces: &[Vector3<f64>],
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
+        let traits = self.skin.traits(asked.surface)?;
+        if traits.is_kernel && traits.discretization == Discretization::Collocation {
+            let kept = self.kept.matrices.lock().expect("no thread panics while it holds the lock");
+            if let Some(moved) = kept.iter().find_map(|kept| kept.displace(asked.nodes, forces, vertices)) {
+                return Ok(moved);
+            }
+        }
         self.skin.displace(asked, forces, vertices)
     }
 }
