@@ -1,8 +1,24 @@
 //! `quasirigid.reference`: closed forms as classes, tables as lists of tuples.
 
+use std::f64::consts::FRAC_PI_2;
+
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::reference::{self, Cone, CoredSphere, FlatPunch, Hertz};
+
+fn out_of_range(name: &str, value: f64, expected: &str) -> PyErr {
+    PyValueError::new_err(format!("{name} is {value}, expected {expected}"))
+}
+
+/// The number, if it is finite and above 0.
+fn positive(name: &str, value: f64) -> PyResult<f64> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(out_of_range(name, value, "a finite number above 0"))
+    }
+}
 
 /// A rigid sphere pressed into an elastic half-space, in Hertz's parabolic approximation (Johnson 1985, section 4.2).
 ///
@@ -12,6 +28,11 @@ use crate::reference::{self, Cone, CoredSphere, FlatPunch, Hertz};
 ///     Radius of the sphere R (m), > 0.
 /// contact_modulus : float
 ///     Contact modulus of the half-space E* (Pa), > 0.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If one is out of range.
 ///
 /// Examples
 /// --------
@@ -26,8 +47,9 @@ pub(super) struct PyHertz(Hertz);
 impl PyHertz {
     #[new]
     #[pyo3(signature = (*, radius, contact_modulus))]
-    fn new(radius: f64, contact_modulus: f64) -> Self {
-        Self(Hertz { radius, contact_modulus })
+    fn new(radius: f64, contact_modulus: f64) -> PyResult<Self> {
+        let radius = positive("radius", radius)?;
+        Ok(Self(Hertz { radius, contact_modulus: positive("contact_modulus", contact_modulus)? }))
     }
 
     /// Return the force (N) at an approach (m).
@@ -69,6 +91,11 @@ impl PyHertz {
 ///     Radius of the flat end a (m), > 0.
 /// contact_modulus : float
 ///     Contact modulus of the half-space E* (Pa), > 0.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If one is out of range.
 #[pyclass(name = "FlatPunch", module = "quasirigid.reference", frozen)]
 pub(super) struct PyFlatPunch(FlatPunch);
 
@@ -76,8 +103,9 @@ pub(super) struct PyFlatPunch(FlatPunch);
 impl PyFlatPunch {
     #[new]
     #[pyo3(signature = (*, radius, contact_modulus))]
-    fn new(radius: f64, contact_modulus: f64) -> Self {
-        Self(FlatPunch { radius, contact_modulus })
+    fn new(radius: f64, contact_modulus: f64) -> PyResult<Self> {
+        let radius = positive("radius", radius)?;
+        Ok(Self(FlatPunch { radius, contact_modulus: positive("contact_modulus", contact_modulus)? }))
     }
 
     /// Return the force (N) at an approach (m).
@@ -104,6 +132,11 @@ impl PyFlatPunch {
 ///     Angle between the axis and the face (rad), in (0, pi/2).
 /// contact_modulus : float
 ///     Contact modulus of the half-space E* (Pa), > 0.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If one is out of range.
 #[pyclass(name = "Cone", module = "quasirigid.reference", frozen)]
 pub(super) struct PyCone(Cone);
 
@@ -111,8 +144,11 @@ pub(super) struct PyCone(Cone);
 impl PyCone {
     #[new]
     #[pyo3(signature = (*, semi_angle, contact_modulus))]
-    fn new(semi_angle: f64, contact_modulus: f64) -> Self {
-        Self(Cone { semi_angle, contact_modulus })
+    fn new(semi_angle: f64, contact_modulus: f64) -> PyResult<Self> {
+        if !(semi_angle > 0.0 && semi_angle < FRAC_PI_2) {
+            return Err(out_of_range("semi_angle", semi_angle, "an angle between 0 and pi/2 rad"));
+        }
+        Ok(Self(Cone { semi_angle, contact_modulus: positive("contact_modulus", contact_modulus)? }))
     }
 
     /// Return the force (N) at an approach (m).
@@ -144,10 +180,19 @@ impl PyCone {
 ///     Shear modulus G (Pa), > 0.
 /// poisson_ratio : float
 ///     Poisson's ratio nu, in [0, 0.5].
+///
+/// Raises
+/// ------
+/// ValueError
+///     If one is out of range.
 #[pyfunction]
 #[pyo3(signature = (*, shear_modulus, poisson_ratio))]
-pub(super) fn contact_modulus(shear_modulus: f64, poisson_ratio: f64) -> f64 {
-    reference::contact_modulus(shear_modulus, poisson_ratio)
+pub(super) fn contact_modulus(shear_modulus: f64, poisson_ratio: f64) -> PyResult<f64> {
+    let shear_modulus = positive("shear_modulus", shear_modulus)?;
+    if !(0.0..=0.5).contains(&poisson_ratio) {
+        return Err(out_of_range("poisson_ratio", poisson_ratio, "a number from 0 to 0.5"));
+    }
+    Ok(reference::contact_modulus(shear_modulus, poisson_ratio))
 }
 
 /// Thinness, force ratio and accuracy of each case.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from quasirigid import reference
 
@@ -44,6 +46,23 @@ def test_tables_hold_what_their_names_say() -> None:
     assert first.indentations[1.12e-3] == 1.297
     ratios = [force / SPHERE.force(depth) for depth, force in first.indentations.items()]
     assert ratios == sorted(ratios), "the core stiffens"
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: reference.Hertz(radius=-1.0, contact_modulus=MODULUS), "radius is -1, .* above 0"),
+        (lambda: reference.FlatPunch(radius=1.0, contact_modulus=float("nan")), "contact_modulus is NaN, .*"),
+        (lambda: reference.Cone(semi_angle=2.0, contact_modulus=MODULUS), r"semi_angle is 2, .* pi/2 rad"),
+        (
+            lambda: reference.contact_modulus(shear_modulus=60e3, poisson_ratio=0.7),
+            r"poisson_ratio is 0\.7, expected a number from 0 to 0\.5",
+        ),
+    ],
+)
+def test_what_no_body_has_is_refused(make: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        make()
 
 
 def test_physics_has_names() -> None:
