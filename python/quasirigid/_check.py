@@ -239,6 +239,25 @@ def as_index(name: str, value: Any, count: int, refusal: Refusal) -> int:
     return index
 
 
+def as_nodes(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.int64]:
+    """Return numbers of some of `count` vertices.
+
+    Raises
+    ------
+    TypeError
+        If they are no integers; a `refusal` if they are no row, or there is no such vertex.
+    """
+    nodes = np.asarray(value)
+    if nodes.size > 0 and nodes.dtype.kind not in "iu":
+        raise TypeError(f"`{name}` has dtype {nodes.dtype}, expected integers")
+    if nodes.ndim != 1:
+        raise refusal(f"`{name}` has shape {nodes.shape}, expected (k,)")
+    wrong = np.flatnonzero((nodes < 0) | (nodes >= count))
+    if wrong.size > 0:
+        raise refusal(f"`{name}[{wrong[0]}]` is {nodes[wrong[0]]}, but there are {count} vertices")
+    return nodes.astype(np.int64)
+
+
 def as_choice(name: str, value: Any, kind: type[_Choice], refusal: Refusal) -> _Choice:
     """Return a member of an enumeration, given itself or by its word."""
     try:

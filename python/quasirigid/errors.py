@@ -1,4 +1,9 @@
-"""Exceptions and warnings; everything raised on purpose is a `QuasirigidError`.
+"""Exceptions and warnings.
+
+A value out of range, and a question without an answer, raise a `QuasirigidError`; each but
+`MissingExtraError` is a `ValueError` too. An argument of the wrong kind raises `TypeError`, an array of the
+wrong shape a `ValueError`, plain or one of these. `reference` raises plain `ValueError`; a step that a
+sequence has not raises `IndexError`, a file or folder that cannot be used `OSError`.
 
 `LcpError` and `ContactError` stand beside the results that they carry, in `lcp` and `contact.result`.
 """
@@ -33,15 +38,15 @@ class QuasirigidWarning(UserWarning):
 
 
 class SizeWarning(QuasirigidWarning):
-    """A skin or product has a size that no hand or product has: it is in another unit."""
+    """The size of skin, product or hand is unusual; check the unit."""
 
 
 class DepthWarning(QuasirigidWarning):
-    """A press is deeper than the tissue, or the part, can give."""
+    """A press is deeper than the tissue or the part allows."""
 
 
 class ModulusWarning(QuasirigidWarning):
-    """The shear modulus is none of tissue."""
+    """The shear modulus lies outside the range of soft tissue."""
 
 
 class CoarseMeshWarning(QuasirigidWarning):
@@ -57,11 +62,11 @@ class ResponseRangeWarning(QuasirigidWarning):
 
 
 class MaskWarning(QuasirigidWarning):
-    """Few vertices may touch."""
+    """The skin mask leaves few vertices."""
 
 
 class PenetrationWarning(QuasirigidWarning):
-    """Skin and product still overlap, or are pulled, or went through each other."""
+    """Skin and product overlap after the contact, pull on each other, or passed through each other."""
 
 
 class RefinementWarning(QuasirigidWarning):

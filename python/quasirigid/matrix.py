@@ -127,9 +127,8 @@ def initial_gaps(
     Raises
     ------
     ResponseError
-        If the skin was made for another surface.
-    ValueError
-        If a node is out of range, or the function does not return one finite number per point.
+        If the skin was made for another surface, a node is out of range, or the function does not return one
+        finite number per point.
 
     Examples
     --------
@@ -238,6 +237,11 @@ def definiteness(matrix: ArrayLike) -> Definiteness:
     -------
     Definiteness
         Definiteness, extreme eigenvalues and condition number.
+
+    Raises
+    ------
+    ResponseError
+        If it is not square, or an entry is not finite.
 
     Examples
     --------

@@ -25,8 +25,12 @@ fn as_array<'py>(value: &Bound<'py, PyAny>, name: &str, dtype: Option<&str>) -> 
     })
 }
 
+fn shape_message(name: &str, expected: &str, shape: &[usize]) -> String {
+    format!("`{name}` has shape {shape:?}, expected {expected}")
+}
+
 fn shape_error(name: &str, expected: &str, shape: &[usize]) -> PyErr {
-    PyValueError::new_err(format!("`{name}` has shape {shape:?}, expected {expected}"))
+    PyValueError::new_err(shape_message(name, expected, shape))
 }
 
 fn float_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
@@ -79,6 +83,11 @@ pub(super) fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
     let refused =
         |_| value.py().import("quasirigid._check")?.getattr("as_float")?.call1((name, value))?.extract();
     value.extract().or_else(refused)
+}
+
+/// An integer >= 0; the facade's `as_integer` says what is wrong with what is none, out of range as a `refusal`.
+pub(super) fn integer(value: &Bound<'_, PyAny>, name: &str, refusal: Bound<'_, PyType>) -> PyResult<usize> {
+    value.py().import("quasirigid._check")?.getattr("as_integer")?.call1((name, value, refusal))?.extract()
 }
 
 /// (3,) vector.
@@ -233,11 +242,16 @@ pub(super) fn faces(
         .collect())
 }
 
-/// (k,) node numbers below `count`.
-pub(super) fn nodes(value: &Bound<'_, PyAny>, name: &str, count: usize) -> PyResult<Vec<usize>> {
+/// (k,) node numbers below `count`; others are refused by the exception that `refuse` makes.
+pub(super) fn nodes(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    count: usize,
+    refuse: fn(String) -> PyErr,
+) -> PyResult<Vec<usize>> {
     let array = integer_array(value, name)?;
     let [_] = array.shape() else {
-        return Err(shape_error(name, "(k,)", array.shape()));
+        return Err(refuse(shape_message(name, "(k,)", array.shape())));
     };
     array
         .as_slice()?
@@ -245,9 +259,7 @@ pub(super) fn nodes(value: &Bound<'_, PyAny>, name: &str, count: usize) -> PyRes
         .enumerate()
         .map(|(row, &index)| match usize::try_from(index) {
             Ok(index) if index < count => Ok(index),
-            _ => Err(PyValueError::new_err(format!(
-                "`{name}[{row}]` is {index}, but there are {count} vertices"
-            ))),
+            _ => Err(refuse(format!("`{name}[{row}]` is {index}, but there are {count} vertices"))),
         })
         .collect()
 }
@@ -286,17 +298,18 @@ pub(super) fn nodes_out<'py>(py: Python<'py>, nodes: &[usize]) -> Bound<'py, PyA
     PyArray1::from_vec(py, nodes.iter().map(|&node| node as i64).collect())
 }
 
-/// A matrix of float64 in C or Fortran order, aligned; anything else is copied to C order first.
+/// A matrix of float64 in C or Fortran order, aligned; anything else is copied to C order first. What has not two
+/// dimensions is refused by the exception that `refuse` makes.
 pub(super) struct MatrixArgument<'py>(PyReadonlyArray2<'py, f64>);
 
 impl<'py> MatrixArgument<'py> {
-    pub fn new(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Self> {
+    pub fn new(value: &Bound<'py, PyAny>, name: &str, refuse: fn(String) -> PyErr) -> PyResult<Self> {
         let fits = value.cast::<PyArray2<f64>>().is_ok_and(|array| array.readonly().as_slice().is_ok());
         let array = if fits { value.clone() } else { float_array(value, name)?.as_any().clone() };
         let shape = array.cast::<PyArrayDyn<f64>>()?.shape().to_vec();
         match array.cast_into::<PyArray2<f64>>() {
             Ok(array) => Ok(Self(array.readonly())),
-            Err(_) => Err(shape_error(name, "(n, n)", &shape)),
+            Err(_) => Err(refuse(shape_message(name, "(n, n)", &shape))),
         }
     }
 

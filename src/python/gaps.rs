@@ -1,13 +1,12 @@
 //! Initial gaps as a response measures them.
 
 use super::convert::{nodes, scalars, vectors_out};
-use super::errors::IntoPyErr;
+use super::errors::{IntoPyErr, ResponseError};
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::response;
 use nalgebra::Vector3;
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Initial gap of each node from a function of points (p, 3).
@@ -21,14 +20,14 @@ pub(super) fn initial_gaps<'py>(
     distance: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let surface = &surface.inner;
-    let nodes = self::nodes(nodes, "nodes", surface.vertices().len())?;
+    let nodes = self::nodes(nodes, "nodes", surface.vertices().len(), ResponseError::new_err)?;
     let traits = skin.elastic().traits(surface).map_err(IntoPyErr::into_py_err)?;
     let measure = |points: &[Vector3<f64>]| {
         let found = scalars(&distance.call1((vectors_out(py, points),))?, "distance(points)")?;
         if found.len() != points.len() || found.iter().any(|gap| !gap.is_finite()) {
             let message =
                 format!("distance(points) must return {} finite numbers, one per point", points.len());
-            return Err(PyValueError::new_err(message));
+            return Err(ResponseError::new_err(message));
         }
         Ok(found)
     };

@@ -190,7 +190,7 @@ pub(super) fn solve_lcp(
     method: &str,
     options: &PyLcpOptions,
 ) -> PyResult<Py<PyLcpSolution>> {
-    let matrix = MatrixArgument::new(matrix, "M")?;
+    let matrix = MatrixArgument::new(matrix, "M", LcpError::new_err)?;
     let q = scalars(q, "q")?;
     let method = options.given_to(method_named(method)?);
     let view = matrix.view();

@@ -42,7 +42,7 @@ impl PyLoadedVertices {
         vertex_counts: [usize; 2],
         is_known: bool,
     ) -> PyResult<Self> {
-        let figures = MatrixArgument::new(figures, "figures")?;
+        let figures = MatrixArgument::new(figures, "figures", PyContactError::new_err)?;
         let figures = figures.view();
         let [vertex, given_vertex, patch] = &numbers;
         let count = figures.nrows();

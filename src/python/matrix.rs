@@ -1,14 +1,13 @@
 //! The response matrix, and what is known of the symmetric part of a matrix.
 
 use super::convert::{MatrixArgument, matrix_out, nodes, vectors};
-use super::errors::IntoPyErr;
+use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;
 use super::interrupt::detached_with;
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::response::{self, AssemblyOptions, Request};
 use numpy::PyArray2;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 #[pyfunction]
@@ -22,7 +21,7 @@ pub(super) fn response_matrix<'py>(
     tolerance: f64,
     num_threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+    let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
     let directions = match directions {
         Some(value) => vectors(value, "directions")?,
         None => nodes.iter().map(|&vertex| -surface.inner.vertex_normals()[vertex]).collect(),
@@ -56,14 +55,14 @@ pub(super) struct PyDefiniteness {
 #[pyfunction]
 #[pyo3(text_signature = "(matrix)")]
 pub(super) fn definiteness(py: Python<'_>, matrix: &Bound<'_, PyAny>) -> PyResult<PyDefiniteness> {
-    let matrix = MatrixArgument::new(matrix, "matrix")?;
+    let matrix = MatrixArgument::new(matrix, "matrix", ResponseError::new_err)?;
     let view = matrix.view();
     if view.nrows() != view.ncols() {
         let message = format!("`matrix` has shape [{}, {}], expected (k, k)", view.nrows(), view.ncols());
-        return Err(PyValueError::new_err(message));
+        return Err(ResponseError::new_err(message));
     }
     if !view.is_all_finite() {
-        return Err(PyValueError::new_err("`matrix` has entries that are not finite"));
+        return Err(ResponseError::new_err("`matrix` has entries that are not finite"));
     }
     let found = released(py, || response::spectrum(view));
     Ok(PyDefiniteness {

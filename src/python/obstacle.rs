@@ -4,7 +4,7 @@ use super::convert::{
     MatrixArgument, faces, faces_out, matrix3, mesh_arrays, nodes, number, rotation_and_translation, vector,
     vector_out, vectors, vectors_out,
 };
-use super::errors::{IntoPyErr, ObstacleError};
+use super::errors::{IntoPyErr, ObstacleError, ResponseError};
 use super::forked::released;
 use super::material::{material_out, product_skin};
 use super::pickle::{Pose, Reduced, reduced, restored};
@@ -46,7 +46,7 @@ type Distances<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bou
 
 #[pymethods]
 impl PyObstacle {
-    /// A closed triangle mesh.
+    /// Return a closed triangle mesh as obstacle.
     ///
     /// Parameters
     /// ----------
@@ -74,7 +74,7 @@ impl PyObstacle {
         made(released(py, || Obstacle::mesh(vertices, faces, &MeshObstacleOptions { check_crossings })))
     }
 
-    /// A closed mesh object of another library.
+    /// Return a closed mesh object of another library as obstacle.
     ///
     /// Parameters
     /// ----------
@@ -101,7 +101,7 @@ impl PyObstacle {
         Self::mesh(py, &vertices, &faces, check_crossings)
     }
 
-    /// All points below a plane.
+    /// Return the half-space below a plane.
     ///
     /// Parameters
     /// ----------
@@ -109,13 +109,18 @@ impl PyObstacle {
     ///     A point of the plane (m).
     /// normal : (3,) array_like
     ///     Its outward normal; normalised here.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     If a number is not finite, or the normal is 0.
     #[staticmethod]
     #[pyo3(text_signature = "(point, normal)")]
     fn half_space(point: &Bound<'_, PyAny>, normal: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(Obstacle::half_space(vector(point, "point")?, vector(normal, "normal")?))
     }
 
-    /// A sphere.
+    /// Return a sphere.
     ///
     /// Parameters
     /// ----------
@@ -123,25 +128,35 @@ impl PyObstacle {
     ///     Centre (m).
     /// radius : float
     ///     Radius (m), > 0.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     If a number is out of range.
     #[staticmethod]
     #[pyo3(text_signature = "(center, radius)")]
     fn sphere(center: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(Obstacle::sphere(vector(center, "center")?, number(radius, "radius")?))
     }
 
-    /// A box about the origin, its edges along the axes.
+    /// Return a box about the origin, its edges along the axes.
     ///
     /// Parameters
     /// ----------
     /// half_extents : (3,) array_like
     ///     Half its edges (m), > 0.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     If an edge is out of range.
     #[staticmethod]
     #[pyo3(name = "box", text_signature = "(half_extents)")]
     fn cuboid(half_extents: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(Obstacle::cuboid(vector(half_extents, "half_extents")?))
     }
 
-    /// All points within a distance of a segment.
+    /// Return the capsule of all points within a distance of a segment.
     ///
     /// Parameters
     /// ----------
@@ -149,13 +164,18 @@ impl PyObstacle {
     ///     Ends of the segment (m).
     /// radius : float
     ///     Radius (m), > 0.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     If a number is out of range.
     #[staticmethod]
     #[pyo3(text_signature = "(a, b, radius)")]
     fn capsule(a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(Obstacle::capsule(vector(a, "a")?, vector(b, "b")?, number(radius, "radius")?))
     }
 
-    /// A cylinder about the origin, its axis along z.
+    /// Return a cylinder about the origin, its axis along z.
     ///
     /// Parameters
     /// ----------
@@ -163,13 +183,18 @@ impl PyObstacle {
     ///     Half its height (m), > 0.
     /// radius : float
     ///     Radius (m), > 0.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     If a number is out of range.
     #[staticmethod]
     #[pyo3(text_signature = "(half_height, radius)")]
     fn cylinder(half_height: &Bound<'_, PyAny>, radius: &Bound<'_, PyAny>) -> PyResult<Self> {
         made(Obstacle::cylinder(number(half_height, "half_height")?, number(radius, "radius")?))
     }
 
-    /// A copy turned about the origin, then shifted: a point at x comes to ``rotation @ x + translation``.
+    /// Return a copy turned about the origin, then shifted: a point at x comes to ``rotation @ x + translation``.
     ///
     /// Parameters
     /// ----------
@@ -182,6 +207,11 @@ impl PyObstacle {
     /// -------
     /// Obstacle
     ///     The copy; it shares the shape, so it costs next to nothing.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     If the rotation is none.
     #[pyo3(signature = (rotation=None, translation=None), text_signature = "(self, rotation=None, translation=None)")]
     fn moved(
         &self,
@@ -192,7 +222,7 @@ impl PyObstacle {
         made(self.inner.moved(&rotation, &translation))
     }
 
-    /// A copy that gives way under the contact's forces.
+    /// Return a copy that gives way under the contact's forces.
     ///
     /// At the contact's nodes ``g = g0 + (R_H + R_P) f``, R_H the skin's response and R_P the product's, both along the
     /// obstacle's normals; the pressure is the same on both sides.
@@ -256,7 +286,7 @@ impl PyObstacle {
         material_out(py, &self.inner)
     }
 
-    /// Signed distance, closest point and outward normal.
+    /// Return signed distance, closest point and outward normal of points.
     ///
     /// Parameters
     /// ----------
@@ -273,6 +303,11 @@ impl PyObstacle {
     ///     Closest point of the surface (m).
     /// normal : (n, 3) float64
     ///     Outward unit normal there.
+    ///
+    /// Raises
+    /// ------
+    /// ObstacleError
+    ///     If a point is not finite, or `max_distance` is negative.
     #[pyo3(signature = (points, max_distance=None), text_signature = "(self, points, max_distance=None)")]
     fn signed_distance<'py>(
         &self,
@@ -357,7 +392,7 @@ impl PyObstacle {
         made(released(py, || self.inner.placed(&axes, &origin, &turn, skin)))
     }
 
-    /// Vertices and faces of a mesh obstacle in the world, or None for a primitive.
+    /// Return vertices and faces of a mesh obstacle in the world, or None for a primitive.
     fn triangles<'py>(&self, py: Python<'py>) -> Option<Triangles<'py>> {
         self.inner.triangles().map(|(vertices, faces)| (vectors_out(py, &vertices), faces_out(py, &faces)))
     }
@@ -401,13 +436,14 @@ impl PyObstacle {
         is_new: bool,
     ) -> PyResult<Self> {
         let (kernel, given) = product_skin(py, constants, response, is_new)?;
+        let refuse: fn(String) -> PyErr = ResponseError::new_err;
         let response = match given {
             None => ProductResponse::Kernel(kernel.get().kernel()?.kernel().clone()),
             Some((nodes, compliance)) => {
                 let count = self.inner.triangles().map_or(usize::MAX, |(vertices, _)| vertices.len());
                 ProductResponse::Matrix {
-                    nodes: self::nodes(&nodes, "nodes", count)?,
-                    matrix: MatrixArgument::new(&compliance, "compliance")?.view().to_owned(),
+                    nodes: self::nodes(&nodes, "nodes", count, refuse)?,
+                    matrix: MatrixArgument::new(&compliance, "compliance", refuse)?.view().to_owned(),
                 }
             }
         };
@@ -416,7 +452,7 @@ impl PyObstacle {
     }
 }
 
-/// The obstacle of a pickle: kind, mesh or numbers of the primitive, pose, and material or None.
+/// Return the obstacle of a pickle: kind, mesh or numbers of the primitive, pose, and material or None.
 #[pyfunction]
 #[pyo3(signature = (kind, shape, pose, material=None, /), text_signature = "(kind, shape, pose, material=None, /)")]
 pub(super) fn restore_obstacle(

@@ -141,7 +141,7 @@ impl PySkin {
     /// The kernel's matrix over `nodes`, computed once.
     fn prepare(&self, py: Python<'_>, surface: &PySurface, nodes: &Bound<'_, PyAny>) -> PyResult<Self> {
         let skin = self.inner.kernel()?;
-        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
         let prepared = detached(py, |interrupt| {
             let options = AssemblyOptions { interrupt: Some(interrupt), ..AssemblyOptions::default() };
             PreparedKernel::new(&surface.inner, skin, &nodes, &options)
@@ -157,8 +157,8 @@ impl PySkin {
         matrix: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let py = matrix.py();
-        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let matrix = MatrixArgument::new(matrix, "matrix")?.view().to_owned();
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
+        let matrix = MatrixArgument::new(matrix, "matrix", ResponseError::new_err)?.view().to_owned();
         let skin = self.inner.kernel()?.clone();
         let prepared = released(py, || PreparedKernel::from_matrix(&surface.inner, skin, &nodes, matrix));
         Ok(Elastic::PreparedKernel(prepared.map_err(IntoPyErr::into_py_err)?).into())
@@ -172,8 +172,8 @@ impl PySkin {
         nodes: &Bound<'_, PyAny>,
         matrix: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
-        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let matrix = MatrixArgument::new(matrix, "compliance")?.view().to_owned();
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
+        let matrix = MatrixArgument::new(matrix, "compliance", ResponseError::new_err)?.view().to_owned();
         let given = released(py, || GivenMatrix::new(&surface.inner, &nodes, matrix));
         Ok(Elastic::Given(given.map_err(IntoPyErr::into_py_err)?).into())
     }
@@ -198,7 +198,7 @@ impl PySkin {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let fixed = fixed.map(|value| mask(value, "fixed")).transpose()?;
-        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
         let body = Body { bone: bone.map(|bone| bone.inner.clone()), fixed, coarse_edge_length };
         let failure = OnceLock::new();
         let announced = AtomicBool::new(false);
@@ -256,15 +256,19 @@ impl PySkin {
         solved: bool,
     ) -> PyResult<Self> {
         let py = nodes.py();
-        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len())?;
-        let bone_pressure = bone_pressure
-            .map(|value| Ok::<_, PyErr>(MatrixArgument::new(value, "bone_pressure")?.view().to_owned()));
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
+        let matrix = |value: &Bound<'_, PyAny>, name| {
+            Ok::<_, PyErr>(MatrixArgument::new(value, name, ResponseError::new_err)?.view().to_owned())
+        };
+        let bone_pressure = bone_pressure.map(|value| matrix(value, "bone_pressure"));
         let rotation = matrix3(rotation, "rotation")?;
-        let displacement = MatrixArgument::new(displacement, "displacement")?.view().to_owned();
+        let displacement = matrix(displacement, "displacement")?;
         let area_vectors = vectors(area_vectors, "area_vectors")?;
         let loaded = match &levels {
             None => nodes.clone(),
-            Some(levels) => self::nodes(&levels.0, "coarse_nodes", area_vectors.len())?,
+            Some(levels) => {
+                self::nodes(&levels.0, "coarse_nodes", area_vectors.len(), ResponseError::new_err)?
+            }
         };
         let compliance = BodyCompliance::from_parts(BodyParts {
             nodes: loaded,

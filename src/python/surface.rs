@@ -1,8 +1,8 @@
 //! `quasirigid.Surface` and what works on raw vertices and faces.
 
 use super::convert::{
-    faces, faces_out, mask, mesh_arrays, nodes, nodes_out, pairs_out, rotation_and_translation, vectors,
-    vectors_out,
+    faces, faces_out, integer, mask, mesh_arrays, nodes, nodes_out, pairs_out, rotation_and_translation,
+    vectors, vectors_out,
 };
 use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
@@ -104,7 +104,7 @@ impl PySurface {
         surface.map(Self::from).map_err(IntoPyErr::into_py_err)
     }
 
-    /// The surface of a mesh object of another library.
+    /// Return the surface of a mesh object of another library.
     ///
     /// Parameters
     /// ----------
@@ -193,19 +193,24 @@ impl PySurface {
         self.inner.mean_edge_length()
     }
 
-    /// The same surface with another skin mask.
+    /// Return the same surface with another skin mask.
     ///
     /// Parameters
     /// ----------
     /// skin_mask : (n,) array_like of bool
     ///     Vertices that may touch.
+    ///
+    /// Raises
+    /// ------
+    /// SurfaceError
+    ///     If it has another length than the surface has vertices.
     #[pyo3(signature = (skin_mask), text_signature = "(self, skin_mask)")]
     fn with_skin_mask(&self, skin_mask: &Bound<'_, PyAny>) -> PyResult<Self> {
         let skin_mask = mask(skin_mask, "skin_mask")?;
         self.inner.clone().with_skin_mask(skin_mask).map(Self::from).map_err(IntoPyErr::into_py_err)
     }
 
-    /// The surface after a rigid motion: a point at x comes to ``rotation @ x + translation``.
+    /// Return the surface after a rigid motion: a point at x comes to ``rotation @ x + translation``.
     ///
     /// Parameters
     /// ----------
@@ -213,6 +218,11 @@ impl PySurface {
     ///     Proper rotation, orthonormal to 1e-9; a (4, 4) matrix holds the shift too.
     /// translation : (3,) array_like, optional
     ///     Shift (m).
+    ///
+    /// Raises
+    /// ------
+    /// SurfaceError
+    ///     If the rotation is none.
     #[pyo3(signature = (rotation=None, translation=None), text_signature = "(self, rotation=None, translation=None)")]
     fn moved(
         &self,
@@ -226,31 +236,37 @@ impl PySurface {
         Ok(released(py, || self.inner.moved(&motion)).into())
     }
 
-    /// The vertices within some rings of neighbours, the nodes among them.
+    /// Return the vertices within some rings of neighbours, the nodes among them.
     ///
     /// Parameters
     /// ----------
     /// nodes : (k,) array_like of int
     ///     Vertices to start from.
     /// rings : int
-    ///     How many rings.
+    ///     How many rings, >= 0.
     ///
     /// Returns
     /// -------
     /// (j,) int64
     ///     Vertices, ascending.
+    ///
+    /// Raises
+    /// ------
+    /// SurfaceError
+    ///     If there is no such vertex, or `rings` is negative.
     #[pyo3(signature = (nodes, rings), text_signature = "(self, nodes, rings)")]
     fn k_ring<'py>(
         &self,
         py: Python<'py>,
         nodes: &Bound<'py, PyAny>,
-        rings: usize,
+        rings: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArray1<i64>>> {
-        let nodes = self::nodes(nodes, "nodes", self.inner.vertices().len())?;
+        let nodes = self::nodes(nodes, "nodes", self.inner.vertices().len(), SurfaceError::new_err)?;
+        let rings = integer(rings, "rings", py.get_type::<SurfaceError>())?;
         Ok(nodes_out(py, &self.inner.k_ring(&nodes, rings)))
     }
 
-    /// The connected components of a set of vertices.
+    /// Return the connected components of a set of vertices.
     ///
     /// Parameters
     /// ----------
@@ -261,13 +277,18 @@ impl PySurface {
     /// -------
     /// list of (j,) int64
     ///     The components, each ascending.
+    ///
+    /// Raises
+    /// ------
+    /// SurfaceError
+    ///     If there is no such vertex.
     #[pyo3(text_signature = "(self, nodes)")]
     fn patches<'py>(
         &self,
         py: Python<'py>,
         nodes: &Bound<'py, PyAny>,
     ) -> PyResult<Vec<Bound<'py, PyArray1<i64>>>> {
-        let nodes = self::nodes(nodes, "nodes", self.inner.vertices().len())?;
+        let nodes = self::nodes(nodes, "nodes", self.inner.vertices().len(), SurfaceError::new_err)?;
         Ok(self.inner.patches(&nodes).iter().map(|patch| nodes_out(py, patch)).collect())
     }
 

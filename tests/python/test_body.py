@@ -104,7 +104,7 @@ def test_an_open_skin_and_nodes_that_cannot_be_loaded_are_refused() -> None:
         skin_of(bone=CORE).prepared(qr.Surface(BALL.vertices, BALL.faces[1:]), [0])
     with pytest.raises(qr.ResponseError, match="vertex 4 "):
         skin_of(bone=CORE).prepared(BALL, [4, 0, 4])
-    with pytest.raises(ValueError, match=r"nodes\[1\]"):
+    with pytest.raises(qr.ResponseError, match=r"nodes\[1\]"):
         skin_of(bone=CORE).prepared(BALL, [0, 42])
     with pytest.raises(qr.ResponseError, match="no node to load"):
         skin_of(bone=CORE).prepared(BALL, np.zeros(0, dtype=int))

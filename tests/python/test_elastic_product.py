@@ -290,5 +290,5 @@ def test_a_matrix_of_the_product_names_what_it_lacks() -> None:
     few = soft(BALL, qr.GivenMatrix(nodes=[0, 1], compliance=np.eye(2) * 1e-4))
     with pytest.raises(qr.ResponseError, match="none of the 2 nodes of the product's matrix"):
         pressed(few.moved(np.eye(3), [0, 0, -0.04]))
-    with pytest.raises(ValueError, match="but there are 2562 vertices"):
+    with pytest.raises(qr.ResponseError, match="but there are 2562 vertices"):
         soft(BALL, qr.GivenMatrix(nodes=[2562], compliance=[[1e-4]]))

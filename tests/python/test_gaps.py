@@ -70,7 +70,7 @@ def test_averages_are_exact_for_quadratic_gaps() -> None:
 @pytest.mark.parametrize("bad", [lambda p: p[:-1, 0], lambda p: np.full(len(p), np.nan)])
 def test_a_function_that_returns_no_gaps_is_named(bad: object) -> None:
     surface = qr.Surface(*grid(4, SPACING))
-    with pytest.raises(ValueError, match=r"distance\(points\) must return \d+ finite numbers"):
+    with pytest.raises(qr.ResponseError, match=r"distance\(points\) must return \d+ finite numbers"):
         qr.initial_gaps(surface, half_space(qr.Discretization.GALERKIN), [0], bad)  # type: ignore[arg-type]
 
 

@@ -695,6 +695,8 @@ def test_a_picture_shows_each_region_in_a_colour_of_its_own_and_the_joints() -> 
     plain, regions = (
         qr.plot.hand_figure(posed, views=["palm"], regions=regions).axes[0] for regions in (False, True)
     )
+    with pytest.raises(qr.HandError, match=r"views holds 'side', expected some of palm, back, aslant"):
+        qr.plot.hand_figure(posed, views=["side"])
     assert not plain.lines
     assert len(regions.lines[0].get_xdata()) == len(posed.joints)
     hues = [

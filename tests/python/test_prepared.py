@@ -209,6 +209,41 @@ def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
         given(low, np.zeros((2, 3, 2, 3))).prepared(surface)
 
 
+@pytest.mark.parametrize("compliance", [[[1e-3]], np.full((1, 3, 1, 3), 1e-3)], ids=["matrix", "blocks"])
+def test_nodes_of_a_given_matrix_are_checked(compliance: np.ndarray, surface: qr.Surface) -> None:
+    for node in (642, -1):
+        with pytest.raises(qr.ResponseError, match=rf"`nodes\[0\]` is {node}, but there are 642 vertices"):
+            given([node], compliance).prepared(surface)
+    with pytest.raises(qr.ResponseError, match=r"`nodes` has shape"):
+        given([[0]], compliance).prepared(surface)
+    with pytest.raises(TypeError, match=r"`nodes` has dtype float64, expected integers"):
+        given([0.0], compliance).prepared(surface)
+
+
+def test_a_given_matrix_has_its_own_nodes(surface: qr.Surface) -> None:
+    skin = given([3, 1], np.eye(2) * 1e-3)
+    assert skin.prepared(surface, [1, 3]).nodes.tolist() == [3, 1]
+    with pytest.raises(qr.ResponseError, match="a GivenMatrix has its own 2 nodes: leave out `nodes`"):
+        skin.prepared(surface, [1])
+
+
+def test_nodes_out_of_range_and_what_is_no_matrix_are_refused(surface: qr.Surface) -> None:
+    skin, above = skin_of(qr.HalfSpace()), r"`nodes\[1\]` is 642, but there are 642 vertices"
+    with pytest.raises(qr.ResponseError, match=above):
+        skin.prepared(surface, [0, 642])
+    with pytest.raises(qr.ResponseError, match=above):
+        qr.response_matrix(surface, skin, [0, 642])
+    with pytest.raises(qr.ResponseError, match=above):
+        qr.initial_gaps(surface, skin, [0, 642], PLATE)
+    for matrix, message in (
+        (np.ones((2, 3)), r"shape \[2, 3\], expected \(k, k\)"),
+        ([[np.nan]], "not finite"),
+        ([1.0], r"shape \[1\]"),
+    ):
+        with pytest.raises(qr.ResponseError, match=message):
+            qr.definiteness(matrix)
+
+
 def test_a_body_on_its_bone_is_right_against_finite_elements(surface: qr.Surface) -> None:
     sphere = qr.reference.plate_on_cored_sphere()[0]
     assert (sphere.radius, sphere.shear_modulus, sphere.poisson_ratio) == (8e-3, SHEAR_MODULUS, 0.5)

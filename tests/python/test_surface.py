@@ -75,8 +75,17 @@ def test_neighbourhoods_and_patches() -> None:
     assert set(ring) <= {middle + i + 11 * j for i in (-1, 0, 1) for j in (-1, 0, 1)}
     patches = surface.patches([0, 1, 119, 120])
     assert [patch.tolist() for patch in patches] == [[0, 1], [119, 120]]
-    with pytest.raises(ValueError, match=r"`nodes\[1\]` is 121"):
+    with pytest.raises(qr.SurfaceError, match=r"`nodes\[1\]` is 121"):
         surface.k_ring([0, 121], 1)
+    with pytest.raises(qr.SurfaceError, match=r"`nodes\[0\]` is -1"):
+        surface.patches([-1])
+    with pytest.raises(qr.SurfaceError, match=r"`nodes` has shape \[1, 1\]"):
+        surface.patches([[0]])
+    for rings in (-1, 2**70):
+        with pytest.raises(qr.SurfaceError, match=f"rings is {rings}, expected an integer of at least 0"):
+            surface.k_ring([middle], rings)
+    with pytest.raises(TypeError, match=r"rings is 0\.5, expected an integer"):
+        surface.k_ring([middle], 0.5)  # type: ignore[arg-type]
 
 
 def test_a_rigid_motion_keeps_volume_and_mask() -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..errors import HandError
 from .shading import lit_skin
 from .style import new_figure, pressure_colours
 from .view import View
@@ -46,10 +47,17 @@ def hand_figure(
     -------
     Figure
         One picture a view, all to one scale.
+
+    Raises
+    ------
+    HandError
+        If there is no such view.
+    MissingExtraError
+        If matplotlib is not installed.
     """
     unknown = [view for view in views if view not in _SIGHTS]
     if unknown:
-        raise ValueError(f"views holds {unknown[0]!r}, expected some of {', '.join(_SIGHTS)}")
+        raise HandError(f"views holds {unknown[0]!r}, expected some of {', '.join(_SIGHTS)}")
     palm, skin = hand.palm, hand.surface
     margin = _MARGIN * hand.hand.length
     drawn = []

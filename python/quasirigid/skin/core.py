@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, short
+from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, as_nodes, short
 from ..errors import CutWarning, ResponseError
 from .progress import Progress, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
@@ -55,7 +55,7 @@ def build_prepared(
     _check_surface("surface", surface)
     chosen = None if nodes is None else np.asarray(nodes)
     if isinstance(response, GivenMatrix):
-        return _build_given(material, response, surface)
+        return _build_given(material, response, surface, chosen)
     if isinstance(response, Body):
         return _build_body(material, response, surface, chosen, progress)
     kernel = build_kernel(material, response)
@@ -112,8 +112,13 @@ def _held(fixed: NDArray[np.bool_], surface: Surface) -> NDArray[np.bool_]:
     return held
 
 
-def _build_given(material: Material, given: GivenMatrix, surface: Surface) -> _core.Skin:
-    nodes, compliance = np.asarray(given.nodes), np.asarray(given.compliance, dtype=np.float64)
+def _build_given(
+    material: Material, given: GivenMatrix, surface: Surface, asked: NDArray[np.int64] | None
+) -> _core.Skin:
+    nodes = as_nodes("nodes", given.nodes, len(surface.vertices), ResponseError)
+    compliance = np.asarray(given.compliance, dtype=np.float64)
+    if asked is not None and not np.array_equal(np.unique(asked), np.unique(nodes)):
+        raise ResponseError(f"a GivenMatrix has its own {len(nodes)} nodes: leave out `nodes`")
     if compliance.ndim == 2:
         return _core.Skin.given(surface, nodes, compliance)
     count = len(nodes)

@@ -96,7 +96,7 @@ class Skin:
             The skin's mesh.
         nodes : (k,) array_like of int, optional
             Vertices that may touch; None for all of the skin mask (less the fixed ones of a body). A body
-            takes time and memory for each of these.
+            takes time and memory for each of these. A `GivenMatrix` has its own.
         progress : callable or bool, optional
             How far a body is: True prints to stderr; a function is called with words and the part that is
             done, first with memory and operations and 0, then with "assembly", "factorization" and
@@ -111,7 +111,7 @@ class Skin:
         Raises
         ------
         ResponseError
-            If a part does not fit, or the preparation needs too much memory.
+            If a node is double or no vertex, a part does not fit, or the preparation needs too much memory.
         TypeError
             If `progress` cannot be called or the fixed vertices of a body are no booleans.
         """
