@@ -113,8 +113,8 @@ class HalfSpace(_Response):
     Notes
     -----
     Take "galerkin" where collocation is found not to be positive definite, or where the figures count and the
-    mesh is coarse. Its assembly takes some 9 times as long; in large contacts the complementarity problem,
-    which takes the same time in both, outweighs it. docs/validation.md has the errors of both against Hertz.
+    mesh is coarse. Assembly takes longer (docs/responses.md); in large contacts the complementarity problem
+    outweighs it. docs/validation.md has the errors of both against Hertz.
 
     References
     ----------
@@ -188,8 +188,9 @@ class Layer(_Response):
     Parameters
     ----------
     thickness : float or (n,) array_like
-        Thickness h (m), the same everywhere or one per vertex of the surface; a pair of vertices answers as
-        on a layer of the smaller of its two, which keeps the matrix well posed.
+        Thickness h (m), > 0 and at least 1/1000 of the mesh's mean edge, the same everywhere or one per
+        vertex of the surface; a pair of vertices answers as on a layer of the smaller of its two, which keeps
+        the matrix well posed.
     pressure : {"linear", "one_ring"}
         Pressure basis, see `HalfSpace`.
     discretization : {"collocation", "galerkin"}, optional
@@ -234,13 +235,9 @@ class Body(_Response):
     bone_pressure : bool
         Keep what `PreparedSkin.bone_pressure` needs too.
     coarse_edge_length : float or None
-        Wanted length of the edges of the coarse mesh that the body is solved on (m), up to the size of the
-        body; None for 0.4 to 0.7 of the tissue's thickness at each place, the more the larger the body, and
-        at most half of the radius that the skin bends with. A skin that would get more than 1,700 vertices
-        that way, as a whole hand, has edges up to twice as long away from the nodes that it is prepared for.
-        At the nodes they are the least share that there are vertices for, and grow with the cube root of
-        the thickness above its median; then all are longer by one factor. It is prepared for all that
-        moves. 0 is the skin's own mesh.
+        Edge length of the coarse mesh that the body is solved on (m). None: 0.4 to 0.7 of the local tissue
+        thickness, at most half the skin's radius of curvature. Skins that would need over 1,700 vertices,
+        such as a whole hand, get longer edges, first away from the nodes. 0: the skin's own mesh.
     discretization : {"collocation", "galerkin"}, optional
         How the gap of a node is taken, see `HalfSpace`. "galerkin" averages the near kernel; what is left of
         the body is smooth and stays at the nodes.
@@ -268,6 +265,12 @@ class GivenMatrix(_Response):
         Vertices that it is known for; all that touch must be among them.
     compliance : (k, k) or (k, 3, k, 3) array_like
         Displacement per newton (m/N) in the order of the nodes: along the obstacle's normals, or as vectors.
+
+    Raises
+    ------
+    ResponseError
+        Where it is used: if a node is double or no vertex, or the compliance has another shape or is not
+        finite.
     """
 
     nodes: ArrayLike
