@@ -42,7 +42,7 @@ a mesh with its rig.
 
 ![The built-in hand: palm, back, aslant, posed as on a cylinder and as a fist](hand.png)
 
-`qr.models.hand()`, edges of 1.4 mm.
+`qr.models.hand(edge_length=1.4e-3)`.
 
 ## Regions
 
@@ -51,6 +51,12 @@ a mesh with its rig.
 `hand.labels` of a scanned hand (MakeHuman, CC0; 53,000 vertices), one colour each, and its joints as dots.
 Phalanges end in the plane through a joint that halves its bend. `qr.plot.hand_figure(posed, regions=True)`
 draws this for any hand.
+
+- `<digit>-<segment>-<side>`: digits thumb, index, middle, ring, little; segments proximal, middle (not the
+  thumb's), distal; sides palmar, dorsal, radial, ulnar.
+- `<finger>-metacarpal-head`: the pad under the knuckle of index, middle, ring, little.
+- `web-thumb-index`, `web-index-middle`, `web-middle-ring`, `web-ring-little`: the skin between two digits.
+- `palm-center`, `thenar`, `hypothenar`, `back`, `wrist`.
 
 ## Bent digits
 

@@ -424,7 +424,7 @@ def test_an_ending_without_result_is_written_and_status_1(
     assert run(press_arguments(response=gaussian, depth="2mm", out="ray")) == 1
     printed = capsys.readouterr()
     assert printed.err.startswith("warning: the Gaussian-corrected kernel")
-    assert printed.err.splitlines()[-1].startswith("error: the contact ended with '")
+    assert printed.err.splitlines()[-1].startswith("error: the contact did not end solved: ray: ")
     assert json.loads((in_demo_folder / "ray" / "contact.json").read_text())["status"] != "solved"
 
 

@@ -169,7 +169,7 @@ def press(
     talk.tell(text, contact_record(contact) | {"inputs": as_plain(inputs)})
     if contact.status in ("solved", "no_contact"):
         return 0
-    return refuse(f"the contact ended with '{contact.status}': {contact.advice}", status=1)
+    return refuse(f"the contact did not end solved: {contact.advice}", status=1)
 
 
 def _press_text(name: str, contact: qr.Contact, files: Sequence[Path], *, verbose: bool) -> str:

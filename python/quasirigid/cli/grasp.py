@@ -131,7 +131,7 @@ def grasp(
     record = grasp_record(held) | {"contact": contact_record(held.contact), "inputs": as_plain(inputs)}
     talk.tell(text + ("\nwrote " + ", ".join(map(str, files)) if files else ""), record)
     if held.contact.status not in ("solved", "no_contact"):
-        return refuse(f"the contact ended with '{held.contact.status}': {held.contact.advice}", status=1)
+        return refuse(f"the contact did not end solved: {held.contact.advice}", status=1)
     return 1 if held.missed else 0
 
 

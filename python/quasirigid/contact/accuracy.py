@@ -32,16 +32,14 @@ class Accuracy:
         True: the symmetric part of every response matrix was shown to be positive definite, so the answer
         is the only one. False: shown not to be. None: not examined.
     cells_per_radius : float
-        Mesh cells per contact radius, which is twice the area over the length of the rim: a circle's radius,
-        the width of a strip, and of several patches alike that of one. Under about 4 force and area are
-        coarse.
+        Mesh cells per contact radius, taken as 2 area / rim length. Below about 4 the mesh is coarse.
     force_error : float or None
         Estimated error of the force over its length: `mesh_error` + `body_error`. None, here and below, where
         no estimate was made; `Contact.left_out` says why. Infinite where the mesh is too coarse to tell, as
         where it penetrates and nothing carries force.
     mesh_error, body_error : float or None
-        What the mesh around the contact costs of that, and what the coarse mesh of a body does, or that which
-        the matrix of a product is given on.
+        Parts of `force_error`: from the mesh around the contact; from the coarse mesh of a body or of a
+        product's given matrix.
     area_error : float or None
         Estimated error of `contact_area` over it.
     max_pressure_error : float or None

@@ -1,4 +1,4 @@
-"""How a contact ended, and what it did without."""
+"""How a contact ended, and what it left out."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ContactStatus(StrEnum):
 
 
 class LeftOut(NamedTuple):
-    """One thing that the scene did not need, and why."""
+    """One thing that the solve left out, and why."""
 
     what: str
     why: str

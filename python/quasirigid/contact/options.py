@@ -25,7 +25,7 @@ _METHOD = LcpMethod(_DEFAULTS.method)
 
 @dataclass(frozen=True, kw_only=True)
 class ContactOptions:
-    """How a contact is solved.
+    """How a contact is solved. Values are checked where they are used.
 
     Attributes
     ----------
@@ -54,7 +54,8 @@ class ContactOptions:
         Gaps are measured up to this distance from the obstacle (m); None: depth plus two mean edge lengths,
         in overlap more where skin stands deeper.
     condition : bool
-        Examine definiteness and condition of response matrices of any size; small ones always are.
+        Examine definiteness and condition of response matrices of any size; those of up to 64 nodes always
+        are.
     couple_fingers : bool
         Let a kernel couple patches on different fingers too, through the air between them, that beside the
         parts of a `CombinedSkin` included. False: patches more than 1.5 times as far apart along the skin as

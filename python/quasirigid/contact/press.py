@@ -79,6 +79,13 @@ def solve_contact(
         For a bad ending (the error carries `contact`) or an option out of range.
     ObstacleError, ResponseError, LcpError
         Where a part could not answer.
+    TypeError
+        For an argument of the wrong kind, such as a path in the place of the skin.
+
+    Warns
+    -----
+    QuasirigidWarning
+        As `press`.
 
     References
     ----------
@@ -166,10 +173,15 @@ def press(
     ------
     ContactError
         For a zero direction, a negative depth, a force or an overlap that is not positive, none or several of
-        these, an obstacle that never meets the skin, a start that penetrates, a bad ending (the error carries
-        `contact`), a force or an overlap out of reach (`contact` is the largest that was found), tilt axes
-        without length or parallel, a tilt without its point, or no balance (the message says which moment is
-        left, `contact` is the one that was found there).
+        these, an option out of range, an obstacle that never meets the skin, a start that penetrates, a bad
+        ending (the error carries `contact`), a force or an overlap out of reach (`contact` is the largest
+        that was found), tilt axes without length or parallel, a tilt without its point, or no balance (the
+        message says which moment is left, `contact` is the one that was found there).
+    ObstacleError, ResponseError, LcpError
+        Where a part could not answer: a skin that is prepared for another surface or for other vertices, too
+        much memory, a `method` that there is not.
+    TypeError
+        For an argument of the wrong kind, such as a path in the place of the skin.
 
     Warns
     -----
@@ -267,7 +279,7 @@ def end_of(contact: Contact, *, throw: bool, stacklevel: int) -> Contact:
     """Return the contact; warn, and raise a bad ending where asked."""
     warn_of(contact.warnings, stacklevel=stacklevel + 1)
     if throw and contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
-        error = ContactError(f"the contact ended with status {contact.status.value!r}: {contact.advice}")
+        error = ContactError(f"the contact did not end solved: {contact.advice}")
         error.contact = contact
         raise error
     return contact

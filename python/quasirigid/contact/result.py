@@ -41,9 +41,10 @@ class Contact(Frozen):
     Attributes
     ----------
     status : ContactStatus
-        "solved", "no_contact" (no error: all zero) or the ending of the complementarity problem. For any
-        other ending than these two the figures are nan, the skin is as it was, and `advice` says what
-        happened and what to try.
+        "solved", "no_contact" (no error: force, moment, area and pressure are 0) or the ending of the
+        complementarity problem. For any other ending force, moment, area and peak are nan, `pressure`,
+        `node_force`, `force_vectors` and `gap` are nan on the candidates, the displacement is 0, and `advice`
+        says what to try.
     surface : Surface
         The undeformed skin on the mesh that was solved: the given object itself, or that refined around the
         contact, whose first vertices are the given ones.
@@ -52,7 +53,7 @@ class Contact(Frozen):
     parents : (n - given_vertex_count, 2) int64
         The two vertices that each added one lies between.
     refinements : tuple of Refinement
-        What each mesh gave, the given one first; of a sweep's step, that of the step before.
+        Each mesh and linearization in order; for a step of a sweep, the previous step's mesh first.
     obstacle : Obstacle
         The obstacle where it stands now.
     travel : float
@@ -65,7 +66,7 @@ class Contact(Frozen):
     moment : (3,) float64
         Moment on the skin about the origin, at deformed positions (N m).
     center_of_pressure : (3,) float64
-        Mean of the deformed positions weighted by node force (m); nan without contact.
+        Mean of the deformed positions weighted by node force (m); nan without force.
     contact_area : float
         Area that carries force (m^2): in collocation on the mesh as given the sum of the vertex areas with
         f > 0; on a refined mesh, and in Galerkin form on any, the area within the rim, which the gaps beside
@@ -103,7 +104,7 @@ class Contact(Frozen):
     timings : mapping of str to float
         Seconds per stage of the solve; the drawn skin is none of them.
     left_out : tuple of LeftOut
-        What the scene did not need, and why.
+        What the solve left out, and why.
     warnings : tuple of (category, message)
         What was warned of, also where Python's filter hides it: each a `QuasirigidWarning`, such as
         `DepthWarning`, and its words.
@@ -290,12 +291,17 @@ class Contact(Frozen):
     ) -> tuple[Path, ...]:
         """Write everything into a folder: meshes, arrays, figures, pictures.
 
+        deformed.ply and deformed.vtp (ParaView) hold the deformed skin, contact.npz the arrays, contact.json
+        the figures with their units, product.ply the triangles of the product where it stands, and
+        deformed_product.ply those of one with a material; skin.png and footprint.png are the pictures.
+        Details: `quasirigid.io.save_contact`.
+
         Parameters
         ----------
         folder : path
-            The folder; made where it is missing.
+            The folder; made where it is missing. Files of these names are replaced, others stay.
         inputs : mapping, optional
-            What the contact was computed from, to be written too.
+            What the contact was computed from, for contact.json.
         pictures : bool
             Draw pictures too (extra `plot`).
         bone : Surface, optional
@@ -305,6 +311,13 @@ class Contact(Frozen):
         -------
         tuple of Path
             The files.
+
+        Raises
+        ------
+        MissingExtraError
+            If pictures are asked for and matplotlib is not installed.
+        OSError
+            If the folder cannot be written to.
         """
         from ..io.write import save_contact
 

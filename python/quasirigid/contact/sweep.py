@@ -79,8 +79,9 @@ class Sweep(Frozen):
 
     A step that did not end solved has nan for its figures, and its message says why. ``sweep[i]`` is the
     `Contact` of step i with the figures of its row, solved again after the steps before it: all are best
-    asked for in order (``for contact in sweep``). For a force out of reach it raises, with the largest
-    contact.
+    asked for in order (``for contact in sweep``). A step that is "refused" or "not_reached" has no contact:
+    ``sweep[i]`` raises what its message says (a `ContactError` with the largest contact where a force is out
+    of reach), and the loop does so and ends there.
 
     Attributes
     ----------
@@ -132,6 +133,8 @@ class Sweep(Frozen):
 
         Raises
         ------
+        ContactError, ResponseError
+            If the step has none.
         TypeError
             If `step` is no integer; an IndexError if there is no such step.
         """
@@ -142,7 +145,13 @@ class Sweep(Frozen):
         return end_of(self._question.answer(step, warm), throw=False, stacklevel=2)
 
     def __iter__(self) -> Iterator[Contact]:
-        """Solve one step after the other again."""
+        """Solve one step after the other again.
+
+        Raises
+        ------
+        ContactError, ResponseError
+            At the first step that has no contact; the iteration ends there.
+        """
         warm = _core.WarmStart()
         for step in range(len(self)):
             yield end_of(self._question.answer(step, warm), throw=False, stacklevel=2)
@@ -216,6 +225,12 @@ def sweep(
     ------
     ContactError
         For none or both of depths and forces, a value out of range, or what `press` raises at every step.
+
+    Warns
+    -----
+    QuasirigidWarning
+        What `press` warns of at a step; `Sweep.warnings` keeps it. A step without figures is no warning:
+        `Sweep.status` and `Sweep.messages` have it.
 
     Examples
     --------

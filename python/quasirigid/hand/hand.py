@@ -119,7 +119,13 @@ class Hand(Frozen):
 
     @property
     def labels(self) -> NDArray[np.str_]:
-        """(n,) str: the region of each vertex, such as ``"index-distal-palmar"``, or what was given."""
+        """(n,) str: the region of each vertex, such as ``"index-distal-palmar"``, or what was given.
+
+        ``<digit>-<segment>-<side>``, digits thumb, index, middle, ring, little, segments proximal, middle
+        (not the thumb's), distal, sides palmar, dorsal, radial, ulnar; ``<finger>-metacarpal-head``;
+        ``web-thumb-index``, ``web-index-middle``, ``web-middle-ring``, ``web-ring-little``; ``palm-center``,
+        ``thenar``, ``hypothenar``, ``back``, ``wrist``.
+        """
         return self.regions if self._labels is None else self._labels
 
     @property
@@ -195,8 +201,8 @@ class Hand(Frozen):
 
         Notes
         -----
-        Joints turn about themselves, those of digits about points below or above them, such that digits keep
-        their volume (`pivot_of`). Weights that change so fast that a hinge bent by a right angle would turn
+        Joints of digits turn about points that keep the digit's volume (`pivot_of`), others about their
+        origin. Weights that change so fast that a hinge bent by a right angle would turn
         skin over at its crease are smoothed there.
         """
         placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]

@@ -27,7 +27,7 @@ __all__ = [
 
 
 def contact_summary(contact: Contact) -> str:
-    """Return the figures of a contact as a text table, and what its scene did not need.
+    """Return the figures of a contact as a text table, and what the solve left out.
 
     Parameters
     ----------

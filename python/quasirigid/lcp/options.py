@@ -43,7 +43,8 @@ DEFAULTS: dict[str, Any] = _core.LcpOptions.defaults()
 class LcpOptions:
     """How a complementarity problem is solved.
 
-    An option that the chosen method does not know, set to other than its default, is an error.
+    Values are checked where they are used. An option that the chosen method does not know, set to other than
+    its default, is an error.
 
     Attributes
     ----------
