@@ -135,6 +135,14 @@ def test_what_was_left_out_is_one_line_unless_asked_for(
     assert short == "left out: " + ", ".join(names)
 
 
+def test_only_commands_that_show_contacts_take_verbose(capsys: pytest.CaptureFixture[str]) -> None:
+    for command in ("demo", "press", "sweep", "info", "repair", "hand", "grasp", "accuracy", "stress"):
+        assert run([command, "--help"]) == 0
+        told = " ".join(capsys.readouterr().out.split())
+        assert ("--verbose" in told) == (command in ("demo", "press", "grasp")), command
+        assert "Exit status 0: " in told
+
+
 def test_a_mesh_is_repaired_and_the_changes_are_counted(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

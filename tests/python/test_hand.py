@@ -507,7 +507,7 @@ def test_a_joint_outside_the_skin_is_named(hand: qr.Hand) -> None:
 @pytest.mark.parametrize(
     ("pose", "message"),
     [
-        ("fists", r"the pose 'fists' is not known; the nearest is 'fist'"),
+        ("fists", r"the pose 'fists' is not known; the nearest is 'fist', of flat, open, .*, fist$"),
         ({"index-finger-proximal": 0.1}, r"nearest is 'index-finger-phalanx-proximal'"),
         ({"wrist": {"flexing": 0.1}}, r"the angle of wrist 'flexing' is not known; the nearest is 'flexion'"),
         ({"wrist": math.nan}, r"flexion of wrist is nan, expected a finite angle"),

@@ -16,7 +16,7 @@ from ..errors import QuasirigidError
 from ..io import as_plain, compare_contacts, contact_record, patch_table, refinement_table, save_contact
 from .arguments import parse_target_error
 from .completion import COMPLETION_EXAMPLE, completion
-from .console import Talk, close_stdout, progress, refuse, say, show_warning
+from .console import ContactTalk, close_stdout, progress, refuse, say, show_warning
 from .demo import grasp_demo, press_demo
 from .evaluation import ACCURACY_EXAMPLE, STRESS_EXAMPLE, accuracy, stress
 from .gather import gathered
@@ -108,7 +108,7 @@ def _program(
 
 
 def demo(
-    talk: Talk,
+    talk: ContactTalk,
     out: Annotated[Path, typer.Option(help="Folder for meshes, results and pictures.")] = Path("demo-output"),
     quick: Annotated[
         bool, typer.Option("--quick", help="Coarse meshes and one grasp: done in a moment.")
@@ -122,6 +122,7 @@ def demo(
     first and serves both. The hand holds a handle and a bottle with 20 N. Needs no file. Prints the figures
     and writes, in a folder for each product, what `press` and `grasp` write, and footprints of both
     responses.
+    Exit status 0: done; 2: bad input.
     """
     options = qr.ContactOptions(target_error=parse_target_error(target_error))
     _need_matplotlib()
@@ -134,7 +135,7 @@ def demo(
 
 def press(
     scene: SceneWords,
-    talk: Talk,
+    talk: ContactTalk,
     depth: Annotated[str | None, typer.Option(help="How far past first touch, as in 1.12mm.")] = None,
     force: Annotated[str | None, typer.Option(help="Force along the direction, as in 5N.")] = None,
     overlap: Annotated[
@@ -146,7 +147,7 @@ def press(
 
     Takes one of --depth, --force and --overlap.
     Writes deformed.ply, deformed.vtp, product.ply, contact.npz, contact.json, skin.png and footprint.png.
-    Leaves with 0 when solved or without contact, 1 when the solver ended otherwise, 2 on bad input.
+    Exit status 0: solved or without contact; 1: the solver ended otherwise; 2: bad input.
     """
     # Everything is read and checked before anything is computed.
     goal = parse_goal(depth, force, overlap)
@@ -199,7 +200,7 @@ _COMMANDS = (
     (sweep, "Press a product against a skin mesh to several depths or forces.", _ON_DEMO, SWEEP_EXAMPLE),
     (info, "Show what a mesh file can serve as.", _ON_DEMO, INFO_EXAMPLE),
     (repair, "Mend a mesh file and count the changes.", _ON_DEMO, REPAIR_EXAMPLE),
-    (hand, "Show a hand with its joints, and write it in a pose.", "", HAND_EXAMPLE),
+    (hand, "Show a hand's joints, regions and size; write it in a pose.", "", HAND_EXAMPLE),
     (grasp, "Close a hand on a product until its digits hold it.", _ON_DEMO, GRASP_EXAMPLE),
     (accuracy, "Measure error against run time on problems with known answers.", "", ACCURACY_EXAMPLE),
     (stress, "Try extreme cases, and say which are off.", "", STRESS_EXAMPLE),

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console, RenderableType
 
-__all__ = ["Talk", "progress", "refuse", "render", "say", "show_warning"]
+__all__ = ["ContactTalk", "Talk", "progress", "refuse", "render", "say", "show_warning"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +25,6 @@ class Talk:
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print results and errors alone: no progress, no warnings.")
     ] = False
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Say why each thing was left out.")] = False
 
     def __post_init__(self) -> None:
         """Hold back progress and warnings from now on, or let them through."""
@@ -40,6 +39,13 @@ class Talk:
     def tell(self, text: str, record: Mapping[str, Any]) -> None:
         """Print results as text, or as JSON where that was asked for."""
         say(json.dumps(record, indent=2, allow_nan=False) if self.json else text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactTalk(Talk):
+    """How much is said of contacts."""
+
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Say why each thing was left out.")] = False
 
 
 _is_quiet = False

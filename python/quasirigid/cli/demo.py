@@ -16,7 +16,7 @@ from ..io.record import contact_record
 from ..plot import comparison_figure, grasp_figure
 from ..skin import Body, HalfSpace, Skin
 from ..surface import skin_without_caps
-from .console import Talk, progress, say
+from .console import ContactTalk, Talk, progress, say
 from .nodes import may_touch
 
 __all__ = ["grasp_demo", "press_demo"]
@@ -38,7 +38,7 @@ _GRASP_FORCE = 20.0
 _GRIP_LENGTH = 0.16  # of the handle that is grasped (m): the thumb does not press on its end
 
 
-def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Talk) -> dict[str, Any]:
+def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: ContactTalk) -> dict[str, Any]:
     """Press finger and products, print the figures, write the files, and return the record.
 
     Parameters

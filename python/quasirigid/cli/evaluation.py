@@ -17,19 +17,23 @@ __all__ = ["ACCURACY_EXAMPLE", "STRESS_EXAMPLE", "accuracy", "stress"]
 ACCURACY_EXAMPLE = "quasirigid accuracy --quick --out accuracy-output"
 STRESS_EXAMPLE = "quasirigid stress --quick --out stress-output"
 
-_Out = Annotated[Path | None, typer.Option(help="Folder for the page, the rows as JSON and the picture.")]
+_AccuracyOut = Annotated[
+    Path | None,
+    typer.Option(help="Folder for accuracy.md, accuracy.json and, with matplotlib, accuracy.png."),
+]
+_StressOut = Annotated[Path | None, typer.Option(help="Folder for stress.md and stress.json.")]
 
 
 def accuracy(
     talk: Talk,
     quick: Annotated[bool, typer.Option("--quick", help="A small part, in some seconds.")] = False,
-    out: _Out = None,
+    out: _AccuracyOut = None,
 ) -> int:
     """Measure error against run time on problems with known answers, and print a table.
 
     Mesh size, discretization, response, target error and solver; tamaas beside it where it is installed.
-    Times are those of this machine as it is now. Leaves with 0 when every force keeps to its bound, 1 when
-    one does not.
+    Times are those of this machine as it is now.
+    Exit status 0: every force keeps to its bound; 1: one does not; 2: bad input.
     """
     _check(out)
     table = qr.accuracy(quick=quick, progress=_progress(talk))
@@ -39,11 +43,11 @@ def accuracy(
 def stress(
     talk: Talk,
     quick: Annotated[bool, typer.Option("--quick", help="A part of the cases, in some seconds.")] = False,
-    out: _Out = None,
+    out: _StressOut = None,
 ) -> int:
     """Try extreme cases, and print what each gave beside what it should give.
 
-    Leaves with 0 when every case gave that, 1 when one is off.
+    Exit status 0: every case gave that; 1: one is off; 2: bad input.
     """
     _check(out)
     table = qr.stress(quick=quick, progress=_progress(talk))

@@ -13,7 +13,7 @@ from .._extras import import_extra
 from ..hand.grasp import MOST_NODES
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from .arguments import file_unit, parse_response, parse_target_error, rotation
-from .console import Talk, progress, refuse
+from .console import ContactTalk, progress, refuse
 from .folder import OutFolder, check_folder
 from .hand import HandFile, HandUnit, PoseWord, Rig, read_pose_word, read_rigged
 from .quantities import ANGLE, FORCE, LENGTH, STRESS, QuantityError, parse_quantities, parse_quantity
@@ -31,7 +31,7 @@ _MASS = {"kg": 1.0, "g": 1e-3}
 def grasp(
     hand: HandFile,
     product: ProductFile,
-    talk: Talk,
+    talk: ContactTalk,
     force: Annotated[
         str | None,
         typer.Option(
@@ -80,9 +80,10 @@ def grasp(
 ) -> int:
     """Close a hand on a product until its digits hold it, and write what happens.
 
+    Takes one of --force and --overlap.
     The product is laid across the palm, its longest axis along the knuckles, in touch.
     Writes what `press` writes, grasp.json, hand.glb and grasp.png.
-    Leaves with 0 when every digit holds, 1 when one does not or the solver ended otherwise, 2 on bad input.
+    Exit status 0: every digit holds; 1: one does not, or the solver ended otherwise; 2: bad input.
     """
     check_folder(out)
     goal = _goal(force, overlap)

@@ -13,6 +13,7 @@ import quasirigid as qr
 from .._extras import import_extra
 from .._units import MM
 from ..hand import read_pose
+from ..hand.pose import PRESETS
 from ..io import write_mesh
 from .arguments import file_unit
 from .console import Talk, progress
@@ -27,11 +28,15 @@ HAND_EXAMPLE = "quasirigid hand built-in --pose cylinder --out hand-output"
 _BUILT_IN = "built-in"
 
 HandFile = Annotated[
-    str, typer.Argument(metavar="HAND", help=f"GLB with a skin, a mesh with its rig, or {_BUILT_IN!r}.")
+    str,
+    typer.Argument(metavar="HAND", help=f".glb or .gltf with a skin, a mesh with its rig, or {_BUILT_IN!r}."),
 ]
-Rig = Annotated[Path | None, typer.Option(help="Rig (.npz) of a mesh; the one beside it.")]
+Rig = Annotated[Path | None, typer.Option(help="Rig (.npz) of a mesh. [default: the one beside it]")]
 HandUnit = Annotated[str, typer.Option(help=f"Unit of a mesh: {UNIT_NAMES}.")]
-POSE_HELP = "A preset (flat, open, relaxed, cylinder, sphere, ...) or a JSON file."
+POSE_HELP = (
+    f"A preset ({', '.join(PRESETS)}), or a JSON file:"
+    ' {"unit": "deg", "index-finger-phalanx-proximal": 30}.'
+)
 PoseWord = Annotated[str, typer.Option(help=POSE_HELP)]
 
 
@@ -44,9 +49,10 @@ def hand(
     pictures: Annotated[bool, typer.Option(help="Draw hand.png.")] = True,
     out: OutFolder = None,
 ) -> int:
-    """Show what a hand holds, and write it in a pose.
+    """Show a hand's joints, regions and size; write it in a pose.
 
     Writes posed.ply (m), hand.glb (at rest, with skin and joints) and hand.png.
+    Exit status 0: done; 2: bad input.
     """
     check_folder(out)
     wanted = {} if pose is None else read_pose_word(pose)
@@ -84,7 +90,7 @@ def _record(known: qr.Hand, pose: str | None) -> dict[str, Any]:
         "vertices": len(known.surface.vertices),
         "joints": len(known.joint_names),
         "wrist to middle tip (mm)": round(known.length * MM, 1),
-        "volume (cm3)": round(known.surface.volume * 1e6, 1),
+        "volume (cm³)": round(known.surface.volume * 1e6, 1),
         "mean edge (mm)": round(known.surface.mean_edge_length * MM, 2),
         "regions": len(np.unique(known.labels)),
         "bones": len(known.bones),

@@ -41,7 +41,7 @@ def info(
 ) -> int:
     """Show what a mesh file holds, and whether it can serve as skin and as product.
 
-    Leaves with 2 when it can serve as neither.
+    Exit status 0: it can serve as one of them; 2: as neither, or bad input.
     """
     with progress(f"reading {file}"):
         vertices, faces = qr.read_mesh(file, unit=file_unit(unit, "--unit"))
@@ -63,7 +63,7 @@ def repair(
 ) -> int:
     """Weld, drop what is unused, degenerate or double, turn faces the same way, and count the changes.
 
-    Leaves with 2 when the mesh cannot be mended.
+    Exit status 0: mended; 2: the mesh cannot be mended, or bad input.
     """
     known = file_unit(unit, "--unit")
     tolerance = parse_quantity(weld_tolerance, LENGTH, "--weld-tolerance")

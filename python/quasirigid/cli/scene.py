@@ -56,7 +56,7 @@ GOAL_UNITS = {"depth": "m", "force": "N", "overlap": "m"}
 SkinFile = Annotated[Path, typer.Argument(metavar="SKIN", help="Hand or finger mesh: .ply, .stl or .obj.")]
 ProductFile = Annotated[Path, typer.Argument(metavar="PRODUCT", help="Closed product mesh.")]
 Unit = Annotated[str, typer.Option(help=f"Unit of the skin file: {UNIT_NAMES}.")]
-Direction = Annotated[str, typer.Option(help="The way the product comes, as in 0,0,1.")]
+Direction = Annotated[str, typer.Option(help="Direction in which the product travels, as in 0,0,1.")]
 ShearModulus = Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")]
 PoissonRatio = Annotated[float, typer.Option(help="Of the skin, 0 to 0.5.")]
 ProductUnit = Annotated[str | None, typer.Option(help="Unit of the product file [default: as --unit].")]
@@ -103,7 +103,8 @@ SkinMask = Annotated[
     ),
 ]
 StartName = Annotated[
-    str, typer.Option(help="infinity: first touch counts from far away; current: from here.")
+    str,
+    typer.Option(help="infinity: first touch counts from far away; current: from where the product stands."),
 ]
 TargetError = Annotated[
     str,

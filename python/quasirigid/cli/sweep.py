@@ -42,7 +42,7 @@ def sweep(
     """Press a product against a skin mesh to several depths or forces, and print a table.
 
     Writes sweep.csv and sweep.json.
-    Leaves with 0 when every press is solved or without contact, 1 when one is not, 2 on bad input.
+    Exit status 0: every press is solved or without contact; 1: one is not; 2: bad input.
     """
     if (depths is None) == (forces is None):
         raise QuantityError(

@@ -57,7 +57,8 @@ class Grasp(Frozen):
     contact : Contact
         The contact of the whole hand, everything coupled.
     shares : dict of str to float
-        How far each digit has gone from the start (0) to the end (1) of its way.
+        How far each digit went: 0 the start, 1 the end, down to -1 the pose "open" where the product stood in
+        it at the start.
     digits : dict of str to Part
         What the phalanges of each digit carry.
     palm : Part
@@ -162,7 +163,8 @@ def close_hand(
     """Close the digits of a hand on a product until each holds its force or reaches its overlap.
 
     Each digit goes its own way from one pose to another, a single share of the turns of all its joints; hand
-    and product stay where they are. All digits are searched together, so that each answers to the others.
+    and product stay where they are. A digit that the product stands in at the start opens first, at most to
+    the pose "open". All digits are searched together, so that each answers to the others.
 
     Parameters
     ----------

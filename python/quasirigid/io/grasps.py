@@ -45,7 +45,8 @@ def digit_table(grasp: Grasp) -> str:
     Returns
     -------
     str
-        A line for each digit, the palm and all: how far it closed (%), force (N; of all the sum of these,
+        A line for each digit, the palm and all: how far it closed (%, `Grasp.shares`; below 0 where it opened
+        for a product that stood in it at the start), force (N; of all the sum of these,
         whatever their directions), area (mm²), peak pressure and mean over 1 cm² (kPa); then what missed,
         the resultant force, and what is out of balance.
     """
