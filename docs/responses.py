@@ -59,7 +59,7 @@ twice as many vertices (55 s, 2.7 GB), on refined contacts:
   median. The worst on the palm is 5.3 % (20 mm ball, 2.9 mm deep, 22 N); on the digits 14 %, over 2.4 mm of
   tissue at the base of the thumb, where the default's own edges are shorter than 4.3 mm.
   `accuracy.body_error`, fitted on these, covers 36 of the 40; it is 1.5 times the difference on the palm
-  and 3.8 times on the digits, in the median. Of 40 others on another hand, `webxr_right_13k`, it covers 37,
+  and 3.8 times on the digits, in the median. Of 40 others on another scanned hand, it covers 37,
   3.1 and 4.4 times; the worst is 6.0 %, on the palm.
 
 Definiteness, by eigenvalues of the symmetric part. The half-space's Galerkin matrix is positive definite on

@@ -274,9 +274,8 @@ SECTIONS = {
         "force, peak pressure and contact area by collocation (`HalfSpace()`) and by Galerkin "
         '(`HalfSpace(discretization="galerkin")`), mean and root mean square over 50 places (12 at 16 cells) '
         "of the sphere on meshes of equilateral triangles, of squares cut by one diagonal, and of these with "
-        "vertices moved by up to a quarter of a cell; cells per contact radius. A sphere that is pressed in "
-        "by d acts with R - d, which takes d / 2R off the parabola's force: 0.125 % at d / R = 1/400, as "
-        "much as collocation is too high at 8 cells.",
+        "vertices moved by up to a quarter of a cell; cells per contact radius. R is large because a sphere "
+        "pressed in by d falls short of the parabola's force by d / 2R.",
         against_hertz,
     ),
     "Sphere with a rigid core against finite elements": (
@@ -323,8 +322,7 @@ def main() -> None:
     parts = [
         "# Validation",
         "The half-space against Hertz, then the body response against what is known of bodies. Measured by "
-        "`python docs/validation.py`, which writes this page. `tests/contact`, `tests/body` "
-        "and `tests/python/test_body.py` hold most of it to bounds.",
+        "`python docs/validation.py`, which writes this page; tests hold most of it to bounds.",
     ]
     for title, (words, measure) in SECTIONS.items():
         lines = measure()

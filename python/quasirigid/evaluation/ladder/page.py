@@ -23,8 +23,8 @@ A press refines the skin's mesh around the contact until the errors of force and
 estimated to be below `ContactOptions(target_error=0.02)`; `target_error=None` takes the mesh as it is.
 `contact.accuracy` holds the estimates, `contact.refinements` what each mesh gave. Errors here are root mean
 squares over several places of the product on meshes of squares cut by one diagonal, with vertices moved by up
-to a quarter of a cell; refined contacts start from 3 cells per contact radius. An error is held to twice the
-target or, on a mesh as it is, to one cell of the contact's radius; {verdict}.
+to a quarter of a cell; refined contacts start from 3 cells per contact radius. The error of force is held to
+twice the target or, on a mesh as it is, to one cell of the contact's radius; {verdict}.
 {picture}
 {parts}
 """
@@ -34,9 +34,8 @@ _PICTURE = """
 _SPHERE = """\
 ## Sphere
 
-A sphere so large (R = 200 m, 0.5 mm deep) that it is Hertz's parabola. tamaas solves on square pixels for the
-force of Hertz; its error of force is 3/2 of that of the approach. The knee (*): beyond it a smaller error
-costs more than it did before.
+A sphere so large (R = 200 m, 0.5 mm deep) that it is Hertz's parabola. tamaas solves on square pixels under
+Hertz's force; its force column is 3/2 of its error of approach. *: beyond it a smaller error costs more.
 """
 _OTHERS = """\
 ## Other shapes, and the layer
@@ -70,7 +69,7 @@ def accuracy_page(rows: Sequence[Row], *, has_picture: bool) -> str:
     others = [row for row in rows if id(row) not in taken]
     parts = [_SPHERE, markdown(*_columns(sphere, ("mesh", "fine", "nodes", *_ERRORS, "time")))]
     if solvers:
-        words = "Each solver of the complementarity problems on the same meshes:\n"
+        words = "Each solver of the complementarity problems, in Galerkin form with `target_error=None`:\n"
         parts += [words, markdown(*_columns(solvers, ("scene", "fine", "nodes", *_ERRORS, "time")))]
     if others:
         parts += [_OTHERS, markdown(*_columns(others, ("scene", "mesh", "fine", "nodes", *_ERRORS, "time")))]
@@ -80,9 +79,7 @@ def accuracy_page(rows: Sequence[Row], *, has_picture: bool) -> str:
     if estimates:
         parts += [_ESTIMATES.format(count=estimates[0]["nodes"]), _estimates(estimates)]
     off = [row for row in rows if not row["ok"]]
-    verdict = (
-        "every row here keeps to that" if not off else f"{len(off)} of {len(rows)} rows do not (**off**)"
-    )
+    verdict = "every row keeps to that" if not off else f"{len(off)} of {len(rows)} rows do not (**off**)"
     picture = _PICTURE if has_picture else ""
     return _PAGE.format(verdict=verdict, picture=picture, parts="\n".join(_spaced(parts))).rstrip() + "\n"
 
@@ -94,7 +91,7 @@ def accuracy_summary(rows: Sequence[Row]) -> str:
     lines = [plain(*_columns(measured, names))]
     off = [row for row in rows if not row["ok"]]
     if any(row["knee"] for row in rows):
-        lines.append("* the knee: beyond it a smaller error costs more than it did before")
+        lines.append("* the knee: beyond it a smaller error costs more")
     lines += [f"off: {row['scene']}, {_mesh(row)}: {row['note'] or _why(row)}" for row in off]
     return "\n".join(lines)
 
