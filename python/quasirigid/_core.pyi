@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._units import LengthUnit
 from .skin.product import Material
-from .skin.response import Response
+from .skin.response import GaussianCorrected, GivenMatrix, HalfSpace, Layer
 
 __all__ = [
     "Accuracy",
@@ -105,7 +105,11 @@ class Obstacle:
     def cylinder(half_height: float, radius: float) -> Obstacle: ...
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> Obstacle: ...
     def with_material(
-        self, *, shear_modulus: float, poisson_ratio: float, response: Response | None = None
+        self,
+        *,
+        shear_modulus: float,
+        poisson_ratio: float,
+        response: HalfSpace | GaussianCorrected | Layer | GivenMatrix | None = None,
     ) -> Obstacle: ...
     @property
     def material(self) -> Material | None: ...

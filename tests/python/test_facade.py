@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import subprocess
 import sys
@@ -31,6 +32,17 @@ def test_dir_lists_what_a_user_may_use_and_it_is_there() -> None:
         assert getattr(qr, name) is not None
     for hidden in ("annotations", "skin", "lcp", "matrix", "errors", "surface", "TYPE_CHECKING"):
         assert hidden not in names
+
+
+def test_types_of_public_signatures_can_be_imported() -> None:
+    for module, names in {
+        "contact": ("SweepProgress", "Warned"),
+        "evaluation": ("TableProgress",),
+        "hand": ("Bone", "PalmFrame", "Pose", "Preset", "Side"),
+        "skin": ("Progress",),
+    }.items():
+        known = vars(importlib.import_module(f"quasirigid.{module}"))
+        assert not set(names) - known.keys()
 
 
 def test_pictures_are_imported_when_somebody_asks() -> None:

@@ -14,4 +14,6 @@ from .press import solve_contact as solve_contact
 from .result import Contact as Contact
 from .result import ContactError as ContactError
 from .sweep import Sweep as Sweep
+from .sweep import SweepProgress as SweepProgress
 from .sweep import sweep as sweep
+from .warned import Warned as Warned

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._check import as_share, real_or_nan, short
 from ..errors import HandError, QuasirigidWarning
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 __all__ = ["PRESETS", "Mixed", "Pose", "Preset", "mix"]
 
 Preset = Literal["flat", "open", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"]
-Pose: TypeAlias = "Preset | Mapping[str, float | Mapping[str, float]] | ArrayLike | Mixed"
 
 _ANGLES = ("flexion", "abduction", "twist")
 
@@ -87,6 +87,12 @@ class Mixed:
     first: Pose
     second: Pose
     share: float
+
+
+Pose: TypeAlias = (
+    Preset | Mapping[str, float | Mapping[str, float]] | NDArray[Any] | Sequence[Sequence[float]] | Mixed
+)
+"""A pose as `Hand.posed` takes it."""
 
 
 def mix(first: Pose, second: Pose, share: float) -> Mixed:

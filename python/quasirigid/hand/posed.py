@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .hand import Hand
     from .rotations import Floats
 
-__all__ = ["PosedHand"]
+__all__ = ["PalmFrame", "PosedHand"]
 
 _OFF_PALM = ("back", "wrist")
 _PALM_JOINTS = (

@@ -5,6 +5,7 @@ from .cut_out import cut_out as cut_out
 from .elastic import ElasticSkin as ElasticSkin
 from .load import load_prepared as load_prepared
 from .prepared import PreparedSkin as PreparedSkin
+from .progress import Progress as Progress
 from .response import Body as Body
 from .response import Discretization as Discretization
 from .response import GaussianCorrected as GaussianCorrected

@@ -11,7 +11,7 @@ from .. import _core
 from ..errors import ResponseError, ResponseRangeWarning
 from .core import Material as Constants
 from .core import build_kernel
-from .response import Body, GivenMatrix, HalfSpace, Layer, PressureBasis, Response
+from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, PressureBasis, Response
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,7 +34,7 @@ class Material(NamedTuple):
 
     shear_modulus: float
     poisson_ratio: float
-    response: Response
+    response: HalfSpace | GaussianCorrected | Layer | GivenMatrix
 
 
 def product_skin(
