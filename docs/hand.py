@@ -48,7 +48,7 @@ a mesh with its rig.
 
 ![Regions of the MakeHuman hand from the palm, the back and aslant](hand_regions.png)
 
-`hand.labels` of a scanned hand (MakeHuman, CC0; 53,000 vertices), one colour each, and its joints as dots.
+`hand.labels` of a scanned hand (MakeHuman, CC0; 53,000 vertices), one color each, and its joints as dots.
 Phalanges end in the plane through a joint that halves its bend. `qr.plot.hand_figure(posed, regions=True)`
 draws this for any hand.
 

@@ -15,7 +15,7 @@ from PIL import Image
 from quasirigid.plot import View, plot_footprint, plot_section
 from quasirigid.plot.section import cut_lines, joined
 from quasirigid.plot.shading import lit_skin
-from quasirigid.plot.style import AFTER, BEFORE, INK, PRODUCT, PRODUCT_EDGE, colour_bar, pressure_colours
+from quasirigid.plot.style import AFTER, BEFORE, INK, PRODUCT, PRODUCT_EDGE, color_bar, pressure_colors
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -25,12 +25,12 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
-LARGEST = 195_000  # bytes of a picture in full colours
+LARGEST = 195_000  # bytes of a picture in full colors
 X, Y, Z = np.eye(3)
 GREY = LinearSegmentedColormap.from_list("product", ["#aab2bd", "#aab2bd"])
-HALF_COLOUR = "#2f6f9f"
-COLOURS = {
-    "half-space": HALF_COLOUR,
+HALF_COLOR = "#2f6f9f"
+COLORS = {
+    "half-space": HALF_COLOR,
     "Gaussian, balanced": "#5b8c3a",
     "printed constants": "#7a4fa3",
     "body": AFTER,
@@ -54,7 +54,7 @@ def draw_kernels(k: float, height: float, width: float, cutoff: float) -> dict[s
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.4), layout="constrained")
     r = np.linspace(0.8e-3, 20e-3, 600)
     f, g = k / r, height * np.exp(-(r**2) / (2 * width**2))
-    left.plot(r * 1e3, f * 1e3, color=HALF_COLOUR, label="f, half-space")
+    left.plot(r * 1e3, f * 1e3, color=HALF_COLOR, label="f, half-space")
     left.plot(r * 1e3, g * 1e3, color=BEFORE, linestyle="--", label="g, Gaussian")
     left.plot(r * 1e3, (f - g) * 1e3, color=AFTER, linewidth=2.0, label="f - g")
     left.axhline(0.0, color=INK, linewidth=0.6)
@@ -70,8 +70,8 @@ def draw_kernels(k: float, height: float, width: float, cutoff: float) -> dict[s
     cut = 2 * np.pi * bessel @ (k - height * s * np.exp(-(s**2) / (2 * width**2))) * (cutoff / 3000)
     endless = 2 * np.pi * (k / number - height * width**2 * np.exp(-((number * width) ** 2) / 2))
     bands = {}
-    for name, symbol, colour in (("cut off", cut, AFTER), ("no cutoff", endless, HALF_COLOUR)):
-        right.semilogx(wave * 1e3, symbol * number / (2 * np.pi * k), color=colour, label=name)
+    for name, symbol, color in (("cut off", cut, AFTER), ("no cutoff", endless, HALF_COLOR)):
+        right.semilogx(wave * 1e3, symbol * number / (2 * np.pi * k), color=color, label=name)
         ends = wave[np.flatnonzero(np.diff(symbol < 0.0))] * 1e3
         bands[name] = " to ".join(f"{end:.0f}" for end in ends) if len(ends) > 1 else f"{ends[0]:.0f}"
     right.axhline(0.0, color=INK, linewidth=0.6)
@@ -149,7 +149,7 @@ def draw_depths(
     extent = max(max(map(abs, (*ax.get_xlim(), *ax.get_ylim()))) for ax in grid[0, 1:])
     for ax in grid[0, 1:]:
         ax.set(xlim=(-extent, extent), ylim=(-extent, extent))
-    colour_bar(grid[0, -1], pressure_colours(), top, "pressure (kPa)", beside=True)
+    color_bar(grid[0, -1], pressure_colors(), top, "pressure (kPa)", beside=True)
     legend(figure, grid[1, -1])
     save(figure, name)
 
@@ -208,12 +208,12 @@ def close_up(
     ax.fill_between([], [], color=PRODUCT, label="product")
     lines = {"skin before": (last.surface, BEFORE, 1.1)}
     for name, contact in contacts.items():
-        lines[f"after, {name}"] = (contact.deformed, COLOURS[name], 1.4)
-    for name, (mesh, colour, thickness) in lines.items():
+        lines[f"after, {name}"] = (contact.deformed, COLORS[name], 1.4)
+    for name, (mesh, color, thickness) in lines.items():
         placed = view.project(mesh.vertices - center) * 1e3
         line = joined(cut_lines(mesh.faces, placed[:, 0], np.stack([placed[:, 1], -placed[:, 2]], axis=1)))
         style = "--" if name == "skin before" else "-"
-        ax.plot(*line.T, color=colour, linestyle=style, linewidth=thickness, label=name)
+        ax.plot(*line.T, color=color, linestyle=style, linewidth=thickness, label=name)
     ax.set(xlim=(-reach, reach), ylim=(-0.35 * reach, 0.6 * reach), aspect="equal")
     ax.set_xlabel(label, color=INK)
     ax.tick_params(labelsize=8.5, colors=INK)
@@ -224,13 +224,13 @@ def draw_sweep(curves: Mapping[str, qr.Sweep]) -> None:
     """Draw force and area over the overlap, a cross where a curve ends without an answer."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")
     for name, curve in curves.items():
-        colour = COLOURS.get(name, CURVES.get(name))
+        color = COLORS.get(name, CURVES.get(name))
         good = np.isfinite(curve.normal_force)
         for ax, values in ((left, curve.normal_force), (right, curve.contact_area * 1e6)):
-            ax.plot(curve.depth[good] * 1e3, values[good], "o-", markersize=3.5, color=colour, label=name)
+            ax.plot(curve.depth[good] * 1e3, values[good], "o-", markersize=3.5, color=color, label=name)
             if not good.all():
                 ends = int(np.flatnonzero(good)[-1])
-                ax.plot(curve.depth[ends] * 1e3, values[ends], "x", markersize=10, color=colour)
+                ax.plot(curve.depth[ends] * 1e3, values[ends], "x", markersize=10, color=color)
     left.set(xlabel="largest overlap (mm)", ylabel="force (N)", xlim=(0, 2.1), ylim=(0, 8))
     right.set(xlabel="largest overlap (mm)", ylabel="contact area (mm²)", xlim=(0, 2.1), ylim=(0, 120))
     left.legend(frameon=False, fontsize=8.5)

@@ -37,7 +37,7 @@ pub enum ObstacleError {
         first: usize,
         /// Larger face index of the first pair.
         second: usize,
-        /// Centre of the overlap of the two faces' boxes (m).
+        /// Center of the overlap of the two faces' boxes (m).
         location: [f64; 3],
     },
     /// A coordinate of a primitive is not finite or too large.

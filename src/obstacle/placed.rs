@@ -11,25 +11,25 @@ use crate::surface::checked::Surface;
 
 /// A shape filled evenly.
 struct Mass {
-    /// Centre of mass (m).
+    /// Center of mass (m).
     center: Vector3<f64>,
     /// Second moment about it, up to a factor.
     spread: Matrix3<f64>,
 }
 
 impl Obstacle {
-    /// The centre of mass of the obstacle filled evenly, in the world (m); `None` for the half-space.
+    /// The center of mass of the obstacle filled evenly, in the world (m); `None` for the half-space.
     pub fn center_of_mass(&self) -> Option<Vector3<f64>> {
         Some(self.pose_matrix().to_world(&self.mass()?.center))
     }
 
-    /// A copy in a frame: its longest principal axis along x, the shortest along z, its centre of mass over the
+    /// A copy in a frame: its longest principal axis along x, the shortest along z, its center of mass over the
     /// origin, and its lowest point at z = 0; or in first touch with a skin, coming from +z.
     ///
     /// Of the four turns that lay the axes so, the one that turns it least.
     ///
     /// * `rotation`, `translation`: from the frame to the world (m)
-    /// * `turn`: of the obstacle as it lies, in the frame, about its centre of mass
+    /// * `turn`: of the obstacle as it lies, in the frame, about its center of mass
     /// * `skin`: to be touched in place of the plane z = 0, where it may touch
     ///
     /// # Errors

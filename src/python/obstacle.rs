@@ -125,7 +125,7 @@ impl PyObstacle {
     /// Parameters
     /// ----------
     /// center : (3,) array_like
-    ///     Centre (m).
+    ///     Center (m).
     /// radius : float
     ///     Radius (m), > 0.
     ///
@@ -338,7 +338,7 @@ impl PyObstacle {
         self.inner.bounding_box().map(|bounds| vectors_out(py, &[bounds.low, bounds.high]))
     }
 
-    /// (3,) float64: centre of mass of the obstacle filled evenly (m), or None for a half-space.
+    /// (3,) float64: center of mass of the obstacle filled evenly (m), or None for a half-space.
     #[getter]
     fn center_of_mass<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
         self.inner.center_of_mass().map(|center| vector_out(py, &center))
@@ -346,7 +346,7 @@ impl PyObstacle {
 
     /// Return a copy laid into a frame, such as `PosedHand.palm`.
     ///
-    /// Its longest principal axis lies along x of the frame, the shortest along z, its centre of mass over the
+    /// Its longest principal axis lies along x of the frame, the shortest along z, its center of mass over the
     /// origin. Of the four turns that do so it takes the smallest.
     ///
     /// Parameters
@@ -357,7 +357,7 @@ impl PyObstacle {
     ///     Skin that it touches, coming from +z; for the frame of a palm, the palm's when left out. Without a
     ///     skin its lowest point is at z = 0.
     /// rotation : (3, 3) array_like, optional
-    ///     Turn of the obstacle as it lies so, in the frame, about its centre of mass, before it comes down.
+    ///     Turn of the obstacle as it lies so, in the frame, about its center of mass, before it comes down.
     ///
     /// Returns
     /// -------

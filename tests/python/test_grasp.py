@@ -70,7 +70,7 @@ def test_the_pose_gives_the_contact_again(hand, handle, held):
     assert qr.solve_contact(held.posed.surface, handle, skin(), options=AS_GIVEN).status == "solved"
 
 
-def test_the_moment_is_about_the_centre_of_mass_and_the_weight_is_what_nothing_bears(handle, held):
+def test_the_moment_is_about_the_center_of_mass_and_the_weight_is_what_nothing_bears(handle, held):
     arms = held.contact.deformed.vertices - handle.center_of_mass
     moment = -np.cross(arms, held.contact.force_vectors).sum(axis=0)
     np.testing.assert_allclose(held.net_moment, moment, rtol=1e-9)
@@ -313,7 +313,7 @@ def test_products_in_the_hand_and_skins_of_one_pose_are_refused(hand, handle):
     with pytest.raises(qr.HandError, match="stand in the product"):
         qr.close_hand(hand, qr.Obstacle.sphere(middle, 0.5), skin(), force=1.0)
     plane = qr.Obstacle.half_space([0.0, 0.0, -1.0], [0.0, 0.0, 1.0])
-    with pytest.raises(qr.HandError, match="centre of mass"):
+    with pytest.raises(qr.HandError, match="center of mass"):
         qr.close_hand(hand, plane, skin(), force=1.0)
     with pytest.raises(qr.HandError, match="belongs to one pose"):
         qr.close_hand(hand, handle, skin(qr.Body(fixed=~hand.surface.skin_mask)), force=1.0)
@@ -328,7 +328,7 @@ def test_a_product_is_laid_across_the_palm_in_touch(hand):
     np.testing.assert_allclose(np.abs(inwards), [1.0, 0.0, 0.0], atol=1e-12)
     on_palm = palm.surface.vertices[palm.surface.skin_mask]
     assert rod.signed_distance(on_palm)[0].min() == pytest.approx(0.0, abs=1e-12)
-    # Turned as it lies, it comes down onto the palm all the same, with its centre of mass over the origin.
+    # Turned as it lies, it comes down onto the palm all the same, with its center of mass over the origin.
     for turn in (
         np.diag([1.0, -1.0, -1.0]),
         [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
@@ -382,11 +382,11 @@ def test_parts_of_a_palm_and_what_is_computed_of_it_are_plain_arrays(hand, part)
         qr.Obstacle.box([0.1, 0.1, 0.1]).moved(translation=[0.1, 0.2, 0.3]),
     ],
 )
-def test_a_centre_of_mass_is_the_middle_of_what_is_symmetric(solid):
+def test_a_center_of_mass_is_the_middle_of_what_is_symmetric(solid):
     np.testing.assert_allclose(solid.center_of_mass, [0.1, 0.2, 0.3], atol=1e-15)
 
 
-def test_the_centre_of_mass_of_a_cone_is_a_quarter_up():
+def test_the_center_of_mass_of_a_cone_is_a_quarter_up():
     angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
     rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(60)])
     vertices = np.vstack([rim, [[0.0, 0.0, 0.0], [0.0, 0.0, 2.0]]]) + np.array([3.0, 0.0, 0.0])

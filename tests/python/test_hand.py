@@ -689,7 +689,7 @@ def test_a_rig_of_other_things_is_named(tmp_path: Path, change: dict[str, Any], 
         qr.read_hand(mesh, rig=rig)
 
 
-def test_a_picture_shows_each_region_in_a_colour_of_its_own_and_the_joints() -> None:
+def test_a_picture_shows_each_region_in_a_color_of_its_own_and_the_joints() -> None:
     colors = pytest.importorskip("matplotlib.colors")
     posed = qr.models.hand(edge_length=4e-3).posed("flat")
     plain, regions = (

@@ -56,7 +56,7 @@ def grasp(
     shift: Annotated[
         str,
         typer.Option(
-            help="Shift of the product from the palm's centre along x and y, as in 0,10,0mm, and along z from"
+            help="Shift of the product from the palm's center along x and y, as in 0,10,0mm, and along z from"
             " where it touches."
         ),
     ] = "0,0,0mm",

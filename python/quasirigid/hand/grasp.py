@@ -68,7 +68,7 @@ class Grasp(Frozen):
     net_force : (3,) float64
         Force of the hand on the product (N).
     net_moment : (3,) float64
-        Moment of the hand on the product about its centre of mass (N m).
+        Moment of the hand on the product about its center of mass (N m).
     unbalanced_force, unbalanced_moment : (3,) float64 or None
         The same with the product's weight (N, N m): what something else must bear. None without
         `product_mass`.
@@ -187,7 +187,7 @@ def close_hand(
     product_mass : float, optional
         Mass of the product (kg).
     center_of_mass : (3,) array_like, optional
-        Its centre of mass (m); that of the obstacle filled evenly when left out.
+        Its center of mass (m); that of the obstacle filled evenly when left out.
     gravity : (3,) array_like
         Acceleration of free fall (m/s^2).
     options : ContactOptions, optional
@@ -326,5 +326,5 @@ def _middle_of(obstacle: Obstacle, center_of_mass: ArrayLike | None) -> Floats:
         return as_vector("center_of_mass", center_of_mass, HandError)
     middle = obstacle.center_of_mass
     if middle is None:
-        raise HandError("a half-space has no centre of mass: give center_of_mass")
+        raise HandError("a half-space has no center of mass: give center_of_mass")
     return middle

@@ -261,7 +261,7 @@ class Hand(Frozen):
         path : path
             A file that ends in .glb.
         contact : Contact, optional
-            One of this hand's skin, posed or not: the mesh that was solved, with pressure as colour and as
+            One of this hand's skin, posed or not: the mesh that was solved, with pressure as color and as
             the attribute ``_PRESSURE`` (Pa), and the deformed skin as a morph target.
         """
         from .save import save_glb

@@ -41,7 +41,7 @@ _PALM_JOINTS = (
     "index-finger-phalanx-proximal",
     "pinky-finger-phalanx-proximal",
 )
-_BELOW = 5e-3  # m, below the mean of the palm's centre: inside the hand
+_BELOW = 5e-3  # m, below the mean of the palm's center: inside the hand
 _PALM_MIDDLE = 2.0 / 3.0  # of the way from the wrist to the middle knuckle
 
 
@@ -235,7 +235,7 @@ class PosedHand(Frozen):
     def palm(self) -> PalmFrame:
         """(4, 4) float64: frame of the palm (m).
 
-        Origin at the palm's centre on the skin, two thirds of the way from the wrist to the middle knuckle
+        Origin at the palm's center on the skin, two thirds of the way from the wrist to the middle knuckle
         (beyond, the digits part), +y distal, +z out of the palm, +x = y x z. It knows its skin,
         without digits: `Obstacle.placed` lays a product against that.
         """

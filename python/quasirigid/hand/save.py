@@ -86,7 +86,7 @@ def _sets(weights: Floats) -> tuple[NDArray[np.int64], Floats]:
 
 
 def _colors(pressure: Floats) -> Floats:
-    """Return colours (n, 3): skin without pressure, red at the largest."""
+    """Return colors (n, 3): skin without pressure, red at the largest."""
     largest = float(pressure.max(initial=0.0))
     share = pressure[:, None] / largest if largest > 0.0 else np.zeros((len(pressure), 1))
     colors: Floats = _UNLOADED + np.sqrt(share) * (_LOADED - _UNLOADED)

@@ -58,7 +58,7 @@ def vertex_data(contact: Contact) -> dict[str, NDArray[Any]]:
         "pressure": contact.pressure,
         "node_force": contact.node_force,
         "force": contact.force_vectors,
-        # Infinite beyond the search distance, which no colour bar can show.
+        # Infinite beyond the search distance, which no color bar can show.
         "gap": np.where(np.isfinite(contact.gap), contact.gap, np.nan),
         "displacement": contact.displacement,
         **flags,

@@ -73,7 +73,7 @@ def digit_table(grasp: Grasp) -> str:
     if grasp.posed.crossings:
         lines.append(f"the hand crosses itself: {in_words(grasp.posed.crossings)}")
     net, moment = _length(grasp.net_force), _length(grasp.net_moment)
-    lines.append(f"hand on product: {net:.4g} N, {moment:.4g} N m about its centre of mass")
+    lines.append(f"hand on product: {net:.4g} N, {moment:.4g} N m about its center of mass")
     if grasp.unbalanced_force is not None and grasp.unbalanced_moment is not None:
         force, moment = _length(grasp.unbalanced_force), _length(grasp.unbalanced_moment)
         lines.append(f"out of balance with its weight: {force:.4g} N, {moment:.4g} N m")

@@ -42,10 +42,10 @@ def sweep_figure(sweep: Sweep) -> Figure:
     )
     good = np.flatnonzero(np.isfinite(sweep.normal_force) & np.isfinite(sweep.depth))
     order = good[np.argsort(sweep.depth[good], kind="stable")]
-    for ax, (label, values, errors, colour) in zip(figure.subplots(1, 2), curves, strict=True):
+    for ax, (label, values, errors, color) in zip(figure.subplots(1, 2), curves, strict=True):
         bars = np.nan_to_num(errors[order]) * np.abs(values[order])
         ax.errorbar(
-            sweep.depth[order] * MM, values[order], bars, color=colour, marker="o", markersize=4, capsize=2
+            sweep.depth[order] * MM, values[order], bars, color=color, marker="o", markersize=4, capsize=2
         )
         ax.set_xlabel("depth (mm)", color=INK)
         ax.set_ylabel(label, color=INK)

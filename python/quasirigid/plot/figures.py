@@ -11,7 +11,7 @@ from .._units import KPA, MM
 from .footprint import plot_footprint
 from .section import plot_section
 from .skin import plot_skin
-from .style import INK, colour_bar, new_figure, pressure_colours
+from .style import INK, color_bar, new_figure, pressure_colors
 from .view import View, pad_view
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     axes[0].set_xlim(-reach, reach)
     axes[0].set_ylim(-reach, reach)
     if top > 0.0:
-        colour_bar(axes[-1], pressure_colours(), top, "pressure (kPa)", beside=True)
+        color_bar(axes[-1], pressure_colors(), top, "pressure (kPa)", beside=True)
     return figure
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from .._units import KPA, MM
 from .outline import contact_side
-from .style import FAINT, INK, axes_or_new, colour_bar, pressure_colours, round_steps
+from .style import FAINT, INK, axes_or_new, color_bar, pressure_colors, round_steps
 from .view import View, pad_view
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ def plot_footprint(
     view : View, optional
         The view whose `right` and `up` span the plane; `pad_view` when left out.
     with_colour_bar : bool
-        False where a colour bar of the same scale stands beside.
+        False where a color bar of the same scale stands beside.
     top : float, optional
-        Pressure (kPa) at the dark end of the colours; the contact's own largest when left out.
+        Pressure (kPa) at the dark end of the colors; the contact's own largest when left out.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def plot_footprint(
     ax.set_xlim(low[0] - margin, high[0] + margin)
     ax.set_ylim(low[1] - margin, high[1] + margin)
     if with_colour_bar:
-        colour_bar(ax, pressure_colours(), top, "pressure (kPa)", beside=True)
+        color_bar(ax, pressure_colors(), top, "pressure (kPa)", beside=True)
     return ax
 
 
@@ -98,10 +98,10 @@ def _facing(plane: Floats, faces: Indices, low: Floats, high: Floats) -> Indices
 
 
 def _draw_pressure(ax: Axes, net: Triangulation, pressure: Floats, top: float, contact: Contact) -> None:
-    """Draw mesh, colours up to `top` (kPa), steps, outline and the center of pressure."""
+    """Draw mesh, colors up to `top` (kPa), steps, outline and the center of pressure."""
     ax.triplot(net, color="#e3e5e9", linewidth=0.4, zorder=0)
     filled = ax.tricontourf(
-        net, pressure.clip(0.0, top), levels=np.linspace(0.0, top, 65), cmap=pressure_colours(), zorder=1
+        net, pressure.clip(0.0, top), levels=np.linspace(0.0, top, 65), cmap=pressure_colors(), zorder=1
     )
     steps = [level for level in round_steps(top) if level < 0.97 * top]
     lines = ax.tricontour(net, pressure, levels=steps, colors="white", linewidths=0.6, alpha=0.75, zorder=2)

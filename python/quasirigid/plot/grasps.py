@@ -9,7 +9,7 @@ import numpy as np
 from .._units import KPA, MM
 from .outline import contact_side
 from .shading import SKIN, lit_skin
-from .style import PRODUCT, colour_bar, new_figure, pressure_colours, scale_bar, window_around
+from .style import PRODUCT, color_bar, new_figure, pressure_colors, scale_bar, window_around
 from .view import View
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def grasp_figure(grasp: Grasp) -> Figure:
     panels = figure.subplots(1, len(_PANELS))
     for ax, (title, sight, with_product) in zip(panels, _PANELS, strict=True):
         view = View.along(_mirrored(grasp, sight) @ palm[:3, :3].T, palm[:3, 1])
-        points, corners, values, coloured = vertices, faces, pressure * KPA, inside
+        points, corners, values, colored = vertices, faces, pressure * KPA, inside
         base = np.broadcast_to(SKIN, vertices.shape)
         if with_product and product is not None:
             count = len(product[0])
@@ -63,18 +63,18 @@ def grasp_figure(grasp: Grasp) -> Figure:
                 np.vstack([vertices, product[0]]),
                 np.vstack([faces, product[1] + len(vertices)]),
             )
-            values, coloured = np.append(values, np.zeros(count)), np.append(inside, np.zeros(count))
+            values, colored = np.append(values, np.zeros(count)), np.append(inside, np.zeros(count))
             base = np.vstack([base, np.broadcast_to(_rgb(PRODUCT), (count, 3))])
         window = window_around(view.project(points) * MM)
         picture = lit_skin(
-            points * MM, corners, view, values, coloured, pressure_colours(), window, _PIXELS, base=base
+            points * MM, corners, view, values, colored, pressure_colors(), window, _PIXELS, base=base
         )
         ax.imshow(picture, extent=window, interpolation="antialiased")
         ax.set_axis_off()
         ax.set_title(title)
         scale_bar(ax, window)
     if pressure.max(initial=0.0) > 0.0:
-        colour_bar(panels[-1], pressure_colours(), float(pressure.max()) * KPA, "pressure (kPa)")
+        color_bar(panels[-1], pressure_colors(), float(pressure.max()) * KPA, "pressure (kPa)")
     return figure
 
 
@@ -84,5 +84,5 @@ def _mirrored(grasp: Grasp, sight: tuple[float, float, float]) -> Floats:
     return np.array([x if grasp.posed.hand.side == "right" else -x, y, z])
 
 
-def _rgb(colour: str) -> Floats:
-    return np.array([int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)])
+def _rgb(color: str) -> Floats:
+    return np.array([int(color[at : at + 2], 16) / 255.0 for at in (1, 3, 5)])

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import HandError
 from .shading import lit_skin
-from .style import new_figure, pressure_colours
+from .style import new_figure, pressure_colors
 from .view import View
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def hand_figure(
     views : sequence of {"palm", "back", "aslant"}
         Sides to look from.
     regions : bool
-        Each region of the skin in a colour of its own, and dots where the joints are.
+        Each region of the skin in a color of its own, and dots where the joints are.
 
     Returns
     -------
@@ -72,11 +72,11 @@ def hand_figure(
     figure = new_figure((scale * sum(widths), _INCHES + 0.3))
     axes = figure.subplots(1, len(drawn), width_ratios=widths, squeeze=False)[0]
     nothing = np.zeros(len(skin.vertices))
-    base = _colour_of_each(hand.labels) if regions else None
+    base = _color_of_each(hand.labels) if regions else None
     for ax, (name, view, (left, right, _, _)) in zip(axes, drawn, strict=True):
         window = (left, right, lowest, highest)
         picture = lit_skin(
-            skin.vertices, skin.faces, view, nothing, nothing, pressure_colours(), window, _HEIGHT, base=base
+            skin.vertices, skin.faces, view, nothing, nothing, pressure_colors(), window, _HEIGHT, base=base
         )
         ax.imshow(picture, extent=window)
         if regions:
@@ -88,9 +88,9 @@ def hand_figure(
     return figure
 
 
-def _colour_of_each(labels: NDArray[np.str_]) -> Floats:
-    """Return colours (n, 3) by label, those of labels that follow each other far apart."""
+def _color_of_each(labels: NDArray[np.str_]) -> Floats:
+    """Return colors (n, 3) by label, those of labels that follow each other far apart."""
     names, of_vertex = np.unique(labels, return_inverse=True)
     golden = 0.5 * (np.sqrt(5.0) - 1.0)
-    colours = np.array([colorsys.hsv_to_rgb(golden * at % 1.0, 0.5, 0.95) for at in range(len(names))])
-    return colours[of_vertex]
+    colors = np.array([colorsys.hsv_to_rgb(golden * at % 1.0, 0.5, 0.95) for at in range(len(names))])
+    return colors[of_vertex]

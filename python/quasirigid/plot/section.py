@@ -63,8 +63,8 @@ def plot_section(
     if bone is not None:
         _draw_bone(ax, _cut(bone.vertices, bone.faces, center, view))
     styles = [(BEFORE, 1.1, (0, (3.5, 2.0)), "skin before"), (AFTER, 2.0, "solid", "skin after")]
-    for segments, (colour, thickness, dashes, name) in zip(cuts, styles, strict=True):
-        _draw_cut(ax, segments, colour, thickness, dashes, name)
+    for segments, (color, thickness, dashes, name) in zip(cuts, styles, strict=True):
+        _draw_cut(ax, segments, color, thickness, dashes, name)
     moved = contact.obstacle.material is not None
     ax.fill_between([], [], color=PRODUCT, label="product before" if moved else "product")
     if moved and contact.deformed_obstacle is not None:
@@ -131,10 +131,10 @@ def _section_window(cut: Floats, center: Floats) -> Window:
     return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 3.0 * rim, float(high[1]) + 2.0 * rim
 
 
-def _draw_cut(ax: Axes, segments: Floats, colour: str, thickness: float, dashes: Any, name: str) -> None:
+def _draw_cut(ax: Axes, segments: Floats, color: str, thickness: float, dashes: Any, name: str) -> None:
     # Joined by nan, so that dashes run on along the line and not anew in each triangle.
     line = joined(segments)
-    ax.plot(line[:, 0], line[:, 1], color=colour, linewidth=thickness, linestyle=dashes, label=name, zorder=3)
+    ax.plot(line[:, 0], line[:, 1], color=color, linewidth=thickness, linestyle=dashes, label=name, zorder=3)
 
 
 def cut_lines(faces: Indices, offset: Floats, plane: Floats) -> Floats:

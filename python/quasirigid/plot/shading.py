@@ -23,16 +23,16 @@ def lit_skin(
     view: View,
     values: Floats,
     inside: Floats,
-    colours: Colormap,
+    colors: Colormap,
     window: Window,
     height: int,
     *,
     base: Floats | None = None,
 ) -> Floats:
-    """Return a picture (height, width, 4) of the lit skin, in colour where `inside` (n,) is above 0.
+    """Return a picture (height, width, 4) of the lit skin, in color where `inside` (n,) is above 0.
 
-    `values` (n,) pick the colour, from 0 to their largest; `window` is in the unit of `vertices`; `base`
-    (n, 3) is the colour elsewhere, that of skin when left out.
+    `values` (n,) pick the color, from 0 to their largest; `window` is in the unit of `vertices`; `base`
+    (n, 3) is the color elsewhere, that of skin when left out.
     """
     width = max(1, round(height * (window[1] - window[0]) / (window[3] - window[2])))
     frame = rasterise(view.project(vertices), faces, window, width * SAMPLES, height * SAMPLES)
@@ -49,15 +49,15 @@ def lit_skin(
 
     largest = float(values.max()) if values.max() > 0.0 else 1.0
     share = np.clip(frame.interpolate(faces, values) / largest, 0.0, 1.0)
-    # Colours stay close to those of the colour bar: a part of the shading only, no shine.
-    mapped = colours(share)[:, :3] * np.clip(0.66 + 0.36 * brightness, 0.0, 1.03)[:, None]
-    coloured = frame.interpolate(faces, inside) > 0.0
+    # Colors stay close to those of the color bar: a part of the shading only, no shine.
+    mapped = colors(share)[:, :3] * np.clip(0.66 + 0.36 * brightness, 0.0, 1.03)[:, None]
+    colored = frame.interpolate(faces, inside) > 0.0
     bare = SKIN if base is None else frame.interpolate(faces, base)
-    colour = np.where(coloured[:, None], mapped, bare * brightness[:, None] + shine[:, None])
+    color = np.where(colored[:, None], mapped, bare * brightness[:, None] + shine[:, None])
     picture = np.zeros((height * width * SAMPLES**2, 4))
-    picture[frame.pixel, :3] = np.clip(colour, 0.0, 1.0)
+    picture[frame.pixel, :3] = np.clip(color, 0.0, 1.0)
     picture[frame.pixel, 3] = 1.0
-    # Average of the drawn pixels, the colour over the covered ones only so that rims do not darken.
+    # Average of the drawn pixels, the color over the covered ones only so that rims do not darken.
     summed = picture.reshape(height, SAMPLES, width, SAMPLES, 4).sum(axis=(1, 3))
     summed[..., :3] /= np.maximum(summed[..., 3:], 1.0)
     summed[..., 3] /= SAMPLES**2

@@ -1,4 +1,4 @@
-"""The skin in light, coloured by overlap or pressure."""
+"""The skin in light, colored by overlap or pressure."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from .._units import KPA, MM
 from .outline import contact_side
 from .shading import lit_skin
-from .style import axes_or_new, colour_bar, overlap_colours, pressure_colours, scale_bar, window_around
+from .style import axes_or_new, color_bar, overlap_colors, pressure_colors, scale_bar, window_around
 from .view import View, pad_view
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def plot_skin(
     view: View | None = None,
     pixels: int = 800,
 ) -> Axes:
-    """Draw the lit skin, coloured by what it carries.
+    """Draw the lit skin, colored by what it carries.
 
     Parameters
     ----------
@@ -54,18 +54,18 @@ def plot_skin(
     if show == "pressure":
         vertices = contact.deformed.vertices
         pressure = np.nan_to_num(contact.pressure)
-        values, colours, label = pressure * KPA, pressure_colours(), "pressure (kPa)"
+        values, colors, label = pressure * KPA, pressure_colors(), "pressure (kPa)"
         inside = contact_side(vertices, faces, pressure, contact.gap)
     else:
         vertices = contact.surface.vertices
         distance = contact.obstacle.signed_distance(vertices)[0]
         inside = np.where(contact.surface.skin_mask, -distance, -np.abs(distance))
-        values, colours, label = inside.clip(0.0) * MM, overlap_colours(), "depth inside the product (mm)"
+        values, colors, label = inside.clip(0.0) * MM, overlap_colors(), "depth inside the product (mm)"
     window = window_around(view.project(vertices) * MM)
-    picture = lit_skin(vertices * MM, faces, view, values, inside, colours, window, pixels)
+    picture = lit_skin(vertices * MM, faces, view, values, inside, colors, window, pixels)
     ax.imshow(picture, extent=window, interpolation="antialiased")
     ax.set_axis_off()
     scale_bar(ax, window)
     if values.max() > 0.0:
-        colour_bar(ax, colours, float(values.max()), label)
+        color_bar(ax, colors, float(values.max()), label)
     return ax

@@ -1,4 +1,4 @@
-"""What all pictures share: figures, colours, frames, scale and colour bars."""
+"""What all pictures share: figures, colors, frames, scale and color bars."""
 
 from __future__ import annotations
 
@@ -41,17 +41,17 @@ def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
     return new_figure(size).subplots() if ax is None else ax
 
 
-def pressure_colours() -> Colormap:
-    """Return colours from pale to dark, perceptually even; pale joins the colour of the skin."""
-    return _colour_range("magma_r", 0.06, 0.84)
+def pressure_colors() -> Colormap:
+    """Return colors from pale to dark, perceptually even; pale joins the color of the skin."""
+    return _color_range("magma_r", 0.06, 0.84)
 
 
-def overlap_colours() -> Colormap:
-    """Return colours for depths, which nobody takes for pressures."""
-    return _colour_range("GnBu", 0.12, 1.0)
+def overlap_colors() -> Colormap:
+    """Return colors for depths, which nobody takes for pressures."""
+    return _color_range("GnBu", 0.12, 1.0)
 
 
-def _colour_range(name: str, low: float, high: float) -> Colormap:
+def _color_range(name: str, low: float, high: float) -> Colormap:
     import matplotlib
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -81,15 +81,15 @@ def scale_bar(ax: Axes, window: Window) -> None:
     )  # fmt: skip
 
 
-def colour_bar(ax: Axes, colours: Colormap, largest: float, label: str, *, beside: bool = False) -> None:
-    """Draw a colour bar from 0 to `largest`, under the picture or beside it, its label with the unit."""
+def color_bar(ax: Axes, colors: Colormap, largest: float, label: str, *, beside: bool = False) -> None:
+    """Draw a color bar from 0 to `largest`, under the picture or beside it, its label with the unit."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
     figure = ax.get_figure()
     assert figure is not None, "axes that are drawn on belong to a figure"
     bar = figure.colorbar(
-        ScalarMappable(Normalize(0.0, largest), colours),
+        ScalarMappable(Normalize(0.0, largest), colors),
         ax=ax,
         location="right" if beside else "bottom",
         shrink=0.78,

@@ -54,14 +54,14 @@ def accuracy_figure(rows: Sequence[Row]) -> Figure:
 
 
 def _draw(ax: Axes, curves: Mapping[str, Sequence[Row]], error: str) -> None:
-    colours = {"refined": AFTER, "collocation": INK, "galerkin": BEFORE}
+    colors = {"refined": AFTER, "collocation": INK, "galerkin": BEFORE}
     for (label, rows), marker in zip(curves.items(), "os^Dv<>", strict=False):
-        colour = next((value for key, value in colours.items() if key in label), FAINT)
+        color = next((value for key, value in colors.items() if key in label), FAINT)
         ax.loglog(
             [1e3 * row["seconds"] for row in rows],
             [100 * abs(row[error]) for row in rows],
             marker=marker,
-            color=colour,
+            color=color,
             label=label,
             linestyle="--" if label.startswith("tamaas") else "-",
             linewidth=2.2 if label == "refined, collocation" else 1.2,
