@@ -124,6 +124,13 @@ class Grasp(Frozen):
         tuple of Path
             What `Contact.save` writes, grasp.json (pose, digits, regions, balance), hand.glb (`Hand.save`)
             and grasp.png.
+
+        Raises
+        ------
+        MissingExtraError
+            If pictures are asked for and matplotlib is not installed.
+        OSError
+            If the folder cannot be written to.
         """
         from ..io.grasps import save_grasp
 

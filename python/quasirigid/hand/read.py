@@ -60,7 +60,7 @@ def read_hand(
     Warns
     -----
     SizeWarning
-        The hand is as large as none: its file has another unit.
+        The hand is shorter than 0.05 m or longer than 0.4 m, from wrist to middle tip: check the unit.
 
     Notes
     -----
