@@ -385,3 +385,15 @@ def test_skin_that_was_inside_is_not_let_through(
     assert contact.max_penetration_before > 0.0
     assert contact.force[2] > 0.0
     assert contact.candidates.size
+
+
+def test_a_product_that_slid_past_the_skin_presses_no_more() -> None:
+    surface = qr.Surface(*ball(8e-3, 4))
+    center = surface.vertices.mean(axis=0)
+    # 0.3 mm of overlap at the lowest point.
+    start = qr.Obstacle.sphere(center + np.array([-30e-3, 0, -10.7e-3]), 3e-3)
+    grazing = qr.press(surface, start, SKIN, [1, 0, 0], depth=3e-3)
+    there = qr.solve_contact(surface, grazing.obstacle, SKIN)
+    assert grazing.force[2] > 0.05
+    np.testing.assert_allclose(grazing.force, there.force, rtol=1e-6, atol=1e-9)
+    assert qr.press(surface, start, SKIN, [1, 0, 0], depth=6e-3).status == "no_contact"

@@ -23,8 +23,8 @@ pub(crate) const OTHER_SIDE: f64 = 0.5;
 
 /// How skin came into the obstacle.
 pub(crate) enum WayIn<'a> {
-    /// Against the travel of a press.
-    Press(&'a Travel),
+    /// Against the travel of a press, of points on skin that faces it or is passed by.
+    Press { travel: &'a Travel, faces: Vec<bool> },
     /// Along its inward unit normals, one for each point, from no farther than `reach` (m).
     Inward { normals: Vec<Vector3<f64>>, reach: f64 },
 }
@@ -33,23 +33,34 @@ impl<'a> WayIn<'a> {
     /// Of skin with outward unit normals under a scene.
     pub fn new(scene: &'a Scene, outward: impl Iterator<Item = Vector3<f64>>, reach: f64) -> Self {
         match &scene.press {
-            Some(travel) => Self::Press(travel),
+            Some(travel) => {
+                let faces = outward.map(|normal| normal.dot(&travel.direction) < -OTHER_SIDE).collect();
+                Self::Press { travel, faces }
+            }
             None => Self::Inward { normals: outward.map(|normal| -normal).collect(), reach },
         }
     }
 
     fn direction(&self, point: usize) -> Vector3<f64> {
         match self {
-            Self::Press(travel) => travel.direction,
+            Self::Press { travel, .. } => travel.direction,
             Self::Inward { normals, .. } => normals[point],
+        }
+    }
+
+    /// Whether the obstacle may have come through the skin at a point, and did not slide past it.
+    fn may_pass(&self, point: usize) -> bool {
+        match self {
+            Self::Press { faces, .. } => faces[point],
+            Self::Inward { .. } => true,
         }
     }
 
     /// How far back the way of a point (m) goes at the most; inside the obstacle none is deeper.
     fn reach(&self, point: &Vector3<f64>, is_inside: bool) -> f64 {
         match self {
-            Self::Press(travel) if is_inside => travel.deepest,
-            Self::Press(travel) => travel.way_to(point),
+            Self::Press { travel, .. } if is_inside => travel.deepest,
+            Self::Press { travel, .. } => travel.way_to(point),
             Self::Inward { reach, .. } => *reach,
         }
     }
@@ -62,7 +73,9 @@ impl<'a> WayIn<'a> {
         directions: &[Vector3<f64>],
     ) -> Result<Vec<Option<f64>>, ContactError> {
         Ok(match self {
-            Self::Press(travel) => obstacle.entry_distances(points, &travel.direction, travel.deepest)?,
+            Self::Press { travel, .. } => {
+                obstacle.entry_distances(points, &travel.direction, travel.deepest)?
+            }
             Self::Inward { reach, .. } => obstacle.farthest_surfaces(points, directions, *reach)?,
         })
     }
@@ -100,6 +113,7 @@ pub(crate) fn measure_entries(
     let reach = |row: usize| way_in.reach(&points[row], gaps.distance[row] < 0.0);
     let suspects: Vec<usize> = (0..gaps.distance.len())
         .filter(|&row| may_touch(row) && gaps.distance[row] < reach(row))
+        .filter(|&row| gaps.distance[row] < 0.0 || way_in.may_pass(row))
         .filter(|&row| cosine(row) < if gaps.distance[row] < 0.0 { OTHER_SIDE } else { FACING_BACK })
         .collect();
     if suspects.is_empty() {
@@ -124,7 +138,7 @@ pub(crate) fn measure_entries(
     for (row, (vertex, way)) in met.into_iter().enumerate() {
         let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
         let advance = entry.dot(&way_in.direction(vertex));
-        let faces_back = normal.dot(&way_in.direction(vertex)) < FACING_BACK;
+        let faces_back = normal.dot(&way_in.direction(vertex)) < FACING_BACK && way_in.may_pass(vertex);
         if normal.dot(&entry) >= OTHER_SIDE && !faces_back || advance <= 0.0 {
             continue;
         }
@@ -155,7 +169,7 @@ mod tests {
         let points = [arm, -arm].map(|x| rotation * Vector3::new(x, 0.0, -1.2e-3));
         let travel = Travel { direction: up, depth: 1e-3, turned: Some(turn), deepest: 0.02 };
         let mut gaps = Measured::near(&points, &plate, 0.01, None).expect("points");
-        let way_in = WayIn::Press(&travel);
+        let way_in = WayIn::Press { travel: &travel, faces: vec![true; 2] };
         measure_entries(&points, |_| true, &plate, &way_in, &mut gaps).expect("points");
         // Back to the upper face, along its normal.
         let expected = [-1.4e-3, 1e-3];
