@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import pickle
@@ -197,12 +198,39 @@ def test_parts_and_means_survive_a_pickle(contact: qr.Contact, fingertip: qr.Sur
     assert copied.mean_pressure(1e-5) == contact.mean_pressure(1e-5)
 
 
-@pytest.mark.parametrize("area", [1e-6, 1e-5, 1e-4, 1.0])
+def shared_area(distance: np.ndarray, one: float, other: np.ndarray) -> np.ndarray:
+    """Area that two circles share, by their radii."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        chords = [(distance**2 + r**2 - s**2) / (2 * distance) for r, s in ((one, other), (other, one))]
+        halves = [np.arccos((chord / r).clip(-1, 1)) for chord, r in zip(chords, (one, other), strict=True)]
+        lens = sum(r**2 * (a - np.sin(2 * a) / 2) for r, a in zip((one, other), halves, strict=True))
+    inner = np.minimum(one, other)
+    within = np.where(distance <= np.maximum(one, other) - inner, math.pi * inner**2, lens)
+    return np.where(distance >= one + other, 0.0, within)
+
+
+@pytest.mark.parametrize("area", [1e-7, 1e-6, 1e-5, 1e-4, 1.0])
 def test_a_mean_is_the_largest_of_all_discs(contact: qr.Contact, area: float) -> None:
     force, place = contact.node_force[contact.active], contact.surface.vertices[contact.active]
     distance = np.linalg.norm(place[:, None] - place[None], axis=2)
-    expected = ((distance <= math.sqrt(area / math.pi)) @ force).max() / area
-    assert contact.mean_pressure(area) == pytest.approx(expected, rel=1e-12)
+    alone = [contact.part(np.arange(len(contact.gap)) == vertex) for vertex in contact.active]
+    # Each force on a disc as large as its cell, no denser than the peak; cells that overlap count once.
+    cell = np.maximum([one.contact_area for one in alone], force / contact.max_pressure)
+    share = shared_area(distance, math.sqrt(area / math.pi), np.sqrt(cell / math.pi)) / cell
+    expected = (share @ force / np.maximum(share @ cell, area)).max()
+    assert contact.mean_pressure(area) == pytest.approx(expected, rel=1e-10)
+    assert contact.mean_pressure(area) <= contact.max_pressure * (1 + 1e-12)
+
+
+def test_a_mean_falls_with_the_area_wherever_the_vertices_lie() -> None:
+    product = qr.models.rounded_box(size=(0.075, 0.150, 0.009))
+    tip = qr.models.fingertip(edge_length=1e-3)
+    contact = qr.press(tip, product, SKIN, [0, 0, 1], depth=1.12e-3)
+    means = [contact.mean_pressure(1e-6 * area) / contact.max_pressure for area in (0.25, 0.5, 1, 2, 4)]
+    assert min(means) > 0.94
+    assert max(means) <= 1.0
+    assert all(later < before + 0.02 for before, later in itertools.pairwise(means))
+    assert "not resolved" not in contact.summary()
 
 
 def test_the_mean_under_a_sphere_is_that_of_hertz() -> None:
@@ -214,11 +242,10 @@ def test_the_mean_under_a_sphere_is_that_of_hertz() -> None:
     sphere = qr.Obstacle.sphere([0, 0, radius - approach], radius)
     contact = qr.solve_contact(surface, sphere, SKIN, options=AS_GIVEN)
     # Within b of the middle a sphere carries F (1 - (1 - b^2 / a^2)^(3/2)) (Johnson 1985, eq. 3.39).
-    # A disc of nodes has the area of their cells up to half of the 2 pi b / h cells at its rim: h / b of it.
-    disc = 0.7 * size
-    expected = hertz.force(approach) * (1 - (1 - 0.7**2) ** 1.5) / (math.pi * disc**2)
-    mean = contact.mean_pressure(math.pi * disc**2)
-    assert mean == pytest.approx(expected, rel=1 / (0.7 * cells))
+    for share in (0.05, 0.1, 0.2, 0.49, 0.8, 1.0, 1.4, 2.0):
+        disc = share * math.pi * size**2
+        expected = hertz.force(approach) * (1 - (1 - min(share, 1.0)) ** 1.5) / disc
+        assert contact.mean_pressure(disc) == pytest.approx(expected, rel=0.02)
     # All of the contact lies in a large disc.
     large = math.pi * (2.5 * size) ** 2
     assert contact.mean_pressure(large) == pytest.approx(contact.node_force.sum() / large, rel=1e-12)

@@ -195,9 +195,10 @@ class Contact(Frozen):
         -------
         float
             Node forces within ``sqrt(area / pi)`` of a vertex under force, in a straight line on the
-            undeformed skin, over `area`: the largest (Pa). 0 without contact, nan where the contact did not
-            solve. Mesh cells larger than `area` leave a disc with one node, whose force is then all that
-            counts: the mean may be above `max_pressure` there, and the summary says that it is not resolved.
+            undeformed skin, over `area`: the largest (Pa). Of a node whose cell the disc cuts the share of
+            the cell inside counts. 0 without contact, nan where the contact did not solve. Within a single
+            cell nothing is known but its pressure: the summary says of an `area` smaller than the mesh's
+            cells that it is not resolved.
 
         Raises
         ------
