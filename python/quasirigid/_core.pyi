@@ -41,6 +41,7 @@ __all__ = [
     "repair",
     "response_matrix",
     "restore_obstacle",
+    "restore_surface",
     "skin_without_caps",
     "solve_contact",
     "solve_lcp",
@@ -85,7 +86,7 @@ class Surface:
     def patches(self, nodes: ArrayLike) -> list[NDArray[np.int64]]: ...
     def __reduce__(
         self,
-    ) -> tuple[type[Surface], tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]]: ...
+    ) -> tuple[Any, tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]]]: ...
 
 @final
 class Obstacle:
@@ -437,6 +438,7 @@ def response_matrix(
 def restore_obstacle(
     kind: str, shape: Any, pose: Sequence[float], material: Material | None = None, /
 ) -> Obstacle: ...
+def restore_surface(vertices: ArrayLike, faces: ArrayLike, skin_mask: ArrayLike) -> Surface: ...
 def skin_without_caps(surface: Surface) -> NDArray[np.bool_]: ...
 def solve_contact(surface: Surface, obstacle: Obstacle, skin: Skin, options: ContactOptions) -> Contact: ...
 def press(

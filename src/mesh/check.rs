@@ -100,7 +100,7 @@ fn complete(
 }
 
 /// Counts, coordinates finite and in range, indices in range.
-pub(super) fn check_elements(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), MeshError> {
+pub(crate) fn check_elements(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<(), MeshError> {
     if vertices.is_empty() || faces.is_empty() {
         return Err(MeshError::Empty { vertex_count: vertices.len(), face_count: faces.len() });
     }

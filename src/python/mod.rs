@@ -54,7 +54,7 @@ mod _core {
     #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
-    use super::surface::{PySurface, find_crossings, repair, skin_without_caps};
+    use super::surface::{PySurface, find_crossings, repair, restore_surface, skin_without_caps};
 
     use pyo3::prelude::*;
 
@@ -95,6 +95,7 @@ mod _core {
                 "repair",
                 "response_matrix",
                 "restore_obstacle",
+                "restore_surface",
                 "skin_without_caps",
                 "solve_contact",
                 "solve_lcp",

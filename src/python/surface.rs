@@ -8,6 +8,7 @@ use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
 use crate::geometry::bounds::is_within_range;
 use crate::geometry::rigid_motion;
+use crate::mesh::check::check_elements;
 use crate::mesh::{self, RepairOptions};
 use crate::surface::Surface;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -302,15 +303,38 @@ impl PySurface {
         )
     }
 
-    /// Arguments that make the same surface again: pickling, copying.
+    /// What makes the same surface again: pickling, copying.
     #[expect(clippy::type_complexity, reason = "the tuple that pickle asks for")]
     fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> (Bound<'py, PyAny>, (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray1<bool>>))
-    {
-        let (py, this) = (slf.py(), slf.get());
-        (slf.get_type().into_any(), (this.vertices(py), this.faces(py), this.skin_mask(py)))
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(
+        Bound<'py, PyAny>,
+        (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, Bound<'py, PyArray1<bool>>),
+    )> {
+        let restore = py.import("quasirigid._core")?.getattr("restore_surface")?;
+        Ok((restore, (self.vertices(py), self.faces(py), self.skin_mask(py))))
     }
+}
+
+/// What `Surface.__reduce__` returned; a skin that was deformed may have faces that no new surface may have.
+#[pyfunction]
+#[pyo3(signature = (vertices, faces, skin_mask))]
+pub(super) fn restore_surface(
+    py: Python<'_>,
+    vertices: &Bound<'_, PyAny>,
+    faces: &Bound<'_, PyAny>,
+    skin_mask: &Bound<'_, PyAny>,
+) -> PyResult<PySurface> {
+    let vertices = vectors(vertices, "vertices")?;
+    let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
+    let skin_mask = mask(skin_mask, "skin_mask")?;
+    let surface = released(py, || {
+        check_elements(&vertices, &faces)?;
+        let all = vec![true; vertices.len()];
+        Surface::from_sound_mesh(vertices, faces, all).with_skin_mask(skin_mask)
+    });
+    surface.map(PySurface::from).map_err(IntoPyErr::into_py_err)
 }
 
 /// The vertices that are skin (n); the facade documents it.

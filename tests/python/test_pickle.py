@@ -70,6 +70,30 @@ def test_a_surface_comes_back_with_its_mask() -> None:
         np.testing.assert_array_equal(getattr(surface, name), getattr(copied, name))
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")  # of the depth
+@pytest.mark.parametrize("copied", [again, copy.deepcopy])
+def test_a_skin_that_its_press_has_folded_flat_comes_back(copied: Callable[[Any], Any]) -> None:
+    plate = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+    skin = qr.Skin(**MATERIAL, response=qr.HalfSpace())
+    contact = qr.press(qr.models.fingertip(edge_length=1e-3), plate, skin, [0, 0, 1], depth=5e-3)
+    skin_then = contact.deformed
+    with pytest.raises(qr.SurfaceError, match="degenerate"):
+        qr.Surface(skin_then.vertices, skin_then.faces)
+    skin_now = copied(contact).deformed
+    for name in ("vertices", "faces", "skin_mask", "vertex_normals", "vertex_areas"):
+        np.testing.assert_array_equal(getattr(skin_now, name), getattr(skin_then, name))
+
+
+def test_a_pickle_that_is_no_surface_is_refused() -> None:
+    restore, (vertices, faces, mask) = qr.Surface(*tetrahedron()).__reduce__()
+    with pytest.raises(qr.SurfaceError, match="face 0 refers to vertex 9"):
+        restore(vertices, np.where(faces == faces[0, 0], 9, faces), mask)
+    with pytest.raises(qr.SurfaceError, match="vertex 0"):
+        restore(vertices * np.nan, faces, mask)
+    with pytest.raises(qr.SurfaceError, match="the skin mask has 3 entries"):
+        restore(vertices, faces, mask[:3])
+
+
 def responses(surface: qr.Surface) -> dict[str, qr.Response]:
     """One of each kind, for a closed surface."""
     count = len(surface.vertices)
