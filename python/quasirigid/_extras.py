@@ -7,7 +7,7 @@ from types import ModuleType
 
 from .errors import MissingExtraError
 
-__all__ = ["import_extra"]
+__all__ = ["import_extra", "need_matplotlib"]
 
 
 def import_extra(module: str, use: str, install: str) -> ModuleType:
@@ -34,3 +34,8 @@ def import_extra(module: str, use: str, install: str) -> ModuleType:
         if error.name != module:
             raise
         raise MissingExtraError(f"{use} need {module}: pip install {install}") from error
+
+
+def need_matplotlib() -> None:
+    """Refuse pictures where matplotlib is not installed, as `import_extra`."""
+    import_extra("matplotlib", "pictures", "'quasirigid[plot]'")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 import subprocess
 import sys
@@ -199,6 +200,60 @@ def test_a_sweep_prints_and_writes_a_row_for_each_step(
     assert document["inputs"]["depths"]["unit"] == "m"
     assert run(sweep_arguments("--forces", "0.5,1N")) == 0
     assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:]] == ["0.5", "1"]
+
+
+def test_a_sweep_is_written_before_a_full_stdout_is_met(in_demo_folder: Path) -> None:
+    words = sweep_arguments("--depths", "0.4mm", "--out", "sweep-full", "--target-error", "none")
+    with open("/dev/full", "w") as full:
+        program = [sys.executable, "-m", "quasirigid"]
+        done = subprocess.run([*program, *words], stdout=full, stderr=subprocess.PIPE)
+    assert done.returncode != 0
+    assert b"No space left" in done.stderr
+    assert (in_demo_folder / "sweep-full" / "sweep.csv").is_file()
+
+
+@pytest.mark.parametrize("encoding", ["cp932", "ascii"])
+def test_a_terminal_without_our_letters_gets_a_question_mark(encoding: str, in_demo_folder: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "quasirigid", *press_arguments(target_error="none", out="out")],
+        capture_output=True,
+        env=os.environ | {"PYTHONIOENCODING": encoding},
+    )
+    assert (done.returncode, b"Traceback" in done.stderr) == (0, False)
+    assert b"contact area" in done.stdout
+    assert b" mm?" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ({"out": "taken/out"}, "--out: taken is a file, expected a folder"),
+        ({"prepared": "missing/body.npz"}, "--prepared: there is no folder missing"),
+        ({"prepared": "demo-output"}, "--prepared: demo-output is a folder, expected a file"),
+    ],
+)
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(
+    option: dict[str, str | None],
+    message: str,
+    in_demo_folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def never(*_: object, **__: object) -> qr.Surface:
+        raise AssertionError("the work has begun")
+
+    (in_demo_folder / "taken").write_text("")
+    monkeypatch.setattr(qr, "read_surface", never)
+    assert run(press_arguments(response="body", **option)) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_missing_folder_is_told_by_the_file_that_was_meant(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["demo-output/fingertip.ply", "--unit", "m", "--out", "missing/mended.ply"]
+    assert run(["repair", *words]) == 2
+    assert "--out: there is no folder missing" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

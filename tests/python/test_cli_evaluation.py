@@ -77,5 +77,6 @@ def test_a_folder_that_is_a_file_is_refused_before_the_work(
 
     monkeypatch.setattr(qr, command, never, raising=False)
     (tmp_path / "taken").write_text("")
-    assert run([command, "--out", str(tmp_path / "taken")]) == 2
-    assert "taken is a file, expected a folder" in capsys.readouterr().err
+    for out in ("taken", "taken/below"):
+        assert run([command, "--out", str(tmp_path / out)]) == 2
+        assert "taken is a file, expected a folder" in capsys.readouterr().err

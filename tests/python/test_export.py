@@ -219,13 +219,38 @@ def test_files_of_others_stay_in_a_folder_that_is_there(pressed: qr.Contact, tmp
     assert read_record(tmp_path)["status"] == "solved"
 
 
-def test_nothing_is_written_before_everything_is_computed(
+def test_nothing_is_written_where_no_picture_can_be_drawn(
     pressed: qr.Contact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(qr.MissingExtraError, match=r"pip install 'quasirigid\[plot\]'"):
         save_contact(pressed, tmp_path / "out", pictures=True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_picture_that_fails_leaves_the_numbers(
+    pressed: qr.Contact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("matplotlib")
+
+    def fail(*_: object, **__: object) -> None:
+        raise ValueError("no picture")
+
+    monkeypatch.setattr("quasirigid.plot.footprint_figure", fail)
+    with pytest.raises(ValueError, match="no picture"):
+        save_contact(pressed, tmp_path, pictures=True)
+    assert sorted(path.name for path in tmp_path.iterdir()) == FILES
+
+
+def test_a_place_without_its_folder_and_a_folder_are_told_by_their_name(
+    pressed: qr.Contact, tmp_path: Path
+) -> None:
+    vertices, faces = pressed.surface.vertices, pressed.surface.faces
+    with pytest.raises(FileNotFoundError, match=r"its folder does not exist: .*/no/mesh\.ply'$"):
+        write_mesh(vertices, faces, tmp_path / "no" / "mesh.ply", unit="m")
+    (tmp_path / "mesh.ply").mkdir()
+    with pytest.raises(IsADirectoryError, match=r"is a folder, expected a file: .*/mesh\.ply'$"):
+        write_mesh(vertices, faces, tmp_path / "mesh.ply", unit="m")
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_no_draft(tmp_path: Path) -> None:

@@ -138,7 +138,7 @@ def test_a_response_is_what_it_was_made_of_whatever_becomes_of_the_arrays(
 
 def test_a_folder_that_is_missing_is_named(surface: qr.Surface, tmp_path: Path) -> None:
     prepared = skin_of(qr.HalfSpace()).prepared(surface, [0])
-    with pytest.raises(FileNotFoundError, match=r"there is no folder: .*missing'$"):
+    with pytest.raises(FileNotFoundError, match=r"its folder does not exist: .*missing/skin.npz'$"):
         prepared.save(tmp_path / "missing" / "skin.npz")
 
 

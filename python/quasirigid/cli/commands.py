@@ -11,14 +11,15 @@ import typer
 
 import quasirigid as qr
 
-from .._extras import import_extra
+from .._extras import need_matplotlib
 from ..errors import QuasirigidError
 from ..io import as_plain, compare_contacts, contact_record, patch_table, refinement_table, save_contact
 from .arguments import parse_target_error
 from .completion import COMPLETION_EXAMPLE, completion
-from .console import ContactTalk, close_stdout, progress, refuse, say, show_warning
+from .console import ContactTalk, close_stdout, print_all_letters, progress, refuse, say, show_warning
 from .demo import grasp_demo, press_demo
 from .evaluation import ACCURACY_EXAMPLE, STRESS_EXAMPLE, accuracy, stress
+from .folder import check_folder
 from .gather import gathered
 from .grasp import GRASP_EXAMPLE, grasp
 from .hand import HAND_EXAMPLE, hand
@@ -68,6 +69,7 @@ def run(arguments: Sequence[str]) -> int:
         0: done; 1: done, but the contact did not end solved; 2: bad input, one line on stderr says what; 130:
         interrupted.
     """
+    print_all_letters()
     warnings.showwarning = show_warning
     try:
         status = app(list(arguments) or ["--help"], prog_name="quasirigid", standalone_mode=False)
@@ -124,8 +126,9 @@ def demo(
     responses.
     Exit status 0: done; 2: bad input.
     """
+    check_folder(out)
     options = qr.ContactOptions(target_error=parse_target_error(target_error))
-    _need_matplotlib()
+    need_matplotlib()
     record = press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3, options=options, talk=talk)
     record |= grasp_demo(out, edge_length=4e-3 if quick else 2e-3, talk=talk, quick=quick)
     if talk.json:
@@ -152,7 +155,7 @@ def press(
     # Everything is read and checked before anything is computed.
     goal = parse_goal(depth, force, overlap)
     if pictures and scene.out is not None:
-        _need_matplotlib()
+        need_matplotlib()
     read = read_scene(scene)
     skin = prepared_skin(read, goal, talk)
     asked: dict[str, Any] = {**read.motion, **goal}
@@ -182,10 +185,6 @@ def _press_text(name: str, contact: qr.Contact, files: Sequence[Path], *, verbos
     if files:
         parts.append("wrote " + ", ".join(map(str, files)))
     return "\n".join(parts)
-
-
-def _need_matplotlib() -> None:
-    import_extra("matplotlib", "pictures", "'quasirigid[plot]'")
 
 
 _ON_DEMO = "on the meshes that `quasirigid demo` writes"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import sys
@@ -14,7 +15,16 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console, RenderableType
 
-__all__ = ["ContactTalk", "Talk", "progress", "refuse", "render", "say", "show_warning"]
+__all__ = [
+    "ContactTalk",
+    "Talk",
+    "print_all_letters",
+    "progress",
+    "refuse",
+    "render",
+    "say",
+    "show_warning",
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +79,13 @@ def progress(what: str) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
+
+
+def print_all_letters() -> None:
+    """Print "?" in place of a letter that the terminal's encoding lacks, as of mm² in that of Japan."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def say(text: str) -> None:

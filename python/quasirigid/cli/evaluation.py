@@ -11,6 +11,7 @@ import typer
 import quasirigid as qr
 
 from .console import Talk, refuse, say
+from .folder import check_folder
 
 __all__ = ["ACCURACY_EXAMPLE", "STRESS_EXAMPLE", "accuracy", "stress"]
 
@@ -35,7 +36,7 @@ def accuracy(
     Times are those of this machine as it is now.
     Exit status 0: every force keeps to its bound; 1: one does not; 2: bad input.
     """
-    _check(out)
+    check_folder(out)
     table = qr.accuracy(quick=quick, progress=_progress(talk))
     return _finish(table, out, talk)
 
@@ -49,14 +50,9 @@ def stress(
 
     Exit status 0: every case gave that; 1: one is off; 2: bad input.
     """
-    _check(out)
+    check_folder(out)
     table = qr.stress(quick=quick, progress=_progress(talk))
     return _finish(table, out, talk)
-
-
-def _check(out: Path | None) -> None:
-    if out is not None and out.exists() and not out.is_dir():
-        raise NotADirectoryError(f"--out: {out} is a file, expected a folder")
 
 
 def _progress(talk: Talk) -> bool:

@@ -9,7 +9,7 @@ import typer
 
 import quasirigid as qr
 
-from .._extras import import_extra
+from .._extras import need_matplotlib
 from ..hand.grasp import MOST_NODES
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from .arguments import file_unit, parse_response, parse_target_error, rotation
@@ -99,7 +99,7 @@ def grasp(
     mass = None if product_mass is None else parse_quantity(product_mass, _MASS, "--product-mass")
     poses = {"start": read_pose_word(start), "end": read_pose_word(end)}
     if out is not None and pictures:
-        import_extra("matplotlib", "pictures", "'quasirigid[plot]'")
+        need_matplotlib()
     with progress(f"reading {hand} and {product}"):
         known = read_rigged(hand, rig, unit)
         obstacle = qr.read_obstacle(product, unit=file_unit(product_unit or unit, "--product-unit"))

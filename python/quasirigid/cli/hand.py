@@ -10,7 +10,7 @@ import typer
 
 import quasirigid as qr
 
-from .._extras import import_extra
+from .._extras import need_matplotlib
 from .._units import MM
 from ..hand import read_pose
 from ..hand.pose import PRESETS
@@ -100,7 +100,7 @@ def _record(known: qr.Hand, pose: str | None) -> dict[str, Any]:
 
 def _write(known: qr.Hand, posed: qr.PosedHand, out: Path, *, pictures: bool) -> list[Path]:
     if pictures:
-        import_extra("matplotlib", "pictures", "'quasirigid[plot]'")
+        need_matplotlib()
     out.mkdir(parents=True, exist_ok=True)
     files = [out / "posed.ply", out / "hand.glb"]
     write_mesh(posed.surface.vertices, posed.surface.faces, files[0], unit="m")

@@ -18,6 +18,7 @@ from ..errors import QuasirigidError
 from ..io import write_mesh
 from .arguments import file_unit
 from .console import Talk, progress, refuse, render, say
+from .folder import check_file
 from .quantities import LENGTH, parse_quantity
 from .scene import UNIT_NAMES
 
@@ -65,6 +66,7 @@ def repair(
 
     Exit status 0: mended; 2: the mesh cannot be mended, or bad input.
     """
+    check_file(out, "--out")
     known = file_unit(unit, "--unit")
     tolerance = parse_quantity(weld_tolerance, LENGTH, "--weld-tolerance")
     with progress(f"repairing {file}"):

@@ -23,7 +23,7 @@ from .arguments import (
     with_skin_mask,
 )
 from .console import Talk, progress
-from .folder import OutFolder, check_folder
+from .folder import OutFolder, check_file, check_folder
 from .kept import kept_body
 from .nodes import free_nodes, may_touch
 from .quantities import (
@@ -155,6 +155,7 @@ class Scene:
 def read_scene(words: SceneWords) -> Scene:
     """Return the scene; everything is checked before a file is read."""
     check_folder(words.out)
+    check_file(words.prepared, "--prepared")
     motion: dict[str, Any] = {
         "direction": parse_numbers(words.direction, 3, "--direction"),
         "start": choice(words.start, ("infinity", "current"), "--start"),

@@ -14,7 +14,7 @@ import quasirigid as qr
 
 from ..io import as_plain, sweep_columns, sweep_table
 from ..io.atomic import atomic_write
-from .console import Talk, refuse, say
+from .console import Talk, refuse
 from .quantities import FORCE, LENGTH, QuantityError, parse_steps
 from .scene import SceneWords, prepared_skin, read_scene
 
@@ -66,11 +66,9 @@ def sweep(
     )
     inputs = dict(read.inputs) | {f"{goal}s": {"value": values, "unit": "m" if goal == "depth" else "N"}}
     record = {"columns": as_plain(sweep_columns(curve)), "inputs": as_plain(inputs)}
-    talk.tell(sweep_table(curve), record)
-    if scene.out is not None:
-        files = _save(record, scene.out)
-        if not talk.json:
-            say("wrote " + ", ".join(map(str, files)))
+    files = () if scene.out is None else _save(record, scene.out)
+    text = sweep_table(curve)
+    talk.tell(text + "\nwrote " + ", ".join(map(str, files)) if files else text, record)
     bad = [step for step, status in enumerate(curve.status) if status not in ("solved", "no_contact")]
     if not bad:
         return 0

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._extras import need_matplotlib
 from .._units import KPA, MM
 from ..hand.crossings import in_words
 from .atomic import atomic_write
 from .record import as_plain
 from .summary import aligned
-from .write import save_contact
+from .write import save_contact, save_pictures
 
 if TYPE_CHECKING:
     from ..contact.parts import Part
@@ -111,21 +112,22 @@ def save_grasp(
 ) -> tuple[Path, ...]:
     """Write a grasp into a folder, as `Grasp.save` describes."""
     folder = Path(folder)
-    figure = None
     if pictures:
-        from ..plot.grasps import grasp_figure
-
-        figure = grasp_figure(grasp)
-    files = list(save_contact(grasp.contact, folder, inputs=inputs, pictures=pictures))
+        need_matplotlib()
+    files = list(save_contact(grasp.contact, folder, inputs=inputs))
     record = grasp_record(grasp) | {"inputs": as_plain(inputs or {})}
     with atomic_write(folder / "grasp.json") as file:
         file.write((json.dumps(record, indent=2, allow_nan=False) + "\n").encode())
     grasp.posed.hand.save(folder / "hand.glb", grasp.contact)
     files += [folder / "grasp.json", folder / "hand.glb"]
-    if figure is not None:
-        with atomic_write(folder / "grasp.png") as file:
-            figure.savefig(file, format="png")
+    if pictures:
+        from ..plot.grasps import grasp_figure
+
+        files += save_pictures(grasp.contact, folder)
+        figure = grasp_figure(grasp)
         files.append(folder / "grasp.png")
+        with atomic_write(files[-1]) as file:
+            figure.savefig(file, format="png")
     return tuple(files)
 
 

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
 from .atomic import atomic_write
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..surface import Surface
 
-__all__ = ["save_contact", "write_mesh"]
+__all__ = ["save_contact", "save_pictures", "write_mesh"]
 
 _NO_TRIANGLES = "not written: a primitive has no triangles"
 
@@ -58,7 +59,7 @@ def save_contact(
         The contact.
     folder : path
         Made where it is missing. Files of the same names are replaced, each of them whole; others stay.
-        Nothing is written before everything is computed and drawn.
+        Pictures come last: where one cannot be drawn, all numbers are there.
     inputs : mapping, optional
         What the contact was computed from, for `contact.json`.
     pictures : bool
@@ -81,14 +82,26 @@ def save_contact(
     folder = Path(folder)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
-    contents = dict(_files(contact, inputs or {}))
     if pictures:
-        contents |= _pictures(contact, bone)
+        need_matplotlib()
+    contents = dict(_files(contact, inputs or {}))
     folder.mkdir(parents=True, exist_ok=True)
-    for name, content in contents.items():
-        with atomic_write(folder / name) as file:
+    files = _write(contents.items(), folder)
+    return files + save_pictures(contact, folder, bone=bone) if pictures else files
+
+
+def save_pictures(contact: Contact, folder: Path, *, bone: Surface | None = None) -> tuple[Path, ...]:
+    """Write the pictures of a contact into a folder that is there."""
+    return _write(_pictures(contact, bone), folder)
+
+
+def _write(contents: Iterable[tuple[str, bytes]], folder: Path) -> tuple[Path, ...]:
+    files = []
+    for name, content in contents:
+        files.append(folder / name)
+        with atomic_write(files[-1]) as file:
             file.write(content)
-    return tuple(folder / name for name in contents)
+    return tuple(files)
 
 
 def _files(contact: Contact, inputs: Mapping[str, Any]) -> Iterator[tuple[str, bytes]]:

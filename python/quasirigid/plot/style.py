@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from .._extras import import_extra
+from .._extras import need_matplotlib
 from .raster import Floats
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ PRODUCT_EDGE = "#7d8590"
 
 def new_figure(size: tuple[float, float]) -> Figure:
     """Return a white figure of `size` (inches) that opens no window."""
-    import_extra("matplotlib", "pictures", "'quasirigid[plot]'")
+    need_matplotlib()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

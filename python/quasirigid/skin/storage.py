@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import json
 import math
@@ -51,9 +50,6 @@ def write_prepared(
     OSError
         If the folder does not exist or cannot be written to.
     """
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise FileNotFoundError(errno.ENOENT, "there is no folder", str(target.parent))
     arrays: dict[str, Any] = {**parts, **_fields(response)}
     header = {
         "format": _FORMAT,
@@ -63,7 +59,7 @@ def write_prepared(
         "response": type(response).__name__,
         "numbers": _numbers(response),
     }
-    with atomic_write(target) as file:
+    with atomic_write(path) as file:
         np.savez(file, header=np.array(json.dumps(header)), **arrays)
 
 
