@@ -51,10 +51,10 @@ def as_float(name: str, value: Any) -> float:
     Raises
     ------
     TypeError
-        If it is no number, or one that no float holds.
+        If it is no number, as booleans are none, or one that no float holds.
     """
     try:
-        if not isinstance(value, (str, bytes)):
+        if not isinstance(value, (str, bytes, bool, np.bool_)):
             return float(value)
     except (TypeError, ValueError, OverflowError):
         pass

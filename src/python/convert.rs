@@ -11,7 +11,7 @@ use numpy::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyType};
+use pyo3::types::{IntoPyDict, PyFloat, PyType};
 use rayon::prelude::*;
 
 /// `numpy.require(value, dtype)`, in C order and aligned, with the argument's name in the error.
@@ -78,11 +78,14 @@ pub(super) fn mesh_arrays<'py>(
     read.call((mesh,), Some(&keywords.into_py_dict(mesh.py())?))?.extract()
 }
 
-/// A number; the facade's `as_float` says what is wrong with what is none.
+/// A number; of what is no float the facade's `as_float` says whether it is one.
 pub(super) fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
-    let refused =
-        |_| value.py().import("quasirigid._check")?.getattr("as_float")?.call1((name, value))?.extract();
-    value.extract().or_else(refused)
+    match value.cast_exact::<PyFloat>() {
+        Ok(number) => Ok(number.value()),
+        Err(_) => {
+            value.py().import("quasirigid._check")?.getattr("as_float")?.call1((name, value))?.extract()
+        }
+    }
 }
 
 /// An integer >= 0; the facade's `as_integer` says what is wrong with what is none, out of range as a `refusal`.

@@ -138,11 +138,37 @@ NUMBERS = {
 }
 
 
-@pytest.mark.parametrize("value", ["1mm", [1.0, 2.0], 1j, 10**400], ids=["word", "list", "complex", "huge"])
+@pytest.mark.parametrize(
+    "value",
+    ["1mm", [1.0, 2.0], 1j, 10**400, True, np.False_],
+    ids=["word", "list", "complex", "huge", "boolean", "boolean of NumPy"],
+)
 @pytest.mark.parametrize("name", NUMBERS)
 def test_what_is_no_number_is_named(name: str, value: Any) -> None:
     with pytest.raises(TypeError, match=rf"^{name} is .*, expected a number$"):
         NUMBERS[name](value)
+
+
+@pytest.mark.parametrize("number", [1, np.int64(1), np.float32(1.0), np.array(1.0)])
+def test_a_number_of_any_kind_is_one(number: Any) -> None:
+    distance, _, _ = qr.Obstacle.sphere([0, 0, 0], number).signed_distance([[3.0, 0.0, 0.0]])
+    assert distance[0] == 2.0
+
+
+@pytest.mark.parametrize("name", ["start", "balance"])
+@pytest.mark.parametrize("value", [None, 3, "nowhere"])
+def test_a_choice_of_a_press_that_is_none_is_named(name: str, value: Any) -> None:
+    with pytest.raises(qr.ContactError, match=rf"^{name} is {value!r}, expected one of "):
+        _pressed(depth=1e-4, **{name: value})
+    if name == "start":
+        with pytest.raises(qr.ContactError, match=rf"^start is {value!r}, expected one of "):
+            qr.sweep(SURFACE, PLATE, SKIN, [0, 0, -1], depths=[1e-4], start=value)
+
+
+@pytest.mark.parametrize("depths", [[True], [1e-4, True], np.array([True])])
+def test_a_depth_of_a_sweep_is_no_boolean(depths: Any) -> None:
+    with pytest.raises(qr.ContactError, match=r"^depths is .*, expected a row of numbers >= 0"):
+        qr.sweep(SURFACE, PLATE, SKIN, [0, 0, -1], depths=depths)
 
 
 @pytest.mark.parametrize("value", [1e200, 1e61, 1e-61, 0.0, -1.0, np.inf])

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
+from .._check import as_choice
 from ..lcp.solution import solution_from_core
 from ..scene import check_scene
 from ..skin.elastic import core_skin
@@ -237,8 +238,8 @@ def press(
         depth=depth,
         force=force,
         overlap=overlap,
-        start=start,
-        balance=balance,
+        start=as_choice("start", start, Start, ContactError),
+        balance=as_choice("balance", balance, Balance, ContactError),
         tilt_axes=tilt_axes,
         tilt_point=tilt_point,
     )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import _core
-from .._check import as_direction, as_place, short
+from .._check import as_choice, as_direction, as_place, short
 from .._frozen import Frozen
 from ..errors import QuasirigidError, ResponseError
 from ..scene import check_scene
@@ -55,7 +55,7 @@ class _Question:
     direction: NDArray[np.float64]
     goal: str
     values: NDArray[np.float64]
-    start: Start | Literal["infinity", "current"]
+    start: Start
     options: ContactOptions | None
 
     def answer(self, step: int, warm: _core.WarmStart) -> Contact:
@@ -257,7 +257,7 @@ def sweep(
         direction=as_direction("direction", direction, ContactError),
         goal=goal,
         values=values,
-        start=start,
+        start=as_choice("start", start, Start, ContactError),
         options=options,
     )
     report = _reporter(progress)
@@ -340,6 +340,9 @@ def _values(name: str, values: ArrayLike | None, *, zero: bool) -> NDArray[np.fl
     """Return a row of finite numbers above 0, or from 0 on."""
     try:
         row = np.array(values, dtype=np.float64)
+        # NumPy would take True for 1.
+        if any(isinstance(value, (bool, np.bool_)) for value in np.array(values, dtype=object).flat):
+            row = np.empty((0, 0))
     except (TypeError, ValueError, OverflowError):
         row = np.empty((0, 0))
     wanted = "numbers >= 0" if zero else "numbers > 0"
