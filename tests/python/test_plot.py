@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,15 +13,16 @@ import quasirigid as qr
 
 pytest.importorskip("matplotlib")
 
+from matplotlib.axes import Axes
 from quasirigid import plot
 from quasirigid.errors import MissingExtraError
 from quasirigid.plot import section
 from quasirigid.plot.outline import contact_side
 from quasirigid.plot.raster import rasterise
 from quasirigid.plot.section import cut_lines, joined
-from quasirigid.plot.style import round_steps
+from quasirigid.plot.style import new_figure, round_steps, scale_bar
 from quasirigid.plot.view import View
-from shapes import ball
+from shapes import AS_GIVEN, ball
 
 FRONT = View.along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
 
@@ -170,3 +173,98 @@ def test_the_cut_goes_through_the_patch_with_the_largest_force(monkeypatch: pyte
     lines = plot.plot_section(contact, view=FRONT).lines
     assert all(center[0] == pytest.approx(0.02, abs=1e-4) for center in centers)
     assert any(len(line.get_xdata()) > 2 for line in lines)
+
+
+SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+UP = [0.0, 0.0, 1.0]
+FLOOR = qr.Obstacle.half_space([0, 0, -1], UP)
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+@pytest.mark.parametrize("depth", [1e-6, 2e-5])
+def test_a_contact_of_one_vertex_is_drawn_with_the_faces_around_it(
+    fingertip: qr.Surface, depth: float, tmp_path: Path
+) -> None:
+    contact = qr.press(fingertip, FLOOR, SKIN, UP, depth=depth, options=AS_GIVEN)
+    assert len(contact.active) in (1, 2)
+    ax = plot.plot_footprint(contact)
+    edge = 1e3 * fingertip.mean_edge_length
+    assert ax.get_xlim()[1] - ax.get_xlim()[0] > 2 * edge
+    contact.save(tmp_path, pictures=True)
+    assert (tmp_path / "footprint.png").is_file()
+
+
+@pytest.fixture(scope="module")
+def pinched() -> qr.Contact:
+    """Two balls between two plates: a box pushes up on the one, its other side down on the other."""
+    vertices, faces = ball(8e-3, 3)
+    both = np.concatenate([vertices, -vertices - [0, 0, 0.02]])
+    turned = faces[:, ::-1]
+    surface = qr.Surface(both, np.concatenate([faces, turned + len(vertices)]))
+    plate = qr.Obstacle.box([0.02, 0.02, 0.0105]).moved(translation=[1e-3, 0, -0.01])
+    return qr.solve_contact(surface, plate, SKIN, options=AS_GIVEN)
+
+
+def texts(ax: Axes) -> list[str]:
+    return [text.get_text() for text in ax.texts if text.get_text()]
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_patches_that_face_away_are_counted(pinched: qr.Contact) -> None:
+    assert len(pinched.patches) == 2
+    first, second = (patch.force for patch in pinched.patches)
+    assert np.linalg.norm(first + second) < 0.5 * np.linalg.norm(first)
+    largest = max((first, second), key=np.linalg.norm)
+    assert plot.pad_view(pinched).toward == pytest.approx(-np.sign(largest[2]) * np.array(UP))
+    (note,) = texts(plot.plot_footprint(pinched))
+    hidden = min(float(np.linalg.norm(one)) for one in (first, second))
+    words = re.fullmatch(r"1 of 2 patches not seen from here \((.*) N\)", note)
+    assert words is not None
+    assert float(words[1]) == pytest.approx(hidden, rel=0.06)
+
+
+def test_a_contact_that_faces_away_is_said_to(pressed: qr.Contact) -> None:
+    assert texts(plot.plot_footprint(pressed)) == []
+    assert texts(plot.plot_footprint(pressed, view=View.along([0, 0, -1], [0, 1, 0]))) == [
+        "not seen from here"
+    ]
+
+
+@pytest.mark.parametrize("size", [1e-5, 1e-3, 1.0, 40.0])
+def test_a_scale_bar_fits_into_any_picture_and_leaves_its_limits(size: float) -> None:
+    window = (0.0, 1e3 * size, 0.0, 1.5e3 * size)
+    ax = new_figure((2.0, 3.0)).subplots()
+    ax.imshow(np.zeros((3, 2)), extent=window)
+    scale_bar(ax, window)
+    assert (*ax.get_xlim(), *ax.get_ylim()) == window
+    left, right = ax.lines[0].get_xdata()
+    length = right - left
+    assert 0.2 * 0.42 * window[1] < length <= 0.42 * window[1]
+    assert f"{length:.0e}"[0] in "125"
+    assert texts(ax) == [f"{length:g} mm"]
+
+
+@pytest.mark.parametrize(
+    ("draw", "error", "message"),
+    [
+        (
+            lambda c: plot.plot_skin(c, show="foo"),
+            qr.ContactError,
+            'show is .foo., expected one of "pressure"',
+        ),
+        (lambda c: plot.plot_skin(c, pixels=0), qr.ContactError, "pixels is 0, expected an integer"),
+        (lambda c: plot.plot_skin(c, pixels=2.5), TypeError, "pixels is 2.5, expected an integer"),
+        (lambda c: plot.plot_footprint(c, top=0), qr.ContactError, "top is 0, expected a number above 0"),
+        (lambda c: plot.comparison_figure({}), qr.ContactError, "contacts is empty"),
+        (lambda c: plot.comparison_figure([c]), TypeError, "contacts is a list, expected a mapping"),
+        (lambda c: c.plot(bone=c.obstacle), TypeError, "bone is an Obstacle, expected a Surface"),
+        (lambda c: View.along(UP, UP), qr.ContactError, "up is .*, along the sight"),
+        (lambda c: View.along([0, 0, 0], UP), qr.ContactError, "sight is .*, expected a direction"),
+        (lambda c: c.save("nowhere", inputs=[1]), TypeError, "inputs is a list, expected a mapping"),
+    ],
+)
+def test_what_cannot_be_drawn_or_written_is_named(
+    draw: Callable[[qr.Contact], object], error: type[Exception], message: str, pressed: qr.Contact
+) -> None:
+    with pytest.raises(error, match=message):
+        draw(pressed)

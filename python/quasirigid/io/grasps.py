@@ -14,7 +14,7 @@ from .._extras import need_matplotlib
 from .._units import KPA, MM
 from ..hand.crossings import in_words
 from .atomic import atomic_write
-from .record import as_plain
+from .record import as_plain, inputs_record
 from .summary import aligned
 from .write import save_contact, save_pictures
 
@@ -115,7 +115,7 @@ def save_grasp(
     if pictures:
         need_matplotlib()
     files = list(save_contact(grasp.contact, folder, inputs=inputs))
-    record = grasp_record(grasp) | {"inputs": as_plain(inputs or {})}
+    record = grasp_record(grasp) | {"inputs": inputs_record(inputs)}
     with atomic_write(folder / "grasp.json") as file:
         file.write((json.dumps(record, indent=2, allow_nan=False) + "\n").encode())
     grasp.posed.hand.save(folder / "hand.glb", grasp.contact)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..obstacle import Obstacle
 
-__all__ = ["as_plain", "contact_record"]
+__all__ = ["as_plain", "contact_record", "inputs_record"]
 
 # Unit of each figure; "1" is dimensionless.
 _CONTACT = {
@@ -86,6 +86,13 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "left_out": [{"what": what, "why": why} for what, why in contact.left_out],
         "product": _product(contact),
     }
+
+
+def inputs_record(inputs: Mapping[str, Any] | None) -> Any:
+    """Return what a contact was computed from as what JSON holds; a TypeError of what is no mapping."""
+    if inputs is not None and not isinstance(inputs, Mapping):
+        raise TypeError(f"inputs is a {type(inputs).__name__}, expected a mapping of names to values")
+    return as_plain(inputs or {})
 
 
 def _refinement(one: Refinement) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from ..errors import MeshFileError
 from .atomic import atomic_write
 from .frame import vertex_data
 from .ply import ply_bytes
-from .record import as_plain, contact_record
+from .record import contact_record, inputs_record
 from .stl import stl_bytes
 from .vtp import vtp_bytes
 
@@ -84,7 +84,7 @@ def save_contact(
         raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
     if pictures:
         need_matplotlib()
-    contents = dict(_files(contact, inputs or {}))
+    contents = dict(_files(contact, inputs_record(inputs)))
     folder.mkdir(parents=True, exist_ok=True)
     files = _write(contents.items(), folder)
     return files + save_pictures(contact, folder, bone=bone) if pictures else files
@@ -104,7 +104,7 @@ def _write(contents: Iterable[tuple[str, bytes]], folder: Path) -> tuple[Path, .
     return tuple(files)
 
 
-def _files(contact: Contact, inputs: Mapping[str, Any]) -> Iterator[tuple[str, bytes]]:
+def _files(contact: Contact, inputs: Any) -> Iterator[tuple[str, bytes]]:
     """Names and contents of all files but the pictures."""
     yield "deformed.ply", _deformed_ply(contact)
     added = {"given_vertex_count": np.array([contact.given_vertex_count]), "parents": contact.parents}
@@ -115,7 +115,7 @@ def _files(contact: Contact, inputs: Mapping[str, Any]) -> Iterator[tuple[str, b
     note = {"file": "product.ply"} if product else {"note": _NO_TRIANGLES}
     record = contact_record(contact)
     record["product"] |= note
-    record["inputs"] = as_plain(inputs)
+    record["inputs"] = inputs
     yield "contact.json", (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
     if product:
         yield "product.ply", _plain_ply(*product, "m")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._units import KPA, MM
+from ..contact.result import ContactError
 from .footprint import plot_footprint
 from .section import plot_section
 from .skin import plot_skin
@@ -102,7 +103,16 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     -------
     matplotlib.figure.Figure
         One footprint beside the other, lengths in mm, pressures in kPa.
+
+    Raises
+    ------
+    ContactError
+        If there is no contact; a TypeError if `contacts` is no mapping.
     """
+    if not isinstance(contacts, Mapping):
+        raise TypeError(f"contacts is a {type(contacts).__name__}, expected a mapping of names to contacts")
+    if not contacts:
+        raise ContactError("contacts is empty, expected at least one")
     figure = new_figure((5.2 * len(contacts) + 0.8, 5.4))
     axes = figure.subplots(1, len(contacts), squeeze=False, sharex=True, sharey=True)[0]
     top = max(float(np.nan_to_num(contact.pressure).max()) for contact in contacts.values()) * KPA

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._check import as_number
 from .._units import KPA, MM
+from ..contact.result import ContactError
 from .outline import contact_side
 from .style import FAINT, INK, axes_or_new, color_bar, pressure_colors, round_steps
 from .view import View, pad_view
@@ -14,6 +16,7 @@ from .view import View, pad_view
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.tri import Triangulation
+    from numpy.typing import NDArray
 
     from ..contact.result import Contact
     from .raster import Floats, Indices
@@ -42,7 +45,7 @@ def plot_footprint(
     with_colour_bar : bool
         False where a color bar of the same scale stands beside.
     top : float, optional
-        Pressure (kPa) at the dark end of the colors; the contact's own largest when left out.
+        Pressure (kPa) at the dark end of the colors, > 0; the contact's own largest when left out.
 
     Returns
     -------
@@ -52,26 +55,34 @@ def plot_footprint(
     Notes
     -----
     The outline crosses the edges between touching and free vertices where pressure and gap, extended to the
-    rim, both vanish. The origin is the center of pressure; thin lines mark steps of the pressure.
+    rim, both vanish. The origin is the center of pressure; thin lines mark steps of the pressure. Patches on
+    skin that faces away are counted.
     """
     from matplotlib.tri import Triangulation
 
+    top = None if top is None else as_number("top", top, ContactError)
     view = pad_view(contact) if view is None else view
     ax = _plane_axes(axes_or_new(ax, (6.4, 5.4)))
     pressure = np.nan_to_num(contact.pressure) * KPA
     if not pressure.max() > 0.0:
-        ax.text(0.5, 0.5, "no pressure", transform=ax.transAxes, ha="center", va="center", color=FAINT)
-        return ax
+        return _note(ax, 0.5, "no pressure")
     plane = view.project(contact.deformed.vertices - contact.center_of_pressure) * MM
-    touched = pressure > 0.0
+    faces = _facing(plane, contact.deformed.faces)
+    seen = np.isin(np.arange(len(plane)), faces)
+    touched = seen & (pressure > 0.0)
+    if not touched.any():
+        return _note(ax, 0.5, "not seen from here")
     low, high = plane[touched].min(axis=0), plane[touched].max(axis=0)
-    margin = 0.22 * float((high - low)[:2].max()) + 1e-3
-    faces = _facing(plane, contact.deformed.faces, low - 2 * margin, high + 2 * margin)
-    net = Triangulation(plane[:, 0], plane[:, 1], faces)
+    loaded = touched[faces].any(axis=1)
+    margin = max(0.22 * float((high - low)[:2].max()), 2.0 * _mean_edge(plane[faces[loaded]]))
+    corners = plane[faces]
+    near = ((corners > low - 2 * margin) & (corners < high + 2 * margin)).all(axis=(1, 2))
+    net = Triangulation(plane[:, 0], plane[:, 1], faces[loaded | near])
     top = float(pressure.max()) if top is None else top
     _draw_pressure(ax, net, pressure, top, contact)
     ax.set_xlim(low[0] - margin, high[0] + margin)
     ax.set_ylim(low[1] - margin, high[1] + margin)
+    _note(ax, 0.97, _unseen(contact, seen))
     if with_colour_bar:
         color_bar(ax, pressure_colors(), top, "pressure (kPa)", beside=True)
     return ax
@@ -88,13 +99,32 @@ def _plane_axes(ax: Axes) -> Axes:
     return ax
 
 
-def _facing(plane: Floats, faces: Indices, low: Floats, high: Floats) -> Indices:
-    """Return the faces between `low` and `high` (3,) that look at the product: not the finger's back."""
+def _note(ax: Axes, height: float, text: str) -> Axes:
+    ax.text(0.5, height, text, transform=ax.transAxes, ha="center", va="center", color=FAINT, fontsize=8.5)
+    return ax
+
+
+def _facing(plane: Floats, faces: Indices) -> Indices:
+    """Return the faces that look at the product: not the finger's back."""
     corners = plane[faces]
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    facing = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0] > 0.0
-    near = ((corners > low) & (corners < high)).all(axis=(1, 2))
-    return faces[facing & near]
+    return faces[first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0] > 0.0]
+
+
+def _mean_edge(corners: Floats) -> float:
+    """Return the mean length of the edges of faces, by their corners (k, 3, 3)."""
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+
+
+def _unseen(contact: Contact, seen: NDArray[np.bool_]) -> str:
+    """Return how much of the contact is on vertices that are not seen; "" of less than a hundredth."""
+    hidden = contact.active[~seen[contact.active]]
+    force = float(contact.node_force[hidden].sum())
+    if force < 0.01 * contact.node_force.sum():
+        return ""
+    unseen = sum(not seen[patch.vertices].any() for patch in contact.patches)
+    what = f"{unseen} of {len(contact.patches)} patches" if unseen else "a part"
+    return f"{what} not seen from here ({force:.2g} N)"
 
 
 def _draw_pressure(ax: Axes, net: Triangulation, pressure: Floats, top: float, contact: Contact) -> None:

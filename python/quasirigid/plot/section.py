@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._units import MM
+from ..scene import as_surface
 from .style import AFTER, BEFORE, BONE, INK, PRODUCT, PRODUCT_EDGE, axes_or_new, scale_bar
 from .view import View, pad_view
 
@@ -51,6 +52,8 @@ def plot_section(
     matplotlib.axes.Axes
         `ax`, in mm.
     """
+    if bone is not None:
+        as_surface("bone", bone)
     view = pad_view(contact) if view is None else view
     ax = axes_or_new(ax, (4.4, 6.0))
     before, after = contact.surface.vertices, contact.deformed.vertices

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from .._check import as_choice, as_integer
 from .._units import KPA, MM
+from ..contact.result import ContactError
 from .outline import contact_side
 from .shading import lit_skin
 from .style import axes_or_new, color_bar, overlap_colors, pressure_colors, scale_bar, window_around
@@ -18,6 +21,11 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
 
 __all__ = ["plot_skin"]
+
+
+class _Shown(StrEnum):
+    PRESSURE = "pressure"
+    OVERLAP = "overlap"
 
 
 def plot_skin(
@@ -47,11 +55,20 @@ def plot_skin(
     -------
     matplotlib.axes.Axes
         `ax`, in mm.
+
+    Raises
+    ------
+    ContactError
+        If `show` is neither, or `pixels` is 0.
     """
+    shown = as_choice("show", show, _Shown, ContactError)
+    pixels = as_integer("pixels", pixels, ContactError)
+    if pixels == 0:
+        raise ContactError("pixels is 0, expected an integer of at least 1")
     view = pad_view(contact) if view is None else view
     ax = axes_or_new(ax, (4.4, 6.0))
     faces = contact.surface.faces
-    if show == "pressure":
+    if shown is _Shown.PRESSURE:
         vertices = contact.deformed.vertices
         pressure = np.nan_to_num(contact.pressure)
         values, colors, label = pressure * KPA, pressure_colors(), "pressure (kPa)"

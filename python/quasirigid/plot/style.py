@@ -68,13 +68,15 @@ def window_around(projected: Floats, margin: float = 0.06) -> Window:
 
 
 def scale_bar(ax: Axes, window: Window) -> None:
-    """Draw a bar of a round number of mm in the lower left corner of axes in mm."""
+    """Draw a bar of a round number of mm in the lower left corner of axes in mm; these stay as they are."""
     width, height = window[1] - window[0], window[3] - window[2]
-    length = max((step for step in (0.5, 1, 2, 5, 10, 20, 50, 100) if step <= 0.42 * width), default=0.5)
+    power = 10.0 ** np.floor(np.log10(0.42 * width))
+    length = max(step * power for step in (1, 2, 5) if step * power <= 0.42 * width * (1 + 1e-12))
     left, bottom = window[0] + 0.03 * width, window[2] + 0.03 * height
     ax.plot(
-        [left, left + length], [bottom, bottom], color=INK, linewidth=2.2, solid_capstyle="butt", zorder=6
-    )
+        [left, left + length], [bottom, bottom], color=INK, linewidth=2.2, solid_capstyle="butt", zorder=6,
+        scalex=False, scaley=False,
+    )  # fmt: skip
     ax.annotate(
         f"{length:g} mm", (left + length / 2, bottom), xytext=(0, 4), textcoords="offset points", ha="center",
         va="bottom", fontsize=8.5, color=INK, zorder=6,

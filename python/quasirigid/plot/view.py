@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._check import as_direction, short
+from ..contact.result import ContactError
 from .raster import Floats
 
 if TYPE_CHECKING:
@@ -14,8 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = ["View", "pad_view"]
 
+_OPPOSED = 0.5  # resultant over the sum of the forces, below which patches push against each other
 
-@dataclass(frozen=True, kw_only=True)
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class View:
     """Directions of a parallel view, orthonormal.
 
@@ -33,10 +37,19 @@ class View:
 
     @classmethod
     def along(cls, sight: Floats, up: Floats) -> View:
-        """Return the view along `sight` (3,), with `up` (3,), made perpendicular to it, upwards."""
-        toward = -np.asarray(sight, dtype=np.float64) / np.linalg.norm(sight)
-        upward = np.asarray(up, dtype=np.float64) - np.dot(up, toward) * toward
-        upward /= np.linalg.norm(upward)
+        """Return the view along `sight` (3,), with `up` (3,), made perpendicular to it, upwards.
+
+        Raises
+        ------
+        ContactError
+            If one of them has no direction, or both have the same.
+        """
+        toward, wanted = -as_direction("sight", sight, ContactError), as_direction("up", up, ContactError)
+        upward = wanted - (wanted @ toward) * toward
+        length = np.linalg.norm(upward)
+        if length < 1e-9:
+            raise ContactError(f"up is {short(up)}, along the sight: expected a direction across it")
+        upward /= length
         return cls(right=np.cross(upward, toward), up=upward, toward=toward)
 
     def project(self, points: Floats) -> Floats:
@@ -46,6 +59,8 @@ class View:
 
 def pad_view(contact: Contact) -> View:
     """Return the view from the product onto the skin: along the force, the skin's long axis upwards.
+
+    Where patches push against each other it is along the force of the largest.
 
     Parameters
     ----------
@@ -58,6 +73,8 @@ def pad_view(contact: Contact) -> View:
         An axis of the scene, where force or long axis come close to one.
     """
     force = contact.force
+    if np.linalg.norm(force) < _OPPOSED * np.linalg.norm(contact.force_vectors, axis=1).sum():
+        force = max((patch.force for patch in contact.patches), key=np.linalg.norm)
     pressed = np.isfinite(force).all() and np.any(force)
     sight = force / np.linalg.norm(force) if pressed else np.array([0.0, 0.0, 1.0])
     # A press along an axis of the scene is drawn square to that axis.
