@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import ball
+from shapes import AS_GIVEN, ball
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
@@ -148,6 +148,7 @@ def test_forces_are_found_one_by_one(surface: qr.Surface) -> None:
     assert curve[1].depth == curve.depth[1]
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")  # of the step out of reach
 def test_a_bad_step_is_nan_and_the_rest_goes_on(surface: qr.Surface) -> None:
     small = qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)
     options = qr.ContactOptions(target_error=None)
@@ -167,6 +168,32 @@ def test_a_bad_step_is_nan_and_the_rest_goes_on(surface: qr.Surface) -> None:
     assert pickle.loads(pickle.dumps(curve)).messages == curve.messages
     columns = qr.io.sweep_columns(curve)
     assert (columns["status"], columns["message"]) == (list(curve.status), list(curve.messages))
+    # What was asked stands beside the figures, which the step has none of.
+    for asked in (curve.asked, columns["asked_force (N)"]):
+        np.testing.assert_array_equal(asked, [0.1, 1e3, 0.2])
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")  # of the step out of reach
+def test_an_iterator_goes_on_after_a_force_out_of_reach(surface: qr.Surface) -> None:
+    small = qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)
+    curve = qr.sweep(surface, small, SKIN, UP, forces=[0.1, 1e3, 0.2], options=AS_GIVEN)
+    contacts = iter(curve)
+    np.testing.assert_array_equal(next(contacts).force, curve.force[0])
+    with pytest.raises(qr.ContactError, match="not reached"):
+        next(contacts)
+    np.testing.assert_array_equal(next(contacts).force, curve.force[2])
+    assert list(contacts) == []
+
+
+def test_a_step_out_of_reach_warns_once(surface: qr.Surface) -> None:
+    plate = qr.Obstacle.box([4e-3, 4e-3, 4e-3]).moved(translation=[0.0, 0.0, -0.05])
+    with pytest.warns(qr.QuasirigidWarning) as caught:
+        curve = qr.sweep(surface, plate, SKIN, UP, forces=[1e3, 0.01], options=AS_GIVEN)
+    assert curve.status[0] == "not_reached"
+    told = [str(one.message) for one in caught]
+    expected = [message for step in curve.warnings for _, message in step]
+    assert curve.warnings[0]
+    assert told == expected
 
 
 def test_a_step_that_the_response_refuses_says_why(surface: qr.Surface) -> None:

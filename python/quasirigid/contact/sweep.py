@@ -80,11 +80,13 @@ class Sweep(Frozen):
     A step that did not end solved has nan for its figures, and its message says why. ``sweep[i]`` is the
     `Contact` of step i with the figures of its row, solved again after the steps before it: all are best
     asked for in order (``for contact in sweep``). A step that is "refused" or "not_reached" has no contact:
-    ``sweep[i]`` raises what its message says (a `ContactError` with the largest contact where a force is out
-    of reach), and the loop does so and ends there.
+    both raise what its message says (a `ContactError` with the largest contact where a force is out of
+    reach); ``next`` of the same iterator then goes on with the step after it.
 
     Attributes
     ----------
+    asked : (s,) float64
+        Depth (m) or force (N) that each step was asked for.
     depth : (s,) float64
         Depth (m), as in `Contact`; nan where a force was not reached.
     force : (s, 3) float64
@@ -110,6 +112,7 @@ class Sweep(Frozen):
         What each step warned of, as in `Contact.warnings`.
     """
 
+    asked: NDArray[np.float64]
     depth: NDArray[np.float64]
     force: NDArray[np.float64]
     normal_force: NDArray[np.float64]
@@ -150,11 +153,9 @@ class Sweep(Frozen):
         Raises
         ------
         ContactError, ResponseError
-            At the first step that has no contact; the iteration ends there.
+            At a step that has no contact; ``next`` goes on after it.
         """
-        warm = _core.WarmStart()
-        for step in range(len(self)):
-            yield end_of(self._question.answer(step, warm), throw=False, stacklevel=2)
+        return _Steps(self._question)
 
     def to_dataframe(self) -> Any:
         """Return a pandas DataFrame with one row a step."""
@@ -173,6 +174,19 @@ class Sweep(Frozen):
         good = np.isfinite(self.normal_force)
         largest = f", up to {self.normal_force[good].max():.4g} N" if good.any() else ""
         return f"Sweep({len(self)} steps, {np.count_nonzero(good)} with figures{largest})"
+
+
+class _Steps(Iterator[Contact]):
+    """The contacts of a sweep; after a step that raised it goes on, which a generator does not."""
+
+    def __init__(self, question: _Question) -> None:
+        self._question, self._warm, self._step = question, _core.WarmStart(), 0
+
+    def __next__(self) -> Contact:
+        if self._step == len(self._question.values):
+            raise StopIteration
+        self._step += 1
+        return end_of(self._question.answer(self._step - 1, self._warm), throw=False, stacklevel=2)
 
 
 def sweep(
@@ -297,6 +311,7 @@ class _Rows:
             self.warnings.append(() if reached is None else reached.warnings)
             if reached is None:
                 self.errors.append(error)
+            warn_of(self.warnings[-1], stacklevel=3)
         else:
             self.status.append(contact.status.value)
             self.messages.append(contact.advice)
@@ -327,6 +342,7 @@ class _Rows:
         for array in (*self.scalars.values(), *self.vectors.values()):
             array.flags.writeable = False
         return Sweep(
+            asked=question.values,
             **self.scalars,
             **self.vectors,
             status=tuple(self.status),

@@ -109,10 +109,11 @@ def sweep_columns(sweep: Sweep) -> dict[str, Any]:
     Returns
     -------
     dict of str to array
-        In SI, the unit in each column's name, vectors as ``force_x (N)`` and so on; ``status`` and
-        ``message`` last.
+        In SI, the unit in each column's name, vectors as ``force_x (N)`` and so on; of forces
+        ``asked_force (N)`` first; ``status`` and ``message`` last.
     """
-    columns: dict[str, Any] = {}
+    # A depth that was asked for stands in the column of depths, whatever became of it.
+    columns: dict[str, Any] = {"asked_force (N)": sweep.asked} if sweep._question.goal == "force" else {}
     for name, unit in _SWEEP_UNITS.items():
         values = getattr(sweep, name)
         if values.ndim == 2:
