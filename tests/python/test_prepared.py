@@ -388,3 +388,25 @@ def test_what_is_no_surface_is_refused_by_name(value: Any, surface: qr.Surface) 
         skin_of(qr.HalfSpace()).prepared(value)
     with pytest.raises(TypeError, match=r"bone is .*, expected a Surface"):
         skin_of(qr.Body(bone=value)).prepared(surface)
+
+
+def test_responses_are_equal_by_what_they_hold(surface: qr.Surface, tmp_path: Path) -> None:
+    count = len(surface.vertices)
+    bone = ball(2e-3, 1)
+    made: list[Callable[[float], qr.Response]] = [
+        lambda size: qr.Layer(thickness=size * 5e-3),
+        lambda size: qr.Layer(thickness=np.full(count, size * 5e-3)),
+        lambda size: qr.Body(bone=qr.Surface(size * bone[0], bone[1])),
+        lambda size: qr.Body(fixed=np.arange(count) < size),
+        lambda size: qr.GivenMatrix(nodes=[0, 1], compliance=size * np.eye(2)),
+        lambda size: qr.GaussianCorrected(height=None, width=size * 10e-3, cutoff=15e-3),
+    ]
+    for make in made:
+        one, same, other = make(1), make(1), make(2)
+        assert (one == same, one == other, hash(one) == hash(same)) == (True, False, True)
+        assert one != qr.HalfSpace()
+    assert qr.HalfSpace() == qr.HalfSpace(pressure="linear") != qr.HalfSpace(pressure="one_ring")
+    assert qr.Layer(thickness=5e-3) != qr.Layer(thickness=np.full(count, 5e-3))
+    prepared = skin_of(qr.Layer(thickness=5e-3)).prepared(surface, [0])
+    prepared.save(tmp_path / "layer.npz")
+    assert qr.load_prepared(tmp_path / "layer.npz").skin == prepared.skin

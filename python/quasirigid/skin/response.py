@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .._check import as_choice
+from .._core import Surface
 from .._frozen import Frozen
 from ..errors import ResponseError
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
-
-    from ..surface import Surface
 
 __all__ = [
     "Body",
@@ -52,7 +51,10 @@ _ARRAYS = ("thickness", "fixed", "nodes", "compliance")
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class _Response(Frozen):
-    """Base of the responses: words are checked, arrays copied, the repr is one line, less the defaults."""
+    """Base of the responses: words are checked, arrays copied, the repr is one line, less the defaults.
+
+    Two of a kind are equal where their fields are, arrays and bones by their content.
+    """
 
     def __post_init__(self) -> None:
         given = vars(self)
@@ -62,6 +64,17 @@ class _Response(Frozen):
         if given.get("discretization") is not None:
             chosen = as_choice("discretization", given["discretization"], Discretization, ResponseError)
             given["discretization"] = chosen
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether it is of the same kind with the same fields."""
+        if type(self) is not type(other):
+            return NotImplemented
+        names = [field.name for field in dataclasses.fields(self)]
+        return all(_are_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    def __hash__(self) -> int:
+        """Return a number that equal ones share: of the kind and its words."""
+        return hash((type(self), *(value for value in vars(self).values() if isinstance(value, str))))
 
     def __repr__(self) -> str:
         """Return the arguments on one line, arrays by their size and range."""
@@ -83,6 +96,15 @@ def _kept(value: Any) -> Any:
     return array
 
 
+def _are_equal(one: Any, other: Any) -> bool:
+    """Return whether two fields hold the same; surfaces are compared by vertices and faces."""
+    if isinstance(one, Surface) and isinstance(other, Surface):
+        return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in ("vertices", "faces"))
+    if one is None or other is None or isinstance(one, Surface) or isinstance(other, Surface):
+        return one is other
+    return np.array_equal(one, other)
+
+
 def _shown(value: object) -> str:
     if np.ndim(value) == 0:  # type: ignore[arg-type]
         return repr(str(value) if isinstance(value, StrEnum) else value)
@@ -94,7 +116,7 @@ def _shown(value: object) -> str:
     return f"<{' x '.join(map(str, array.shape))}>"
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class HalfSpace(_Response):
     """Elastic half-space: ``u(r) = K / r`` per newton, ``K = (1 - nu) / (2 pi G)``.
 
@@ -125,7 +147,7 @@ class HalfSpace(_Response):
     discretization: _Discretization = None
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class GaussianCorrected(_Response):
     """Half-space less a Gaussian, to keep volume.
 
