@@ -21,6 +21,11 @@ class Frozen:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take the attributes, read-only again."""
         for name, value in state.items():
+            vars(self)[name] = MappingProxyType(value) if isinstance(value, dict) else value
+        self._freeze()
+
+    def _freeze(self) -> None:
+        """Make the arrays read-only."""
+        for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
-            vars(self)[name] = MappingProxyType(value) if isinstance(value, dict) else value

@@ -95,6 +95,10 @@ class Grasp(Frozen):
     rounds: int
     timings: Mapping[str, float]
 
+    def __post_init__(self) -> None:
+        """Make the arrays read-only."""
+        self._freeze()
+
     def summary(self) -> str:
         """Return what each digit holds and the figures of the contact as text tables in mm, N and kPa."""
         from ..io.grasps import digit_table
@@ -222,7 +226,8 @@ def close_hand(
     Warns
     -----
     QuasirigidWarning
-        What the last contact warns of, and regions of the hand that cross each other.
+        What the last contact warns of, digits that were not asked for and stand inside the product at the
+        start, and regions of the hand that cross each other.
 
     Notes
     -----
@@ -273,6 +278,13 @@ def close_hand(
     )
     posed, contact = hold.run()
     end_of(contact, throw=throw, stacklevel=2)
+    for digit, depth in hold.standing.items():
+        warnings.warn(
+            f"{digit} was not asked for and stands {1e3 * depth:.3g} mm inside the product: it stays at the "
+            "start; name it too, start in another pose, or move the hand",
+            QuasirigidWarning,
+            stacklevel=2,
+        )
     if posed.crossings:
         warnings.warn(
             f"the hand crosses itself, {in_words(posed.crossings)}: digits do not hold each other off; "

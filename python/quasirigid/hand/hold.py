@@ -78,6 +78,9 @@ class Hold:
     shares: Floats = field(default_factory=lambda: np.zeros(len(DIGITS)))
     searches: dict[int, Search] = field(default_factory=dict)
     rounds: int = 0
+    standing: dict[str, float] = field(
+        default_factory=dict
+    )  # digits that stay inside the product, how deep (m)
     timings: dict[str, float] = field(default_factory=dict)
     solved: Solved | None = None
     _meshes: dict[int, Refinement] = field(default_factory=dict)
@@ -135,6 +138,9 @@ class Hold:
         self._tell("approach", 0.0)
         self._refuse_inside(self.closing.posed(self.shares))
         moving = np.isin(np.arange(len(DIGITS)), list(self.wanted))
+        if not moving.all():
+            away = self.closing.distances(self.shares, self.obstacle)
+            self.standing = {DIGITS[at]: -float(away[at]) for at in np.flatnonzero(~moving & (away < 0.0))}
         self.shares = self.closing.first_touch(self.obstacle, moving)
         for at, wanted in self.wanted.items():
             self.searches[at] = Search(
