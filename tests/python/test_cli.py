@@ -529,3 +529,13 @@ def test_the_package_itself_imports_no_extra() -> None:
     code = f"import sys, quasirigid; print([name for name in {extras} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+@pytest.mark.filterwarnings("always::quasirigid.QuasirigidWarning")
+def test_the_size_of_a_mesh_in_another_unit_is_told(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["info", "demo-output/handle.stl", "--unit", "mm"]) == 0
+    assert capsys.readouterr().err == ""
+    assert run(["info", "demo-output/handle.stl", "--unit", "m"]) == 0
+    assert "the mesh is 110 m long, outside the 0.001 to 3 m of products" in capsys.readouterr().err

@@ -109,6 +109,28 @@ def test_options_of_a_mesh_are_checked_for_the_built_in_hand_too(
     assert capsys.readouterr().err.splitlines()[-1] == f"error: {message}"
 
 
+def test_a_word_that_is_no_hand_is_offered_the_built_in_one(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["hand", "builtin"]) == 2
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert (
+        error == "error: there is no hand 'builtin', expected built-in, a .glb file, or a mesh with its rig"
+    )
+
+
+@pytest.mark.filterwarnings("always::quasirigid.QuasirigidWarning")
+def test_a_digit_that_stays_inside_the_product_is_named(
+    saved: Path, bottle: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["grasp", str(saved), str(bottle), "--product-unit", "mm", "--target-error", "none"]
+    assert run([*words, "--overlap", "index=2mm"]) == 0
+    told = capsys.readouterr().err
+    (line,) = (line for line in told.splitlines() if "not asked for" in line)
+    assert line.startswith("warning: thumb was not asked for and stands 18.")
+    assert "mm inside the product" in line
+    assert run([*words, "--overlap", "2mm"]) in (0, 1)
+    assert "not asked for" not in capsys.readouterr().err
+
+
 def test_a_joint_that_no_hand_has_is_one_line(
     saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -177,7 +199,10 @@ def test_a_hand_grasps_with_the_force_asked_for(
         (["--force", "pinky=5N"], "the nearest is"),
         (["--force", "index=5N,index=6N"], "'index' stands there twice"),
         (["--force", "5N", "--start", "fits"], "the nearest is 'fist'"),
-        (["--force", "5N", "--product-mass", "3"], "has no unit"),
+        (["--force", "5N", "--product-mass", "3"], "has no unit, expected kg or g after it, as in 3kg"),
+        (["--force", "5N", "--product-mass", "-0.4kg"], "--product-mass: '-0.4kg' is not above 0"),
+        (["--force", "-20N"], "--force: '-20N' is not above 0"),
+        (["--overlap", "index=0mm"], "--overlap: '0mm' is not above 0"),
     ],
 )
 def test_a_grasp_that_makes_no_sense_is_one_line(

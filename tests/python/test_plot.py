@@ -35,6 +35,11 @@ def test_a_view_is_right_handed() -> None:
     assert view.right == pytest.approx([-1.0, 0.0, 0.0])
 
 
+def test_views_can_be_compared() -> None:
+    assert FRONT == FRONT
+    assert View.along([0, 0, -1], [0, 1, 0]) != FRONT
+
+
 def test_the_nearest_triangle_is_seen_and_those_turned_away_are_not() -> None:
     corners = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]])
     vertices = np.concatenate([np.column_stack([corners, np.full(3, height)]) for height in (0.0, 1.0, 2.0)])

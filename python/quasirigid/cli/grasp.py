@@ -16,7 +16,17 @@ from .arguments import file_unit, parse_response, parse_target_error, rotation
 from .console import ContactTalk, progress, refuse
 from .folder import OutFolder, check_folder
 from .hand import HandFile, HandUnit, PoseWord, Rig, read_pose_word, read_rigged
-from .quantities import ANGLE, FORCE, LENGTH, STRESS, QuantityError, parse_quantities, parse_quantity
+from .quantities import (
+    ANGLE,
+    FORCE,
+    LENGTH,
+    MASS,
+    STRESS,
+    QuantityError,
+    parse_positive,
+    parse_quantities,
+    parse_quantity,
+)
 from .scene import ProductFile, ProductUnit, TargetError
 
 __all__ = ["GRASP_EXAMPLE", "grasp"]
@@ -24,8 +34,6 @@ __all__ = ["GRASP_EXAMPLE", "grasp"]
 GRASP_EXAMPLE = (
     "quasirigid grasp built-in demo-output/bottle.stl --product-unit mm --force 20N --out grasp-output"
 )
-
-_MASS = {"kg": 1.0, "g": 1e-3}
 
 
 def grasp(
@@ -35,12 +43,13 @@ def grasp(
     force: Annotated[
         str | None,
         typer.Option(
-            help="What the digits hold: 20N is their sum, half of it the thumb's; or thumb=8N,index=4N."
+            help="What the digits hold: 20N is their sum, half of it the thumb's; or thumb=8N,index=4N, where"
+            " digits that are not named stay at the start."
         ),
     ] = None,
     overlap: Annotated[
         str | None,
-        typer.Option(help="In place of a force, how deep each digit goes, as in 2mm or index=2mm."),
+        typer.Option(help="In place of a force, how deep each digit goes, likewise, as in 2mm or index=2mm."),
     ] = None,
     rig: Rig = None,
     unit: HandUnit = "m",
@@ -96,7 +105,7 @@ def grasp(
         raise QuantityError(
             "--rotate and --shift are of a product in the palm: leave out --as-placed, or them"
         )
-    mass = None if product_mass is None else parse_quantity(product_mass, _MASS, "--product-mass")
+    mass = None if product_mass is None else parse_positive(product_mass, MASS, "--product-mass")
     poses = {"start": read_pose_word(start), "end": read_pose_word(end)}
     if out is not None and pictures:
         need_matplotlib()
@@ -143,11 +152,11 @@ def _goal(force: str | None, overlap: str | None) -> dict[str, Any]:
         raise QuantityError(f"give one of --force and --overlap; given: {given}")
     name, text, units = ("overlap", overlap, LENGTH) if force is None else ("force", force, FORCE)
     if text is None or "=" not in text:
-        return {name: parse_quantity(text or "", units, f"--{name}")}
+        return {name: parse_positive(text or "", units, f"--{name}")}
     goal: dict[str, float] = {}
     for part in text.split(","):
         digit, _, value = (word.strip() for word in part.partition("="))
         if digit in goal:
             raise QuantityError(f"--{name}: {digit!r} stands there twice")
-        goal[digit] = parse_quantity(value, units, f"--{name}")
+        goal[digit] = parse_positive(value, units, f"--{name}")
     return {name: goal}

@@ -78,6 +78,10 @@ def read_rigged(file: str, rig: Path | None, unit: str) -> qr.Hand:
     """Return the hand of a file, or the built-in one."""
     length = file_unit(unit, "--unit")
     if file != _BUILT_IN:
+        if not Path(file).suffix and not Path(file).exists():
+            raise QuantityError(
+                f"there is no hand '{file}', expected {_BUILT_IN}, a .glb file, or a mesh with its rig"
+            )
         return qr.read_hand(file, rig=rig, unit=length)
     if rig is not None:
         raise QuantityError(f"--rig: '{rig}' belongs to a mesh, the {_BUILT_IN} hand has its own")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -27,6 +28,8 @@ __all__ = ["INFO_EXAMPLE", "REPAIR_EXAMPLE", "info", "record_table", "repair"]
 INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"
 REPAIR_EXAMPLE = "quasirigid repair demo-output/fingertip.ply --unit m --out repaired.ply"
 
+_EXTENTS = (1e-3, 3.0)  # m: products, and all skins
+
 Made = TypeVar("Made")
 MeshFile = Annotated[Path, typer.Argument(metavar="MESH", help="Mesh file: .ply, .stl or .obj.")]
 Unit = Annotated[str, typer.Option(help=f"Unit of the file: {UNIT_NAMES}.")]
@@ -47,6 +50,14 @@ def info(
     with progress(f"reading {file}"):
         vertices, faces = qr.read_mesh(file, unit=file_unit(unit, "--unit"))
         record = _record(vertices, faces, check_crossings=check_crossings)
+    extent = float(np.ptp(vertices, axis=0).max())
+    if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
+        warnings.warn(
+            f"{file}: the mesh is {extent:.4g} m long, outside the {_EXTENTS[0]:g} to {_EXTENTS[1]:g} m of"
+            f" products: is it in another unit than {unit}?",
+            qr.SizeWarning,
+            stacklevel=1,
+        )
     talk.tell(record_table(str(file), record), record)
     if record["as skin"] != "yes" and record["as product"] != "yes":
         return refuse(f"{file}: neither skin nor product: {record['as skin'].removeprefix('no: ')}")

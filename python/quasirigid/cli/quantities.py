@@ -7,12 +7,20 @@ import re
 
 from ..errors import QuasirigidError
 
-__all__ = ["QuantityError", "parse_numbers", "parse_quantities", "parse_quantity", "parse_steps"]
+__all__ = [
+    "QuantityError",
+    "parse_numbers",
+    "parse_positive",
+    "parse_quantities",
+    "parse_quantity",
+    "parse_steps",
+]
 
 # One of each unit, in SI.
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "inch": 0.0254}
 FORCE = {"N": 1.0, "kN": 1e3, "mN": 1e-3}
 STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
+MASS = {"kg": 1.0, "g": 1e-3}
 ANGLE = {"rad": 1.0, "deg": math.pi / 180.0}
 COMPLIANCE = {"m/N": 1.0, "mm/N": 1e-3}
 
@@ -51,6 +59,14 @@ def parse_quantity(text: str, units: dict[str, float], what: str) -> float:
     60000.0
     """
     return parse_quantities(text, 1, units, what)[0]
+
+
+def parse_positive(text: str, units: dict[str, float], what: str) -> float:
+    """Read one number above 0 with its unit, as `parse_quantity`."""
+    value = parse_quantity(text, units, what)
+    if not value > 0.0:
+        raise QuantityError(f"{what}: '{text}' is not above 0")
+    return value
 
 
 def parse_quantities(text: str, count: int, units: dict[str, float], what: str) -> list[float]:
@@ -144,4 +160,4 @@ def _allowed(units: dict[str, float], example: str) -> str:
 
 def _best(units: dict[str, float]) -> str:
     """Return the unit that suits fingers."""
-    return next((name for name in ("mm", "N") if name in units), list(units)[1])
+    return next((name for name in ("mm", "N", "kg") if name in units), list(units)[1])
