@@ -34,8 +34,8 @@ The body is prepared for the {node_count} vertices that may touch. Written by `p
 |---|---|{dashes}|
 {rows}
 
-- **half-space**: `HalfSpace()`. Too soft once the contact feels the bone. A kernel moves the skin along each force:
-  entries of R are multiplied by the cosine between the obstacle's normals.
+- **half-space**: `HalfSpace()`. Too soft once the contact feels the bone. A kernel moves the skin along each
+  force: entries of R are multiplied by the cosine between the obstacle's normals.
 - **Gaussian, balanced**: `GaussianCorrected.balanced(width={width:g}e-3, cutoff={cutoff:g}e-3)`: keeps volume
   and is well posed, but far too stiff.
 - **Gaussian, as printed**: height 0.8 mm/N, width 5 mm, cutoff 15 mm (Xie, Kanai, Date 2011): not well posed

@@ -4,7 +4,7 @@ use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use quasirigid::contact::{Balance, ContactOptions, ContactStatus, Goal, Press, Start, WarningKind, press};
 use quasirigid::obstacle::Obstacle;
-use quasirigid::response::{Discretization, Kernel, KernelSkin};
+use quasirigid::response::{Discretization, Kernel};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, icosphere};
