@@ -397,3 +397,21 @@ def test_a_product_that_slid_past_the_skin_presses_no_more() -> None:
     assert grazing.force[2] > 0.05
     np.testing.assert_allclose(grazing.force, there.force, rtol=1e-6, atol=1e-9)
     assert qr.press(surface, start, SKIN, [1, 0, 0], depth=6e-3).status == "no_contact"
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")  # of skin beside the rim
+def test_a_flat_face_that_leans_a_little_presses_as_one_that_does_not() -> None:
+    rng = np.random.default_rng(1)
+    vertices, faces = grid(60, 0.5e-3)
+    inner = np.abs(vertices[:, :2]).max(axis=1) < 14.8e-3
+    vertices[inner, :2] += rng.uniform(-1e-4, 1e-4, (inner.sum(), 2))
+    surface = qr.Surface(vertices, faces)
+    radius, depth = 5e-3, 0.2e-3
+    punch = qr.Obstacle.cylinder(half_height=20e-3, radius=radius)
+    for lean in (0.0, 1e-5, 1e-4):
+        turned = np.array([[1, 0, lean], [0, 1, 0], [-lean, 0, 1]]) / np.sqrt([1 + lean**2, 1, 1 + lean**2])
+        there = punch.moved(turned, [20e-3 * lean, 0, 20e-3 - depth])
+        contact = qr.solve_contact(surface, there, SKIN)
+        assert contact.accuracy.force_error is not None
+        assert -contact.force[2] == pytest.approx(8 * 60e3 * radius * depth, rel=0.005)
+        assert abs(contact.center_of_pressure[0]) < 0.1e-3

@@ -19,6 +19,10 @@ use crate::obstacle::posed::Obstacle;
 /// Least barycentric coordinate that an edge reaches in the triangle of a corner that feels it.
 const LEAST_SHARE: f64 = 0.02;
 
+/// A corner that is less deep than the edge by this share of its depth leaves the edge to be felt by all corners, one as deep
+/// holds it alone.
+const SHALLOWER: f64 = 0.1;
+
 /// Triangles of the skin, as corners among some points.
 pub(crate) struct SkinPart<'a> {
     /// Positions (k, m).
@@ -178,12 +182,17 @@ impl SkinPart<'_> {
         let mut taken = BTreeMap::new();
         let lines = self.line_of(obstacle, deepest, gaps);
         let edges = self.edges_of(obstacle, deepest, |triangle| self.is_unmet(triangle, gaps));
+        // As the vertices alone were measured.
+        let measured = gaps.distance.clone();
         for met in edges.iter().chain(&lines) {
             let gap = -met.depth * met.cosine;
-            for (corner, share) in self.triangles[met.triangle].into_iter().zip(met.shares) {
-                let corner = corner as usize;
-                if share > LEAST_SHARE && gap < gaps.distance[corner] {
-                    gaps.distance[corner] = gap;
+            let corners = self.triangles[met.triangle].map(|corner| corner as usize);
+            let deepest = corners.map(|corner| measured[corner]).into_iter().fold(f64::INFINITY, f64::min);
+            let part = ((deepest - gap) / (SHALLOWER * gap.abs())).clamp(0.0, 1.0);
+            for (corner, share) in corners.into_iter().zip(met.shares) {
+                let lent = measured[corner] + part * (gap - measured[corner]);
+                if share > LEAST_SHARE && lent < gaps.distance[corner] {
+                    gaps.distance[corner] = lent;
                     gaps.normal[corner] = met.normal;
                     taken.insert(corner, met.line);
                 }
