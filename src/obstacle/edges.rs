@@ -20,6 +20,9 @@ const ALONG_AXIS: f64 = 1e-6;
 /// nothing by as much, so that it does.
 const INSIDE: f64 = 1e-6;
 
+/// Error of a coordinate in another frame, as a share.
+const ROUNDING: f64 = 1e-12;
+
 /// A sharp convex edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SharpEdge {
@@ -70,6 +73,24 @@ impl Obstacle {
             ends: own[edge].ends.map(|end| pose.to_world(&end)),
             normals: own[edge].normals.map(|normal| pose.turn(&normal)),
         })
+    }
+
+    /// Vertices of a mesh that lie at least so far along a direction (m).
+    pub(crate) fn corners_beyond(
+        &self,
+        direction: &Vector3<f64>,
+        least: f64,
+    ) -> impl Iterator<Item = Vector3<f64>> {
+        let own = match self.shape() {
+            Shape::Mesh(mesh) => mesh.vertices(),
+            Shape::Primitive(_) => &[],
+        };
+        let pose = self.pose_matrix();
+        let (local, least) =
+            (pose.turn_back(direction), least - direction.dot(&pose.to_world(&Vector3::zeros())));
+        // The rounding of the two frames loses none.
+        let least = least - ROUNDING * least.abs();
+        own.iter().filter(move |corner| corner.dot(&local) >= least).map(move |corner| pose.to_world(corner))
     }
 
     /// Whether it has a [`line_towards`](Self::line_towards) some normals.

@@ -415,3 +415,40 @@ def test_a_flat_face_that_leans_a_little_presses_as_one_that_does_not() -> None:
         assert contact.accuracy.force_error is not None
         assert -contact.force[2] == pytest.approx(8 * 60e3 * radius * depth, rel=0.005)
         assert abs(contact.center_of_pressure[0]) < 0.1e-3
+
+
+# Of the tip, between the vertices.
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+def test_a_blunt_tip_between_the_vertices_of_the_skin_touches_first() -> None:
+    # Sneddon (1948): F = 2/pi E* tan(half angle) d^2
+    sides, height, half = 100, 1e-3, np.tan(np.radians(89.5))
+    around = 2 * np.pi * np.arange(sides) / sides
+    rim = np.stack([half * np.cos(around), half * np.sin(around), np.ones(sides)], axis=1)
+    corners = np.vstack([[0, 0, 0], height * rim, [0, 0, height]])
+    pairs = [(1 + k, 1 + (k + 1) % sides) for k in range(sides)]
+    faces = [t for a, b in pairs for t in ([0, b, a], [sides + 1, a, b])]
+    cone = qr.Obstacle.mesh(corners, np.array(faces)).moved(None, [0.4e-3, 0.2e-3, 10e-3])
+    vertices, flat = grid(30, 1.3e-3)
+    depth = 5.8e-3 * np.pi / 2 / half
+    contact = qr.press(qr.Surface(vertices, flat), cone, SKIN, [0, 0, -1], depth=depth, options=AS_GIVEN)
+    assert contact.travel == pytest.approx(10e-3 + depth, rel=1e-12)
+
+
+def test_the_estimate_on_a_thin_layer_knows_how_thick_it_is() -> None:
+    thickness, radius = 1e-3, 1.0
+    layer = qr.Layer(thickness=thickness)
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=layer)
+    # F = 2 pi G R^2 d^3 / h^3 of an incompressible film (Johnson 1985, 5.8); with 20 thicknesses a
+    # radius some 3 % more.
+    reach = 20 * thickness
+    depth = reach**2 / (4 * radius)
+    film = 1.03 * 2 * np.pi * 60e3 * radius**2 * depth**3 / thickness**3
+    surface = qr.Surface(*grid(20, 3e-3))
+    ball_of_1_m = qr.Obstacle.sphere([6e-3, 4e-3, radius + 10e-3], radius)
+    contact = qr.press(surface, ball_of_1_m, skin, [0, 0, -1], depth=depth, options=AS_GIVEN)
+    force, accuracy = -contact.force[2], contact.accuracy
+    assert force < 0.85 * film
+    assert accuracy.force_error is not None
+    assert accuracy.max_pressure_error is not None
+    assert film / force - 1 < accuracy.force_error < 3 * (film / force - 1)
+    assert film / force - 1 < accuracy.max_pressure_error

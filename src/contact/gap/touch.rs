@@ -6,12 +6,11 @@ use rayon::prelude::*;
 use crate::contact::gap::edge::depth_along;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::{box_tree, node_bounds};
-use crate::obstacle::edges::SharpEdge;
 use crate::obstacle::posed::Obstacle;
 use crate::obstacle::primitive::perpendicular;
 use crate::surface::checked::Surface;
 
-/// Travel (m) at which a sharp edge or the line of a round primitive first touches a triangle that may touch; infinite, or
+/// Travel (m) at which a sharp edge, a corner of a mesh or the line of a round primitive first touches a triangle that may touch; infinite, or
 /// any after the latest, where none does so before.
 ///
 /// * `[earliest, latest]`: travel (m) between which to look
@@ -44,7 +43,7 @@ fn touch_of_line(
         return f64::INFINITY;
     }
     let travel = |face: &&[u32; 3]| {
-        let triangle = corners(surface, face);
+        let triangle = corners_of(surface, face);
         let [a, b, c] = &triangle;
         let inward = (c - a).cross(&(b - a)).try_normalize(0.0)?;
         Some(-depth_along(&obstacle.line_towards(&inward)?, &triangle, direction)?.depth)
@@ -53,7 +52,7 @@ fn touch_of_line(
     faces.par_iter().filter_map(travel).filter(in_time).reduce(|| f64::INFINITY, f64::min)
 }
 
-/// The same of sharp edges.
+/// The same of sharp edges and corners.
 fn touch_of_edges(
     surface: &Surface,
     faces: &[&[u32; 3]],
@@ -73,9 +72,11 @@ fn touch_of_edges(
     };
     let reach =
         in_time(Bounds::around(faces.iter().flat_map(|face| face.map(|corner| &points[corner as usize]))));
-    let place = |edge: &SharpEdge| Bounds::around_each(edge.ends.map(|end| seen(&end)));
-    let edges: Vec<(SharpEdge, Bounds)> = (obstacle.sharp_edges())
-        .map(|edge| (edge, place(&edge)))
+    let place = |ends: &[Vector3<f64>; 2]| Bounds::around_each(ends.map(|end| seen(&end)));
+    let corners = obstacle.corners_beyond(direction, reach.low.z).map(|corner| [corner; 2]);
+    let edges: Vec<([Vector3<f64>; 2], Bounds)> = (obstacle.sharp_edges().map(|edge| edge.ends))
+        .chain(corners)
+        .map(|ends| (ends, place(&ends)))
         .filter(|(_, bounds)| bounds.meets(&reach))
         .collect();
     if edges.is_empty() {
@@ -84,15 +85,14 @@ fn touch_of_edges(
     let tree = box_tree(edges.iter().map(|(_, bounds)| *bounds));
     let travel = |face: &&[u32; 3]| {
         let reach = in_time(Bounds::around(face.map(|corner| &points[corner as usize])));
-        let triangle = corners(surface, face);
+        let triangle = corners_of(surface, face);
         let over = tree.leaves(|node| node_bounds(node).meets(&reach));
-        let travel =
-            |edge: u32| Some(-depth_along(&edges[edge as usize].0.ends, &triangle, direction)?.depth);
+        let travel = |edge: u32| Some(-depth_along(&edges[edge as usize].0, &triangle, direction)?.depth);
         over.filter_map(travel).filter(|travel| *travel >= earliest).fold(f64::INFINITY, f64::min)
     };
     faces.par_iter().map(travel).reduce(|| f64::INFINITY, f64::min)
 }
 
-fn corners(surface: &Surface, face: &[u32; 3]) -> [Vector3<f64>; 3] {
+fn corners_of(surface: &Surface, face: &[u32; 3]) -> [Vector3<f64>; 3] {
     face.map(|corner| surface.vertices()[corner as usize])
 }

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::{mean_bulge, mean_edge};
 use crate::contact::outcome::Contact;
+use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
 
 /// Relative errors of force, area and peak pressure.
@@ -99,16 +100,16 @@ impl Settling {
 impl ErrorEstimate {
     /// Of the mesh as it is, from its cells and what the nodes do not feel.
     ///
-    /// * `tissue`: mean thickness under the forces (m), where there is bone or a layer
-    pub fn of_cells(contact: &Contact, tissue: Option<f64>) -> Self {
+    /// * `tissue`: under the forces
+    pub fn of_cells(contact: &Contact, tissue: Tissue) -> Self {
         let Accuracy { cells_per_radius: cells, discretization, .. } = contact.accuracy;
         let [force, area, pressure] =
             powers(discretization).map(|(factor, power)| factor / cells.powf(power));
-        let steeper = tissue.map_or(1.0, |tissue| {
-            let radii = (cells * mean_edge(contact.surface(), &contact.active) / tissue).powi(2);
+        let steeper = tissue.thickness.map_or(1.0, |thickness| {
+            let radii = (cells * mean_edge(contact.surface(), &contact.active) / thickness).powi(2);
             1.0 + ON_BONE.0 * radii / (ON_BONE.1 + radii)
         });
-        let force = steeper * force;
+        let (force, pressure) = (steeper * force + tissue.lost, pressure + tissue.lost);
         if contact.clues.edge.is_some() {
             // Always too high, of which no more than all is wrong.
             let [force, area] = [(ON_EDGE[0], steeper), (ON_EDGE[1], 1.0)]

@@ -1,8 +1,9 @@
 //! Finer meshes around the contact, until its figures are as good as wanted.
 //!
 //! [`rounds`] solves again and again; [`meshes`] holds what it solved last, [`mark`] says where the mesh must be finer,
-//! [`smooth_touch`] where the smooth skin is first touched, [`estimate`] what is left to gain, [`round`] what each of them says of its mesh, and [`whole`] puts the part that was
-//! solved back into the skin.
+//! [`smooth_touch`] where the smooth skin is first touched, [`estimate`] what is left to gain, [`tissue`] what the given
+//! mesh loses on thin tissue, [`round`] what each of them says of its mesh, and [`whole`] puts the part that was solved back
+//! into the skin.
 
 pub(crate) mod estimate;
 pub(crate) mod mark;
@@ -10,4 +11,5 @@ pub(crate) mod meshes;
 pub(crate) mod round;
 pub(crate) mod rounds;
 mod smooth_touch;
+mod tissue;
 pub(crate) mod whole;

@@ -5,6 +5,7 @@ use std::time::Instant;
 use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement};
 use crate::contact::refine::estimate::ErrorEstimate;
+use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
 
 /// Penetration left on a mesh that is fine enough, as a share of that before.
@@ -41,7 +42,7 @@ impl Contact {
             return None;
         }
         if previous.status != ContactStatus::Solved {
-            return Some(ErrorEstimate::of_cells(self, None));
+            return Some(ErrorEstimate::of_cells(self, Tissue::default()));
         }
         let mut error = ErrorEstimate::of_rounds(previous, self);
         if is_for_area {

@@ -11,6 +11,7 @@ use crate::contact::outcome::{Clues, Contact, ContactStatus};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
 use crate::contact::refine::meshes::Meshes;
+use crate::contact::refine::tissue::Tissue;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
 use crate::lcp::solution::LcpStatus;
@@ -77,7 +78,7 @@ pub(crate) fn begin<'a>(
         );
     }
     let error = (given.status == ContactStatus::Solved && traits.refines)
-        .then(|| ErrorEstimate::of_cells(&given, mean_tissue(&given.active, skin)));
+        .then(|| ErrorEstimate::of_cells(&given, Tissue::under(&given, skin)));
     given.note_round(error, started);
     let target = match options.target_error {
         None => return ended(given.concluded("the mesh was taken as it is")),
@@ -103,12 +104,6 @@ pub(crate) fn begin<'a>(
         options,
         target,
     })))
-}
-
-/// Mean thickness of the tissue under some vertices (m), where it is known.
-fn mean_tissue(vertices: &[usize], skin: &dyn ElasticSkin) -> Option<f64> {
-    let known: Vec<f64> = vertices.iter().filter_map(|&vertex| skin.tissue_at(vertex)).collect();
-    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
 }
 
 /// How the rounds settle.
