@@ -186,7 +186,8 @@ impl Contact {
     /// Largest mean pressure over a disc of a given area (Pa): the node forces within `√(area / π)` of a vertex under
     /// force, in a straight line on the undeformed skin, over `area`. NaN of a contact that did not solve.
     ///
-    /// Cells larger than `area` leave a disc with one node, whose force is then all that counts.
+    /// A node whose cell the disc cuts counts by the share of the cell within: where cells are larger than `area`, nothing is
+    /// known but its pressure.
     ///
     /// * `area`: of the disc (m²), > 0
     ///

@@ -55,7 +55,7 @@ impl KeptBlock {
             return assemble(rows, columns, options);
         }
         let options = AssemblyOptions { tolerance: known.tolerance.unwrap_or(options.tolerance), ..*options };
-        let is_first = known.columns.is_empty();
+        let is_first = known.places.is_empty();
         let places = known.places_of(rows);
         if is_first {
             let found = assemble(rows, columns, &options)?;
@@ -181,6 +181,19 @@ mod tests {
         // A row that is known and three new ones twice, times three columns: 168 bytes.
         assert_eq!(ask(&[3, 4, 6], &[3, 4], 1e-5, Some(167)), [(vec![3, 4, 6], vec![3, 4], 1e-5)]);
         assert_eq!(ask(&[3], &[3], 1e-5, None), [(vec![3], vec![3], 1e-5)]);
+    }
+
+    #[test]
+    fn rows_that_were_asked_for_without_a_column_keep_their_places() {
+        let kept = KeptBlock::default();
+        let assemble = |rows: &[usize], columns: &[usize], _: &AssemblyOptions| {
+            Ok(Mat::from_fn(rows.len(), columns.len(), |i, j| (100 * rows[i] + columns[j]) as f64))
+        };
+        for (rows, columns) in [(&[1, 2][..], &[][..]), (&[5], &[7]), (&[1], &[7]), (&[5, 2], &[7])] {
+            let found = kept.entries(rows, columns, &AssemblyOptions::default(), assemble);
+            let expected = assemble(rows, columns, &AssemblyOptions::default()).expect("nothing is refused");
+            assert_eq!(found.expect("nothing is refused"), expected);
+        }
     }
 
     #[test]
