@@ -108,6 +108,8 @@ def test_a_spot_beside_the_contact_gets_cells_of_its_own() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
+# Of skin that hangs over the edge of the box.
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
 def test_a_mesh_taken_as_it_is_and_a_sharp_edge_begin_anew_each_step(surface: qr.Surface) -> None:
     options = qr.ContactOptions(target_error=None)
     depths = [0.5e-3, 0.52e-3]

@@ -149,7 +149,13 @@ impl OnMesh<'_> {
             |contact: &Contact| (quantity.of(contact, &self.press.direction) / search.value - 1.0).abs();
         search.run(|past| -> Result<_, ContactError> {
             let contact = self.solve(past)?;
-            let value = quantity.of(&contact, &self.press.direction);
+            if let ContactStatus::Failed(status) = contact.status {
+                return Ok(Trial::Blocked(format!(
+                    "deeper the contact ends with status '{}'",
+                    status.as_str()
+                )));
+            }
+            let value = quantity.of(&contact, &self.press.direction).max(0.0);
             if off(&contact) < off(&best) {
                 best = contact;
             }

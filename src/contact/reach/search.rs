@@ -90,7 +90,8 @@ impl Search {
                 }
             }
             if bracket.above.is_none() && at >= self.limit {
-                bracket.why = "the obstacle has passed by the skin there".into();
+                bracket.why =
+                    "no deeper one is tried, as the obstacle has come through all of the skin there".into();
                 return Ok(bracket.give_up(self));
             }
             if bracket.is_narrow() {
