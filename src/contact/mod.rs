@@ -6,13 +6,14 @@
 //! g = g0 + R f,    g >= 0,    f >= 0,    g·f = 0
 //! ```
 //!
-//! with g, g0 (m) along the obstacle's outward normal, R (m/N) the response matrix and f (N) the node forces
-//! (Xie, Kanai, Date 2011, eq. 9). A kernel w moves the skin along each force, `u_i = Σ_j w_ij f_j n_j`, so that
-//! `R_ij = w_ij n_i·n_j`: within 3 % of a half-space's response in all directions beside a ridge of 90 degrees, where w
-//! alone lets the skin run away from the flanks and leaves little more than half of the force. An elastic product adds its response to the skin's, `R = R_H + R_P`: what is measured at
-//! the deformed skin is measured after `u_H - u_P`, against the product at rest. Where R has no negative entry, a vertex
-//! outside the obstacle can never touch and the problem on the penetrating vertices is exact. Otherwise their rings are added, and the set grows while a
-//! vertex outside gets pressed or the rim carries force. Gaps and normals are then taken anew at the deformed skin.
+//! with g, g0 (m) along the obstacle's outward normal, R (m/N) the response matrix and f (N) the node forces (Xie,
+//! Kanai, Date 2011, eq. 9). A kernel w moves the skin along each force, `u_i = Σ_j w_ij f_j n_j`, so that `R_ij = w_ij
+//! n_i·n_j`: within 3 % of a half-space's response in all directions beside a ridge of 90 degrees, where w alone lets
+//! the skin run away from the flanks and leaves little more than half of the force. An elastic product adds its
+//! response to the skin's, `R = R_H + R_P`: what is measured at the deformed skin is measured after `u_H - u_P`,
+//! against the product at rest. Where R has no negative entry, a vertex outside the obstacle can never touch and the
+//! problem on the penetrating vertices is exact. Otherwise their rings are added, and the set grows while a vertex
+//! outside gets pressed or the rim carries force. Gaps and normals are then taken anew at the deformed skin.
 
 pub(crate) mod candidate;
 pub(crate) mod discretization;

@@ -10,6 +10,8 @@
 //! ```text
 //! g0 = -s (m . t)    along m
 //! ```
+//!
+//! Skin that does not face the travel was slid past and not passed through: it is not met from behind.
 
 use nalgebra::Vector3;
 

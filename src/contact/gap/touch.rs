@@ -10,8 +10,8 @@ use crate::obstacle::posed::Obstacle;
 use crate::obstacle::primitive::perpendicular;
 use crate::surface::checked::Surface;
 
-/// Travel (m) at which a sharp edge, a corner of a mesh or the line of a round primitive first touches a triangle that may touch; infinite, or
-/// any after the latest, where none does so before.
+/// Travel (m) at which a sharp edge, a corner of a mesh or the line of a round primitive first touches a triangle that may
+/// touch; infinite, or any after the latest, where none does so before.
 ///
 /// * `[earliest, latest]`: travel (m) between which to look
 pub(crate) fn touch_between(
