@@ -4,8 +4,8 @@
 //! the edge and turned around, as long as that lies between the normals of the faces that meet at the edge. The triangle has
 //! to go back along m as a whole, so each corner's gap is `g = -t (m . -N)`, with t the depth of the edge under the triangle
 //! and N its normal. A corner that is in the obstacle as deep as the edge holds it alone: the face of a flat punch does not
-//! lend the depth of its rim to the skin beside it. Of several gaps, that to the closest point of the obstacle among them, a vertex takes the least. The
-//! line of a round primitive does the same in a triangle that no corner has met it in.
+//! lend the depth of its rim to the skin beside it. Of several gaps, that to the closest point of the obstacle among them, a
+//! vertex takes the least. The line of a round primitive does the same in a triangle that no corner has met it in.
 
 use std::collections::BTreeMap;
 
