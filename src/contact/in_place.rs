@@ -22,12 +22,12 @@ use crate::surface::checked::Surface;
 #[derive(Debug)]
 pub(crate) struct Known {
     /// Vertices under force, ascending.
-    active: Vec<usize>,
+    pub active: Vec<usize>,
     /// Vertices whose gap was linearised, and the displacements (m) that it was measured at.
-    vertices: Vec<usize>,
-    displacement: Vec<Vector3<f64>>,
+    pub vertices: Vec<usize>,
+    pub displacement: Vec<Vector3<f64>>,
     /// Whether linearised gaps led to no better answer.
-    in_vain: bool,
+    pub in_vain: bool,
 }
 
 /// Node forces where the obstacle of a scene stands.
@@ -54,6 +54,11 @@ impl Known {
     /// Vertices that are expected to carry force, ascending, and nothing else.
     pub fn of_active(active: Vec<usize>) -> Self {
         Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false }
+    }
+
+    /// Vertices whose gap was linearised, each with the displacement (m) that it was measured at.
+    pub fn into_linearised(self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+        self.vertices.into_iter().zip(self.displacement)
     }
 }
 

@@ -204,7 +204,6 @@ impl RefinedSurface {
         }
     }
 
-    /// The same of several.
     /// The vertex here of one of the whole, if it is one.
     pub(crate) fn row(&self, number: usize) -> Option<usize> {
         match number.checked_sub(self.given_count) {
@@ -213,6 +212,7 @@ impl RefinedSurface {
         }
     }
 
+    /// Numbers in the whole refined surface of vertices here.
     pub(crate) fn numbers(&self, vertices: &[usize]) -> Vec<usize> {
         vertices.iter().map(|&vertex| self.number(vertex)).collect()
     }
@@ -239,6 +239,26 @@ impl RefinedSurface {
         let mut values: Vec<T> = self.given_vertices.iter().copied().map(given).collect();
         for &[a, b] in &self.parents {
             values.push(joined(&values[a], &values[b]));
+        }
+        values
+    }
+
+    /// Values of vertices from those known, by their numbers in the whole refined surface: an added vertex without has what its
+    /// parents have together.
+    pub fn inherit_known<T: Copy>(
+        &self,
+        known: &HashMap<usize, T>,
+        joined: impl Fn(T, T) -> T,
+    ) -> Vec<Option<T>> {
+        let given_count = self.given_vertices.len();
+        let mut values: Vec<Option<T>> = Vec::with_capacity(given_count + self.parents.len());
+        for vertex in 0..given_count + self.parents.len() {
+            let own = known.get(&self.number(vertex)).copied();
+            let from_parents = || {
+                let [a, b] = self.parents[vertex.checked_sub(given_count)?];
+                Some(joined(values[a]?, values[b]?))
+            };
+            values.push(own.or_else(from_parents));
         }
         values
     }

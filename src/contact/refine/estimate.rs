@@ -48,10 +48,10 @@ struct Settling {
 }
 
 /// Of force, area and peak. The force keeps a third on smooth skin and half on scanned fingers, whose curvature is rough; the
-/// area comes nearer than its changes say, which change sign.
+/// area two fifths there.
 const COLLOCATION_ROUND: [Settling; 3] = [
     Settling { next: 3.0 / 7.0, least: 0.2 },
-    Settling { next: 1.0 / 3.0, least: 0.2 },
+    Settling { next: 0.4, least: 0.2 },
     Settling { next: 3.0 / 7.0, least: 0.2 },
 ];
 /// The same in Galerkin form, where the rim is felt from the triangles beside it, so that the area keeps half.

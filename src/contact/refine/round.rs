@@ -11,7 +11,7 @@ use crate::response::kernel::basis::Discretization;
 /// Penetration left on a mesh that is fine enough, as a share of that before.
 const SMALL_PENETRATION: f64 = 0.02;
 /// Share of the target below which the force needs no finer mesh.
-const SMALL_SHARE: f64 = 0.6;
+const SMALL_SHARE: f64 = 0.95;
 
 impl Contact {
     /// Vertices under force, and those that penetrate where averages over their triangles feel nothing of it, ascending.

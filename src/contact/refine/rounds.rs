@@ -1,7 +1,10 @@
 //! Solve, look where the mesh is too coarse, refine it there, solve again.
 
+use std::collections::HashMap;
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::time::Instant;
+
+use nalgebra::Vector3;
 
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
 use crate::contact::error::ContactError;
@@ -99,6 +102,7 @@ pub(crate) fn begin<'a>(
         meshes,
         between: Vec::new(),
         touches_elsewhere_alone: false,
+        linearised_at: HashMap::new(),
         placement,
         skin,
         options,
@@ -122,6 +126,8 @@ pub(crate) struct Rounds<'a> {
     between: Vec<usize>,
     /// Whether the mesh is fine enough but for where it is touched away from all force.
     touches_elsewhere_alone: bool,
+    /// Displacements (m) that the gaps of the last contact were linearised at, by the vertex' number in the whole refined surface.
+    linearised_at: HashMap<usize, Vector3<f64>>,
     placement: &'a Placement<'a>,
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions<'a>,
@@ -187,7 +193,10 @@ impl Rounds<'_> {
     }
 
     /// The contact on a finer mesh, or why that is too much.
-    fn solved_on(&self, part: &RefinedSurface) -> Result<ControlFlow<&'static str, Contact>, ContactError> {
+    fn solved_on(
+        &mut self,
+        part: &RefinedSurface,
+    ) -> Result<ControlFlow<&'static str, Contact>, ContactError> {
         let contact = match self.solve(part) {
             Err(ContactError::Response(ResponseError::TooLarge { .. })) => return Ok(Break("memory_limit")),
             other => match other? {
@@ -300,7 +309,7 @@ impl Rounds<'_> {
     }
 
     /// The contact on a finer mesh; `None` where that has too many nodes.
-    fn solve(&self, part: &RefinedSurface) -> Result<Option<Contact>, ContactError> {
+    fn solve(&mut self, part: &RefinedSurface) -> Result<Option<Contact>, ContactError> {
         if self.options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "refinement" });
         }
@@ -317,10 +326,24 @@ impl Rounds<'_> {
             return Ok(None);
         }
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let known = Known::of_active(self.meshes.expected(part));
-        let contact =
-            InPlace::solve_gaps(gaps, &*skin, Some(&known), self.options, report)?.contact(self.options)?;
+        let known = self.known_on(part);
+        let solved = InPlace::solve_gaps(gaps, &*skin, Some(&known), self.options, report)?;
+        let linearised = solved.known().into_iter().flat_map(Known::into_linearised);
+        self.linearised_at = linearised.map(|(vertex, at)| (part.number(vertex), at)).collect();
+        let contact = solved.contact(self.options)?;
         Ok((contact.candidates.len() <= most).then_some(contact))
+    }
+
+    /// What the last contact knows of that on a finer mesh.
+    fn known_on(&self, part: &RefinedSurface) -> Known {
+        let active = self.meshes.expected(part);
+        if self.options.max_linearizations == 1 {
+            return Known::of_active(active);
+        }
+        let found = part.inherit_known(&self.linearised_at, |a, b| 0.5 * (a + b));
+        let linearised = found.into_iter().enumerate().filter_map(|(vertex, at)| Some((vertex, at?)));
+        let (vertices, displacement) = linearised.unzip();
+        Known { active, vertices, displacement, in_vain: false }
     }
 
     /// The last contact in the numbers of the whole skin, with why no further round followed.
