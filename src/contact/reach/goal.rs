@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use crate::contact::error::{ContactError, LargestContact};
-use crate::contact::in_place::Known;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached};
@@ -143,7 +142,7 @@ impl Task<'_> {
             limit: self.on_mesh(self.surface, self.skin, None, touch).limit(),
             known: is_known.then_some((past, value)),
         };
-        let known = Known::of_active(last.active.clone());
+        let known = rounds.known_on(part);
         let (contact, end) = match on_part.reach(self.target.quantity, &search, Some(known), Some(last))? {
             Reached::Goal { contact, .. } => (contact, Ok(())),
             Reached::Short { contact, why } => (contact, Err(why)),

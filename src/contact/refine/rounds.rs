@@ -334,8 +334,8 @@ impl Rounds<'_> {
         Ok((contact.candidates.len() <= most).then_some(contact))
     }
 
-    /// What the last contact knows of that on a finer mesh.
-    fn known_on(&self, part: &RefinedSurface) -> Known {
+    /// What the last contact knows of that on a mesh as fine or finer.
+    pub fn known_on(&self, part: &RefinedSurface) -> Known {
         let active = self.meshes.expected(part);
         if self.options.max_linearizations == 1 {
             return Known::of_active(active);
