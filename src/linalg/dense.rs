@@ -13,27 +13,17 @@ const TILE: usize = 32;
 /// Entries by columns; a new one is zero, and its memory is touched only as it is filled, which for a large one
 /// can then be interrupted.
 #[derive(Debug, Clone)]
-pub(crate) struct Dense {
-    entries: Vec<f64>,
+pub(crate) struct Dense<T = f64> {
+    entries: Vec<T>,
     rows: usize,
     columns: usize,
 }
 
-impl Dense {
-    pub(crate) fn zeros(rows: usize, columns: usize) -> Self {
-        Self { entries: vec![0.0; rows * columns], rows, columns }
-    }
-
+impl<T: Copy> Dense<T> {
     /// Entries by columns as they lie.
-    pub(crate) fn from_columns(entries: Vec<f64>, rows: usize, columns: usize) -> Self {
+    pub(crate) fn from_columns(entries: Vec<T>, rows: usize, columns: usize) -> Self {
         assert_eq!(entries.len(), rows * columns, "one entry for every row and column");
         Self { entries, rows, columns }
-    }
-
-    #[cfg(test)]
-    pub(crate) fn of(m: &faer::Mat<f64>) -> Self {
-        let entries = (0..m.ncols()).flat_map(|j| m.col_as_slice(j)).copied().collect();
-        Self::from_columns(entries, m.nrows(), m.ncols())
     }
 
     /// Swaps rows and columns of a square matrix in place.
@@ -55,24 +45,36 @@ impl Dense {
         self.rows
     }
 
-    pub(crate) fn column(&self, j: usize) -> &[f64] {
+    pub(crate) fn column(&self, j: usize) -> &[T] {
         &self.entries[j * self.rows..][..self.rows]
     }
 
-    pub(crate) fn column_mut(&mut self, j: usize) -> &mut [f64] {
+    pub(crate) fn column_mut(&mut self, j: usize) -> &mut [T] {
         &mut self.entries[j * self.rows..][..self.rows]
     }
 
-    pub(crate) fn at(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn at(&self, i: usize, j: usize) -> T {
         self.column(j)[i]
     }
 
-    pub(crate) fn as_ref(&self) -> MatRef<'_, f64> {
+    pub(crate) fn as_ref(&self) -> MatRef<'_, T> {
         MatRef::from_column_major_slice(&self.entries, self.rows, self.columns)
     }
 
-    pub(crate) fn as_mut(&mut self) -> MatMut<'_, f64> {
+    pub(crate) fn as_mut(&mut self) -> MatMut<'_, T> {
         MatMut::from_column_major_slice_mut(&mut self.entries, self.rows, self.columns)
+    }
+}
+
+impl Dense {
+    pub(crate) fn zeros(rows: usize, columns: usize) -> Self {
+        Self { entries: vec![0.0; rows * columns], rows, columns }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of(m: &faer::Mat<f64>) -> Self {
+        let entries = (0..m.ncols()).flat_map(|j| m.col_as_slice(j)).copied().collect();
+        Self::from_columns(entries, m.nrows(), m.ncols())
     }
 
     /// The block of `m` on `rows` and `columns`; left unfinished when `interrupted`.

@@ -2,6 +2,7 @@
 
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
+use faer::traits::RealField;
 use rayon::prelude::*;
 
 /// Columns of the rest that one task updates. It depends on no number of threads, so neither do the results.
@@ -10,6 +11,31 @@ pub(crate) const STRIP_COLUMNS: usize = 256;
 pub(crate) const RIGHT_SIDES: usize = 32;
 /// Multiplications between two asks of the interrupt: some tens of milliseconds on one core.
 pub(crate) const GROUP_WORK: usize = 1 << 28;
+
+/// A number in single or double precision.
+pub(crate) trait Real: RealField + Copy + From<f32> + Into<f64> + 'static {
+    /// Distance from one to the next larger number.
+    const EPSILON: f64;
+
+    /// The nearest to a number in double precision.
+    fn nearest(value: f64) -> Self;
+}
+
+impl Real for f64 {
+    const EPSILON: f64 = f64::EPSILON;
+
+    fn nearest(value: f64) -> Self {
+        value
+    }
+}
+
+impl Real for f32 {
+    const EPSILON: f64 = f32::EPSILON as f64;
+
+    fn nearest(value: f64) -> Self {
+        value as f32
+    }
+}
 
 /// Asked now and then by the calling thread; `true` says stop.
 pub(crate) type Interrupt<'a> = &'a (dyn Fn() -> bool + Sync);
@@ -30,12 +56,12 @@ pub(crate) fn panel_width(n: usize) -> usize {
 
 /// Runs `update` on strips of `width` columns, with the number of the first; several at a time where there are many,
 /// and `stop` asked in between. Each column takes `cost` multiplications.
-pub(crate) fn in_strips(
-    mut columns: MatMut<'_, f64>,
+pub(crate) fn in_strips<T: Send>(
+    mut columns: MatMut<'_, T>,
     width: usize,
     cost: usize,
     stop: &mut dyn FnMut() -> bool,
-    update: impl Fn(usize, MatMut<'_, f64>) + Sync,
+    update: impl Fn(usize, MatMut<'_, T>) + Sync,
 ) {
     let at_once = (GROUP_WORK / width.saturating_mul(cost).max(1)).max(4);
     let group = width.saturating_mul(at_once);
@@ -103,6 +129,20 @@ mod tests {
             assert_solves(&definite, |b| cholesky.solve(b));
             assert_solves(&definite, |b| in_place(b, |right| cholesky.solve_in_place(right, &|| false)));
         }
+    }
+
+    #[test]
+    fn a_factor_in_single_precision_solves_to_its_rounding() {
+        let a = some_matrix(600) + Mat::<f64>::identity(600, 600) * 30.0;
+        let rounded =
+            a.as_ref().col_iter().flat_map(|column| column.iter().map(|&value| f32::nearest(value)));
+        let lu = Lu::with_cuts(Dense::from_columns(rounded.collect(), 600, 600), WIDE, &mut |_| false);
+        let mut x: Vec<f32> = (0..600)
+            .map(|i| f32::nearest((&a * Mat::<f64>::from_fn(600, 1, |i, _| i as f64))[(i, 0)]))
+            .collect();
+        lu.expect("regular").solve_last(MatMut::from_column_major_slice_mut(&mut x, 600, 1), 600, &|| false);
+        let error = x.iter().enumerate().map(|(i, &x)| (f64::from(x) - i as f64).abs()).fold(0.0, f64::max);
+        assert!(error < 600.0 * 100.0 * <f32 as Real>::EPSILON && error > 600.0 * f64::EPSILON, "{error}");
     }
 
     #[test]

@@ -34,12 +34,18 @@ pub(crate) fn solve_width(right_hand_sides: usize) -> usize {
 impl BodyCost {
     /// The cost for a skin and bones of so many vertices and so many loaded nodes.
     pub fn estimate(skin_count: usize, bone_count: usize, node_count: usize) -> BodyCost {
+        Self::estimate_in::<f64>(skin_count, bone_count, node_count)
+    }
+
+    /// The same with equations in a precision.
+    pub(crate) fn estimate_in<T>(skin_count: usize, bone_count: usize, node_count: usize) -> BodyCost {
         let unknowns = 3 * (skin_count + bone_count);
         let right_hand_sides = 3 * node_count;
         let (n, skin, k) = (unknowns as f64, 3.0 * skin_count as f64, right_hand_sides as f64);
         let kept = 8 * 3 * skin_count * right_hand_sides;
         // matrix, right-hand sides, one block of them twice, result, faces with their geometry
-        let working = 8 * unknowns * (unknowns + right_hand_sides + 2 * solve_width(right_hand_sides));
+        let working =
+            size_of::<T>() * unknowns * (unknowns + right_hand_sides + 2 * solve_width(right_hand_sides));
         let faces = 2 * (skin_count + bone_count) * size_of::<Element>();
         BodyCost {
             counts: [skin_count, bone_count, node_count],
@@ -52,9 +58,9 @@ impl BodyCost {
     }
 
     /// Skin and bone vertices possible within `limit` bytes for `node_count` loaded nodes, about.
-    pub(crate) fn affordable_vertices(limit: usize, node_count: usize) -> usize {
-        // 8 (3 n)² + 8 (3 n) (2 · 3 k) = limit
-        let (k, words) = (3.0 * node_count as f64, limit as f64 / 8.0);
+    pub(crate) fn affordable_vertices<T>(limit: usize, node_count: usize) -> usize {
+        // (3 n)² + (3 n) (2 · 3 k) = limit in numbers
+        let (k, words) = (3.0 * node_count as f64, limit as f64 / size_of::<T>() as f64);
         (((k * k + words).sqrt() - k) / 3.0) as usize
     }
 }

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
-use crate::linalg::factor::NoFactor;
+use crate::linalg::factor::{NoFactor, Real};
 use crate::linalg::lu::{Cuts, Lu};
 use crate::linalg::memory::free_memory;
 use crate::linalg::threads::bounded_pool;
@@ -154,7 +154,11 @@ impl Body {
 
     /// What preparing `node_count` nodes on the skin's own mesh costs.
     pub fn estimate(&self, skin: &Surface, node_count: usize) -> BodyCost {
-        BodyCost::estimate(skin.vertices().len(), self.bone_count(), node_count)
+        self.estimate_in::<f64>(skin, node_count)
+    }
+
+    fn estimate_in<T>(&self, skin: &Surface, node_count: usize) -> BodyCost {
+        BodyCost::estimate_in::<T>(skin.vertices().len(), self.bone_count(), node_count)
     }
 
     pub(crate) fn bone_count(&self) -> usize {
@@ -183,6 +187,17 @@ impl Body {
         nodes: &[usize],
         options: &BodyOptions,
     ) -> Result<BodyCompliance, BodyError> {
+        self.prepare_in::<f64>(skin, [shear_modulus, poisson_ratio], nodes, options)
+    }
+
+    /// The same, with the equations solved to a precision.
+    pub(crate) fn prepare_in<T: Real>(
+        &self,
+        skin: &Surface,
+        [shear_modulus, poisson_ratio]: [f64; 2],
+        nodes: &[usize],
+        options: &BodyOptions,
+    ) -> Result<BodyCompliance, BodyError> {
         if !SHEAR_MODULI.contains(&shear_modulus) {
             return Err(BodyError::ShearModulus { value: shear_modulus });
         }
@@ -192,12 +207,12 @@ impl Body {
         if !(1e-9..=1e-2).contains(&options.tolerance) {
             return Err(BodyError::Tolerance { value: options.tolerance });
         }
-        self.check_memory(skin, nodes.len(), options.memory_limit)?;
+        self.check_memory::<T>(skin, nodes.len(), options.memory_limit)?;
         let (report, fixed) = self.check(skin)?;
         check_nodes(skin.vertices().len(), &fixed, nodes)?;
         check_uncrossed(skin)?;
         let solve = || {
-            let parts = self.solve(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
+            let parts = self.solve::<T>(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
             Ok(BodyCompliance::new(parts, report))
         };
         match options.num_threads {
@@ -211,8 +226,13 @@ impl Body {
         }
     }
 
-    fn check_memory(&self, skin: &Surface, node_count: usize, limit: Option<usize>) -> Result<(), BodyError> {
-        let needed = self.estimate(skin, node_count).peak_bytes;
+    fn check_memory<T>(
+        &self,
+        skin: &Surface,
+        node_count: usize,
+        limit: Option<usize>,
+    ) -> Result<(), BodyError> {
+        let needed = self.estimate_in::<T>(skin, node_count).peak_bytes;
         let Some(limit) = limit.or_else(free_memory).filter(|&limit| needed > limit) else { return Ok(()) };
         Err(BodyError::MemoryLimit {
             needed,
@@ -220,11 +240,11 @@ impl Body {
             skin_count: skin.vertices().len(),
             bone_count: self.bone_count(),
             node_count,
-            affordable: BodyCost::affordable_vertices(limit, node_count),
+            affordable: BodyCost::affordable_vertices::<T>(limit, node_count),
         })
     }
 
-    fn solve(
+    fn solve<T: Real>(
         &self,
         skin: &Surface,
         shear_modulus: f64,
@@ -236,11 +256,11 @@ impl Body {
         // Lengths in mean edges and G = 1: the same numbers in every unit system.
         let length = skin.mean_edge_length();
         let (body, surfaces) = self.discretize(skin, length, poisson_ratio, fixed, nodes);
-        let cost = self.estimate(skin, nodes.len());
+        let cost = self.estimate_in::<T>(skin, nodes.len());
         let watch = Watch { options, cost, start: Instant::now(), stopped: AtomicBool::new(false) };
 
         let advance = watch.by_rows("assembly", body.points.len());
-        let mut equations = assemble_equations(&body, options.tolerance, &advance)
+        let mut equations = assemble_equations::<T>(&body, options.tolerance, &advance)
             .ok_or_else(|| watch.interrupted("assembly"))?;
         impose_flux_identities(&mut equations, &body, &surfaces);
 
@@ -266,10 +286,10 @@ impl Body {
             |solved, (mut displacement, mut pressure)| {
                 for (column, solved) in solved.col_iter().enumerate() {
                     for row in (0..skin_rows).filter(|row| !fixed[row / 3]) {
-                        displacement[(row, column)] = solved[bone_rows + row] * per_newton;
+                        displacement[(row, column)] = solved[bone_rows + row].into() * per_newton;
                     }
                     for (vertex, normal) in bone_normals.into_iter().flatten().enumerate() {
-                        let traction = Vector3::from_fn(|axis, _| solved[3 * vertex + axis]);
+                        let traction = Vector3::from_fn(|axis, _| solved[3 * vertex + axis].into());
                         pressure[(vertex, column)] = traction.dot(normal) / (length * length);
                     }
                 }
@@ -299,7 +319,7 @@ fn parallelism() -> Par {
 /// Factor of the equations, refused where it is singular to rounding.
 ///
 /// * `transposed`: their matrix by rows
-fn factorize(transposed: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu, BodyError> {
+fn factorize<T: Real>(transposed: Vec<T>, unknowns: usize, watch: &Watch) -> Result<Lu<T>, BodyError> {
     let mut matrix = Dense::from_columns(transposed, unknowns, unknowns);
     matrix.transpose();
     let cuts = Cuts { panel: FACTOR_PANEL, strip: FACTOR_STRIP, par: parallelism() };
@@ -312,20 +332,20 @@ fn factorize(transposed: Vec<f64>, unknowns: usize, watch: &Watch) -> Result<Lu,
         NoFactor::Singular => BodyError::Singular { pivot_ratio: 0.0 },
     })?;
     let pivot_ratio = factor.pivot_ratio();
-    if pivot_ratio < f64::EPSILON { Err(BodyError::Singular { pivot_ratio }) } else { Ok(factor) }
+    if pivot_ratio < T::EPSILON { Err(BodyError::Singular { pivot_ratio }) } else { Ok(factor) }
 }
 
 /// Solves for every row of `loads`, a block of them on each thread, and hands `take` the solutions of each block with its
 /// part of `results`.
 ///
 /// * `wanted`: how many of the unknowns, the last ones
-fn solve_columns<Part: Send>(
-    factor: &Lu,
+fn solve_columns<T: Real, Part: Send>(
+    factor: &Lu<T>,
     wanted: usize,
-    loads: MatRef<'_, f64>,
+    loads: MatRef<'_, T>,
     watch: &Watch,
     results: impl IndexedParallelIterator<Item = Part>,
-    take: impl Fn(MatRef<'_, f64>, Part) + Sync,
+    take: impl Fn(MatRef<'_, T>, Part) + Sync,
 ) -> Result<(), BodyError> {
     let (columns, unknowns) = (loads.nrows(), loads.ncols());
     let solved = AtomicUsize::new(0);

@@ -18,6 +18,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::linalg::factor::Real;
 use crate::response::body::equations::kelvin::Kelvin;
 use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
@@ -63,11 +64,11 @@ pub(crate) struct DiscreteBody {
 }
 
 /// Transposed matrix and transposed right-hand sides; column `3 i + a` belongs to point `i`, direction `a`.
-pub(crate) struct Equations {
+pub(crate) struct Equations<T = f64> {
     /// `(3 n, 3 n)`, column-major.
-    pub matrix: Vec<f64>,
+    pub matrix: Vec<T>,
     /// `(3 k, 3 n)`, column-major.
-    pub loads: Vec<f64>,
+    pub loads: Vec<T>,
 }
 
 /// Writes the hats of elements seen from one point into that point's columns.
@@ -285,36 +286,46 @@ fn in_three(columns: &mut [f64]) -> [&mut [f64]; 3] {
     [first, second, third]
 }
 
-/// Assembles the equations with integrals to `tolerance`; `advance` is called after each point and stops the
-/// assembly (`None`) by returning false.
-pub(crate) fn assemble_equations(
+/// Assembles the equations with integrals to `tolerance`, rounded to the precision T; `advance` is called after each point
+/// and stops the assembly (`None`) by returning false.
+pub(crate) fn assemble_equations<T: Real>(
     body: &DiscreteBody,
     tolerance: f64,
     advance: &(dyn Fn() -> bool + Sync),
-) -> Option<Equations> {
+) -> Option<Equations<T>> {
     let height = 3 * body.points.len();
     let load_height = 3 * body.load_count;
     let reach = RuleReach::new(tolerance);
+    let zero = T::from(0.0);
     let mut equations =
-        Equations { matrix: vec![0.0; height * height], loads: vec![0.0; load_height * height] };
+        Equations { matrix: vec![zero; height * height], loads: vec![zero; load_height * height] };
+    let sums = || [vec![0.0; 3 * height], vec![0.0; 3 * load_height]];
     let finished = equations
         .matrix
         .par_chunks_mut(3 * height)
         .zip(equations.loads.par_chunks_mut(3 * load_height))
         .enumerate()
-        .map_init(RowScratch::default, |scratch, (point, (matrix, loads))| {
-            let mut row = Row {
-                point,
-                body,
-                matrix: in_three(matrix),
-                loads: in_three(loads),
-                off_diagonal: [0.0; 9],
-                displacement_factors: body.kelvin.displacement_factors(),
-                traction_factors: body.kelvin.traction_factors(),
-            };
-            fill_row(&mut row, &reach, scratch);
-            advance()
-        })
+        .map_init(
+            || (RowScratch::default(), sums()),
+            |(scratch, [matrix, loads]), (point, results)| {
+                matrix.fill(0.0);
+                loads.fill(0.0);
+                let mut row = Row {
+                    point,
+                    body,
+                    matrix: in_three(matrix),
+                    loads: in_three(loads),
+                    off_diagonal: [0.0; 9],
+                    displacement_factors: body.kelvin.displacement_factors(),
+                    traction_factors: body.kelvin.traction_factors(),
+                };
+                fill_row(&mut row, &reach, scratch);
+                for (result, sums) in [(results.0, matrix), (results.1, loads)] {
+                    result.iter_mut().zip(sums).for_each(|(entry, sum)| *entry = T::nearest(*sum));
+                }
+                advance()
+            },
+        )
         .all(|go_on| go_on);
     finished.then_some(equations)
 }
@@ -370,7 +381,7 @@ mod tests {
                 .flat_map(|element| [<[f64; 3]>::from(stress * element.triangle.normal); 3])
                 .flatten()
                 .collect();
-            let equations = assemble_equations(&body, 1e-9, &|| true).expect("not interrupted");
+            let equations = assemble_equations::<f64>(&body, 1e-9, &|| true).expect("not interrupted");
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             let (height, load_height) = (displacement.len(), traction.len());
             for row in 0..height {
@@ -386,7 +397,7 @@ mod tests {
         let body = body(0.4);
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| assemble_equations(&body, 1e-4, &|| true)).expect("not interrupted")
+            pool.install(|| assemble_equations::<f64>(&body, 1e-4, &|| true)).expect("not interrupted")
         };
         let one = with(1);
         for threads in [2, 3] {
@@ -397,6 +408,6 @@ mod tests {
 
     #[test]
     fn a_refusal_to_advance_ends_the_assembly() {
-        assert!(assemble_equations(&body(0.5), 1e-4, &|| false).is_none());
+        assert!(assemble_equations::<f64>(&body(0.5), 1e-4, &|| false).is_none());
     }
 }

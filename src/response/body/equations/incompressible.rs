@@ -18,6 +18,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::linalg::factor::Real;
 use crate::response::body::equations::assemble::{DiscreteBody, Equations};
 
 /// A closed surface among the nodes.
@@ -34,8 +35,8 @@ pub(crate) struct ClosedSurface {
 const BLOCKS_PER_CHUNK: usize = 64;
 
 /// Puts the identities of every closed surface into the equations.
-pub(crate) fn impose_flux_identities(
-    equations: &mut Equations,
+pub(crate) fn impose_flux_identities<T: Real>(
+    equations: &mut Equations<T>,
     body: &DiscreteBody,
     surfaces: &[ClosedSurface],
 ) {
@@ -83,14 +84,15 @@ pub(crate) fn impose_flux_identities(
 }
 
 /// `sum_i w_i tr(block_ij)` over the surface's nodes `i`, for every block row `j` of a transposed matrix.
-fn trace_sums(transposed: &[f64], height: usize, surface: &ClosedSurface) -> Vec<f64> {
+fn trace_sums<T: Real>(transposed: &[T], height: usize, surface: &ClosedSurface) -> Vec<f64> {
     let mut sums = vec![0.0; height];
     sums.par_chunks_mut(3 * BLOCKS_PER_CHUNK).enumerate().for_each(|(chunk, sums)| {
         for (&node, area) in surface.nodes.iter().zip(&surface.area_vectors) {
             let start = 3 * node as usize * height + 3 * BLOCKS_PER_CHUNK * chunk;
             for (block, sum) in sums.chunks_exact_mut(3).enumerate() {
                 let at = start + 3 * block;
-                let trace = transposed[at] + transposed[at + height + 1] + transposed[at + 2 * height + 2];
+                let trace: f64 =
+                    [at, at + height + 1, at + 2 * height + 2].map(|at| transposed[at].into()).iter().sum();
                 for axis in 0..3 {
                     sum[axis] += area[axis] * trace;
                 }
@@ -118,7 +120,7 @@ fn set_pressure_product(row: &mut [f64], bone: &ClosedSurface, body: &DiscreteBo
 }
 
 /// A uniform pressure on the bone displaces every point by `e / (2 + 3 e)` times its traces, exactly.
-fn set_uniform_pressure_columns(matrix: &mut [f64], height: usize, bone: &ClosedSurface, e: f64) {
+fn set_uniform_pressure_columns<T: Real>(matrix: &mut [T], height: usize, bone: &ClosedSurface, e: f64) {
     let pressure: Vec<Vector3<f64>> = bone.area_vectors.iter().map(|area| area.normalize()).collect();
     let norm_squared: f64 = pressure.iter().map(Vector3::norm_squared).sum();
     let factor = e / (2.0 + 3.0 * e);
@@ -126,9 +128,10 @@ fn set_uniform_pressure_columns(matrix: &mut [f64], height: usize, bone: &Closed
         let mut excess = [0.0; 3];
         for (&node, pressure) in bone.nodes.iter().zip(&pressure) {
             let at = 3 * node as usize;
-            let trace = rows[at] + rows[height + at + 1] + rows[2 * height + at + 2];
+            let block = |a: usize| [0, 1, 2].map(|b| rows[a * height + at + b].into());
+            let trace: f64 = block(0)[0] + block(1)[1] + block(2)[2];
             for a in 0..3 {
-                let block = &rows[a * height + at..a * height + at + 3];
+                let block: [f64; 3] = block(a);
                 let moved = block[0] * pressure[0] + block[1] * pressure[1] + block[2] * pressure[2];
                 excess[a] += moved - factor * trace * pressure[a];
             }
@@ -136,7 +139,8 @@ fn set_uniform_pressure_columns(matrix: &mut [f64], height: usize, bone: &Closed
         for (&node, pressure) in bone.nodes.iter().zip(&pressure) {
             for a in 0..3 {
                 for b in 0..3 {
-                    rows[a * height + 3 * node as usize + b] -= excess[a] * pressure[b] / norm_squared;
+                    let entry = &mut rows[a * height + 3 * node as usize + b];
+                    *entry = T::nearest((*entry).into() - excess[a] * pressure[b] / norm_squared);
                 }
             }
         }
@@ -144,7 +148,12 @@ fn set_uniform_pressure_columns(matrix: &mut [f64], height: usize, bone: &Closed
 }
 
 /// Replaces the weighted sum of the surface's equations along its normal by `identity`.
-fn replace_normal_sum(transposed: &mut [f64], height: usize, surface: &ClosedSurface, identity: &[f64]) {
+fn replace_normal_sum<T: Real>(
+    transposed: &mut [T],
+    height: usize,
+    surface: &ClosedSurface,
+    identity: &[f64],
+) {
     let norm_squared: f64 = surface.area_vectors.iter().map(Vector3::norm_squared).sum();
     let mut change = vec![0.0; height];
     let read = &*transposed;
@@ -154,8 +163,8 @@ fn replace_normal_sum(transposed: &mut [f64], height: usize, surface: &ClosedSur
         for (&node, area) in surface.nodes.iter().zip(&surface.area_vectors) {
             for axis in 0..3 {
                 let start = (3 * node as usize + axis) * height + from;
-                for (change, value) in change.iter_mut().zip(&read[start..]) {
-                    *change -= area[axis] * value;
+                for (change, &value) in change.iter_mut().zip(&read[start..]) {
+                    *change -= area[axis] * value.into();
                 }
             }
         }
@@ -171,7 +180,7 @@ fn replace_normal_sum(transposed: &mut [f64], height: usize, surface: &ClosedSur
         .for_each(|(rows, weight)| {
             for axis in 0..3 {
                 for (value, change) in rows[axis * height..(axis + 1) * height].iter_mut().zip(&change) {
-                    *value += weight[axis] * change;
+                    *value = T::nearest((*value).into() + weight[axis] * change);
                 }
             }
         });

@@ -29,8 +29,8 @@ const EDGE_PER_BEND: [f64; 2] = [0.5, 0.8];
 const MANY_VERTICES: f64 = 800.0;
 
 /// Vertices of a coarse skin above which its edges are longer than the most share: a whole hand with its bones then takes
-/// some 5e11 operations and 0.7 GB.
-const MOST_VERTICES: f64 = 1700.0;
+/// some 1e12 operations and 0.8 GB.
+const MOST_VERTICES: f64 = 2050.0;
 
 /// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
 const LONGER: [f64; 2] = [2.0, 1.7];
