@@ -44,23 +44,21 @@ The body is prepared for the {node_count} vertices that may touch. Written by `p
   fingertip, where tissue gives way sideways.
 - **body**: `Body(bone=models.bone_of(finger), fixed=cut)`.
 
-A whole hand with its bones (`PosedHand.skin`), 13,000 vertices, nu = 0.495: at most some 1,700 coarse
-vertices of the skin, 11 to 13 s and 1 GB of the whole process. Against edges of 4.3 mm everywhere, about
-twice as many vertices (55 s, 2.7 GB), on refined contacts:
+A whole hand with its bones (`PosedHand.skin`), 13,000 vertices, nu = 0.495: at most some 2,050 coarse
+vertices of the skin, 9 to 12 s and 1 GB of the whole process. Against edges of 3.6 mm everywhere, twice as
+many vertices (80 s, 4.2 GB), on refined contacts:
 
-- a ball of 15 mm, 1, 2, 3 mm deep: thenar +0.4, +0.6, +0.7 %, hypothenar +0.3, +0.6, +0.7 %, pad of the
-  index finger +1.1, +1.9, +2.3 %, middle of the palm +2.1, +3.2, +3.5 %;
-- the same ball in the palm with only the skin within 15 mm of it prepared: +0.9, +1.2, +1.4 %, within 30 mm
-  +0.5, +0.7, +0.8 %, in 5 s. Where few nodes may be loaded their edges are the shorter, down to 0.4 of the
-  tissue's thickness; `accuracy.body_error`, 0.8 %, does not see how fast they grow beyond 15 mm;
-- a cylinder of 40 mm across the palm, the heads of the metacarpals, the digits and their tips, 3 mm of
-  overlap: at most 3.1 % on a digit;
-- balls of 5 to 20 mm, up to 3 mm deep, at 40 places drawn from palm and digits: 1.6 and 2.2 % in the
-  median. The worst on the palm is 5.3 % (20 mm ball, 2.9 mm deep, 22 N); on the digits 14 %, over 2.4 mm of
-  tissue at the base of the thumb, where the default's own edges are shorter than 4.3 mm.
-  `accuracy.body_error`, fitted on these, covers 36 of the 40; it is 1.5 times the difference on the palm
-  and 3.8 times on the digits, in the median. Of 40 others on another scanned hand, it covers 37,
-  3.1 and 4.4 times; the worst is 6.0 %, on the palm.
+- a ball of 15 mm (radius), 1, 2, 3 mm deep: thenar +0.7, +1.0, +1.2 %, hypothenar +0.2, +0.2, +0.3 %, pad of
+  the index finger +2.2, +2.2, +2.1 %, middle of the palm +1.5, +2.3, +2.9 %, head of the middle metacarpal
+  +2.1, +3.0, +3.6 %;
+- the same ball in the palm with only the skin within 15 mm of it prepared: +1.4, +1.9, +2.3 %, within 30 mm
+  +0.7, +1.1, +1.3 %, in 4 s. Where few nodes may be loaded their edges are the shorter, down to 0.4 of the
+  tissue's thickness; `accuracy.body_error` does not see how fast they grow beyond 15 mm;
+- balls of 5 to 20 mm, up to 3 mm deep, at 20 places of the palm and 20 of the digits: 1.1 and 1.2 % in the
+  median. The worst are 15 % on the palm side of the thumb's first bone, where the tissue is thin and the
+  default's own edges are shorter than 3.6 mm, and 5.2 % on a digit. `accuracy.body_error` covers 35 of the
+  40: 3.2 times the difference on the palm and 7.4 times on the digits, in the median; in the middle of the
+  palm it says 1.5 % of 2.9.
 
 Definiteness, by eigenvalues of the symmetric part. The half-space's Galerkin matrix is positive definite on
 any surface. A layer's collocation matrix on flat meshes was so from 0.1 to 100 mesh sizes of thickness,
