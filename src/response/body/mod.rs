@@ -31,6 +31,7 @@ pub(crate) mod cost;
 pub(crate) mod equations;
 pub(crate) mod error;
 pub(crate) mod levels;
+pub(crate) mod progress;
 pub(crate) mod solve;
 
 pub use check::tissue::{TissueReport, TissueWarning};
@@ -41,4 +42,5 @@ pub use error::BodyError;
 pub use levels::coarseness::BodyDoubt;
 pub use levels::one_level::OneLevel;
 pub use levels::two_levels::TwoLevels;
-pub use solve::{Body, BodyOptions, BodyProgress};
+pub use progress::BodyProgress;
+pub use solve::{Body, BodyOptions};

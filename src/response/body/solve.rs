@@ -1,7 +1,6 @@
 //! From skin, bone and fixed vertices to the compliance at chosen nodes.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::time::Instant;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatRef, Par};
@@ -21,12 +20,11 @@ use crate::response::body::cost::{BodyCost, solve_width};
 use crate::response::body::equations::assemble::assemble_equations;
 use crate::response::body::equations::incompressible::impose_flux_identities;
 use crate::response::body::error::BodyError;
+use crate::response::body::progress::{BodyProgress, Watch};
 use crate::response::kernel::skin::SHEAR_MODULI;
 use crate::surface::checked::Surface;
 use crate::surface::cut_out::CutOut;
 
-/// Rows between two reports of the assembly.
-const ROWS_PER_REPORT: usize = 64;
 /// Columns of a panel of the factor; wide enough for full-speed products.
 const FACTOR_PANEL: usize = 384;
 /// Columns right of a panel that one thread updates.
@@ -71,58 +69,6 @@ impl Default for BodyOptions<'_> {
             interrupt: None,
             progress: None,
         }
-    }
-}
-
-/// How far [`Body::prepare`] is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BodyProgress {
-    /// "assembly", "factorization" or "solution", in this order.
-    pub stage: &'static str,
-    /// Part of that stage that is done, 0 to 1.
-    pub done: f64,
-    /// What the whole work costs.
-    pub cost: BodyCost,
-}
-
-/// Reports progress and polls the interrupt.
-struct Watch<'a> {
-    options: &'a BodyOptions<'a>,
-    cost: BodyCost,
-    start: Instant,
-    stopped: AtomicBool,
-}
-
-impl Watch<'_> {
-    /// Reports and returns whether to go on.
-    fn advance(&self, stage: &'static str, done: f64) -> bool {
-        if let Some(progress) = self.options.progress {
-            progress(BodyProgress { stage, done, cost: self.cost });
-        }
-        if self.is_interrupted() {
-            self.stopped.store(true, Ordering::Relaxed);
-        }
-        !self.stopped.load(Ordering::Relaxed)
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.options.interrupt.is_some_and(|interrupt| interrupt())
-    }
-
-    /// Counts the rows of a stage that are done, from any thread; returns whether to go on.
-    fn by_rows(&self, stage: &'static str, row_count: usize) -> impl Fn() -> bool + Sync {
-        let rows_done = AtomicUsize::new(0);
-        move || {
-            let done = 1 + rows_done.fetch_add(1, Ordering::Relaxed);
-            if !done.is_multiple_of(ROWS_PER_REPORT) && done != row_count {
-                return !self.stopped.load(Ordering::Relaxed);
-            }
-            self.advance(stage, done as f64 / row_count as f64)
-        }
-    }
-
-    fn interrupted(&self, stage: &'static str) -> BodyError {
-        BodyError::Interrupted { stage, seconds: self.start.elapsed().as_secs_f64() }
     }
 }
 
@@ -257,7 +203,7 @@ impl Body {
         let length = skin.mean_edge_length();
         let (body, surfaces) = self.discretize(skin, length, poisson_ratio, fixed, nodes);
         let cost = self.estimate_in::<T>(skin, nodes.len());
-        let watch = Watch { options, cost, start: Instant::now(), stopped: AtomicBool::new(false) };
+        let watch = Watch::new(options, cost);
 
         let advance = watch.by_rows("assembly", body.points.len());
         let mut equations = assemble_equations::<T>(&body, options.tolerance, &advance)
