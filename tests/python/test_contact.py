@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from functools import partial
 from typing import Any
 
@@ -453,3 +454,18 @@ def test_the_estimate_on_a_thin_layer_knows_how_thick_it_is() -> None:
     assert accuracy.max_pressure_error is not None
     assert film / force - 1 < accuracy.force_error < 3 * (film / force - 1)
     assert film / force - 1 < accuracy.max_pressure_error
+
+
+def test_penetration_left_beside_a_sharp_edge_is_told() -> None:
+    half = np.sqrt(0.5)
+    turn = [[1, 0, 0], [0, half, -half], [0, half, half]]
+    bar = qr.Obstacle.box([30e-3, 10e-3, 10e-3]).moved(turn, [2e-3, 1e-3, -50e-3])
+    shares = []
+    for depth in (0.3e-3, 0.6e-3, 1.2e-3):
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            contact = qr.press(qr.models.fingertip(), bar, SKIN, [0, 0, 1], depth=depth)
+        shares.append(contact.max_penetration_after / contact.max_penetration_before)
+        texts = [str(one.message) for one in told if one.category is qr.PenetrationWarning]
+        assert (shares[-1] > 0.02) == any("still penetrates" in text for text in texts), (shares[-1], texts)
+    assert min(shares) <= 0.02 < max(shares)

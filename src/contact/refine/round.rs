@@ -9,7 +9,7 @@ use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
 
 /// Penetration left on a mesh that is fine enough, as a share of that before.
-const SMALL_PENETRATION: f64 = 0.02;
+pub(crate) const SMALL_PENETRATION: f64 = 0.02;
 /// Share of the target below which the force needs no finer mesh.
 const SMALL_SHARE: f64 = 0.95;
 

@@ -8,6 +8,7 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::penetration::Penetration;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::Contact;
+use crate::contact::refine::round::SMALL_PENETRATION;
 use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
 use crate::geometry::solid_angle::winding_number;
@@ -18,6 +19,9 @@ const UNRESOLVED_SHARE: f64 = 0.05;
 
 /// Why it is left between vertices.
 const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarser than the obstacle's features; refine it (`target_error`, `max_nodes`), and do not trust force and area there";
+
+/// The same beside a sharp edge, whose figures tell what the mesh costs them.
+const BESIDE_EDGE: &str = "it does between the vertices beside a sharp edge; refine the mesh there (`target_error`, `max_nodes`) where that matters";
 
 /// Cosine between force and outward normal of the skin from which a vertex is pulled.
 const PULL: f64 = 0.5;
@@ -141,8 +145,10 @@ impl Contact {
             self.warn(WarningKind::Refinement, message);
         }
         let (before, after) = (self.max_penetration_before, self.max_penetration_after);
-        if !self.is_free_of_penetration() && after <= UNRESOLVED_SHARE * before {
-            self.warn(WarningKind::Penetration, still_penetrates(after, before, COARSE_MESH));
+        let is_left = self.clues.edge.is_some() && after > SMALL_PENETRATION * before;
+        if (is_left || !self.is_free_of_penetration()) && after <= UNRESOLVED_SHARE * before {
+            let cause = if is_left { BESIDE_EDGE } else { COARSE_MESH };
+            self.warn(WarningKind::Penetration, still_penetrates(after, before, cause));
         }
     }
 }
