@@ -11,7 +11,7 @@ use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
 use crate::geometry::rigid_motion;
 use crate::response::body::{
-    Body, BodyCompliance, BodyOptions, BodyParts, BodyProgress, OneLevel, TwoLevels,
+    Body, BodyCompliance, BodyError, BodyOptions, BodyParts, BodyProgress, OneLevel, TwoLevels,
 };
 use crate::response::{
     self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Levels, Part,
@@ -288,6 +288,11 @@ impl PySkin {
             Some((_, corners, weights, edges, fixed)) => {
                 let corners = faces(&corners, "coarse_corners", ResponseError::new_err)?;
                 let weights = vectors(&weights, "coarse_weights")?;
+                let (what, found, expected) = ("coarse weights", weights.len(), corners.len());
+                if found != expected {
+                    let error = BodyError::Parts { what, found, expected };
+                    return Err(ResponseError::new_err(error.to_string()));
+                }
                 let place =
                     |(corners, weights): (_, Vector3<f64>)| CoarsePlace { corners, weights: weights.into() };
                 let places = corners.into_iter().zip(weights).map(place).collect();

@@ -43,6 +43,7 @@ pub use matrix::options::AssemblyOptions;
 pub use skin::combined::{CombinedSkin, Part};
 pub use skin::elastic::{ElasticSkin, Request, Traits};
 pub use skin::given_matrix::GivenMatrix;
+pub use skin::levels::Levels;
 pub use skin::nodes::PreparedNodes;
-pub use skin::prepared_body::{Levels, PreparedBody};
+pub use skin::prepared_body::PreparedBody;
 pub use skin::prepared_kernel::PreparedKernel;

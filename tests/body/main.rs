@@ -13,6 +13,7 @@ mod forces;
 mod invariance;
 mod kelvin;
 mod levels;
+mod stored;
 
 const SHEAR_MODULUS: f64 = CoredSphere::SHEAR_MODULUS;
 

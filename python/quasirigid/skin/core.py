@@ -127,6 +127,10 @@ def _build_given(
             f"compliance has shape {compliance.shape}, expected ({count}, {count}) or "
             f"({count}, 3, {count}, 3) for {count} nodes"
         )
+    wrong = np.argwhere(~np.isfinite(compliance))
+    if len(wrong) > 0:
+        value = compliance[tuple(wrong[0])]
+        raise ResponseError(f"compliance{wrong[0].tolist()} is {value}, expected a finite number (m/N)")
     displacement = np.zeros((len(surface.vertices), 3, 3 * count))
     displacement[nodes] = compliance.reshape(count, 3, 3 * count)
     return _core.Skin.restore_body(
@@ -154,6 +158,8 @@ def restore_prepared(
         return kernel.restore(surface, nodes, stored["matrix"])
     if "matrix" in stored:
         return _core.Skin.given(surface, nodes, stored["matrix"])
+    bone = response.bone if isinstance(response, Body) else None
+    _check_bone_pressure(bone, stored.get("bone_pressure"))
     levels = None
     if "coarse_nodes" in stored:
         names = "coarse_nodes", "coarse_corners", "coarse_weights", "coarse_edges", "held"
@@ -166,8 +172,14 @@ def restore_prepared(
         stored["area_vectors"],
         stored["rotation"],
         bone_pressure=stored.get("bone_pressure"),
-        tissue_thickness=stored.get("tissue_thickness"),
+        tissue_thickness=None if bone is None else stored["tissue_thickness"],
         levels=levels,
         solved=isinstance(response, Body),
     )
     return restored.with_discretization(response.discretization) if isinstance(response, Body) else restored
+
+
+def _check_bone_pressure(bone: Surface | None, stored: NDArray[np.float64] | None) -> None:
+    expected = 0 if bone is None else len(bone.vertices)
+    if stored is not None and len(stored) != expected:
+        raise ResponseError(f"stored bone pressure has {len(stored)} rows, expected {expected} for the bone")

@@ -6,7 +6,8 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::rigid_motion::check_rotation;
-use crate::response::body::check::tissue::TissueReport;
+use crate::response::body::check::parts::{Range, check_counts, check_numbers, components, entries};
+use crate::response::body::check::tissue::{TissueReport, check_nodes};
 use crate::response::body::error::BodyError;
 
 /// Everything in a [`BodyCompliance`], to store it and to build it again.
@@ -49,23 +50,19 @@ impl BodyCompliance {
     /// Builds a compliance from stored parts; its report is empty.
     ///
     /// # Errors
-    /// [`BodyError::Parts`]: sizes that do not belong together; [`BodyError::Rotation`];
-    /// [`BodyError::NodeOutOfRange`].
+    /// [`BodyError::Parts`]: sizes that do not belong together; [`BodyError::PartNumber`]; [`BodyError::Rotation`];
+    /// [`BodyError::NoNodes`], [`BodyError::NodeOutOfRange`], [`BodyError::NodeRepeated`].
     pub fn from_parts(parts: BodyParts) -> Result<Self, BodyError> {
         let (vertex_count, columns) = (parts.area_vectors.len(), 3 * parts.nodes.len());
-        let sizes = [
+        check_counts(&[
             ("displacement rows", parts.displacement.nrows(), 3 * vertex_count),
             ("displacement columns", parts.displacement.ncols(), columns),
             ("bone pressure columns", parts.bone_pressure.as_ref().map_or(columns, Mat::ncols), columns),
-        ];
-        if let Some(&(what, found, expected)) = sizes.iter().find(|(_, found, expected)| found != expected) {
-            return Err(BodyError::Parts { what, found, expected });
-        }
-        if let Some((position, &vertex)) =
-            parts.nodes.iter().enumerate().find(|&(_, &node)| node >= vertex_count)
-        {
-            return Err(BodyError::NodeOutOfRange { position, vertex, vertex_count });
-        }
+        ])?;
+        check_nodes(vertex_count, &vec![false; vertex_count], &parts.nodes)?;
+        check_numbers("displacement", Range::Finite, entries(&parts.displacement))?;
+        check_numbers("area vectors", Range::Finite, components(&parts.area_vectors))?;
+        check_numbers("bone pressure", Range::Finite, parts.bone_pressure.iter().flat_map(entries))?;
         check_rotation(&parts.rotation)?;
         Ok(Self::new(parts, TissueReport { min_thickness: f64::NAN, thinnest: None, warnings: Vec::new() }))
     }

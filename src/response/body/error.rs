@@ -282,6 +282,39 @@ pub enum BodyError {
         /// Number expected.
         expected: usize,
     },
+    /// A number of a stored part is out of its range.
+    #[error("row {row} of the stored {what} holds {value}, expected {expected}")]
+    PartNumber {
+        /// Which part.
+        what: &'static str,
+        /// The first row at fault.
+        row: usize,
+        /// The value found.
+        value: f64,
+        /// The range, in words.
+        expected: &'static str,
+    },
+    /// A stored node is not where it belongs.
+    #[error("stored node {position} is vertex {vertex}, expected vertex {expected} there")]
+    NodeMisplaced {
+        /// Position in the list of nodes.
+        position: usize,
+        /// The vertex found there.
+        vertex: usize,
+        /// The vertex that belongs there.
+        expected: usize,
+    },
+    /// A stored remainder does not answer a force at a node.
+    #[error(
+        "vertex {vertex} may be loaded, but the stored remainder has no column for vertex {coarse_vertex} of the coarse \
+         skin beside it"
+    )]
+    NoColumn {
+        /// The vertex of the skin.
+        vertex: usize,
+        /// The vertex of the coarse skin.
+        coarse_vertex: usize,
+    },
     /// A thread pool could not be started.
     #[error("could not start {threads} threads: {reason}")]
     Threads {

@@ -1,7 +1,7 @@
 //! What a contact asks of a skin, and who answers.
 //!
 //! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`] and a
-//! [`given_matrix`] look it up at their [`nodes`]; a [`combined`] skin asks its parts and puts their answers together
+//! [`given_matrix`] look it up at their [`nodes`], a body in its [`levels`]; a [`combined`] skin asks its parts and puts their answers together
 //! (`pieces`); a [`kept`] one remembers what another answered.
 
 pub(crate) mod combined;
@@ -9,6 +9,7 @@ pub(crate) mod elastic;
 pub(crate) mod given_matrix;
 pub(crate) mod kept;
 pub(crate) mod kernel;
+pub(crate) mod levels;
 pub(crate) mod nodes;
 mod pieces;
 pub(crate) mod prepared_body;

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
-use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::{BodyDoubt, Coarseness};
 use crate::response::body::levels::on_mesh::BodyOnMesh;
 use crate::response::body::levels::one_level::OneLevel;
@@ -15,6 +14,7 @@ use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
+use crate::response::skin::levels::Levels;
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::edges_at_vertices;
@@ -29,36 +29,6 @@ pub struct PreparedBody {
     /// `None` of blocks of somebody else.
     coarseness: Option<Coarseness>,
     discretization: Discretization,
-}
-
-/// What the compliance is made of.
-#[derive(Debug, Clone)]
-pub enum Levels {
-    /// Blocks of somebody else, on whose mesh they stay.
-    Given(BodyCompliance),
-    /// The skin itself.
-    One(OneLevel),
-    /// A near kernel, and the remainder on a coarse skin.
-    Two(TwoLevels),
-}
-
-impl Levels {
-    /// The blocks of it.
-    fn compliance(&self) -> &BodyCompliance {
-        match self {
-            Self::Given(compliance) | Self::One(OneLevel { compliance, .. }) => compliance,
-            Self::Two(two) => &two.remainder,
-        }
-    }
-
-    /// Thickness of the tissue at each vertex of the skin (n, m), where a bone is known.
-    fn thickness(&self) -> Option<&Arc<[f64]>> {
-        match self {
-            Self::Given(_) => None,
-            Self::One(one) => one.thickness.as_ref(),
-            Self::Two(two) => two.thickness.as_ref(),
-        }
-    }
 }
 
 impl PreparedBody {
@@ -92,8 +62,11 @@ impl PreparedBody {
     /// Takes a compliance that was computed or measured before; vertices that it keeps at rest stay.
     ///
     /// # Errors
-    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
+    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`]; [`ResponseError::Body`] of a compliance that does
+    /// not fit the surface or the nodes.
     pub fn from_levels(surface: &Surface, nodes: &[usize], levels: Levels) -> Result<Self, ResponseError> {
+        let nodes = PreparedNodes::new(surface, nodes)?;
+        levels.check(surface.vertices().len(), nodes.list())?;
         let coarseness = match &levels {
             Levels::Given(_) => None,
             Levels::One(one) => {
@@ -103,7 +76,6 @@ impl PreparedBody {
                 Some(Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref()))
             }
         };
-        let nodes = PreparedNodes::new(surface, nodes)?;
         let discretization = Discretization::Collocation;
         Ok(Self { levels, nodes, surface: surface.clone(), coarseness, discretization })
     }

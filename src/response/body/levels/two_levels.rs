@@ -6,6 +6,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
+use crate::response::body::check::parts::{Range, check_counts, check_numbers, check_order, components};
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
 use crate::response::body::levels::coarseness::Coarseness;
@@ -42,7 +43,8 @@ impl TwoLevels {
     /// Builds it from its parts.
     ///
     /// # Errors
-    /// [`ResponseError`]: sizes that do not belong together, a thickness that is none.
+    /// [`ResponseError::Body`]: sizes that do not belong together, nodes that do not ascend, numbers out of range;
+    /// [`ResponseError::Constant`]: a thickness that is none.
     pub fn from_parts(
         remainder: BodyCompliance,
         places: Arc<[CoarsePlace]>,
@@ -50,16 +52,20 @@ impl TwoLevels {
         coarse_edges: Arc<[f64]>,
         fixed: Arc<[bool]>,
     ) -> Result<Self, ResponseError> {
-        let lengths = [
-            ("fixed", fixed.len()),
-            ("coarse edges", coarse_edges.len()),
-            ("thickness", thickness.as_ref().map_or(fixed.len(), |t| t.len())),
-        ];
-        for (what, found) in lengths {
-            if found != places.len() {
-                return Err(BodyError::Parts { what, found, expected: places.len() }.into());
-            }
-        }
+        let count = places.len();
+        check_counts(&[
+            ("fixed", fixed.len(), count),
+            ("coarse edges", coarse_edges.len(), count),
+            ("thickness", thickness.as_ref().map_or(count, |t| t.len()), count),
+        ])?;
+        let weights: Vec<[f64; 3]> = places.iter().map(|place| place.weights).collect();
+        let sums = weights.iter().map(|weights| weights.iter().sum()).enumerate();
+        check_numbers("coarse weights", Range::NotNegative, components(&weights))?;
+        check_numbers("sums of coarse weights", Range::One, sums)?;
+        check_numbers("coarse edges", Range::Positive, coarse_edges.iter().copied().enumerate())?;
+        let mut ascending = remainder.nodes().to_vec();
+        ascending.sort_unstable();
+        check_order(remainder.nodes(), &ascending)?;
         let coarse_count = remainder.vertex_count();
         let corner = places.iter().flat_map(|place| place.corners).max().unwrap_or(0) as usize;
         if corner >= coarse_count {
@@ -191,6 +197,22 @@ impl TwoLevels {
             averaged: KeptBlock::default(),
         };
         Ok(BodyOnMesh { response, coarseness })
+    }
+
+    /// Whether forces at `nodes` are answered.
+    ///
+    /// # Errors
+    /// [`BodyError::NoColumn`].
+    pub(crate) fn check_columns(&self, nodes: &[usize]) -> Result<(), BodyError> {
+        for &vertex in nodes {
+            for (corner, _) in self.places[vertex].weights_of_corners() {
+                let coarse_vertex = corner as usize;
+                if self.remainder.nodes().binary_search(&coarse_vertex).is_err() {
+                    return Err(BodyError::NoColumn { vertex, coarse_vertex });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Forces (N) at the loaded vertices of the coarse skin that stand for those at `nodes`.
