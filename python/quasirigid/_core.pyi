@@ -40,8 +40,10 @@ __all__ = [
     "press",
     "repair",
     "response_matrix",
+    "restore_body",
     "restore_obstacle",
     "restore_surface",
+    "skin_parts",
     "skin_without_caps",
     "solve_contact",
     "solve_lcp",
@@ -173,21 +175,6 @@ class Skin:
         memory_limit: int | None,
         progress: Callable[[str, float], None] | None,
     ) -> Skin: ...
-    @staticmethod
-    def restore_body(
-        surface: Surface,
-        shear_modulus: float,
-        poisson_ratio: float,
-        nodes: ArrayLike,
-        displacement: ArrayLike,
-        area_vectors: ArrayLike,
-        rotation: ArrayLike,
-        *,
-        bone_pressure: ArrayLike | None,
-        tissue_thickness: ArrayLike | None,
-        levels: tuple[ArrayLike, ...] | None,
-        solved: bool,
-    ) -> Skin: ...
     def with_discretization(self, discretization: str | None) -> Skin: ...
     @staticmethod
     def combined(
@@ -203,7 +190,6 @@ class Skin:
     def bone_pressures(self, forces: ArrayLike) -> NDArray[np.float64] | None: ...
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> Skin: ...
     def check_surface(self, surface: Surface) -> None: ...
-    def parts(self) -> dict[str, NDArray[Any]]: ...
 
 @final
 class ContactOptions:
@@ -435,10 +421,25 @@ def response_matrix(
     tolerance: float,
     num_threads: int | None,
 ) -> NDArray[np.float64]: ...
+def restore_body(
+    surface: Surface,
+    shear_modulus: float,
+    poisson_ratio: float,
+    nodes: ArrayLike,
+    displacement: ArrayLike,
+    area_vectors: ArrayLike,
+    rotation: ArrayLike,
+    *,
+    bone_pressure: ArrayLike | None,
+    tissue_thickness: ArrayLike | None,
+    levels: tuple[ArrayLike, ...] | None,
+    solved: bool,
+) -> Skin: ...
 def restore_obstacle(
     kind: str, shape: Any, pose: Sequence[float], material: Material | None = None, /
 ) -> Obstacle: ...
 def restore_surface(vertices: ArrayLike, faces: ArrayLike, skin_mask: ArrayLike) -> Surface: ...
+def skin_parts(skin: Skin) -> dict[str, NDArray[Any]]: ...
 def skin_without_caps(surface: Surface) -> NDArray[np.bool_]: ...
 def solve_contact(surface: Surface, obstacle: Obstacle, skin: Skin, options: ContactOptions) -> Contact: ...
 def press(

@@ -1,8 +1,10 @@
 //! Materials of products, from and to the facade's `Material`.
 
-use super::convert::{matrix_out, nodes_out};
+use super::convert::{MatrixArgument, matrix_out, nodes, nodes_out};
+use super::errors::{IntoPyErr, ResponseError};
+use super::forked::released;
 use super::skin::PySkin;
-use crate::obstacle::Obstacle;
+use crate::obstacle::{Obstacle, ProductResponse};
 use crate::response::{Kernel, Thickness};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
@@ -12,7 +14,7 @@ type Given<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// The kernel of a product's response, built by the facade, and its given matrix if it has one; a new one warns of a kernel
 /// that is not well posed.
-pub(super) fn product_skin<'py>(
+fn product_skin<'py>(
     py: Python<'py>,
     material: (f64, f64),
     response: Option<&Bound<'py, PyAny>>,
@@ -22,6 +24,30 @@ pub(super) fn product_skin<'py>(
         .getattr("product_skin")?
         .call1((material, response, is_new))?
         .extract()
+}
+
+/// A copy of an obstacle that is made of a material; a new one warns of a response that is not well posed.
+pub(super) fn made_of(
+    py: Python<'_>,
+    obstacle: &Obstacle,
+    constants: (f64, f64),
+    response: Option<&Bound<'_, PyAny>>,
+    is_new: bool,
+) -> PyResult<Obstacle> {
+    let (kernel, given) = product_skin(py, constants, response, is_new)?;
+    let refuse: fn(String) -> PyErr = ResponseError::new_err;
+    let response = match given {
+        None => ProductResponse::Kernel(kernel.get().kernel()?.kernel().clone()),
+        Some((nodes, compliance)) => {
+            let count = obstacle.triangles().map_or(usize::MAX, |(vertices, _)| vertices.len());
+            ProductResponse::Matrix {
+                nodes: self::nodes(&nodes, "nodes", count, refuse)?,
+                matrix: MatrixArgument::new(&compliance, "compliance", refuse)?.view().to_owned(),
+            }
+        }
+    };
+    released(py, || obstacle.with_material(constants.0, constants.1, response))
+        .map_err(IntoPyErr::into_py_err)
 }
 
 /// The facade's `Material` of an obstacle; None of a rigid one.

@@ -19,6 +19,7 @@ mod obstacle;
 mod pickle;
 mod reference;
 mod skin;
+mod stored_skin;
 mod surface;
 
 use pyo3::prelude::*;
@@ -53,6 +54,8 @@ mod _core {
     };
     #[pymodule_export]
     use super::skin::PySkin;
+    #[pymodule_export]
+    use super::stored_skin::{restore_body, skin_parts};
     #[pymodule_export]
     use super::surface::{PySurface, find_crossings, repair, restore_surface, skin_without_caps};
 
@@ -94,8 +97,10 @@ mod _core {
                 "press",
                 "repair",
                 "response_matrix",
+                "restore_body",
                 "restore_obstacle",
                 "restore_surface",
+                "skin_parts",
                 "skin_without_caps",
                 "solve_contact",
                 "solve_lcp",

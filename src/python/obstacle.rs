@@ -1,15 +1,15 @@
 //! `quasirigid.Obstacle`.
 
 use super::convert::{
-    MatrixArgument, faces, faces_out, matrix3, mesh_arrays, nodes, number, rotation_and_translation, vector,
-    vector_out, vectors, vectors_out,
+    faces, faces_out, matrix3, mesh_arrays, number, rotation_and_translation, vector, vector_out, vectors,
+    vectors_out,
 };
-use super::errors::{IntoPyErr, ObstacleError, ResponseError};
+use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
-use super::material::{material_out, product_skin};
+use super::material::{made_of, material_out};
 use super::pickle::{Pose, Reduced, reduced, restored};
 use super::surface::PySurface;
-use crate::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
+use crate::obstacle::{MeshObstacleOptions, Obstacle};
 use nalgebra::Matrix3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -277,7 +277,7 @@ impl PyObstacle {
         response: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let constants = (number(shear_modulus, "shear_modulus")?, number(poisson_ratio, "poisson_ratio")?);
-        self.made_of(py, constants, response, true)
+        Ok(made_of(py, &self.inner, constants, response, true)?.into())
     }
 
     /// What it is made of, or None of a rigid one.
@@ -426,32 +426,6 @@ impl PyObstacle {
     }
 }
 
-impl PyObstacle {
-    /// The copy of a material; a new one warns of a response that is not well posed.
-    fn made_of(
-        &self,
-        py: Python<'_>,
-        constants: (f64, f64),
-        response: Option<&Bound<'_, PyAny>>,
-        is_new: bool,
-    ) -> PyResult<Self> {
-        let (kernel, given) = product_skin(py, constants, response, is_new)?;
-        let refuse: fn(String) -> PyErr = ResponseError::new_err;
-        let response = match given {
-            None => ProductResponse::Kernel(kernel.get().kernel()?.kernel().clone()),
-            Some((nodes, compliance)) => {
-                let count = self.inner.triangles().map_or(usize::MAX, |(vertices, _)| vertices.len());
-                ProductResponse::Matrix {
-                    nodes: self::nodes(&nodes, "nodes", count, refuse)?,
-                    matrix: MatrixArgument::new(&compliance, "compliance", refuse)?.view().to_owned(),
-                }
-            }
-        };
-        let made = released(py, || self.inner.with_material(constants.0, constants.1, response));
-        made.map(Self::from).map_err(IntoPyErr::into_py_err)
-    }
-}
-
 /// Return the obstacle of a pickle: kind, mesh or numbers of the primitive, pose, and material or None.
 #[pyfunction]
 #[pyo3(signature = (kind, shape, pose, material=None, /), text_signature = "(kind, shape, pose, material=None, /)")]
@@ -462,11 +436,12 @@ pub(super) fn restore_obstacle(
     pose: Pose,
     material: Option<(f64, f64, Bound<'_, PyAny>)>,
 ) -> PyResult<PyObstacle> {
-    let rigid = restored(kind, shape, pose).map(PyObstacle::from)?;
-    match material {
-        None => Ok(rigid),
+    let rigid = restored(kind, shape, pose)?;
+    let obstacle = match material {
+        None => rigid,
         Some((shear_modulus, poisson_ratio, response)) => {
-            rigid.made_of(py, (shear_modulus, poisson_ratio), Some(&response), false)
+            made_of(py, &rigid, (shear_modulus, poisson_ratio), Some(&response), false)?
         }
-    }
+    };
+    Ok(obstacle.into())
 }

@@ -1,27 +1,19 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
-use super::convert::{
-    MatrixArgument, faces, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, rotation_and_translation,
-    scalars, vectors, vectors_out,
-};
+use super::convert::{MatrixArgument, mask, nodes, nodes_out, rotation_and_translation, scalars, vectors};
 use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;
 use super::interrupt::{detached, detached_on_thread};
 use super::surface::PySurface;
 use crate::geometry::rigid_motion;
-use crate::response::body::{
-    Body, BodyCompliance, BodyError, BodyOptions, BodyParts, BodyProgress, OneLevel, TwoLevels,
-};
+use crate::response::body::{Body, BodyOptions, BodyProgress};
 use crate::response::{
-    self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Levels, Part,
-    PreparedBody, PreparedKernel, Thickness,
+    self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Part, PreparedBody,
+    PreparedKernel, Thickness,
 };
-use crate::surface::CoarsePlace;
-use nalgebra::Vector3;
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -34,10 +26,6 @@ pub(super) struct PySkin {
 /// Name, prepared body, vertex of the part for each of the whole (-1 for none), and the part's fixed vertices.
 type PartArgument<'py> = (String, Bound<'py, PySkin>, Vec<i64>, Bound<'py, PyAny>);
 
-/// Of a body on two levels: loaded vertices of the coarse skin, places on it, its edges there, vertices that are held.
-type LevelsArgument<'py> =
-    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
-
 impl From<Elastic> for PySkin {
     fn from(inner: Elastic) -> Self {
         Self { inner }
@@ -45,6 +33,11 @@ impl From<Elastic> for PySkin {
 }
 
 impl PySkin {
+    /// The skin by who answers.
+    pub(super) fn inner(&self) -> &Elastic {
+        &self.inner
+    }
+
     pub(super) fn elastic(&self) -> &dyn ElasticSkin {
         self.inner.as_skin()
     }
@@ -237,76 +230,6 @@ impl PySkin {
         }
     }
 
-    /// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k), `area_vectors` (n, 3)
-    /// and `bone_pressure` (m, 3 k) as stored, turned by `rotation` since.
-    #[staticmethod]
-    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, area_vectors, rotation, *, bone_pressure, tissue_thickness, levels, solved))]
-    #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
-    fn restore_body(
-        surface: &PySurface,
-        shear_modulus: f64,
-        poisson_ratio: f64,
-        nodes: &Bound<'_, PyAny>,
-        displacement: &Bound<'_, PyAny>,
-        area_vectors: &Bound<'_, PyAny>,
-        rotation: &Bound<'_, PyAny>,
-        bone_pressure: Option<&Bound<'_, PyAny>>,
-        tissue_thickness: Option<&Bound<'_, PyAny>>,
-        levels: Option<LevelsArgument<'_>>,
-        solved: bool,
-    ) -> PyResult<Self> {
-        let py = nodes.py();
-        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
-        let matrix = |value: &Bound<'_, PyAny>, name| {
-            Ok::<_, PyErr>(MatrixArgument::new(value, name, ResponseError::new_err)?.view().to_owned())
-        };
-        let bone_pressure = bone_pressure.map(|value| matrix(value, "bone_pressure"));
-        let rotation = matrix3(rotation, "rotation")?;
-        let displacement = matrix(displacement, "displacement")?;
-        let area_vectors = vectors(area_vectors, "area_vectors")?;
-        let loaded = match &levels {
-            None => nodes.clone(),
-            Some(levels) => {
-                self::nodes(&levels.0, "coarse_nodes", area_vectors.len(), ResponseError::new_err)?
-            }
-        };
-        let compliance = BodyCompliance::from_parts(BodyParts {
-            nodes: loaded,
-            displacement,
-            area_vectors,
-            bone_pressure: bone_pressure.transpose()?,
-            rotation,
-            shear_modulus,
-            poisson_ratio,
-        });
-        let compliance = compliance.map_err(|error| ResponseError::new_err(error.to_string()))?;
-        let thickness = tissue_thickness.map(|list| scalars(list, "tissue_thickness")).transpose()?;
-        let thickness = thickness.map(Into::into);
-        let levels = match levels {
-            None if !solved => Levels::Given(compliance),
-            None => Levels::One(OneLevel { compliance, thickness }),
-            Some((_, corners, weights, edges, fixed)) => {
-                let corners = faces(&corners, "coarse_corners", ResponseError::new_err)?;
-                let weights = vectors(&weights, "coarse_weights")?;
-                let (what, found, expected) = ("coarse weights", weights.len(), corners.len());
-                if found != expected {
-                    let error = BodyError::Parts { what, found, expected };
-                    return Err(ResponseError::new_err(error.to_string()));
-                }
-                let place =
-                    |(corners, weights): (_, Vector3<f64>)| CoarsePlace { corners, weights: weights.into() };
-                let places = corners.into_iter().zip(weights).map(place).collect();
-                let edges = scalars(&edges, "coarse_edges")?.into();
-                let fixed = mask(&fixed, "fixed")?.into();
-                let two = released(py, || TwoLevels::from_parts(compliance, places, thickness, edges, fixed));
-                Levels::Two(two.map_err(IntoPyErr::into_py_err)?)
-            }
-        };
-        let body = released(py, || PreparedBody::from_levels(&surface.inner, &nodes, levels));
-        let body = body.map_err(IntoPyErr::into_py_err)?;
-        Ok(if solved { Elastic::Body(body) } else { Elastic::GivenBlocks(body) }.into())
-    }
-
     /// The same body in another discretization.
     fn with_discretization(&self, discretization: Option<&str>) -> PyResult<Self> {
         Ok(self.inner.with_discretization(discretization)?.into())
@@ -370,50 +293,5 @@ impl PySkin {
     /// Whether the surface is the one that this skin fits.
     fn check_surface(&self, surface: &PySurface) -> PyResult<()> {
         self.elastic().traits(&surface.inner).map(drop).map_err(IntoPyErr::into_py_err)
-    }
-
-    /// Arrays of a prepared skin: nodes, vertices, faces, and matrix or displacement and rotation.
-    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let nodes = self.inner.nodes()?;
-        let parts = PyDict::new(py);
-        parts.set_item("nodes", nodes_out(py, nodes.list()))?;
-        parts.set_item("vertices", vectors_out(py, nodes.vertices()))?;
-        parts.set_item("faces", faces_out(py, nodes.faces()))?;
-        match &self.inner {
-            Elastic::PreparedKernel(skin) => {
-                parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?;
-            }
-            Elastic::Given(skin) => parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?,
-            Elastic::Body(skin) | Elastic::GivenBlocks(skin) => {
-                let (compliance, thickness) = match skin.levels() {
-                    Levels::Given(compliance) => (compliance, None),
-                    Levels::One(one) => (&one.compliance, one.thickness.as_deref()),
-                    Levels::Two(two) => (&two.remainder, two.thickness.as_deref()),
-                };
-                if let Some(thickness) = thickness {
-                    parts.set_item("tissue_thickness", PyArray1::from_slice(py, thickness))?;
-                }
-                let (stored, rotation) = (compliance.parts(), compliance.rotation());
-                if let Some(bone_pressure) = &stored.bone_pressure {
-                    parts.set_item("bone_pressure", matrix_out(py, bone_pressure))?;
-                }
-                parts.set_item("displacement", matrix_out(py, &stored.displacement))?;
-                parts.set_item("area_vectors", vectors_out(py, &stored.area_vectors))?;
-                let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
-                parts.set_item("rotation", vectors_out(py, &rows))?;
-                if let Levels::Two(two) = skin.levels() {
-                    let corners: Vec<[u32; 3]> = two.places.iter().map(|place| place.corners).collect();
-                    let weights: Vec<Vector3<f64>> =
-                        two.places.iter().map(|place| place.weights.into()).collect();
-                    parts.set_item("coarse_nodes", nodes_out(py, two.remainder.nodes()))?;
-                    parts.set_item("coarse_corners", faces_out(py, &corners))?;
-                    parts.set_item("coarse_weights", vectors_out(py, &weights))?;
-                    parts.set_item("coarse_edges", PyArray1::from_slice(py, &two.coarse_edges))?;
-                    parts.set_item("held", PyArray1::from_slice(py, &two.fixed))?;
-                }
-            }
-            Elastic::Kernel(_) | Elastic::Combined(_) => {}
-        }
-        Ok(parts)
     }
 }

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import _core
 from ..errors import ResponseError
 from ..skin import Body, Discretization, load_prepared
 
@@ -57,7 +58,7 @@ def kept(
         prepared = skin.prepared(surface, nodes)
         if file is not None:
             prepared.save(file)
-    size = sum(part.nbytes for part in prepared._response.parts().values())
+    size = sum(part.nbytes for part in _core.skin_parts(prepared._response).values())
     with _lock:
         _known[key] = prepared, size
         while len(_known) > 1 and sum(size for _, size in _known.values()) > _MOST_BYTES:

@@ -133,7 +133,7 @@ def _build_given(
         raise ResponseError(f"compliance{wrong[0].tolist()} is {value}, expected a finite number (m/N)")
     displacement = np.zeros((len(surface.vertices), 3, 3 * count))
     displacement[nodes] = compliance.reshape(count, 3, 3 * count)
-    return _core.Skin.restore_body(
+    return _core.restore_body(
         surface,
         *material,
         nodes,
@@ -150,7 +150,7 @@ def _build_given(
 def restore_prepared(
     material: Material, response: Response, stored: Mapping[str, NDArray[Any]]
 ) -> _core.Skin:
-    """Return the prepared skin whose numbers `_core.Skin.parts` returned."""
+    """Return the prepared skin whose numbers `_core.skin_parts` returned."""
     surface = _core.Surface(stored["vertices"], stored["faces"])
     nodes = stored["nodes"]
     kernel = build_kernel(material, response)
@@ -164,7 +164,7 @@ def restore_prepared(
     if "coarse_nodes" in stored:
         names = "coarse_nodes", "coarse_corners", "coarse_weights", "coarse_edges", "held"
         levels = tuple(stored[name] for name in names)
-    restored = _core.Skin.restore_body(
+    restored = _core.restore_body(
         surface,
         *material,
         nodes,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import _core
 from ..errors import ResponseError
 from .core import restore_prepared
 from .given_mesh import forces_on_given_mesh
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from .. import _core
     from ..contact.result import Contact
     from ..surface import Surface
     from .skins import Skin
@@ -108,11 +108,11 @@ class PreparedSkin:
         OSError
             If the folder does not exist or cannot be written to.
         """
-        write_prepared(path, self._response.parts(), self.skin._material, self.skin.response)
+        write_prepared(path, _core.skin_parts(self._response), self.skin._material, self.skin.response)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the numbers, as `save` does, beside the skin as it is."""
-        return restore_skin, (self.skin, self._response.parts())
+        return restore_skin, (self.skin, _core.skin_parts(self._response))
 
     def __repr__(self) -> str:
         """Return the number of nodes and the skin on one line."""
@@ -141,5 +141,5 @@ def bone_pressures_of(
 
 
 def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:
-    """Return the prepared skin of a skin and the numbers that `_core.Skin.parts` returned."""
+    """Return the prepared skin of a skin and the numbers that `_core.skin_parts` returned."""
     return PreparedSkin(skin=skin, _response=restore_prepared(skin._material, skin.response, stored))

@@ -41,7 +41,7 @@ def write_prepared(
     path : path
         The file.
     parts : mapping of str to array
-        As `_core.Skin.parts` returns them.
+        As `_core.skin_parts` returns them.
     material, response
         Shear modulus (Pa) and Poisson's ratio of the `Skin` that was prepared, and its response.
 
