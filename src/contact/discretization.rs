@@ -6,7 +6,7 @@ use crate::contact::candidate::groups::with_rings;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::area::{GapsBeside, SMOOTH_RIM, contact_areas, shortest_edge};
+use crate::contact::figures::area::{GapsBeside, SMOOTH_RIM, contact_areas};
 use crate::contact::figures::beside::Beside;
 use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
@@ -96,7 +96,7 @@ pub(crate) fn areas_within_rim(
         let layer =
             response.skin.kernel_at(vertex).and_then(|kernel| Some((kernel, kernel.layer_at(vertex)?)));
         layer.map_or(SMOOTH_RIM, |(kernel, thickness)| {
-            rim_on_layer(shortest_edge(gaps.surface, vertex) / thickness, kernel.poisson_ratio())
+            rim_on_layer(gaps.surface.shortest_edge(vertex) / thickness, kernel.poisson_ratio())
         })
     };
     let beside = GapsBeside { gap: &gap, is_across: &is_across, power: &power };

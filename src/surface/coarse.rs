@@ -54,7 +54,7 @@ impl CoarseSkin {
     /// [`SurfaceError`] of a coarse mesh that is none.
     pub fn new(fine: &Surface, edge_length: &[f64], is_held: &[bool]) -> Result<Self, SurfaceError> {
         let is_still: Vec<bool> = edge_length.iter().map(|&length| length == 0.0).collect();
-        let own_edges = edges_at_vertices(fine);
+        let own_edges = fine.mean_edges();
         let edge_length: Vec<f64> = edge_length
             .iter()
             .zip(own_edges)
@@ -209,16 +209,4 @@ fn fit(
         (height - lifted.sum::<f64>()).abs()
     };
     (surface, places.iter().zip(heights).map(left).fold(0.0, f64::max))
-}
-
-/// Mean length of the edges at each vertex (n, m).
-pub(crate) fn edges_at_vertices(surface: &Surface) -> Vec<f64> {
-    let length = |vertex: usize| {
-        let own = surface.vertices()[vertex];
-        let neighbours = surface.neighbours(vertex);
-        let total: f64 =
-            neighbours.iter().map(|&other| (surface.vertices()[other as usize] - own).norm()).sum();
-        total / neighbours.len() as f64
-    };
-    (0..surface.vertices().len()).map(length).collect()
 }

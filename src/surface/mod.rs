@@ -12,6 +12,7 @@ pub(crate) mod cap;
 pub(crate) mod checked;
 pub(crate) mod coarse;
 pub(crate) mod cut_out;
+mod edges;
 pub(crate) mod measures;
 pub(crate) mod refined;
 mod rim;

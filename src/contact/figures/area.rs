@@ -49,7 +49,7 @@ pub(crate) fn contact_areas(
             depth[vertex] = -gap[vertex].max(0.0);
             continue;
         }
-        let shift = rim_shift * shortest_edge(surface, vertex);
+        let shift = rim_shift * surface.shortest_edge(vertex);
         depth[vertex] = -(distance_outside(surface, gaps, touches, vertex) - shift).max(0.0);
     }
     for &vertex in around.iter().filter(|&&vertex| touches[vertex]) {
@@ -77,13 +77,6 @@ pub(crate) fn contact_areas(
         }
     }
     areas
-}
-
-/// Length of the shortest edge at a vertex (m).
-pub(crate) fn shortest_edge(surface: &Surface, vertex: usize) -> f64 {
-    let own = surface.vertices()[vertex];
-    let length = |&other: &u32| (surface.vertices()[other as usize] - own).norm();
-    surface.neighbours(vertex).iter().map(length).fold(f64::INFINITY, f64::min)
 }
 
 /// Distance of a free vertex from the rim (m); half the way to the closest touching neighbour where no triangle is free.

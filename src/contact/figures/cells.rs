@@ -28,7 +28,7 @@ pub(crate) fn cells_per_radius(surface: &Surface, active: &[usize], contact_area
 
 /// Mean length of the edges at some vertices (m).
 pub(crate) fn mean_edge(surface: &Surface, vertices: &[usize]) -> f64 {
-    mean(vertices.iter().flat_map(|&vertex| edge_lengths(surface, vertex)))
+    mean(vertices.iter().flat_map(|&vertex| surface.edge_lengths(vertex)))
 }
 
 /// Mean height of the smooth surface over the triangles at some vertices, from the vertex normals (m): what a quadratic
@@ -38,12 +38,6 @@ pub(crate) fn mean_bulge(surface: &Surface, vertices: &[usize]) -> f64 {
     let height = |a: usize, b: usize| (normals[b] - normals[a]).dot(&(positions[b] - positions[a])) / 8.0;
     let neighbours = |vertex| surface.neighbours(vertex).iter().map(move |&other| (vertex, other as usize));
     mean(vertices.iter().flat_map(|&vertex| neighbours(vertex)).map(|(a, b)| height(a, b)))
-}
-
-/// Lengths of the edges at a vertex (m).
-pub(crate) fn edge_lengths(surface: &Surface, vertex: usize) -> impl Iterator<Item = f64> + '_ {
-    let own = surface.vertices()[vertex];
-    surface.neighbours(vertex).iter().map(move |&other| (surface.vertices()[other as usize] - own).norm())
 }
 
 /// 0 of nothing.

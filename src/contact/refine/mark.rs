@@ -40,7 +40,7 @@ pub(crate) fn faces_near(
             continue;
         }
         let around = surface.faces_around(vertex);
-        let farthest = FARTHEST_POINT * longest_edge(surface, vertex);
+        let farthest = FARTHEST_POINT * surface.longest_edge(vertex);
         if gap > margin.max(farthest) && candidates.binary_search(&vertex).is_err() {
             continue;
         }
@@ -52,12 +52,6 @@ pub(crate) fn faces_near(
     }
     near.sort_unstable();
     near
-}
-
-fn longest_edge(surface: &Surface, vertex: usize) -> f64 {
-    let own = surface.vertices()[vertex];
-    let length = |&other: &u32| (surface.vertices()[other as usize] - own).norm();
-    surface.neighbours(vertex).iter().map(length).fold(0.0, f64::max)
 }
 
 /// Triangles with a corner under force.
@@ -94,7 +88,7 @@ pub(crate) fn pressed_between(
         let corners = mesh.corners(*leaf);
         // Of the given vertices, none was added.
         corners.iter().all(|&vertex| vertex < mask.len() && mask[vertex])
-            && corners.iter().any(|&vertex| gap[vertex] < FARTHEST_POINT * longest_edge(mesh.given(), vertex))
+            && corners.iter().any(|&vertex| gap[vertex] < FARTHEST_POINT * mesh.given().longest_edge(vertex))
     };
     let leaves = (0..is_marked.len()).filter(|&leaf| !is_marked[leaf]).filter(may_press).collect();
     with_pressed_middle(mesh, leaves, obstacle, |_| 0.0, |_| Vector3::zeros())

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::cells::{edge_lengths, mean_edge};
+use crate::contact::figures::cells::mean_edge;
 use crate::contact::in_place::Known;
 use crate::contact::outcome::{Contact, ContactStatus, Patch};
 use crate::contact::refine::estimate::ErrorEstimate;
@@ -146,7 +146,7 @@ fn is_at_rim(surface: &Surface, contact: &Contact, vertex: usize) -> bool {
 fn rim_edge(surface: &Surface, contact: &Contact) -> f64 {
     let along = |patch: &Patch| {
         let at_rim = patch.vertices.iter().filter(|&&vertex| is_at_rim(surface, contact, vertex));
-        let lengths = at_rim.flat_map(|&vertex| edge_lengths(surface, vertex));
+        let lengths = at_rim.flat_map(|&vertex| surface.edge_lengths(vertex));
         // Each stands for as much of the rim as it is long.
         let (squares, sum) = lengths.fold((0.0, 0.0), |(squares, sum), l| (squares + l * l, sum + l));
         squares / sum

@@ -17,10 +17,8 @@ const BORDER_DEPTH: f64 = 0.3;
 /// a fraction of its thickness beside the jump, so the point is moved inwards by up to 0.3 thicknesses, less the
 /// closer the thickness h is to the length e of the shortest edge at the vertex: `0.3 h (1 - h/e)`.
 pub(crate) fn displacement_point(surface: &Surface, vertex: usize, thickness: f64) -> Vector3<f64> {
-    let points = surface.vertices();
-    let x = points[vertex];
-    let lengths = surface.neighbours(vertex).iter().map(|&w| (points[w as usize] - x).norm());
-    let depth = BORDER_DEPTH * thickness * (1.0 - thickness / lengths.fold(f64::INFINITY, f64::min));
+    let x = surface.vertices()[vertex];
+    let depth = BORDER_DEPTH * thickness * (1.0 - thickness / surface.shortest_edge(vertex));
     if depth <= 0.0 {
         return x;
     }

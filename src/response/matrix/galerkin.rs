@@ -237,9 +237,8 @@ impl<'a> GalerkinColumns<'a> {
     fn place_points(&self, outer: &mut Outer<'a>, j: usize, part: Part) {
         let Outer { targets, inverse_thickness, used, faces, .. } = outer;
         let vertex = self.columns[j];
-        let (points, ring) = (self.surface.vertices(), self.surface.neighbours(vertex));
-        let center = points[vertex];
-        let radius = ring.iter().map(|&v| (points[v as usize] - center).norm()).fold(0.0, f64::max);
+        let center = self.surface.vertices()[vertex];
+        let radius = self.surface.longest_edge(vertex);
         let layer = self.kernel.layer.as_ref();
         let own_thickness = layer.map_or(f64::INFINITY, |(_, thickness)| thickness.at(vertex));
         let silent = layer.map_or(f64::INFINITY, |(layer, _)| layer.reach * own_thickness);

@@ -17,7 +17,6 @@ use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::levels::Levels;
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
-use crate::surface::coarse::edges_at_vertices;
 use crate::surface::refined::RefinedSurface;
 
 /// The compliance of a body, solved here or given as 3 × 3 blocks; it turns with the surface and serves every product.
@@ -70,7 +69,7 @@ impl PreparedBody {
         let coarseness = match &levels {
             Levels::Given(_) => None,
             Levels::One(one) => {
-                Some(Coarseness::new(surface, edges_at_vertices(surface).into(), one.thickness.as_ref()))
+                Some(Coarseness::new(surface, surface.mean_edges().into(), one.thickness.as_ref()))
             }
             Levels::Two(two) => {
                 Some(Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref()))

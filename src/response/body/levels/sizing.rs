@@ -10,7 +10,7 @@ use crate::response::body::check::tissue::{check_nodes, check_uncrossed};
 use crate::response::body::error::BodyError;
 use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
-use crate::surface::coarse::{CoarseSkin, edges_at_vertices};
+use crate::surface::coarse::CoarseSkin;
 
 /// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length where the one before
 /// crosses itself or the bone, or everywhere.
@@ -215,7 +215,7 @@ impl Body {
                 (wanted, has_many, MOST_TRIES)
             }
         };
-        let own_edges = edges_at_vertices(skin);
+        let own_edges = skin.mean_edges();
         // Where they would be shorter than the skin's own, that stays as it is.
         let shorter = |length: f64, own: f64| if SHORTER * length < own { 0.0 } else { SHORTER * length };
         let mut coarse = self.coarse_body(skin, &edge_length, &fixed);

@@ -19,7 +19,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
-use crate::surface::coarse::{CoarsePlace, CoarseSkin, edges_at_vertices};
+use crate::surface::coarse::{CoarsePlace, CoarseSkin};
 use crate::surface::refined::RefinedSurface;
 
 /// A body on two levels: everything in it, to store it and to build it again.
@@ -145,7 +145,7 @@ impl TwoLevels {
             ..solved.parts().clone()
         };
         let remainder = BodyCompliance::new(parts, solved.report().clone());
-        let edges = edges_at_vertices(&coarse.surface);
+        let edges = coarse.surface.mean_edges();
         let edge = |place: &CoarsePlace| -> f64 {
             place.weights_of_corners().map(|(corner, weight)| weight * edges[corner as usize]).sum()
         };
