@@ -1,8 +1,8 @@
 //! What a contact asks of a skin, and who answers.
 //!
 //! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`] and a
-//! [`given_matrix`] look it up at their [`nodes`], a body in its [`levels`]; a [`combined`] skin asks its parts and puts their answers together
-//! (`pieces`); a [`kept`] one remembers what another answered.
+//! [`given_matrix`] look it up at their [`nodes`], a body in its [`levels`]; a [`combined`] skin asks its parts and puts
+//! their answers together (`pieces`); a [`kept`] one remembers what another answered.
 
 pub(crate) mod combined;
 pub(crate) mod elastic;
