@@ -22,12 +22,12 @@ use crate::surface::checked::Surface;
 #[derive(Debug)]
 pub(crate) struct Known {
     /// Vertices under force, ascending.
-    pub active: Vec<usize>,
+    active: Vec<usize>,
     /// Vertices whose gap was linearised, and the displacements (m) that it was measured at.
-    pub vertices: Vec<usize>,
-    pub displacement: Vec<Vector3<f64>>,
+    vertices: Vec<usize>,
+    displacement: Vec<Vector3<f64>>,
     /// Whether linearised gaps led to no better answer.
-    pub in_vain: bool,
+    in_vain: bool,
 }
 
 /// Node forces where the obstacle of a scene stands.
@@ -54,6 +54,13 @@ impl Known {
     /// Vertices that are expected to carry force, ascending, and nothing else.
     pub fn of_active(active: Vec<usize>) -> Self {
         Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false }
+    }
+
+    /// The same, with the displacement (m) that the gap of each vertex was linearised at, where it was.
+    pub fn linearised(active: Vec<usize>, at: Vec<Option<Vector3<f64>>>) -> Self {
+        let (vertices, displacement) =
+            at.into_iter().enumerate().filter_map(|(vertex, at)| Some((vertex, at?))).unzip();
+        Self { active, vertices, displacement, in_vain: false }
     }
 
     /// Vertices whose gap was linearised, each with the displacement (m) that it was measured at.

@@ -10,7 +10,7 @@ use crate::response::kernel::basis::Discretization;
 
 /// Penetration left on a mesh that is fine enough, as a share of that before.
 pub(crate) const SMALL_PENETRATION: f64 = 0.02;
-/// Share of the target below which the force needs no finer mesh.
+/// Share of the target below which the force needs no finer mesh: it may change a little with the rim.
 const SMALL_SHARE: f64 = 0.95;
 
 impl Contact {

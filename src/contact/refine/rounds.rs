@@ -126,7 +126,7 @@ pub(crate) struct Rounds<'a> {
     between: Vec<usize>,
     /// Whether the mesh is fine enough but for where it is touched away from all force.
     touches_elsewhere_alone: bool,
-    /// Displacements (m) that the gaps of the last contact were linearised at, by the vertex' number in the whole refined surface.
+    /// Displacements (m) at which its gaps were linearised, by the vertex' number in the whole refined surface.
     linearised_at: HashMap<usize, Vector3<f64>>,
     placement: &'a Placement<'a>,
     skin: &'a dyn ElasticSkin,
@@ -340,10 +340,7 @@ impl Rounds<'_> {
         if self.options.max_linearizations == 1 {
             return Known::of_active(active);
         }
-        let found = part.inherit_known(&self.linearised_at, |a, b| 0.5 * (a + b));
-        let linearised = found.into_iter().enumerate().filter_map(|(vertex, at)| Some((vertex, at?)));
-        let (vertices, displacement) = linearised.unzip();
-        Known { active, vertices, displacement, in_vain: false }
+        Known::linearised(active, part.inherit_known(&self.linearised_at, |a, b| 0.5 * (a + b)))
     }
 
     /// The last contact in the numbers of the whole skin, with why no further round followed.

@@ -1,6 +1,6 @@
 //! Memory and operations of a body response, known before it is solved.
 
-use crate::response::body::equations::assemble::Element;
+use crate::response::body::equations::element::Element;
 
 /// What [`Body::prepare`](crate::response::body::Body::prepare) costs.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -19,36 +19,13 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::linalg::factor::Real;
+use crate::response::body::equations::blocks::{PACKED_ENTRY, displacement_blocks, traction_blocks};
+use crate::response::body::equations::element::{Element, NO_COLUMN};
 use crate::response::body::equations::kelvin::Kelvin;
-use crate::response::body::equations::moments::{Triangle, exact_moments};
+use crate::response::body::equations::moments::exact_moments;
 use crate::response::body::equations::quadrature::{
     LANES, LaneValues, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
-
-/// A node without an entry.
-pub(crate) const NO_COLUMN: u32 = u32::MAX;
-
-/// A face of skin or bone and where its hats go.
-#[derive(Debug, Clone)]
-pub(crate) struct Element {
-    pub triangle: Triangle,
-    /// Nodes at the corners: bone vertices, then skin vertices.
-    pub nodes: [u32; 3],
-    /// Columns (in blocks of 3) of unknown displacements, [`NO_COLUMN`] where the displacement is zero.
-    pub moving: [u32; 3],
-    /// Columns (in blocks of 3) of unknown tractions, [`NO_COLUMN`] where the traction is known.
-    pub supported: [u32; 3],
-    /// Right-hand sides (in blocks of 3) of loaded nodes and one over their vertex areas.
-    pub loaded: [u32; 3],
-    pub load_scales: [f64; 3],
-    pub is_skin: bool,
-}
-
-impl Element {
-    fn needs_displacement_kernel(&self) -> bool {
-        self.supported.iter().chain(&self.loaded).any(|&column| column != NO_COLUMN)
-    }
-}
 
 /// The discretised body in units of its own length, with a shear modulus of 1.
 #[derive(Debug, Clone)]
@@ -83,9 +60,6 @@ struct Row<'a> {
     displacement_factors: (f64, f64),
     traction_factors: (f64, f64, f64),
 }
-
-/// Position of entry 3 a + b in a packed symmetric matrix.
-const PACKED_ENTRY: [usize; 9] = [0, 1, 2, 1, 3, 4, 2, 4, 5];
 
 #[inline(always)]
 fn add_block(columns: &mut [&mut [f64]; 3], block: u32, factor: f64, value: impl Fn(usize) -> f64) {
@@ -185,51 +159,6 @@ impl<'a> Row<'a> {
             let sum = self.off_diagonal;
             add_block(&mut self.matrix, self.point as u32, -1.0, |c| sum[c]);
         }
-    }
-}
-
-/// `T` of one corner's hats from their moments, lane by lane.
-#[inline(always)]
-fn traction_blocks(
-    (isotropic, outer, skew): (f64, f64, f64),
-    moments: &[LaneValues; 15],
-    normal: &[LaneValues; 3],
-    blocks: &mut [LaneValues; 9],
-) {
-    let (d, e) = (&moments[6..12], &moments[12..15]);
-    for a in 0..3 {
-        for b in 0..3 {
-            for l in 0..LANES {
-                blocks[3 * a + b][l] = outer * d[PACKED_ENTRY[3 * a + b]][l]
-                    + skew * (e[a][l] * normal[b][l] - normal[a][l] * e[b][l]);
-            }
-        }
-    }
-    for l in 0..LANES {
-        let trace = isotropic * (d[0][l] + d[3][l] + d[5][l]);
-        blocks[0][l] += trace;
-        blocks[4][l] += trace;
-        blocks[8][l] += trace;
-    }
-}
-
-/// Packed `U` of one corner's hats from their moments, lane by lane.
-#[inline(always)]
-fn displacement_blocks(
-    (isotropic, outer): (f64, f64),
-    moments: &[LaneValues; 15],
-    blocks: &mut [LaneValues; 6],
-) {
-    for c in 0..6 {
-        for l in 0..LANES {
-            blocks[c][l] = outer * moments[c][l];
-        }
-    }
-    for l in 0..LANES {
-        let trace = isotropic * (moments[0][l] + moments[3][l] + moments[5][l]);
-        blocks[0][l] += trace;
-        blocks[3][l] += trace;
-        blocks[5][l] += trace;
     }
 }
 
@@ -335,6 +264,7 @@ mod tests {
     use nalgebra::Matrix3;
 
     use super::*;
+    use crate::response::body::equations::moments::Triangle;
 
     /// A lopsided ball of 80 faces, each of whose corners carries a load of its own.
     fn body(poisson_ratio: f64) -> DiscreteBody {

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::response::body::check::tissue::area_vectors;
-use crate::response::body::equations::assemble::{DiscreteBody, Element, NO_COLUMN};
+use crate::response::body::equations::assemble::DiscreteBody;
+use crate::response::body::equations::element::{Element, NO_COLUMN};
 use crate::response::body::equations::incompressible::ClosedSurface;
 use crate::response::body::equations::kelvin::Kelvin;
 use crate::response::body::equations::moments::Triangle;

@@ -3,7 +3,9 @@
 //! In units of the mesh's mean edge length and of `G`; see the parent module for the equations.
 
 pub(crate) mod assemble;
+pub(crate) mod blocks;
 pub(crate) mod discretize;
+pub(crate) mod element;
 pub(crate) mod incompressible;
 pub mod kelvin;
 pub(crate) mod moments;
