@@ -5,14 +5,17 @@ use pulp::{Simd, WithSimd};
 
 use crate::response::column::load::{LoadedFace, weighted};
 use crate::response::integral::edge_quadrature::EdgeRule;
-use crate::response::integral::gauss::triangle_rule;
 use crate::response::integral::hat::hat_integrals_within;
 use crate::response::integral::hat_simd::NearFace;
+use crate::response::integral::rule_lists::RuleLists;
 use crate::response::series::multipole::{MultipoleSeries, order_for};
 use crate::response::series::point_loads::{LoadBall, PointLoads, VECTORS_AT_ONCE};
 use crate::response::series::taylor::TaylorSeries;
 use crate::response::simd::lanes::{Lanes, dot};
 use crate::response::simd::points::{POINTS_PER_BLOCK, Selection, Targets};
+
+/// Points in each direction that give all moments of the shortest series exactly.
+const FEWEST_POINTS: usize = 4;
 
 /// Memory that one thread uses again for every column.
 #[derive(Debug)]
@@ -62,12 +65,13 @@ impl ColumnScratch {
     #[inline(always)]
     fn spread_load(&mut self, n: usize) -> LoadBall {
         self.loads.clear();
+        let rule = RuleLists::gauss(n);
         for face in &self.faces {
-            let [a, b, c] = face.frame.vertices;
-            for (l, weight) in triangle_rule(n) {
-                let place = a * l[0] + b * l[1] + c * l[2];
-                self.loads.push(&place, weight * face.frame.area * weighted(&face.density, l));
-            }
+            self.loads.spread(
+                &face.frame.vertices,
+                &face.density.map(|density| density * face.frame.area),
+                rule,
+            );
         }
         self.loads.pad(POINTS_PER_BLOCK);
         self.loads.ball(self.faces.iter().flat_map(|face| &face.frame.vertices))
@@ -80,10 +84,10 @@ impl ColumnScratch {
     }
 }
 
-/// Points in each direction of a triangle that give the moments of a half-space's column exactly: solid harmonics up to
-/// its order times a hat.
+/// Points in each direction of a triangle that give the moments of a half-space's column: exactly but for the last two of
+/// a long series, which are small.
 pub(crate) fn moment_points(tolerance: f64) -> usize {
-    order_for(tolerance) / 2 + 1
+    (order_for(tolerance) / 2).max(FEWEST_POINTS)
 }
 
 /// Sets `scratch.values` to `amplitude ∫ p(y) / |x - y| dA` for the load on `scratch.faces`, at all targets

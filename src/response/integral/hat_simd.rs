@@ -55,7 +55,7 @@ impl NearFace {
     #[inline(always)]
     pub(crate) fn add<S: Simd>(&self, simd: S, amplitude: f64, points: &mut Selection) {
         let amplitude = Lanes::splat(simd, amplitude);
-        for first in (0..points.values.len()).step_by(S::F64_LANES) {
+        for first in (0..points.index.len()).step_by(S::F64_LANES) {
             let value = self.at(points.place(simd, first));
             let sum = amplitude.mul_add(value, Lanes::load(simd, &points.values, first));
             sum.store(&mut points.values, first);

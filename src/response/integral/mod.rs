@@ -11,3 +11,4 @@ pub(crate) mod gaussian;
 pub(crate) mod hat;
 pub(crate) mod hat_simd;
 mod piece;
+pub(crate) mod rule_lists;

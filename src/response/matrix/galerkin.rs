@@ -8,13 +8,14 @@ use faer::Mat;
 use crate::response::column::half_space::ColumnScratch;
 use crate::response::column::kernel::KernelColumns;
 use crate::response::error::ResponseError;
+use crate::response::integral::rule_lists::RuleLists;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::{InverseThickness, Thickness};
 use crate::response::matrix::fill::filled_columns;
 use crate::response::matrix::near_faces::{NearFaces, NodeFace};
 use crate::response::matrix::options::{AssemblyOptions, NO_ROW, rows_of_vertices};
-use crate::response::matrix::outer_rule::{OuterRule, OuterRules};
+use crate::response::matrix::outer_rule::OuterRules;
 use crate::response::series::hat_pairs::HatMoments;
 use crate::response::simd::points::{POINTS_PER_BLOCK, Targets};
 use crate::surface::checked::Surface;
@@ -26,7 +27,7 @@ struct Outer<'a> {
     /// 1/thickness of the targets of a layer (1/m).
     inverse_thickness: InverseThickness,
     /// Faces used in this column with their rule and the corners that they are used for.
-    used: Vec<(u32, &'a OuterRule, Range<usize>)>,
+    used: Vec<(u32, &'a RuleLists, Range<usize>)>,
     /// Whether each row is to be found face by face in this column.
     is_due: Vec<bool>,
     /// Faces around these rows, and the last column in which each face was one.

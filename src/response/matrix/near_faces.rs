@@ -8,10 +8,11 @@ use crate::response::error::ResponseError;
 use crate::response::integral::frame::TriangleFrame;
 use crate::response::integral::hat::hat_integrals_within;
 use crate::response::integral::hat_simd::NearHats;
+use crate::response::integral::rule_lists::RuleLists;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::matrix::fill::fill_items;
 use crate::response::matrix::options::{AssemblyOptions, NO_ROW};
-use crate::response::matrix::outer_rule::{OuterRule, OuterRules};
+use crate::response::matrix::outer_rule::OuterRules;
 use crate::response::simd::lanes::{Lanes, dot};
 use crate::surface::checked::Surface;
 
@@ -214,7 +215,7 @@ impl Hats {
     /// Averages over `outer` (m) of its hats, the rows, times the potentials of these.
     ///
     /// * `reach`: no point of `outer` is farther (m) from this triangle
-    fn averages(&self, outer: &NodeFace, rule: &OuterRule, reach: f64) -> Products {
+    fn averages(&self, outer: &NodeFace, rule: &RuleLists, reach: f64) -> Products {
         match self.loaded.error_beyond_closed_form(reach, self.tolerance) {
             None => pulp::Arch::new().dispatch(Averages { hats: self, outer, rule }),
             Some(allowed) => {
@@ -236,7 +237,7 @@ impl Hats {
 struct Averages<'a> {
     hats: &'a Hats,
     outer: &'a NodeFace,
-    rule: &'a OuterRule,
+    rule: &'a RuleLists,
 }
 
 impl WithSimd for Averages<'_> {

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use pulp::Simd;
 
+use crate::response::integral::rule_lists::RuleLists;
 use crate::response::simd::lanes::{Lanes, dot};
 
 /// Vectors that one evaluation of a series takes at a time, to hide the latency of its sums.
@@ -40,6 +41,27 @@ impl PointLoads {
         self.y.push(place.y);
         self.z.push(place.z);
         self.share.push(share);
+    }
+
+    /// Adds a load on a triangle by a rule.
+    ///
+    /// * `forces`: at each corner, those (N) that an even load of its density would have
+    #[inline(always)]
+    pub(crate) fn spread(&mut self, corners: &[Vector3<f64>; 3], forces: &[f64; 3], rule: &RuleLists) {
+        let (first, count) = (self.share.len(), rule.count);
+        let [l0, l1, l2] = rule.shares.each_ref().map(|list| &list[..count]);
+        let [a, b, c] = corners;
+        for (axis, list) in [&mut self.x, &mut self.y, &mut self.z].into_iter().enumerate() {
+            list.resize(first + count, 0.0);
+            for (k, place) in list[first..].iter_mut().enumerate() {
+                *place = a[axis] * l0[k] + b[axis] * l1[k] + c[axis] * l2[k];
+            }
+        }
+        self.share.resize(first + count, 0.0);
+        let weights = &rule.weights[..count];
+        for (k, share) in self.share[first..].iter_mut().enumerate() {
+            *share = weights[k] * (forces[0] * l0[k] + forces[1] * l1[k] + forces[2] * l2[k]);
+        }
     }
 
     /// Fills up to a multiple of `lanes` with loads of no share.

@@ -43,13 +43,18 @@ const STARTS: [[usize; MAX_DEGREE / 2 + 1]; MAX_DEGREE + 1] = {
     starts
 };
 
+/// The pairs (n, j) with n + 2j <= `degree`, n outermost.
+fn pairs(degree: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..=degree).flat_map(move |n| (0..=(degree - n) / 2).map(move |j| (n, j)))
+}
+
 /// What multiplies each moment: (n+j choose j) (-2)^n n! / α!.
 fn factors() -> &'static [f64] {
     static FACTORS: OnceLock<Vec<f64>> = OnceLock::new();
     FACTORS.get_or_init(|| {
         let factorial = |k: usize| (1..=k).map(|v| v as f64).product::<f64>();
         let mut list = Vec::new();
-        for (n, j) in (0..=MAX_DEGREE).flat_map(|n| (0..=(MAX_DEGREE - n) / 2).map(move |j| (n, j))) {
+        for (n, j) in pairs(MAX_DEGREE) {
             let pair = factorial(n + j) / factorial(j) * (-2f64).powi(n as i32);
             for x in (0..=n).rev() {
                 for y in (0..=n - x).rev() {
@@ -116,8 +121,10 @@ impl TaylorSeries {
     ) {
         const { assert!(D <= MAX_DEGREE && M == monomials(D)) };
         self.ball = ball;
-        self.sums[..self.moments.len() * S::F64_LANES].fill(0.0);
         let sums = S::as_mut_simd_f64s(&mut self.sums[..self.moments.len() * S::F64_LANES]).0;
+        for (n, j) in pairs(D) {
+            sums[STARTS[n][j]..][..monomials(n)].fill(simd.splat_f64s(0.0));
+        }
         for first in (0..loads.x.len()).step_by(S::F64_LANES) {
             let (place, share) = loads.vector(simd, &ball, first);
             let place_alone = [[place[0]], [place[1]], [place[2]]];
@@ -139,8 +146,11 @@ impl TaylorSeries {
                 }
             }
         }
-        for ((moment, sum), factor) in self.moments.iter_mut().zip(sums.iter()).zip(factors()) {
-            *moment = factor * Lanes::new(simd, *sum).total();
+        let factors = factors();
+        for (n, j) in pairs(D) {
+            for at in STARTS[n][j]..STARTS[n][j] + monomials(n) {
+                self.moments[at] = factors[at] * Lanes::new(simd, sums[at]).total();
+            }
         }
     }
 
