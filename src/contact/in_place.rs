@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 
+use crate::contact::candidate::watched::watched;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::group::{Guess, Nearness};
@@ -119,6 +120,7 @@ impl<'a> InPlace<'a> {
             return Ok(Self { gaps, response, forces: None, report });
         }
         let response = response.with_product(&gaps)?;
+        skin.expect(watched(&gaps));
         if let Some(known) = known {
             // The plane to an edge or a line of the obstacle stays.
             let pairs = known.vertices.iter().zip(&known.displacement);

@@ -6,4 +6,5 @@
 pub(crate) mod coupling;
 pub(crate) mod fingers;
 pub(crate) mod groups;
+pub(crate) mod watched;
 pub(crate) mod ways;

@@ -22,9 +22,9 @@ use crate::response::kernel::basis::Discretization;
 /// than their assembly.
 const EXAMINED_SIZE: usize = 64;
 /// Rings around the vertices that are expected to carry force which enter the problem with them.
-const EXPECTED_RINGS: usize = 2;
+const EXPECTED_RINGS: usize = 1;
 /// Share of a group from which all of it enters at once.
-const MOST_OF_A_GROUP: f64 = 0.8;
+const MOST_OF_A_GROUP: f64 = 0.95;
 
 /// Contact nodes whose problem on a refined mesh single pivots may end: of 3,200 they take a minute.
 pub(crate) const MOST_BY_PIVOTS: usize = 1500;

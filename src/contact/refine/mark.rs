@@ -98,7 +98,7 @@ pub(crate) fn pressed_between(
 /// more than a little: as another patch begins to.
 ///
 /// * `contact`: on `part` of the mesh
-/// * `skin`: of the given surface
+/// * `skin`: of that part
 pub(crate) fn touched_between(
     mesh: &MeshRefinement,
     part: &RefinedSurface,
@@ -121,7 +121,9 @@ pub(crate) fn touched_between(
         let [Some(a), Some(b), Some(c)] = rows else { return false };
         let gaps = [[a, b], [b, c], [c, a]].map(|[from, to]| 0.5 * (contact.gap[from] + contact.gap[to]));
         let is_near = |(gap, bulge)| gap < (1.0 + BEYOND_MIDDLE) * bulge;
-        mask[a] && mask[b] && mask[c] && gaps.into_iter().zip(mesh.bulges(*leaf)).any(is_near)
+        let most = (1.0 + BEYOND_MIDDLE) * FARTHEST_POINT * part.surface.longest_edge(a);
+        let may_be_near = mask[a] && mask[b] && mask[c] && gaps.iter().any(|gap| *gap < most);
+        may_be_near && gaps.into_iter().zip(mesh.bulges(*leaf)).any(is_near)
     };
     let leaves: Vec<usize> = (0..is_felt.len()).filter(|&leaf| !is_felt[leaf]).filter(may_touch).collect();
     if leaves.is_empty() || contact.active.is_empty() {
@@ -131,8 +133,7 @@ pub(crate) fn touched_between(
     corners.sort_unstable();
     corners.dedup();
     let rows: Vec<usize> = corners.iter().filter_map(|&corner| part.row(corner)).collect();
-    let on_part = skin.refined(part)?.expect("a skin that was refined before");
-    let moved = contact.moved(&*on_part, &rows, options)?;
+    let moved = contact.moved(skin, &rows, options)?;
     let moved =
         |corner: usize| corners.binary_search(&corner).map_or_else(|_| Vector3::zeros(), |at| moved[at]);
     let little = LITTLE * contact.max_penetration_before;

@@ -91,7 +91,8 @@ impl Meshes {
         contact.refinements = known;
         let error = match contact.status {
             ContactStatus::Solved => {
-                let between = touched_between(&self.mesh, part, &contact, skin, options)?;
+                let on_part = skin.refined(part)?.expect("a skin that was refined before");
+                let between = touched_between(&self.mesh, part, &contact, &*on_part, options)?;
                 contact.clues.touched_between = between.len();
                 let coarser = last.accuracy.cells_per_radius / contact.accuracy.cells_per_radius;
                 ErrorEstimate::carried_over(&last.accuracy, coarser, coarser)

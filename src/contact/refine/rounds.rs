@@ -20,6 +20,7 @@ use crate::contact::scene::Placement;
 use crate::lcp::solution::LcpStatus;
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::kept::KeptSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// Rounds in which the figures may fail to settle before the refinement gives up.
@@ -147,7 +148,7 @@ impl Rounds<'_> {
                 Break(reason) => return Ok(reason),
             };
             let part = finer.part();
-            let mut contact = match self.solved_on(&part)? {
+            let mut contact = match self.solved_on(&finer, &part)? {
                 Continue(contact) => contact,
                 Break(reason) => return Ok(reason),
             };
@@ -160,7 +161,7 @@ impl Rounds<'_> {
             let reason = if has_failed {
                 Some("a complementarity problem did not end solved")
             } else {
-                self.look_elsewhere(&part, &mut contact, error)?;
+                self.touches_elsewhere_alone = self.is_met(error) && self.touches_elsewhere(&contact);
                 self.ending(&contact, error, &mut watch)
             };
             self.meshes.last = Some((part, contact));
@@ -195,9 +196,10 @@ impl Rounds<'_> {
     /// The contact on a finer mesh, or why that is too much.
     fn solved_on(
         &mut self,
+        finer: &MeshRefinement,
         part: &RefinedSurface,
     ) -> Result<ControlFlow<&'static str, Contact>, ContactError> {
-        let contact = match self.solve(part) {
+        let contact = match self.solve(finer, part) {
             Err(ContactError::Response(ResponseError::TooLarge { .. })) => return Ok(Break("memory_limit")),
             other => match other? {
                 Some(contact) => contact,
@@ -210,19 +212,6 @@ impl Rounds<'_> {
             return Ok(Break("a problem of many nodes that block exchanges do not end"));
         }
         Ok(Continue(contact))
-    }
-
-    /// Notes where the skin is touched away from all force.
-    fn look_elsewhere(
-        &mut self,
-        part: &RefinedSurface,
-        contact: &mut Contact,
-        error: Option<ErrorEstimate>,
-    ) -> Result<(), ContactError> {
-        self.between = touched_between(&self.meshes.mesh, part, contact, self.skin, self.options)?;
-        contact.clues.touched_between = self.between.len();
-        self.touches_elsewhere_alone = self.is_met(error) && self.touches_elsewhere(contact);
-        Ok(())
     }
 
     fn is_met(&self, error: Option<ErrorEstimate>) -> bool {
@@ -309,7 +298,11 @@ impl Rounds<'_> {
     }
 
     /// The contact on a finer mesh; `None` where that has too many nodes.
-    fn solve(&mut self, part: &RefinedSurface) -> Result<Option<Contact>, ContactError> {
+    fn solve(
+        &mut self,
+        finer: &MeshRefinement,
+        part: &RefinedSurface,
+    ) -> Result<Option<Contact>, ContactError> {
         if self.options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "refinement" });
         }
@@ -327,10 +320,17 @@ impl Rounds<'_> {
         }
         let skin = self.skin.refined(part)?.expect("a skin that was refined before");
         let known = self.known_on(part);
-        let solved = InPlace::solve_gaps(gaps, &*skin, Some(&known), self.options, report)?;
+        let kept = KeptSkin::new(&*skin);
+        let skin = if skin.as_kernel().is_some() { &kept } else { &*skin };
+        let solved = InPlace::solve_gaps(gaps, skin, Some(&known), self.options, report)?;
         let linearised = solved.known().into_iter().flat_map(Known::into_linearised);
         self.linearised_at = linearised.map(|(vertex, at)| (part.number(vertex), at)).collect();
-        let contact = solved.contact(self.options)?;
+        let mut contact = solved.contact(self.options)?;
+        self.between = match contact.status {
+            ContactStatus::Solved => touched_between(finer, part, &contact, skin, self.options)?,
+            _ => Vec::new(),
+        };
+        contact.clues.touched_between = self.between.len();
         Ok((contact.candidates.len() <= most).then_some(contact))
     }
 

@@ -282,7 +282,8 @@ impl Presses<'_> {
     ) -> Result<bool, ContactError> {
         let Meshes { given, mesh, .. } = &warm.meshes;
         let (part, _) = warm.last();
-        let mut between = touched_between(mesh, part, contact, self.skin, self.options)?;
+        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
+        let mut between = touched_between(mesh, part, contact, &*skin, self.options)?;
         if looks_around {
             let under_force = loaded(mesh, &part.numbers(&contact.active));
             between.extend(pressed_between(mesh, &given.gap, &contact.obstacle, &under_force)?);

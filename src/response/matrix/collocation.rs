@@ -10,7 +10,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::InverseThickness;
-use crate::response::matrix::fill::filled_columns;
+use crate::response::matrix::fill::{fill_items, filled_columns};
 use crate::response::matrix::galerkin::galerkin_block;
 use crate::response::matrix::options::{AssemblyOptions, check_directions, check_memory, rows_of_vertices};
 use crate::response::simd::points::{Targets, gather};
@@ -58,29 +58,81 @@ pub fn assemble_block(
     columns: &[usize],
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
+    check(surface, skin, rows, columns, options)?;
+    if skin.discretization() == Discretization::Galerkin {
+        return galerkin_block(surface, skin, rows, columns, options);
+    }
+    let at_rows = AtRows::new(surface, skin, rows, options);
+    let scratch = || ColumnScratch::new(&at_rows.targets);
+    filled_columns([rows.len(), columns.len()], options, scratch, |scratch: &mut ColumnScratch, j, column| {
+        at_rows.fill(scratch, columns[j], column);
+    })
+}
+
+/// The columns of [`assemble_block`], each by itself.
+pub(crate) fn assemble_columns(
+    surface: &Surface,
+    skin: &KernelSkin,
+    rows: &[usize],
+    columns: &[usize],
+    options: &AssemblyOptions,
+) -> Result<Vec<Vec<f64>>, ResponseError> {
+    if skin.discretization() == Discretization::Galerkin {
+        let block = assemble_block(surface, skin, rows, columns, options)?;
+        return Ok((0..columns.len()).map(|column| block.col_as_slice(column).to_vec()).collect());
+    }
+    check(surface, skin, rows, columns, options)?;
+    let at_rows = AtRows::new(surface, skin, rows, options);
+    let scratch = || ColumnScratch::new(&at_rows.targets);
+    let mut filled = vec![Vec::new(); columns.len()];
+    fill_items(&mut filled, options, scratch, |scratch: &mut ColumnScratch, j, column: &mut Vec<f64>| {
+        column.resize(rows.len(), 0.0);
+        at_rows.fill(scratch, columns[j], column);
+    })?;
+    Ok(filled)
+}
+
+fn check(
+    surface: &Surface,
+    skin: &KernelSkin,
+    rows: &[usize],
+    columns: &[usize],
+    options: &AssemblyOptions,
+) -> Result<(), ResponseError> {
     options.validate()?;
     rows_of_vertices(surface, rows)?;
     rows_of_vertices(surface, columns)?;
     check_memory(rows.len(), columns.len(), options)?;
-    skin.check_against(surface)?;
-    if skin.discretization() == Discretization::Galerkin {
-        return galerkin_block(surface, skin, rows, columns, options);
+    skin.check_against(surface)
+}
+
+/// A kernel and the rows that its columns are asked at.
+struct AtRows<'a> {
+    kernel: KernelColumns<'a>,
+    targets: Targets,
+    inverse_thickness: InverseThickness,
+}
+
+impl<'a> AtRows<'a> {
+    fn new(surface: &'a Surface, skin: &'a KernelSkin, rows: &[usize], options: &AssemblyOptions) -> Self {
+        let kernel = KernelColumns::new(surface, skin, options);
+        let point = |&v: &usize| match &kernel.layer {
+            Some((_, thickness)) => displacement_point(surface, v, thickness.at(v)),
+            None => surface.vertices()[v],
+        };
+        let targets = Targets::new(&rows.iter().map(point).collect::<Vec<_>>());
+        let mut inverse_thickness = InverseThickness::default();
+        if let Some((_, thickness)) = &kernel.layer {
+            let of_rows: Vec<f64> = rows.iter().map(|&v| 1.0 / thickness.at(v)).collect();
+            gather(&targets.rows, &of_rows, &mut inverse_thickness.of_targets);
+            inverse_thickness.largest = of_rows.into_iter().fold(0.0, f64::max);
+        }
+        Self { kernel, targets, inverse_thickness }
     }
-    let kernel = KernelColumns::new(surface, skin, options);
-    let point = |&v: &usize| match &kernel.layer {
-        Some((_, thickness)) => displacement_point(surface, v, thickness.at(v)),
-        None => surface.vertices()[v],
-    };
-    let targets = Targets::new(&rows.iter().map(point).collect::<Vec<_>>());
-    let mut inverse_thickness = InverseThickness::default();
-    if let Some((_, thickness)) = &kernel.layer {
-        let of_rows: Vec<f64> = rows.iter().map(|&v| 1.0 / thickness.at(v)).collect();
-        gather(&targets.rows, &of_rows, &mut inverse_thickness.of_targets);
-        inverse_thickness.largest = of_rows.into_iter().fold(0.0, f64::max);
+
+    /// Sets a column to the displacement (m) of all rows per newton at a vertex.
+    fn fill(&self, scratch: &mut ColumnScratch, vertex: usize, column: &mut [f64]) {
+        self.kernel.fill(scratch, &self.targets, &self.inverse_thickness, vertex);
+        self.targets.scatter(&scratch.values, column);
     }
-    let scratch = || ColumnScratch::new(&targets);
-    filled_columns([rows.len(), columns.len()], options, scratch, |scratch: &mut ColumnScratch, j, column| {
-        kernel.fill(scratch, &targets, &inverse_thickness, columns[j]);
-        targets.scatter(&scratch.values, column);
-    })
 }

@@ -5,6 +5,7 @@ pub(crate) mod average;
 pub(crate) mod collocation;
 pub(crate) mod fill;
 pub(crate) mod galerkin;
+pub(crate) mod kept_block;
 pub(crate) mod near_faces;
 pub(crate) mod net_volume;
 pub(crate) mod options;

@@ -246,6 +246,17 @@ impl ElasticSkin for RefinedCombination {
         self.pieces().is_prepared(vertex)
     }
 
+    fn as_kernel(&self) -> Option<&KernelSkin> {
+        self.parts.is_empty().then_some(&self.background)
+    }
+
+    fn expect(&self, lists: Vec<Vec<usize>>) {
+        for (number, (_, body)) in self.parts.iter().enumerate() {
+            let is_own = |vertex: &&usize| self.owner[**vertex] == Some(number);
+            body.expect(lists.iter().map(|list| list.iter().filter(is_own).copied().collect()).collect());
+        }
+    }
+
     fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         Ok(None)
     }

@@ -91,6 +91,14 @@ pub trait ElasticSkin: Sync {
         None
     }
 
+    /// The kernel that computes what is asked each time anew, where there is no other response.
+    fn as_kernel(&self) -> Option<&KernelSkin> {
+        None
+    }
+
+    /// Hears of vertices that are expected to be asked of together, in lists that share none.
+    fn expect(&self, _lists: Vec<Vec<usize>>) {}
+
     /// Whether a body holds `vertex` in place; asked on the given mesh alone.
     fn is_held(&self, _vertex: usize) -> bool {
         false

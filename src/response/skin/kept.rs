@@ -11,7 +11,11 @@ use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
+use crate::response::matrix::collocation::assemble_columns;
+use crate::response::matrix::kept_block::KeptBlock;
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
+use crate::response::skin::kernel::ROWS_AT_ONCE;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
@@ -29,6 +33,8 @@ pub(crate) struct KeptSkin<'a> {
 pub(crate) struct KeptMatrices {
     /// Of groups of nodes that share none.
     matrices: Mutex<Vec<KeptMatrix>>,
+    /// Of a kernel.
+    entries: KeptBlock,
     factors: KeptFactors,
 }
 
@@ -60,24 +66,6 @@ impl KeptMatrix {
         Some(matrix)
     }
 
-    /// Displacement (m) of vertices under forces (N) at nodes, where the entries are known.
-    fn displace(
-        &self,
-        nodes: &[usize],
-        forces: &[Vector3<f64>],
-        vertices: &[usize],
-    ) -> Option<Vec<Vector3<f64>>> {
-        let row = |node: &usize| self.nodes.binary_search(node).ok();
-        let columns: Vec<usize> = nodes.iter().map(row).collect::<Option<_>>()?;
-        let rows: Vec<usize> = vertices.iter().map(row).collect::<Option<_>>()?;
-        let mut moved = vec![Vector3::zeros(); rows.len()];
-        for (column, force) in columns.into_iter().zip(forces) {
-            let entries = self.matrix.col_as_slice(column);
-            moved.iter_mut().zip(&rows).for_each(|(moved, &row)| *moved += entries[row] * force);
-        }
-        Some(moved)
-    }
-
     fn shares(&self, nodes: &[usize]) -> bool {
         nodes.iter().any(|node| self.nodes.binary_search(node).is_ok())
     }
@@ -91,6 +79,16 @@ impl<'a> KeptSkin<'a> {
     /// With what was kept before of the same skin on the same surface.
     pub fn with(skin: &'a dyn ElasticSkin, kept: Arc<KeptMatrices>) -> Self {
         Self { skin, kept }
+    }
+
+    /// Displacement of some rows per newton at the nodes (m/N), where a kernel answers at vertices.
+    fn entries(&self, asked: &Request, rows: &[usize]) -> Result<Option<Mat<f64>>, ResponseError> {
+        let at_vertices = |kernel: &&KernelSkin| kernel.discretization() == Discretization::Collocation;
+        let Some(kernel) = self.skin.as_kernel().filter(at_vertices) else { return Ok(None) };
+        let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
+            assemble_columns(asked.surface, kernel, rows, columns, options)
+        };
+        self.kept.entries.entries(rows, asked.nodes, asked.options, assemble).map(Some)
     }
 
     /// The matrix over some nodes and those around them, which may be asked for next; `None` where it cannot be had.
@@ -132,6 +130,10 @@ impl ElasticSkin for KeptSkin<'_> {
         Some(&self.kept.factors)
     }
 
+    fn expect(&self, lists: Vec<Vec<usize>>) {
+        self.kept.entries.expect(lists);
+    }
+
     fn is_held(&self, vertex: usize) -> bool {
         self.skin.is_held(vertex)
     }
@@ -166,6 +168,9 @@ impl ElasticSkin for KeptSkin<'_> {
         if asked.options.memory_limit.is_some() || asked.nodes.is_empty() {
             return self.skin.matrix(asked, directions);
         }
+        if let Some(matrix) = self.entries(asked, asked.nodes)? {
+            return Ok(matrix);
+        }
         let mut kept = self.kept.matrices.lock().expect("no thread panics while it holds the lock");
         if let Some(matrix) = kept.iter().find_map(|kept| kept.among(asked.nodes, directions)) {
             return Ok(matrix);
@@ -194,14 +199,14 @@ impl ElasticSkin for KeptSkin<'_> {
         forces: &[Vector3<f64>],
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        let traits = self.skin.traits(asked.surface)?;
-        if traits.is_kernel && traits.discretization == Discretization::Collocation {
-            let kept = self.kept.matrices.lock().expect("no thread panics while it holds the lock");
-            if let Some(moved) = kept.iter().find_map(|kept| kept.displace(asked.nodes, forces, vertices)) {
-                return Ok(moved);
-            }
-        }
-        self.skin.displace(asked, forces, vertices)
+        // The skin as it is drawn is asked for once.
+        let is_few = vertices.len() <= ROWS_AT_ONCE && asked.options.memory_limit.is_none();
+        let Some(block) = (if is_few { self.entries(asked, vertices)? } else { None }) else {
+            return self.skin.displace(asked, forces, vertices);
+        };
+        let mut moved = Vec::with_capacity(vertices.len());
+        append_products(&mut moved, &block, forces);
+        Ok(moved)
     }
 }
 
@@ -227,7 +232,9 @@ mod tests {
     #[test]
     fn a_matrix_picked_from_a_larger_one_is_the_skins_own_to_the_tolerance() {
         let surface = grid(12);
-        let skin = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).expect("valid constants");
+        let skin = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace)
+            .and_then(|skin| skin.with_discretization(Discretization::Galerkin))
+            .expect("valid constants");
         let kept = KeptSkin::new(&skin);
         let options = AssemblyOptions::default();
         let ask = |skin: &dyn ElasticSkin, nodes: &[usize]| {

@@ -12,7 +12,7 @@ use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
 /// Rows handled at a time where displacements are wanted over the whole surface, so that memory stays small.
-const ROWS_AT_ONCE: usize = 4096;
+pub(crate) const ROWS_AT_ONCE: usize = 4096;
 
 impl ElasticSkin for KernelSkin {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
@@ -33,6 +33,10 @@ impl ElasticSkin for KernelSkin {
 
     fn is_prepared(&self, _: usize) -> bool {
         true
+    }
+
+    fn as_kernel(&self) -> Option<&KernelSkin> {
+        Some(self)
     }
 
     fn kernel_at(&self, _: usize) -> Option<&KernelSkin> {

@@ -270,6 +270,10 @@ impl ElasticSkin for BodyOnMesh {
         self.response.is_prepared(vertex)
     }
 
+    fn expect(&self, lists: Vec<Vec<usize>>) {
+        self.response.kept.expect(lists);
+    }
+
     fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         Ok(None)
     }

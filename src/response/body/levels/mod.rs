@@ -11,7 +11,6 @@
 //! coarse mesh. With the skin itself for the coarse mesh P is 1 and C is B.
 
 pub(crate) mod coarseness;
-pub(crate) mod kept_block;
 pub(crate) mod near;
 pub(crate) mod on_mesh;
 pub(crate) mod one_level;

@@ -21,13 +21,13 @@ use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
     LANES, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
-use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
-use crate::response::matrix::collocation::assemble_block;
+use crate::response::matrix::collocation::{assemble_block, assemble_columns};
 use crate::response::matrix::fill::filled_columns;
+use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
@@ -231,7 +231,7 @@ impl NearKernel {
         let kernel = self.layer.as_ref().unwrap_or(&self.half_space);
         let kernel = kernel.clone().with_discretization(discretization)?;
         let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
-            assemble_block(asked.surface, &kernel, rows, columns, options)
+            assemble_columns(asked.surface, &kernel, rows, columns, options)
         };
         kept.entries(rows, asked.nodes, options, assemble)
     }

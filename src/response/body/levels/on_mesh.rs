@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use crate::linalg::kernels;
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::{Coarseness, lost_displacement};
-use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::NearKernel;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
+use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
 

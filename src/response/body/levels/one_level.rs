@@ -7,11 +7,11 @@ use nalgebra::Vector3;
 
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::Coarseness;
-use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::NearKernel;
 use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, joined};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
+use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;

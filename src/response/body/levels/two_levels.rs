@@ -10,13 +10,13 @@ use crate::response::body::check::parts::{Range, check_counts, check_numbers, ch
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
 use crate::response::body::levels::coarseness::Coarseness;
-use crate::response::body::levels::kept_block::KeptBlock;
 use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
 use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, Weights, joined};
 use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
+use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::{CoarsePlace, CoarseSkin};

@@ -3,8 +3,8 @@
 //! A contact asks again and again about nearly the same vertices: for every group of nodes that grows and for every
 //! linearisation. Directions change in between, the kernel does not.
 
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::collections::{HashMap, HashSet};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use faer::{Mat, MatMut};
 use rayon::prelude::*;
@@ -27,64 +27,103 @@ struct Known {
     places: HashMap<usize, usize>,
     /// Displacement at each place per newton at a vertex (m/N); NaN, or not there, where nobody asked.
     columns: HashMap<usize, Vec<f64>>,
+    /// Lists of vertices that are expected to be asked of together, no vertex in two of them.
+    expected: Vec<Vec<usize>>,
 }
 
 impl KeptBlock {
+    /// Notes vertices that are expected to be asked of together, in lists: new columns are assembled for all of a list at
+    /// once, as a load that is made ready serves them all.
+    pub fn expect(&self, lists: Vec<Vec<usize>>) {
+        self.lock().expected = lists;
+    }
+
     /// Displacement of `rows` per newton at each of `columns` (rows × columns, m/N), no two vertices of either equal.
     ///
     /// An entry is right to the tolerance asked for, and not equal to the bit whatever it was assembled with. Where two
     /// copies would be too large, nothing is kept.
     ///
-    /// * `assemble`: the same of what is not known yet
+    /// * `assemble`: the columns of what is not known yet
     pub fn entries(
         &self,
         rows: &[usize],
         columns: &[usize],
         options: &AssemblyOptions,
-        assemble: impl Fn(&[usize], &[usize], &AssemblyOptions) -> Result<Mat<f64>, ResponseError>,
+        assemble: impl Fn(&[usize], &[usize], &AssemblyOptions) -> Result<Vec<Vec<f64>>, ResponseError>,
     ) -> Result<Mat<f64>, ResponseError> {
-        let mut known = self.0.lock().expect("no thread panics while it holds the lock");
+        let mut known = self.lock();
         known.tolerance = known.tolerance.filter(|&tolerance| tolerance <= options.tolerance);
         if known.tolerance.is_none() {
-            *known = Known { tolerance: Some(options.tolerance), ..Known::default() };
+            known.forget();
+            known.tolerance = Some(options.tolerance);
         }
+        let is_new = |vertex: &usize| !known.columns.contains_key(vertex);
+        let new: Vec<usize> = columns.iter().copied().filter(is_new).collect();
+        let wanted = if new.is_empty() { rows.to_vec() } else { known.with_expected(rows) };
         let [all_rows, all_columns] =
-            [known.places.len() + 2 * rows.len(), known.columns.len() + columns.len()];
+            [known.places.len() + wanted.len() + rows.len(), known.columns.len() + columns.len()];
         if check_memory(all_rows, all_columns, options).is_err() {
-            *known = Known::default();
-            return assemble(rows, columns, options);
+            known.forget();
+            let found = assemble(rows, columns, options)?;
+            return Ok(Mat::from_fn(rows.len(), columns.len(), |row, column| found[column][row]));
         }
         let options = AssemblyOptions { tolerance: known.tolerance.unwrap_or(options.tolerance), ..*options };
         let is_first = known.places.is_empty();
-        let places = known.places_of(rows);
-        if is_first {
-            let found = assemble(rows, columns, &options)?;
-            known.columns = (columns.iter().enumerate())
-                .map(|(column, &vertex)| (vertex, found.col_as_slice(column).to_vec()))
-                .collect();
-            return Ok(found);
+        let places = known.places_of(&wanted);
+        if !new.is_empty() {
+            let found = assemble(&wanted, &new, &options)?;
+            for (vertex, entries) in new.into_iter().zip(found) {
+                // The first are in the order of their places.
+                let kept = if is_first { entries } else { known.placed(&places, &entries) };
+                known.columns.insert(vertex, kept);
+            }
         }
-        let (mut block, open) = known.gathered(&places, columns);
+        let places = &places[..rows.len()];
+        let (mut block, open) = known.gathered(places, columns);
         for Missing { rows: missing, columns: of_columns } in missing(&block, open) {
             let pick = |numbers: &[usize], vertices: &[usize]| -> Vec<usize> {
                 numbers.iter().map(|&number| vertices[number]).collect()
             };
             let found = assemble(&pick(&missing, rows), &pick(&of_columns, columns), &options)?;
             let count = known.places.len();
-            for (own, column) in of_columns.into_iter().enumerate() {
+            for (column, own) in of_columns.into_iter().zip(found) {
                 let kept = known.columns.entry(columns[column]).or_default();
                 kept.resize(count, f64::NAN);
                 let entries = block.col_as_slice_mut(column);
-                for (&row, &entry) in missing.iter().zip(found.col_as_slice(own)) {
+                for (&row, entry) in missing.iter().zip(own) {
                     (entries[row], kept[places[row]]) = (entry, entry);
                 }
             }
         }
         Ok(block)
     }
+
+    fn lock(&self) -> MutexGuard<'_, Known> {
+        self.0.lock().expect("no thread panics while it holds the lock")
+    }
 }
 
 impl Known {
+    /// Empty again, but for what is expected.
+    fn forget(&mut self) {
+        *self = Self { expected: std::mem::take(&mut self.expected), ..Self::default() };
+    }
+
+    /// Some rows, then those expected together with any of them.
+    fn with_expected(&self, rows: &[usize]) -> Vec<usize> {
+        let asked: HashSet<usize> = rows.iter().copied().collect();
+        let lists = self.expected.iter().filter(|list| list.iter().any(|vertex| asked.contains(vertex)));
+        let others = lists.flatten().copied().filter(|vertex| !asked.contains(vertex));
+        rows.iter().copied().chain(others).collect()
+    }
+
+    /// A column out of entries at some places.
+    fn placed(&self, places: &[usize], entries: &[f64]) -> Vec<f64> {
+        let mut column = vec![f64::NAN; self.places.len()];
+        places.iter().zip(entries).for_each(|(&place, &entry)| column[place] = entry);
+        column
+    }
+
     /// The place of every row.
     fn places_of(&mut self, rows: &[usize]) -> Vec<usize> {
         let mut place = |&row: &usize| {
@@ -162,7 +201,7 @@ mod tests {
             let options = AssemblyOptions { tolerance, memory_limit: limit, ..AssemblyOptions::default() };
             let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
                 asked.borrow_mut().push((rows.to_vec(), columns.to_vec(), options.tolerance));
-                Ok(Mat::from_fn(rows.len(), columns.len(), |i, j| entry(rows[i], columns[j])))
+                Ok(columns.iter().map(|&j| rows.iter().map(|&i| entry(i, j)).collect()).collect())
             };
             let found = kept.entries(rows, columns, &options, assemble).expect("nothing is refused");
             assert_eq!(found, Mat::from_fn(rows.len(), columns.len(), |i, j| entry(rows[i], columns[j])));
@@ -172,10 +211,10 @@ mod tests {
         assert_eq!(ask(&[1, 3], &[3], 1e-4, None), []);
         // A coarser question is answered, and what it lacks is assembled, to the finer tolerance.
         assert_eq!(ask(&[2, 1, 5], &[3], 1e-2, None), [(vec![2, 5], vec![3], 1e-4)]);
-        // A new row in two columns that know the others alike, all of them in a new one.
+        // All rows in a new column, and a new row in those that know the others alike.
         assert_eq!(
             ask(&[1, 2, 3], &[1, 2, 3], 1e-4, None),
-            [(vec![2], vec![1], 1e-4), (vec![1, 2, 3], vec![2], 1e-4)]
+            [(vec![1, 2, 3], vec![2], 1e-4), (vec![2], vec![1], 1e-4)]
         );
         assert_eq!(ask(&[3], &[3], 1e-5, None), [(vec![3], vec![3], 1e-5)]);
         // A row that is known and three new ones twice, times three columns: 168 bytes.
@@ -187,13 +226,39 @@ mod tests {
     fn rows_that_were_asked_for_without_a_column_keep_their_places() {
         let kept = KeptBlock::default();
         let assemble = |rows: &[usize], columns: &[usize], _: &AssemblyOptions| {
-            Ok(Mat::from_fn(rows.len(), columns.len(), |i, j| (100 * rows[i] + columns[j]) as f64))
+            Ok(columns.iter().map(|&j| rows.iter().map(|&i| (100 * i + j) as f64).collect()).collect())
         };
         for (rows, columns) in [(&[1, 2][..], &[][..]), (&[5], &[7]), (&[1], &[7]), (&[5, 2], &[7])] {
             let found = kept.entries(rows, columns, &AssemblyOptions::default(), assemble);
-            let expected = assemble(rows, columns, &AssemblyOptions::default()).expect("nothing is refused");
+            let expected =
+                Mat::from_fn(rows.len(), columns.len(), |i, j| (100 * rows[i] + columns[j]) as f64);
             assert_eq!(found.expect("nothing is refused"), expected);
         }
+    }
+
+    #[test]
+    fn new_columns_are_assembled_for_all_that_is_expected_with_their_rows() {
+        let kept = KeptBlock::default();
+        let asked = RefCell::new(Vec::new());
+        let assemble = |rows: &[usize], columns: &[usize], _: &AssemblyOptions| {
+            asked.borrow_mut().push((rows.to_vec(), columns.to_vec()));
+            Ok(columns.iter().map(|&j| rows.iter().map(|&i| (100 * i + j) as f64).collect()).collect())
+        };
+        kept.expect(vec![vec![1, 2, 3, 4], vec![7, 8]]);
+        for (rows, columns) in [(&[3, 1][..], &[1, 3][..]), (&[4, 2], &[3]), (&[8], &[8]), (&[1, 9], &[2, 3])]
+        {
+            let found = kept.entries(rows, columns, &AssemblyOptions::default(), assemble);
+            let expected =
+                Mat::from_fn(rows.len(), columns.len(), |i, j| (100 * rows[i] + columns[j]) as f64);
+            assert_eq!(found.expect("nothing is refused"), expected);
+        }
+        let expected = [
+            (vec![3, 1, 2, 4], vec![1, 3]),
+            (vec![8, 7], vec![8]),
+            (vec![1, 9, 2, 3, 4], vec![2]),
+            (vec![9], vec![3]),
+        ];
+        assert_eq!(asked.take(), expected);
     }
 
     #[test]
@@ -202,7 +267,7 @@ mod tests {
         let count = RefCell::new(0);
         let assemble = |rows: &[usize], columns: &[usize], _: &AssemblyOptions| {
             *count.borrow_mut() += 1;
-            Ok(Mat::from_fn(rows.len(), columns.len(), |i, j| (rows[i] * columns[j]) as f64))
+            Ok(columns.iter().map(|&j| rows.iter().map(|&i| (i * j) as f64).collect()).collect())
         };
         let options = AssemblyOptions::default();
         let vertices: Vec<usize> = (1..20).collect();

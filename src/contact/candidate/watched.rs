@@ -1,0 +1,24 @@
+//! Vertices whose displacement a contact asks for once its forces are known.
+
+use std::collections::BTreeMap;
+
+use crate::contact::gap::initial::Gaps;
+
+/// Rings around the vertices inside the obstacle in which figures look at the skin beside it.
+const RINGS_BESIDE: usize = 2;
+
+/// Vertices of each finger that may touch or penetrate once others are pushed out, with those beside them, ascending.
+pub(crate) fn watched(gaps: &Gaps) -> Vec<Vec<usize>> {
+    let mut near = gaps.surface.k_ring(&gaps.penetrating, RINGS_BESIDE);
+    // Nothing moves farther than the deepest.
+    let is_near = |&(_, distance): &(usize, &f64)| *distance < gaps.deepest();
+    near.extend(gaps.distances().iter().enumerate().filter(is_near).map(|(vertex, _)| vertex));
+    near.sort_unstable();
+    near.dedup();
+    let finger_of = gaps.scene.inherited.as_ref().map(|inherited| &inherited.finger_of);
+    let mut by_finger: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+    for vertex in near {
+        by_finger.entry(finger_of.and_then(|finger_of| finger_of[vertex])).or_default().push(vertex);
+    }
+    by_finger.into_values().collect()
+}
