@@ -198,6 +198,11 @@ impl Obstacle {
         }
     }
 
+    /// Whether it is a half-space, in which no point between others is deeper than the deepest of these.
+    pub(crate) fn is_half_space(&self) -> bool {
+        matches!(&*self.shape, Shape::Primitive(Primitive::HalfSpace { .. }))
+    }
+
     /// The box around the obstacle in the world; `None` for the half-space.
     pub fn bounding_box(&self) -> Option<Bounds> {
         let pose = self.pose_matrix();

@@ -11,6 +11,9 @@ use crate::geometry::bounds::Bounds;
 /// The area (m²) over which every set of vertices has its mean pressure.
 pub(crate) const SQUARE_CENTIMETRE: f64 = 1e-4;
 
+/// Relative difference below which two sums of the same forces are one.
+const SAME_FORCE: f64 = 1e-12;
+
 /// Largest mean pressure over the disc of `area` around one of the vertices (Pa); 0 without vertices.
 ///
 /// The disc takes the forces within `√(area / π)` of the vertex, in a straight line on the undeformed skin. Each is
@@ -36,22 +39,36 @@ pub(crate) fn largest_mean(loaded: &[&LoadedVertex], area: f64) -> f64 {
         }
         strips.push((force, middle, first..end));
     }
-    strips.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
-    let mut largest = 0.0;
-    for (most, middle, strip) in strips {
-        if most <= largest * area {
-            break;
-        }
+    let mean = |middle: usize, strip: &Range<usize>| {
         let center = sorted[middle].position;
         let (mut force, mut covered) = (0.0, 0.0);
-        for one in &sorted[strip] {
+        for one in &sorted[strip.clone()] {
             let share = one.share_within(&center, radius);
             force += share * one.force;
             covered += share * one.area;
         }
-        largest = f64::max(largest, force / area.max(covered));
+        force / area.max(covered)
+    };
+    // A disc around the middle one may take all there is.
+    let central = central(&sorted);
+    let around = strips.iter().find(|(_, middle, _)| Some(*middle) == central);
+    let mut largest = around.map_or(0.0, |(_, middle, strip)| mean(*middle, strip));
+    strips.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
+    for (most, middle, strip) in strips {
+        if most <= largest * area * (1.0 + SAME_FORCE) {
+            break;
+        }
+        largest = f64::max(largest, mean(middle, &strip));
     }
     largest
+}
+
+/// The one nearest to the center of the forces.
+fn central(forces: &[SpreadForce]) -> Option<usize> {
+    let total: f64 = forces.iter().map(|one| one.force).sum();
+    let center = forces.iter().map(|one| one.force * one.position).sum::<Vector3<f64>>() / total;
+    let distance = |place: &usize| (forces[*place].position - center).norm_squared();
+    (0..forces.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 /// A node force, evenly spread over a disc.
