@@ -6,10 +6,10 @@ use rayon::prelude::*;
 use crate::geometry::bounds::is_within_range;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::nearest::Nearest;
-use crate::obstacle::posed::Obstacle;
+use crate::obstacle::posed::{Obstacle, Shape};
 
-/// Fewest points that are worth a task of their own.
-const POINTS_PER_TASK: usize = 64;
+/// Fewest points that are worth a task of their own: of a mesh, and of a primitive.
+const POINTS_PER_TASK: [usize; 2] = [64, 1024];
 
 /// What [`Obstacle::signed_distance`] found, one entry a point.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -55,9 +55,10 @@ impl Obstacle {
                 normal: pose.turn(&found.normal),
             })
         };
+        let [of_mesh, of_primitive] = POINTS_PER_TASK;
         let answers: Vec<Nearest> = points
             .par_iter()
-            .with_min_len(POINTS_PER_TASK)
+            .with_min_len(if matches!(self.shape(), Shape::Mesh(_)) { of_mesh } else { of_primitive })
             .map(|point| answer(point).unwrap_or(Nearest::BEYOND))
             .collect();
         Ok(SignedDistances {

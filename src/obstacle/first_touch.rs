@@ -14,6 +14,10 @@ use crate::obstacle::sweep::SweptShape;
 /// A point that rounding puts this share of the obstacle's size inside still counts as not yet met.
 const START_TOLERANCE: f64 = 1e-12;
 
+/// Fewest points that are worth a task of their own, to be met and to be moved alone.
+const POINTS_PER_TASK: usize = 256;
+const MOVED_PER_TASK: usize = 8192;
+
 /// Where a moving obstacle first meets a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstTouch {
@@ -91,7 +95,7 @@ impl Obstacle {
             let travel = sweep.meeting(point, start, 0.0).filter(|travel| *travel <= 0.0)?;
             Some((-travel).min(reach))
         };
-        Ok((0..points.len()).into_par_iter().map(back).collect())
+        Ok((0..points.len()).into_par_iter().with_min_len(POINTS_PER_TASK).map(back).collect())
     }
 
     fn sweep(
@@ -105,7 +109,8 @@ impl Obstacle {
             .and_then(|direction| unit(&direction))
             .ok_or(ObstacleError::Direction { direction: (*direction).into() })?;
         let pose = self.pose_matrix();
-        let local = points.par_iter().map(|point| pose.to_local(point)).collect();
+        let local =
+            points.par_iter().with_min_len(MOVED_PER_TASK).map(|point| pose.to_local(point)).collect();
         Ok(SweptShape::new(self.shape(), local, pose.turn_back(&direction)))
     }
 }
@@ -118,6 +123,7 @@ fn earliest(count: usize, meeting: impl Fn(usize, f64) -> Option<f64> + Sync) ->
     let best = AtomicU64::new(f64::INFINITY.to_bits());
     (0..count)
         .into_par_iter()
+        .with_min_len(POINTS_PER_TASK)
         .filter_map(|point| {
             let travel = meeting(point, f64::from_bits(best.load(Ordering::Relaxed)))?;
             let lower = |bits: u64| (travel < f64::from_bits(bits)).then(|| travel.to_bits());

@@ -7,6 +7,9 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::solid_angle::signed_volume;
 use crate::mesh::topology::Topology;
 
+/// Fewest faces that are worth a task of their own.
+const FACES_PER_TASK: usize = 1024;
+
 /// What follows from the positions.
 #[derive(Debug, Clone)]
 pub(super) struct Measures {
@@ -24,6 +27,7 @@ impl Measures {
     pub(super) fn new(vertices: &[Vector3<f64>], faces: &[[u32; 3]], topology: &Topology) -> Measures {
         let measured: Vec<FaceMeasures> = (0..faces.len())
             .into_par_iter()
+            .with_min_len(FACES_PER_TASK)
             .map(|face| FaceMeasures::new(vertices, faces, topology, face))
             .collect();
         let of_faces = || {
@@ -44,7 +48,11 @@ impl Measures {
         let (
             (mut vertex_normals, vertex_areas),
             ((face_normals, face_areas, edge_total), (volume, bounding_box)),
-        ) = rayon::join(|| at_vertices(vertices.len(), faces, &measured), || (of_faces(), of_solid()));
+        ) = if faces.len() < 2 * FACES_PER_TASK {
+            (at_vertices(vertices.len(), faces, &measured), (of_faces(), of_solid()))
+        } else {
+            rayon::join(|| at_vertices(vertices.len(), faces, &measured), || (of_faces(), of_solid()))
+        };
         for (vertex, normal) in vertex_normals.iter_mut().enumerate() {
             let length = normal.norm();
             if length > 1e-12 {

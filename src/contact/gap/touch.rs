@@ -10,6 +10,9 @@ use crate::obstacle::posed::Obstacle;
 use crate::obstacle::primitive::perpendicular;
 use crate::surface::checked::Surface;
 
+/// Fewest triangles that are worth a task of their own.
+const FACES_PER_TASK: usize = 512;
+
 /// Travel (m) at which a sharp edge, a corner of a mesh or the line of a round primitive first touches a triangle that may
 /// touch; infinite, or any after the latest, where none does so before.
 ///
@@ -49,7 +52,12 @@ fn touch_of_line(
         Some(-depth_along(&obstacle.line_towards(&inward)?, &triangle, direction)?.depth)
     };
     let in_time = |travel: &f64| *travel >= earliest;
-    faces.par_iter().filter_map(travel).filter(in_time).reduce(|| f64::INFINITY, f64::min)
+    faces
+        .par_iter()
+        .with_min_len(FACES_PER_TASK)
+        .filter_map(travel)
+        .filter(in_time)
+        .reduce(|| f64::INFINITY, f64::min)
 }
 
 /// The same of sharp edges and corners.
@@ -90,7 +98,7 @@ fn touch_of_edges(
         let travel = |edge: u32| Some(-depth_along(&edges[edge as usize].0, &triangle, direction)?.depth);
         over.filter_map(travel).filter(|travel| *travel >= earliest).fold(f64::INFINITY, f64::min)
     };
-    faces.par_iter().map(travel).reduce(|| f64::INFINITY, f64::min)
+    faces.par_iter().with_min_len(FACES_PER_TASK).map(travel).reduce(|| f64::INFINITY, f64::min)
 }
 
 fn corners_of(surface: &Surface, face: &[u32; 3]) -> [Vector3<f64>; 3] {

@@ -10,6 +10,9 @@ use crate::response::matrix::options::AssemblyOptions;
 /// Columns between two looks at `interrupt`, per thread.
 const BATCH_COLUMNS: usize = 64;
 
+/// Fewest items that are worth a task of their own.
+const ITEMS_PER_TASK: usize = 8;
+
 /// Entries cleared between two looks at `interrupt`: 64 MB.
 const CLEARED_AT_ONCE: usize = 1 << 23;
 
@@ -71,7 +74,7 @@ pub(crate) fn fill_items<T: Send, S>(
             chunk.iter_mut().enumerate().for_each(|(k, item)| fill(&mut alone, first + k, item));
         } else {
             let mut work = || {
-                let items = chunk.par_iter_mut().enumerate().with_min_len(4);
+                let items = chunk.par_iter_mut().enumerate().with_min_len(ITEMS_PER_TASK);
                 items.for_each_init(&scratch, |s, (k, item)| fill(s, first + k, item));
             };
             match &pool {

@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use faer::{Mat, MatMut};
 use rayon::prelude::*;
 
+use crate::linalg::threads::columns_per_task;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::{AssemblyOptions, check_memory};
 
@@ -137,17 +138,23 @@ impl Known {
     /// numbers.
     fn gathered(&self, places: &[usize], columns: &[usize]) -> (Mat<f64>, Vec<usize>) {
         let mut block = Mat::zeros(places.len(), columns.len());
+        let is_prefix = places.iter().enumerate().all(|(row, &place)| row == place);
         let gather = |(number, (column, vertex)): (usize, (MatMut<f64>, &usize))| {
             let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
             let kept = self.columns.get(vertex).map_or(&[][..], |kept| kept);
-            let mut is_open = false;
-            for (entry, &place) in entries.as_slice_mut().iter_mut().zip(places) {
-                *entry = kept.get(place).copied().unwrap_or(f64::NAN);
-                is_open |= entry.is_nan();
+            let entries = entries.as_slice_mut();
+            match kept.get(..places.len()).filter(|_| is_prefix) {
+                Some(first) => entries.copy_from_slice(first),
+                None => entries.iter_mut().zip(places).for_each(|(entry, &place)| {
+                    *entry = kept.get(place).copied().unwrap_or(f64::NAN);
+                }),
             }
+            // The whole column, without a branch an entry.
+            let is_open = entries.iter().fold(false, |is_open, entry| is_open | entry.is_nan());
             is_open.then_some(number)
         };
-        let open = block.par_col_chunks_mut(1).zip(columns).enumerate().filter_map(gather).collect();
+        let chunks = block.par_col_chunks_mut(1).zip(columns).enumerate();
+        let open = chunks.with_min_len(columns_per_task(places.len())).filter_map(gather).collect();
         (block, open)
     }
 }

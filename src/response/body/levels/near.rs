@@ -16,6 +16,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
+use crate::linalg::threads::columns_per_task;
 use crate::linalg::vectorized::vectorized;
 use crate::response::body::equations::moments::{Triangle, exact_moments};
 use crate::response::body::equations::quadrature::{
@@ -147,7 +148,8 @@ impl NearKernel {
         let [x, y, z] = coordinates(asked.nodes.iter().map(|&vertex| &asked.surface.vertices()[vertex]));
         let [along_x, along_y, along_z] = coordinates(directions.iter());
         let factor = self.outer_factor();
-        response.par_col_chunks_mut(1).enumerate().for_each(|(j, column)| {
+        let at_once = columns_per_task(asked.nodes.len());
+        response.par_col_chunks_mut(1).enumerate().with_min_len(at_once).for_each(|(j, column)| {
             let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
             let entries = entries.as_slice_mut();
             let count = entries.len();

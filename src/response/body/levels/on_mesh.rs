@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::linalg::kernels;
+use crate::linalg::threads::columns_per_task;
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::{Coarseness, lost_displacement};
 use crate::response::body::levels::near::NearKernel;
@@ -179,7 +180,8 @@ impl NearAndFar {
             .collect();
         let among = self.remainder.blocks(&support, &support, asked)?;
         let mut half = Mat::<f64>::zeros(nodes.len(), among.ncols());
-        half.par_col_chunks_mut(1).enumerate().for_each(|(column, half)| {
+        let at_once = columns_per_task(nodes.len());
+        half.par_col_chunks_mut(1).enumerate().with_min_len(at_once).for_each(|(column, half)| {
             let moved = among.col_as_slice(column);
             let along =
                 |terms: &Vec<(usize, f64)>| terms.iter().map(|&(row, share)| share * moved[row]).sum();
@@ -191,7 +193,7 @@ impl NearAndFar {
             Discretization::Galerkin => &self.averaged,
         };
         let mut response = self.near.along(asked, directions, self.discretization, kept)?;
-        response.par_col_chunks_mut(1).zip(&spread).for_each(|(column, terms)| {
+        response.par_col_chunks_mut(1).zip(&spread).with_min_len(at_once).for_each(|(column, terms)| {
             let column = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
             kernels::add_terms(column.as_slice_mut(), terms.len(), |k| {
                 (half.col_as_slice(terms[k].0), terms[k].1)
