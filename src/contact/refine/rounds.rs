@@ -175,7 +175,7 @@ impl Rounds<'_> {
     /// The mesh of the next round, or why there is none.
     fn finer(&self, is_for_area: bool) -> Result<ControlFlow<&'static str, MeshRefinement>, ContactError> {
         let wanting = self.wanting(is_for_area);
-        let marked = self.marked(&wanting)?;
+        let marked = self.marked(&wanting, is_for_area)?;
         if !marked.contains(&true) {
             return Ok(Break("nothing carries force"));
         }
@@ -269,9 +269,23 @@ impl Rounds<'_> {
         active.into_iter().filter(at_rim).map(|vertex| part.number(vertex)).collect()
     }
 
+    /// Vertices under force, by their numbers in the whole refined surface, ascending.
+    fn pressed(&self) -> Vec<usize> {
+        let Some((part, contact)) = &self.meshes.last else { return self.meshes.given.pressed() };
+        contact.pressed().into_iter().map(|vertex| part.number(vertex)).collect()
+    }
+
     /// Triangles to cut.
-    fn marked(&self, wanting: &[usize]) -> Result<Vec<bool>, ContactError> {
+    fn marked(&self, wanting: &[usize], is_for_area: bool) -> Result<Vec<bool>, ContactError> {
         let mut marked = loaded(&self.meshes.mesh, wanting);
+        if is_for_area && !self.touches_elsewhere_alone {
+            // Only those that the rim runs through.
+            let pressed = self.pressed();
+            let is_under = |corner: &usize| pressed.binary_search(corner).is_ok();
+            for (leaf, marked) in marked.iter_mut().enumerate() {
+                *marked &= !self.meshes.mesh.corners(leaf).iter().all(is_under);
+            }
+        }
         self.between.iter().for_each(|&leaf| marked[leaf] = true);
         if self.meshes.last.is_none() {
             let given = &self.meshes.given;
