@@ -78,7 +78,7 @@ impl Contact {
         let beside = Beside::new(gaps, response, &forces, &motion)?;
         let left = penetration_after(gaps, &forces, response.skin, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
-        let reaches_cut = match &gaps.scene.inherited {
+        let at_cuts = match &gaps.scene.inherited {
             Some(Inherited { cuts, .. }) => report.warn_of_cuts(surface, cuts, &forces),
             None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
         };
@@ -97,7 +97,7 @@ impl Contact {
             area_within_rim,
             body,
             product,
-            reaches_cut,
+            at_cuts,
             edge,
             skin_edge,
             ends_at_edges: on_edges.share,

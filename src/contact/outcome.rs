@@ -205,8 +205,8 @@ pub(crate) struct Clues {
     pub body: Option<BodyDoubt>,
     /// What the mesh costs that a product's matrix is given on.
     pub product: Option<BodyDoubt>,
-    /// Whether force lies where the skin is cut, masked or held, so that the pressure has no bound.
-    pub reaches_cut: bool,
+    /// Share of the force where the skin is cut, masked or held, so that the pressure has no bound there.
+    pub at_cuts: f64,
     /// Where a sharp edge of the obstacle carries force.
     pub edge: Option<LoadedEdge>,
     /// Where one of the skin does.

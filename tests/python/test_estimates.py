@@ -118,6 +118,21 @@ def test_the_estimate_at_the_cut_end_of_a_finger_says_what_its_edge_costs(
     assert notes[0].startswith("a sharp edge of the skin carries force")
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.CutWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.MaskWarning")
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+@pytest.mark.parametrize("cells", [16, 24, 36])
+def test_the_estimate_where_the_mask_ends_under_force_covers_the_error(
+    cells: int, discretization: str
+) -> None:
+    vertices, faces = grid(cells, 24e-3 / cells)
+    bent = vertices + np.outer((vertices[:, :2] ** 2).sum(axis=1) / 0.4, UP)
+    mask = np.linalg.norm(vertices[:, :2] - [1e-3, 0], axis=1) < 5e-3
+    surface = qr.Surface(bent, faces[:, ::-1], skin_mask=mask)
+    given = check_covered(surface, PLATE, soft(discretization), 0.8e-3)
+    assert any(warning.category is qr.CutWarning for warning in given.warnings)
+
+
 def test_many_patches_have_the_cells_of_one() -> None:
     vertices, faces = ball(8e-3, 3)
     apart = [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]]

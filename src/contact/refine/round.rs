@@ -62,8 +62,8 @@ impl Contact {
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
         self.accuracy.area_error = error.map(|error| error.area);
-        let Clues { edge, skin_edge, ends_at_edges, reaches_cut, .. } = &self.clues;
-        let is_infinite = edge.is_some() || skin_edge.is_some() || *ends_at_edges > 0.0 || *reaches_cut;
+        let Clues { edge, skin_edge, ends_at_edges, at_cuts, .. } = &self.clues;
+        let is_infinite = edge.is_some() || skin_edge.is_some() || *ends_at_edges > 0.0 || *at_cuts > 0.0;
         self.accuracy.max_pressure_error =
             error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
         self.refinements.push(Refinement {

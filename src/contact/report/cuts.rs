@@ -45,8 +45,8 @@ fn is_on_border(surface: &Surface, vertex: usize) -> bool {
 
 impl Report {
     /// Warns where vertices carry force beside a held one or the rim of the skin mask, or on an open border: each
-    /// counts for the first of these. Returns whether some do.
-    pub fn warn_of_cuts(&mut self, surface: &Surface, cuts: &Cuts, forces: &NodeForces) -> bool {
+    /// counts for the first of these. Returns the share of the force there.
+    pub fn warn_of_cuts(&mut self, surface: &Surface, cuts: &Cuts, forces: &NodeForces) -> f64 {
         let kinds = [
             (
                 "the vertices that a body holds fixed",
@@ -59,7 +59,7 @@ impl Report {
             ("the open border of the mesh", "take a mesh that goes on beyond it"),
         ];
         if forces.active.is_empty() {
-            return false;
+            return 0.0;
         }
         let total: f64 = forces.active.iter().map(|&vertex| forces.force[vertex]).sum();
         let mut carried = [0.0; 3];
@@ -77,13 +77,13 @@ impl Report {
             carried[kind] += forces.force[vertex];
         }
         let reached = kinds.iter().zip(carried).filter(|(_, force)| *force >= SMALL_SHARE * total);
-        let (mut places, mut remedies) = (Vec::new(), Vec::new());
+        let (mut places, mut remedies, mut share) = (Vec::new(), Vec::new(), 0.0);
         for ((place, remedy), force) in reached {
             places.push(format!("{place}, with {force:.3e} N there ({:.2} % of all)", 100.0 * force / total));
             remedies.push(*remedy);
+            share += force / total;
         }
-        let reaches_some = !places.is_empty();
-        if reaches_some {
+        if share > 0.0 {
             let (places, remedies) = (places.join(", and "), remedies.join("; "));
             let message = format!(
                 "the contact reaches {places}: the figures lack what lies beyond, and the pressure grows without bound there; \
@@ -91,6 +91,6 @@ impl Report {
             );
             self.warn(WarningKind::Cut, message);
         }
-        reaches_some
+        share
     }
 }
