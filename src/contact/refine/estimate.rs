@@ -118,7 +118,7 @@ impl ErrorEstimate {
             // Always too high, of which no more than all is wrong.
             let [force, area] = [(ON_EDGE[0], steeper), (ON_EDGE[1], 1.0)]
                 .map(|((factor, power), more)| more * factor / (more * factor + cells.powf(power)));
-            return Self { force, area, pressure }.with_edges(contact);
+            return Self { force, area, pressure }.with_edges(contact).with_cuts(contact);
         }
         let deepest = contact.max_penetration_before;
         let late = |unfelt: f64| unfelt / (deepest - unfelt).max(0.0);
@@ -137,7 +137,7 @@ impl ErrorEstimate {
         // The powers that figures go with the depth of a sphere.
         let [force, area, pressure] = [(force, 1.5 * steeper), (area, 1.0), (pressure, 0.5)]
             .map(|(of_cells, power)| add(of_cells, power * late));
-        Self { force, area, pressure }.with_edges(contact)
+        Self { force, area, pressure }.with_edges(contact).with_cuts(contact)
     }
 
     /// From the last two rounds; on a sharp edge from the last three.
@@ -170,10 +170,17 @@ impl ErrorEstimate {
             Discretization::Collocation => 0.0,
             Discretization::Galerkin => ON_RIM * contact.clues.ends_at_edges,
         };
-        let per_cell = contact.clues.at_cuts / contact.accuracy.cells_per_radius;
-        let [force_at_cuts, area_at_cuts] = AT_CUTS.map(|factor| factor * per_cell);
-        let force = self.force + of_skin + at_rim + force_at_cuts;
-        Self { force, area: self.area + of_skin + area_at_cuts, ..self }
+        Self { force: self.force + of_skin + at_rim, area: self.area + of_skin, ..self }
+    }
+
+    /// With what the end of the skin adds where it is under force.
+    fn with_cuts(self, contact: &Contact) -> Self {
+        let share = contact.clues.at_cuts;
+        if share == 0.0 {
+            return self;
+        }
+        let [force, area] = AT_CUTS.map(|factor| factor * share / contact.accuracy.cells_per_radius);
+        Self { force: self.force + force, area: self.area + area, ..self }
     }
 
     /// From the estimate for another contact.
