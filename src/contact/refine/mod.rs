@@ -1,7 +1,7 @@
 //! Finer meshes around the contact, until its figures are as good as wanted.
 //!
-//! [`rounds`] solves again and again; [`meshes`] holds what it solved last, [`mark`] says where the mesh must be finer,
-//! [`smooth_touch`] where the smooth skin is first touched, [`estimate`] what is left to gain, [`tissue`] what the given
+//! [`rounds`] solves again and again; [`meshes`] holds what it solved last, [`wanting`] and [`mark`] say where the mesh must be
+//! finer, [`smooth_touch`] where the smooth skin is first touched, [`estimate`] what is left to gain, [`tissue`] what the given
 //! mesh loses on thin tissue, [`round`] what each of them says of its mesh, and [`whole`] puts the part that was solved back
 //! into the skin.
 
@@ -12,4 +12,5 @@ pub(crate) mod round;
 pub(crate) mod rounds;
 mod smooth_touch;
 mod tissue;
+mod wanting;
 pub(crate) mod whole;

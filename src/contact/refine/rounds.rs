@@ -12,7 +12,7 @@ use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Clues, Contact, ContactStatus};
 use crate::contact::refine::estimate::ErrorEstimate;
-use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
+use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::report::record::Report;
@@ -124,9 +124,9 @@ struct Watch {
 pub(crate) struct Rounds<'a> {
     pub meshes: Meshes,
     /// Triangles away from all force that the obstacle touches between their vertices.
-    between: Vec<usize>,
+    pub(super) between: Vec<usize>,
     /// Whether the mesh is fine enough but for where it is touched away from all force.
-    touches_elsewhere_alone: bool,
+    pub(super) touches_elsewhere_alone: bool,
     /// Displacements (m) at which its gaps were linearised, by the vertex' number in the whole refined surface.
     linearised_at: HashMap<usize, Vector3<f64>>,
     placement: &'a Placement<'a>,
@@ -251,48 +251,6 @@ impl Rounds<'_> {
         watch.unsettled = if is_unsettled { watch.unsettled + 1 } else { 0 };
         watch.worst = error.worst();
         (watch.unsettled >= UNSETTLED_ROUNDS).then_some("force or area does not settle")
-    }
-
-    /// Vertices whose triangles are too large, by their numbers in the whole refined surface: all that are pressed, those at the
-    /// rim where the force is known well enough and the area is not, or those away from all force where both are.
-    fn wanting(&self, is_for_area: bool) -> Vec<usize> {
-        let Some((part, contact)) = &self.meshes.last else { return self.meshes.given.pressed() };
-        if self.touches_elsewhere_alone {
-            return part.numbers(&contact.clues.unfelt);
-        }
-        let active = contact.pressed();
-        if !is_for_area {
-            return active.into_iter().map(|vertex| part.number(vertex)).collect();
-        }
-        let is_free = |&other: &u32| contact.node_force[other as usize] == 0.0;
-        let at_rim = |&vertex: &usize| part.surface.neighbours(vertex).iter().any(is_free);
-        active.into_iter().filter(at_rim).map(|vertex| part.number(vertex)).collect()
-    }
-
-    /// Vertices under force, by their numbers in the whole refined surface, ascending.
-    fn pressed(&self) -> Vec<usize> {
-        let Some((part, contact)) = &self.meshes.last else { return self.meshes.given.pressed() };
-        contact.pressed().into_iter().map(|vertex| part.number(vertex)).collect()
-    }
-
-    /// Triangles to cut.
-    fn marked(&self, wanting: &[usize], is_for_area: bool) -> Result<Vec<bool>, ContactError> {
-        let mut marked = loaded(&self.meshes.mesh, wanting);
-        if is_for_area && !self.touches_elsewhere_alone {
-            // Only those that the rim runs through.
-            let pressed = self.pressed();
-            let is_under = |corner: &usize| pressed.binary_search(corner).is_ok();
-            for (leaf, marked) in marked.iter_mut().enumerate() {
-                *marked &= !self.meshes.mesh.corners(leaf).iter().all(is_under);
-            }
-        }
-        self.between.iter().for_each(|&leaf| marked[leaf] = true);
-        if self.meshes.last.is_none() {
-            let given = &self.meshes.given;
-            let between = pressed_between(&self.meshes.mesh, &given.gap, &given.obstacle, &marked)?;
-            between.into_iter().for_each(|leaf| marked[leaf] = true);
-        }
-        Ok(marked)
     }
 
     /// Contact nodes that the next round will have at the least: edges are halved around those wanting.
