@@ -74,6 +74,11 @@ impl Bounds {
         (self.low + self.high) * 0.5
     }
 
+    /// How far along a direction some of the box lies (m).
+    pub fn farthest_along(&self, direction: &Vector3<f64>) -> f64 {
+        self.low.component_mul(direction).sup(&self.high.component_mul(direction)).sum()
+    }
+
     /// Distance between two boxes (m), 0 where they meet.
     pub fn distance(&self, other: &Bounds) -> f64 {
         self.distance_squared(other).sqrt()

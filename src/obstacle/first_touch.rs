@@ -18,6 +18,9 @@ const START_TOLERANCE: f64 = 1e-12;
 const POINTS_PER_TASK: usize = 256;
 const MOVED_PER_TASK: usize = 8192;
 
+/// One point in so many is looked at first: what they find spares most of the others a search.
+const LOOK_AHEAD: usize = 64;
+
 /// Where a moving obstacle first meets a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstTouch {
@@ -120,7 +123,10 @@ impl Obstacle {
 /// `latest` is the best travel so far. It may only spare the search for what is later, never for what is equal,
 /// so the outcome is the same whichever thread comes first.
 fn earliest(count: usize, meeting: impl Fn(usize, f64) -> Option<f64> + Sync) -> Option<FirstTouch> {
-    let best = AtomicU64::new(f64::INFINITY.to_bits());
+    let ahead = (0..count).step_by(LOOK_AHEAD);
+    let best =
+        ahead.fold(f64::INFINITY, |best, point| meeting(point, best).map_or(best, |met| met.min(best)));
+    let best = AtomicU64::new(best.to_bits());
     (0..count)
         .into_par_iter()
         .with_min_len(POINTS_PER_TASK)

@@ -19,6 +19,8 @@ pub(super) struct Shadow<'a> {
     across: [Vector3<f64>; 2],
     places: Vec<Coord<f64>>,
     depths: Vec<f64>,
+    /// The largest of them.
+    farthest: f64,
 }
 
 impl<'a> Shadow<'a> {
@@ -31,9 +33,11 @@ impl<'a> Shadow<'a> {
             across: [first, direction.cross(&first)],
             places: Vec::new(),
             depths: Vec::new(),
+            farthest: f64::NEG_INFINITY,
         };
         shadow.places = mesh.vertices().iter().map(|v| shadow.place(v)).collect();
         shadow.depths = mesh.vertices().iter().map(|v| v.dot(direction)).collect();
+        shadow.farthest = shadow.depths.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         shadow
     }
 
@@ -49,8 +53,12 @@ impl<'a> Shadow<'a> {
     /// The smallest travel `>= start` at which `p` is on the surface; `None` if there is none, or none up to
     /// `latest`. Of the faces on the line it is the one that leads, so the one of the largest depth.
     pub fn meeting(&self, p: &Vector3<f64>, start: f64, latest: f64) -> Option<f64> {
-        let (place, depth) = (self.place(p), p.dot(&self.direction));
+        let depth = p.dot(&self.direction);
         let slack = BOX_SLACK * (self.mesh.size() + p.norm());
+        if depth - self.farthest > latest + slack {
+            return None;
+        }
+        let place = self.place(p);
         let deepest = depth - start;
         let cost = |node: &BvhNode, _: f64| match self.depths_in_box(p, depth, node_bounds(node).grown(slack))
         {

@@ -29,7 +29,12 @@ impl Measured {
             distance: vec![f64::INFINITY; points.len()],
             normal: vec![Vector3::repeat(f64::NAN); points.len()],
         };
-        let near = within_box(points, obstacle, reach, 0..points.len());
+        let all = 0..points.len();
+        if reach.is_infinite() {
+            measured.fill(points, obstacle, &all.collect::<Vec<_>>(), None)?;
+            return Ok(measured);
+        }
+        let near = within_box(points, obstacle, reach, all);
         measured.fill(points, obstacle, &near, Some(reach))?;
         if depth_bound.is_none() {
             let unanswered = near.into_iter().filter(|&point| measured.distance[point].is_infinite());

@@ -13,6 +13,9 @@ use crate::surface::checked::Surface;
 /// Fewest triangles that are worth a task of their own.
 const FACES_PER_TASK: usize = 512;
 
+/// The same only to be found too late.
+const CHECKED_PER_TASK: usize = 16_384;
+
 /// Travel (m) at which a sharp edge, a corner of a mesh or the line of a round primitive first touches a triangle that may
 /// touch; infinite, or any after the latest, where none does so before.
 ///
@@ -23,8 +26,19 @@ pub(crate) fn touch_between(
     direction: &Vector3<f64>,
     [earliest, latest]: [f64; 2],
 ) -> f64 {
-    let may_touch = |face: &&[u32; 3]| face.iter().all(|&corner| surface.skin_mask()[corner as usize]);
-    let faces: Vec<&[u32; 3]> = surface.faces().iter().filter(may_touch).collect();
+    let Some(bounds) = obstacle.bounding_box() else {
+        // A half-space has neither.
+        return f64::INFINITY;
+    };
+    let farthest = bounds.farthest_along(direction);
+    let depths: Vec<f64> = surface.vertices().iter().map(|vertex| vertex.dot(direction)).collect();
+    let may_touch = |face: &&[u32; 3]| {
+        let corners = face.map(|corner| corner as usize);
+        corners.iter().any(|&corner| depths[corner] - latest <= farthest)
+            && corners.iter().all(|&corner| surface.skin_mask()[corner])
+    };
+    let faces = surface.faces().par_iter().with_min_len(CHECKED_PER_TASK);
+    let faces: Vec<&[u32; 3]> = faces.filter(may_touch).collect();
     touch_of_line(surface, &faces, obstacle, direction, earliest).min(touch_of_edges(
         surface,
         &faces,
@@ -72,14 +86,14 @@ fn touch_of_edges(
     let across = perpendicular(direction);
     let up = direction.cross(&across);
     let seen = |x: &Vector3<f64>| Vector3::new(x.dot(&across), x.dot(&up), x.dot(direction));
-    let points: Vec<Vector3<f64>> = surface.vertices().iter().map(seen).collect();
     // Where an edge is that touches some of the skin in time.
     let in_time = |mut skin: Bounds| {
         (skin.low.z, skin.high.z) = (skin.low.z - latest, f64::INFINITY);
         skin
     };
-    let reach =
-        in_time(Bounds::around(faces.iter().flat_map(|face| face.map(|corner| &points[corner as usize]))));
+    let bounds_of = |face: &[u32; 3]| Bounds::around_each(corners_of(surface, face).map(|x| seen(&x)));
+    let all = faces.iter().map(|face| bounds_of(face)).reduce(|all, face| all.union(&face));
+    let Some(reach) = all.map(in_time) else { return f64::INFINITY };
     let place = |ends: &[Vector3<f64>; 2]| Bounds::around_each(ends.map(|end| seen(&end)));
     let corners = obstacle.corners_beyond(direction, reach.low.z).map(|corner| [corner; 2]);
     let edges: Vec<([Vector3<f64>; 2], Bounds)> = (obstacle.sharp_edges().map(|edge| edge.ends))
@@ -92,7 +106,7 @@ fn touch_of_edges(
     }
     let tree = box_tree(edges.iter().map(|(_, bounds)| *bounds));
     let travel = |face: &&[u32; 3]| {
-        let reach = in_time(Bounds::around(face.map(|corner| &points[corner as usize])));
+        let reach = in_time(bounds_of(face));
         let triangle = corners_of(surface, face);
         let over = tree.leaves(|node| node_bounds(node).meets(&reach));
         let travel = |edge: u32| Some(-depth_along(&edges[edge as usize].0, &triangle, direction)?.depth);
