@@ -29,7 +29,7 @@ const GALERKIN: [(f64, f64); 3] = [(0.12, 3.0), (0.25, 1.5), (0.2, 2.0)];
 const ON_EDGE: [(f64, f64); 2] = [(6.0, 3.0), (200.0, 5.0)];
 /// What thin tissue adds to the error of force, in those of a half-space, and the square of the contact's radius in thicknesses
 /// that adds half of it: there the force goes with the cube of the area, not with the power 1.5 (Johnson 1985, §5.8).
-const ON_BONE: (f64, f64) = (2.0, 0.5);
+const ON_BONE: (f64, f64) = (2.0, 1.0);
 /// What a sharp edge of the skin adds to the errors of force and area, over the share of the force at the vertices on it: nine
 /// of ten contacts at the cut end of a finger have less, on one cell a radius and on twenty.
 const ON_SKIN_EDGE: f64 = 0.1;

@@ -12,6 +12,7 @@
 
 pub(crate) mod coarseness;
 pub(crate) mod near;
+mod near_blocks;
 pub(crate) mod on_mesh;
 pub(crate) mod one_level;
 pub(crate) mod sizing;
