@@ -22,7 +22,7 @@ pub struct ContactOptions<'a> {
     /// before deformed it; 1 takes them at the undeformed skin alone.
     pub max_linearizations: usize,
     /// Rings of neighbours added to the penetrating vertices. `None`: none where the response has no negative
-    /// entry (further vertices can never touch), 3 otherwise, as in Xie, Kanai, Date 2011.
+    /// entry (further vertices can never touch), 1 otherwise; what is pressed beyond them is found and added.
     pub rings: Option<usize>,
     /// Solver of the complementarity problem.
     pub method: LcpMethod,

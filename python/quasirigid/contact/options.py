@@ -43,7 +43,7 @@ class ContactOptions:
         takes them at the undeformed skin alone.
     rings : int or None
         Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
-        entry (further vertices can never touch), 3 otherwise.
+        entry (further vertices can never touch), 1 otherwise; what is pressed beyond them is found and added.
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
         Solver of the complementarity problem.
     num_threads : int or None

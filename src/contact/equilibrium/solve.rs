@@ -14,8 +14,9 @@ use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
 
-/// Rings added to the penetrating vertices where a response has negative entries (Xie, Kanai, Date 2011, §2.5).
-const DEFAULT_RINGS: usize = 3;
+/// Rings added to the penetrating vertices where a response has negative entries: three in Xie, Kanai, Date 2011, §2.5, before
+/// anything looked beyond them.
+const DEFAULT_RINGS: usize = 1;
 
 /// Finds the node forces.
 pub(crate) fn solve(
