@@ -27,7 +27,7 @@ pub(crate) fn touch_between(
     [earliest, latest]: [f64; 2],
 ) -> f64 {
     let Some(bounds) = obstacle.bounding_box() else {
-        // A half-space has neither.
+        // A half-space has no edge, corner or line.
         return f64::INFINITY;
     };
     let farthest = bounds.farthest_along(direction);
