@@ -8,7 +8,7 @@ use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
 
 /// Columns between two looks at `interrupt`, per thread.
-const BATCH_COLUMNS: usize = 256;
+const BATCH_COLUMNS: usize = 64;
 
 /// Fewest items that are worth a task of their own.
 const ITEMS_PER_TASK: usize = 8;
