@@ -14,8 +14,8 @@ use crate::response::{
 };
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Material and response, checked; computed as it is needed, or once.
 #[pyclass(name = "Skin", module = "quasirigid._core", frozen)]
@@ -204,12 +204,14 @@ impl PySkin {
                 progress.call1(py, (step.stage, step.done))
             })
         };
+        let turn = Mutex::new(());
         let report = |step: BodyProgress| {
+            // One thread after the other, so that nothing is told after a failure: that ends the work and is raised then.
+            let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
             if let (Some(progress), None) = (&progress, failure.get())
                 && let Err(error) = tell(progress, step)
             {
-                // The first failure ends the work and is raised then; others have nothing to add.
-                let _ = failure.set(error);
+                failure.set(error).expect("nothing is told after a failure");
             }
         };
         let done = detached_on_thread(py, |interrupt| {
