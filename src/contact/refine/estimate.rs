@@ -60,7 +60,7 @@ const COLLOCATION_ROUND: [Settling; 3] = [
 ];
 /// The same in Galerkin form, where the rim is felt from the triangles beside it, so that the area keeps half.
 const GALERKIN_ROUND: [Settling; 3] =
-    [COLLOCATION_ROUND[0], Settling { next: 0.5, least: 0.3 }, COLLOCATION_ROUND[2]];
+    [COLLOCATION_ROUND[0], Settling { next: 0.5, least: 0.35 }, COLLOCATION_ROUND[2]];
 /// The largest that is taken from what sharp edges show: their figures settle slowly.
 const SLOWEST_CHANGE: f64 = 0.8;
 

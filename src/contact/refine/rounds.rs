@@ -15,6 +15,7 @@ use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::tissue::Tissue;
+use crate::contact::refine::wanting::Finer;
 use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
 use crate::lcp::solution::LcpStatus;
@@ -141,9 +142,8 @@ impl Rounds<'_> {
         let mut watch = Watch { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
-            let last = self.meshes.last.as_ref();
-            let is_for_area = last.is_some_and(|(_, contact)| contact.knows_force(self.target));
-            let finer = match self.finer(is_for_area)? {
+            let next = self.next();
+            let finer = match self.finer(next)? {
                 Continue(finer) => finer,
                 Break(reason) => return Ok(reason),
             };
@@ -156,7 +156,7 @@ impl Rounds<'_> {
             let previous = self.meshes.last.as_ref().map_or(&self.meshes.given, |(_, contact)| contact);
             contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
             let has_failed = matches!(contact.status, ContactStatus::Failed(_));
-            let error = if has_failed { None } else { contact.error_after(previous, is_for_area) };
+            let error = if has_failed { None } else { contact.error_after(previous, next) };
             contact.note_round(error, started);
             let reason = if has_failed {
                 Some("a complementarity problem did not end solved")
@@ -173,9 +173,9 @@ impl Rounds<'_> {
     }
 
     /// The mesh of the next round, or why there is none.
-    fn finer(&self, is_for_area: bool) -> Result<ControlFlow<&'static str, MeshRefinement>, ContactError> {
-        let wanting = self.wanting(is_for_area);
-        let marked = self.marked(&wanting, is_for_area)?;
+    fn finer(&self, next: Finer) -> Result<ControlFlow<&'static str, MeshRefinement>, ContactError> {
+        let wanting = self.wanting(next);
+        let marked = self.marked(&wanting, next)?;
         if !marked.contains(&true) {
             return Ok(Break("nothing carries force"));
         }
