@@ -3,16 +3,17 @@
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::figures::cells::mean_edge;
 use crate::contact::gap::initial::Gaps;
+use crate::surface::checked::Surface;
 
 /// A sharp edge that carries force.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LoadedEdge {
     /// Ends of one of them (m).
     pub ends: [Vector3<f64>; 2],
-    /// Mean edge length of the mesh there (m).
-    pub edge_length: f64,
+    /// Breadth of the skin that the mesh holds on it (m): that of its cells where vertices lie on the edge, twice as much where
+    /// the edge runs between two rows of them.
+    pub breadth: f64,
     /// Share of all force at the vertices there.
     pub share: f64,
 }
@@ -43,6 +44,37 @@ impl LoadedEdge {
         let &ends = edges.first()?;
         let sum = |vertices: &[usize]| vertices.iter().map(|&vertex| forces.force[vertex]).sum::<f64>();
         let share = sum(&held) / sum(&forces.active);
-        Some(Self { ends, edge_length: mean_edge(gaps.surface, &held), share })
+        let areas = gaps.surface.vertex_areas();
+        let held_breadth =
+            |(&vertex, ends): (&usize, _)| areas[vertex].sqrt() + 2.0 * beside(gaps.surface, vertex, ends);
+        let breadth = held.iter().zip(&edges).map(held_breadth).sum::<f64>() / held.len() as f64;
+        Some(Self { ends, breadth, share })
+    }
+}
+
+/// How far (m) a vertex lies from the line through two points, seen along the normal of the skin.
+fn beside(surface: &Surface, vertex: usize, ends: &[Vector3<f64>; 2]) -> f64 {
+    let offset = surface.vertices()[vertex] - ends[0];
+    let across = (ends[1] - ends[0]).cross(&surface.vertex_normals()[vertex]);
+    across.try_normalize(0.0).map_or(0.0, |across| offset.dot(&across).abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::grid;
+
+    #[test]
+    fn a_vertex_lies_as_far_beside_an_edge_as_is_seen_along_the_skin() {
+        let (vertices, faces) = grid(2, 2, 1.0);
+        let surface = Surface::new(vertices, faces).expect("a valid surface");
+        // Along y at x = 0.7, deep under the flat skin.
+        let ends = [Vector3::new(0.7, -3.0, -5.0), Vector3::new(0.7, 4.0, -5.0)];
+        for (vertex, expected) in [(0, 0.7), (1, 0.3), (4, 0.3), (8, 1.3)] {
+            assert!((beside(&surface, vertex, &ends) - expected).abs() < 1e-12);
+        }
+        // Along the normal no side is seen.
+        let upright = [Vector3::zeros(), Vector3::z()];
+        assert_eq!(beside(&surface, 8, &upright), 0.0);
     }
 }

@@ -24,6 +24,9 @@ const LEAST_SHARE: f64 = 0.02;
 /// holds it alone.
 const SHALLOWER: f64 = 0.1;
 
+/// Share of a box' size that rounding may move it.
+const ROUNDING: f64 = 1e-6;
+
 /// Triangles of the skin, as corners among some points.
 pub(crate) struct SkinPart<'a> {
     /// Positions (k, m).
@@ -58,6 +61,46 @@ struct Meeting {
     cosine: f64,
 }
 
+/// A triangle of the skin with an area.
+struct Facet {
+    corners: [Vector3<f64>; 3],
+    /// Unit normal into the skin.
+    inward: Vector3<f64>,
+    /// Length of the longest edge (m).
+    width: f64,
+}
+
+impl Facet {
+    fn new(corners: [Vector3<f64>; 3]) -> Option<Self> {
+        let [a, b, c] = &corners;
+        let inward = (c - a).cross(&(b - a)).try_normalize(0.0)?;
+        let width = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        Some(Self { corners, inward, width })
+    }
+
+    /// Box around all that is under the triangle, down to `deepest` (m), and over it, as high as it is wide.
+    fn reach(&self, deepest: f64) -> Bounds {
+        let [under, over] = [self.inward * deepest, -self.inward * self.width];
+        let ends = self.corners.iter().flat_map(|corner| [corner + under, corner + over]);
+        Bounds::around_each(ends).grown(ROUNDING * (self.width + deepest))
+    }
+
+    /// A line of the obstacle within that, with the normal of the plane between line and triangle.
+    fn meeting(&self, triangle: usize, line: Line, normal: Vector3<f64>, deepest: f64) -> Option<Meeting> {
+        let Under { depth, shares, deepest: point } = depth_along(&line.ends, &self.corners, &self.inward)?;
+        let cosine = self.inward.dot(&normal);
+        (depth > -self.width && depth <= deepest).then_some(Meeting {
+            triangle,
+            line,
+            deepest: point,
+            depth,
+            shares,
+            normal,
+            cosine,
+        })
+    }
+}
+
 impl SkinPart<'_> {
     /// The sharp edges of the obstacle over or under the triangles, no deeper than `deepest` (m) and no higher than the
     /// triangle is wide.
@@ -81,13 +124,15 @@ impl SkinPart<'_> {
         let mut found = Vec::new();
         let tree = box_tree(boxes.into_iter());
         for (triangle, corners) in self.triangles.iter().enumerate() {
-            let reach = Bounds::around(corners.map(|corner| &self.points[corner as usize])).grown(deepest);
+            let Some(facet) = Facet::new(corners.map(|corner| self.points[corner as usize])) else {
+                continue;
+            };
+            let reach = facet.reach(deepest);
             for edge in tree.leaves(|node| node_bounds(node).meets(&reach)) {
                 let sharp = &edges[edge as usize];
                 let line = Line { ends: sharp.ends, is_sharp: true };
-                let across =
-                    |inward: &Vector3<f64>| Some((line, sharp.between(inward, with_faces(triangle))?));
-                found.extend(self.meeting(triangle, across, deepest).map(|met| (edge, met)));
+                let Some(normal) = sharp.between(&facet.inward, with_faces(triangle)) else { continue };
+                found.extend(facet.meeting(triangle, line, normal, deepest).map(|met| (edge, met)));
             }
         }
         // Of edges that meet at a point the first one holds it.
@@ -130,10 +175,9 @@ impl SkinPart<'_> {
     /// The line of a round primitive over or under each triangle whose corners are outside it.
     fn line_of(&self, obstacle: &Obstacle, deepest: f64, gaps: &Measured) -> Vec<Meeting> {
         let meeting = |face: usize| {
-            let across = |inward: &Vector3<f64>| {
-                Some((Line { ends: obstacle.line_towards(inward)?, is_sharp: false }, *inward))
-            };
-            self.meeting(face, across, deepest).filter(|met| met.depth > 0.0)
+            let facet = Facet::new(self.triangles[face].map(|corner| self.points[corner as usize]))?;
+            let line = Line { ends: obstacle.line_towards(&facet.inward)?, is_sharp: false };
+            facet.meeting(face, line, facet.inward, deepest).filter(|met| met.depth > 0.0)
         };
         let is_unmet = |&face: &usize| self.is_unmet(face, gaps);
         (0..self.triangles.len()).filter(is_unmet).filter_map(meeting).collect()
@@ -142,33 +186,6 @@ impl SkinPart<'_> {
     /// Whether no corner of a triangle is in the obstacle.
     fn is_unmet(&self, triangle: usize, gaps: &Measured) -> bool {
         self.triangles[triangle].iter().all(|&corner| gaps.distance[corner as usize] >= 0.0)
-    }
-
-    /// A line of the obstacle over or under a triangle.
-    ///
-    /// * `across`: the line, and the normal of the plane between it and a triangle with an inward normal
-    fn meeting(
-        &self,
-        triangle: usize,
-        across: impl Fn(&Vector3<f64>) -> Option<(Line, Vector3<f64>)>,
-        deepest: f64,
-    ) -> Option<Meeting> {
-        let corners = self.triangles[triangle].map(|corner| self.points[corner as usize]);
-        let [a, b, c] = &corners;
-        let inward = (c - a).cross(&(b - a)).try_normalize(0.0)?;
-        let (line, normal) = across(&inward)?;
-        let Under { depth, shares, deepest: point } = depth_along(&line.ends, &corners, &inward)?;
-        let width = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-        let cosine = inward.dot(&normal);
-        (depth > -width && depth <= deepest).then_some(Meeting {
-            triangle,
-            line,
-            deepest: point,
-            depth,
-            shares,
-            normal,
-            cosine,
-        })
     }
 
     /// Gives the corners the gap to the plane between triangle and obstacle where that is the lesser one.
@@ -192,8 +209,10 @@ impl SkinPart<'_> {
             let part = ((deepest - gap) / (SHALLOWER * gap.abs())).clamp(0.0, 1.0);
             for (corner, share) in corners.into_iter().zip(met.shares) {
                 let lent = measured[corner] + part * (gap - measured[corner]);
-                if share > LEAST_SHARE && lent < gaps.distance[corner] {
-                    gaps.distance[corner] = lent;
+                // A vertex on the edge is held by it, as deep as that may be by itself.
+                let is_on_it = met.line.is_sharp && share > 1.0 - LEAST_SHARE && met.depth > 0.0;
+                if is_on_it || share > LEAST_SHARE && lent < gaps.distance[corner] {
+                    gaps.distance[corner] = lent.min(gaps.distance[corner]);
                     gaps.normal[corner] = met.normal;
                     taken.insert(corner, met.line);
                 }

@@ -26,9 +26,9 @@ use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// Rounds in which the figures may fail to settle before the refinement gives up.
 const UNSETTLED_ROUNDS: usize = 2;
-/// Mesh cells in the depth with which a contact on a sharp edge is as fine as it gets: its figures go on changing with
-/// the logarithm of the cells.
-const CELLS_PER_DEPTH_ON_EDGE: f64 = 8.0;
+/// Breadth of the skin that is held on a sharp edge with which a contact is as fine as it gets, in the depth times the root of
+/// the target: its figures go on changing with the logarithm of the cells.
+const FINEST_ON_EDGE: f64 = 2.0;
 /// A contact of fewer vertices under force says nothing of those to come.
 const FEW_VERTICES: usize = 12;
 /// A mesh with more contact nodes is not refined for the penetration between them alone.
@@ -239,10 +239,8 @@ impl Rounds<'_> {
         if is_met && is_resolved {
             return Some(MET);
         }
-        let is_fine_on_edge = contact
-            .clues
-            .edge
-            .is_some_and(|edge| edge.edge_length * CELLS_PER_DEPTH_ON_EDGE <= contact.max_penetration_before);
+        let finest = FINEST_ON_EDGE * self.target.sqrt() * contact.max_penetration_before;
+        let is_fine_on_edge = contact.clues.edge.is_some_and(|edge| edge.breadth <= finest);
         if is_fine_on_edge {
             return Some("a sharp edge");
         }
