@@ -97,6 +97,12 @@ impl BodyCompliance {
         self.rotation * self.stored_block(vertex, node) * self.rotation.transpose()
     }
 
+    /// Displacement of every skin vertex per newton at node number `node` along x, y and z, before the
+    /// [rotation](Self::rotation) (three times 3 n, m/N).
+    pub(crate) fn columns(&self, node: usize) -> [&[f64]; 3] {
+        [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * node + axis))
+    }
+
     fn stored_block(&self, vertex: usize, node: usize) -> Matrix3<f64> {
         Matrix3::from_fn(|a, b| self.parts.displacement[(3 * vertex + a, 3 * node + b)])
     }
@@ -117,11 +123,13 @@ impl BodyCompliance {
         vectors: &[Vector3<f64>],
         expected: usize,
     ) -> Result<Vec<Vector3<f64>>, BodyError> {
-        if vectors.len() != expected {
-            return Err(BodyError::Length { what, found: vectors.len(), expected });
-        }
-        let back = self.rotation.transpose();
-        Ok(vectors.iter().map(|vector| back * vector).collect())
+        check_length(what, vectors.len(), expected)?;
+        Ok(vectors.iter().map(|vector| self.turned_back(vector)).collect())
+    }
+
+    /// A direction or a force as the stored matrices see it.
+    pub(crate) fn turned_back(&self, vector: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation.tr_mul(vector)
     }
 
     /// Unit directions at all nodes as the stored matrices see them.
@@ -167,7 +175,7 @@ impl BodyCompliance {
         let vertices: Vec<usize> = nodes.iter().map(|&node| self.parts.nodes[node]).collect();
         let mut response = Mat::zeros(nodes.len(), nodes.len());
         for (j, (&node, n_j)) in nodes.iter().zip(directions).enumerate() {
-            let [x, y, z] = [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * node + axis));
+            let [x, y, z] = self.columns(node);
             let column = response.col_as_slice_mut(j);
             for ((entry, &vertex), n_i) in column.iter_mut().zip(&vertices).zip(directions) {
                 let along = |a: usize| {
@@ -184,19 +192,32 @@ impl BodyCompliance {
     /// # Errors
     /// [`BodyError::Length`].
     pub fn displacements(&self, forces: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
-        let mut flat = vec![0.0; 3 * self.vertex_count()];
-        for (j, force) in self
-            .stored("forces", forces, self.parts.nodes.len())?
-            .iter()
-            .enumerate()
-            .filter(|(_, force)| force.norm_squared() > 0.0)
-        {
-            let [x, y, z] = [0, 1, 2].map(|axis| self.parts.displacement.col_as_slice(3 * j + axis));
-            for (((sum, x), y), z) in flat.iter_mut().zip(x).zip(y).zip(z) {
-                *sum += x * force.x + y * force.y + z * force.z;
+        check_length("forces", forces.len(), self.parts.nodes.len())?;
+        let loaded: Vec<usize> = (0..forces.len()).filter(|&j| forces[j] != Vector3::zeros()).collect();
+        let forces: Vec<Vector3<f64>> = loaded.iter().map(|&j| forces[j]).collect();
+        let everywhere: Vec<usize> = (0..self.vertex_count()).collect();
+        Ok(self.displacements_among(&everywhere, &loaded, &forces))
+    }
+
+    /// Displacement (m) of some skin vertices under forces (N) at some of the nodes, by their place in
+    /// [`BodyCompliance::nodes`].
+    pub(crate) fn displacements_among(
+        &self,
+        vertices: &[usize],
+        nodes: &[usize],
+        forces: &[Vector3<f64>],
+    ) -> Vec<Vector3<f64>> {
+        let mut moved = vec![Vector3::zeros(); vertices.len()];
+        for (&node, force) in nodes.iter().zip(forces) {
+            let force = self.turned_back(force);
+            let [x, y, z] = self.columns(node).map(|column| column.as_chunks::<3>().0);
+            for (sum, &vertex) in moved.iter_mut().zip(vertices) {
+                let [x, y, z] = [&x[vertex], &y[vertex], &z[vertex]];
+                *sum += Vector3::from_fn(|a, _| x[a] * force.x + y[a] * force.y + z[a] * force.z);
             }
         }
-        Ok(flat.chunks_exact(3).map(|u| self.rotation * Vector3::new(u[0], u[1], u[2])).collect())
+        moved.iter_mut().for_each(|u| *u = self.rotation * *u);
+        moved
     }
 
     /// Pressure (Pa) on every bone vertex under forces (N) at the nodes; `None` if it was not asked for.
@@ -235,4 +256,8 @@ impl BodyCompliance {
         };
         Ok(directions.iter().enumerate().map(change).collect())
     }
+}
+
+fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), BodyError> {
+    if found == expected { Ok(()) } else { Err(BodyError::Length { what, found, expected }) }
 }

@@ -11,9 +11,11 @@
 //! coarse mesh. With the skin itself for the coarse mesh P is 1 and C is B.
 
 pub(crate) mod coarseness;
+pub(crate) mod gathered;
 pub(crate) mod near;
 mod near_blocks;
 pub(crate) mod on_mesh;
 pub(crate) mod one_level;
+mod remainder;
 pub(crate) mod sizing;
 pub(crate) mod two_levels;

@@ -8,21 +8,16 @@ use rayon::prelude::*;
 
 use crate::linalg::kernels;
 use crate::linalg::threads::columns_per_task;
-use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::{Coarseness, lost_displacement};
 use crate::response::body::levels::near::NearKernel;
+use crate::response::body::levels::remainder::Remainder;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::skin::elastic::Request;
-use crate::surface::checked::Surface;
 
-/// Rows or columns of blocks at a time, so that memory stays small.
-const AT_ONCE: usize = 256;
-/// Rows of scalars at a time.
+/// Rows of scalars at a time, so that memory stays small.
 const ROWS_AT_ONCE: usize = 4096;
-/// No column.
-const NO_COLUMN: usize = usize::MAX;
 
 /// Weights of coarse vertices that give the value at a vertex of the fine mesh, with sum 1.
 pub(crate) type Weights = Vec<(u32, f64)>;
@@ -38,53 +33,6 @@ pub(crate) fn joined(a: &Option<Weights>, b: &Option<Weights>) -> Option<Weights
         is_same
     });
     Some(both)
-}
-
-/// What is left of a body without its near kernel, on the coarse mesh.
-#[derive(Debug, Clone)]
-pub(crate) struct Remainder {
-    /// `B - N`, or B where `near` is to be taken off when it is asked for.
-    compliance: BodyCompliance,
-    near: Option<(Surface, NearKernel)>,
-    /// Column (in blocks of 3) of each coarse vertex.
-    columns: Arc<[usize]>,
-}
-
-impl Remainder {
-    /// * `near`: coarse mesh where it stands now, and the kernel to take off `compliance` there
-    pub fn new(compliance: &BodyCompliance, near: Option<(Surface, NearKernel)>) -> Self {
-        let mut columns = vec![NO_COLUMN; compliance.vertex_count()];
-        compliance.nodes().iter().enumerate().for_each(|(column, &vertex)| columns[vertex] = column);
-        Self { compliance: compliance.clone(), near, columns: columns.into() }
-    }
-
-    fn is_loaded(&self, vertex: u32) -> bool {
-        self.columns[vertex as usize] != NO_COLUMN
-    }
-
-    /// Displacement of `rows` per newton at `columns`, coarse vertices (3 m × 3 k, m/N).
-    fn blocks(&self, rows: &[usize], columns: &[usize], asked: &Request) -> Result<Mat<f64>, ResponseError> {
-        let mut all = Mat::zeros(3 * rows.len(), 3 * columns.len());
-        for (turn, at_once) in columns.chunks(AT_ONCE).enumerate() {
-            let near = match &self.near {
-                Some((surface, near)) => Some(near.blocks(surface, rows, at_once, asked.options)?),
-                None => None,
-            };
-            for (own, &column) in at_once.iter().enumerate() {
-                let j = 3 * (turn * AT_ONCE + own);
-                for (i, &row) in rows.iter().enumerate() {
-                    let mut block = self.compliance.block(row, self.columns[column]);
-                    if let Some(near) = &near {
-                        block -= near.block(i, own);
-                    }
-                    for b in 0..3 {
-                        (0..3).for_each(|a| all[(3 * i + a, j + b)] = block[(a, b)]);
-                    }
-                }
-            }
-        }
-        Ok(all)
-    }
 }
 
 /// A body on a refined mesh.
@@ -139,13 +87,14 @@ impl NearAndFar {
             self.weights(vertex).iter().map(|&(coarse, weight)| (at(coarse), weight)).collect()
         };
         let weights: Vec<Vec<(usize, f64)>> = asked.nodes.iter().map(own).collect();
-        let among = self.remainder.blocks(&support, &support, asked)?;
+        let forces: Vec<Vector3<f64>> =
+            forces.iter().map(|force| self.remainder.turned_back(force)).collect();
+        let blocks = self.remainder.between(&support, &support, asked.options)?;
         let moved = |row: usize, column: usize, force: &Vector3<f64>| {
-            let block = among.as_ref().submatrix(3 * row, 3 * column, 3, 3);
-            let along = |a: usize| (0..3).map(|b| block[(a, b)] * force[b]).sum::<f64>() * force[a];
-            (0..3).map(along).sum::<f64>() / force.norm()
+            let [row, column] = [blocks.rows.of(support[row]), blocks.columns.of(support[column])];
+            force.dot(&(blocks.block(row, column) * force)) / force.norm()
         };
-        Ok(lost_displacement(support.len(), &weights, forces, moved))
+        Ok(lost_displacement(support.len(), &weights, &forces, moved))
     }
 
     /// # Errors
@@ -156,7 +105,7 @@ impl NearAndFar {
             Some(&vertex) => Err(ResponseError::NotPrepared {
                 vertex,
                 missing: nodes.iter().filter(unknown).count(),
-                prepared: self.remainder.compliance.nodes().len(),
+                prepared: self.remainder.loaded_count(),
             }),
             None => Ok(()),
         }
@@ -166,34 +115,37 @@ impl NearAndFar {
     pub fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
         let nodes = asked.nodes;
         let support = self.support(nodes);
-        let at = |coarse: u32| support.binary_search(&(coarse as usize)).expect("a vertex of the support");
+        let blocks = self.remainder.between(&support, &support, asked.options)?;
         // A node hangs on a few coarse vertices, so that most of a dense product would be with 0.
-        let spread: Vec<Vec<(usize, f64)>> = (nodes.iter().zip(directions))
-            .map(|(&vertex, direction)| {
-                let weights = self.weights(vertex).iter();
+        let spread = |place: &dyn Fn(usize) -> usize| -> Vec<Vec<(usize, f64)>> {
+            let terms = |(&vertex, direction): (&usize, &Vector3<f64>)| {
+                let direction = self.remainder.turned_back(direction);
                 let along = |&(coarse, weight): &(u32, f64)| {
-                    let first = 3 * at(coarse);
+                    let first = 3 * place(coarse as usize);
                     (0..3).map(move |axis| (first + axis, weight * direction[axis]))
                 };
-                weights.flat_map(along).collect()
-            })
-            .collect();
-        let among = self.remainder.blocks(&support, &support, asked)?;
-        let mut half = Mat::<f64>::zeros(nodes.len(), among.ncols());
+                self.weights(vertex).iter().flat_map(along).collect()
+            };
+            nodes.iter().zip(directions).map(terms).collect()
+        };
+        let in_rows = spread(&|coarse| blocks.rows.of(coarse));
+        let in_support = spread(&|coarse| support.binary_search(&coarse).expect("a vertex of the support"));
+        let mut half = Mat::<f64>::zeros(nodes.len(), 3 * support.len());
         let at_once = columns_per_task(nodes.len());
         half.par_col_chunks_mut(1).enumerate().with_min_len(at_once).for_each(|(column, half)| {
-            let moved = among.col_as_slice(column);
+            let column_there = 3 * blocks.columns.of(support[column / 3]) + column % 3;
+            let moved = blocks.entries.col_as_slice(column_there);
             let along =
                 |terms: &Vec<(usize, f64)>| terms.iter().map(|&(row, share)| share * moved[row]).sum();
             let half = half.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            half.as_slice_mut().iter_mut().zip(&spread).for_each(|(entry, terms)| *entry = along(terms));
+            half.as_slice_mut().iter_mut().zip(&in_rows).for_each(|(entry, terms)| *entry = along(terms));
         });
         let kept = match self.discretization {
             Discretization::Collocation => &self.kept,
             Discretization::Galerkin => &self.averaged,
         };
         let mut response = self.near.along(asked, directions, self.discretization, kept)?;
-        response.par_col_chunks_mut(1).zip(&spread).with_min_len(at_once).for_each(|(column, terms)| {
+        response.par_col_chunks_mut(1).zip(&in_support).with_min_len(at_once).for_each(|(column, terms)| {
             let column = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
             kernels::add_terms(column.as_slice_mut(), terms.len(), |k| {
                 (half.col_as_slice(terms[k].0), terms[k].1)
@@ -217,17 +169,7 @@ impl NearAndFar {
             }
         }
         let rows = self.support(vertices);
-        let mut smooth = vec![Vector3::zeros(); rows.len()];
-        for (turn, some) in rows.chunks(AT_ONCE).enumerate() {
-            let blocks = self.remainder.blocks(some, &columns, asked)?;
-            for (j, force) in spread.iter().enumerate() {
-                for own in 0..some.len() {
-                    let block = blocks.as_ref().submatrix(3 * own, 3 * j, 3, 3);
-                    let u = &mut smooth[turn * AT_ONCE + own];
-                    (0..3).for_each(|a| u[a] += (0..3).map(|b| block[(a, b)] * force[b]).sum::<f64>());
-                }
-            }
-        }
+        let smooth = self.remainder.displacements(&rows, &columns, &spread, asked.options)?;
         let mut moved = Vec::with_capacity(vertices.len());
         // What is drawn is asked for once.
         let is_few = vertices.len() <= ROWS_AT_ONCE;

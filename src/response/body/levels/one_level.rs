@@ -7,8 +7,10 @@ use nalgebra::Vector3;
 
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::levels::coarseness::Coarseness;
+use crate::response::body::levels::gathered::Gathered;
 use crate::response::body::levels::near::NearKernel;
-use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, joined};
+use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, joined};
+use crate::response::body::levels::remainder::Remainder;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::matrix::kept_block::KeptBlock;
@@ -71,7 +73,7 @@ impl OneLevel {
             discretization,
             kept: KeptBlock::default(),
             averaged: KeptBlock::default(),
-            remainder: Remainder::new(&self.compliance, Some((skin.clone(), near))),
+            remainder: Remainder::new(&self.compliance, Some((skin.clone(), near)), Gathered::default()),
         };
         Ok(BodyOnMesh { response, coarseness })
     }

@@ -10,8 +10,10 @@ use crate::response::body::check::parts::{Range, check_counts, check_numbers, ch
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
 use crate::response::body::levels::coarseness::Coarseness;
+use crate::response::body::levels::gathered::Gathered;
 use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
-use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Remainder, Weights, joined};
+use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Weights, joined};
+use crate::response::body::levels::remainder::Remainder;
 use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
@@ -37,6 +39,8 @@ pub struct TwoLevels {
     pub fixed: Arc<[bool]>,
     weights: Arc<[Option<Weights>]>,
     near: NearKernel,
+    /// What contacts asked of the remainder.
+    gathered: Gathered,
 }
 
 impl TwoLevels {
@@ -79,7 +83,16 @@ impl TwoLevels {
         let (modulus, ratio) = (remainder.parts().shear_modulus, remainder.parts().poisson_ratio);
         let near = NearKernel::new(modulus, ratio, thickness.clone())?;
         let weights = places.iter().map(|place| Some(place.weights_of_corners().collect())).collect();
-        Ok(Self { remainder, places, thickness, coarse_edges, fixed, weights, near })
+        Ok(Self {
+            remainder,
+            places,
+            thickness,
+            coarse_edges,
+            fixed,
+            weights,
+            near,
+            gathered: Gathered::default(),
+        })
     }
 
     /// Solves `body` on its coarse skin.
@@ -165,7 +178,7 @@ impl TwoLevels {
     /// On the skin's own mesh.
     pub(crate) fn near_and_far(&self, discretization: Discretization) -> NearAndFar {
         NearAndFar {
-            remainder: Remainder::new(&self.remainder, None),
+            remainder: Remainder::new(&self.remainder, None, self.gathered.clone()),
             weights: Arc::clone(&self.weights),
             fixed: Arc::clone(&self.fixed),
             near: self.near.clone(),
@@ -188,7 +201,7 @@ impl TwoLevels {
         let weights = |vertex| own(vertex).and_then(|own| self.weights[own].clone());
         let is_fixed = |vertex| own(vertex).is_none_or(|own| self.fixed[own]);
         let response = NearAndFar {
-            remainder: Remainder::new(&self.remainder, None),
+            remainder: Remainder::new(&self.remainder, None, self.gathered.clone()),
             weights: mesh.inherit(weights, joined).into(),
             fixed: mesh.inherit(is_fixed, |a, b| *a && *b).into(),
             near: self.near.on_refined(mesh, own)?,
