@@ -7,8 +7,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached};
 use crate::contact::reach::search::Search;
-use crate::contact::refine::meshes::is_of_another_size;
-use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
+use crate::contact::refine::rounds::{Begun, MET, Rounds, begin, end_unrefined};
 use crate::contact::scene::{Approach, Inherited, Placement};
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
@@ -72,12 +71,9 @@ impl Task<'_> {
         let (mut given, power) = match on_given.reach(self.target.quantity, &search, None, None)? {
             Reached::Goal { contact, power } => (contact, power),
             Reached::Short { contact, why } => {
-                let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
                 let placement = self.at(&contact);
-                return match begin(contact, started, &placement, self.skin, &unrefined)? {
-                    Begun::Ended(contact) => Err(self.not_reached(*contact, why)),
-                    Begun::Rounds(_) => unreachable!("no refinement was asked for"),
-                };
+                let contact = end_unrefined(contact, started, &placement, self.skin, self.options)?;
+                return Err(self.not_reached(contact, why));
             }
         };
         for refinement in 1..=REFINEMENTS {
@@ -89,23 +85,19 @@ impl Task<'_> {
             };
             let reason = rounds.run()?;
             let refined_for = rounds.meshes.last_area();
+            let met = (reason == MET).then_some(rounds.target);
             let Some(why) = self.search_again(&mut rounds, power)? else {
                 return rounds.conclude(reason);
             };
             if let Err(why) = why {
                 return Err(self.not_reached(rounds.conclude(reason)?, why));
             }
-            // Without figures (an overlap whose contact did not end solved) there is no error to mend.
-            let Some((found, error)) = rounds.meshes.last_figures() else {
+            let has_gone_farther =
+                |found: &Contact| found.travel - travel > FARTHER * self.surface.mean_edge_length();
+            let found = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
+            let Some(found) = found.filter(|_| refinement < REFINEMENTS) else {
                 return rounds.conclude(reason);
             };
-            let farther = found.travel - travel > FARTHER * self.surface.mean_edge_length();
-            let (area, was_met) = (found.resultant.contact_area, reason == MET);
-            let is_too_coarse = error > rounds.target || found.clues.touched_between > 0;
-            let is_to_mend = was_met && (is_too_coarse || farther);
-            if refinement == REFINEMENTS || !is_to_mend && !is_of_another_size(area, refined_for) {
-                return rounds.conclude(reason);
-            }
             started = Instant::now();
             given = on_given.solve(found.depth.expect("a press has a depth") - touch.1)?;
         }

@@ -110,10 +110,28 @@ impl Meshes {
     }
 
     /// The last contact on a refined mesh, with the larger of what force and area leave.
-    pub fn last_figures(&self) -> Option<(&Contact, f64)> {
+    fn last_figures(&self) -> Option<(&Contact, f64)> {
         let (_, contact) = self.last.as_ref()?;
         let accuracy = &contact.accuracy;
         Some((contact, accuracy.mesh_error?.max(accuracy.area_error?)))
+    }
+
+    /// The contact that a search found on the mesh refined last, where it asks for one of its own.
+    ///
+    /// * `target`: of the relative error where that mesh met it
+    /// * `refined_for`: area of the contact that the mesh was made for (m²)
+    /// * `has_gone_farther`: whether the obstacle has left that contact behind
+    pub fn outgrown(
+        &self,
+        target: Option<f64>,
+        refined_for: f64,
+        has_gone_farther: impl FnOnce(&Contact) -> bool,
+    ) -> Option<&Contact> {
+        // Without figures (an overlap whose contact did not end solved) there is no error to mend.
+        let (found, error) = self.last_figures()?;
+        let is_too_coarse = |target| error > target || found.clues.touched_between > 0;
+        let is_to_mend = target.is_some_and(|target| is_too_coarse(target) || has_gone_farther(found));
+        (is_to_mend || is_of_another_size(found.resultant.contact_area, refined_for)).then_some(found)
     }
 
     /// The last contact in the numbers of the whole skin, with why no further round followed.

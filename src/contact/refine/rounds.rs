@@ -112,6 +112,21 @@ pub(crate) fn begin<'a>(
     })))
 }
 
+/// The contact on the given mesh alone, concluded.
+pub(crate) fn end_unrefined(
+    given: Contact,
+    started: Instant,
+    placement: &Placement,
+    skin: &dyn ElasticSkin,
+    options: &ContactOptions,
+) -> Result<Contact, ContactError> {
+    let unrefined = ContactOptions { target_error: None, ..options.clone() };
+    match begin(given, started, placement, skin, &unrefined)? {
+        Begun::Ended(contact) => Ok(*contact),
+        Begun::Rounds(_) => unreachable!("no refinement was asked for"),
+    }
+}
+
 /// How the rounds settle.
 struct Watch {
     /// Rounds in a row in which the figures failed to.

@@ -9,8 +9,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
-use crate::contact::refine::meshes::is_of_another_size;
-use crate::contact::refine::rounds::{Begun, MET, Rounds, begin};
+use crate::contact::refine::rounds::{Begun, MET, Rounds, begin, end_unrefined};
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Placement};
@@ -79,10 +78,9 @@ impl Tilted<'_> {
         let mut given = self.settle(&on_given, first, angles, None, lever)?;
         if let Some(why) = given.why {
             let placement = self.placement(&given);
-            return match begin(given.contact.clone(), started, &placement, self.skin, &unrefined)? {
-                Begun::Ended(contact) => Err(self.not_balanced(*contact, &given.turn, why)),
-                Begun::Rounds(_) => unreachable!("no refinement was asked for"),
-            };
+            let contact = given.contact.clone();
+            let contact = end_unrefined(contact, started, &placement, self.skin, self.options)?;
+            return Err(self.not_balanced(contact, &given.turn, why));
         }
         let press = self.press.on_part(self.surface, self.obstacle, self.options)?;
         let refined = Self { press, axes: self.axes.clone(), ..*self };
@@ -96,22 +94,20 @@ impl Tilted<'_> {
             };
             let reason = rounds.run()?;
             let refined_for = rounds.meshes.last_area();
+            let met = (reason == MET).then_some(rounds.target);
             let Some(found) = refined.settle_again(&mut rounds, &given, lever)? else {
                 return rounds.conclude(reason);
             };
             if let Some(why) = found.why {
                 return Err(self.not_balanced(rounds.conclude(reason)?, &found.turn, why));
             }
-            let Some((contact, error)) = rounds.meshes.last_figures() else {
+            let has_gone_farther = |contact: &Contact| {
+                self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length()
+            };
+            let contact = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
+            let Some(contact) = contact.filter(|_| refinement < REFINEMENTS) else {
                 return rounds.conclude(reason);
             };
-            let farther = self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length();
-            let (area, was_met) = (contact.resultant.contact_area, reason == MET);
-            let is_too_coarse = error > rounds.target || contact.clues.touched_between > 0;
-            let is_to_mend = was_met && (is_too_coarse || farther);
-            if refinement == REFINEMENTS || !is_to_mend && !is_of_another_size(area, refined_for) {
-                return rounds.conclude(reason);
-            }
             started = Instant::now();
             let past = contact.depth.expect("a press has a depth") - touch.1;
             let contact = on_given.turned(found.turn).solve(past)?;
