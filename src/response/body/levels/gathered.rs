@@ -7,8 +7,9 @@ use nalgebra::Matrix3;
 
 use crate::response::error::ResponseError;
 
-/// Blocks of more rows or columns than so many times those asked for are let go.
-const MOST_TIMES: usize = 2;
+/// Blocks of more rows or columns than so many times those asked for are let go, and of more rows than so many times the
+/// columns not kept.
+pub(super) const MOST_TIMES: usize = 2;
 /// No place.
 const NO_PLACE: usize = usize::MAX;
 

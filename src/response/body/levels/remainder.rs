@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::linalg::kernels;
 use crate::response::body::compliance::BodyCompliance;
-use crate::response::body::levels::gathered::{Blocks, Gathered};
+use crate::response::body::levels::gathered::{Blocks, Gathered, MOST_TIMES};
 use crate::response::body::levels::near::NearKernel;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
@@ -15,8 +15,6 @@ use crate::surface::checked::Surface;
 
 /// Rows and columns of near blocks at a time, so that memory stays small.
 const AT_ONCE: usize = 256;
-/// Displacements of more rows than so many times the columns are summed without keeping the blocks.
-const MOST_ROWS: usize = 3;
 /// No column.
 const NO_COLUMN: usize = usize::MAX;
 
@@ -98,8 +96,8 @@ impl Remainder {
         forces: &[Vector3<f64>],
         options: &AssemblyOptions,
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        if rows.len() > MOST_ROWS * columns.len() {
-            // What is drawn is asked for once.
+        if rows.len() > MOST_TIMES * columns.len() {
+            // So many are drawn, which is asked for once.
             let loaded: Vec<usize> = columns.iter().map(|&column| self.columns[column]).collect();
             let mut moved = self.compliance.displacements_among(rows, &loaded, forces);
             self.for_each_near_block(rows, columns, options, |i, j, block| moved[i] -= block * forces[j])?;
