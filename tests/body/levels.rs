@@ -148,14 +148,28 @@ fn a_turned_body_answers_as_one_that_is_solved_where_it_stands() {
     let turned = skin.moved(&motion);
     let directions: Vec<Vector3<f64>> = nodes.iter().map(|&v| -turned.vertex_normals()[v]).collect();
     let asked = Request { surface: &turned, nodes: &nodes, options: &AssemblyOptions::default() };
-    let moved = prepared(&with_bone(bone.clone()), &skin, 0.3, &nodes).moved(&motion).expect("a rotation");
+    let stood = prepared(&with_bone(bone.clone()), &skin, 0.3, &nodes);
+    // What is asked of it before it turns is kept.
+    let normals: Vec<Vector3<f64>> = nodes.iter().map(|&v| -skin.vertex_normals()[v]).collect();
+    stood.matrix(&Request { surface: &skin, ..asked }, &normals).expect("prepared");
+    let moved = stood.moved(&motion).expect("a rotation");
     let anew = prepared(&with_bone(bone.moved(&motion)), &turned, 0.3, &nodes);
     assert_eq!(coarse_count(&moved), coarse_count(&anew));
-    let [moved, anew] = [moved, anew].map(|body| body.matrix(&asked, &directions).expect("prepared"));
-    let difference = (&moved - &anew).norm_max() / anew.norm_max();
+    let [moved_matrix, anew_matrix] =
+        [&moved, &anew].map(|body| body.matrix(&asked, &directions).expect("prepared"));
+    let difference = (&moved_matrix - &anew_matrix).norm_max() / anew_matrix.norm_max();
     println!("differ by {difference:.1e}");
     // The coarse mesh follows lengths that rounding moves; the integrals keep 1e-6.
     assert!(difference < 1e-5);
+
+    // A newton at each node: few vertices move as they do among all, and as R says.
+    let at = |vertices: &[usize]| moved.displace(&asked, &directions, vertices).expect("prepared");
+    let (few, all) = (at(&nodes), at(&all_nodes(&turned)));
+    for (row, (&node, u)) in nodes.iter().zip(&few).enumerate() {
+        assert!((u - all[node]).norm() < 1e-12 * u.norm());
+        let expected: f64 = moved_matrix.row(row).iter().sum();
+        assert!((u.dot(&directions[row]) / expected - 1.0).abs() < 1e-9);
+    }
 }
 
 #[test]
