@@ -27,7 +27,7 @@ pub(crate) struct Blocks {
 }
 
 /// Some vertices and where they stand.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Places {
     /// Ascending.
     pub vertices: Vec<usize>,

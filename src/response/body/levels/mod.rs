@@ -8,10 +8,11 @@
 //! ```
 //!
 //! with N the [`near`] kernel on the mesh at hand, and P the values at its vertices that are linear on the faces of the
-//! coarse mesh. With the skin itself for the coarse mesh P is 1 and C is B.
+//! coarse mesh, between whose vertices the [`remainder`] in brackets stands. With the skin itself for the coarse mesh P is
+//! 1 and C is B.
 
 pub(crate) mod coarseness;
-pub(crate) mod gathered;
+mod gathered;
 pub(crate) mod near;
 mod near_blocks;
 pub(crate) mod on_mesh;
