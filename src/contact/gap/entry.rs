@@ -20,8 +20,9 @@ use crate::contact::gap::measured::Measured;
 use crate::contact::scene::{Scene, Travel};
 use crate::obstacle::posed::Obstacle;
 
-/// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees.
-pub(crate) const OTHER_SIDE: f64 = 0.5;
+/// Closest and entry normal are of two sides of the obstacle where their cosine is below this: 60 degrees and a little, as
+/// regular meshes have normals that meet at 60 degrees but for rounding.
+pub(crate) const OTHER_SIDE: f64 = 0.499;
 
 /// How skin came into the obstacle.
 pub(crate) enum WayIn<'a> {
