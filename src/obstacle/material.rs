@@ -18,7 +18,7 @@ pub enum ProductResponse {
     Matrix {
         /// Vertices (k,) of the product's mesh, in the order of the rows.
         nodes: Vec<usize>,
-        /// Displacement per newton (k × k, m/N), both along the product's normals.
+        /// Displacement along the force per newton (k × k, m/N).
         matrix: Mat<f64>,
     },
 }

@@ -236,8 +236,8 @@ impl PyObstacle {
     /// response : HalfSpace, GaussianCorrected, Layer or GivenMatrix, optional
     ///     Displacement of the surface per unit force; None for ``HalfSpace()``. A kernel is taken at the contact's nodes,
     ///     with pressure and discretization of the skin, and a `Layer` has one thickness. A `GivenMatrix` knows vertices of
-    ///     the product's mesh, all that the skin may touch, with a compliance (k, k) along the product's normals; it is
-    ///     linear over the triangles in between, whose size `accuracy.body_error` and the other estimates know.
+    ///     the product's mesh, all that the skin may touch, with a compliance (k, k) along the force; it is linear over
+    ///     the triangles in between, whose size `accuracy.body_error` and the other estimates know.
     ///
     /// Returns
     /// -------

@@ -168,19 +168,45 @@ def test_a_matrix_of_the_skin_meets_an_elastic_product() -> None:
     np.testing.assert_allclose(forces, forces[0], rtol=1e-9)
 
 
-def test_two_fingers_on_one_matrix_push_each_other_through_the_product() -> None:
-    lower, faces = ball(8e-3, 3)
-    vertices = np.concatenate([lower - np.array([20e-3, 0, 0]), lower + np.array([20e-3, 0, 0])])
-    surface = qr.Surface(vertices, np.concatenate([faces, faces + len(lower)]))
+def slab_of(thickness: float) -> tuple[qr.Obstacle, int]:
+    """Return a slab below z = 0, and how many vertices its upper side has; the lower side's follow."""
     points, squares = grid(12, 6e-3)
-    below = points - [0, 0, 10e-3]
     count = len(points)
     rim = {(int(a), int(b)) for face in squares for a, b in zip(face, np.roll(face, -1), strict=True)}
     open_edges = [(a, b) for a, b in rim if (b, a) not in rim]
     sides = [[b, a, a + count] for a, b in open_edges] + [[b, a + count, b + count] for a, b in open_edges]
-    slab = qr.Obstacle.mesh(
-        np.concatenate([points, below]), np.concatenate([squares, squares[:, ::-1] + count, sides])
-    )
+    vertices = np.concatenate([points, points - [0, 0, thickness]])
+    return qr.Obstacle.mesh(vertices, np.concatenate([squares, squares[:, ::-1] + count, sides])), count
+
+
+def test_a_product_on_a_spring_gives_way_between_fingers_on_both_sides() -> None:
+    slab, count = slab_of(4e-3)
+    finger, faces = ball(8e-3, 3)
+    # 1 mm and 0.4 mm deep, off the vertices.
+    beside = np.array([[1.3e-3, 0.7e-3, -1e-3], [1.3e-3, 0.7e-3, -19.6e-3]])
+    vertices = np.concatenate([finger + place for place in beside])
+    surface = qr.Surface(vertices, np.concatenate([faces, faces + len(finger)]))
+    softness = 2e-4
+    matrix = np.full((2 * count, 2 * count), softness)
+    spring = soft(slab, qr.GivenMatrix(nodes=np.arange(2 * count), compliance=matrix))
+    held = qr.solve_contact(surface, spring, SKIN, options=AS_GIVEN)
+    assert [np.sign(patch.force[2]) for patch in held.patches] == [1.0, -1.0]
+    # The force on the slab moves it, and it stays as it is.
+    sunk = -softness * held.force
+    rigid = qr.solve_contact(surface, slab.moved(translation=[0, 0, sunk[2]]), SKIN, options=AS_GIVEN)
+    assert held.force[2] == pytest.approx(rigid.force[2], rel=5e-3)
+    for part, alone in zip(held.patches, rigid.patches, strict=True):
+        assert part.force[2] == pytest.approx(alone.force[2], rel=5e-3)
+    assert held.deformed_obstacle is not None
+    moved = held.deformed_obstacle.vertices - slab.triangles()[0]
+    np.testing.assert_allclose(moved, np.broadcast_to(sunk, moved.shape), rtol=0, atol=1e-3 * abs(sunk[2]))
+
+
+def test_two_fingers_on_one_matrix_push_each_other_through_the_product() -> None:
+    lower, faces = ball(8e-3, 3)
+    vertices = np.concatenate([lower - np.array([20e-3, 0, 0]), lower + np.array([20e-3, 0, 0])])
+    surface = qr.Surface(vertices, np.concatenate([faces, faces + len(lower)]))
+    slab, count = slab_of(10e-3)
     # A slab on a spring: what one finger pushes, the other loses.
     softness = 2e-4
     spring = soft(slab, qr.GivenMatrix(nodes=np.arange(count), compliance=np.full((count, count), softness)))
@@ -265,7 +291,7 @@ def test_constants_out_of_range_are_refused_as_the_skins_are(
         (qr.HalfSpace(discretization="galerkin"), "leave them out"),
         (qr.Layer(thickness=np.full(4, 1e-3)), "one thickness everywhere"),
         (qr.GivenMatrix(nodes=[0], compliance=[[1e-4]]), "a primitive has none"),
-        (qr.GivenMatrix(nodes=[0], compliance=np.zeros((1, 3, 1, 3))), "along the product's normals"),
+        (qr.GivenMatrix(nodes=[0], compliance=np.zeros((1, 3, 1, 3))), "along the force"),
     ],
 )
 def test_a_response_that_no_product_has_is_refused(response: qr.Response, why: str) -> None:

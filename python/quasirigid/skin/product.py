@@ -67,7 +67,7 @@ def product_skin(
     if compliance.ndim != 2:
         raise ResponseError(
             f"no such response of a product: compliance has shape {compliance.shape}, expected (k, k), along "
-            "the product's normals"
+            "the force"
         )
     kernel = build_kernel(constants, HalfSpace())
     assert kernel is not None

@@ -6,7 +6,8 @@
 //!
 //! as the same forces move the skin out of the obstacle and the obstacle back. A kernel's R_P is that of a skin with the
 //! product's constants on the same mesh: in contact both surfaces are one. A given matrix M is known at vertices of the
-//! product's mesh, so `R_P = W M Wᵀ`, W the weights of these vertices at the point of the product opposite each node.
+//! product's mesh, so `R_P = W M Wᵀ` times the cosines between the normals, W the weights of these vertices at the point
+//! of the product opposite each node.
 
 use std::sync::OnceLock;
 

@@ -57,7 +57,7 @@ impl Contact {
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let mut vertices = mesh.vertices().to_vec();
         match (material.given(), material.kernel()) {
-            (Some(given), _) => self.move_known(given, mesh, &mut vertices),
+            (Some(given), _) => self.move_known(given, &mut vertices),
             (None, Some(kernel)) => {
                 for finger in &self.drawing.fingers.candidates {
                     self.move_by_kernel(kernel, finger, mesh.vertices(), &mut vertices, options)?;
@@ -69,21 +69,21 @@ impl Contact {
     }
 
     /// Moves the vertices that a given matrix knows.
-    fn move_known(&self, given: &GivenMatrix, mesh: &Surface, vertices: &mut [Vector3<f64>]) {
+    fn move_known(&self, given: &GivenMatrix, vertices: &mut [Vector3<f64>]) {
         let (nodes, matrix) = (given.nodes(), given.response_matrix());
-        let mut forces = vec![0.0; nodes.list().len()];
+        let mut forces = vec![Vector3::zeros(); nodes.list().len()];
         for (&vertex, apart) in self.candidates.iter().zip(&self.drawing.motion.displacement) {
             let touched = self.surface().vertices()[vertex] + apart;
             let place = self.obstacle.closest_triangle(&touched).expect("a given matrix belongs to a mesh");
             for (corner, weight) in place.weights_of_corners() {
                 if let Some(row) = nodes.row(corner as usize) {
-                    forces[row] += weight * self.force_vectors[vertex].norm();
+                    forces[row] += weight * self.force_vectors[vertex];
                 }
             }
         }
         for (row, &vertex) in nodes.list().iter().enumerate() {
-            let along: f64 = forces.iter().enumerate().map(|(column, f)| matrix[(row, column)] * f).sum();
-            vertices[vertex] -= along * mesh.vertex_normals()[vertex];
+            let moved = forces.iter().enumerate().map(|(column, force)| matrix[(row, column)] * force);
+            vertices[vertex] -= moved.sum::<Vector3<f64>>();
         }
     }
 

@@ -11,7 +11,8 @@ use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
-/// R (k × k, m/N) along the obstacle's normals; vertices other than the nodes stay where they are.
+/// Displacements along the force (k × k, m/N): R of a contact is that times the cosine between the obstacle's normals.
+/// Vertices other than the nodes stay where they are.
 #[derive(Debug, Clone)]
 pub struct GivenMatrix {
     matrix: Arc<Mat<f64>>,
@@ -20,7 +21,7 @@ pub struct GivenMatrix {
 
 impl GivenMatrix {
     /// * `nodes`: (k,) vertices, in the order of the rows
-    /// * `matrix`: R (k × k, m/N), finite
+    /// * `matrix`: displacement along the force per newton (k × k, m/N), finite
     ///
     /// # Errors
     /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`], [`ResponseError::MatrixShape`],
@@ -39,7 +40,7 @@ impl GivenMatrix {
         Ok(Self { matrix: Arc::new(matrix), nodes })
     }
 
-    /// R (k × k, m/N).
+    /// Displacement along the force per newton (k × k, m/N).
     pub fn response_matrix(&self) -> &Mat<f64> {
         &self.matrix
     }
