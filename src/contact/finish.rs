@@ -12,7 +12,7 @@ use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::beside::Beside;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
 use crate::contact::figures::loaded_edge::LoadedEdge;
-use crate::contact::figures::penetration::penetration_after;
+use crate::contact::figures::penetration::{penetration_after, penetration_between};
 use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::figures::rim::RimOnEdges;
@@ -44,7 +44,9 @@ impl Contact {
         mut report: Report,
     ) -> Result<Self, ContactError> {
         let forces = NodeForces::apart(gaps);
-        let figures = Figures::at_rest(gaps, traits, &forces);
+        let mut figures = Figures::at_rest(gaps, traits, &forces);
+        figures.max_penetration_after = penetration_between(gaps)?;
+        report.warn_of_unmet(gaps.surface, figures.max_penetration_after);
         report.warn_of_swallowed(gaps)?;
         Ok(Self::new(ContactStatus::NoContact, gaps, forces, figures, options, report))
     }

@@ -148,8 +148,8 @@ pub struct Contact {
     pub resultant: Resultant,
     /// Deepest penetration of a skin vertex before (m, ≥ 0).
     pub max_penetration_before: f64,
-    /// Deepest penetration of a skin vertex after, measured anew at the deformed skin against
-    /// the deformed product (m, ≥ 0).
+    /// Deepest penetration after, measured anew at the deformed skin against the deformed product, in the skin's triangles
+    /// and of the product's sharp edges too (m, ≥ 0).
     pub max_penetration_after: f64,
     /// The product's share of what skin and product give way together, `-f·u_P / f·(u_H - u_P)` with forces and
     /// displacements along the obstacle's normals: 0 of a rigid product; `None` without contact.
@@ -180,7 +180,7 @@ pub struct Contact {
     pub depth: Option<f64>,
     /// One solution for each complementarity problem, with its nodes.
     pub lcp_solutions: Vec<LcpSolution>,
-    /// One entry a mesh that was solved, in order.
+    /// One entry a mesh that was solved, or a linear problem on the way there, in order.
     pub refinements: Vec<Refinement>,
     /// How far the figures can be trusted.
     pub accuracy: Accuracy,

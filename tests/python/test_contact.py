@@ -373,6 +373,24 @@ PASSED_BY = {
 }
 
 
+@pytest.mark.parametrize("by", [qr.press, qr.solve_contact])
+def test_a_product_between_the_vertices_of_the_skin_is_told_without_contact(by: Any) -> None:
+    flat = qr.Surface(*grid(6, 6e-3))
+    tip = qr.Obstacle.mesh(*ball(1.5e-3, 3))
+    # Over the middle of a triangle.
+    middle = flat.vertices[flat.faces[len(flat.faces) // 2]].mean(axis=0)
+    depth = 2e-4
+    placed = tip.moved(translation=middle - [0, 0, depth])
+    how = {"direction": [0, 0, -1], "depth": depth} if by is qr.press else {}
+    with pytest.warns(qr.PenetrationWarning, match="between the vertices of the skin"):
+        contact = by(flat, placed, SKIN, options=AS_GIVEN, **how)
+    assert contact.status == "no_contact"
+    # Looked for at points, not everywhere.
+    assert contact.max_penetration_after == pytest.approx(depth, rel=0.2)
+    apart = qr.solve_contact(flat, placed.moved(translation=[0, 0, 2 * depth]), SKIN, options=AS_GIVEN)
+    assert (apart.status, apart.max_penetration_after, apart.warnings) == ("no_contact", 0.0, ())
+
+
 @pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize(("scene", "turn", "place"), PASSED_BY.values(), ids=PASSED_BY.keys())
 def test_skin_that_was_inside_is_not_let_through(

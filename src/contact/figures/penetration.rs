@@ -77,3 +77,20 @@ pub(crate) fn penetration_after(
     let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
     Ok(Penetration { depth, is_at_vertex, unfelt })
 }
+
+/// Deepest penetration (m, ≥ 0) of skin and obstacle into one another at rest, where no vertex of the skin penetrates.
+pub(crate) fn penetration_between(gaps: &Gaps) -> Result<f64, ContactError> {
+    let (surface, obstacle) = (gaps.surface, &gaps.scene.obstacle);
+    let skin: Vec<usize> =
+        (0..surface.vertices().len()).filter(|&vertex| surface.skin_mask()[vertex]).collect();
+    let points: Vec<Vector3<f64>> = skin.iter().map(|&vertex| surface.vertices()[vertex]).collect();
+    let reach = skin.iter().map(|&vertex| surface.longest_edge(vertex)).fold(0.0, f64::max);
+    let distance = Measured::near(&points, obstacle, reach, Some(0.0))?.distance;
+    let near: Vec<usize> = (0..skin.len()).filter(|&row| distance[row] <= reach).collect();
+    let (vertices, points): (Vec<usize>, Vec<Vector3<f64>>) =
+        near.iter().map(|&row| (skin[row], points[row])).unzip();
+    let depths: Vec<f64> = near.iter().map(|&row| -distance[row]).collect();
+    let triangles = triangles_among(surface, &vertices);
+    let of_edges = SkinPart { points: &points, triangles: &triangles }.deepest_edge(obstacle, reach, 0.0);
+    PointsBetween::new(&points, &depths, &triangles).deepest(obstacle, of_edges)
+}

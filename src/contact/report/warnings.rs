@@ -13,9 +13,12 @@ use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
 use crate::geometry::solid_angle::winding_number;
 use crate::response::kernel::basis::Discretization;
+use crate::surface::checked::Surface;
 
 /// Penetration left at the deformed skin, as a share of that before, from which the user is warned.
 const UNRESOLVED_SHARE: f64 = 0.05;
+/// Penetration over the mean edge of the skin up to which they touch.
+const TOUCHING: f64 = 1e-6;
 
 /// Why it is left between vertices.
 const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarser than the obstacle's features; refine it (`target_error`, `max_nodes`), and do not trust force and area there";
@@ -33,6 +36,16 @@ impl Report {
         if went_through > 0 {
             let message = format!(
                 "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back the way they came, to where they met it, as gaps along the closest normal would push them out at its sides"
+            );
+            self.warn(WarningKind::Penetration, message);
+        }
+    }
+
+    /// Warns of an obstacle so deep (m) in the skin between vertices, none of which meets it.
+    pub fn warn_of_unmet(&mut self, surface: &Surface, depth: f64) {
+        if depth > TOUCHING * surface.mean_edge_length() {
+            let message = format!(
+                "skin and obstacle stand {depth:.3e} m in one another between the vertices of the skin, none of which is in the obstacle: no force is not the answer here; refine the skin there, or press deeper"
             );
             self.warn(WarningKind::Penetration, message);
         }
