@@ -1,10 +1,11 @@
-//! Points and triangles: bounds, closest point, crossing, direction, solid angle, rigid motion. No mesh, no physics.
+//! Points and triangles: bounds, closest point, crossing, direction, ray, solid angle, rigid motion. No mesh, no physics.
 
 pub(crate) mod bounds;
 pub(crate) mod closest_point;
 pub(crate) mod crossing;
 pub(crate) mod direction;
 pub(crate) mod face_tree;
+pub(crate) mod ray;
 pub(crate) mod rigid_motion;
 pub(crate) mod solid_angle;
 

@@ -57,7 +57,7 @@ mod _core {
     #[pymodule_export]
     use super::stored_skin::{restore_body, skin_parts};
     #[pymodule_export]
-    use super::surface::{PySurface, find_crossings, repair, restore_surface, skin_without_caps};
+    use super::surface::{PySurface, find_crossings, repair, restore_surface, skin_without_caps, way_out};
 
     use pyo3::prelude::*;
 
@@ -105,6 +105,7 @@ mod _core {
                 "solve_contact",
                 "solve_lcp",
                 "sphere_on_layer",
+                "way_out",
             ],
         )
     }

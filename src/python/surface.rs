@@ -7,6 +7,7 @@ use super::convert::{
 use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
 use crate::geometry::bounds::is_within_range;
+use crate::geometry::ray::first_hit;
 use crate::geometry::rigid_motion;
 use crate::mesh::check::check_elements;
 use crate::mesh::{self, RepairOptions};
@@ -342,6 +343,15 @@ pub(super) fn restore_surface(
 #[pyo3(text_signature = "(surface)")]
 pub(super) fn skin_without_caps<'py>(py: Python<'py>, surface: &PySurface) -> Bound<'py, PyArray1<bool>> {
     PyArray1::from_vec(py, released(py, || surface.inner.skin_without_caps()))
+}
+
+/// How far it is from a point along a unit direction to the skin (m); 0 where there is none.
+#[pyfunction]
+#[pyo3(text_signature = "(surface, point, direction)")]
+pub(super) fn way_out(surface: &PySurface, point: [f64; 3], direction: [f64; 3]) -> f64 {
+    let surface = &surface.inner;
+    let corners = |face: &[u32; 3]| face.map(|corner| surface.vertices()[corner as usize]);
+    first_hit(&point.into(), &direction.into(), surface.faces().iter().map(corners)).unwrap_or(0.0)
 }
 
 /// Pairs of faces (k, 2) that cross beyond what they share.

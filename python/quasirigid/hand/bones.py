@@ -18,7 +18,6 @@ from ..models.loft import loft
 from ..models.phalanges import JOINT_GAP, LENGTHS, SECTIONS
 from ..obstacle import Obstacle
 from .joints import DIGITS, JOINTS_OF
-from .rays import way_out
 from .regions import metacarpal_base
 
 if TYPE_CHECKING:
@@ -177,7 +176,7 @@ def _rods(hand: Hand, digit: str) -> list[_Rod]:
         # The head of the bone before ends half its height beyond the joint.
         begin = _CMC * length if at == 0 else halves[at - 1][-1, 1] + JOINT_GAP * scale
         if word == "distal":
-            end = way_out(hand.surface, places[at], axis) - LENGTHS[digit][0] * scale
+            end = _core.way_out(hand.surface, places[at], axis) - LENGTHS[digit][0] * scale
         else:
             end = length + halves[at][-1, 1]
         rods.append(
@@ -212,5 +211,5 @@ def _girth(hand: Hand, digit: str) -> float:
     """Return the breadth of a digit at its last joint, over that of the tables."""
     joint = JOINTS_OF[digit][-2]
     across = hand.frame_of(joint)[:3, 0]
-    breadth = sum(way_out(hand.surface, hand.pivot_of(joint), sign * across) for sign in (1.0, -1.0))
+    breadth = sum(_core.way_out(hand.surface, hand.pivot_of(joint), sign * across) for sign in (1.0, -1.0))
     return breadth / REFERENCE_BREADTH

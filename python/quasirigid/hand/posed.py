@@ -18,7 +18,6 @@ from .bones import fitted, joined
 from .crossings import crossing_parts, in_words
 from .joints import index_of
 from .kept import kept
-from .rays import way_out
 from .regions import digit_of_vertices
 
 if TYPE_CHECKING:
@@ -248,7 +247,7 @@ class PosedHand(Frozen):
         middle += ((wrist + _PALM_MIDDLE * (knuckle - wrist) - middle) @ distal) * distal
         frame = np.eye(4)
         frame[:3, :3] = np.column_stack([np.cross(distal, out), distal, out])
-        frame[:3, 3] = middle + way_out(self.surface, middle, out) * out
+        frame[:3, 3] = middle + _core.way_out(self.surface, middle, out) * out
         regions = self.hand.regions
         is_palm = (digit_of_vertices(regions) == "palm") & ~np.isin(regions, _OFF_PALM)
         return PalmFrame(frame, self.surface.with_skin_mask(is_palm & self.surface.skin_mask))

@@ -8,6 +8,7 @@ use crate::contact::report::warning::{Warning, WarningKind};
 use crate::contact::scene::{Press, Start};
 use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::ray::first_hit;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
 use crate::response::skin::elastic::ElasticSkin;
@@ -251,24 +252,7 @@ fn middle(bounds: &Bounds) -> f64 {
 
 /// Way from a vertex along a direction to where it leaves the skin again (m); `None` where it does not.
 fn breadth_along(surface: &Surface, vertex: usize, direction: &Vector3<f64>) -> Option<f64> {
-    let start = surface.vertices()[vertex];
-    let mut nearest = None;
-    for corners in surface.faces() {
-        if corners.contains(&(vertex as u32)) {
-            continue;
-        }
-        let [a, b, c] = corners.map(|corner| surface.vertices()[corner as usize] - start);
-        // The ray t d meets a + u (b - a) + v (c - a): Cramer's rule.
-        let (ab, ac) = (b - a, c - a);
-        let across = direction.cross(&ac);
-        let determinant = ab.dot(&across);
-        let u = -a.dot(&across) / determinant;
-        let way = -a.cross(&ab);
-        let v = direction.dot(&way) / determinant;
-        let t = ac.dot(&way) / determinant;
-        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && nearest.is_none_or(|known| t < known) {
-            nearest = Some(t);
-        }
-    }
-    nearest
+    let others = surface.faces().iter().filter(|corners| !corners.contains(&(vertex as u32)));
+    let triangles = others.map(|corners| corners.map(|corner| surface.vertices()[corner as usize]));
+    first_hit(&surface.vertices()[vertex], direction, triangles)
 }
