@@ -4,12 +4,13 @@ use crate::contact::error::ContactError;
 use crate::lcp::solution::LcpMethodName;
 use crate::lcp::solve::LcpMethod;
 use crate::linalg::threads::bounded_pool;
+use crate::response::matrix::options::TOLERANCES;
 
 /// Options of [`solve_contact`](crate::contact::solve_contact) and [`press`](crate::contact::press::press).
 #[derive(Clone)]
 pub struct ContactOptions<'a> {
-    /// Relative quadrature tolerance of every entry of the response matrix (dimensionless, 0 ≤ tolerance < 1;
-    /// 0 asks for all that double precision gives).
+    /// Largest error of an entry of the response matrix from numerical integration, over the half-space's entry
+    /// (dimensionless, 0 ..= 0.1; 0 asks for all that double precision gives).
     pub tolerance: f64,
     /// Relative error of force and area that the mesh may leave, as far as it is estimated (0 < target < 1): the mesh is
     /// refined around the contact until then. `None`: the mesh is taken as it is.
@@ -101,8 +102,8 @@ impl ContactOptions<'_> {
     /// [`ContactError::Option`] naming the option and its value.
     pub(super) fn validate(&self) -> Result<(), ContactError> {
         let fail = |option, value: f64, expected| Err(ContactError::Option { option, value, expected });
-        if !(0.0..1.0).contains(&self.tolerance) {
-            return fail("tolerance", self.tolerance, "a number in [0, 1)");
+        if !TOLERANCES.contains(&self.tolerance) {
+            return fail("tolerance", self.tolerance, "a number from 0 to 0.1");
         }
         if let Some(target) = self.target_error
             && !(target > 0.0 && target < 1.0)

@@ -66,7 +66,7 @@ pub fn check(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<Topology, 
     first_and_count((0..vertices.len()).filter(unused))
         .map_or(Ok(()), |(vertex, count)| Err(MeshError::UnusedVertex { vertex, count }))?;
 
-    Ok(complete(vertices, faces, incident, neighbours, pairs))
+    Ok(complete(vertices.len(), faces, incident, neighbours, pairs))
 }
 
 /// Neighbourhoods of a mesh that needs no check, but that a vertex of its border may join several fans: it has all of
@@ -75,27 +75,25 @@ pub(crate) fn sound_topology(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> T
     let mut incident = Csr::faces_of_vertices(vertices.len(), faces);
     let pairs = pair_edges(faces, &incident);
     let (neighbours, _) = order_fans(faces, &pairs.across, &mut incident);
-    complete(vertices, faces, incident, neighbours, pairs)
+    complete(vertices.len(), faces, incident, neighbours, pairs)
 }
 
 fn complete(
-    vertices: &[Vector3<f64>],
+    vertex_count: usize,
     faces: &[[u32; 3]],
     faces_around: Csr,
     neighbours: Csr,
     pairs: EdgePairs,
 ) -> Topology {
-    let mean_edge_length = mean_edge_length(vertices, faces, &pairs.across, pairs.edge_count);
     let (face_components, components_closed) = label_components(&pairs.across);
     Topology {
-        boundary_loops: boundary_loops(faces, &pairs.across, vertices.len()),
+        boundary_loops: boundary_loops(faces, &pairs.across, vertex_count),
         faces_around,
         neighbours,
         across: pairs.across,
         face_components,
         components_closed,
         edge_count: pairs.edge_count,
-        mean_edge_length,
     }
 }
 
@@ -218,7 +216,8 @@ fn check_loose(across: &[[u32; 3]]) -> Result<(), MeshError> {
     }
 }
 
-fn mean_edge_length(
+/// Mean length of all edges (m), each counted once.
+pub(super) fn mean_edge_length(
     vertices: &[Vector3<f64>],
     faces: &[[u32; 3]],
     across: &[[u32; 3]],

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::geometry::face_tree::{Faces, face_tree};
 use crate::geometry::solid_angle::winding_number;
+use crate::mesh::check::mean_edge_length;
 use crate::mesh::component::{ClosedComponent, closed_components};
 use crate::mesh::error::MeshError;
 use crate::mesh::topology::Topology;
@@ -43,7 +44,8 @@ pub fn check_nesting(
 ) -> Result<(), MeshError> {
     let components = closed_components(vertices, faces, topology);
     let closed: Vec<&ClosedComponent> = components.iter().flatten().collect();
-    let tolerance = COINCIDENT_DISTANCE * topology.mean_edge_length();
+    let mean_edge = mean_edge_length(vertices, faces, &topology.across, topology.edge_count);
+    let tolerance = COINCIDENT_DISTANCE * mean_edge;
     let surroundings = find_surroundings(vertices, &closed, tolerance);
 
     let coincident: Vec<&Surroundings> = surroundings.iter().filter(|found| found.on.is_some()).collect();

@@ -13,7 +13,6 @@ pub struct Topology {
     pub(super) face_components: Vec<u32>,
     pub(super) components_closed: Vec<bool>,
     pub(super) edge_count: usize,
-    pub(super) mean_edge_length: f64,
 }
 
 impl Topology {
@@ -58,11 +57,6 @@ impl Topology {
     /// Number of edges.
     pub fn edge_count(&self) -> usize {
         self.edge_count
-    }
-
-    /// Mean length of all edges (m), each counted once.
-    pub fn mean_edge_length(&self) -> f64 {
-        self.mean_edge_length
     }
 
     /// Number of components: parts that no edge joins.

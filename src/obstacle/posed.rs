@@ -120,7 +120,7 @@ impl Obstacle {
         Ok(Obstacle::at_rest(Shape::Primitive(Primitive::Capsule { a, b, radius })))
     }
 
-    /// A cylinder with flat caps around the z axis, centerd on the origin.
+    /// A cylinder with flat caps around the z axis, centered on the origin.
     ///
     /// * `half_height`: half its length along z, > 0 (m)
     /// * `radius`: > 0 (m)

@@ -14,7 +14,7 @@
 //! Which discretization to take: [`Discretization::Collocation`] leaves no penetration at vertices and is cheapest;
 //! on finger pads the symmetric part of R is positive definite, with a condition number of some 30. Where [`spectrum`]
 //! says that it is not (badly shaped triangles), [`Discretization::Galerkin`] makes it so, on any surface (a layer: on
-//! any flat one), with a condition number of some 90 and at 30 times the time.
+//! any flat one), with a condition number of some 90 and at some 10 times the time.
 //!
 //! Sources: Xie, Kanai, Date 2011, eq. 3 and 6-8; Johnson 1985, §3.2-3.3; Wilton et al. 1984.
 

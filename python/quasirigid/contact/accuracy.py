@@ -18,12 +18,15 @@ __all__ = ["Accuracy", "Refinement"]
 class Accuracy:
     """How far the figures of a contact can be trusted, by source of error.
 
+    Estimated are the errors of meshes. What the response leaves out, as the bone under a half-space, is not
+    among them; nor is the product's mesh, which is taken as it is drawn, facets and all.
+
     Attributes
     ----------
     natural_residual, complementarity : float
         Worst residuals of the complementarity problems, measured on the original matrix (dimensionless).
     integration_tolerance : float
-        Relative quadrature tolerance of the response matrix.
+        Largest error of an entry of the response matrix from numerical integration, over the half-space's.
     discretization : str
         "collocation" or "galerkin": how gaps were taken on the mesh that was solved.
     condition : float or None

@@ -30,7 +30,8 @@ class ContactOptions:
     Attributes
     ----------
     tolerance : float
-        Relative quadrature tolerance of the response matrix's entries; 0 for all that double precision gives.
+        Largest error of an entry of the response matrix from numerical integration, over the half-space's
+        entry (0 to 0.1); 0 for all that double precision gives.
     target_error : float or None
         Relative error that the mesh may leave in force and area, as far as it is estimated (0 < target < 1):
         the mesh is refined around the contact until then. On a sharp edge of the product, where force and

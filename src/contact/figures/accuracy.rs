@@ -8,13 +8,16 @@ use crate::response::kernel::basis::Discretization;
 use crate::surface::checked::Surface;
 
 /// How far the figures of a contact can be trusted, by source of error.
+///
+/// Estimated are the errors of meshes. What the response leaves out, as the bone under a half-space, is not among them; nor
+/// is the product's mesh, which is taken as it is drawn, facets and all.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accuracy {
     /// Worst natural residual of the complementarity problems (dimensionless).
     pub natural_residual: f64,
     /// Worst complementarity of the complementarity problems (dimensionless).
     pub complementarity: f64,
-    /// Relative quadrature tolerance of the response matrix.
+    /// Largest error of an entry of the response matrix from numerical integration, over the half-space's.
     pub integration_tolerance: f64,
     /// How gaps were taken on the mesh that was solved.
     pub discretization: Discretization,

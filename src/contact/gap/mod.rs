@@ -2,7 +2,8 @@
 //!
 //! [`initial`] measures them on demand: [`measured`], signed distance at points; [`entry`], back along the press or the
 //! skin's inward normal where the closest side is not the one that the skin came in through; [`edge`], from a sharp edge
-//! between the vertices; [`averaged`], against the hats, for the Galerkin form. [`touch`] finds where the obstacle comes to touch there.
+//! between the vertices; [`averaged`], against the hats, for the Galerkin form. [`touch`] finds
+//! where an obstacle on its way first touches the skin, between vertices too.
 
 pub(crate) mod averaged;
 pub(crate) mod edge;

@@ -14,7 +14,7 @@ use crate::surface::refined::MeshRefinement;
 const MOST_CUTS: usize = 8;
 
 impl Approach {
-    /// The same on a part of the skin, where an obstacle that has turned away may leave what it touched first.
+    /// The same with the first touch of the whole skin known, as one that turns may then touch only a part of it.
     pub fn on_part(
         self,
         surface: &Surface,

@@ -1,10 +1,15 @@
 //! Options of an assembly, and the checks that come before it.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::Vector3;
 
 use crate::linalg::memory::free_memory;
 use crate::response::error::ResponseError;
 use crate::surface::checked::Surface;
+
+/// Tolerances of numerical integration that can be asked for.
+pub(crate) const TOLERANCES: RangeInclusive<f64> = 0.0..=0.1;
 
 /// Parameters of [`assemble`](crate::response::matrix::collocation::assemble).
 #[derive(Clone, Copy)]
@@ -31,7 +36,7 @@ impl Default for AssemblyOptions<'_> {
 
 impl AssemblyOptions<'_> {
     pub(crate) fn validate(&self) -> Result<(), ResponseError> {
-        if !(0.0..=0.1).contains(&self.tolerance) {
+        if !TOLERANCES.contains(&self.tolerance) {
             let (name, value, expected) = ("tolerance", self.tolerance, "from 0 to 0.1");
             return Err(ResponseError::Constant { name, value, expected });
         }

@@ -243,10 +243,7 @@ impl ElasticSkin for PreparedBody {
         let rows = self.nodes.rows(asked.nodes)?;
         Ok(match &self.levels {
             Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
-                let mut at_nodes = vec![Vector3::zeros(); self.nodes.list().len()];
-                rows.iter().zip(forces).for_each(|(&row, force)| at_nodes[row] = *force);
-                let moved = compliance.displacements(&at_nodes)?;
-                vertices.iter().map(|&vertex| moved[vertex]).collect()
+                compliance.displacements_among(vertices, &rows, forces)
             }
             Levels::Two(two) => two.near_and_far(self.discretization).displacements(
                 &Request { surface: &self.surface, ..*asked },
