@@ -133,7 +133,7 @@ fn line(name: &str, surface: &Surface, skin: &KernelSkin, tolerance: f64, thread
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let order = nodes.len();
     let options = AssemblyOptions { tolerance, num_threads: Some(threads), ..Default::default() };
-    let run = || drop(std::hint::black_box(assemble(surface, skin, &nodes, None, &options)));
+    let run = || drop(std::hint::black_box(assemble(surface, skin, &nodes, &options)));
     let seconds = median(times(order), run);
     let entries = (order * order) as f64;
     println!(
@@ -178,8 +178,7 @@ fn table(quick: bool) {
     println!("\ncondition of the symmetric part over {} nodes", surface.vertices().len());
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     for (name, skin) in kernels() {
-        let r =
-            assemble(&surface, &skin, &nodes, None, &AssemblyOptions::default()).expect("a valid request");
+        let r = assemble(&surface, &skin, &nodes, &AssemblyOptions::default()).expect("a valid request");
         let found = spectrum(r.as_ref());
         println!("{name:<22} definite {:<5} condition {:.2e}", found.is_positive_definite(), found.condition);
     }
@@ -198,7 +197,7 @@ fn main() {
         let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
         let (plain, options) = (half_space(Discretization::Collocation), AssemblyOptions::default());
         group.bench_with_input(BenchmarkId::new("half-space", nodes.len()), &nodes, |bench, nodes| {
-            bench.iter(|| assemble(&surface, &plain, nodes, None, &options));
+            bench.iter(|| assemble(&surface, &plain, nodes, &options));
         });
     }
     group.finish();

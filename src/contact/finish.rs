@@ -153,7 +153,7 @@ impl Contact {
             refinements: report.linearizations,
             obstacle: gaps.scene.obstacle.clone(),
             travel: gaps.scene.travel,
-            depth: gaps.scene.depth,
+            depth: gaps.scene.press.as_ref().map(|travel| travel.depth),
             lcp_solutions: forces.solutions,
             accuracy,
             timings: report.timings,

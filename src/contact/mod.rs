@@ -38,7 +38,9 @@ pub use error::{ContactError, LargestContact};
 pub use figures::accuracy::Accuracy;
 pub use figures::drawn::DrawnSkin;
 pub use options::ContactOptions;
-pub use outcome::{Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, Resultant, Timing};
+pub use outcome::{
+    Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, RefinementKind, Resultant, Timing,
+};
 pub use press::press;
 pub use report::warning::{Warning, WarningKind};
 pub use scene::{Goal, Press, Start};

@@ -94,11 +94,30 @@ pub struct Timing {
     pub seconds: f64,
 }
 
+/// What an entry of [`Contact::refinements`] is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RefinementKind {
+    /// A mesh, solved to the end.
+    Mesh,
+    /// One linear problem on the way there: gaps and normals taken anew at the deformed skin.
+    Linearization,
+}
+
+impl RefinementKind {
+    /// The word for it: `mesh` or `linearization`.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Mesh => "mesh",
+            Self::Linearization => "linearization",
+        }
+    }
+}
+
 /// What one mesh gave, or one linear problem on the way there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
-    /// "mesh", or "linearization": gaps and normals taken anew at the deformed skin.
-    pub kind: &'static str,
+    /// Which of the two.
+    pub kind: RefinementKind,
     /// Contact nodes: unknowns of the complementarity problems.
     pub nodes: usize,
     /// Force on the skin (N).

@@ -68,9 +68,7 @@ pub(crate) struct Scene {
     pub obstacle: Obstacle,
     /// Way of the obstacle (m).
     pub travel: f64,
-    /// Depth of the press that brought it there, where one did (m).
-    pub depth: Option<f64>,
-    /// That press.
+    /// The press that brought it there, where one did.
     pub press: Option<Travel>,
     /// A penetration that no skin vertex exceeds (m), where known.
     pub depth_bound: Option<f64>,
@@ -107,14 +105,7 @@ impl Placement<'_> {
     pub fn scene(&self, surface: &Surface, is_refined: bool) -> Result<Scene, ContactError> {
         let Some(approach) = self.press else {
             let obstacle = self.obstacle.clone();
-            return Ok(Scene {
-                obstacle,
-                travel: 0.0,
-                depth: None,
-                press: None,
-                depth_bound: None,
-                inherited: None,
-            });
+            return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, inherited: None });
         };
         let begin = match approach.start {
             Start::Infinity => approach.first_touch(surface, self.obstacle)?,
@@ -148,7 +139,6 @@ impl Approach {
         Scene {
             obstacle: placed,
             travel,
-            depth: Some(self.depth),
             press: Some(Travel { direction: self.direction, depth: self.depth, turned, deepest }),
             depth_bound: Some(deepest + touch_rounding(surface)),
             inherited: None,

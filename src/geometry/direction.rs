@@ -1,4 +1,4 @@
-//! Directions: of any length, and which are the same.
+//! Directions: of any length, which are the same, and those across one.
 
 use nalgebra::Vector3;
 
@@ -21,6 +21,17 @@ pub(crate) fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
     let scaled = direction / direction.amax();
     let length = scaled.norm();
     (length > 0.0 && length.is_finite()).then(|| scaled / length)
+}
+
+/// A unit vector perpendicular to `axis`, fixed by it: across the coordinate axis that `axis` is farthest from.
+pub(crate) fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
+    axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize()
+}
+
+/// Two unit vectors at right angles to a unit vector and to each other; with it they are right-handed.
+pub(crate) fn tangents(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let first = perpendicular(normal);
+    [first, normal.cross(&first)]
 }
 
 #[cfg(test)]

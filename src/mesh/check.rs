@@ -125,7 +125,7 @@ pub(crate) fn check_elements(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> R
 }
 
 /// The first item and the number of items.
-fn first_and_count<T>(mut items: impl Iterator<Item = T>) -> Option<(T, usize)> {
+pub(super) fn first_and_count<T>(mut items: impl Iterator<Item = T>) -> Option<(T, usize)> {
     let first = items.next()?;
     Some((first, 1 + items.count()))
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::geometry::face_tree::{Faces, face_tree};
 use crate::geometry::solid_angle::winding_number;
-use crate::mesh::check::mean_edge_length;
+use crate::mesh::check::{first_and_count, mean_edge_length};
 use crate::mesh::component::{ClosedComponent, closed_components};
 use crate::mesh::error::MeshError;
 use crate::mesh::topology::Topology;
@@ -48,59 +48,36 @@ pub fn check_nesting(
     let tolerance = COINCIDENT_DISTANCE * mean_edge;
     let surroundings = find_surroundings(vertices, &closed, tolerance);
 
-    let coincident: Vec<&Surroundings> = surroundings.iter().filter(|found| found.on.is_some()).collect();
-    if let Some(first) = coincident.first() {
+    let first_where = |is_fault: &dyn Fn(&Surroundings, &ClosedComponent) -> bool| {
+        let faults = surroundings.iter().filter(|found| is_fault(found, closed[found.component]));
+        first_and_count(faults).map(|(first, count)| (first, closed[first.component], count))
+    };
+    let component_count = topology.component_count();
+    if let Some((first, component, count)) = first_where(&|found, _| found.on.is_some()) {
         let (other, distance) = first.on.expect("filtered");
-        return Err(MeshError::CoincidentShell {
-            component: closed[first.component].label,
-            face: closed[first.component].first_face,
-            other: closed[other].label,
-            other_face: closed[other].first_face,
-            distance,
-            count: coincident.len(),
-        });
+        let (face, other_face) = (component.first_face, closed[other].first_face);
+        let (component, other) = (component.label, closed[other].label);
+        return Err(MeshError::CoincidentShell { component, face, other, other_face, distance, count });
     }
-    let flat: Vec<&Surroundings> =
-        surroundings.iter().filter(|found| closed[found.component].is_flat()).collect();
-    if let Some(first) = flat.first() {
-        let component = closed[first.component];
-        return Err(MeshError::Flat {
-            component: component.label,
-            face: component.first_face,
-            volume: component.volume,
-            length: component.bounds.diagonal(),
-            count: flat.len(),
-            component_count: topology.component_count(),
-        });
+    if let Some((_, component, count)) = first_where(&|_, component| component.is_flat()) {
+        let (face, volume, length) = (component.first_face, component.volume, component.bounds.diagonal());
+        let component = component.label;
+        return Err(MeshError::Flat { component, face, volume, length, count, component_count });
     }
-    let inside_out: Vec<&Surroundings> = surroundings
-        .iter()
-        .filter(|found| closed[found.component].is_inside_out(found.is_cavity()))
-        .collect();
-    if let Some(first) = inside_out.first() {
-        let component = closed[first.component];
-        return Err(MeshError::InsideOut {
-            component: component.label,
-            face: component.first_face,
-            volume: component.volume,
-            expected: if first.is_cavity() { '-' } else { '+' },
-            count: inside_out.len(),
-            component_count: topology.component_count(),
-        });
+    let is_inside_out =
+        |found: &Surroundings, component: &ClosedComponent| component.is_inside_out(found.is_cavity());
+    if let Some((first, component, count)) = first_where(&is_inside_out) {
+        let (face, volume) = (component.first_face, component.volume);
+        let expected = if first.is_cavity() { '-' } else { '+' };
+        let component = component.label;
+        return Err(MeshError::InsideOut { component, face, volume, expected, count, component_count });
     }
-    let nested: Vec<&Surroundings> = surroundings
-        .iter()
-        .filter(|found| found.is_cavity() && closed[found.component].volume > 0.0)
-        .collect();
-    if let Some(first) = nested.first() {
-        let component = closed[first.component];
-        return Err(MeshError::NestedShell {
-            component: component.label,
-            face: component.first_face,
-            volume: component.volume,
-            outer: closed[first.around[0]].label,
-            count: nested.len(),
-        });
+    let is_nested =
+        |found: &Surroundings, component: &ClosedComponent| found.is_cavity() && component.volume > 0.0;
+    if let Some((first, component, count)) = first_where(&is_nested) {
+        let (face, volume, outer) = (component.first_face, component.volume, closed[first.around[0]].label);
+        let component = component.label;
+        return Err(MeshError::NestedShell { component, face, volume, outer, count });
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::direction::perpendicular;
 use crate::obstacle::nearest::Nearest;
 
 /// Within this share of the primitive's size from its surface, a direction `p - c` is rounding noise and the
@@ -74,13 +75,6 @@ fn around(p: &Vector3<f64>, center: &Vector3<f64>, radius: f64, fallback: Vector
     let length = out.norm();
     let normal = if length > 0.0 { out / length } else { fallback };
     Nearest { distance: length - radius, closest: center + normal * radius, normal }
-}
-
-/// A unit vector perpendicular to `axis`, fixed by it: across the coordinate axis that `axis` is farthest from.
-pub(crate) fn perpendicular(axis: &Vector3<f64>) -> Vector3<f64> {
-    let mut other = Vector3::zeros();
-    other[axis.iamin()] = 1.0;
-    axis.cross(&other).normalize()
 }
 
 fn nearest_on_cuboid(p: &Vector3<f64>, half_extents: &Vector3<f64>) -> Nearest {

@@ -5,9 +5,9 @@ use parry3d_f64::partitioning::BvhNode;
 use robust::{Coord, orient2d};
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::direction::tangents;
 use crate::geometry::face_tree::node_bounds;
 use crate::obstacle::mesh::MeshShape;
-use crate::obstacle::primitive::perpendicular;
 
 /// Rounding of boxes and lines, as a share of the lengths involved.
 const BOX_SLACK: f64 = 1e-14;
@@ -26,11 +26,10 @@ pub(super) struct Shadow<'a> {
 impl<'a> Shadow<'a> {
     /// `direction` is a unit vector in the mesh's frame.
     pub fn new(mesh: &'a MeshShape, direction: &Vector3<f64>) -> Shadow<'a> {
-        let first = perpendicular(direction);
         let mut shadow = Shadow {
             mesh,
             direction: *direction,
-            across: [first, direction.cross(&first)],
+            across: tangents(direction),
             places: Vec::new(),
             depths: Vec::new(),
             farthest: f64::NEG_INFINITY,

@@ -59,7 +59,7 @@ pub(super) struct PyRefinement {
 impl PyRefinement {
     pub fn new(py: Python<'_>, round: &Refinement) -> PyResult<Py<Self>> {
         let values = Self {
-            kind: round.kind,
+            kind: round.kind.as_str(),
             nodes: round.nodes,
             force: read_only(vector_out(py, &round.force)),
             contact_area: round.contact_area,

@@ -209,7 +209,7 @@ fn averaging_adds_to_a_body_what_it_adds_to_its_near_kernel() {
         let form = |form| {
             if coarse_edge_length.is_none() {
                 let kernel = half_space.clone().with_discretization(form).expect("has both");
-                return assemble(&skin, &kernel, &nodes, None, &options).expect("vertices");
+                return assemble(&skin, &kernel, &nodes, &options).expect("vertices");
             }
             let body = Body { bone: None, fixed: Some(held.clone()), coarse_edge_length };
             let body = prepared(&body, &skin, 0.4, &nodes).with_discretization(form).expect("has both");

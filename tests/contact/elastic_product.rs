@@ -248,7 +248,7 @@ fn a_given_matrix_of_a_half_space_answers_as_its_kernel() {
     let surface = Surface::new(bowed, flipped(&faces)).expect("a valid surface");
     let top = Surface::new(top, faces).expect("a valid surface");
     let nodes: Vec<usize> = (0..17 * 17).collect();
-    let matrix = assemble(&top, &half_space(), &nodes, None, &AssemblyOptions::default()).expect("a matrix");
+    let matrix = assemble(&top, &half_space(), &nodes, &AssemblyOptions::default()).expect("a matrix");
     let given = with_matrix(&slab, nodes, matrix).expect("a matrix");
     let kernel = made_of(&slab, SHEAR_MODULUS, POISSON_RATIO);
     let [found, expected] =
@@ -274,7 +274,7 @@ fn what_is_lost_between_the_vertices_of_a_products_matrix_is_said() {
         let (grid, faces) = one_diagonal_grid(16);
         let top = Surface::new(grid.iter().map(|at| 1e-3 * at).collect(), faces).expect("a valid surface");
         let nodes: Vec<usize> = (0..17 * 17).collect();
-        let matrix = assemble(&top, &material, &nodes, None, &AssemblyOptions::default()).expect("a matrix");
+        let matrix = assemble(&top, &material, &nodes, &AssemblyOptions::default()).expect("a matrix");
         let given = refined(with_matrix(&slab, nodes, matrix).expect("a matrix"));
         let kernel = refined(made_of(&slab, SHEAR_MODULUS / softer, POISSON_RATIO));
         let off = |figure: fn(&Contact) -> f64| (figure(&given) / figure(&kernel) - 1.0).abs();
@@ -300,8 +300,7 @@ fn what_is_lost_between_the_vertices_of_a_products_matrix_is_said() {
 fn a_given_matrix_of_the_skin_meets_an_elastic_product() {
     let (surface, sphere) = sphere_on_flat_skin();
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
-    let matrix =
-        assemble(&surface, &half_space(), &nodes, None, &AssemblyOptions::default()).expect("a matrix");
+    let matrix = assemble(&surface, &half_space(), &nodes, &AssemblyOptions::default()).expect("a matrix");
     let given = GivenMatrix::new(&surface, &nodes, matrix).expect("a matrix");
     let product = made_of(&sphere, SHEAR_MODULUS, POISSON_RATIO);
     let options = ContactOptions::on_given_mesh();

@@ -3,7 +3,8 @@
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use quasirigid::contact::{
-    Balance, Contact, ContactOptions, Goal, Press, Start, Warning, WarningKind, press, solve_contact,
+    Balance, Contact, ContactOptions, Goal, Press, RefinementKind, Start, Warning, WarningKind, press,
+    solve_contact,
 };
 use quasirigid::obstacle::{Obstacle, ObstacleError};
 use quasirigid::surface::Surface;
@@ -166,7 +167,7 @@ fn a_sheet_in_overlap_presses_like_a_block_on_refined_meshes_too() {
         solve_contact(&ball, &wall, &half_space(), &ContactOptions::default()).unwrap()
     };
     let block = solved(20e-3);
-    assert!(block.refinements.iter().filter(|round| round.kind == "mesh").count() > 2);
+    assert!(block.refinements.iter().filter(|round| round.kind == RefinementKind::Mesh).count() > 2);
     for thickness in [1e-3, 0.3e-3] {
         let sheet = solved(thickness);
         assert_relative_eq!(sheet.resultant.force, block.resultant.force, max_relative = 1e-6);

@@ -2,7 +2,8 @@
 
 use approx::assert_relative_eq;
 use quasirigid::contact::{
-    Balance, Contact, ContactError, ContactOptions, Goal, Press, Start, WarmStart, press, press_after,
+    Balance, Contact, ContactError, ContactOptions, Goal, Press, RefinementKind, Start, WarmStart, press,
+    press_after,
 };
 use quasirigid::reference::{Hertz, contact_modulus};
 use quasirigid::surface::Surface;
@@ -24,7 +25,7 @@ fn alone(surface: &Surface, goal: Goal) -> Contact {
 }
 
 fn mesh_rounds(contact: &Contact) -> usize {
-    contact.refinements.iter().filter(|round| round.kind == "mesh").count()
+    contact.refinements.iter().filter(|round| round.kind == RefinementKind::Mesh).count()
 }
 
 #[test]

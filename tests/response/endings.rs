@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Vector3;
-use quasirigid::response::{AssemblyOptions, Kernel, KernelSkin, ResponseError, Thickness, assemble};
+use quasirigid::response::{
+    AssemblyOptions, ElasticSkin, Kernel, KernelSkin, Request, ResponseError, Thickness, assemble,
+};
 
 use super::*;
 
@@ -35,29 +37,33 @@ fn constants_out_of_range_are_named_with_their_value() {
 #[test]
 fn malformed_requests_say_what_is_wrong_and_where() {
     let surface = grid(3, 3e-3, 0.0, 0.0);
-    let ask = |nodes: &[usize], directions: Option<&[Vector3<f64>]>, options: AssemblyOptions| {
-        assemble(&surface, &skin(HALF_SPACE), nodes, directions, &options).expect_err("malformed")
+    let ask = |nodes: &[usize], options: AssemblyOptions| {
+        assemble(&surface, &skin(HALF_SPACE), nodes, &options).expect_err("malformed")
+    };
+    let along = |nodes: &[usize], directions: &[Vector3<f64>]| {
+        let asked = Request { surface: &surface, nodes, options: &AssemblyOptions::default() };
+        skin(HALF_SPACE).matrix(&asked, directions).expect_err("malformed")
     };
     let plain = AssemblyOptions::default();
     assert_eq!(
-        ask(&[1, 16], None, plain),
+        ask(&[1, 16], plain),
         ResponseError::NodeOutOfRange { index: 1, vertex: 16, vertex_count: 16 }
     );
-    assert_eq!(ask(&[4, 2, 4], None, plain), ResponseError::RepeatedNode { vertex: 4, first: 0, second: 2 });
+    assert_eq!(ask(&[4, 2, 4], plain), ResponseError::RepeatedNode { vertex: 4, first: 0, second: 2 });
     let up = Vector3::z();
-    assert_eq!(ask(&[4, 2], Some(&[up]), plain), ResponseError::DirectionCount { directions: 1, nodes: 2 });
+    assert_eq!(along(&[4, 2], &[up]), ResponseError::DirectionCount { directions: 1, nodes: 2 });
     assert_eq!(
-        ask(&[4, 2], Some(&[up, Vector3::zeros()]), plain),
+        along(&[4, 2], &[up, Vector3::zeros()]),
         ResponseError::Direction { index: 1, value: [0.0; 3] }
     );
     let small = AssemblyOptions { memory_limit: Some(100), ..plain };
-    assert_eq!(ask(&[0, 1, 2, 3], None, small), ResponseError::TooLarge { nodes: 4, bytes: 128, limit: 100 });
+    assert_eq!(ask(&[0, 1, 2, 3], small), ResponseError::TooLarge { nodes: 4, bytes: 128, limit: 100 });
     for (options, name) in [
         (AssemblyOptions { tolerance: -1.0, ..plain }, "tolerance"),
         (AssemblyOptions { tolerance: f64::NAN, ..plain }, "tolerance"),
         (AssemblyOptions { num_threads: Some(0), ..plain }, "num_threads"),
     ] {
-        match ask(&[0], None, options) {
+        match ask(&[0], options) {
             ResponseError::Constant { name: found, .. } => assert_eq!(found, name),
             other => panic!("{other:?}"),
         }
@@ -70,7 +76,7 @@ fn an_interrupted_assembly_says_how_far_it_came() {
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) == 1;
     let options = AssemblyOptions { num_threads: Some(1), interrupt: Some(&stop), ..Default::default() };
-    let result = assemble(&surface, &skin(HALF_SPACE), &all(&surface), None, &options);
+    let result = assemble(&surface, &skin(HALF_SPACE), &all(&surface), &options);
     assert_eq!(result.expect_err("stopped"), ResponseError::Interrupted { columns: 64, nodes: 225 });
 }
 
@@ -80,7 +86,7 @@ fn thicknesses_are_checked() {
     assert_eq!(constant_error(KernelSkin::new(60e3, 0.5, layer(-1e-3))), ("thickness", -1e-3));
     let response = Kernel::Layer { thickness: Thickness::PerVertex(vec![1e-3; 5].into()) };
     let surface = grid(3, 3e-3, 0.0, 0.0);
-    let refused = assemble(&surface, &skin(response), &[0], None, &AssemblyOptions::default());
+    let refused = assemble(&surface, &skin(response), &[0], &AssemblyOptions::default());
     assert_eq!(
         refused.expect_err("too short"),
         ResponseError::ThicknessCount { thicknesses: 5, vertex_count: 16 }
@@ -90,14 +96,13 @@ fn thicknesses_are_checked() {
     list[7] = 1e-8;
     for (thickness, vertex) in [(Thickness::from(1e-8), 0), (Thickness::PerVertex(list.into()), 7)] {
         let skin = skin(Kernel::Layer { thickness });
-        let refused = assemble(&surface, &skin, &[0], None, &AssemblyOptions::default());
+        let refused = assemble(&surface, &skin, &[0], &AssemblyOptions::default());
         let edge_length = surface.mean_edge_length();
         let expected = ResponseError::TooThin { vertex, thickness: 1e-8, edge_length };
         assert_eq!(refused.expect_err("too thin"), expected);
         assert!(expected.to_string().contains("in metres"));
     }
     let thinnest = skin(layer(1.01e-3 * surface.mean_edge_length()));
-    let found =
-        assemble(&surface, &thinnest, &[0, 5], None, &AssemblyOptions::default()).expect("thick enough");
+    let found = assemble(&surface, &thinnest, &[0, 5], &AssemblyOptions::default()).expect("thick enough");
     assert!(found[(0, 0)] > 0.0 && found[(1, 1)] > 0.0);
 }

@@ -29,7 +29,7 @@ fn flat(cells: usize, spacing: f64, jitter: f64) -> Surface {
 /// Smallest over largest eigenvalue of the symmetric part over all vertices, borders included.
 fn smallest_share(surface: &Surface, skin: &KernelSkin) -> f64 {
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
-    let r = assemble(surface, skin, &nodes, None, &AssemblyOptions::default()).expect("valid");
+    let r = assemble(surface, skin, &nodes, &AssemblyOptions::default()).expect("valid");
     assert!((0..r.ncols()).all(|j| (0..r.nrows()).all(|i| r[(i, j)].is_finite())));
     let symmetric = faer::Mat::from_fn(r.nrows(), r.ncols(), |i, j| 0.5 * (r[(i, j)] + r[(j, i)]));
     let values = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).expect("converges");
@@ -64,7 +64,7 @@ fn galerkin_layers_are_symmetric_positive_definite_on_flat_meshes_of_any_shape()
     let mut random = Random(3);
     let varying: Vec<f64> = nodes.iter().map(|_| CELL * (0.5 + 3.0 * random.next())).collect();
     let skin = skin(0.5, Thickness::PerVertex(varying.into()), Discretization::Galerkin);
-    let r = assemble(&surface, &skin, &nodes, None, &AssemblyOptions::default()).expect("valid");
+    let r = assemble(&surface, &skin, &nodes, &AssemblyOptions::default()).expect("valid");
     assert!((0..r.ncols()).all(|j| (0..j).all(|i| r[(i, j)] == r[(j, i)])));
     let found = spectrum(r.as_ref());
     assert!(found.is_positive_definite() && found.smallest > 0.0, "{found:?}");
@@ -77,9 +77,9 @@ fn a_thick_galerkin_layer_is_the_galerkin_half_space() {
     let options = AssemblyOptions::default();
     let half_space = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace).expect("valid constants");
     let half_space = half_space.with_discretization(Discretization::Galerkin).expect("it has both");
-    let limit = assemble(&surface, &half_space, &nodes, None, &options).expect("valid");
+    let limit = assemble(&surface, &half_space, &nodes, &options).expect("valid");
     for thickness in [1.0, 10.0] {
-        let r = assemble(&surface, &skin(0.5, thickness, Discretization::Galerkin), &nodes, None, &options)
+        let r = assemble(&surface, &skin(0.5, thickness, Discretization::Galerkin), &nodes, &options)
             .expect("valid");
         for j in 0..r.ncols() {
             for i in 0..r.nrows() {
@@ -113,7 +113,7 @@ fn both_discretizations_agree_where_the_layer_is_thick_for_its_mesh() {
     let surface = flat(8, CELL, 0.0);
     let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
     let options = AssemblyOptions::default();
-    let block = |gap| assemble(&surface, &skin(0.5, 3.0 * CELL, gap), &nodes, None, &options).expect("valid");
+    let block = |gap| assemble(&surface, &skin(0.5, 3.0 * CELL, gap), &nodes, &options).expect("valid");
     let (collocation, galerkin) = (block(Discretization::Collocation), block(Discretization::Galerkin));
     let constant = skin(0.5, 1.0, Discretization::Collocation).kernel_constant();
     // seen from four cells away a hat acts through its second moments: (cell / distance)² / 12 or so
@@ -156,7 +156,7 @@ fn a_pad_bent_within_the_layers_reach_is_found_indefinite_and_the_advice_names_w
     nodes.sort_by(|&a, &b| (points[a] - low).norm().total_cmp(&(points[b] - low).norm()));
     let check = |count: usize, poisson_ratio: f64| {
         let skin = skin(poisson_ratio, 1e-3, Discretization::Collocation);
-        let r = assemble(&surface, &skin, &nodes[..count], None, &AssemblyOptions::default()).expect("valid");
+        let r = assemble(&surface, &skin, &nodes[..count], &AssemblyOptions::default()).expect("valid");
         let found = spectrum(r.as_ref());
         (found, found.advice(&skin))
     };

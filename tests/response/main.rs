@@ -54,7 +54,7 @@ fn all(surface: &Surface) -> Vec<usize> {
 
 fn matrix(surface: &Surface, skin: &KernelSkin, tolerance: f64) -> faer::Mat<f64> {
     let options = AssemblyOptions { tolerance, ..Default::default() };
-    assemble(surface, skin, &all(surface), None, &options).expect("a valid request")
+    assemble(surface, skin, &all(surface), &options).expect("a valid request")
 }
 
 /// The matrix by a plain double loop over the exact triangle integrals.

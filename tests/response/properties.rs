@@ -72,7 +72,7 @@ fn patches_of_real_fingers_are_positive_definite_in_both_discretizations() {
         let nodes = pad_nodes(&surface, 150);
         let options = AssemblyOptions::default();
         for skin in [skin(HALF_SPACE), galerkin()] {
-            let r = assemble(&surface, &skin, &nodes, None, &options).expect("valid");
+            let r = assemble(&surface, &skin, &nodes, &options).expect("valid");
             let found = spectrum(r.as_ref());
             assert!(found.is_positive_definite() && found.condition < 1e3, "{name}: {found:?}");
             println!("{name}: {found:?}");

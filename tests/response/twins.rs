@@ -40,7 +40,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     for response in [HALF_SPACE, PAPER, layer(0.7e-3), layer(5e-3)] {
         let run = |num_threads| {
             let options = AssemblyOptions { num_threads, ..Default::default() };
-            assemble(&surface, &skin(response.clone()), &all(&surface), None, &options).expect("valid")
+            assemble(&surface, &skin(response.clone()), &all(&surface), &options).expect("valid")
         };
         let one = run(Some(1));
         assert!(one == run(Some(2)) && one == run(Some(3)) && one == run(None));
@@ -53,13 +53,13 @@ fn a_subset_of_nodes_gives_the_block_of_the_full_matrix() {
     let full = matrix(&surface, &skin(HALF_SPACE), 1e-6);
     let nodes = [44, 3, 45, 99, 0];
     let options = AssemblyOptions::default();
-    let part = assemble(&surface, &skin(HALF_SPACE), &nodes, None, &options).expect("valid");
+    let part = assemble(&surface, &skin(HALF_SPACE), &nodes, &options).expect("valid");
     for (j, &b) in nodes.iter().enumerate() {
         for (i, &a) in nodes.iter().enumerate() {
             assert_relative_eq!(part[(i, j)], full[(a, b)], max_relative = 2e-6);
         }
     }
-    let none = assemble(&surface, &skin(HALF_SPACE), &[], None, &options).expect("no nodes is no error");
+    let none = assemble(&surface, &skin(HALF_SPACE), &[], &options).expect("no nodes is no error");
     assert_eq!((none.nrows(), none.ncols()), (0, 0));
 }
 

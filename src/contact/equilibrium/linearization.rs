@@ -23,7 +23,7 @@ use crate::contact::figures::displacement::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::Refinement;
+use crate::contact::outcome::{Refinement, RefinementKind};
 use crate::contact::report::record::Report;
 use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Traits;
@@ -177,7 +177,7 @@ pub(crate) fn solve_to_the_end(
 /// A round with such a force (N) that left such a gap (m).
 fn round(force: Vector3<f64>, forces: &NodeForces, gap: f64, started: Instant) -> Refinement {
     Refinement {
-        kind: "linearization",
+        kind: RefinementKind::Linearization,
         nodes: forces.candidates.len(),
         force,
         contact_area: None,

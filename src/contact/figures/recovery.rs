@@ -3,6 +3,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
+use crate::geometry::direction::tangents;
 use crate::surface::checked::Surface;
 
 /// Coefficients of a quadratic in two variables.
@@ -135,7 +136,8 @@ fn fit(
     moments: &[Moments],
 ) -> Option<Quadratic> {
     let length = surface.vertex_areas()[vertex].sqrt();
-    let to_plane = tangents(&surface.vertex_normals()[vertex]) / length;
+    let across = tangents(&surface.vertex_normals()[vertex]).map(|tangent| tangent.transpose());
+    let to_plane = Matrix2x3::from_rows(&across) / length;
     let place = |other: usize| to_plane * (surface.vertices()[other] - surface.vertices()[vertex]);
     let mut averages = DMatrix::zeros(rows.len(), TERMS);
     let mut found = DVector::zeros(rows.len());
@@ -161,14 +163,6 @@ fn fit(
         hessian: Matrix2::new(2.0 * c[3], c[4], c[4], 2.0 * c[5]),
         reach: neighbours.iter().map(|&other| place(other as usize).norm()).fold(0.0, f64::max),
     })
-}
-
-/// Two unit vectors across a unit normal, as rows.
-fn tangents(normal: &Vector3<f64>) -> Matrix2x3<f64> {
-    let mut axis = Vector3::zeros();
-    axis[normal.iamin()] = 1.0;
-    let first = normal.cross(&axis).normalize();
-    Matrix2x3::from_rows(&[first.transpose(), normal.cross(&first).transpose()])
 }
 
 #[cfg(test)]

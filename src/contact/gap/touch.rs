@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use crate::contact::gap::edge::depth_along;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::direction::tangents;
 use crate::geometry::face_tree::{box_tree, node_bounds};
 use crate::obstacle::posed::Obstacle;
-use crate::obstacle::primitive::perpendicular;
 use crate::surface::checked::Surface;
 
 /// Fewest triangles that are worth a task of their own.
@@ -83,8 +83,7 @@ fn touch_of_edges(
     [earliest, latest]: [f64; 2],
 ) -> f64 {
     // Both as seen along the direction, which is the third axis.
-    let across = perpendicular(direction);
-    let up = direction.cross(&across);
+    let [across, up] = tangents(direction);
     let seen = |x: &Vector3<f64>| Vector3::new(x.dot(&across), x.dot(&up), x.dot(direction));
     // Where an edge is that touches some of the skin in time.
     let in_time = |mut skin: Bounds| {

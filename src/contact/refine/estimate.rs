@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::{mean_bulge, mean_edge};
-use crate::contact::outcome::Contact;
+use crate::contact::outcome::{Contact, RefinementKind};
 use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
 
@@ -142,7 +142,8 @@ impl ErrorEstimate {
 
     /// From the last two rounds; on a sharp edge from the last three.
     pub fn of_rounds(before: &Contact, last: &Contact) -> Self {
-        let earlier = before.refinements.iter().filter(|round| round.kind == "mesh").nth_back(1);
+        let earlier =
+            before.refinements.iter().filter(|round| round.kind == RefinementKind::Mesh).nth_back(1);
         let earlier = earlier.filter(|_| last.clues.edge.is_some());
         let [of_force, of_area, of_peak] = match last.accuracy.discretization {
             Discretization::Collocation => COLLOCATION_ROUND,

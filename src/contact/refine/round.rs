@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use crate::contact::equilibrium::product::errors_of_area_and_peak;
-use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement};
+use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement, RefinementKind};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::refine::wanting::Finer;
@@ -82,7 +82,7 @@ impl Contact {
         self.accuracy.max_pressure_error =
             error.map(|error| if is_infinite { f64::INFINITY } else { error.pressure });
         self.refinements.push(Refinement {
-            kind: "mesh",
+            kind: RefinementKind::Mesh,
             nodes: self.candidates.len(),
             force: self.resultant.force,
             contact_area: Some(self.resultant.contact_area),

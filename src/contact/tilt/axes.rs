@@ -3,7 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::contact::error::ContactError;
-use crate::geometry::direction::unit;
+use crate::geometry::direction::{tangents, unit};
 use crate::obstacle::posed::Obstacle;
 
 /// Largest angle that an obstacle turns by (rad): 30 degrees.
@@ -67,10 +67,7 @@ impl TiltAxes {
             unit(axis).ok_or(ContactError::TiltAxis { number, axis: (*axis).into() })
         };
         let units = match self {
-            Self::Across => {
-                let across = direction.cross(&Vector3::ith(direction.iamin(), 1.0)).normalize();
-                vec![across, direction.cross(&across)]
-            }
+            Self::Across => tangents(direction).to_vec(),
             Self::One(axis) => vec![unit_of(0, axis)?],
             Self::Two([a, b]) => vec![unit_of(0, a)?, unit_of(1, b)?],
         };

@@ -1,7 +1,6 @@
 //! The response matrix over the candidate nodes.
 
 use faer::Mat;
-use nalgebra::Vector3;
 
 use crate::response::column::border::displacement_point;
 use crate::response::column::half_space::ColumnScratch;
@@ -12,7 +11,7 @@ use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::InverseThickness;
 use crate::response::matrix::fill::{fill_items, filled_columns};
 use crate::response::matrix::galerkin::galerkin_block;
-use crate::response::matrix::options::{AssemblyOptions, check_directions, check_memory, rows_of_vertices};
+use crate::response::matrix::options::{AssemblyOptions, check_memory, rows_of_vertices};
 use crate::response::simd::points::{Targets, gather};
 use crate::surface::checked::Surface;
 
@@ -24,24 +23,19 @@ use crate::surface::checked::Surface;
 /// * `surface`: the skin's mesh
 /// * `skin`: material and kernel
 /// * `nodes`: (k,) vertices of the mesh, no two equal
-/// * `directions`: (k,) outward normals of the obstacle, or `None`; the scalar kernels do not depend on them
 /// * `options`: tolerance, threads, memory
 ///
 /// Returns R (k × k, m/N): column j is the displacement of all nodes per newton at node j.
 ///
 /// # Errors
-/// A constant out of range, a node that is out of range or repeated, directions that do not fit, too large
-/// a matrix, or an interruption: see [`ResponseError`].
+/// A constant out of range, a node that is out of range or repeated, too large a matrix, or an interruption: see
+/// [`ResponseError`].
 pub fn assemble(
     surface: &Surface,
     skin: &KernelSkin,
     nodes: &[usize],
-    directions: Option<&[Vector3<f64>]>,
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
-    if let Some(directions) = directions {
-        check_directions(directions, nodes.len())?;
-    }
     assemble_block(surface, skin, nodes, nodes, options)
 }
 

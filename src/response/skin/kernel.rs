@@ -7,6 +7,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::{assemble, assemble_block};
+use crate::response::matrix::options::check_directions;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -48,7 +49,8 @@ impl ElasticSkin for KernelSkin {
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
-        assemble(asked.surface, self, asked.nodes, Some(directions), asked.options)
+        check_directions(directions, asked.nodes.len())?;
+        assemble(asked.surface, self, asked.nodes, asked.options)
     }
 
     fn displace(

@@ -31,7 +31,7 @@ impl PreparedKernel {
         nodes: &[usize],
         options: &AssemblyOptions,
     ) -> Result<Self, ResponseError> {
-        let matrix = assemble(surface, skin, nodes, None, options)?;
+        let matrix = assemble(surface, skin, nodes, options)?;
         Self::from_matrix(surface, skin.clone(), nodes, matrix)
     }
 
