@@ -427,7 +427,6 @@ def restore_body(
     poisson_ratio: float,
     nodes: ArrayLike,
     displacement: ArrayLike,
-    area_vectors: ArrayLike,
     rotation: ArrayLike,
     *,
     bone_pressure: ArrayLike | None,

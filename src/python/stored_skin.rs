@@ -49,7 +49,6 @@ pub(super) fn skin_parts<'py>(py: Python<'py>, skin: &PySkin) -> PyResult<Bound<
                 parts.set_item("bone_pressure", matrix_out(py, bone_pressure))?;
             }
             parts.set_item("displacement", matrix_out(py, &stored.displacement))?;
-            parts.set_item("area_vectors", vectors_out(py, &stored.area_vectors))?;
             let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
             parts.set_item("rotation", vectors_out(py, &rows))?;
             if let Levels::Two(two) = skin.levels() {
@@ -68,10 +67,10 @@ pub(super) fn skin_parts<'py>(py: Python<'py>, skin: &PySkin) -> PyResult<Bound<
     Ok(parts)
 }
 
-/// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k), `area_vectors` (n, 3)
-/// and `bone_pressure` (m, 3 k) as stored, turned by `rotation` since.
+/// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k) and `bone_pressure` (m, 3 k) as
+/// stored, turned by `rotation` since.
 #[pyfunction]
-#[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, area_vectors, rotation, *, bone_pressure, tissue_thickness, levels, solved))]
+#[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, rotation, *, bone_pressure, tissue_thickness, levels, solved))]
 #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn restore_body(
     surface: &PySurface,
@@ -79,7 +78,6 @@ pub(super) fn restore_body(
     poisson_ratio: f64,
     nodes: &Bound<'_, PyAny>,
     displacement: &Bound<'_, PyAny>,
-    area_vectors: &Bound<'_, PyAny>,
     rotation: &Bound<'_, PyAny>,
     bone_pressure: Option<&Bound<'_, PyAny>>,
     tissue_thickness: Option<&Bound<'_, PyAny>>,
@@ -94,15 +92,15 @@ pub(super) fn restore_body(
     let bone_pressure = bone_pressure.map(|value| matrix(value, "bone_pressure"));
     let rotation = matrix3(rotation, "rotation")?;
     let displacement = matrix(displacement, "displacement")?;
-    let area_vectors = vectors(area_vectors, "area_vectors")?;
     let loaded = match &levels {
         None => nodes.clone(),
-        Some(levels) => self::nodes(&levels.0, "coarse_nodes", area_vectors.len(), ResponseError::new_err)?,
+        Some(levels) => {
+            self::nodes(&levels.0, "coarse_nodes", displacement.nrows() / 3, ResponseError::new_err)?
+        }
     };
     let parts = BodyParts {
         nodes: loaded,
         displacement,
-        area_vectors,
         bone_pressure: bone_pressure.transpose()?,
         rotation,
         shear_modulus,

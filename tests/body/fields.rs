@@ -61,26 +61,28 @@ fn a_compressible_shell_under_uniform_pressure_follows_lame() {
         assert_relative_eq!(radial, inward, max_relative = 0.03);
         assert_relative_eq!(found, on_bone, max_relative = 0.03);
 
-        let inwards: Vec<_> = skin.vertex_normals().iter().map(|n| -n).collect();
-        let change = compliance.volume_change_along(&inwards).expect("unit directions");
-        let total: f64 =
-            change.iter().zip(skin.vertex_areas()).map(|(change, area)| change * pressure * area).sum();
-        assert_relative_eq!(total, inward * skin.area(), max_relative = 0.04);
+        assert_relative_eq!(volume_change(&skin, &moved), inward * skin.area(), max_relative = 0.04);
     }
+}
+
+/// How much a skin takes in (m³) where its vertices move so far (m), to first order.
+fn volume_change(skin: &Surface, moved: &[Vector3<f64>]) -> f64 {
+    let of_face = |(face, (normal, area)): (&[u32; 3], (&Vector3<f64>, &f64))| {
+        area / 3.0 * face.iter().map(|&v| moved[v as usize].dot(normal)).sum::<f64>()
+    };
+    skin.faces().iter().zip(skin.face_normals().iter().zip(skin.face_areas())).map(of_face).sum()
 }
 
 #[test]
 fn incompressible_tissue_keeps_its_volume_and_compressible_tissue_does_not() {
     let skin = drawn_sphere(8e-3, 2, 2.0);
     let nodes = cap_nodes(&skin, 8e-3, 2e-3);
-    let up = vec![Vector3::z(); nodes.len()];
     let change = |nu: f64| {
         let compliance = prepare(&with_bone(sphere(3e-3, 2)), &skin, nu, &nodes);
-        let change = compliance.volume_change_along(&up).expect("unit directions");
-        let swept: f64 = (0..skin.vertices().len())
-            .map(|i| compliance.block(i, 0).column(2).norm() * skin.vertex_areas()[i])
-            .sum();
-        change[0] / swept
+        let moved: Vec<Vector3<f64>> =
+            (0..skin.vertices().len()).map(|i| compliance.block(i, 0).column(2).into()).collect();
+        let swept: f64 = moved.iter().zip(skin.vertex_areas()).map(|(u, area)| u.norm() * area).sum();
+        volume_change(&skin, &moved) / swept
     };
     assert!(change(0.5).abs() < 1e-12, "{:e}", change(0.5));
     assert!(change(0.3) < -0.01, "{:e}", change(0.3));

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use faer::Mat;
-use nalgebra::Vector3;
 use quasirigid::response::body::{BodyCompliance, BodyError, BodyOptions, BodyParts, OneLevel, TwoLevels};
 use quasirigid::response::{Levels, PreparedBody, ResponseError};
 use quasirigid::surface::{CoarsePlace, Surface};
@@ -54,8 +53,8 @@ fn nodes_of_parts_are_there_each_listed_once_and_have_columns() {
         BodyError::Parts { what: "displacement columns", found: 9, expected: 12 }
     );
     assert_eq!(
-        refusal(|parts| parts.area_vectors.truncate(41)),
-        BodyError::Parts { what: "displacement rows", found: 126, expected: 123 }
+        refusal(|parts| parts.displacement.truncate(125, 9)),
+        BodyError::Parts { what: "displacement rows", found: 125, expected: 123 }
     );
     assert_eq!(
         refusal(|parts| parts.bone_pressure = Some(Mat::zeros(4, 8))),
@@ -68,7 +67,6 @@ fn numbers_of_parts_are_finite() {
     let infinite =
         |what, row| BodyError::PartNumber { what, row, value: f64::INFINITY, expected: "finite numbers" };
     assert_eq!(refusal(|parts| parts.displacement[(17, 4)] = f64::INFINITY), infinite("displacement", 17));
-    assert_eq!(refusal(|parts| parts.area_vectors[11].y = f64::INFINITY), infinite("area vectors", 11));
     assert_eq!(
         refusal(|parts| parts.bone_pressure = Some(Mat::from_fn(2, 9, |row, _| 1.0 / (1 - row) as f64))),
         infinite("bone pressure", 1)
@@ -201,7 +199,6 @@ fn a_compliance_fits_the_skin_and_the_nodes_that_it_is_taken_for() {
     };
     let count = |what, found, expected| ResponseError::from(BodyError::Parts { what, found, expected });
     let one_more = |parts: &mut BodyParts| {
-        parts.area_vectors.push(Vector3::zeros());
         parts.displacement.resize_with(3 * 43, 9, |_, _| 0.0);
     };
     assert_eq!(error(&one_more, &NODES, None), count("skin vertices", 43, 42));

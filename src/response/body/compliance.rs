@@ -6,7 +6,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::rigid_motion::check_rotation;
-use crate::response::body::check::parts::{Range, check_counts, check_numbers, components, entries};
+use crate::response::body::check::parts::{Range, check_counts, check_numbers, entries};
 use crate::response::body::check::tissue::{TissueReport, check_nodes};
 use crate::response::body::error::BodyError;
 
@@ -18,8 +18,6 @@ pub struct BodyParts {
     /// `(3 n, 3 k)` (m/N): entry (3 i + a, 3 j + b) is the displacement of skin vertex i along a per newton at node
     /// j along b, before `rotation`.
     pub displacement: Mat<f64>,
-    /// `(n)`: a third of the area vectors of the faces around each skin vertex (m²), before `rotation`.
-    pub area_vectors: Vec<Vector3<f64>>,
     /// `(m, 3 k)` (1/m²): pressure on each bone vertex per newton, before `rotation`; `None` if not asked for.
     pub bone_pressure: Option<Mat<f64>>,
     /// How the body has been turned since.
@@ -53,7 +51,7 @@ impl BodyCompliance {
     /// [`BodyError::Parts`]: sizes that do not belong together; [`BodyError::PartNumber`]; [`BodyError::Rotation`];
     /// [`BodyError::NoNodes`], [`BodyError::NodeOutOfRange`], [`BodyError::NodeRepeated`].
     pub fn from_parts(parts: BodyParts) -> Result<Self, BodyError> {
-        let (vertex_count, columns) = (parts.area_vectors.len(), 3 * parts.nodes.len());
+        let (vertex_count, columns) = (parts.displacement.nrows() / 3, 3 * parts.nodes.len());
         check_counts(&[
             ("displacement rows", parts.displacement.nrows(), 3 * vertex_count),
             ("displacement columns", parts.displacement.ncols(), columns),
@@ -61,7 +59,6 @@ impl BodyCompliance {
         ])?;
         check_nodes(vertex_count, &vec![false; vertex_count], &parts.nodes)?;
         check_numbers("displacement", Range::Finite, entries(&parts.displacement))?;
-        check_numbers("area vectors", Range::Finite, components(&parts.area_vectors))?;
         check_numbers("bone pressure", Range::Finite, parts.bone_pressure.iter().flat_map(entries))?;
         check_rotation(&parts.rotation)?;
         Ok(Self::new(parts, TissueReport { min_thickness: f64::NAN, thinnest: None, warnings: Vec::new() }))
@@ -89,7 +86,7 @@ impl BodyCompliance {
 
     /// Number of skin vertices.
     pub fn vertex_count(&self) -> usize {
-        self.parts.area_vectors.len()
+        self.parts.displacement.nrows() / 3
     }
 
     /// Displacement of skin vertex `vertex` per unit force at node number `node` (3 × 3, m/N).
@@ -236,25 +233,6 @@ impl BodyCompliance {
             }
             sums
         }))
-    }
-
-    /// Change of the enclosed volume per newton at each node along its direction (m³/N), to first order.
-    ///
-    /// Zero at ν = 0.5 but for rounding; the measure of how much a compressible body gives way.
-    ///
-    /// # Errors
-    /// [`BodyError::Length`], [`BodyError::DirectionLength`].
-    pub fn volume_change_along(&self, directions: &[Vector3<f64>]) -> Result<Vec<f64>, BodyError> {
-        let directions = self.stored_directions(directions)?;
-        let areas = &self.parts.area_vectors;
-        let change = |(j, direction): (usize, &Vector3<f64>)| {
-            let along = |axis: usize| -> f64 {
-                let column = self.parts.displacement.col_as_slice(3 * j + axis);
-                column.chunks_exact(3).zip(areas).map(|(u, s)| u[0] * s.x + u[1] * s.y + u[2] * s.z).sum()
-            };
-            direction.x * along(0) + direction.y * along(1) + direction.z * along(2)
-        };
-        Ok(directions.iter().enumerate().map(change).collect())
     }
 }
 

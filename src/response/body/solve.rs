@@ -13,7 +13,7 @@ use crate::linalg::lu::{Cuts, Lu};
 use crate::linalg::memory::free_memory;
 use crate::linalg::threads::bounded_pool;
 use crate::response::body::check::tissue::{
-    TissueReport, area_vectors, check_fixed, check_nodes, check_tissue, check_uncrossed,
+    TissueReport, check_fixed, check_nodes, check_tissue, check_uncrossed,
 };
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::cost::{BodyCost, solve_width};
@@ -245,7 +245,6 @@ impl Body {
         Ok(BodyParts {
             nodes: nodes.to_vec(),
             displacement,
-            area_vectors: area_vectors(skin),
             bone_pressure: pressure,
             rotation: nalgebra::Matrix3::identity(),
             shear_modulus,
