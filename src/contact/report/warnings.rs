@@ -34,8 +34,14 @@ impl Report {
     pub fn warn_of_walls(&mut self, gaps: &Gaps) {
         let went_through = gaps.entry.through_walls;
         if went_through > 0 {
+            let of_way = match gaps.scene.press {
+                Some(_) => "",
+                None => {
+                    "; in overlap that is the inward normal of the skin, and beside the rim of a wall it may have been another: `press` knows the way, the estimates of error do not"
+                }
+            };
             let message = format!(
-                "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back the way they came, to where they met it, as gaps along the closest normal would push them out at its sides"
+                "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back the way they came, to where they met it, as gaps along the closest normal would push them out at its sides{of_way}"
             );
             self.warn(WarningKind::Penetration, message);
         }
