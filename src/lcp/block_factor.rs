@@ -23,7 +23,7 @@ pub(super) struct BlockFactor {
     /// Names of the unknowns whose block was factored, ascending.
     set: Vec<usize>,
     factor: Factor,
-    border: Option<Border>,
+    border: Option<Bordering>,
 }
 
 /// Factors kept from problem to problem, of sets that share no unknown.
@@ -69,7 +69,7 @@ pub(super) enum Factor {
 ///
 /// where `E_R` are unit columns and `y` is `z_A` and what holds `z_R` at zero. The entries of M between R and A are then
 /// multiplied by zero, or in equations that `y` fulfils, and stand as zeros.
-struct Border {
+struct Bordering {
     /// Names of the other set, ascending.
     set: Vec<usize>,
     /// Places in F of what left it, and in the other set of what joined.
@@ -186,7 +186,7 @@ impl BlockFactor {
             Err(NoFactor::Interrupted) => Err(NoFactor::Interrupted),
             Err(NoFactor::Singular) => Ok(false),
             Ok(schur) => {
-                self.border = Some(Border { set: names.to_vec(), removed, added, rows, solved, schur });
+                self.border = Some(Bordering { set: names.to_vec(), removed, added, rows, solved, schur });
                 Ok(true)
             }
         }

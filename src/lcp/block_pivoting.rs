@@ -74,7 +74,7 @@ pub(super) fn solve(
     let (mut fewest, mut patience_left) = (usize::MAX, patience);
     let bearable = FEW_IN_VAIN + 20_000 / n.max(1);
     let mut vain_left = if options.max_pivots.is_some() { usize::MAX } else { bearable };
-    let mut blocks = Blocks::new(problem, reduced);
+    let mut blocks = Bases::new(problem, reduced);
     outcome.status = loop {
         let set: Vec<usize> = (0..n).filter(|&i| is_active[i]).collect();
         let wrong = match blocks.wrong_signs(&set, fallback == Fallback::Crash, &mut outcome) {
@@ -109,7 +109,7 @@ pub(super) fn solve(
 }
 
 /// Bases of a problem, and what they give.
-struct Blocks<'a> {
+struct Bases<'a> {
     reduced: &'a ReducedProblem<'a>,
     columns: TouchedColumns<'a>,
     /// Of the unknowns, ascending, by which factors know them.
@@ -132,7 +132,7 @@ enum Kind {
     Nonsymmetric,
 }
 
-impl<'a> Blocks<'a> {
+impl<'a> Bases<'a> {
     fn new(problem: &LcpProblem, reduced: &'a ReducedProblem<'a>) -> Self {
         let scale = (0..reduced.size()).map(|place| problem.diagonal_scale(reduced.index(place))).collect();
         let names: Vec<usize> = (0..reduced.size()).map(|place| problem.name(reduced.index(place))).collect();

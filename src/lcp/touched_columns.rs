@@ -16,7 +16,7 @@ const NOWHERE: usize = usize::MAX;
 /// blocks and products are left unfinished when interrupted.
 pub(super) struct TouchedColumns<'a> {
     pub(super) reduced: &'a ReducedProblem<'a>,
-    in_place: Option<InPlace<'a>>,
+    in_place: Option<AsStored<'a>>,
     copies: Vec<Dense>,
     /// Copy that holds each column, and its number there.
     place: Vec<(usize, usize)>,
@@ -24,7 +24,7 @@ pub(super) struct TouchedColumns<'a> {
 
 /// M where it lies.
 #[derive(Clone, Copy)]
-enum InPlace<'a> {
+enum AsStored<'a> {
     Columns(ByColumns<'a>),
     /// M stored by rows, turned.
     Rows(ByColumns<'a>),
@@ -34,16 +34,16 @@ impl<'a> TouchedColumns<'a> {
     /// In place where that can be.
     pub(super) fn new(reduced: &'a ReducedProblem<'a>) -> Self {
         let m = reduced.whole();
-        let by_rows = || m?.transpose().try_as_col_major().map(InPlace::Rows);
-        let in_place = m.and_then(|m| m.try_as_col_major()).map(InPlace::Columns).or_else(by_rows);
+        let by_rows = || m?.transpose().try_as_col_major().map(AsStored::Rows);
+        let in_place = m.and_then(|m| m.try_as_col_major()).map(AsStored::Columns).or_else(by_rows);
         Self { in_place, ..Self::copied(reduced) }
     }
 
     /// Of an M that is symmetric, so that its rows are its columns; all are touched.
     pub(super) fn symmetric(reduced: &'a ReducedProblem<'a>) -> Self {
         let mut all = Self::new(reduced);
-        if let Some(InPlace::Rows(m)) = all.in_place {
-            all.in_place = Some(InPlace::Columns(m));
+        if let Some(AsStored::Rows(m)) = all.in_place {
+            all.in_place = Some(AsStored::Columns(m));
         }
         all.touch(&(0..reduced.size()).collect::<Vec<_>>());
         all
@@ -73,8 +73,8 @@ impl<'a> TouchedColumns<'a> {
     pub(super) fn column(&self, j: usize) -> &[f64] {
         let (copy, k) = self.place[j];
         match self.in_place {
-            Some(InPlace::Columns(m)) => m.col(j).as_slice(),
-            Some(InPlace::Rows(_)) => unreachable!("only blocks and products are made of rows"),
+            Some(AsStored::Columns(m)) => m.col(j).as_slice(),
+            Some(AsStored::Rows(_)) => unreachable!("only blocks and products are made of rows"),
             None => self.copies[copy].column(k),
         }
     }
@@ -87,7 +87,7 @@ impl<'a> TouchedColumns<'a> {
 
     /// The block of M on `set`, all touched, or its transpose where `symmetric`.
     pub(super) fn principal(&self, set: &[usize], symmetric: bool) -> Dense {
-        if let Some(InPlace::Rows(m)) = self.in_place {
+        if let Some(AsStored::Rows(m)) = self.in_place {
             let m = if symmetric { m.as_dyn_stride() } else { m.as_dyn_stride().transpose() };
             return Dense::gather(m, set, set, self.reduced.interrupted);
         }
@@ -97,7 +97,7 @@ impl<'a> TouchedColumns<'a> {
     /// The block of M on `rows` and `columns`, these touched.
     pub(super) fn block(&self, rows: &[usize], columns: &[usize]) -> Dense {
         let interrupted = self.reduced.interrupted;
-        if let Some(InPlace::Rows(m)) = self.in_place {
+        if let Some(AsStored::Rows(m)) = self.in_place {
             return Dense::gather(m.as_dyn_stride().transpose(), rows, columns, interrupted);
         }
         Dense::build(rows.len(), columns.len(), interrupted, |j, first, entries| {
@@ -110,7 +110,7 @@ impl<'a> TouchedColumns<'a> {
     pub(super) fn add_product(&self, set: &[usize], z: &[f64], w: &mut [f64]) {
         let interrupted = self.reduced.interrupted;
         match self.in_place {
-            Some(InPlace::Rows(m)) => add_row_products(w, |i| m.col(i).as_slice(), z, interrupted),
+            Some(AsStored::Rows(m)) => add_row_products(w, |i| m.col(i).as_slice(), z, interrupted),
             _ => add_terms(w, set.len(), |k| (self.column(set[k]), z[set[k]]), interrupted),
         }
     }

@@ -83,10 +83,10 @@ mod tests {
     use super::*;
     use crate::linalg::cholesky::Cholesky;
     use crate::linalg::dense::Dense;
-    use crate::linalg::lu::{Cuts, Lu};
+    use crate::linalg::lu::{Blocking, Lu};
     use crate::sample::Random;
 
-    const WIDE: Cuts = Cuts { panel: 512, strip: usize::MAX, par: Par::Seq };
+    const WIDE: Blocking = Blocking { panel: 512, strip: usize::MAX, par: Par::Seq };
 
     fn some_matrix(n: usize) -> Mat<f64> {
         let mut random = Random(3);
@@ -114,7 +114,7 @@ mod tests {
             let lu = Lu::new(Dense::of(&a), &|| false).expect("regular");
             assert_solves(&a, |b| lu.solve(b));
             assert_solves(&a, |b| in_place(b, |right| lu.solve_in_place(right, &|| false)));
-            let wide = Lu::with_cuts(Dense::of(&a), WIDE, &mut |_| false).expect("regular");
+            let wide = Lu::with_blocking(Dense::of(&a), WIDE, &mut |_| false).expect("regular");
             let last = n - n / 3;
             assert_solves(&a, |b| {
                 let solved = in_place(b, |right| wide.solve_last(right, last, &|| false));
@@ -136,7 +136,7 @@ mod tests {
         let a = some_matrix(600) + Mat::<f64>::identity(600, 600) * 30.0;
         let rounded =
             a.as_ref().col_iter().flat_map(|column| column.iter().map(|&value| f32::nearest(value)));
-        let lu = Lu::with_cuts(Dense::from_columns(rounded.collect(), 600, 600), WIDE, &mut |_| false);
+        let lu = Lu::with_blocking(Dense::from_columns(rounded.collect(), 600, 600), WIDE, &mut |_| false);
         let right = &a * Mat::<f64>::from_fn(600, 1, |i, _| i as f64);
         let mut x: Vec<f32> = right.col_as_slice(0).iter().map(|&value| f32::nearest(value)).collect();
         lu.expect("regular").solve_last(MatMut::from_column_major_slice_mut(&mut x, 600, 1), 600, &|| false);
@@ -158,13 +158,13 @@ mod tests {
     #[test]
     fn a_stop_ends_it_and_the_work_done_rises_to_one() {
         let mut seen = Vec::new();
-        let lu = Lu::with_cuts(Dense::of(&some_matrix(1100)), WIDE, &mut |done| {
+        let lu = Lu::with_blocking(Dense::of(&some_matrix(1100)), WIDE, &mut |done| {
             seen.push(done);
             false
         });
         assert!(lu.is_ok() && seen.is_sorted() && seen.first() == Some(&0.0) && seen.last() == Some(&1.0));
         assert!(seen.len() > 3);
-        let stopped = Lu::with_cuts(Dense::of(&some_matrix(600)), WIDE, &mut |done| done > 0.0);
+        let stopped = Lu::with_blocking(Dense::of(&some_matrix(600)), WIDE, &mut |done| done > 0.0);
         assert_eq!(stopped.err(), Some(NoFactor::Interrupted));
     }
 }

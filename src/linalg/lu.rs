@@ -26,7 +26,7 @@ pub(crate) struct Lu<T = f64> {
 
 /// How the work is cut up; threads change no bit of the factor.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Cuts {
+pub(crate) struct Blocking {
     /// Columns factored before the rest is updated.
     pub(crate) panel: usize,
     /// Columns of the rest that one task updates.
@@ -38,8 +38,8 @@ pub(crate) struct Cuts {
 impl Lu {
     /// In narrow panels and strips, for small matrices and soon interrupted.
     pub(crate) fn new(a: Dense, interrupted: Interrupt) -> Result<Self, NoFactor> {
-        let cuts = Cuts { panel: panel_width(a.rows()), strip: STRIP_COLUMNS, par: Par::Seq };
-        Self::with_cuts(a, cuts, &mut |_| interrupted())
+        let blocking = Blocking { panel: panel_width(a.rows()), strip: STRIP_COLUMNS, par: Par::Seq };
+        Self::with_blocking(a, blocking, &mut |_| interrupted())
     }
 
     /// The sign of the determinant.
@@ -108,9 +108,9 @@ impl Lu {
 
 impl<T: Real> Lu<T> {
     /// As cut up; `stop` is told the share of the work that is done, 0 to 1, and ends it by returning true.
-    pub(crate) fn with_cuts(
+    pub(crate) fn with_blocking(
         mut a: Dense<T>,
-        Cuts { panel: width, strip, par }: Cuts,
+        Blocking { panel: width, strip, par }: Blocking,
         stop: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Self, NoFactor> {
         let n = a.rows();

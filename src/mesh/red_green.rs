@@ -250,7 +250,7 @@ impl RedGreen {
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
         let turned = |k: usize| (turns[k], middles[k], middles[(k + 1) % 3]);
         let (corners, cuts) = match middles.map(|middle| middle.is_some()) {
-            [false, false, false] => return Fate::Stays(Cuts::none([a, b, c])),
+            [false, false, false] => return Fate::Stays(Replacement::none([a, b, c])),
             [true, true, true] => return Fate::TurnsRed,
             [true, false, false] | [true, true, false] => (turned(0).0, (turned(0).1, turned(0).2)),
             [false, true, false] | [false, true, true] => (turned(1).0, (turned(1).1, turned(1).2)),
@@ -265,11 +265,11 @@ impl RedGreen {
         }
         let least = |corners: [u32; 3]| smallest_angle(corners.map(|vertex| self.point(mesh, vertex)));
         let allowed = LEAST_ANGLE_SHARE * least(corners);
-        let worst = |cuts: &Cuts| cuts.triangles().map(least).fold(f64::INFINITY, f64::min);
+        let worst = |cuts: &Replacement| cuts.triangles().map(least).fold(f64::INFINITY, f64::min);
         let [p, q, r] = corners;
         let (first, second) = (cuts.0.expect("the first edge is halved"), cuts.1);
         let Some(second) = second else {
-            let cut = Cuts { count: 2, all: [[p, first, r], [first, q, r], [p; 3]] };
+            let cut = Replacement { count: 2, all: [[p, first, r], [first, q, r], [p; 3]] };
             if worst(&cut) >= allowed {
                 return Fate::Stays(cut);
             }
@@ -277,8 +277,8 @@ impl RedGreen {
             return longest.map_or(Fate::TurnsRed, Fate::HalvesToo);
         };
         let ways = [
-            Cuts { count: 3, all: [[first, q, second], [p, first, second], [p, second, r]] },
-            Cuts { count: 3, all: [[first, q, second], [p, first, r], [first, second, r]] },
+            Replacement { count: 3, all: [[first, q, second], [p, first, second], [p, second, r]] },
+            Replacement { count: 3, all: [[first, q, second], [p, first, r], [first, second, r]] },
         ];
         let angles = ways.each_ref().map(worst);
         let better = usize::from(angles[1] > angles[0]);
@@ -313,19 +313,19 @@ const SAME: f64 = 1e-6;
 
 /// What becomes of a leaf beside halved edges.
 enum Fate {
-    Stays(Cuts),
+    Stays(Replacement),
     HalvesToo([u32; 2]),
     TurnsRed,
 }
 
 /// One to three triangles in the place of a leaf.
 #[derive(Clone, Copy)]
-struct Cuts {
+struct Replacement {
     count: usize,
     all: [[u32; 3]; 3],
 }
 
-impl Cuts {
+impl Replacement {
     fn none(corners: [u32; 3]) -> Self {
         Self { count: 1, all: [corners; 3] }
     }

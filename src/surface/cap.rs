@@ -53,7 +53,7 @@ impl Surface {
         // The largest faces give the best first planes.
         let mut seeds: Vec<usize> = (0..self.faces().len()).collect();
         seeds.sort_by(|a, b| self.face_areas()[*b].total_cmp(&self.face_areas()[*a]));
-        let mut search = Search::new(self);
+        let mut search = CapSearch::new(self);
         let mut seen = vec![false; seeds.len()];
         for seed in seeds {
             if seen[seed] {
@@ -80,7 +80,7 @@ impl Surface {
 }
 
 /// Grows flat regions on a surface.
-struct Search<'a> {
+struct CapSearch<'a> {
     surface: &'a Surface,
     /// Distance from a plane that still counts as lying in it (m).
     tolerance: f64,
@@ -89,12 +89,12 @@ struct Search<'a> {
     round: u32,
 }
 
-impl Search<'_> {
-    fn new(surface: &Surface) -> Search<'_> {
+impl CapSearch<'_> {
+    fn new(surface: &Surface) -> CapSearch<'_> {
         let Bounds { low, high } = surface.bounding_box();
         let rounding = FLOAT32_ROUNDING * low.amax().max(high.amax());
         let tolerance = PLANE_DISTANCE * surface.mean_edge_length() + rounding;
-        Search { surface, tolerance, reached: vec![0; surface.faces().len()], round: 0 }
+        CapSearch { surface, tolerance, reached: vec![0; surface.faces().len()], round: 0 }
     }
 
     /// The flat region around a face and its unit normal: grown in the plane of the face first, then in the

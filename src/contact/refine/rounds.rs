@@ -128,7 +128,7 @@ pub(crate) fn end_unrefined(
 }
 
 /// How the rounds settle.
-struct Watch {
+struct SoFar {
     /// Rounds in a row in which the figures failed to.
     unsettled: usize,
     /// Estimate after the last round, and the penetration that it left (m).
@@ -154,7 +154,7 @@ pub(crate) struct Rounds<'a> {
 impl Rounds<'_> {
     /// Refines until the target is met, or something else ends it: says what.
     pub fn run(&mut self) -> Result<&'static str, ContactError> {
-        let mut watch = Watch { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
+        let mut so_far = SoFar { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
             let next = self.next();
@@ -177,7 +177,7 @@ impl Rounds<'_> {
                 Some("a complementarity problem did not end solved")
             } else {
                 self.touches_elsewhere_alone = self.is_met(error) && self.touches_elsewhere(&contact);
-                self.ending(&contact, error, &mut watch)
+                self.ending(&contact, error, &mut so_far)
             };
             self.meshes.last = Some((part, contact));
             if let Some(reason) = reason {
@@ -242,14 +242,14 @@ impl Rounds<'_> {
         &self,
         contact: &Contact,
         error: Option<ErrorEstimate>,
-        watch: &mut Watch,
+        so_far: &mut SoFar,
     ) -> Option<&'static str> {
-        let left_before = std::mem::replace(&mut watch.left, contact.max_penetration_after);
+        let left_before = std::mem::replace(&mut so_far.left, contact.max_penetration_after);
         let error = error?;
         let is_met = self.is_met(Some(error));
         let is_resolved = !self.touches_elsewhere(contact)
             && (contact.is_free_of_penetration()
-                || watch.left > SETTLING * left_before
+                || so_far.left > SETTLING * left_before
                 || contact.candidates.len() > FEW_NODES);
         if is_met && is_resolved {
             return Some(MET);
@@ -260,10 +260,10 @@ impl Rounds<'_> {
             return Some("a sharp edge");
         }
         let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_VERTICES;
-        let is_unsettled = !is_met && error.worst() > SETTLING * watch.worst && may_settle;
-        watch.unsettled = if is_unsettled { watch.unsettled + 1 } else { 0 };
-        watch.worst = error.worst();
-        (watch.unsettled >= UNSETTLED_ROUNDS).then_some("force or area does not settle")
+        let is_unsettled = !is_met && error.worst() > SETTLING * so_far.worst && may_settle;
+        so_far.unsettled = if is_unsettled { so_far.unsettled + 1 } else { 0 };
+        so_far.worst = error.worst();
+        (so_far.unsettled >= UNSETTLED_ROUNDS).then_some("force or area does not settle")
     }
 
     /// Contact nodes that the next round will have at the least: edges are halved around those wanting.

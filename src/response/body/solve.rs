@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{NoFactor, Real};
-use crate::linalg::lu::{Cuts, Lu};
+use crate::linalg::lu::{Blocking, Lu};
 use crate::linalg::memory::free_memory;
 use crate::linalg::threads::bounded_pool;
 use crate::response::body::check::tissue::{
@@ -267,12 +267,12 @@ fn parallelism() -> Par {
 fn factorize<T: Real>(transposed: Vec<T>, unknowns: usize, watch: &Watch) -> Result<Lu<T>, BodyError> {
     let mut matrix = Dense::from_columns(transposed, unknowns, unknowns);
     matrix.transpose();
-    let cuts = Cuts { panel: FACTOR_PANEL, strip: FACTOR_STRIP, par: parallelism() };
+    let blocking = Blocking { panel: FACTOR_PANEL, strip: FACTOR_STRIP, par: parallelism() };
     let stop = &mut |done| match done {
         0.0 => watch.is_interrupted(),
         _ => !watch.advance("factorization", done),
     };
-    let factor = Lu::with_cuts(matrix, cuts, stop).map_err(|reason| match reason {
+    let factor = Lu::with_blocking(matrix, blocking, stop).map_err(|reason| match reason {
         NoFactor::Interrupted => watch.interrupted("factorization"),
         NoFactor::Singular => BodyError::Singular { pivot_ratio: 0.0 },
     })?;

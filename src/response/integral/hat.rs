@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::response::integral::cutoff::{Inverse, hats_within};
 use crate::response::integral::frame::TriangleFrame;
 use crate::response::integral::gauss::triangle_rule;
-use crate::response::integral::piece::Piece;
+use crate::response::integral::piece::TrianglePiece;
 
 /// Least (length / height)² (distance / length)³ of a piece, times its share of the whole triangle's
 /// length, up to which it is integrated by the closed form: 40 ε times that is its loss of digits. The share counts
@@ -45,13 +45,13 @@ pub(crate) fn hat_integrals_within(
     let plain_loss = (allowed / (40.0 * f64::EPSILON)).max(PLAIN_LOSS);
     let far_points = (0.5 * allowed.max(1e-300).ln() / (0.29_f64).ln()).ceil() as usize;
     let far_rule = triangle_rule(far_points.clamp(4, FAR_POINTS));
-    let whole = Piece::whole(point, triangle);
+    let whole = TrianglePiece::whole(point, triangle);
     let (_, size) = whole.longest_edge();
     let mut stack = if whole.is_needle() { whole.slices() } else { vec![whole] };
     let mut integrals = [0.0; 3];
     while let Some(piece) = stack.pop() {
         let (apex, longest) = piece.longest_edge();
-        let Piece { corners, weights, area } = piece;
+        let TrianglePiece { corners, weights, area } = piece;
         let center = (corners[0] + corners[1] + corners[2]) / 3.0;
         let height = 2.0 * area / longest;
         let distance = center.norm() / longest;

@@ -16,14 +16,14 @@ const LEAST_SLICE: f64 = 1e-15;
 /// A part of the triangle, relative to the point, and the weights of the whole triangle's corners in each
 /// of its own.
 #[derive(Clone, Copy)]
-pub(super) struct Piece {
+pub(super) struct TrianglePiece {
     pub corners: [Vector3<f64>; 3],
     pub weights: [[f64; 3]; 3],
     /// As the whole triangle's corners give it: far from the point the piece's own may be rounded to a line (m²).
     pub area: f64,
 }
 
-impl Piece {
+impl TrianglePiece {
     /// The triangle itself.
     pub fn whole(point: &Vector3<f64>, triangle: &[Vector3<f64>; 3]) -> Self {
         Self {
@@ -84,9 +84,9 @@ impl Piece {
                     continue;
                 }
                 let [near, far] = [a, b].map(|at| ends.map(|end| mixed(&tip, &end, at)));
-                slices.push(Piece::new([near[0], far[0], far[1]], b * (b - a) * area));
+                slices.push(TrianglePiece::new([near[0], far[0], far[1]], b * (b - a) * area));
                 if a > 0.0 {
-                    slices.push(Piece::new([near[0], far[1], near[1]], a * (b - a) * area));
+                    slices.push(TrianglePiece::new([near[0], far[1], near[1]], a * (b - a) * area));
                 }
             }
         }

@@ -16,7 +16,7 @@ use crate::response::matrix::fill::filled_columns;
 use crate::response::matrix::near_faces::{NearFaces, NodeFace};
 use crate::response::matrix::options::{AssemblyOptions, NO_ROW, rows_of_vertices};
 use crate::response::matrix::outer_rule::OuterRules;
-use crate::response::series::hat_pairs::HatMoments;
+use crate::response::series::hat_pairs::LoadMoments;
 use crate::response::simd::points::{POINTS_PER_BLOCK, Targets};
 use crate::surface::checked::Surface;
 
@@ -39,7 +39,7 @@ struct Outer<'a> {
 
 /// Which triangles a column looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Part {
+enum ColumnFaces {
     /// Those far from its node, at which the whole kernel is averaged.
     Far,
     /// Those near it, at which the smooth part of a layer's kernel is.
@@ -67,8 +67,8 @@ struct GalerkinColumns<'a> {
     columns: &'a [usize],
     order: RowOrder,
     /// Of the half-space: the loads at the rows, in that order, and at the columns where they are others.
-    of_rows: Option<HatMoments>,
-    of_columns: Option<HatMoments>,
+    of_rows: Option<LoadMoments>,
+    of_columns: Option<LoadMoments>,
     /// One over the vertex area of each row (1/m²).
     density: Vec<f64>,
 }
@@ -94,7 +94,7 @@ pub(crate) fn galerkin_block(
     let order = RowOrder::new(surface, rows, is_symmetric);
     let pressure = skin.basis();
     let is_half_space = matches!(skin.kernel(), Kernel::HalfSpace);
-    let moments_of = |nodes: &[usize]| HatMoments::new(surface, nodes, pressure, options);
+    let moments_of = |nodes: &[usize]| LoadMoments::new(surface, nodes, pressure, options);
     let in_order: Vec<usize> = order.rows.iter().map(|&row| rows[row as usize]).collect();
     let of_rows = is_half_space.then(|| moments_of(&in_order)).transpose()?;
     let of_columns = (is_half_space && !is_symmetric).then(|| moments_of(columns)).transpose()?;
@@ -181,12 +181,12 @@ impl<'a> GalerkinColumns<'a> {
         let vertex = self.columns[j];
         column.fill(0.0);
         self.fill_far(outer, j, column);
-        self.place_points(outer, j, Part::Far);
+        self.place_points(outer, j, ColumnFaces::Far);
         let Outer { scratch, targets, inverse_thickness, .. } = outer;
         self.kernel.fill(scratch, targets, inverse_thickness, vertex);
         self.add_up(outer, column);
         if self.kernel.layer.is_some() {
-            self.place_points(outer, j, Part::NearSmooth);
+            self.place_points(outer, j, ColumnFaces::NearSmooth);
             let Outer { scratch, targets, inverse_thickness, .. } = outer;
             self.kernel.fill_smooth(scratch, targets, inverse_thickness, vertex);
             self.add_up(outer, column);
@@ -235,7 +235,7 @@ impl<'a> GalerkinColumns<'a> {
     }
 
     /// Sets the targets to the points of the outer rule on the faces of one part whose rows are due in column `j`.
-    fn place_points(&self, outer: &mut Outer<'a>, j: usize, part: Part) {
+    fn place_points(&self, outer: &mut Outer<'a>, j: usize, part: ColumnFaces) {
         let Outer { targets, inverse_thickness, used, faces, .. } = outer;
         let vertex = self.columns[j];
         let center = self.surface.vertices()[vertex];
@@ -254,15 +254,15 @@ impl<'a> GalerkinColumns<'a> {
             let is_near = is_beside && self.is_within_reach(face, vertex);
             let distance = (face.center - center).norm() - radius;
             let is_silent = distance > silent + face.radius;
-            if is_near != (part == Part::NearSmooth) || is_silent {
+            if is_near != (part == ColumnFaces::NearSmooth) || is_silent {
                 continue;
             }
             // A layer's smooth part is as good as singular at two thicknesses.
             let smooth = 2.0 * own_thickness;
             let rule = match part {
-                Part::NearSmooth => self.rules.apart(face.radius, smooth),
-                Part::Far if is_beside => &self.rules.touching,
-                Part::Far => self.rules.apart(face.radius, distance.min(smooth)),
+                ColumnFaces::NearSmooth => self.rules.apart(face.radius, smooth),
+                ColumnFaces::Far if is_beside => &self.rules.touching,
+                ColumnFaces::Far => self.rules.apart(face.radius, distance.min(smooth)),
             };
             for range in (0..3).step_by(together).map(|k| k..k + together) {
                 targets

@@ -18,10 +18,10 @@ const MOST_BLOCKS: usize = 8;
 
 /// Entries of a kernel on one mesh; clones share them.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct KeptBlock(Arc<Mutex<Known>>);
+pub(crate) struct KeptBlock(Arc<Mutex<KnownEntries>>);
 
 #[derive(Debug, Default)]
-struct Known {
+struct KnownEntries {
     /// Relative quadrature tolerance of the entries; `None` without any.
     tolerance: Option<f64>,
     /// Place in the columns of every vertex that was asked for.
@@ -99,12 +99,12 @@ impl KeptBlock {
         Ok(block)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Known> {
+    fn lock(&self) -> MutexGuard<'_, KnownEntries> {
         self.0.lock().expect("no thread panics while it holds the lock")
     }
 }
 
-impl Known {
+impl KnownEntries {
     /// Empty again, but for what is expected.
     fn forget(&mut self) {
         *self = Self { expected: std::mem::take(&mut self.expected), ..Self::default() };

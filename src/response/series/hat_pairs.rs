@@ -36,7 +36,7 @@ const MOMENT_POINTS: usize = 4;
 
 /// Unit forces at nodes, each spread over the triangles around it, and laid out for vector code.
 #[derive(Debug)]
-pub(crate) struct HatMoments {
+pub(crate) struct LoadMoments {
     /// Center of force (m).
     center: [Vec<f64>; 3],
     /// Means of the regular harmonics about it (m^l).
@@ -47,7 +47,7 @@ pub(crate) struct HatMoments {
     farther: [f64; DEGREES.len()],
 }
 
-impl HatMoments {
+impl LoadMoments {
     /// The loads of some nodes.
     pub(crate) fn new(
         surface: &Surface,
@@ -186,8 +186,8 @@ fn add_products(second: &Orders, rest: usize, own: usize, factors: &mut Vec<f64>
 }
 
 struct Means<'a> {
-    rows: &'a HatMoments,
-    others: &'a HatMoments,
+    rows: &'a LoadMoments,
+    others: &'a LoadMoments,
     column: usize,
     first: usize,
     values: &'a mut [f64],
@@ -314,8 +314,8 @@ mod tests {
                     .for_each(|v| *v = Vector3::new(stretch * v.x, v.y, 0.5 * random.signed()));
                 let surface = Surface::new(vertices, faces).unwrap();
                 let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
-                let rows = HatMoments::new(&surface, &nodes, PressureBasis::Linear, &options).unwrap();
-                let mut others = HatMoments::new(&surface, &nodes, PressureBasis::Linear, &options).unwrap();
+                let rows = LoadMoments::new(&surface, &nodes, PressureBasis::Linear, &options).unwrap();
+                let mut others = LoadMoments::new(&surface, &nodes, PressureBasis::Linear, &options).unwrap();
                 let forces: Vec<_> = nodes.iter().map(|&node| point_forces(&surface, node)).collect();
                 for (worst, farther) in worst.iter_mut().zip(rows.farther) {
                     let [one, other] = [0, 1].map(|_| (random.next() * nodes.len() as f64) as usize);
