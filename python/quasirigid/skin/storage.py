@@ -58,6 +58,7 @@ def write_prepared(
         "poisson_ratio": float(material[1]),
         "response": type(response).__name__,
         "numbers": _numbers(response),
+        "parts": sorted(arrays),
     }
     with atomic_write(path) as file:
         np.savez(file, header=np.array(json.dumps(header)), **arrays)
@@ -125,6 +126,11 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
         raise ResponseError(f"{path} cannot be read as a prepared skin: {reason}") from error
     if not isinstance(header, dict) or header.get("format") != _FORMAT or header.get("version") != _VERSION:
         raise ResponseError(f"{path} is no prepared skin of version {_VERSION}")
+    found, expected = sorted(stored.keys() - {"header"}), header.get("parts")
+    if found != expected:
+        raise ResponseError(
+            f"{path} lacks or misnames a part of a prepared skin: it holds {found}, expected {expected}"
+        )
     return header, stored
 
 
