@@ -33,9 +33,9 @@ def uniform_frames(names: Sequence[str], frames: Floats) -> tuple[Floats, Side]:
     """
     place = {name: frames[names.index(name), :3, 3] for name in PARENTS}
     bones = _bones(place)
-    distal = _unit(place[JOINTS_OF["middle"][1]] - place["wrist"])
+    distal = unit(place[JOINTS_OF["middle"][1]] - place["wrist"])
     across = place[JOINTS_OF["little"][1]] - place[JOINTS_OF["index"][1]]
-    dorsal = _unit(np.cross(across - (across @ distal) * distal, distal))
+    dorsal = unit(np.cross(across - (across @ distal) * distal, distal))
     # The thumb lies on the palm's side of the knuckles.
     thumb = np.mean([place[name] for name in JOINTS_OF["thumb"]], axis=0)
     side: Side = "right"
@@ -58,7 +58,7 @@ def uniform_frames(names: Sequence[str], frames: Floats) -> tuple[Floats, Side]:
         sideways = np.cross(along, up)
         if np.linalg.norm(sideways) < 0.2:
             sideways = np.cross(along, dorsal)
-        sideways = _unit(sideways)
+        sideways = unit(sideways)
         made[names.index(name), :3, :3] = np.column_stack([sideways, along, np.cross(sideways, along)])
     return made, side
 
@@ -78,11 +78,11 @@ def _dorsal(bones: dict[str, Floats], dorsal: Floats) -> dict[str, Floats]:
 
 def _bones(place: dict[str, Floats]) -> dict[str, Floats]:
     """Return the direction of each bone; of a tip that of the phalanx before it."""
-    bones = {"wrist": _unit(place[JOINTS_OF["middle"][1]] - place["wrist"])}
+    bones = {"wrist": unit(place[JOINTS_OF["middle"][1]] - place["wrist"])}
     for digit in DIGITS:
         chain = JOINTS_OF[digit]
         for name, after in pairwise(chain):
-            bones[name] = _unit(place[after] - place[name])
+            bones[name] = unit(place[after] - place[name])
         bones[chain[-1]] = bones[chain[-2]]
     return bones
 
@@ -97,7 +97,8 @@ def _quarter_turns() -> list[Floats]:
     return found
 
 
-def _unit(vector: Floats) -> Floats:
+def unit(vector: Floats) -> Floats:
+    """Return a vector at length 1; +y for one without length."""
     length = np.linalg.norm(vector)
-    unit: Floats = vector / length if length > 0.0 else np.array([0.0, 1.0, 0.0])
-    return unit
+    along: Floats = vector / length if length > 0.0 else np.array([0.0, 1.0, 0.0])
+    return along

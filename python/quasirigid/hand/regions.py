@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .frames import unit
 from .joints import DIGITS, JOINTS_OF
 from .pieces import in_one_piece, largest_piece
 
@@ -115,12 +116,12 @@ class _Skin:
         # Between the knuckles of two fingers, and between the middle of the thumb's metacarpal and the
         # index's.
         root_a, root_b = (a[1], 0.5 * (b[0] + b[1])) if is_thumb else (a[1], b[1])
-        along = _unit(_unit(a[2] - a[1]) + _unit((b[1] - b[0]) if is_thumb else (b[2] - b[1])))
+        along = unit(unit(a[2] - a[1]) + unit((b[1] - b[0]) if is_thumb else (b[2] - b[1])))
         step = root_b - root_a
         if not is_thumb:
             # In the plane of the palm: rigs bend fingers at rest and place knuckles at different depths.
             along, step = (way - (way @ self.dorsal) * self.dorsal for way in (along, step))
-            along = _unit(along)
+            along = unit(along)
         across = step - (step @ along) * along
         share = (self.points - root_a) @ across / (across @ across)
         reach = (self.points - 0.5 * (root_a + root_b)) @ along
@@ -157,7 +158,7 @@ class _Skin:
     def _past(self, digit: str, link: int) -> NDArray[np.bool_]:
         """Return which vertices (n,) lie beyond the plane that halves the angle at a joint."""
         chain = self.chain(digit)
-        normal = _unit(chain[link] - chain[link - 1]) + _unit(chain[link + 1] - chain[link])
+        normal = unit(chain[link] - chain[link - 1]) + unit(chain[link + 1] - chain[link])
         past: NDArray[np.bool_] = (self.points - chain[link]) @ normal > 0.0
         return past
 
@@ -184,11 +185,6 @@ def _to_segment(points: Floats, start: Floats, end: Floats) -> Floats:
     share = np.clip((points - start) @ way / (way @ way), 0.0, 1.0)
     distance: Floats = np.linalg.norm(points - start - share[:, None] * way, axis=1)
     return distance
-
-
-def _unit(vector: Floats) -> Floats:
-    length: Floats = vector / np.linalg.norm(vector)
-    return length
 
 
 def digit_of_vertices(labels: NDArray[np.str_]) -> NDArray[np.str_]:

@@ -261,7 +261,7 @@ def _percent(error: float | None) -> str:
 
 
 def _vector(values: ArrayLike, scale: float) -> str:
-    """Numbers parted by commas; what is nothing beside the largest is 0, and no 0 has a sign."""
+    """Return numbers parted by commas; what is nothing beside the largest is 0, and no 0 has a sign."""
     numbers = np.asarray(values, dtype=np.float64) * scale
     small = np.abs(numbers) < 1e-9 * np.abs(numbers).max()
     return ", ".join(f"{number:.4g}" for number in np.where(small, 0.0, numbers) + 0.0)
