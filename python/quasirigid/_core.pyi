@@ -48,6 +48,7 @@ __all__ = [
     "solve_contact",
     "solve_lcp",
     "sphere_on_layer",
+    "way_out",
 ]
 
 __version__: str
