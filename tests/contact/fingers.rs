@@ -140,7 +140,7 @@ fn every_kernel_tells_fingers_apart_and_a_matrix_of_its_own_is_left_whole() {
     let nodes = solve(&surface, &plate, &half_space(), false).candidates;
     let prepared = PreparedKernel::new(&surface, &half_space(), &nodes, &AssemblyOptions::default()).unwrap();
     assert_eq!(solve(&surface, &plate, &prepared, false).lcp_solutions.len(), 2);
-    let matrix = assemble(&surface, &half_space(), &nodes, &AssemblyOptions::default()).unwrap();
+    let matrix = assemble(&surface, &half_space(), &nodes, &AssemblyOptions::default()).expect("a matrix");
     let given = GivenMatrix::new(&surface, &nodes, matrix).unwrap();
     assert_eq!(solve(&surface, &plate, &given, false).lcp_solutions.len(), 1);
 }

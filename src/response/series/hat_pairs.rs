@@ -314,8 +314,9 @@ mod tests {
                     .for_each(|v| *v = Vector3::new(stretch * v.x, v.y, 0.5 * random.signed()));
                 let surface = Surface::new(vertices, faces).unwrap();
                 let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
-                let rows = LoadMoments::new(&surface, &nodes, PressureBasis::Linear, &options).unwrap();
-                let mut others = LoadMoments::new(&surface, &nodes, PressureBasis::Linear, &options).unwrap();
+                let loads =
+                    || LoadMoments::new(&surface, &nodes, PressureBasis::Linear, &options).expect("vertices");
+                let (rows, mut others) = (loads(), loads());
                 let forces: Vec<_> = nodes.iter().map(|&node| point_forces(&surface, node)).collect();
                 for (worst, farther) in worst.iter_mut().zip(rows.farther) {
                     let [one, other] = [0, 1].map(|_| (random.next() * nodes.len() as f64) as usize);
