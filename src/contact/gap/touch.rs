@@ -1,6 +1,6 @@
 //! First touch of the obstacle with the skin between its vertices.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use crate::contact::gap::edge::depth_along;
@@ -31,21 +31,19 @@ pub(crate) fn touch_between(
         return f64::INFINITY;
     };
     let farthest = bounds.farthest_along(direction);
-    let depths: Vec<f64> = surface.vertices().iter().map(|vertex| vertex.dot(direction)).collect();
+    let [across, up] = tangents(direction);
+    let turn = Matrix3::from_columns(&[across, up, *direction]).transpose();
+    let vertices = surface.vertices().par_iter().with_min_len(CHECKED_PER_TASK);
+    let seen: Vec<Vector3<f64>> = vertices.map(|vertex| turn * vertex).collect();
     let may_touch = |face: &&[u32; 3]| {
         let corners = face.map(|corner| corner as usize);
-        corners.iter().any(|&corner| depths[corner] - latest <= farthest)
+        corners.iter().any(|&corner| seen[corner].z - latest <= farthest)
             && corners.iter().all(|&corner| surface.skin_mask()[corner])
     };
     let faces = surface.faces().par_iter().with_min_len(CHECKED_PER_TASK);
     let faces: Vec<&[u32; 3]> = faces.filter(may_touch).collect();
-    touch_of_line(surface, &faces, obstacle, direction, earliest).min(touch_of_edges(
-        surface,
-        &faces,
-        obstacle,
-        direction,
-        [earliest, latest],
-    ))
+    let of_line = touch_of_line(surface, &faces, obstacle, direction, earliest);
+    of_line.min(Seen { turn, vertices: &seen, faces: &faces }.touch_of_edges(obstacle, [earliest, latest]))
 }
 
 /// The same of the line of a round primitive.
@@ -74,44 +72,52 @@ fn touch_of_line(
         .reduce(|| f64::INFINITY, f64::min)
 }
 
-/// The same of sharp edges and corners.
-fn touch_of_edges(
-    surface: &Surface,
-    faces: &[&[u32; 3]],
-    obstacle: &Obstacle,
-    direction: &Vector3<f64>,
-    [earliest, latest]: [f64; 2],
-) -> f64 {
-    // Both as seen along the direction, which is the third axis.
-    let [across, up] = tangents(direction);
-    let seen = |x: &Vector3<f64>| Vector3::new(x.dot(&across), x.dot(&up), x.dot(direction));
-    // Where an edge is that touches some of the skin in time.
-    let in_time = |mut skin: Bounds| {
-        (skin.low.z, skin.high.z) = (skin.low.z - latest, f64::INFINITY);
-        skin
-    };
-    let bounds_of = |face: &[u32; 3]| Bounds::around_each(corners_of(surface, face).map(|x| seen(&x)));
-    let all = faces.iter().map(|face| bounds_of(face)).reduce(|all, face| all.union(&face));
-    let Some(reach) = all.map(in_time) else { return f64::INFINITY };
-    let place = |ends: &[Vector3<f64>; 2]| Bounds::around_each(ends.map(|end| seen(&end)));
-    let corners = obstacle.corners_beyond(direction, reach.low.z).map(|corner| [corner; 2]);
-    let edges: Vec<([Vector3<f64>; 2], Bounds)> = (obstacle.sharp_edges().map(|edge| edge.ends))
-        .chain(corners)
-        .map(|ends| (ends, place(&ends)))
-        .filter(|(_, bounds)| bounds.meets(&reach))
-        .collect();
-    if edges.is_empty() {
-        return f64::INFINITY;
+/// Triangles of a skin as seen along the direction, which is the third axis.
+struct Seen<'a> {
+    turn: Matrix3<f64>,
+    vertices: &'a [Vector3<f64>],
+    faces: &'a [&'a [u32; 3]],
+}
+
+impl Seen<'_> {
+    fn corners(&self, face: &[u32; 3]) -> [Vector3<f64>; 3] {
+        face.map(|corner| self.vertices[corner as usize])
     }
-    let tree = box_tree(edges.iter().map(|(_, bounds)| *bounds));
-    let travel = |face: &&[u32; 3]| {
-        let reach = in_time(bounds_of(face));
-        let triangle = corners_of(surface, face);
-        let over = tree.leaves(|node| node_bounds(node).meets(&reach));
-        let travel = |edge: u32| Some(-depth_along(&edges[edge as usize].0, &triangle, direction)?.depth);
-        over.filter_map(travel).filter(|travel| *travel >= earliest).fold(f64::INFINITY, f64::min)
-    };
-    faces.par_iter().with_min_len(FACES_PER_TASK).map(travel).reduce(|| f64::INFINITY, f64::min)
+
+    /// Where an edge is that touches a triangle by `latest` (m).
+    fn reach(&self, face: &[u32; 3], latest: f64) -> Bounds {
+        let mut reach = Bounds::around_each(self.corners(face));
+        (reach.low.z, reach.high.z) = (reach.low.z - latest, f64::INFINITY);
+        reach
+    }
+
+    /// The same of sharp edges and corners.
+    fn touch_of_edges(&self, obstacle: &Obstacle, [earliest, latest]: [f64; 2]) -> f64 {
+        let reaches = self.faces.par_iter().with_min_len(CHECKED_PER_TASK);
+        let reaches = reaches.map(|face| self.reach(face, latest));
+        let Some(all) = reaches.reduce_with(|one, other| one.union(&other)) else { return f64::INFINITY };
+        let direction = self.turn.row(2).transpose();
+        let corners = obstacle.corners_beyond(&direction, all.low.z).map(|corner| [corner; 2]);
+        let (edges, boxes): (Vec<[Vector3<f64>; 2]>, Vec<Bounds>) =
+            (obstacle.sharp_edges().map(|edge| edge.ends))
+                .chain(corners)
+                .map(|ends| ends.map(|end| self.turn * end))
+                .map(|ends| (ends, Bounds::around(&ends)))
+                .filter(|(_, bounds)| bounds.meets(&all))
+                .unzip();
+        if edges.is_empty() {
+            return f64::INFINITY;
+        }
+        let tree = box_tree(boxes.into_iter());
+        let travel = |face: &&[u32; 3]| {
+            let (reach, triangle) = (self.reach(face, latest), self.corners(face));
+            let over = tree.leaves(|node| node_bounds(node).meets(&reach));
+            let travel =
+                |edge: u32| Some(-depth_along(&edges[edge as usize], &triangle, &Vector3::z())?.depth);
+            over.filter_map(travel).filter(|travel| *travel >= earliest).fold(f64::INFINITY, f64::min)
+        };
+        self.faces.par_iter().with_min_len(FACES_PER_TASK).map(travel).reduce(|| f64::INFINITY, f64::min)
+    }
 }
 
 fn corners_of(surface: &Surface, face: &[u32; 3]) -> [Vector3<f64>; 3] {
