@@ -19,9 +19,7 @@ use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus};
-use crate::contact::report::cuts::Cuts;
 use crate::contact::report::record::Report;
-use crate::contact::scene::Inherited;
 use crate::lcp::solution::LcpStatus;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::skin::elastic::Traits;
@@ -80,10 +78,8 @@ impl Contact {
         let beside = Beside::new(gaps, response, &forces, &motion)?;
         let left = penetration_after(gaps, &forces, response.skin, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
-        let at_cuts = match &gaps.scene.inherited {
-            Some(Inherited { cuts, .. }) => report.warn_of_cuts(surface, cuts, &forces),
-            None => report.warn_of_cuts(surface, &Cuts::of(surface, response.skin), &forces),
-        };
+        let known = gaps.scene.inherited.as_ref().map(|inherited| &inherited.cuts);
+        let at_cuts = report.warn_of_cuts(surface, response.skin, known, &forces);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let on_edges = RimOnEdges::new(gaps, &forces)?;
         let within_rim = areas_within_rim(gaps, response, &forces, &beside, &on_edges)?;

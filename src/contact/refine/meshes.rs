@@ -69,7 +69,7 @@ impl Meshes {
         Inherited {
             finger_of: part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)),
             coupling: fingers.coupling.clone(),
-            cuts: Cuts::of(self.given.surface(), skin).on_refined(part),
+            cuts: Cuts::on_refined(self.given.surface(), skin, part),
             search_distance: search_distance_in_overlap(self.given.surface()),
         }
     }

@@ -10,7 +10,7 @@ use crate::surface::refined::RefinedSurface;
 /// Share of the force from which the user is warned that it lies at a cut.
 const SMALL_SHARE: f64 = 1e-3;
 
-/// Vertices of a surface where it ends or is held, one entry each.
+/// Vertices of a refined surface where the skin ends or is held, one entry each.
 #[derive(Debug, Clone)]
 pub(crate) struct Cuts {
     /// Held in place by a body, or between such a vertex and a free one.
@@ -20,21 +20,14 @@ pub(crate) struct Cuts {
 }
 
 impl Cuts {
-    pub fn of(surface: &Surface, skin: &dyn ElasticSkin) -> Self {
-        let vertices = 0..surface.vertices().len();
-        Self {
-            held: vertices.clone().map(|vertex| skin.is_held(vertex)).collect(),
-            border: vertices.map(|vertex| is_on_border(surface, vertex)).collect(),
-        }
-    }
-
-    /// The same on a refinement; where a part of the skin was cut out for it is no border.
-    pub fn on_refined(&self, mesh: &RefinedSurface) -> Self {
-        let mut border = mesh.inherit(|vertex| self.border[vertex], |a, b| *a && *b);
+    /// Those of a skin on a refinement of its surface; where a part was cut out for it is no border.
+    pub fn on_refined(given: &Surface, skin: &dyn ElasticSkin, mesh: &RefinedSurface) -> Self {
+        let held = mesh.inherit(|vertex| skin.is_held(vertex), |a, b| *a || *b);
+        let mut border = mesh.inherit(|vertex| is_on_border(given, vertex), |a, b| *a && *b);
         for (vertex, is_border) in border.iter_mut().enumerate() {
             *is_border &= is_on_border(&mesh.surface, vertex);
         }
-        Self { held: mesh.inherit(|vertex| self.held[vertex], |a, b| *a || *b), border }
+        Self { held, border }
     }
 }
 
@@ -46,7 +39,17 @@ fn is_on_border(surface: &Surface, vertex: usize) -> bool {
 impl Report {
     /// Warns where vertices carry force beside a held one or the rim of the skin mask, or on an open border: each
     /// counts for the first of these. Returns the share of the force there.
-    pub fn warn_of_cuts(&mut self, surface: &Surface, cuts: &Cuts, forces: &NodeForces) -> f64 {
+    ///
+    /// * `refined`: what is known of a refined surface
+    pub fn warn_of_cuts(
+        &mut self,
+        surface: &Surface,
+        skin: &dyn ElasticSkin,
+        refined: Option<&Cuts>,
+        forces: &NodeForces,
+    ) -> f64 {
+        let is_held = |vertex| refined.map_or_else(|| skin.is_held(vertex), |cuts| cuts.held[vertex]);
+        let ends = |vertex| refined.map_or_else(|| is_on_border(surface, vertex), |cuts| cuts.border[vertex]);
         let kinds = [
             (
                 "the vertices that a body holds fixed",
@@ -65,11 +68,11 @@ impl Report {
         let mut carried = [0.0; 3];
         for &vertex in &forces.active {
             let mut around = surface.neighbours(vertex).iter().map(|&other| other as usize).chain([vertex]);
-            let kind = if around.clone().any(|other| cuts.held[other]) {
+            let kind = if around.clone().any(is_held) {
                 0
             } else if around.any(|other| !surface.skin_mask()[other]) {
                 1
-            } else if cuts.border[vertex] {
+            } else if ends(vertex) {
                 2
             } else {
                 continue;
