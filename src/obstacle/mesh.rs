@@ -4,11 +4,12 @@ use std::sync::OnceLock;
 
 use nalgebra::Vector3;
 use parry3d_f64::math::Vector;
+use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::closest_point::{Closest, Feature};
-use crate::geometry::face_tree::{Faces, crossings_within};
+use crate::geometry::face_tree::{Faces, crossings_within, node_bounds};
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::check;
 use crate::mesh::nesting::check_nesting;
@@ -110,6 +111,18 @@ impl MeshShape {
     /// Diagonal of the bounding box (m).
     pub fn size(&self) -> f64 {
         self.size
+    }
+
+    /// How far along a direction some of it lies (m).
+    pub fn farthest_along(&self, direction: &Vector3<f64>) -> f64 {
+        let bound = |node: &BvhNode, _: f64| -node_bounds(node).farthest_along(direction);
+        let of_face = |face: u32, _: f64| {
+            let corners = self.faces[face as usize].iter();
+            let depths = corners.map(|&corner| self.vertices[corner as usize].dot(direction));
+            Some(-depths.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let found = self.tree.bvh().find_best(f64::INFINITY, bound, of_face);
+        -found.expect("a checked mesh has faces").1
     }
 
     /// Nearest point of the surface; `None` if it is surely farther than `reach` (m).

@@ -207,7 +207,12 @@ impl Obstacle {
     pub fn bounding_box(&self) -> Option<Bounds> {
         let pose = self.pose_matrix();
         match &*self.shape {
-            Shape::Mesh(mesh) => Some(Bounds::around_each(mesh.vertices().iter().map(|v| pose.to_world(v)))),
+            Shape::Mesh(mesh) => {
+                let along = |axis: usize| pose.rotation.row(axis).transpose();
+                let low = Vector3::from_fn(|axis, _| -mesh.farthest_along(&-along(axis)));
+                let high = Vector3::from_fn(|axis, _| mesh.farthest_along(&along(axis)));
+                Some(Bounds { low, high }.translated(&pose.translation))
+            }
             Shape::Primitive(primitive) => {
                 Some(primitive.bounding_box(&pose.rotation)?.translated(&pose.translation))
             }
