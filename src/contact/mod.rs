@@ -30,6 +30,7 @@ pub(crate) mod reach;
 pub(crate) mod refine;
 pub(crate) mod report;
 pub(crate) mod scene;
+pub(crate) mod setup;
 pub(crate) mod solve;
 pub(crate) mod tilt;
 pub(crate) mod warm;
@@ -39,7 +40,8 @@ pub use figures::accuracy::Accuracy;
 pub use figures::drawn::DrawnSkin;
 pub use options::ContactOptions;
 pub use outcome::{
-    Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, RefinementKind, Resultant, Timing,
+    Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, RefinementEnd, RefinementKind,
+    Resultant, Timing,
 };
 pub use press::press;
 pub use report::warning::{Warning, WarningKind};

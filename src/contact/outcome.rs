@@ -113,6 +113,55 @@ impl RefinementKind {
     }
 }
 
+/// Why no finer mesh followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RefinementEnd {
+    /// The target is met.
+    Target,
+    /// A finer mesh would have too many contact nodes.
+    MaxNodes,
+    /// A finer mesh would take too much memory.
+    MemoryLimit,
+    /// The contact is on a sharp edge, and as fine as it gets there.
+    SharpEdge,
+    /// Force or area goes on changing.
+    Unsettled,
+    /// Gaps go on changing from one linear problem to the next.
+    UnsettledGaps,
+    /// There is no force to refine the mesh under.
+    NoForce,
+    /// There were as many rounds as there may be.
+    MostRounds,
+    /// A complementarity problem did not end solved.
+    NotSolved,
+    /// One did not on a finer mesh, of more nodes than can be pivoted one by one.
+    NotSolvedOnFiner,
+    /// No target was given.
+    NoTarget,
+    /// The response has no other mesh.
+    Response,
+}
+
+impl RefinementEnd {
+    /// The words for it.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Target => "target_error",
+            Self::MaxNodes => "max_nodes",
+            Self::MemoryLimit => "memory_limit",
+            Self::SharpEdge => "a sharp edge",
+            Self::Unsettled => "force or area does not settle",
+            Self::UnsettledGaps => "gaps that do not settle",
+            Self::NoForce => "nothing carries force",
+            Self::MostRounds => "the most rounds",
+            Self::NotSolved => "a complementarity problem did not end solved",
+            Self::NotSolvedOnFiner => "a problem of many nodes that block exchanges do not end",
+            Self::NoTarget => "the mesh was taken as it is",
+            Self::Response => "the response takes the mesh as it is",
+        }
+    }
+}
+
 /// What one mesh gave, or one linear problem on the way there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refinement {
@@ -135,8 +184,8 @@ pub struct Refinement {
     pub max_penetration: f64,
     /// Wall time (s).
     pub seconds: f64,
-    /// Why no further round followed; empty of all but the last.
-    pub reason: &'static str,
+    /// Why no further round followed; `None` of all but the last.
+    pub end: Option<RefinementEnd>,
 }
 
 /// The mesh that a contact was solved on.

@@ -8,7 +8,8 @@ use crate::contact::outcome::Contact;
 use crate::contact::reach::goal::{Target, reach};
 use crate::contact::reach::on_mesh::Quantity;
 use crate::contact::report::guards::Guarded;
-use crate::contact::scene::{Approach, Goal, Placement, Press};
+use crate::contact::scene::{Approach, Goal, Press};
+use crate::contact::setup::Setup;
 use crate::contact::solve::solve;
 use crate::contact::tilt::axes::Balance;
 use crate::contact::tilt::goal::Tilted;
@@ -63,9 +64,10 @@ fn pressed(
         Balance::None => None,
         Balance::Tilt(tilt) => Some((tilt.checked_point()?, tilt.axes.units(&direction)?)),
     };
+    let setup = |depth| Setup { surface, obstacle, skin, options, press: approach(depth) };
     let tilted = |depth, target| {
         let (point, axes) = tilt.clone()?;
-        Some(Tilted { surface, obstacle, skin, options, press: approach(depth), target, axes, point })
+        Some(Tilted { setup: setup(depth), target, axes, point })
     };
     let (quantity, value) = match press.goal {
         Goal::Depth(depth) => {
@@ -75,8 +77,7 @@ fn pressed(
             if let Some(tilted) = tilted(depth, None) {
                 return with_threads(options, || tilted.run());
             }
-            let placement = Placement { obstacle, press: Some(approach(depth)) };
-            return with_threads(options, || solve(surface, &placement, skin, options));
+            return with_threads(options, || solve(surface, &setup(depth).at(depth), skin, options));
         }
         Goal::Force(force) => (Quantity::Force, force),
         Goal::Overlap(overlap) => (Quantity::Overlap, overlap),
@@ -89,7 +90,7 @@ fn pressed(
     if let Some(tilted) = tilted(0.0, Some(target)) {
         return with_threads(options, || tilted.run());
     }
-    with_threads(options, || reach(surface, obstacle, approach(0.0), target, skin, options))
+    with_threads(options, || reach(setup(0.0), target))
 }
 
 /// The unit vector along the direction of a press.

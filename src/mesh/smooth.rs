@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::mesh::topology::Topology;
 
 /// Faces whose normals have a smaller cosine meet at a sharp edge: 50 degrees.
-const SHARP_COSINE: f64 = 0.642_787_609_686_539_3;
+const CREASE_COSINE: f64 = 0.642_787_609_686_539_3;
 
 /// The mesh that is refined, on a smooth surface of which it knows points and normals.
 #[derive(Clone, Copy)]
@@ -23,11 +23,11 @@ pub(crate) struct SmoothMesh<'a> {
 }
 
 impl SmoothMesh<'_> {
-    /// Whether the faces at an edge meet at more than [`SHARP_COSINE`] allows.
+    /// Whether the faces at an edge meet at more than [`CREASE_COSINE`] allows.
     pub fn is_sharp(&self, face: u32, side: usize) -> bool {
         let normal = |face: usize| self.face_normals[face];
         let across = self.topology.across(face as usize, side);
-        across.is_some_and(|other| normal(face as usize).dot(&normal(other)) < SHARP_COSINE)
+        across.is_some_and(|other| normal(face as usize).dot(&normal(other)) < CREASE_COSINE)
     }
 }
 

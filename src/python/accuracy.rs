@@ -1,7 +1,7 @@
 //! `_core.Accuracy` and `_core.Refinement`: how far the figures of a contact can be trusted.
 
 use super::convert::{read_only, vector_out};
-use crate::contact::{Accuracy, Refinement};
+use crate::contact::{Accuracy, Refinement, RefinementEnd};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -68,7 +68,7 @@ impl PyRefinement {
             area_error: round.area_error,
             max_penetration: round.max_penetration,
             seconds: round.seconds,
-            reason: round.reason,
+            reason: round.end.map_or("", RefinementEnd::as_str),
         };
         Py::new(py, values)
     }

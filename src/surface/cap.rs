@@ -22,9 +22,9 @@ const CAP_FACES: usize = 6;
 /// Least part of the area of its component that a cut face has: caps of the hands have 4 to 11 %, none of their other flat
 /// regions 0.2 %.
 const CAP_AREA: f64 = 0.01;
-/// The surface turns by more than this at a sharp edge (cosine of 40°): half of what it does at the rims of the hands'
+/// The surface turns by more than this at the rim of a cut face (cosine of 40°): half of what it does at the rims of the hands'
 /// caps, 80° and more.
-const SHARP_COSINE: f64 = 0.766_044_443_118_978;
+const RIM_COSINE: f64 = 0.766_044_443_118_978;
 /// Least part of the length of the rim of a cut face that is sharp and convex; on the hands all of it is.
 const SHARP_PART: f64 = 0.9;
 /// Where more than this part of the area of a component is flat, it is a polyhedron and not a cut skin: the ends of a tube
@@ -169,7 +169,7 @@ impl CapSearch<'_> {
                 rim += length;
                 let turns_back = |other: usize| {
                     (self.centroid(other) - a).dot(normal) < 0.0
-                        && surface.face_normals()[other].dot(normal) < SHARP_COSINE
+                        && surface.face_normals()[other].dot(normal) < RIM_COSINE
                 };
                 if other.is_some_and(turns_back) {
                     sharp += length;

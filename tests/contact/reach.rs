@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, Vector3};
 use quasirigid::contact::{
-    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press, solve_contact,
+    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, RefinementEnd, Start, press,
+    solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
@@ -70,7 +71,7 @@ fn the_depth_of_a_force_gives_that_force_back() {
 
         let options = ContactOptions::default();
         let refined = pressed(&surface, &plate(), Goal::Force(force), &options);
-        assert_eq!(refined.refinements.last().unwrap().reason, "target_error");
+        assert_eq!(refined.refinements.last().unwrap().end, Some(RefinementEnd::Target));
         assert_eq!(refined.refinements.last().unwrap().force, refined.resultant.force);
         assert!(refined.accuracy.mesh_error.unwrap().max(refined.accuracy.area_error.unwrap()) <= 0.02);
         assert_relative_eq!(refined.resultant.force.z, force, max_relative = 1e-6);

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
 use quasirigid::contact::{
-    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, WarningKind, press,
-    solve_contact,
+    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, RefinementEnd, Start,
+    WarningKind, press, solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
@@ -53,7 +53,7 @@ fn a_coarse_mesh_meets_hertz_within_its_estimates() {
         let area = contact.resultant.contact_area / (PI * contact_radius.powi(2)) - 1.0;
         println!("force {force:+.4}, area {area:+.4}, {:?}", contact.accuracy);
         assert!(contact.accuracy.mesh_error.unwrap() <= 0.01 && contact.accuracy.area_error.unwrap() <= 0.01);
-        assert_eq!(contact.refinements.last().unwrap().reason, "target_error");
+        assert_eq!(contact.refinements.last().unwrap().end, Some(RefinementEnd::Target));
         assert!(force.abs() <= 0.01 && area.abs() <= 0.012);
     }
 }
@@ -153,7 +153,7 @@ fn a_refinement_that_ends_early_says_why() {
         Press { direction: UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity, balance: Balance::None };
     let contact = press(&surface, &plate(), &half_space(), &upwards, &few).expect("valid");
     assert_eq!(contact.status, ContactStatus::Solved);
-    assert_eq!(contact.refinements.last().unwrap().reason, "max_nodes");
+    assert_eq!(contact.refinements.last().unwrap().end, Some(RefinementEnd::MaxNodes));
     assert!(contact.warnings.iter().any(|warning| warning.message.contains("max_nodes")));
 }
 

@@ -186,6 +186,6 @@ fn round(force: Vector3<f64>, forces: &NodeForces, gap: f64, started: Instant) -
         area_error: None,
         max_penetration: gap,
         seconds: started.elapsed().as_secs_f64(),
-        reason: "",
+        end: None,
     }
 }

@@ -14,8 +14,8 @@ use crate::contact::gap::initial::{Gaps, triangles_among};
 use crate::contact::gap::measured::Measured;
 use crate::response::skin::elastic::ElasticSkin;
 
-/// Penetration, as a share of that before, that may stay away from all force.
-pub(crate) const LITTLE: f64 = 0.02;
+/// Penetration left that is next to none, as a share of that before.
+pub(crate) const SMALL_PENETRATION: f64 = 0.02;
 
 /// What penetration is left.
 #[derive(Debug, Clone)]
@@ -72,7 +72,7 @@ pub(crate) fn penetration_after(
     let is_free = |vertex: usize| forces.force[vertex] == 0.0;
     let is_unfelt = |(&vertex, &depth): (&usize, &f64)| {
         let mut beside = surface.neighbours(vertex).iter().map(|&other| other as usize);
-        (depth > LITTLE * reach && is_free(vertex) && beside.all(is_free)).then_some(vertex)
+        (depth > SMALL_PENETRATION * reach && is_free(vertex) && beside.all(is_free)).then_some(vertex)
     };
     let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
     Ok(Penetration { depth, is_at_vertex, unfelt })

@@ -3,15 +3,12 @@
 use std::time::Instant;
 
 use crate::contact::error::{ContactError, LargestContact};
-use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Contact, ContactStatus};
-use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached};
+use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
+use crate::contact::reach::on_mesh::{Quantity, Reached};
 use crate::contact::reach::search::Search;
-use crate::contact::refine::rounds::{Begun, MET, Rounds, begin, end_unrefined};
-use crate::contact::scene::{Approach, Inherited, Placement};
-use crate::obstacle::posed::Obstacle;
-use crate::response::skin::elastic::ElasticSkin;
-use crate::surface::checked::Surface;
+use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
+use crate::contact::scene::Placement;
+use crate::contact::setup::Setup;
 
 /// Power of the depth that the force of a round body rises with (Hertz).
 const HERTZ_POWER: f64 = 1.5;
@@ -29,77 +26,65 @@ pub(crate) struct Target {
     pub value: f64,
 }
 
-/// Everything that stays as it is while the depth is searched.
+/// A target, and what is pressed on what.
 struct Task<'a> {
-    surface: &'a Surface,
-    obstacle: &'a Obstacle,
-    skin: &'a dyn ElasticSkin,
-    options: &'a ContactOptions<'a>,
-    /// Its depth is not looked at.
-    press: Approach,
+    setup: Setup<'a>,
     target: Target,
 }
 
 /// Brings the obstacle to where the contact reaches the target: on the given mesh, then on the one refined there.
-pub(crate) fn reach(
-    surface: &Surface,
-    obstacle: &Obstacle,
-    press: Approach,
-    target: Target,
-    skin: &dyn ElasticSkin,
-    options: &ContactOptions,
-) -> Result<Contact, ContactError> {
-    Task { surface, obstacle, skin, options, press, target }.run()
+pub(crate) fn reach(setup: Setup, target: Target) -> Result<Contact, ContactError> {
+    Task { setup, target }.run()
 }
 
 impl Task<'_> {
     fn run(&self) -> Result<Contact, ContactError> {
         let mut started = Instant::now();
-        let touch = self.press.touch(self.surface, self.obstacle, false)?;
-        let on_given = self.on_mesh(self.surface, self.skin, None, touch);
+        let Setup { surface, skin, options, .. } = self.setup;
+        let on_given = self.setup.on_given()?;
         let first = match self.target.quantity {
-            Quantity::Force => self.surface.mean_edge_length(),
+            Quantity::Force => surface.mean_edge_length(),
             Quantity::Overlap => self.target.value,
         };
         let search = Search {
             value: self.target.value,
             first,
             power: self.target.quantity.power(),
-            limit: on_given.limit(),
+            limit: self.setup.limit(),
             known: None,
         };
         let (mut given, power) = match on_given.reach(self.target.quantity, &search, None, None)? {
             Reached::Goal { contact, power } => (contact, power),
             Reached::Short { contact, why } => {
                 let placement = self.at(&contact);
-                let contact = end_unrefined(contact, started, &placement, self.skin, self.options)?;
+                let contact = end_unrefined(contact, started, &placement, skin, options)?;
                 return Err(self.not_reached(contact, why));
             }
         };
         for refinement in 1..=REFINEMENTS {
             let placement = self.at(&given);
             let travel = given.travel;
-            let mut rounds = match begin(given, started, &placement, self.skin, self.options)? {
+            let mut rounds = match begin(given, started, &placement, skin, options)? {
                 Begun::Ended(contact) => return Ok(*contact),
                 Begun::Rounds(rounds) => *rounds,
             };
-            let reason = rounds.run()?;
+            let end = rounds.run()?;
             let refined_for = rounds.meshes.last_area();
-            let met = (reason == MET).then_some(rounds.target);
+            let met = (end == RefinementEnd::Target).then_some(rounds.target);
             let Some(why) = self.search_again(&mut rounds, power)? else {
-                return rounds.conclude(reason);
+                return rounds.conclude(end);
             };
             if let Err(why) = why {
-                return Err(self.not_reached(rounds.conclude(reason)?, why));
+                return Err(self.not_reached(rounds.conclude(end)?, why));
             }
             let has_gone_farther =
-                |found: &Contact| found.travel - travel > FARTHER * self.surface.mean_edge_length();
+                |found: &Contact| found.travel - travel > FARTHER * surface.mean_edge_length();
             let found = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
             let Some(found) = found.filter(|_| refinement < REFINEMENTS) else {
-                return rounds.conclude(reason);
+                return rounds.conclude(end);
             };
             started = Instant::now();
-            given = on_given.solve(found.depth.expect("a press has a depth") - touch.1)?;
+            given = on_given.solve(found.depth.expect("a press has a depth") - on_given.touch.1)?;
         }
         unreachable!("the last refinement returns")
     }
@@ -117,12 +102,10 @@ impl Task<'_> {
         if matches!(last.status, ContactStatus::Failed(_)) {
             return Ok(None);
         }
-        let touch = self.press.touch(&part.surface, self.obstacle, true)?;
-        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let on_part =
-            self.on_mesh(&part.surface, &*skin, Some(rounds.meshes.inherited_by(part, self.skin)), touch);
-        let past = last.depth.expect("a press has a depth") - touch.1;
-        let value = self.target.quantity.of(last, &self.press.direction);
+        let skin = self.setup.refined_skin(part)?;
+        let on_part = self.setup.on_refined(&rounds.meshes, part, &*skin)?;
+        let past = last.depth.expect("a press has a depth") - on_part.touch.1;
+        let value = self.target.quantity.of(last, &self.setup.press.direction);
         if (value / self.target.value - 1.0).abs() <= Search::CLOSE {
             return Ok(Some(Ok(())));
         }
@@ -131,7 +114,7 @@ impl Task<'_> {
             value: self.target.value,
             first: if past > 0.0 { past } else { part.surface.mean_edge_length() },
             power,
-            limit: self.on_mesh(self.surface, self.skin, None, touch).limit(),
+            limit: self.setup.limit(),
             known: is_known.then_some((past, value)),
         };
         let known = rounds.known_on(part);
@@ -139,30 +122,18 @@ impl Task<'_> {
             Reached::Goal { contact, .. } => (contact, Ok(())),
             Reached::Short { contact, why } => (contact, Err(why)),
         };
-        rounds.meshes.replace_last(contact, started, self.skin, self.options)?;
+        rounds.meshes.replace_last(contact, started, self.setup.skin, self.setup.options)?;
         Ok(Some(end))
-    }
-
-    fn on_mesh<'b>(
-        &'b self,
-        surface: &'b Surface,
-        skin: &'b dyn ElasticSkin,
-        inherited: Option<Inherited>,
-        touch: (f64, f64),
-    ) -> OnMesh<'b> {
-        let Task { obstacle, options, press, .. } = *self;
-        OnMesh { surface, skin, inherited, obstacle, press, options, touch }
     }
 
     /// The press to the depth of a contact.
     fn at(&self, contact: &Contact) -> Placement<'_> {
-        let depth = contact.depth.expect("a press has a depth");
-        Placement { obstacle: self.obstacle, press: Some(Approach { depth, ..self.press }) }
+        self.setup.at(contact.depth.expect("a press has a depth"))
     }
 
     fn not_reached(&self, contact: Contact, why: String) -> ContactError {
         let (goal, unit) = self.target.quantity.name_and_unit();
-        let largest = self.target.quantity.of(&contact, &self.press.direction);
+        let largest = self.target.quantity.of(&contact, &self.setup.press.direction);
         let depth = contact.depth.expect("a press has a depth");
         let contact = LargestContact(Box::new(contact));
         ContactError::NotReached { goal, unit, asked: self.target.value, largest, depth, why, contact }

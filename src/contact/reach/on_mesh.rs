@@ -8,18 +8,16 @@ use nalgebra::Vector3;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::in_place::{InPlace, Known, solve_in_place};
-use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Inherited, Scene};
+use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::Turn;
-use crate::obstacle::posed::Obstacle;
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
-use crate::surface::checked::Surface;
 
 /// What the contact is to reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,14 +30,10 @@ pub(crate) enum Quantity {
 
 /// One mesh of the skin, and the press that is carried out on it.
 pub(crate) struct OnMesh<'a> {
-    pub surface: &'a Surface,
-    pub skin: &'a dyn ElasticSkin,
+    /// With the surface and the skin of this mesh.
+    pub setup: Setup<'a>,
     /// What a refined mesh takes over from the given one.
     pub inherited: Option<Inherited>,
-    pub obstacle: &'a Obstacle,
-    /// Direction and start; its depth is not looked at.
-    pub press: Approach,
-    pub options: &'a ContactOptions<'a>,
     /// Travel at which the press begins, and the depth at which it touches (m).
     pub touch: (f64, f64),
 }
@@ -103,14 +97,14 @@ impl OnMesh<'_> {
         known: Option<Known>,
         last: Option<&Contact>,
     ) -> Result<Reached, ContactError> {
-        let kept = KeptSkin::new(self.skin);
+        let kept = KeptSkin::new(self.setup.skin);
         let trials = Trials::from(&kept, known);
         let found = search.run(|past| self.trial(quantity, past, &trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),
             Found::NotReached { largest: Some(at), why } => (at, Err(why)),
             Found::NotReached { largest: None, why } => match (last, trials.refusal.take()) {
-                (Some(contact), _) if quantity.of(contact, &self.press.direction) < search.value => {
+                (Some(contact), _) if quantity.of(contact, &self.setup.press.direction) < search.value => {
                     return Ok(Reached::Short { contact: contact.clone(), why });
                 }
                 (_, Some(error)) => return Err(error.into()),
@@ -122,7 +116,7 @@ impl OnMesh<'_> {
         add_timings(&mut contact.timings, &trials.timings());
         match end {
             Ok(power) => {
-                let value = quantity.of(&contact, &self.press.direction);
+                let value = quantity.of(&contact, &self.setup.press.direction);
                 let is_close = (value / search.value - 1.0).abs() <= Search::CLOSE;
                 if is_refined || is_close || contact.status != ContactStatus::Solved {
                     self.warn_of_jump(quantity, search.value, &mut contact);
@@ -145,8 +139,9 @@ impl OnMesh<'_> {
     ) -> Result<Reached, ContactError> {
         let mut best = near;
         let timings = std::mem::take(&mut best.timings);
-        let off =
-            |contact: &Contact| (quantity.of(contact, &self.press.direction) / search.value - 1.0).abs();
+        let off = |contact: &Contact| {
+            (quantity.of(contact, &self.setup.press.direction) / search.value - 1.0).abs()
+        };
         search.run(|past| -> Result<_, ContactError> {
             let contact = self.solve(past)?;
             if let ContactStatus::Failed(status) = contact.status {
@@ -155,7 +150,7 @@ impl OnMesh<'_> {
                     status.as_str()
                 )));
             }
-            let value = quantity.of(&contact, &self.press.direction).max(0.0);
+            let value = quantity.of(&contact, &self.setup.press.direction).max(0.0);
             if off(&contact) < off(&best) {
                 best = contact;
             }
@@ -168,7 +163,7 @@ impl OnMesh<'_> {
 
     /// Warns where the contact changes by jumps around the goal.
     fn warn_of_jump(&self, quantity: Quantity, value: f64, contact: &mut Contact) {
-        let found = quantity.of(contact, &self.press.direction);
+        let found = quantity.of(contact, &self.setup.press.direction);
         if (found / value - 1.0).abs() > Search::CLOSE {
             let (name, unit) = quantity.name_and_unit();
             let message = format!(
@@ -180,7 +175,7 @@ impl OnMesh<'_> {
 
     /// The quantity so far past the touch.
     fn trial(&self, quantity: Quantity, past: f64, trials: &Trials) -> Result<Trial, ContactError> {
-        if self.options.is_interrupted() {
+        if self.setup.options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "search for the depth" });
         }
         let tried = match quantity {
@@ -208,7 +203,7 @@ impl OnMesh<'_> {
             None => {
                 trials.known.replace(solved.known());
                 let total: Vector3<f64> = forces.active_vectors().iter().sum();
-                Ok(Trial::Value(total.dot(&self.press.direction).max(0.0)))
+                Ok(Trial::Value(total.dot(&self.setup.press.direction).max(0.0)))
             }
             Some(status) => {
                 let ended = forces.solutions.iter().find(|solution| solution.status == status);
@@ -222,8 +217,9 @@ impl OnMesh<'_> {
     }
 
     fn in_place<'b>(&'b self, scene: &'b Scene, trials: &'b Trials) -> Result<InPlace<'b>, ContactError> {
+        let Setup { surface, options, .. } = self.setup;
         let known = trials.known.borrow();
-        InPlace::solve(self.surface, scene, trials.skin, known.as_ref(), self.options, Report::default())
+        InPlace::solve(surface, scene, trials.skin, known.as_ref(), options, Report::default())
     }
 
     /// The contact so far past the touch, with what trials before it know.
@@ -233,12 +229,13 @@ impl OnMesh<'_> {
         if let Some(known) = solved.known() {
             trials.known.replace(Some(known));
         }
-        solved.contact(self.options)
+        solved.contact(self.setup.options)
     }
 
     /// The deepest penetration so far past the touch (m).
     fn overlap(&self, past: f64) -> Result<f64, ContactError> {
-        Ok(Gaps::measure(self.surface, &self.scene(past), self.options.search_distance)?.deepest())
+        let Setup { surface, options, .. } = self.setup;
+        Ok(Gaps::measure(surface, &self.scene(past), options.search_distance)?.deepest())
     }
 
     /// The way past the touch to an overlap (m); `None` where it is not reached.
@@ -246,7 +243,7 @@ impl OnMesh<'_> {
     /// * `near`: about where
     pub fn past_at_overlap(&self, overlap: f64, near: f64) -> Result<Option<f64>, ContactError> {
         let power = Quantity::Overlap.power();
-        let search = Search { value: overlap, first: near, power, limit: self.limit(), known: None };
+        let search = Search { value: overlap, first: near, power, limit: self.setup.limit(), known: None };
         match search.run(|past| self.overlap(past).map(Trial::Value))? {
             Found::Close { at, .. } => Ok(Some(at)),
             Found::NotReached { .. } => Ok(None),
@@ -255,30 +252,26 @@ impl OnMesh<'_> {
 
     /// The same with the obstacle turned.
     pub fn turned(&self, turn: Turn) -> OnMesh<'_> {
-        let press = Approach { turn: Some(turn), ..self.press };
-        OnMesh { press, inherited: self.inherited.clone(), ..*self }
+        let press = Approach { turn: Some(turn), ..self.setup.press };
+        OnMesh { setup: Setup { press, ..self.setup }, inherited: self.inherited.clone(), ..*self }
     }
 
     /// The contact so far past the touch.
     pub fn solve(&self, past: f64) -> Result<Contact, ContactError> {
         let started = Instant::now();
+        let Setup { surface, skin, options, .. } = self.setup;
         let scene = self.scene(past);
         let mut report = Report::default();
         report.clock("first_touch", started);
-        solve_in_place(self.surface, &scene, self.skin, self.options, report)
+        solve_in_place(surface, &scene, skin, options, report)
     }
 
     fn scene(&self, past: f64) -> Scene {
         let (begin, touch) = self.touch;
-        let approach = Approach { depth: touch + past, ..self.press };
-        let scene = approach.scene(self.surface, self.obstacle, begin);
+        let Setup { surface, obstacle, press, .. } = self.setup;
+        let approach = Approach { depth: touch + past, ..press };
+        let scene = approach.scene(surface, obstacle, begin);
         Scene { inherited: self.inherited.clone(), ..scene }
-    }
-
-    /// Beyond this way past the touch, obstacle and skin are apart again, or no skin is left (m).
-    pub fn limit(&self) -> f64 {
-        let obstacle = self.obstacle.bounding_box().map_or(0.0, |bounds| bounds.diagonal());
-        self.surface.bounding_box().diagonal() + obstacle
     }
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::figures::penetration::LITTLE;
+use crate::contact::figures::penetration::SMALL_PENETRATION;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::Contact;
@@ -136,7 +136,7 @@ pub(crate) fn touched_between(
     let moved = contact.moved(skin, &rows, options)?;
     let moved =
         |corner: usize| corners.binary_search(&corner).map_or_else(|_| Vector3::zeros(), |at| moved[at]);
-    let little = LITTLE * contact.max_penetration_before;
+    let little = SMALL_PENETRATION * contact.max_penetration_before;
     with_pressed_middle(mesh, leaves, &contact.obstacle, |bulge| BEYOND_MIDDLE * bulge - little, moved)
 }
 

@@ -7,7 +7,7 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::resultant::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::touched_between;
 use crate::contact::refine::whole::into_whole;
@@ -137,12 +137,12 @@ impl Meshes {
     /// The last contact in the numbers of the whole skin, with why no further round followed.
     ///
     /// * `target`: of the relative error
-    pub fn conclude(self, reason: &'static str, target: f64) -> Result<Contact, ContactError> {
+    pub fn conclude(self, end: RefinementEnd, target: f64) -> Result<Contact, ContactError> {
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
         };
-        contact.warn_of_refinement(reason, target);
-        Ok(contact.concluded(reason))
+        contact.warn_of_refinement(end, target);
+        Ok(contact.concluded(end))
     }
 }

@@ -10,7 +10,7 @@ use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
 use crate::contact::error::ContactError;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Clues, Contact, ContactStatus};
+use crate::contact::outcome::{Clues, Contact, ContactStatus, RefinementEnd};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;
@@ -30,13 +30,11 @@ const UNSETTLED_ROUNDS: usize = 2;
 /// the target: its figures go on changing with the logarithm of the cells.
 const FINEST_ON_EDGE: f64 = 2.0;
 /// A contact of fewer vertices under force says nothing of those to come.
-const FEW_VERTICES: usize = 12;
+const FEW_UNDER_FORCE: usize = 12;
 /// A mesh with more contact nodes is not refined for the penetration between them alone.
 pub(crate) const FEW_NODES: usize = 300;
 /// A figure that keeps more than this share from one round to the next does not settle.
 const SETTLING: f64 = 0.8;
-/// Why no further round follows where the target is met.
-pub(crate) const MET: &str = "target_error";
 /// Rounds at the most: each halves the edges.
 const MAX_ROUNDS: usize = 12;
 
@@ -59,8 +57,8 @@ pub(crate) fn refine(
     match begin(given, started, placement, skin, options)? {
         Begun::Ended(contact) => Ok(*contact),
         Begun::Rounds(mut rounds) => {
-            let reason = rounds.run()?;
-            rounds.conclude(reason)
+            let end = rounds.run()?;
+            rounds.conclude(end)
         }
     }
 }
@@ -86,15 +84,15 @@ pub(crate) fn begin<'a>(
         .then(|| ErrorEstimate::of_cells(&given, Tissue::under(&given, skin)));
     given.note_round(error, started);
     let target = match options.target_error {
-        None => return ended(given.concluded("the mesh was taken as it is")),
+        None => return ended(given.concluded(RefinementEnd::NoTarget)),
         Some(_) if !traits.refines => {
             given.leave_out("refinement", "one-rings and given matrices take the mesh as it is");
-            return ended(given.concluded("the response takes the mesh as it is"));
+            return ended(given.concluded(RefinementEnd::Response));
         }
         Some(target) => target,
     };
     if matches!(given.status, ContactStatus::Failed(_)) {
-        return ended(given.concluded("a complementarity problem did not end solved"));
+        return ended(given.concluded(RefinementEnd::NotSolved));
     }
     let deepest = given.max_penetration_before;
     let near = faces_near(&given.gap, &given.candidates, deepest, &surface, &traits);
@@ -153,19 +151,19 @@ pub(crate) struct Rounds<'a> {
 
 impl Rounds<'_> {
     /// Refines until the target is met, or something else ends it: says what.
-    pub fn run(&mut self) -> Result<&'static str, ContactError> {
+    pub fn run(&mut self) -> Result<RefinementEnd, ContactError> {
         let mut so_far = SoFar { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
             let next = self.next();
             let finer = match self.finer(next)? {
                 Continue(finer) => finer,
-                Break(reason) => return Ok(reason),
+                Break(end) => return Ok(end),
             };
             let part = finer.part();
             let mut contact = match self.solved_on(&finer, &part)? {
                 Continue(contact) => contact,
-                Break(reason) => return Ok(reason),
+                Break(end) => return Ok(end),
             };
             self.meshes.mesh = finer;
             let previous = self.meshes.last.as_ref().map_or(&self.meshes.given, |(_, contact)| contact);
@@ -173,35 +171,35 @@ impl Rounds<'_> {
             let has_failed = matches!(contact.status, ContactStatus::Failed(_));
             let error = if has_failed { None } else { contact.error_after(previous, next) };
             contact.note_round(error, started);
-            let reason = if has_failed {
-                Some("a complementarity problem did not end solved")
+            let end = if has_failed {
+                Some(RefinementEnd::NotSolved)
             } else {
                 self.touches_elsewhere_alone = self.is_met(error) && self.touches_elsewhere(&contact);
                 self.ending(&contact, error, &mut so_far)
             };
             self.meshes.last = Some((part, contact));
-            if let Some(reason) = reason {
-                return Ok(reason);
+            if let Some(end) = end {
+                return Ok(end);
             }
         }
-        Ok("the most rounds")
+        Ok(RefinementEnd::MostRounds)
     }
 
     /// The mesh of the next round, or why there is none.
-    fn finer(&self, next: Finer) -> Result<ControlFlow<&'static str, MeshRefinement>, ContactError> {
+    fn finer(&self, next: Finer) -> Result<ControlFlow<RefinementEnd, MeshRefinement>, ContactError> {
         let wanting = self.wanting(next);
         let marked = self.marked(&wanting, next)?;
         if !marked.contains(&true) {
-            return Ok(Break("nothing carries force"));
+            return Ok(Break(RefinementEnd::NoForce));
         }
         let (nodes, most) = (self.predicted_nodes(&wanting), self.options.max_nodes);
         if nodes > most {
-            return Ok(Break("max_nodes"));
+            return Ok(Break(RefinementEnd::MaxNodes));
         }
-        if let Some(reason) = self.doubt()
+        if let Some(end) = self.doubt()
             && nodes > most / 2
         {
-            return Ok(Break(reason));
+            return Ok(Break(end));
         }
         let mut finer = self.meshes.mesh.clone();
         finer.refine(&marked);
@@ -213,18 +211,20 @@ impl Rounds<'_> {
         &mut self,
         finer: &MeshRefinement,
         part: &RefinedSurface,
-    ) -> Result<ControlFlow<&'static str, Contact>, ContactError> {
+    ) -> Result<ControlFlow<RefinementEnd, Contact>, ContactError> {
         let contact = match self.solve(finer, part) {
-            Err(ContactError::Response(ResponseError::TooLarge { .. })) => return Ok(Break("memory_limit")),
+            Err(ContactError::Response(ResponseError::TooLarge { .. })) => {
+                return Ok(Break(RefinementEnd::MemoryLimit));
+            }
             other => match other? {
                 Some(contact) => contact,
-                None => return Ok(Break("max_nodes")),
+                None => return Ok(Break(RefinementEnd::MaxNodes)),
             },
         };
         let has_no_end =
             matches!(contact.status, ContactStatus::Failed(LcpStatus::Breakdown | LcpStatus::PivotLimit));
         if has_no_end && contact.candidates.len() > MOST_BY_PIVOTS {
-            return Ok(Break("a problem of many nodes that block exchanges do not end"));
+            return Ok(Break(RefinementEnd::NotSolvedOnFiner));
         }
         Ok(Continue(contact))
     }
@@ -243,7 +243,7 @@ impl Rounds<'_> {
         contact: &Contact,
         error: Option<ErrorEstimate>,
         so_far: &mut SoFar,
-    ) -> Option<&'static str> {
+    ) -> Option<RefinementEnd> {
         let left_before = std::mem::replace(&mut so_far.left, contact.max_penetration_after);
         let error = error?;
         let is_met = self.is_met(Some(error));
@@ -252,18 +252,18 @@ impl Rounds<'_> {
                 || so_far.left > SETTLING * left_before
                 || contact.candidates.len() > FEW_NODES);
         if is_met && is_resolved {
-            return Some(MET);
+            return Some(RefinementEnd::Target);
         }
         let finest = FINEST_ON_EDGE * self.target.sqrt() * contact.max_penetration_before;
         let is_fine_on_edge = contact.clues.edge.is_some_and(|edge| edge.breadth <= finest);
         if is_fine_on_edge {
-            return Some("a sharp edge");
+            return Some(RefinementEnd::SharpEdge);
         }
-        let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_VERTICES;
+        let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_UNDER_FORCE;
         let is_unsettled = !is_met && error.worst() > SETTLING * so_far.worst && may_settle;
         so_far.unsettled = if is_unsettled { so_far.unsettled + 1 } else { 0 };
         so_far.worst = error.worst();
-        (so_far.unsettled >= UNSETTLED_ROUNDS).then_some("force or area does not settle")
+        (so_far.unsettled >= UNSETTLED_ROUNDS).then_some(RefinementEnd::Unsettled)
     }
 
     /// Contact nodes that the next round will have at the least: edges are halved around those wanting.
@@ -273,11 +273,11 @@ impl Rounds<'_> {
     }
 
     /// Why no mesh may be fine enough.
-    fn doubt(&self) -> Option<&'static str> {
+    fn doubt(&self) -> Option<RefinementEnd> {
         let (_, Contact { clues, .. }) = self.meshes.last.as_ref()?;
         match clues {
-            Clues { edge: Some(_), .. } => Some("a sharp edge"),
-            Clues { is_unsettled: true, .. } => Some("gaps that do not settle"),
+            Clues { edge: Some(_), .. } => Some(RefinementEnd::SharpEdge),
+            Clues { is_unsettled: true, .. } => Some(RefinementEnd::UnsettledGaps),
             _ => None,
         }
     }
@@ -329,7 +329,7 @@ impl Rounds<'_> {
     }
 
     /// The last contact in the numbers of the whole skin, with why no further round followed.
-    pub fn conclude(self, reason: &'static str) -> Result<Contact, ContactError> {
-        self.meshes.conclude(reason, self.target)
+    pub fn conclude(self, end: RefinementEnd) -> Result<Contact, ContactError> {
+        self.meshes.conclude(end, self.target)
     }
 }

@@ -34,7 +34,7 @@ const GAUSSIAN_SHARE: f64 = 0.5;
 /// Mesh cells in the radius of a contact below which force and area are guesses.
 const FEW_CELLS: f64 = 1.5;
 /// Share of the vertices that are few to touch: the flat cuts of hands and fingers are less.
-const FEW_VERTICES: f64 = 0.2;
+const FEW_MAY_TOUCH: f64 = 0.2;
 
 /// A question, with the contact that answers it.
 pub(crate) struct Guarded<'a> {
@@ -99,7 +99,7 @@ impl Guarded<'_> {
     fn mask(&self) -> Option<Warning> {
         let mask = self.surface.skin_mask();
         let (free, count) = (mask.iter().filter(|&&may_touch| may_touch).count(), mask.len());
-        (free < count && (free as f64) < FEW_VERTICES * count as f64).then(|| Warning {
+        (free < count && (free as f64) < FEW_MAY_TOUCH * count as f64).then(|| Warning {
             kind: WarningKind::Mask,
             message: format!(
                 "the skin mask lets {free} of {count} vertices touch ({:.2} %): is it inverted? It is true where the skin may touch",

@@ -6,9 +6,9 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::error::ContactError;
 use crate::contact::figures::penetration::Penetration;
+use crate::contact::figures::penetration::SMALL_PENETRATION;
 use crate::contact::gap::initial::Gaps;
-use crate::contact::outcome::Contact;
-use crate::contact::refine::round::SMALL_PENETRATION;
+use crate::contact::outcome::{Contact, RefinementEnd};
 use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
 use crate::geometry::solid_angle::winding_number;
@@ -125,7 +125,8 @@ fn still_penetrates(after: f64, before: f64, cause: &str) -> String {
 
 impl Contact {
     /// Warns where the refinement ended before its target, and where a body's mesh costs more than that.
-    pub(crate) fn warn_of_refinement(&mut self, reason: &'static str, target: f64) {
+    pub(crate) fn warn_of_refinement(&mut self, end: RefinementEnd, target: f64) {
+        let reason = end.as_str();
         let percent = |share: f64| format!("{:.2} %", 100.0 * share);
         let mut short = Vec::new();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)

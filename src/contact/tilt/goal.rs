@@ -6,19 +6,18 @@ use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
 
 use crate::contact::error::{ContactError, LargestContact};
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
-use crate::contact::refine::rounds::{Begun, MET, Rounds, begin, end_unrefined};
+use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Placement};
+use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
 use crate::contact::tilt::rest::{Beginning, Ended, Place, find};
 use crate::obstacle::posed::Obstacle;
-use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
-use crate::surface::checked::Surface;
 
 /// Moment that is left, over force times lever, and error of the force; the promise is 1e-6.
 const CLOSE: f64 = 0.9e-6;
@@ -31,15 +30,10 @@ const SWINGING: f64 = 100.0;
 /// Length of the first step and of those that a stiffness is measured with, as shares of the depth past the touch.
 const LENGTHS: [f64; 2] = [0.5, 1e-2];
 
-/// Everything that stays as it is while the obstacle turns.
+/// What is pressed on what, and turns meanwhile.
 pub(crate) struct Tilted<'a> {
-    pub surface: &'a Surface,
-    pub obstacle: &'a Obstacle,
-    pub skin: &'a dyn ElasticSkin,
-    pub options: &'a ContactOptions<'a>,
-    /// Its turn is not looked at, nor its depth where there is a target.
-    pub press: Approach,
-    /// `None`: the depth is given.
+    pub setup: Setup<'a>,
+    /// `None`: the depth is that of the press.
     pub target: Option<Target>,
     /// Unit axes, one or two.
     pub axes: Vec<Vector3<f64>>,
@@ -62,54 +56,53 @@ impl Tilted<'_> {
     /// Brings the obstacle to its balance: on the given mesh, then on the one refined there.
     pub fn run(&self) -> Result<Contact, ContactError> {
         let mut started = Instant::now();
-        let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
+        let Setup { surface, obstacle, skin, options, press } = self.setup;
+        let unrefined = ContactOptions { target_error: None, ..options.clone() };
         let depth = match self.target {
-            None => self.press.depth,
+            None => press.depth,
             Some(target) => {
-                let untilted = reach(self.surface, self.obstacle, self.press, target, self.skin, &unrefined)?;
+                let untilted = reach(Setup { options: &unrefined, ..self.setup }, target)?;
                 untilted.depth.expect("a press has a depth")
             }
         };
-        let touch = self.press.touch(self.surface, self.obstacle, false)?;
-        let on_given = self.on_mesh(self.surface, self.skin, touch);
+        let on_given = self.setup.on_given()?;
         let angles = vec![0.0; self.axes.len()];
-        let first = on_given.solve(depth - touch.1)?;
+        let first = on_given.solve(depth - on_given.touch.1)?;
         let lever = self.lever(&first);
         let mut given = self.settle(&on_given, first, angles, None, lever)?;
         if let Some(why) = given.why {
             let placement = self.placement(&given);
             let contact = given.contact.clone();
-            let contact = end_unrefined(contact, started, &placement, self.skin, self.options)?;
+            let contact = end_unrefined(contact, started, &placement, skin, options)?;
             return Err(self.not_balanced(contact, &given.turn, why));
         }
-        let press = self.press.on_part(self.surface, self.obstacle, self.options)?;
-        let refined = Self { press, axes: self.axes.clone(), ..*self };
+        let press = press.on_part(surface, obstacle, options)?;
+        let refined = Self { setup: Setup { press, ..self.setup }, axes: self.axes.clone(), ..*self };
         for refinement in 1..=REFINEMENTS {
             let placement = refined.placement(&given);
             let before = given.contact.obstacle.clone();
-            let mut rounds = match begin(given.contact.clone(), started, &placement, self.skin, self.options)?
-            {
+            let mut rounds = match begin(given.contact.clone(), started, &placement, skin, options)? {
                 Begun::Ended(contact) => return Ok(*contact),
                 Begun::Rounds(rounds) => *rounds,
             };
-            let reason = rounds.run()?;
+            let end = rounds.run()?;
             let refined_for = rounds.meshes.last_area();
-            let met = (reason == MET).then_some(rounds.target);
+            let met = (end == RefinementEnd::Target).then_some(rounds.target);
             let Some(found) = refined.settle_again(&mut rounds, &given, lever)? else {
-                return rounds.conclude(reason);
+                return rounds.conclude(end);
             };
             if let Some(why) = found.why {
-                return Err(self.not_balanced(rounds.conclude(reason)?, &found.turn, why));
+                return Err(self.not_balanced(rounds.conclude(end)?, &found.turn, why));
             }
             let has_gone_farther = |contact: &Contact| {
-                self.farthest_move(&before, contact) > FARTHER * self.surface.mean_edge_length()
+                self.farthest_move(&before, contact) > FARTHER * surface.mean_edge_length()
             };
             let contact = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
             let Some(contact) = contact.filter(|_| refinement < REFINEMENTS) else {
-                return rounds.conclude(reason);
+                return rounds.conclude(end);
             };
             started = Instant::now();
-            let past = contact.depth.expect("a press has a depth") - touch.1;
+            let past = contact.depth.expect("a press has a depth") - on_given.touch.1;
             let contact = on_given.turned(found.turn).solve(past)?;
             given = Settled { contact, ..found };
         }
@@ -130,13 +123,11 @@ impl Tilted<'_> {
         if last.status != ContactStatus::Solved {
             return Ok(None);
         }
-        let touch = self.press.touch(&part.surface, self.obstacle, true)?;
-        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
-        let inherited = Some(rounds.meshes.inherited_by(part, self.skin));
-        let on_part = OnMesh { inherited, ..self.on_mesh(&part.surface, &*skin, touch) };
+        let skin = self.setup.refined_skin(part)?;
+        let on_part = self.setup.on_refined(&rounds.meshes, part, &*skin)?;
         let (angles, stiffness) = (given.angles.clone(), given.stiffness.clone());
         let found = self.settle(&on_part, last.clone(), angles, stiffness, lever)?;
-        rounds.meshes.replace_last(found.contact.clone(), started, self.skin, self.options)?;
+        rounds.meshes.replace_last(found.contact.clone(), started, self.setup.skin, self.setup.options)?;
         Ok(Some(found))
     }
 
@@ -165,7 +156,7 @@ impl Tilted<'_> {
         let angles_at = |at: &DVector<f64>| -> Vec<f64> {
             at.iter().skip(usize::from(is_force)).map(|length| length / lever).collect()
         };
-        let kept = KeptSkin::new(on.skin);
+        let kept = KeptSkin::new(on.setup.skin);
         let trials = Trials::new(&kept);
         let mut timings = std::mem::take(&mut first.timings);
         let started = Beginning { at, stiffness, lengths: LENGTHS.map(|share| share * past) };
@@ -176,7 +167,7 @@ impl Tilted<'_> {
             self.room(&angles_at(at), &end)
         };
         let ended = find(started, first, room, |at| -> Result<_, ContactError> {
-            if self.options.is_interrupted() {
+            if self.setup.options.is_interrupted() {
                 return Err(ContactError::Interrupted { stage: "search for the balance" });
             }
             let turned = on.turned(self.turn(&angles_at(at)));
@@ -229,7 +220,7 @@ impl Tilted<'_> {
     fn place(&self, contact: Contact, lever: f64, free: f64) -> Place<Contact> {
         let excess = match self.target {
             Some(Target { quantity: Quantity::Force, value }) => {
-                Some(Quantity::Force.of(&contact, &self.press.direction) - value)
+                Some(Quantity::Force.of(&contact, &self.setup.press.direction) - value)
             }
             _ => None,
         };
@@ -250,7 +241,7 @@ impl Tilted<'_> {
         let moments = DVector::from_vec(self.moments(contact)).norm() / (force * self.lever(contact));
         let excess = match self.target {
             Some(Target { quantity: Quantity::Force, value }) => {
-                (Quantity::Force.of(contact, &self.press.direction) / value - 1.0).abs()
+                (Quantity::Force.of(contact, &self.setup.press.direction) / value - 1.0).abs()
             }
             _ => 0.0,
         };
@@ -266,7 +257,7 @@ impl Tilted<'_> {
 
     /// The point where it stands (m).
     fn point_at(&self, contact: &Contact) -> Vector3<f64> {
-        self.point + contact.travel * self.press.direction
+        self.point + contact.travel * self.setup.press.direction
     }
 
     /// Largest distance of a vertex under force from the point (m); the size of the skin without any.
@@ -310,21 +301,11 @@ impl Tilted<'_> {
         contact.active.iter().map(moved).fold(0.0, f64::max)
     }
 
-    fn on_mesh<'b>(
-        &'b self,
-        surface: &'b Surface,
-        skin: &'b dyn ElasticSkin,
-        touch: (f64, f64),
-    ) -> OnMesh<'b> {
-        let Tilted { obstacle, options, press, .. } = *self;
-        OnMesh { surface, skin, inherited: None, obstacle, press, options, touch }
-    }
-
     /// The press to where the obstacle came to rest.
     fn placement(&self, settled: &Settled) -> Placement<'_> {
         let depth = settled.contact.depth.expect("a press has a depth");
-        let press = Approach { depth, turn: Some(settled.turn), ..self.press };
-        Placement { obstacle: self.obstacle, press: Some(press) }
+        let press = Approach { turn: Some(settled.turn), ..self.setup.press };
+        Setup { press, ..self.setup }.at(depth)
     }
 
     fn not_balanced(&self, contact: Contact, turn: &Turn, why: &str) -> ContactError {

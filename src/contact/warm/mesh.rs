@@ -7,11 +7,11 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::mean_edge;
 use crate::contact::in_place::Known;
-use crate::contact::outcome::{Contact, ContactStatus, Patch};
+use crate::contact::outcome::{Contact, ContactStatus, Patch, RefinementEnd};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::too_large;
 use crate::contact::refine::meshes::{Meshes, is_of_another_size};
-use crate::contact::refine::rounds::{FEW_NODES, MET};
+use crate::contact::refine::rounds::FEW_NODES;
 use crate::contact::scene::Inherited;
 use crate::response::skin::kept::KeptMatrices;
 use crate::surface::checked::Surface;
@@ -133,7 +133,7 @@ impl WarmMesh {
         self.put_contact(contact);
         // The time of the given mesh is that of the press that it was solved for.
         self.meshes.given.timings.clear();
-        self.meshes.clone().conclude(MET, target)
+        self.meshes.clone().conclude(RefinementEnd::Target, target)
     }
 }
 

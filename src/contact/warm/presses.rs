@@ -8,16 +8,17 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::in_place::Known;
 use crate::contact::options::{ContactOptions, with_threads};
-use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::press::{press, unit_direction};
 use crate::contact::reach::goal::{FARTHER, Target, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, Trials};
 use crate::contact::reach::search::Search;
 use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
 use crate::contact::refine::meshes::Meshes;
-use crate::contact::refine::rounds::{Begun, MET, begin};
+use crate::contact::refine::rounds::{Begun, begin};
 use crate::contact::report::guards::Guarded;
-use crate::contact::scene::{Approach, Goal, Placement, Press};
+use crate::contact::scene::{Approach, Goal, Press};
+use crate::contact::setup::Setup;
 use crate::contact::solve::on_given_mesh;
 use crate::contact::tilt::axes::Balance;
 use crate::contact::warm::mesh::{RefinedFor, WarmMesh};
@@ -34,16 +35,6 @@ const MOST_CHANGES: usize = 6;
 /// same options.
 #[derive(Default)]
 pub struct WarmStart(Option<WarmMesh>);
-
-/// Everything that stays as it is from press to press.
-struct Presses<'a> {
-    surface: &'a Surface,
-    obstacle: &'a Obstacle,
-    skin: &'a dyn ElasticSkin,
-    options: &'a ContactOptions<'a>,
-    /// Its depth is not looked at.
-    press: Approach,
-}
 
 /// As [`press`], from what a press before leaves, if `before` holds anything.
 ///
@@ -69,10 +60,10 @@ pub fn press_after(
     };
     options.validate()?;
     let press = Approach::new(unit_direction(&asked.direction)?, asked.start, 0.0);
-    let presses = Presses { surface, obstacle, skin, options, press };
+    let setup = Setup { surface, obstacle, skin, options, press };
     let guarded = Guarded { surface, obstacle, skin, press: Some(asked) };
     guarded.check(with_threads(options, || {
-        let (contact, warm) = presses.answer(aim, warm)?;
+        let (contact, warm) = setup.answer(aim, warm)?;
         before.0 = warm;
         Ok(contact)
     }))
@@ -87,7 +78,8 @@ enum Aim {
     Force(f64),
 }
 
-impl Presses<'_> {
+impl Setup<'_> {
+    /// The contact, from what a press before leaves where that serves, with what it leaves itself.
     fn answer(&self, aim: Aim, warm: Option<WarmMesh>) -> Result<(Contact, Option<WarmMesh>), ContactError> {
         if let Some(warm) = warm
             && let Some((contact, warm)) = self.go_on(aim, warm)?
@@ -98,23 +90,17 @@ impl Presses<'_> {
             Aim::Force(value) => {
                 let target = Target { quantity: Quantity::Force, value };
                 let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
-                let near = reach(self.surface, self.obstacle, self.press, target, self.skin, &unrefined)?;
+                let near = reach(Setup { options: &unrefined, ..*self }, target)?;
                 let (_, warm) = self.begin_anew(near.depth.expect("a press has a depth"))?;
                 if let Some(warm) = warm
                     && let Some((contact, warm)) = self.go_on(aim, warm)?
                 {
                     return Ok((contact, Some(warm)));
                 }
-                let contact =
-                    reach(self.surface, self.obstacle, self.press, target, self.skin, self.options)?;
-                Ok((contact, None))
+                Ok((reach(*self, target)?, None))
             }
             Aim::Depth(depth) => self.begin_anew(depth),
         }
-    }
-
-    fn at(&self, depth: f64) -> Placement<'_> {
-        Placement { obstacle: self.obstacle, press: Some(Approach { depth, ..self.press }) }
     }
 
     /// The contact at a depth, from the given mesh.
@@ -125,9 +111,9 @@ impl Presses<'_> {
         match begin(given, started, &placement, self.skin, self.options)? {
             Begun::Ended(contact) => Ok((*contact, None)),
             Begun::Rounds(mut rounds) => {
-                let reason = rounds.run()?;
-                let warm = if reason == MET { self.warm(&rounds.meshes)? } else { None };
-                Ok((rounds.conclude(reason)?, warm))
+                let end = rounds.run()?;
+                let warm = if end == RefinementEnd::Target { self.warm(&rounds.meshes)? } else { None };
+                Ok((rounds.conclude(end)?, warm))
             }
         }
     }
@@ -158,7 +144,7 @@ impl Presses<'_> {
             if self.options.is_interrupted() {
                 return Err(ContactError::Interrupted { stage: "refinement" });
             }
-            let Some(contact) = self.solve(aim, &mut warm)? else { return Ok(None) };
+            let Some(contact) = self.solve_on(&mut warm, aim)? else { return Ok(None) };
             if !warm.serves(&contact) {
                 return Ok(None);
             }
@@ -183,20 +169,13 @@ impl Presses<'_> {
     }
 
     /// The contact on the last mesh; `None` where the goal is out of its reach.
-    fn solve(&self, aim: Aim, warm: &mut WarmMesh) -> Result<Option<Contact>, ContactError> {
+    fn solve_on(&self, warm: &mut WarmMesh, aim: Aim) -> Result<Option<Contact>, ContactError> {
         let before = warm.known.take();
         let (part, last) = warm.last();
-        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
+        let skin = self.refined_skin(part)?;
         let kept = KeptSkin::with(&*skin, Arc::clone(&warm.kept));
-        let on = OnMesh {
-            surface: &part.surface,
-            skin: &kept,
-            inherited: Some(warm.inherited.clone()),
-            obstacle: self.obstacle,
-            press: self.press,
-            options: self.options,
-            touch: warm.touch,
-        };
+        let setup = Setup { surface: &part.surface, skin: &kept, ..*self };
+        let on = OnMesh { setup, inherited: Some(warm.inherited.clone()), touch: warm.touch };
         let (contact, known) = match aim {
             Aim::Depth(depth) => {
                 let trials = Trials::from(&kept, before);
@@ -211,7 +190,7 @@ impl Presses<'_> {
                 let power = Quantity::Force.power();
                 // Of the mesh before, where that has changed: no more than a guess.
                 let first = past * (value / force).powf(1.0 / power);
-                let search = Search { value, first, power, limit: on.limit(), known: None };
+                let search = Search { value, first, power, limit: setup.limit(), known: None };
                 match on.reach(Quantity::Force, &search, before, None)? {
                     Reached::Short { .. } => return Ok(None),
                     Reached::Goal { contact, .. } => {
@@ -282,7 +261,7 @@ impl Presses<'_> {
     ) -> Result<bool, ContactError> {
         let Meshes { given, mesh, .. } = &warm.meshes;
         let (part, _) = warm.last();
-        let skin = self.skin.refined(part)?.expect("a skin that was refined before");
+        let skin = self.refined_skin(part)?;
         let mut between = touched_between(mesh, part, contact, &*skin, self.options)?;
         if looks_around {
             let under_force = loaded(mesh, &part.numbers(&contact.active));
