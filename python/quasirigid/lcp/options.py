@@ -59,9 +59,9 @@ class LcpOptions:
     covering : (n,) array_like or None
         Covering vector of Lemke's method, all > 0; None for ones.
     definiteness : {"cheap", "always", "never"}
-        Whether the certificate looks for positive definiteness, which makes a solution the only one;
-        "cheap": where that costs no more than the solve did. A matrix that is singular to rounding stays
-        "unknown".
+        Whether the certificate looks for positive definiteness of the rows that can leave zero, which makes a
+        solution the only one; "cheap": where that costs no more than the solve did. What is singular to
+        rounding stays "unknown".
     crash : bool
         Let Lemke's method begin from a crash basis: block exchanges guess the active set as long as nothing
         shows that M is no P-matrix, or from `initial_active`, whatever M is; where they stall, the path

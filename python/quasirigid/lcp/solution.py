@@ -29,7 +29,7 @@ class LcpStatus(StrEnum):
 
 
 class LcpDefiniteness(StrEnum):
-    """What a solve has shown of its matrix; the first two leave one solution."""
+    """What a solve has shown of the rows of its matrix that can leave zero; the first two leave one solution."""
 
     POSITIVE_DEFINITE = "positive_definite"
     P_MATRIX = "p_matrix"
@@ -59,7 +59,8 @@ class Certificate:
     infeasibility : float
         ``max(-w_i, 0) / max(-q)``.
     definiteness : LcpDefiniteness
-        "positive_definite", "p_matrix", "not_positive_definite" or "unknown".
+        "positive_definite", "p_matrix", "not_positive_definite" or "unknown": of the rows that can leave
+        zero with this q. Another q may have more of them; `quasirigid.definiteness` looks at all of a matrix.
     is_unique : bool
         Whether the solution is known to be the only one.
     """

@@ -11,8 +11,11 @@ const PATIENCE: usize = 3;
 /// A bracket that narrow, whose upper end has no value, ends the search.
 const NARROW: f64 = 1.01;
 
-/// How far a value may fall, relative to the one looked for, where the function rises: contacts are solved to a gap.
+/// How near to the one looked for a value is good enough where none is nearer: contacts are solved to a gap.
 const UNEVENNESS: f64 = 1e-3;
+/// How far a value may fall, as a logarithm, before the function is taken to fall for good: forces on rough products dip by a
+/// few per cent.
+const DIP: f64 = 0.1;
 
 /// What is looked for.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +51,11 @@ pub(crate) enum Found {
 
 /// What is known on the way; arguments and values as logarithms, values relative to the one looked for.
 struct Bracket {
+    /// The largest argument known whose value is below.
     below: Option<(f64, f64)>,
+    /// The largest value below.
+    largest: Option<(f64, f64)>,
+    /// The smallest argument known whose value is above, or beyond which none is looked for.
     above: Option<(f64, Option<f64>)>,
     /// The last two points.
     recent: [Option<(f64, f64)>; 2],
@@ -67,6 +74,7 @@ impl Search {
     pub fn run<E>(&self, mut trial: impl FnMut(f64) -> Result<Trial, E>) -> Result<Found, E> {
         let mut bracket = Bracket {
             below: None,
+            largest: None,
             above: None,
             recent: [None; 2],
             nearest: (0.0, f64::INFINITY),
@@ -113,13 +121,18 @@ impl Bracket {
         if value.abs() < self.nearest.1.abs() {
             self.nearest = (at, value);
         }
+        let largest = self.largest.map_or(f64::NEG_INFINITY, |(_, largest)| largest);
+        let is_bracketed = matches!(self.above, Some((_, Some(_))));
         if value >= 0.0 {
             self.above = Some((at, Some(value)));
-        } else if self.below.is_none_or(|(_, largest)| value >= largest - UNEVENNESS) {
+        } else if is_bracketed || value >= largest - DIP {
             self.below = Some((at, value));
         } else {
             self.above = Some((at, None));
             self.why = "deeper it falls again".into();
+        }
+        if value < 0.0 && value >= largest {
+            self.largest = Some((at, value));
         }
         if value.is_finite() {
             self.recent = [self.recent[1], Some((at, value))];
@@ -176,7 +189,7 @@ impl Bracket {
         if self.nearest.1.abs() <= UNEVENNESS {
             return Found::Close { at: self.nearest.0.exp(), power: self.power(search) };
         }
-        Found::NotReached { largest: self.below.map(|(at, _)| at.exp()), why: self.why }
+        Found::NotReached { largest: self.largest.map(|(at, _)| at.exp()), why: self.why }
     }
 }
 
@@ -232,6 +245,18 @@ mod tests {
         for value in [7.0, 7.9999, 8.0004] {
             let at = count(&search(value), rough).1;
             assert!((rough(at) / value - 1.0).abs() <= 2e-4, "{value}: {at}");
+        }
+    }
+
+    #[test]
+    fn what_is_reached_beyond_a_dip_is_found() {
+        // Rises, falls by 8 % from 2 to 2.3, and rises again.
+        let dips = |x: f64| if x < 2.0 { x } else { (2.0 - 0.55 * (x - 2.0)).max(1.84 + 0.7 * (x - 2.3)) };
+        for value in [1.9, 1.95, 1.99, 2.0, 2.1, 3.0] {
+            for first in [0.5, 1.0, 1.9, 2.2] {
+                let at = count(&Search { first, power: 1.0, ..search(value) }, dips).1;
+                assert!((dips(at) / value - 1.0).abs() <= 1e-6, "{value} from {first}: {at}");
+            }
         }
     }
 
