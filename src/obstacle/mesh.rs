@@ -98,6 +98,11 @@ impl MeshShape {
         &self.faces
     }
 
+    /// Outward unit normals of the faces.
+    pub fn normals(&self) -> &[Vector3<f64>] {
+        &self.normals
+    }
+
     /// Its sharp convex edges.
     pub fn sharp_edges(&self) -> &[SharpEdge] {
         self.sharp_edges.get_or_init(|| mesh_edges(&self.vertices, &self.faces, &self.normals))

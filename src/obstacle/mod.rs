@@ -19,6 +19,7 @@
 pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod error;
+pub(crate) mod facets;
 pub(crate) mod first_touch;
 pub(crate) mod march;
 pub(crate) mod material;

@@ -42,12 +42,14 @@ class Accuracy:
         where it penetrates and nothing carries force.
     mesh_error, body_error : float or None
         Parts of `force_error`: from the mesh around the contact; from the coarse mesh of a body or of a
-        product's given matrix.
+        product's given matrix. Penetration that a refined mesh leaves, over that before, is in `mesh_error`
+        and in the two below.
     area_error : float or None
         Estimated error of `contact_area` over it.
     max_pressure_error : float or None
         Estimated error of `max_pressure` over it; infinite where a sharp edge carries force, or a vertex at
-        a cut or the rim of the skin mask, too.
+        a cut or the rim of the skin mask, too. Where facets of a product's mesh meet under the peak, they
+        make it grow as cells get smaller, without end: what cells a quarter as large would add is in it.
     """
 
     natural_residual: float

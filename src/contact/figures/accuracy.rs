@@ -39,7 +39,8 @@ pub struct Accuracy {
     pub body_error: Option<f64>,
     /// Estimated error of the contact area over it.
     pub area_error: Option<f64>,
-    /// Estimated error of the largest pressure over it; infinite where a sharp edge carries force, or a vertex at a cut.
+    /// Estimated error of the largest pressure over it, with what cells a quarter as large would add where facets of the
+    /// obstacle meet; infinite where a sharp edge carries force, or a vertex at a cut.
     pub max_pressure_error: Option<f64>,
 }
 

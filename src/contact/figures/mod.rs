@@ -7,6 +7,7 @@ pub(crate) mod between;
 pub(crate) mod cells;
 pub(crate) mod displacement;
 pub(crate) mod drawn;
+pub(crate) mod facets;
 pub(crate) mod fade;
 pub(crate) mod loaded_edge;
 pub(crate) mod mean_pressure;

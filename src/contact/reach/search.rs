@@ -108,7 +108,10 @@ impl Search {
             at = bracket.next(self);
         }
         match bracket.above {
-            Some((_, Some(_))) => bracket.why = format!("it jumps beyond: {MAX_TRIALS} depths were tried"),
+            Some((_, Some(above))) => {
+                let above = self.value * above.exp();
+                bracket.why = format!("it jumps to {above:.4e} beyond: {MAX_TRIALS} depths were tried");
+            }
             None => bracket.why = format!("no more than {MAX_TRIALS} depths are tried"),
             Some((_, None)) => {}
         }

@@ -137,12 +137,18 @@ impl Meshes {
     /// The last contact in the numbers of the whole skin, with why no further round followed.
     ///
     /// * `target`: of the relative error
-    pub fn conclude(self, end: RefinementEnd, target: f64) -> Result<Contact, ContactError> {
+    /// * `skin`: of the given surface
+    pub fn conclude(
+        self,
+        end: RefinementEnd,
+        target: f64,
+        skin: &dyn ElasticSkin,
+    ) -> Result<Contact, ContactError> {
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
         };
         contact.warn_of_refinement(end, target);
-        Ok(contact.concluded(end))
+        Ok(contact.concluded(end, skin))
     }
 }

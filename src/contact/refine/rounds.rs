@@ -84,15 +84,15 @@ pub(crate) fn begin<'a>(
         .then(|| ErrorEstimate::of_cells(&given, Tissue::under(&given, skin)));
     given.note_round(error, started);
     let target = match options.target_error {
-        None => return ended(given.concluded(RefinementEnd::NoTarget)),
+        None => return ended(given.concluded(RefinementEnd::NoTarget, skin)),
         Some(_) if !traits.refines => {
             given.leave_out("refinement", "one-rings and given matrices take the mesh as it is");
-            return ended(given.concluded(RefinementEnd::Response));
+            return ended(given.concluded(RefinementEnd::Response, skin));
         }
         Some(target) => target,
     };
     if matches!(given.status, ContactStatus::Failed(_)) {
-        return ended(given.concluded(RefinementEnd::NotSolved));
+        return ended(given.concluded(RefinementEnd::NotSolved, skin));
     }
     let deepest = given.max_penetration_before;
     let near = faces_near(&given.gap, &given.candidates, deepest, &surface, &traits);
@@ -330,6 +330,6 @@ impl Rounds<'_> {
 
     /// The last contact in the numbers of the whole skin, with why no further round followed.
     pub fn conclude(self, end: RefinementEnd) -> Result<Contact, ContactError> {
-        self.meshes.conclude(end, self.target)
+        self.meshes.conclude(end, self.target, self.skin)
     }
 }

@@ -13,6 +13,7 @@ use crate::contact::refine::mark::too_large;
 use crate::contact::refine::meshes::{Meshes, is_of_another_size};
 use crate::contact::refine::rounds::FEW_NODES;
 use crate::contact::scene::Inherited;
+use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptMatrices;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -128,12 +129,13 @@ impl WarmMesh {
         error: Option<ErrorEstimate>,
         started: Instant,
         target: f64,
+        skin: &dyn ElasticSkin,
     ) -> Result<Contact, ContactError> {
         contact.note_round(error, started);
         self.put_contact(contact);
         // The time of the given mesh is that of the press that it was solved for.
         self.meshes.given.timings.clear();
-        self.meshes.clone().conclude(RefinementEnd::Target, target)
+        self.meshes.clone().conclude(RefinementEnd::Target, target, skin)
     }
 }
 

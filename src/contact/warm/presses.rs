@@ -152,7 +152,7 @@ impl Setup<'_> {
             if view != View::Another {
                 match warm.error(&contact) {
                     Ok(error) => {
-                        let contact = warm.conclude(contact, error, started, target)?;
+                        let contact = warm.conclude(contact, error, started, target, self.skin)?;
                         if view == View::Wider {
                             self.onto_mesh(&mut warm)?;
                         }

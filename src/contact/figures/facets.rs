@@ -1,0 +1,39 @@
+//! What the facets of a product's mesh do to the peak pressure.
+//!
+//! Where facets meet, a product is a ridge or a tip, however blunt: the pressure there has no end as the cells of the skin get
+//! smaller, and is not that of the smooth product that the mesh stands for.
+
+use nalgebra::Vector3;
+
+use crate::contact::outcome::Contact;
+use crate::response::skin::elastic::ElasticSkin;
+
+/// The cells' size over that for which the peak is still covered, as a logarithm: of cells a quarter as large.
+const SMALLER: f64 = 2.0 * std::f64::consts::LN_2;
+/// Share of the peak from which another may outgrow it.
+const NEAR_PEAK: f64 = 0.5;
+
+impl Contact {
+    /// What smaller cells may add to the peak pressure at the facets of the product, over it.
+    ///
+    /// * `skin`: of the given surface
+    pub(crate) fn growth_at_facets(&self, skin: &dyn ElasticSkin) -> f64 {
+        let (surface, peak) = (self.surface(), self.resultant.max_pressure);
+        let growth = |(&vertex, moved): (&usize, &Vector3<f64>)| {
+            let reach = surface.vertex_areas()[vertex].sqrt();
+            let is_high = self.pressure[vertex] >= NEAR_PEAK * peak;
+            if is_high {
+                self.obstacle.facet_growth(&(surface.vertices()[vertex] + moved), reach)
+            } else {
+                0.0
+            }
+        };
+        let moved = &self.drawing.motion.displacement;
+        let steepest = self.candidates.iter().zip(moved).map(growth).fold(0.0, f64::max);
+        let given = self.candidates.iter().filter(|&&vertex| vertex < self.given_vertex_count());
+        let shear_modulus = given.chain([&0]).find_map(|&vertex| skin.shear_modulus_at(vertex));
+        // E* of tissue that keeps its volume, with a product that gives way too.
+        let modulus = 4.0 * shear_modulus.unwrap_or(0.0) * (1.0 - self.obstacle_share.unwrap_or(0.0));
+        if steepest > 0.0 { SMALLER * modulus * steepest / peak } else { 0.0 }
+    }
+}
