@@ -99,6 +99,42 @@ def test_the_estimate_of_refined_areas_in_galerkin_form_covers_nine_of_ten(finge
     assert np.mean(covered) >= 0.9
 
 
+def test_the_estimate_of_areas_with_a_finer_rim_covers_nine_of_ten() -> None:
+    covered = []
+    for edge in (0.9e-3, 1.1e-3, 1.4e-3, 1.7e-3):
+        tip = qr.models.fingertip(edge_length=edge)
+        for depth in (0.3e-3, 0.5e-3, 0.8e-3, 1.3e-3):
+            contact, fine = (
+                qr.press(tip, qr.Obstacle.half_space([0, 0, -1], UP), soft(), UP, depth=depth, options=options)
+                for options in (None, FINE)
+            )
+            before, last = [one.nodes for one in contact.refinements if one.kind == "mesh"][-2:]
+            if last < 3 * before:
+                covered.append(covers(contact, fine)[1])
+    assert len(covered) >= 5
+    assert np.mean(covered) >= 0.9
+
+
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+def test_the_estimate_of_a_peak_on_facets_covers_smaller_cells_and_the_smooth_product(
+    fingertip: qr.Surface, discretization: str
+) -> None:
+    center = [0.3e-3, 15e-3, -0.2]
+    facets, faces = ball(30e-3, 4)
+    drawn = qr.Obstacle.mesh(facets - facets.mean(axis=0), faces).moved(None, center)
+    smooth = qr.Obstacle.sphere(center=center, radius=30e-3)
+    skin = soft(discretization)
+    contact, round_one = (
+        qr.press(fingertip, product, skin, UP, depth=1e-3) for product in (drawn, smooth)
+    )
+    fine = qr.press(fingertip, drawn, skin, UP, depth=1e-3, options=FINE)
+    error = contact.accuracy.max_pressure_error
+    assert error is not None
+    for peak in (fine.max_pressure, round_one.max_pressure):
+        assert abs(contact.max_pressure - peak) <= error * contact.max_pressure
+    assert 2 * round_one.accuracy.max_pressure_error < error < 0.3
+
+
 @pytest.mark.parametrize(("pitch", "target"), [(5.0, None), (5.0, 0.05), (45.0, None), (45.0, 0.05)])
 def test_the_estimate_at_the_cut_end_of_a_finger_says_what_its_edge_costs(
     fingertip: qr.Surface, pitch: float, target: float | None

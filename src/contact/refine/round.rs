@@ -76,7 +76,8 @@ impl Contact {
     /// Adds what this round found.
     pub(crate) fn note_round(&mut self, error: Option<ErrorEstimate>, started: Instant) {
         let doubts = [self.clues.body, self.clues.product].into_iter().flatten();
-        let body = doubts.map(|doubt| doubt.force_error).sum();
+        // A sum of none would be -0.
+        let body = doubts.map(|doubt| doubt.force_error).fold(0.0, |sum, error| sum + error);
         self.accuracy.mesh_error = error.map(|error| error.force);
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
@@ -164,6 +165,6 @@ mod tests {
         // Two rounds may agree by chance.
         let [force, area] = after(Finer::Pressed);
         assert!((force - 0.04).abs() < 1e-12 && (area - 0.06).abs() < 1e-12, "{force} {area}");
-        assert_eq!(after(Finer::Rim), [0.2 * LEFT_BY_RIM, area]);
+        assert_eq!(after(Finer::Rim), [0.2 * LEFT_BY_RIM[0], 0.3 * LEFT_BY_RIM[1]]);
     }
 }
