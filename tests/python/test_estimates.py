@@ -100,13 +100,13 @@ def test_the_estimate_of_refined_areas_in_galerkin_form_covers_nine_of_ten(finge
 
 
 def test_the_estimate_of_areas_with_a_finer_rim_covers_nine_of_ten() -> None:
+    plate = qr.Obstacle.half_space([0, 0, -1], UP)
     covered = []
     for edge in (0.9e-3, 1.1e-3, 1.4e-3, 1.7e-3):
         tip = qr.models.fingertip(edge_length=edge)
         for depth in (0.3e-3, 0.5e-3, 0.8e-3, 1.3e-3):
             contact, fine = (
-                qr.press(tip, qr.Obstacle.half_space([0, 0, -1], UP), soft(), UP, depth=depth, options=options)
-                for options in (None, FINE)
+                qr.press(tip, plate, soft(), UP, depth=depth, options=options) for options in (None, FINE)
             )
             before, last = [one.nodes for one in contact.refinements if one.kind == "mesh"][-2:]
             if last < 3 * before:
@@ -124,9 +124,7 @@ def test_the_estimate_of_a_peak_on_facets_covers_smaller_cells_and_the_smooth_pr
     drawn = qr.Obstacle.mesh(facets - facets.mean(axis=0), faces).moved(None, center)
     smooth = qr.Obstacle.sphere(center=center, radius=30e-3)
     skin = soft(discretization)
-    contact, round_one = (
-        qr.press(fingertip, product, skin, UP, depth=1e-3) for product in (drawn, smooth)
-    )
+    contact, round_one = (qr.press(fingertip, product, skin, UP, depth=1e-3) for product in (drawn, smooth))
     fine = qr.press(fingertip, drawn, skin, UP, depth=1e-3, options=FINE)
     error = contact.accuracy.max_pressure_error
     assert error is not None

@@ -29,7 +29,7 @@ class LcpStatus(StrEnum):
 
 
 class LcpDefiniteness(StrEnum):
-    """What a solve has shown of the rows of its matrix that can leave zero; the first two leave one solution."""
+    """What a solve has shown of the rows that can leave zero; the first two leave one solution."""
 
     POSITIVE_DEFINITE = "positive_definite"
     P_MATRIX = "p_matrix"
