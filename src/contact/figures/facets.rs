@@ -4,6 +4,7 @@
 //! smaller, and is not that of the smooth product that the mesh stands for.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::contact::outcome::Contact;
 use crate::response::skin::elastic::ElasticSkin;
@@ -11,7 +12,9 @@ use crate::response::skin::elastic::ElasticSkin;
 /// The cells' size over that for which the peak is still covered, as a logarithm: of cells a quarter as large.
 const SMALLER: f64 = 2.0 * std::f64::consts::LN_2;
 /// Share of the peak from which another may outgrow it.
-const NEAR_PEAK: f64 = 0.5;
+const NEAR_PEAK: f64 = 0.8;
+/// Fewest nodes that are worth a task of their own.
+const NODES_PER_TASK: usize = 64;
 
 impl Contact {
     /// What smaller cells may add to the peak pressure at the facets of the product, over it.
@@ -28,8 +31,8 @@ impl Contact {
                 0.0
             }
         };
-        let moved = &self.drawing.motion.displacement;
-        let steepest = self.candidates.iter().zip(moved).map(growth).fold(0.0, f64::max);
+        let nodes = self.candidates.par_iter().zip(&self.drawing.motion.displacement);
+        let steepest = nodes.with_min_len(NODES_PER_TASK).map(growth).reduce(|| 0.0, f64::max);
         let given = self.candidates.iter().filter(|&&vertex| vertex < self.given_vertex_count());
         let shear_modulus = given.chain([&0]).find_map(|&vertex| skin.shear_modulus_at(vertex));
         // E* of tissue that keeps its volume, with a product that gives way too.
