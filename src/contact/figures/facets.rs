@@ -17,10 +17,16 @@ const NEAR_PEAK: f64 = 0.8;
 const NODES_PER_TASK: usize = 64;
 
 impl Contact {
-    /// What smaller cells may add to the peak pressure at the facets of the product, over it.
+    /// Shear modulus (Pa) of the skin under a contact on the given mesh, where one is known.
+    pub(crate) fn shear_modulus(&self, skin: &dyn ElasticSkin) -> Option<f64> {
+        self.candidates.iter().chain([&0]).find_map(|&vertex| skin.shear_modulus_at(vertex))
+    }
+
+    /// What smaller cells may add to the peak pressure at the facets of the product, over it. Of a contact on a refined part:
+    /// the whole surface is not made for this.
     ///
-    /// * `skin`: of the given surface
-    pub(crate) fn growth_at_facets(&self, skin: &dyn ElasticSkin) -> f64 {
+    /// * `shear_modulus`: of the skin (Pa)
+    pub(crate) fn growth_at_facets(&self, shear_modulus: Option<f64>) -> f64 {
         let (surface, peak) = (self.surface(), self.resultant.max_pressure);
         let growth = |(&vertex, moved): (&usize, &Vector3<f64>)| {
             let reach = surface.vertex_areas()[vertex].sqrt();
@@ -33,8 +39,6 @@ impl Contact {
         };
         let nodes = self.candidates.par_iter().zip(&self.drawing.motion.displacement);
         let steepest = nodes.with_min_len(NODES_PER_TASK).map(growth).reduce(|| 0.0, f64::max);
-        let given = self.candidates.iter().filter(|&&vertex| vertex < self.given_vertex_count());
-        let shear_modulus = given.chain([&0]).find_map(|&vertex| skin.shear_modulus_at(vertex));
         // E* of tissue that keeps its volume, with a product that gives way too.
         let modulus = 4.0 * shear_modulus.unwrap_or(0.0) * (1.0 - self.obstacle_share.unwrap_or(0.0));
         if steepest > 0.0 { SMALLER * modulus * steepest / peak } else { 0.0 }

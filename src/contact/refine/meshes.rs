@@ -144,11 +144,13 @@ impl Meshes {
         target: f64,
         skin: &dyn ElasticSkin,
     ) -> Result<Contact, ContactError> {
+        let modulus = self.given.shear_modulus(skin);
+        let at_facets = self.last.as_ref().map_or(&self.given, |(_, last)| last).growth_at_facets(modulus);
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
         };
         contact.warn_of_refinement(end, target);
-        Ok(contact.concluded(end, skin))
+        Ok(contact.concluded(end, at_facets))
     }
 }

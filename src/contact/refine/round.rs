@@ -10,7 +10,6 @@ use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::refine::wanting::Finer;
 use crate::response::kernel::basis::Discretization;
-use crate::response::skin::elastic::ElasticSkin;
 
 /// Shares of the errors of force and area that a finer rim leaves. In collocation the force keeps a quarter in the median of 230
 /// rounds on fingers, as much as where all is made finer, but most of it on smooth fingertips under plates; in Galerkin form it
@@ -102,8 +101,8 @@ impl Contact {
 
     /// Says why no further round followed.
     ///
-    /// * `skin`: of the given surface
-    pub(crate) fn concluded(mut self, end: RefinementEnd, skin: &dyn ElasticSkin) -> Self {
+    /// * `at_facets`: [`growth_at_facets`](Self::growth_at_facets)
+    pub(crate) fn concluded(mut self, end: RefinementEnd, at_facets: f64) -> Self {
         if self.status == ContactStatus::NoContact {
             self.leave_out("estimates of error", "there is no contact");
         }
@@ -111,7 +110,6 @@ impl Contact {
         // No round makes these less. The estimate of a mesh that was taken as it is knows of penetration.
         let [of_area, of_peak] = self.clues.product.as_ref().map_or([0.0; 2], errors_of_area_and_peak);
         let left = if end == RefinementEnd::NoTarget { 0.0 } else { self.unresolved_penetration() };
-        let at_facets = self.growth_at_facets(skin);
         let Accuracy { force_error, mesh_error, area_error, max_pressure_error, .. } = &mut self.accuracy;
         let more = [
             (force_error, left),

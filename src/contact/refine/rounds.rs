@@ -71,7 +71,10 @@ pub(crate) fn begin<'a>(
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions,
 ) -> Result<Begun<'a>, ContactError> {
-    let ended = |contact: Contact| Ok(Begun::Ended(Box::new(contact)));
+    let ended = |given: Contact, end| {
+        let at_facets = given.growth_at_facets(given.shear_modulus(skin));
+        Ok(Begun::Ended(Box::new(given.concluded(end, at_facets))))
+    };
     let surface = given.surface().clone();
     let traits = skin.traits(&surface)?.with_product(placement.obstacle.material());
     if !traits.refines {
@@ -84,15 +87,15 @@ pub(crate) fn begin<'a>(
         .then(|| ErrorEstimate::of_cells(&given, Tissue::under(&given, skin)));
     given.note_round(error, started);
     let target = match options.target_error {
-        None => return ended(given.concluded(RefinementEnd::NoTarget, skin)),
+        None => return ended(given, RefinementEnd::NoTarget),
         Some(_) if !traits.refines => {
             given.leave_out("refinement", "one-rings and given matrices take the mesh as it is");
-            return ended(given.concluded(RefinementEnd::Response, skin));
+            return ended(given, RefinementEnd::Response);
         }
         Some(target) => target,
     };
     if matches!(given.status, ContactStatus::Failed(_)) {
-        return ended(given.concluded(RefinementEnd::NotSolved, skin));
+        return ended(given, RefinementEnd::NotSolved);
     }
     let deepest = given.max_penetration_before;
     let near = faces_near(&given.gap, &given.candidates, deepest, &surface, &traits);
