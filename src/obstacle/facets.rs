@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 
-use crate::geometry::face_tree::Faces;
 use crate::obstacle::mesh::MeshShape;
 use crate::obstacle::posed::{Obstacle, Shape};
 
@@ -22,17 +21,18 @@ impl Obstacle {
 
 impl MeshShape {
     fn facet_growth(&self, point: &Vector3<f64>, reach: f64) -> f64 {
-        let faces = Faces { vertices: self.vertices(), corners: self.faces(), normals: self.normals() };
-        let tree = self.tree();
-        let (face, closest) =
-            faces.closest_to_point(tree.bvh(), point, f64::INFINITY).expect("a checked mesh has faces");
+        let (faces, tree) = (self.search(), self.tree());
+        let (face, closest) = self
+            .search()
+            .closest_to_point(tree.bvh(), point, f64::INFINITY)
+            .expect("a checked mesh has faces");
         let known = tree.pseudo_normals_if_oriented().expect("the tree is built oriented");
         let numbers = self.faces()[face].map(|vertex| vertex as usize);
         let corners = numbers.map(|vertex| self.vertices()[vertex]);
         let center = (corners[0] + corners[1] + corners[2]) / 3.0;
         // Down from what is convex.
         let slope = |top: &Vector3<f64>, normal: Vector3<f64>| {
-            if normal.dot(&(center - top)) < 0.0 { normal.angle(&self.normals()[face]) } else { 0.0 }
+            if normal.dot(&(center - top)) < 0.0 { normal.angle(&faces.normals[face]) } else { 0.0 }
         };
         let growth = |side: usize| {
             let [from, to] = [side, side + 1].map(|k| corners[k % 3]);

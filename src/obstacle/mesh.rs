@@ -98,9 +98,9 @@ impl MeshShape {
         &self.faces
     }
 
-    /// Outward unit normals of the faces.
-    pub fn normals(&self) -> &[Vector3<f64>] {
-        &self.normals
+    /// The faces, to be searched with the [tree](Self::tree).
+    pub fn search(&self) -> Faces<'_> {
+        Faces { vertices: &self.vertices, corners: &self.faces, normals: &self.normals }
     }
 
     /// Its sharp convex edges.
@@ -132,15 +132,13 @@ impl MeshShape {
 
     /// Nearest point of the surface; `None` if it is surely farther than `reach` (m).
     pub fn nearest(&self, p: &Vector3<f64>, reach: f64) -> Option<Nearest> {
-        let faces = Faces { vertices: &self.vertices, corners: &self.faces, normals: &self.normals };
-        let (face, closest) = faces.closest_to_point(self.tree.bvh(), p, reach)?;
+        let (face, closest) = self.search().closest_to_point(self.tree.bvh(), p, reach)?;
         Some(self.signed(p, face, &closest))
     }
 
     /// The triangle closest to a point, and where on it.
     pub fn closest_triangle(&self, p: &Vector3<f64>) -> CoarsePlace {
-        let faces = Faces { vertices: &self.vertices, corners: &self.faces, normals: &self.normals };
-        let (face, weights, _) = barycentric(&faces, self.tree.bvh(), p);
+        let (face, weights, _) = barycentric(&self.search(), self.tree.bvh(), p);
         CoarsePlace { corners: self.faces[face], weights }
     }
 

@@ -71,7 +71,7 @@ fn the_depth_of_a_force_gives_that_force_back() {
 
         let options = ContactOptions::default();
         let refined = pressed(&surface, &plate(), Goal::Force(force), &options);
-        assert_eq!(refined.refinements.last().unwrap().end, Some(RefinementEnd::Target));
+        assert_eq!(refined.refinements.last().and_then(|one| one.end), Some(RefinementEnd::Target));
         assert_eq!(refined.refinements.last().unwrap().force, refined.resultant.force);
         assert!(refined.accuracy.mesh_error.unwrap().max(refined.accuracy.area_error.unwrap()) <= 0.02);
         assert_relative_eq!(refined.resultant.force.z, force, max_relative = 1e-6);
