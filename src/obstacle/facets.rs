@@ -22,10 +22,8 @@ impl Obstacle {
 impl MeshShape {
     fn facet_growth(&self, point: &Vector3<f64>, reach: f64) -> f64 {
         let (faces, tree) = (self.search(), self.tree());
-        let (face, closest) = self
-            .search()
-            .closest_to_point(tree.bvh(), point, f64::INFINITY)
-            .expect("a checked mesh has faces");
+        let (face, closest) =
+            faces.closest_to_point(tree.bvh(), point, f64::INFINITY).expect("a checked mesh has faces");
         let known = tree.pseudo_normals_if_oriented().expect("the tree is built oriented");
         let numbers = self.faces()[face].map(|vertex| vertex as usize);
         let corners = numbers.map(|vertex| self.vertices()[vertex]);
