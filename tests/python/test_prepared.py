@@ -8,6 +8,7 @@ import io
 import pickle
 import zipfile
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,20 @@ RESPONSES = {
     "body": qr.Body(bone=core()),
     "averaged_body": qr.Body(bone=core(), discretization="galerkin"),
 }
+
+
+def test_threads_share_a_prepared_skin(surface: qr.Surface) -> None:
+    prepared = skin_of(RESPONSES["body"]).prepared(surface)
+    depths = np.linspace(0.2e-3, 1.0e-3, 6)
+
+    def force(depth: float) -> float:
+        options = qr.ContactOptions(target_error=0.1)
+        return float(qr.press(surface, PLATE, prepared, [0, 0, 1], depth=depth, options=options).force[2])
+
+    alone = [force(depth) for depth in depths]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(force, [*depths, *depths], timeout=120.0))
+    np.testing.assert_allclose(together, [*alone, *alone], rtol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["half_space", "layer", "field"])
