@@ -3,8 +3,9 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::rc::Rc;
 
-use faer::Mat;
+use faer::{Mat, MatMut};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::forces::AppliedForces;
@@ -14,6 +15,7 @@ use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::geometry::direction::are_one;
 use crate::lcp::block_factor::KeptFactors;
+use crate::linalg::threads::columns_per_task;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
@@ -252,11 +254,17 @@ fn along(
 ) -> Result<Mat<f64>, ResponseError> {
     let mut matrix = skin.matrix(asked, normals)?;
     let is_scalar: Vec<bool> = asked.nodes.iter().map(|&vertex| skin.is_scalar(vertex)).collect();
-    for (column, normal) in normals.iter().enumerate().filter(|&(column, _)| is_scalar[column]) {
-        let entries = matrix.col_as_slice_mut(column).iter_mut().zip(normals).zip(&is_scalar);
-        entries
-            .filter(|(_, is_scalar)| **is_scalar)
-            .for_each(|((entry, other), _)| *entry *= other.dot(normal));
-    }
+    let scale = |((column, normal), is_own_scalar): ((MatMut<f64>, &Vector3<f64>), &bool)| {
+        if !is_own_scalar {
+            return;
+        }
+        let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+        let rows = entries.as_slice_mut().iter_mut().zip(normals).zip(&is_scalar);
+        rows.for_each(|((entry, other), is_scalar)| {
+            *entry *= if *is_scalar { other.dot(normal) } else { 1.0 }
+        });
+    };
+    let columns = matrix.par_col_chunks_mut(1).zip(normals).zip(&is_scalar);
+    columns.with_min_len(columns_per_task(normals.len())).for_each(scale);
     Ok(matrix)
 }

@@ -21,7 +21,8 @@ use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::{BodyDoubt, lost_displacement};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
-use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
+use crate::response::matrix::displaced::displaced;
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarsePlace;
@@ -169,8 +170,7 @@ impl ElasticSkin for GivenProduct<'_> {
         forces: &[Vector3<f64>],
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        let mut moved = Vec::with_capacity(vertices.len());
-        append_products(&mut moved, &self.block(vertices, asked.nodes), forces);
-        Ok(moved)
+        let block = self.block(vertices, asked.nodes);
+        Ok(displaced(block.nrows(), |column| block.col_as_slice(column), forces))
     }
 }

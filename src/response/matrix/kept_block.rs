@@ -7,14 +7,27 @@ use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use faer::{Mat, MatMut};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::linalg::threads::columns_per_task;
 use crate::response::error::ResponseError;
+use crate::response::matrix::displaced::displaced;
 use crate::response::matrix::options::{AssemblyOptions, check_memory};
 
 /// Blocks that are assembled at once at the most; more are joined, as each has work of its own.
 const MOST_BLOCKS: usize = 8;
+
+/// Assembles columns (m/N): for some rows, of some vertices.
+pub(crate) trait Assemble:
+    Fn(&[usize], &[usize], &AssemblyOptions) -> Result<Vec<Vec<f64>>, ResponseError>
+{
+}
+
+impl<F> Assemble for F where
+    F: Fn(&[usize], &[usize], &AssemblyOptions) -> Result<Vec<Vec<f64>>, ResponseError>
+{
+}
 
 /// Entries of a kernel on one mesh; clones share them.
 #[derive(Debug, Clone, Default)]
@@ -50,7 +63,7 @@ impl KeptBlock {
         rows: &[usize],
         columns: &[usize],
         options: &AssemblyOptions,
-        assemble: impl Fn(&[usize], &[usize], &AssemblyOptions) -> Result<Vec<Vec<f64>>, ResponseError>,
+        assemble: impl Assemble,
     ) -> Result<Mat<f64>, ResponseError> {
         let mut known = self.lock();
         known.tolerance = known.tolerance.filter(|&tolerance| tolerance <= options.tolerance);
@@ -99,6 +112,22 @@ impl KeptBlock {
         Ok(block)
     }
 
+    /// Displacement (m) of `rows` by the same entries, under forces (N) at vertices.
+    pub fn displaced(
+        &self,
+        rows: &[usize],
+        (vertices, forces): (&[usize], &[Vector3<f64>]),
+        options: &AssemblyOptions,
+        assemble: impl Assemble,
+    ) -> Result<Vec<Vector3<f64>>, ResponseError> {
+        let known = self.lock().displaced(rows, vertices, forces, options.tolerance);
+        if let Some(moved) = known {
+            return Ok(moved);
+        }
+        let block = self.entries(rows, vertices, options, assemble)?;
+        Ok(displaced(block.nrows(), |column| block.col_as_slice(column), forces))
+    }
+
     fn lock(&self) -> MutexGuard<'_, KnownEntries> {
         self.0.lock().expect("no thread panics while it holds the lock")
     }
@@ -132,6 +161,26 @@ impl KnownEntries {
             *self.places.entry(row).or_insert(next)
         };
         rows.iter().map(&mut place).collect()
+    }
+
+    /// Displacement (m) of rows under forces (N) at columns; `None` where some entry is not known.
+    fn displaced(
+        &self,
+        rows: &[usize],
+        columns: &[usize],
+        forces: &[Vector3<f64>],
+        tolerance: f64,
+    ) -> Option<Vec<Vector3<f64>>> {
+        self.tolerance.filter(|&known| known <= tolerance)?;
+        let places: Vec<usize> =
+            rows.iter().map(|row| self.places.get(row).copied()).collect::<Option<_>>()?;
+        let count = places.iter().max().map_or(0, |last| last + 1);
+        let entries = |vertex: &usize| self.columns.get(vertex)?.get(..count);
+        let entries: Vec<&[f64]> = columns.iter().map(entries).collect::<Option<_>>()?;
+        // The sums of all rows, as the entries lie.
+        let moved = displaced(count, |column| entries[column], forces);
+        let own: Vec<Vector3<f64>> = places.into_iter().map(|place| moved[place]).collect();
+        own.iter().all(|vector| !vector.sum().is_nan()).then_some(own)
     }
 
     /// The entries at some places of columns, NaN where they are not known; and the columns that have such, by their

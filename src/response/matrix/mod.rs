@@ -3,6 +3,7 @@
 pub(crate) mod advice;
 pub(crate) mod average;
 pub(crate) mod collocation;
+pub(crate) mod displaced;
 pub(crate) mod fill;
 pub(crate) mod galerkin;
 pub(crate) mod kept_block;

@@ -2,7 +2,6 @@
 
 use faer::Mat;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 use crate::lcp::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
@@ -12,9 +11,6 @@ use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
-
-/// Rows of a block that one thread sums at a time.
-const ROWS_PER_TASK: usize = 512;
 
 /// What a contact may rely on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,18 +53,6 @@ pub struct Request<'a> {
     pub nodes: &'a [usize],
     /// Tolerance, threads, memory, interrupt.
     pub options: &'a AssemblyOptions<'a>,
-}
-
-/// Appends `Σ_j R_ij f_j` (m) of every row of a scalar response's block.
-pub(crate) fn append_products(moved: &mut Vec<Vector3<f64>>, block: &Mat<f64>, forces: &[Vector3<f64>]) {
-    let first = moved.len();
-    moved.resize(first + block.nrows(), Vector3::zeros());
-    moved[first..].par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(|(task, vectors)| {
-        for (column, force) in forces.iter().enumerate() {
-            let entries = &block.col_as_slice(column)[task * ROWS_PER_TASK..];
-            vectors.iter_mut().zip(entries).for_each(|(vector, entry)| *vector += *entry * force);
-        }
-    });
 }
 
 /// A skin that answers contact forces: a [`KernelSkin`](crate::response::KernelSkin) computes what is asked, prepared ones

@@ -6,7 +6,8 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
-use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
+use crate::response::matrix::displaced::displaced;
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -91,8 +92,6 @@ impl ElasticSkin for GivenMatrix {
             self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
         };
         let block = Mat::from_fn(vertices.len(), columns.len(), |i, j| entry(vertices[i], columns[j]));
-        let mut moved = Vec::with_capacity(vertices.len());
-        append_products(&mut moved, &block, forces);
-        Ok(moved)
+        Ok(displaced(block.nrows(), |column| block.col_as_slice(column), forces))
     }
 }

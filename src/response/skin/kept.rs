@@ -12,9 +12,9 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::assemble_columns;
-use crate::response::matrix::kept_block::KeptBlock;
+use crate::response::matrix::kept_block::{Assemble, KeptBlock};
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::kernel::ROWS_AT_ONCE;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -81,14 +81,13 @@ impl<'a> KeptSkin<'a> {
         Self { skin, kept }
     }
 
-    /// Displacement of some rows per newton at the nodes (m/N), where a kernel answers at vertices.
-    fn entries(&self, asked: &Request, rows: &[usize]) -> Result<Option<Mat<f64>>, ResponseError> {
-        let at_vertices = |kernel: &&KernelSkin| kernel.discretization() == Discretization::Collocation;
-        let Some(kernel) = self.skin.as_kernel().filter(at_vertices) else { return Ok(None) };
-        let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
-            assemble_columns(asked.surface, kernel, rows, columns, options)
+    /// How the columns of a kernel that answers at vertices are assembled; `None` of other skins.
+    fn assembly<'b>(&self, surface: &'b Surface) -> Option<impl Assemble + use<'b, '_, 'a>> {
+        let kernel = self.skin.as_kernel()?;
+        let assemble = move |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
+            assemble_columns(surface, kernel, rows, columns, options)
         };
-        self.kept.entries.entries(rows, asked.nodes, asked.options, assemble).map(Some)
+        (kernel.discretization() == Discretization::Collocation).then_some(assemble)
     }
 
     /// The matrix over some nodes and those around them, which may be asked for next; `None` where it cannot be had.
@@ -168,8 +167,8 @@ impl ElasticSkin for KeptSkin<'_> {
         if asked.options.memory_limit.is_some() || asked.nodes.is_empty() {
             return self.skin.matrix(asked, directions);
         }
-        if let Some(matrix) = self.entries(asked, asked.nodes)? {
-            return Ok(matrix);
+        if let Some(assemble) = self.assembly(asked.surface) {
+            return self.kept.entries.entries(asked.nodes, asked.nodes, asked.options, assemble);
         }
         let mut kept = self.kept.matrices.lock().expect("no thread panics while it holds the lock");
         if let Some(matrix) = kept.iter().find_map(|kept| kept.among(asked.nodes, directions)) {
@@ -201,12 +200,12 @@ impl ElasticSkin for KeptSkin<'_> {
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         // The skin as it is drawn is asked for once.
         let is_few = vertices.len() <= ROWS_AT_ONCE && asked.options.memory_limit.is_none();
-        let Some(block) = (if is_few { self.entries(asked, vertices)? } else { None }) else {
-            return self.skin.displace(asked, forces, vertices);
-        };
-        let mut moved = Vec::with_capacity(vertices.len());
-        append_products(&mut moved, &block, forces);
-        Ok(moved)
+        match self.assembly(asked.surface) {
+            Some(assemble) if is_few => {
+                self.kept.entries.displaced(vertices, (asked.nodes, forces), asked.options, assemble)
+            }
+            _ => self.skin.displace(asked, forces, vertices),
+        }
     }
 }
 

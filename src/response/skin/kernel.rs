@@ -7,8 +7,9 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::{assemble, assemble_block};
+use crate::response::matrix::displaced::displaced;
 use crate::response::matrix::options::check_directions;
-use crate::response::skin::elastic::{ElasticSkin, Request, Traits, append_products};
+use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
@@ -64,7 +65,7 @@ impl ElasticSkin for KernelSkin {
         let mut moved = Vec::with_capacity(vertices.len());
         for rows in vertices.chunks(ROWS_AT_ONCE) {
             let block = assemble_block(asked.surface, &at_vertices, rows, asked.nodes, asked.options)?;
-            append_products(&mut moved, &block, forces);
+            moved.extend(displaced(block.nrows(), |column| block.col_as_slice(column), forces));
         }
         Ok(moved)
     }
