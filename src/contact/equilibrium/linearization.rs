@@ -95,8 +95,8 @@ impl Deformed {
 ///   here
 ///
 /// Returns the forces that leave the least gap; `gaps` are those that they were solved with.
-pub(crate) fn solve_to_the_end(
-    gaps: &mut Gaps,
+pub(crate) fn solve_to_the_end<'a>(
+    gaps: &mut Gaps<'a>,
     forces: NodeForces,
     response: &Compliance,
     was_vain: bool,
@@ -108,8 +108,8 @@ pub(crate) fn solve_to_the_end(
         return Ok(forces);
     }
     let allowed = options.gap_tolerance * gaps.deepest();
-    let mut deformed = Deformed::new(gaps, response, &forces)?;
-    let mut least = deformed.error(gaps, &traits, &forces)?;
+    let deformed = Deformed::new(gaps, response, &forces)?;
+    let least = deformed.error(gaps, &traits, &forces)?;
     if least <= allowed {
         return Ok(forces);
     }
@@ -118,60 +118,108 @@ pub(crate) fn solve_to_the_end(
     let keeping = response.with_skin(&kept);
     let is_kept = !response.traits.is_kernel || response.skin.kept_factors().is_some();
     let response = if is_kept { response } else { &keeping };
-    let mut active = forces.active.clone();
-    let mut force: Vector3<f64> = forces.vectors.iter().sum();
-    let mut best = forces;
-    let mut kept = gaps.clone();
-    let (mut before, mut step) = (least, 1.0);
     report.is_unsettled = options.max_linearizations > 1;
-    let mut in_vain = if was_vain { MOST_IN_VAIN - 1 } else { 0 };
+    let mut rounds = Rounds {
+        response,
+        options,
+        was_vain,
+        deformed,
+        active: forces.active.clone(),
+        force: forces.vectors.iter().sum(),
+        best: (least, forces, gaps.clone()),
+        before: least,
+        step: 1.0,
+        in_vain: if was_vain { MOST_IN_VAIN - 1 } else { 0 },
+    };
     for _ in 1..options.max_linearizations {
-        if before <= allowed || in_vain >= MOST_IN_VAIN {
+        if rounds.before <= allowed || rounds.in_vain >= MOST_IN_VAIN {
             break;
         }
-        let started = Instant::now();
-        let shift: Vec<Vector3<f64>> = deformed
-            .vertices
-            .iter()
-            .zip(&deformed.displacement)
-            .map(|(&vertex, u)| gaps.linearised_at(vertex).lerp(u, step))
-            .collect();
-        let there = Deformed::at(gaps, deformed.vertices.clone(), shift)?;
-        let last = gaps.clone();
-        gaps.linearise(&there.vertices, &there.displacement, &there.measured);
-        // The last attempt looks for an answer far away as well.
-        let is_last = report.is_unsettled && in_vain + 1 == MOST_IN_VAIN && !was_vain;
-        let nearness = if is_last { Nearness::OfCoarser } else { Nearness::Near };
-        let guess = Guess { active: &active, nearness };
-        let forces = solve(gaps, response, Some(guess), options, report)?;
-        if forces.failure.is_some() || forces.active.is_empty() {
-            // Half-way there fewer nodes change sides, and skin that was inside is not let go.
-            *gaps = last;
-            (step, in_vain) = ((0.5 * step).max(LEAST_STEP), in_vain + 1);
-            continue;
-        }
-        active.clone_from(&forces.active);
-        deformed = Deformed::new(gaps, response, &forces)?;
-        let error = deformed.error(gaps, &traits, &forces)?;
-        let total: Vector3<f64> = forces.vectors.iter().sum();
-        let is_same_force = (total - force).norm() <= options.gap_tolerance * total.norm();
-        force = total;
-        report.linearizations.push(round(total, &forces, error, started));
-        if error > SETTLING * before {
-            step = (0.5 * step).max(LEAST_STEP);
-        }
-        before = error;
-        in_vain = if error < SETTLING * least { 0 } else { in_vain + if is_same_force { 2 } else { 1 } };
-        if error < least {
-            (least, best, kept) = (error, forces, gaps.clone());
-            report.is_unsettled = false;
-        }
+        rounds.add(gaps, report)?;
         if options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "linearization" });
         }
     }
-    *gaps = kept;
-    Ok(best)
+    let (_, forces, of_best) = rounds.best;
+    *gaps = of_best;
+    Ok(forces)
+}
+
+/// Linearisations one after the other.
+struct Rounds<'a, 'b> {
+    response: &'b Compliance<'b>,
+    options: &'b ContactOptions<'b>,
+    was_vain: bool,
+    /// The skin under the last forces, where they act, and their sum (N).
+    deformed: Deformed,
+    active: Vec<usize>,
+    force: Vector3<f64>,
+    /// The least gap left (m), with its forces and the gaps that they were solved with.
+    best: (f64, NodeForces, Gaps<'a>),
+    /// The gap that the last round left (m).
+    before: f64,
+    /// Share of the way from the place of one linearisation to the next.
+    step: f64,
+    in_vain: usize,
+}
+
+impl<'a> Rounds<'a, '_> {
+    /// Takes gaps and normals anew on the way to the deformed skin, and solves.
+    fn add(&mut self, gaps: &mut Gaps<'a>, report: &mut Report) -> Result<(), ContactError> {
+        let started = Instant::now();
+        let Deformed { vertices, displacement, .. } = &self.deformed;
+        let shift = vertices.iter().zip(displacement);
+        let shift = shift.map(|(&vertex, u)| gaps.linearised_at(vertex).lerp(u, self.step)).collect();
+        let there = Deformed::at(gaps, vertices.clone(), shift)?;
+        let last = gaps.clone();
+        gaps.linearise(&there.vertices, &there.displacement, &there.measured);
+        // The last attempt looks for an answer far away as well.
+        let is_last = report.is_unsettled && self.in_vain + 1 == MOST_IN_VAIN && !self.was_vain;
+        let nearness = if is_last { Nearness::OfCoarser } else { Nearness::Near };
+        let guess = Guess { active: &self.active, nearness };
+        let forces = solve(gaps, self.response, Some(guess), self.options, report)?;
+        if forces.failure.is_some() || forces.active.is_empty() {
+            // Half-way there fewer nodes change sides, and skin that was inside is not let go.
+            *gaps = last;
+            self.shorten();
+            self.in_vain += 1;
+            return Ok(());
+        }
+        self.take(forces, gaps, started, report)
+    }
+
+    /// Notes what forces leave, and how the next round is to go on.
+    fn take(
+        &mut self,
+        forces: NodeForces,
+        gaps: &Gaps<'a>,
+        started: Instant,
+        report: &mut Report,
+    ) -> Result<(), ContactError> {
+        self.active.clone_from(&forces.active);
+        self.deformed = Deformed::new(gaps, self.response, &forces)?;
+        let error = self.deformed.error(gaps, &self.response.traits, &forces)?;
+        let total: Vector3<f64> = forces.vectors.iter().sum();
+        let is_same_force = (total - self.force).norm() <= self.options.gap_tolerance * total.norm();
+        self.force = total;
+        report.linearizations.push(round(total, &forces, error, started));
+        if error > SETTLING * self.before {
+            self.shorten();
+        }
+        self.before = error;
+        let least = self.best.0;
+        let vain = if is_same_force { 2 } else { 1 };
+        self.in_vain = if error < SETTLING * least { 0 } else { self.in_vain + vain };
+        if error < least {
+            self.best = (error, forces, gaps.clone());
+            report.is_unsettled = false;
+        }
+        Ok(())
+    }
+
+    fn shorten(&mut self) {
+        self.step = (0.5 * self.step).max(LEAST_STEP);
+    }
 }
 
 /// A round with such a force (N) that left such a gap (m).

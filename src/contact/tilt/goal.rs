@@ -186,20 +186,26 @@ impl Tilted<'_> {
         if why.is_some() && !is_force && contact.resultant.force.norm() < SWINGING * free {
             why = Some("the obstacle swings free of the skin");
         }
-        if let Some(reason) = why
-            && self.off(&contact) <= UNEVEN / CLOSE
-        {
-            why = None;
-            let message = format!(
-                "the moment about the tilt axes is balanced to {:.1e} of force times lever and no better: {reason}",
-                CLOSE * self.off(&contact)
-            );
-            contact.warn(WarningKind::Refinement, message);
-        }
+        let why = why.filter(|reason| !self.is_nearly_balanced(&mut contact, reason));
         add_timings(&mut timings, &trials.timings());
         contact.timings = timings;
         let angles = angles_at(&at);
         Ok(Settled { contact, turn: self.turn(&angles), angles, stiffness, why })
+    }
+
+    /// Whether next to nothing is left to turn the obstacle, of which the contact then warns.
+    ///
+    /// * `reason`: why it is no less
+    fn is_nearly_balanced(&self, contact: &mut Contact, reason: &str) -> bool {
+        let is_balanced = self.off(contact) <= UNEVEN / CLOSE;
+        if is_balanced {
+            let message = format!(
+                "the moment about the tilt axes is balanced to {:.1e} of force times lever and no better: {reason}",
+                CLOSE * self.off(contact)
+            );
+            contact.warn(WarningKind::Refinement, message);
+        }
+        is_balanced
     }
 
     /// Way past the touch at some angles (m); `None` where the overlap is not reached.

@@ -109,13 +109,7 @@ impl TwoLevels {
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
         let held: Vec<bool> = coarse.fine_vertices.iter().map(|&vertex| fixed[vertex]).collect();
-        let mut columns: Vec<usize> = nodes
-            .iter()
-            .flat_map(|&vertex| coarse.places[vertex].weights_of_corners())
-            .map(|(corner, _)| corner as usize)
-            .collect();
-        columns.sort_unstable();
-        columns.dedup();
+        let columns = loaded_corners(&coarse, nodes);
         let loaded: Vec<usize> = columns.iter().copied().filter(|&column| !held[column]).collect();
         let coarse_body = Body {
             bone: body.bone.as_ref().map(|bone| {
@@ -274,6 +268,15 @@ fn less_near_kernel(
         }
     });
     Ok(remainder)
+}
+
+/// Vertices of the coarse skin that forces at some vertices of the fine one are passed on to, ascending.
+fn loaded_corners(coarse: &CoarseSkin, nodes: &[usize]) -> Vec<usize> {
+    let corners = nodes.iter().flat_map(|&vertex| coarse.places[vertex].weights_of_corners());
+    let mut corners: Vec<usize> = corners.map(|(corner, _)| corner as usize).collect();
+    corners.sort_unstable();
+    corners.dedup();
+    corners
 }
 
 #[cfg(test)]
