@@ -1,6 +1,6 @@
 //! Axis-aligned boxes.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// Largest magnitude of a coordinate or a length (m), far below where products of five of them overflow.
 pub const LARGEST_COORDINATE: f64 = 1e60;
@@ -52,6 +52,15 @@ impl Bounds {
     /// The box moved by `translation` (m).
     pub fn translated(&self, translation: &Vector3<f64>) -> Bounds {
         Bounds { low: self.low + translation, high: self.high + translation }
+    }
+
+    /// The box around this one after a turn.
+    pub fn turned(&self, turn: &Matrix3<f64>) -> Bounds {
+        let along = |axis: usize| turn.row(axis).transpose();
+        Bounds {
+            low: Vector3::from_fn(|axis, _| -self.farthest_along(&-along(axis))),
+            high: Vector3::from_fn(|axis, _| self.farthest_along(&along(axis))),
+        }
     }
 
     /// Whether the box holds a point.

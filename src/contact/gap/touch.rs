@@ -13,8 +13,11 @@ use crate::surface::checked::Surface;
 /// Fewest triangles that are worth a task of their own.
 const FACES_PER_TASK: usize = 512;
 
-/// The same only to be found too late.
+/// The same only to be found out of the way.
 const CHECKED_PER_TASK: usize = 16_384;
+
+/// Share of the obstacle's size that its box may be too small by for rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Travel (m) at which a sharp edge, a corner of a mesh or the line of a round primitive first touches a triangle that may
 /// touch; infinite, or any after the latest, where none does so before.
@@ -30,26 +33,35 @@ pub(crate) fn touch_between(
         // A half-space has no edge, corner or line.
         return f64::INFINITY;
     };
-    let farthest = bounds.farthest_along(direction);
     let [across, up] = tangents(direction);
     let turn = Matrix3::from_columns(&[across, up, *direction]).transpose();
+    let bounds = bounds.turned(&turn).grown(ROUNDING * bounds.diagonal());
     let vertices = surface.vertices().par_iter().with_min_len(CHECKED_PER_TASK);
     let seen: Vec<Vector3<f64>> = vertices.map(|vertex| turn * vertex).collect();
-    let may_touch = |face: &&[u32; 3]| {
-        let corners = face.map(|corner| corner as usize);
-        corners.iter().any(|&corner| seen[corner].z - latest <= farthest)
-            && corners.iter().all(|&corner| surface.skin_mask()[corner])
+    let mask = surface.skin_mask();
+    let in_its_way = |corners: &[u32; 3]| {
+        let mut reach = Bounds::around_each(corners.map(|corner| seen[corner as usize]));
+        (reach.low.z, reach.high.z) = (reach.low.z - latest, f64::INFINITY);
+        let may_touch = reach.meets(&bounds) && corners.iter().all(|&corner| mask[corner as usize]);
+        may_touch.then_some(Face { corners: *corners, reach })
     };
     let faces = surface.faces().par_iter().with_min_len(CHECKED_PER_TASK);
-    let faces: Vec<&[u32; 3]> = faces.filter(may_touch).collect();
+    let faces: Vec<Face> = faces.filter_map(in_its_way).collect();
     let of_line = touch_of_line(surface, &faces, obstacle, direction, earliest);
-    of_line.min(Seen { turn, vertices: &seen, faces: &faces }.touch_of_edges(obstacle, [earliest, latest]))
+    of_line.min(Seen { turn, vertices: &seen, faces: &faces }.touch_of_edges(obstacle, earliest))
+}
+
+/// A triangle of the skin in the way of the obstacle.
+struct Face {
+    corners: [u32; 3],
+    /// As seen along the direction: where an edge is that touches it in time.
+    reach: Bounds,
 }
 
 /// The same of the line of a round primitive.
 fn touch_of_line(
     surface: &Surface,
-    faces: &[&[u32; 3]],
+    faces: &[Face],
     obstacle: &Obstacle,
     direction: &Vector3<f64>,
     earliest: f64,
@@ -57,8 +69,8 @@ fn touch_of_line(
     if !obstacle.is_round() {
         return f64::INFINITY;
     }
-    let travel = |face: &&[u32; 3]| {
-        let triangle = corners_of(surface, face);
+    let travel = |face: &Face| {
+        let triangle = face.corners.map(|corner| surface.vertices()[corner as usize]);
         let [a, b, c] = &triangle;
         let inward = (c - a).cross(&(b - a)).try_normalize(0.0)?;
         Some(-depth_along(&obstacle.line_towards(&inward)?, &triangle, direction)?.depth)
@@ -76,25 +88,13 @@ fn touch_of_line(
 struct Seen<'a> {
     turn: Matrix3<f64>,
     vertices: &'a [Vector3<f64>],
-    faces: &'a [&'a [u32; 3]],
+    faces: &'a [Face],
 }
 
 impl Seen<'_> {
-    fn corners(&self, face: &[u32; 3]) -> [Vector3<f64>; 3] {
-        face.map(|corner| self.vertices[corner as usize])
-    }
-
-    /// Where an edge is that touches a triangle by `latest` (m).
-    fn reach(&self, face: &[u32; 3], latest: f64) -> Bounds {
-        let mut reach = Bounds::around_each(self.corners(face));
-        (reach.low.z, reach.high.z) = (reach.low.z - latest, f64::INFINITY);
-        reach
-    }
-
     /// The same of sharp edges and corners.
-    fn touch_of_edges(&self, obstacle: &Obstacle, [earliest, latest]: [f64; 2]) -> f64 {
-        let reaches = self.faces.par_iter().with_min_len(CHECKED_PER_TASK);
-        let reaches = reaches.map(|face| self.reach(face, latest));
+    fn touch_of_edges(&self, obstacle: &Obstacle, earliest: f64) -> f64 {
+        let reaches = self.faces.par_iter().with_min_len(CHECKED_PER_TASK).map(|face| face.reach);
         let Some(all) = reaches.reduce_with(|one, other| one.union(&other)) else { return f64::INFINITY };
         let direction = self.turn.row(2).transpose();
         let corners = obstacle.corners_beyond(&direction, all.low.z).map(|corner| [corner; 2]);
@@ -109,17 +109,13 @@ impl Seen<'_> {
             return f64::INFINITY;
         }
         let tree = box_tree(boxes.into_iter());
-        let travel = |face: &&[u32; 3]| {
-            let (reach, triangle) = (self.reach(face, latest), self.corners(face));
-            let over = tree.leaves(|node| node_bounds(node).meets(&reach));
+        let travel = |face: &Face| {
+            let triangle = face.corners.map(|corner| self.vertices[corner as usize]);
+            let over = tree.leaves(|node| node_bounds(node).meets(&face.reach));
             let travel =
                 |edge: u32| Some(-depth_along(&edges[edge as usize], &triangle, &Vector3::z())?.depth);
             over.filter_map(travel).filter(|travel| *travel >= earliest).fold(f64::INFINITY, f64::min)
         };
         self.faces.par_iter().with_min_len(FACES_PER_TASK).map(travel).reduce(|| f64::INFINITY, f64::min)
     }
-}
-
-fn corners_of(surface: &Surface, face: &[u32; 3]) -> [Vector3<f64>; 3] {
-    face.map(|corner| surface.vertices()[corner as usize])
 }
