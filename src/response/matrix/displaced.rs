@@ -40,3 +40,26 @@ pub(crate) fn displaced<'a>(
     }
     moved
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::Random;
+
+    #[test]
+    fn sums_in_tasks_and_groups_of_columns_are_those_of_rows() {
+        let mut random = Random(5);
+        for (rows, columns) in [(3, 2), (700, 33), (1100, 300)] {
+            let mut list = |count: usize| -> Vec<f64> { (0..count).map(|_| random.signed()).collect() };
+            let entries: Vec<Vec<f64>> = (0..columns).map(|_| list(rows + 1)).collect();
+            let forces: Vec<Vector3<f64>> = (0..columns).map(|_| Vector3::from_vec(list(3))).collect();
+            let moved = displaced(rows, |column| &entries[column], &forces);
+            assert_eq!(moved.len(), rows);
+            for (row, vector) in moved.iter().enumerate() {
+                let sum: Vector3<f64> =
+                    entries.iter().zip(&forces).map(|(own, force)| own[row] * force).sum();
+                assert!((vector - sum).norm() < 1e-12 * columns as f64, "row {row} of {rows}");
+            }
+        }
+    }
+}

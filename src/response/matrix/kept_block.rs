@@ -318,6 +318,29 @@ mod tests {
     }
 
     #[test]
+    fn displacements_are_those_of_the_entries_known_or_not() {
+        let kept = KeptBlock::default();
+        let count = RefCell::new(0);
+        let entry = |row: usize, column: usize| (100 * row + column) as f64;
+        let assemble = |rows: &[usize], columns: &[usize], _: &AssemblyOptions| {
+            *count.borrow_mut() += 1;
+            Ok(columns.iter().map(|&j| rows.iter().map(|&i| entry(i, j)).collect()).collect())
+        };
+        let forces = [Vector3::new(1.0, 0.0, 2.0), Vector3::new(0.0, 3.0, -1.0)];
+        // New, known, known in another order, a row more, a row that another column knows.
+        let asked = [(&[4, 1][..], [1, 4], 1), (&[1], [4, 1], 1), (&[4, 1], [4, 1], 1), (&[7, 1], [1, 4], 2)];
+        let asked = asked.into_iter().chain([(&[4][..], [7, 1], 3), (&[7], [7, 1], 4)]);
+        for (rows, columns, assembled) in asked {
+            let moved = kept.displaced(rows, (&columns, &forces), &AssemblyOptions::default(), assemble);
+            let of_row =
+                |&row: &usize| columns.iter().zip(forces).map(|(&j, force)| entry(row, j) * force).sum();
+            let expected: Vec<Vector3<f64>> = rows.iter().map(of_row).collect();
+            assert_eq!(moved.expect("nothing is refused"), expected, "{rows:?} under {columns:?}");
+            assert_eq!(*count.borrow(), assembled, "{rows:?} under {columns:?}");
+        }
+    }
+
+    #[test]
     fn many_small_blocks_are_joined() {
         let kept = KeptBlock::default();
         let count = RefCell::new(0);
