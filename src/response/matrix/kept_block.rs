@@ -13,10 +13,8 @@ use rayon::prelude::*;
 use crate::linalg::threads::columns_per_task;
 use crate::response::error::ResponseError;
 use crate::response::matrix::displaced::displaced;
+use crate::response::matrix::missing::{Missing, missing};
 use crate::response::matrix::options::{AssemblyOptions, check_memory};
-
-/// Blocks that are assembled at once at the most; more are joined, as each has work of its own.
-const MOST_BLOCKS: usize = 8;
 
 /// Assembles columns (m/N): for some rows, of some vertices.
 pub(crate) trait Assemble:
@@ -206,40 +204,6 @@ impl KnownEntries {
         let open = chunks.with_min_len(columns_per_task(places.len())).filter_map(gather).collect();
         (block, open)
     }
-}
-
-/// Entries that are not known, by the numbers of their rows and columns.
-struct Missing {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-}
-
-/// The columns of a block that are NaN in the same rows, for each set of such rows.
-///
-/// * `open`: columns that are NaN somewhere
-fn missing(block: &Mat<f64>, open: Vec<usize>) -> Vec<Missing> {
-    let mut missing: Vec<Missing> = Vec::new();
-    for column in open {
-        let entries = block.col_as_slice(column);
-        let count = entries.iter().filter(|entry| entry.is_nan()).count();
-        let is_alike = |known: &&mut Missing| {
-            known.rows.len() == count && known.rows.iter().all(|&row| entries[row].is_nan())
-        };
-        match missing.iter_mut().find(is_alike) {
-            Some(known) => known.columns.push(column),
-            None => {
-                let rows = (0..entries.len()).filter(|&row| entries[row].is_nan()).collect();
-                missing.push(Missing { rows, columns: vec![column] });
-            }
-        }
-    }
-    if missing.len() > MOST_BLOCKS {
-        let mut rows: Vec<usize> = missing.iter().flat_map(|one| &one.rows).copied().collect();
-        rows.sort_unstable();
-        rows.dedup();
-        missing = vec![Missing { rows, columns: missing.into_iter().flat_map(|one| one.columns).collect() }];
-    }
-    missing
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ pub(crate) mod displaced;
 pub(crate) mod fill;
 pub(crate) mod galerkin;
 pub(crate) mod kept_block;
+pub(crate) mod missing;
 pub(crate) mod near_faces;
 pub(crate) mod net_volume;
 pub(crate) mod options;
