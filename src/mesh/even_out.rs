@@ -4,9 +4,10 @@
 //! doi:10.1145/1057432.1057457), each step to the centroid of the faces around a vertex in the metric of the wanted
 //! edges (Du, Faber, Gunzburger 1999, doi:10.1137/S0036144599352836).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::mesh::coarsen::{FineMesh, LEAST_COSINE, SurfacePoint, normal_and_shape};
 
@@ -21,7 +22,7 @@ impl FineMesh {
     /// Moves vertices along the surface and flips edges; held faces and still vertices stay as they are.
     ///
     /// * `project`: the point of the surface closest to one beside it
-    pub fn even_out(&mut self, project: impl Fn(&Vector3<f64>) -> SurfacePoint) {
+    pub fn even_out(&mut self, project: impl Fn(&Vector3<f64>) -> SurfacePoint + Sync) {
         let mut is_still = self.is_still.clone();
         let stays = |face: &[u32; 3]| face.iter().all(|&vertex| is_still[vertex as usize]);
         let still_faces: Vec<bool> =
@@ -32,13 +33,14 @@ impl FineMesh {
         for _ in 0..ROUNDS {
             self.flip_to_delaunay(&still_faces);
             let centroids = self.centroids();
-            for vertex in (0..self.vertices.len()).filter(|&vertex| !is_still[vertex]) {
-                let there = project(&centroids[vertex]);
+            let moving = self.vertices.par_iter_mut().zip(&centroids).zip(&is_still);
+            moving.filter(|(_, is_still)| !**is_still).for_each(|((vertex, centroid), _)| {
+                let there = project(centroid);
                 // Beside a slit or a crease the closest skin may be that across.
-                if there.normal.dot(&self.vertices[vertex].normal) >= LEAST_COSINE {
-                    self.vertices[vertex] = there;
+                if there.normal.dot(&vertex.normal) >= LEAST_COSINE {
+                    *vertex = there;
                 }
-            }
+            });
         }
         self.flip_to_delaunay(&still_faces);
     }
@@ -72,21 +74,22 @@ impl FineMesh {
 
     /// Flips edges of faces that have none in common; returns whether there were any.
     fn flip_apart(&mut self, still_faces: &[bool]) -> bool {
-        let mut across: BTreeMap<[u32; 2], Vec<(usize, u32)>> = BTreeMap::new();
+        // The face in which an edge runs from its lower vertex comes first.
+        let mut sides = Vec::with_capacity(3 * self.faces.len());
         for (face, corners) in self.faces.iter().enumerate() {
             for k in 0..3 {
                 let [a, b, apex] = [k, k + 1, k + 2].map(|k| corners[k % 3]);
-                // The face in which the edge runs from its lower vertex comes first.
-                let sides = across.entry([a.min(b), a.max(b)]).or_default();
-                sides.insert(if a < b { 0 } else { sides.len() }, (face, apex));
+                sides.push(([a.min(b), a.max(b)], a > b, face, apex));
             }
         }
+        sides.sort_unstable();
         let mut is_touched = still_faces.to_vec();
         let mut made = BTreeSet::new();
-        for (&[a, b], sides) in &across {
-            let &[(one, c), (other, d)] = &sides[..] else { continue };
+        for across in sides.chunk_by(|one, other| one.0 == other.0) {
+            let &[([a, b], _, one, c), (_, _, other, d)] = across else { continue };
             let flipped = [c.min(d), c.max(d)];
-            if is_touched[one] || is_touched[other] || across.contains_key(&flipped) {
+            let is_edge = || sides.binary_search_by_key(&flipped, |side| side.0).is_ok();
+            if is_touched[one] || is_touched[other] || is_edge() {
                 continue;
             }
             let faces = [[a, d, c], [d, b, c]];

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use parry3d_f64::partitioning::Bvh;
+use rayon::prelude::*;
 
 use crate::geometry::closest_point::Closest;
 use crate::geometry::face_tree::{Faces, face_tree};
@@ -174,7 +175,7 @@ fn place(points: &[Vector3<f64>], coarse: &Surface, fine_vertices: &[usize]) -> 
         let place = CoarsePlace { corners: corners[face], weights };
         (place, closest.distance_squared.sqrt().copysign(height))
     };
-    let (mut places, mut heights): (Vec<_>, Vec<_>) = points.iter().map(on_coarse).unzip();
+    let (mut places, mut heights): (Vec<_>, Vec<_>) = points.par_iter().map(on_coarse).unzip();
     // A vertex of both meshes is where it is, to the bit.
     let is_there = |&(own, &vertex): &(usize, &usize)| vertices[own] == points[vertex];
     for (own, &vertex) in fine_vertices.iter().enumerate().filter(is_there) {

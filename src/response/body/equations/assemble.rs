@@ -24,7 +24,7 @@ use crate::response::body::equations::element::{Element, NO_COLUMN};
 use crate::response::body::equations::kelvin::Kelvin;
 use crate::response::body::equations::moments::exact_moments;
 use crate::response::body::equations::quadrature::{
-    LANES, LaneValues, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
+    Integration, LaneValues, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
 
 /// The discretised body in units of its own length, with a shear modulus of 1.
@@ -35,6 +35,7 @@ pub(crate) struct DiscreteBody {
     pub points: Vec<Vector3<f64>>,
     /// Whether a point's own displacement is unknown (skin that is not fixed).
     pub is_moving: Vec<bool>,
+    /// Those of the skin, then those of the bones.
     pub elements: Vec<Element>,
     /// Number of loaded nodes.
     pub load_count: usize,
@@ -113,18 +114,11 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// Elements of one kind that share a rule; at most [`LANES`] of them, none of them around the point.
+    /// Elements of skin or of bone that share a rule, none of them around the point.
     #[inline(always)]
     fn add_together(&mut self, elements: &[u32], rule: usize, scratch: &mut RowScratch) {
-        let point = &self.body.points[self.point];
-        for lane in 0..LANES {
-            // spare lanes repeat the last element, without area
-            let element = &self.body.elements[elements[lane.min(elements.len() - 1)] as usize];
-            scratch.lanes.set(lane, &element.triangle, point);
-            if lane >= elements.len() {
-                scratch.lanes.area[lane] = 0.0;
-            }
-        }
+        let triangles = elements.iter().map(|&element| &self.body.elements[element as usize].triangle);
+        scratch.lanes.set_all(triangles, &self.body.points[self.point]);
         let is_skin = self.body.elements[elements[0] as usize].is_skin;
         if is_skin {
             far_moments::<true>(&scratch.lanes, RULES[rule], &mut scratch.moments);
@@ -173,37 +167,14 @@ struct RowScratch {
 
 fn fill_row(row: &mut Row, reach: &RuleReach, scratch: &mut RowScratch) {
     let body = row.body;
-    let point = body.points[row.point];
-    // waiting elements, by kind (skin, bone) and rule
-    let mut waiting = [[[0u32; LANES]; RULES.len()]; 2];
-    let mut counts = [[0usize; RULES.len()]; 2];
-    for (index, element) in body.elements.iter().enumerate() {
-        if !element.is_skin && !element.needs_displacement_kernel() {
-            continue;
-        }
-        let triangle = &element.triangle;
-        let distance_squared =
-            (triangle.centroid - point).norm_squared() / (triangle.radius * triangle.radius);
-        let Some(rule) = reach.rule(distance_squared) else {
-            row.add_exactly(element);
-            continue;
-        };
-        let kind = usize::from(!element.is_skin);
-        let count = &mut counts[kind][rule];
-        waiting[kind][rule][*count] = index as u32;
-        *count += 1;
-        if *count == LANES {
-            *count = 0;
-            row.add_together(&waiting[kind][rule], rule, scratch);
-        }
-    }
-    for kind in 0..2 {
-        for rule in 0..RULES.len() {
-            let count = counts[kind][rule];
-            if count > 0 {
-                row.add_together(&waiting[kind][rule][..count], rule, scratch);
-            }
-        }
+    let point = &body.points[row.point];
+    let (skin, bone) = body.elements.split_at(body.elements.partition_point(|element| element.is_skin));
+    for (first, elements) in [(0, skin), (skin.len() as u32, bone)] {
+        let triangles = (first..).zip(elements.iter().map(|element| &element.triangle));
+        reach.integrate(point, triangles, |integration| match integration {
+            Integration::Exact(element) => row.add_exactly(&body.elements[element as usize]),
+            Integration::Rule { rule, triangles } => row.add_together(triangles, rule, scratch),
+        });
     }
     row.finish();
 }

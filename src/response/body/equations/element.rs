@@ -20,9 +20,3 @@ pub(crate) struct Element {
     pub load_scales: [f64; 3],
     pub is_skin: bool,
 }
-
-impl Element {
-    pub fn needs_displacement_kernel(&self) -> bool {
-        self.supported.iter().chain(&self.loaded).any(|&column| column != NO_COLUMN)
-    }
-}

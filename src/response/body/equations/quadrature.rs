@@ -85,9 +85,47 @@ impl RuleReach {
 
     /// The cheapest rule for a triangle at `distance_squared` (in squared radii); `None`: the closed form.
     #[inline(always)]
-    pub fn rule(&self, distance_squared: f64) -> Option<usize> {
+    fn rule(&self, distance_squared: f64) -> Option<usize> {
         (0..3).find(|&rule| distance_squared >= self.squared[rule])
     }
+
+    /// Hands triangles, each under its number, to `integrate` as seen from a point: near ones as they come, others
+    /// together with those that share their rule.
+    #[inline(always)]
+    pub fn integrate<'a>(
+        &self,
+        point: &Vector3<f64>,
+        triangles: impl Iterator<Item = (u32, &'a Triangle)>,
+        mut integrate: impl FnMut(Integration),
+    ) {
+        let mut waiting = [[0; LANES]; RULES.len()];
+        let mut counts = [0; RULES.len()];
+        for (number, triangle) in triangles {
+            let radius_squared = triangle.radius * triangle.radius;
+            let distance_squared = (triangle.centroid - point).norm_squared() / radius_squared;
+            let Some(rule) = self.rule(distance_squared) else {
+                integrate(Integration::Exact(number));
+                continue;
+            };
+            waiting[rule][counts[rule]] = number;
+            counts[rule] += 1;
+            if counts[rule] == LANES {
+                counts[rule] = 0;
+                integrate(Integration::Rule { rule, triangles: &waiting[rule] });
+            }
+        }
+        for rule in (0..RULES.len()).filter(|&rule| counts[rule] > 0) {
+            integrate(Integration::Rule { rule, triangles: &waiting[rule][..counts[rule]] });
+        }
+    }
+}
+
+/// How triangles are integrated from a point, by their numbers.
+pub(crate) enum Integration<'a> {
+    /// In closed form.
+    Exact(u32),
+    /// Up to [`LANES`] of them by one of [`RULES`].
+    Rule { rule: usize, triangles: &'a [u32] },
 }
 
 /// Number of triangles that [`far_moments`] takes at once.
@@ -104,9 +142,23 @@ pub(crate) struct TriangleLanes {
 }
 
 impl TriangleLanes {
+    /// Puts some triangles, seen from `point`, into as many lanes; the others repeat the last one, without area.
+    #[inline(always)]
+    pub fn set_all<'a>(&mut self, triangles: impl Iterator<Item = &'a Triangle>, point: &Vector3<f64>) {
+        let (mut lane, mut last) = (0, None);
+        for triangle in triangles {
+            self.set(lane, triangle, point);
+            (lane, last) = (lane + 1, Some(triangle));
+        }
+        for spare in lane..LANES {
+            self.set(spare, last.expect("at least one triangle"), point);
+            self.area[spare] = 0.0;
+        }
+    }
+
     /// Puts `triangle`, seen from `point`, into a lane.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, triangle: &Triangle, point: &Vector3<f64>) {
+    fn set(&mut self, lane: usize, triangle: &Triangle, point: &Vector3<f64>) {
         for corner in 0..3 {
             for axis in 0..3 {
                 self.corners[corner][axis][lane] = triangle.corners[corner][axis] - point[axis];

@@ -42,9 +42,9 @@ const EVEN_LOAD: f64 = 3.921;
 /// The near kernel of one body.
 #[derive(Debug, Clone)]
 pub(crate) struct NearKernel {
-    pub(super) half_space: KernelSkin,
+    half_space: KernelSkin,
     /// The layer over the bone; `None` without bone.
-    pub(super) layer: Option<KernelSkin>,
+    layer: Option<KernelSkin>,
 }
 
 impl NearKernel {
@@ -178,12 +178,17 @@ impl NearKernel {
         Ok(moved)
     }
 
+    /// The layer, or the half-space without bone.
+    pub(super) fn scalar_kernel(&self) -> &KernelSkin {
+        self.layer.as_ref().unwrap_or(&self.half_space)
+    }
+
     /// ν / (2πG) (m²/N).
-    fn outer_factor(&self) -> f64 {
+    pub(super) fn outer_factor(&self) -> f64 {
         self.half_space.poisson_ratio() / (TAU * self.half_space.shear_modulus())
     }
 
-    /// The layer, or the half-space without bone, of `rows` per newton at the nodes.
+    /// The scalar kernel's displacement of `rows` per newton at the nodes.
     fn scalar_rows(
         &self,
         asked: &Request,
@@ -193,8 +198,7 @@ impl NearKernel {
     ) -> Result<Mat<f64>, ResponseError> {
         let options =
             &AssemblyOptions { tolerance: asked.options.tolerance.max(LEAST_TOLERANCE), ..*asked.options };
-        let kernel = self.layer.as_ref().unwrap_or(&self.half_space);
-        let kernel = kernel.clone().with_discretization(discretization)?;
+        let kernel = self.scalar_kernel().clone().with_discretization(discretization)?;
         let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
             assemble_columns(asked.surface, &kernel, rows, columns, options)
         };

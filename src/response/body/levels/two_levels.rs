@@ -11,7 +11,7 @@ use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
 use crate::response::body::levels::coarseness::Coarseness;
 use crate::response::body::levels::gathered::Gathered;
-use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
+use crate::response::body::levels::near::NearKernel;
 use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Weights, joined};
 use crate::response::body::levels::remainder::Remainder;
 use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
@@ -23,6 +23,10 @@ use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::{CoarsePlace, CoarseSkin};
 use crate::surface::refined::RefinedSurface;
+
+/// Least relative error of the integral over one face of the coarse mesh: it changes a force by some 5e-6 of it, far less
+/// than that mesh does.
+const LEAST_TOLERANCE: f64 = 1e-3;
 
 /// A body on two levels: everything in it, to store it and to build it again.
 #[derive(Debug, Clone)]
@@ -119,7 +123,6 @@ impl TwoLevels {
             fixed: body.fixed.as_ref().map(|_| held),
             coarse_edge_length: Some(0.0),
         };
-        // Far below what the coarse mesh costs.
         let options = &BodyOptions { tolerance: options.tolerance.max(LEAST_TOLERANCE), ..*options };
         // Single precision changes a force by less than 1e-6 of it, and takes half the memory.
         let solved = coarse_body.prepare_in::<f32>(
