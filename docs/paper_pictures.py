@@ -142,7 +142,7 @@ def draw_depths(
     top = max(body.max_pressure for body in bodies) * 1e-3
     reach = reach_of(bodies[-1], cut)
     for column, (step, body) in enumerate(zip(steps, bodies, strict=True), 1):
-        plot_footprint(body, ax=grid[0, column], view=view, with_colour_bar=False, top=top)
+        plot_footprint(body, ax=grid[0, column], view=view, with_color_bar=False, top=top)
         title = f"{body.max_penetration_before * 1e3:.2f} mm, {body.force @ direction:.3g} N (body)"
         grid[0, column].set_title(title, fontsize=10, color=INK)
         close_up(grid[1, column], step, cut, reach=reach, label="across (mm)")

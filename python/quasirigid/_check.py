@@ -249,7 +249,8 @@ def as_nodes(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.
     """
     nodes = np.asarray(value)
     if nodes.size > 0 and nodes.dtype.kind not in "iu":
-        raise TypeError(f"`{name}` has dtype {nodes.dtype}, expected integers")
+        hint = ": of a mask take np.flatnonzero(mask)" if nodes.dtype.kind == "b" else ""
+        raise TypeError(f"`{name}` has dtype {nodes.dtype}, expected integers{hint}")
     if nodes.ndim != 1:
         raise refusal(f"`{name}` has shape {nodes.shape}, expected (k,)")
     wrong = np.flatnonzero((nodes < 0) | (nodes >= count))

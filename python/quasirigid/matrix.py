@@ -70,13 +70,14 @@ def response_matrix(
     ResponseError
         If a node, the tolerance or the memory needed is out of range, or a direction has not length 1.
     """
+    num_threads = as_integer_or_none("num_threads", num_threads, ResponseError)
     return _core.response_matrix(
         as_surface("surface", surface),
-        core_skin(skin, surface),
+        core_skin(skin, surface, num_threads),
         nodes,
         directions=None if directions is None else _as_unit_vectors("directions", directions),
         tolerance=as_float("tolerance", tolerance),
-        num_threads=as_integer_or_none("num_threads", num_threads, ResponseError),
+        num_threads=num_threads,
     )
 
 

@@ -17,7 +17,7 @@ const TOUCH_ROUNDING: f64 = 1e-10;
 /// Where a press begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
-    /// The obstacle comes from infinity against the direction; its first touch is travel zero of the depth.
+    /// The obstacle comes from infinity along the direction; its first touch is travel zero of the depth.
     Infinity,
     /// The obstacle starts where it stands and moves by the depth.
     Current,

@@ -196,8 +196,11 @@ pub(super) fn motions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Isom
 /// (n,) booleans.
 pub(super) fn mask(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<bool>> {
     let array = as_array(value, name, None)?;
+    let dtype = array.getattr("dtype")?;
     let Ok(array) = array.cast_into::<PyArrayDyn<bool>>() else {
-        return Err(PyTypeError::new_err(format!("`{name}` must be an array of booleans")));
+        return Err(PyTypeError::new_err(format!(
+            "`{name}` has dtype {dtype}, expected booleans; from vertices take np.isin(np.arange(n), vertices)"
+        )));
     };
     match array.shape() {
         [_] => Ok(array.readonly().as_slice()?.to_vec()),
@@ -210,10 +213,9 @@ fn integer_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReado
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     let empty = array.getattr("size")?.extract::<usize>()? == 0;
     if !"iu".contains(&kind) && !empty {
-        return Err(PyTypeError::new_err(format!(
-            "`{name}` has dtype {}, expected integers",
-            array.getattr("dtype")?
-        )));
+        let hint = if kind == "b" { ": of a mask take np.flatnonzero(mask)" } else { "" };
+        let dtype = array.getattr("dtype")?;
+        return Err(PyTypeError::new_err(format!("`{name}` has dtype {dtype}, expected integers{hint}")));
     }
     Ok(as_array(&array, name, Some("int64"))?.cast_into::<PyArrayDyn<i64>>()?.readonly())
 }

@@ -132,11 +132,19 @@ impl PySkin {
     }
 
     /// The kernel's matrix over `nodes`, computed once.
-    fn prepare(&self, py: Python<'_>, surface: &PySurface, nodes: &Bound<'_, PyAny>) -> PyResult<Self> {
+    #[pyo3(signature = (surface, nodes, *, num_threads))]
+    fn prepare(
+        &self,
+        py: Python<'_>,
+        surface: &PySurface,
+        nodes: &Bound<'_, PyAny>,
+        num_threads: Option<usize>,
+    ) -> PyResult<Self> {
         let skin = self.inner.kernel()?;
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
         let prepared = detached(py, |interrupt| {
-            let options = AssemblyOptions { interrupt: Some(interrupt), ..AssemblyOptions::default() };
+            let options =
+                AssemblyOptions { num_threads, interrupt: Some(interrupt), ..AssemblyOptions::default() };
             PreparedKernel::new(&surface.inner, skin, &nodes, &options)
         })?;
         Ok(Elastic::PreparedKernel(prepared.map_err(IntoPyErr::into_py_err)?).into())

@@ -206,3 +206,12 @@ def test_a_boolean_of_numpy_is_one() -> None:
     words: dict[str, Any] = {"crash": np.False_, "known_p_matrix": np.True_}
     options = qr.LcpOptions(**words)
     assert qr.solve_lcp([[1]], [-1], options=options).certificate.definiteness is qr.LcpDefiniteness.P_MATRIX
+
+
+def test_a_mask_in_place_of_vertices_says_how_to_find_them() -> None:
+    mask = SURFACE.vertices[:, 2] < 0
+    for call in (SKIN.prepared, lambda surface, nodes: qr.response_matrix(surface, SKIN, nodes)):
+        with pytest.raises(TypeError, match=r"dtype bool, expected integers: of a mask take np\.flatnonzero"):
+            call(SURFACE, mask)
+    with pytest.raises(TypeError, match=r"dtype int64, expected booleans; .* np\.isin"):
+        SURFACE.with_skin_mask(np.flatnonzero(mask))

@@ -471,6 +471,16 @@ def test_a_file_in_the_place_of_the_output_is_refused(
     assert (in_demo_folder / "taken").read_text() == "mine"
 
 
+def test_a_force_out_of_reach_writes_the_nearest_contact_and_status_1(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(press_arguments(depth=None, force="1000kN", out="far")) == 1
+    assert "largest" in capsys.readouterr().err.splitlines()[-1]
+    document = json.loads((in_demo_folder / "far" / "contact.json").read_text())
+    assert document["status"] == "solved"
+    assert 0.0 < document["force"]["value"][2] < 1e6
+
+
 @pytest.mark.filterwarnings("default::quasirigid.QuasirigidWarning")
 def test_an_ending_without_result_is_written_and_status_1(
     in_demo_folder: Path, capsys: pytest.CaptureFixture[str]

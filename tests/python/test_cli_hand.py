@@ -182,7 +182,10 @@ def test_a_hand_grasps_with_the_force_asked_for(
     for digit, force in (("index", 2.0), ("ring", 1.0)):
         assert np.linalg.norm(record["digits"][digit]["force"]["value"]) == pytest.approx(force, rel=1e-2)
     assert record["missed"] == {}
-    assert json.loads((out / "grasp.json").read_text())["inputs"]["force"] == {"index": 2.0, "ring": 1.0}
+    inputs = json.loads((out / "grasp.json").read_text())["inputs"]
+    assert inputs["force"] == {"value": {"index": 2.0, "ring": 1.0}, "unit": "N"}
+    assert (inputs["unit"], inputs["product_unit"], inputs["as_placed"]) == ("m", "mm", False)
+    assert inputs["shift"] == {"value": [0.0, 0.0, 0.0], "unit": "m"}
     assert (out / "contact.json").exists()
     # Far above the palm nothing is met: status 1, and the table says why.
     assert run([*words, "--force", "5N", "--shift", "0,0,300mm"]) == 1

@@ -234,7 +234,7 @@ def test_a_completion_script_knows_commands_and_options(
 ) -> None:
     assert run(["completion", shell]) == 0
     script = capsys.readouterr().out
-    for word in ("press", "repair", "shear-modulus", "check-crossings"):
+    for word in ("press", "repair", "shear-modulus", "check-crossings", "no-pictures"):
         assert word in script
     if shutil.which(shell):
         check = subprocess.run([shell, "-n"], input=script, capture_output=True, text=True, check=False)

@@ -254,11 +254,17 @@ def test_presets_bend_the_fingers_alike_whatever_their_bend_at_rest() -> None:
 
 
 def test_angles_beyond_the_range_of_a_joint_are_taken_at_its_end(hand: qr.Hand) -> None:
-    with pytest.warns(qr.QuasirigidWarning, match=r"flexion of index-finger-phalanx-distal is 172 degrees"):
+    with pytest.warns(qr.QuasirigidWarning, match=r"flexion of index-finger-phalanx-distal is 172 .* in rad"):
         beyond = hand.posed({f"{INDEX}distal": 3.0})
     with pytest.warns(qr.QuasirigidWarning):
         further = hand.posed({f"{INDEX}distal": 3.1})
     np.testing.assert_array_equal(beyond.joints, further.joints)
+
+
+def test_a_joint_that_moves_no_skin_is_told(hand: qr.Hand) -> None:
+    with pytest.warns(qr.QuasirigidWarning, match="index-finger-tip moves no skin"):
+        posed = hand.posed({"index-finger-tip": 0.5})
+    np.testing.assert_allclose(posed.surface.vertices, hand.surface.vertices, rtol=0, atol=1e-15)
 
 
 def test_every_vertex_has_a_region_in_one_piece(sparse_or_dense: qr.Hand) -> None:

@@ -9,12 +9,15 @@ import pickle
 import zipfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid.skin import skins
+from quasirigid.skin.core import build_prepared
 from shapes import AS_GIVEN, ball
 
 # Scenes are coarse on purpose, and taken as they are.
@@ -155,6 +158,26 @@ def test_a_folder_that_is_missing_is_named(surface: qr.Surface, tmp_path: Path) 
     prepared = skin_of(qr.HalfSpace()).prepared(surface, [0])
     with pytest.raises(FileNotFoundError, match=r"its folder does not exist: .*missing/skin.npz'$"):
         prepared.save(tmp_path / "missing" / "skin.npz")
+
+
+def test_a_body_is_prepared_by_the_threads_of_what_asks_and_once_for_a_sweep(
+    surface: qr.Surface, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def build(*words: Any, **options: Any) -> Any:
+        asked.append(options["num_threads"])
+        return build_prepared(*words, **options)
+
+    monkeypatch.setattr(skins, "build_prepared", build)
+    skin, one = skin_of(RESPONSES["body"]), replace(AS_GIVEN, num_threads=1)
+    pressed = qr.press(surface, PLATE, skin, [0, 0, 1], depth=0.4e-3, options=one)
+    curve = qr.sweep(surface, PLATE, skin, [0, 0, 1], depths=[0.4e-3, 0.5e-3], options=one)
+    np.testing.assert_array_equal(curve.force[0], pressed.force)
+    qr.response_matrix(surface, skin, [0], num_threads=2)
+    assert asked == [1, 1, 2]
+    with pytest.raises(qr.ResponseError, match="at least 1"):
+        skin.prepared(surface, num_threads=0)
 
 
 @pytest.mark.parametrize("name", ["half_space", "body"])

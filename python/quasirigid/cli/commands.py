@@ -121,9 +121,9 @@ def demo(
 
     The fingertip goes 1.12 mm deep on a handle and on a phone-sized box, each twice: as a half-space, which
     knows neither the finger's shape nor its bone, and as the body with its bone, whose compliance is computed
-    first and serves both. The hand holds a handle and a bottle with 20 N. Needs no file. Prints the figures
-    and writes, in a folder for each product, what `press` and `grasp` write, and footprints of both
-    responses.
+    first and serves both. The hand holds a handle and a bottle with 20 N, to the target of `close_hand`.
+    Needs no file. Prints the figures and writes, in a folder for each product, what `press` writes and
+    footprints of both responses, or what `grasp` writes, with one picture.
     Exit status 0: done; 2: bad input.
     """
     check_folder(out)
@@ -149,8 +149,9 @@ def press(
     """Press a product against a skin mesh to a depth, a force or an overlap, and write what happens.
 
     Takes one of --depth, --force and --overlap.
-    Writes deformed.ply, deformed.vtp, product.ply, contact.npz, contact.json, skin.png and footprint.png.
-    Exit status 0: solved or without contact; 1: the solver ended otherwise; 2: bad input.
+    Writes deformed.ply, deformed.vtp, product.ply, contact.npz, contact.json, skin.png and footprint.png;
+    where the force or overlap is out of reach, of the contact that comes nearest.
+    Exit status 0: solved or without contact; 1: out of reach, or the solver ended otherwise; 2: bad input.
     """
     # Everything is read and checked before anything is computed.
     goal = parse_goal(depth, force, overlap)
@@ -159,8 +160,14 @@ def press(
     read = read_scene(scene)
     skin = prepared_skin(read, goal, talk)
     asked: dict[str, Any] = {**read.motion, **goal}
+    unreached = None
     with progress("pressing"):
-        contact = qr.press(read.surface, read.obstacle, skin, options=read.options, throw=False, **asked)
+        try:
+            contact = qr.press(read.surface, read.obstacle, skin, options=read.options, throw=False, **asked)
+        except qr.ContactError as error:
+            if error.contact is None:
+                raise
+            contact, unreached = error.contact, str(error)
     inputs = dict(read.inputs) | {
         name: {"value": value, "unit": GOAL_UNITS[name]} for name, value in goal.items()
     }
@@ -171,6 +178,8 @@ def press(
             files = save_contact(contact, scene.out, inputs=inputs, pictures=pictures, bone=bones)
     text = _press_text(scene.skin_file.stem, contact, files, verbose=talk.verbose)
     talk.tell(text, contact_record(contact) | {"inputs": as_plain(inputs)})
+    if unreached is not None:
+        return refuse(unreached, status=1)
     if contact.status in ("solved", "no_contact"):
         return 0
     return refuse(f"the contact did not end solved: {contact.advice}", status=1)

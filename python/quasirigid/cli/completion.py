@@ -55,7 +55,7 @@ def _commands(context: typer.Context) -> Commands:
         options = {
             option: (parameter.help or "").split(".")[0].split(" [")[0]
             for parameter in command.params
-            for option in parameter.opts
+            for option in (*parameter.opts, *parameter.secondary_opts)
             if option.startswith("--")
         }
         found[name] = (command.short_help or "", options | {"--help": "Show the help"})

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 
 import quasirigid as qr
 
@@ -27,7 +30,7 @@ from .quantities import (
     parse_quantities,
     parse_quantity,
 )
-from .scene import ProductFile, ProductUnit, TargetError
+from .scene import GOAL_UNITS, ProductFile, ProductUnit, TargetError
 
 __all__ = ["GRASP_EXAMPLE", "grasp"]
 
@@ -109,22 +112,27 @@ def grasp(
     poses = {"start": read_pose_word(start), "end": read_pose_word(end)}
     if out is not None and pictures:
         need_matplotlib()
+    in_unit = file_unit(product_unit or unit, "--product-unit")
     with progress(f"reading {hand} and {product}"):
         known = read_rigged(hand, rig, unit)
-        obstacle = qr.read_obstacle(product, unit=file_unit(product_unit or unit, "--product-unit"))
+        obstacle = qr.read_obstacle(product, unit=in_unit)
     if not as_placed:
-        palm = known.posed(poses["start"]).palm
-        across, distal, out_of_palm = palm[:3, :3].T
-        palm[:3, 3] += way[0] * across + way[1] * distal
-        obstacle = obstacle.placed(palm, rotation=rotation(angles)).moved(translation=way[2] * out_of_palm)
+        obstacle = _in_palm(obstacle, known.posed(poses["start"]).palm, rotation(angles), way)
     with progress("closing the hand"):
         held = qr.close_hand(
             known, obstacle, skin, **goal, **poses, product_mass=mass, options=options, throw=False
         )
     inputs = {
         "hand": hand,
+        "rig": None if rig is None else str(rig),
+        "unit": unit,
         "product": str(product),
-        **{name: as_plain(value) for name, value in goal.items()},
+        "product_unit": in_unit,
+        "rotate": {"value": angles, "unit": "rad"},
+        "shift": {"value": way, "unit": "m"},
+        "as_placed": as_placed,
+        "product_mass": None if mass is None else {"value": mass, "unit": "kg"},
+        **{name: {"value": value, "unit": GOAL_UNITS[name]} for name, value in goal.items()},
         "start": start,
         "end": end,
         "shear_modulus": {"value": modulus, "unit": "Pa"},
@@ -143,6 +151,16 @@ def grasp(
     if held.contact.status not in ("solved", "no_contact"):
         return refuse(f"the contact did not end solved: {held.contact.advice}", status=1)
     return 1 if held.missed else 0
+
+
+def _in_palm(
+    obstacle: qr.Obstacle, palm: NDArray[np.float64], turn: NDArray[np.float64], way: Sequence[float]
+) -> qr.Obstacle:
+    """Return the product laid across the palm in touch, turned, and shifted along the palm's axes."""
+    across, distal, out_of_palm = palm[:3, :3].T
+    middle = palm.copy()
+    middle[:3, 3] += way[0] * across + way[1] * distal
+    return obstacle.placed(middle, rotation=turn).moved(translation=way[2] * out_of_palm)
 
 
 def _goal(force: str | None, overlap: str | None) -> dict[str, Any]:

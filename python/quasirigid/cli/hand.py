@@ -34,7 +34,7 @@ HandFile = Annotated[
 Rig = Annotated[Path | None, typer.Option(help="Rig (.npz) of a mesh. [default: the one beside it]")]
 HandUnit = Annotated[str, typer.Option(help=f"Unit of a mesh: {UNIT_NAMES}.")]
 POSE_HELP = (
-    f"A preset ({', '.join(PRESETS)}), or a JSON file:"
+    f"A preset ({', '.join(PRESETS)}), or a JSON file of angles from rest:"
     ' {"unit": "deg", "index-finger-phalanx-proximal": 30}.'
 )
 PoseWord = Annotated[str, typer.Option(help=POSE_HELP)]
@@ -93,7 +93,7 @@ def _record(known: qr.Hand, pose: str | None) -> dict[str, Any]:
         "side": known.side,
         "vertices": len(known.surface.vertices),
         "joints": len(known.joint_names),
-        "wrist to middle tip (mm)": round(known.length * MM, 1),
+        "wrist to middle tip joint (mm)": round(known.length * MM, 1),
         "volume (cm³)": round(known.surface.volume * 1e6, 1),
         "mean edge (mm)": round(known.surface.mean_edge_length * MM, 2),
         "regions": len(np.unique(known.labels)),

@@ -90,7 +90,9 @@ class Refinement(Frozen):
     seconds : float
         Wall time (s).
     reason : str
-        Why no further round followed; empty of all but the last.
+        Why no further round followed; empty of all but the last. "target_error" is the target met,
+        "max_nodes" and "memory_limit" are options that were reached; others say it in words, such as "a
+        sharp edge".
     """
 
     kind: str

@@ -52,10 +52,11 @@ class ContactOptions:
     num_threads : int or None
         Threads, at most four for each processor; None for all. Results are equal to the bit for any number.
     memory_limit : int or None
-        Largest memory for response matrices (bytes); None for what the system has free, where it says so.
+        Largest memory for response matrices (bytes); None for what the system has free, where it says so. A
+        body that is prepared on the way has a limit of its own.
     search_distance : float or None
-        Gaps are measured up to this distance from the obstacle (m); None: depth plus two mean edge lengths,
-        in overlap more where skin stands deeper.
+        Gaps are measured up to this distance from the obstacle (m), of a press up to its depth at least;
+        None: depth plus two mean edge lengths, in overlap more where skin stands deeper.
     condition : bool
         Examine definiteness and condition of response matrices of any size; those of up to 64 nodes always
         are.

@@ -103,7 +103,8 @@ def solve_contact(
     """
     check_scene(surface, obstacle)
     core_options = options_to_core(options)
-    solved = _core.solve_contact(surface, obstacle, core_skin(skin, surface), core_options)
+    core = core_skin(skin, surface, core_options.num_threads)
+    solved = _core.solve_contact(surface, obstacle, core, core_options)
     return end_of(_from_core(solved, surface), throw=throw, stacklevel=2)
 
 
@@ -257,10 +258,9 @@ def press_quietly(
     """Return the contact of a press; nothing is warned of, no ending is an error."""
     check_scene(surface, obstacle)
     core_options = options_to_core(options)
+    core = core_skin(skin, surface, core_options.num_threads)
     try:
-        pressed = _core.press(
-            surface, obstacle, core_skin(skin, surface), direction, options=core_options, **asked
-        )
+        pressed = _core.press(surface, obstacle, core, direction, options=core_options, **asked)
     except ContactError as error:
         if isinstance(error.contact, _core.Contact):
             error.contact = _from_core(error.contact, surface)
@@ -272,8 +272,9 @@ def solve_quietly(
     surface: Surface, obstacle: Obstacle, skin: ElasticSkin, options: ContactOptions
 ) -> Contact:
     """Return the contact in place; nothing is warned of, no ending is an error."""
-    core = _core.solve_contact(surface, obstacle, core_skin(skin, surface), options_to_core(options))
-    return _from_core(core, surface)
+    core_options = options_to_core(options)
+    core = core_skin(skin, surface, core_options.num_threads)
+    return _from_core(_core.solve_contact(surface, obstacle, core, core_options), surface)
 
 
 def end_of(contact: Contact, *, throw: bool, stacklevel: int) -> Contact:

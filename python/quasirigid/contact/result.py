@@ -102,7 +102,8 @@ class Contact(Frozen):
     accuracy : Accuracy
         How far the figures can be trusted.
     timings : mapping of str to float
-        Seconds per stage of the solve; the drawn skin is none of them.
+        Seconds per stage of the solve: "first_touch", "signed_distance", "response", "lcp" and "outcome"; the
+        drawn skin is none of them.
     left_out : tuple of LeftOut
         What the solve left out, and why.
     warnings : tuple of (category, message)

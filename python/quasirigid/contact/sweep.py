@@ -16,8 +16,9 @@ from .._check import as_choice, as_direction, as_place, short
 from .._frozen import Frozen
 from ..errors import QuasirigidError, ResponseError
 from ..scene import check_scene
+from ..skin import Body, Skin
 from .ending import ContactStatus
-from .options import ContactOptions
+from .options import ContactOptions, options_to_core
 from .press import Start, end_of, press_quietly
 from .result import Contact, ContactError
 from .warned import Warned, warn_of
@@ -104,8 +105,8 @@ class Sweep(Frozen):
     seconds : (s,) float64
         Wall time (s).
     status : tuple of str
-        Each a `ContactStatus`, "not_reached" (a force out of reach), or "refused" where the response could
-        not answer.
+        Each a `ContactStatus`, "not_reached" (a force out of reach), or "refused" where nothing could be
+        solved.
     messages : tuple of str
         Why a step has no figures, and what to try; "" where it has.
     warnings : tuple of tuple of (category, message)
@@ -206,8 +207,8 @@ def sweep(
     Takes one of `depths` and `forces`. A step goes on on the refined mesh of the step before, which is cut
     where the rim of the contact comes to larger triangles. It begins on the given mesh where that did not
     meet the target (a sharp edge), or where the contact's radius has changed by half. Its figures are those
-    of `press` within the estimated errors, to the bit with ``target_error=None``. A body is best prepared
-    before (`Skin.prepared`): otherwise every step computes its compliance anew.
+    of `press` within the estimated errors, to the bit with ``target_error=None``. A body that is not prepared
+    is, once.
 
     Parameters
     ----------
@@ -262,6 +263,9 @@ def sweep(
         given = "neither" if depths is None else "both"
         raise ContactError(f"a sweep takes depths or forces; given: {given}")
     check_scene(surface, obstacle)
+    num_threads = options_to_core(options).num_threads
+    if isinstance(skin, Skin) and isinstance(skin.response, Body):
+        skin = skin.prepared(surface, num_threads=num_threads)
     goal = "force" if depths is None else "depth"
     values = _values(f"{goal}s", forces if depths is None else depths, zero=goal == "depth")
     question = _Question(

@@ -130,7 +130,7 @@ class Hand(Frozen):
 
     @property
     def length(self) -> float:
-        """Way along the joints from the wrist to the tip of the middle finger (m)."""
+        """Way along the joints from the wrist to the tip joint of the middle finger (m), less its pulp."""
         way = self._places(("wrist", *JOINTS_OF["middle"][1:]))
         return float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
 
@@ -168,10 +168,11 @@ class Hand(Frozen):
         Parameters
         ----------
         pose : str, mapping, array_like or Mixed
-            A preset ("flat", "open", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"); a mapping of
-            joint names to flexion (rad) or to a mapping of "flexion", "abduction" and "twist" (rad), joints
-            not named at rest; or an array in the order of `joint_names`, relative to the rest frames: (J, 3)
-            rotation vectors (rad) or (J, 4) quaternions x, y, z, w. Flexion is positive towards the palm,
+            A preset ("flat", "open", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"), its flexion
+            from the straight digit; a mapping of joint names to flexion from rest (rad) or to a
+            mapping of "flexion", "abduction" and "twist" (rad), joints not named at rest; or an array in the
+            order of `joint_names`, relative to the rest frames: (J, 3) rotation vectors (rad) or (J, 4)
+            quaternions x, y, z, w. Flexion is positive towards the palm,
             abduction away from the middle finger (of that itself: towards the thumb), twist where it turns
             the thumb's pad to the fingers.
         rotation : (3, 3) or (4, 4) array_like, optional
@@ -196,8 +197,8 @@ class Hand(Frozen):
         Warns
         -----
         QuasirigidWarning
-            Angles of a mapping that are beyond the range of a joint are taken at its end. Arrays are taken as
-            they are.
+            Angles of a mapping that are beyond the range of a joint are taken at its end, and a joint at the
+            end of a digit turns nothing. Arrays are taken as they are.
 
         Notes
         -----

@@ -304,6 +304,7 @@ class Hold:
                 poisson_ratio=skin.poisson_ratio,
                 response=skin.response,
                 nodes=beside if len(beside) else None,
+                num_threads=options.num_threads,
             )
         contact = solve_quietly(posed.surface, self.obstacle, elastic, options)
         self.solved = Solved(posed, contact)

@@ -26,14 +26,18 @@ if TYPE_CHECKING:
 __all__ = ["kept"]
 
 _MOST_BYTES = 5e8  # of all bodies in memory: about three whole hands
-_VERSION = b"2"  # another one where the same body is solved otherwise
+_VERSION = b"3"  # another one where the same body is solved otherwise
 
 _known: OrderedDict[str, tuple[PreparedSkin, int]] = OrderedDict()
 _lock = Lock()
 
 
 def kept(
-    skin: Skin, surface: Surface, nodes: ArrayLike, folder: str | PathLike[str] | None = None
+    skin: Skin,
+    surface: Surface,
+    nodes: ArrayLike,
+    folder: str | PathLike[str] | None = None,
+    num_threads: int | None = None,
 ) -> PreparedSkin:
     """Return a body prepared for a surface, from memory or the folder where it is there already.
 
@@ -55,7 +59,7 @@ def kept(
         with suppress(ResponseError):
             prepared = load_prepared(file)
     if prepared is None:
-        prepared = skin.prepared(surface, nodes)
+        prepared = skin.prepared(surface, nodes, num_threads=num_threads)
         if file is not None:
             prepared.save(file)
     size = sum(part.nbytes for part in _core.skin_parts(prepared._response).values())

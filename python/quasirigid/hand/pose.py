@@ -188,6 +188,9 @@ def _of_mapping(pose: Mapping[str, float | Mapping[str, float]], hand: Hand) -> 
         for angle, amount in given.items():
             column = index_of(angle, _ANGLES, f"the angle of {name}")
             angles[joint, column] = _as_angle(f"{angle} of {name}", amount)
+        is_end = joint not in hand.parents and not hand._shares[:, joint].any()
+        if is_end and angles[joint].any():
+            warnings.warn(f"{name} moves no skin: its angles change nothing", QuasirigidWarning, stacklevel=5)
     return _turns(_within_limits(angles, hand), hand)
 
 
@@ -219,7 +222,8 @@ def _within_limits(angles: Floats, hand: Hand) -> Floats:
                 )
     if said:
         more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
-        warnings.warn(f"beyond what the joint can do: {said[0]}{more}", QuasirigidWarning, stacklevel=5)
+        why = f"beyond what the joint can do: {said[0]}{more}; angles are in rad"
+        warnings.warn(why, QuasirigidWarning, stacklevel=5)
     return kept
 
 

@@ -26,8 +26,8 @@ def read_pose(path: str | PathLike[str]) -> dict[str, dict[str, float]]:
     Parameters
     ----------
     path : path
-        An object with ``"unit"`` ("deg" or "rad"), and each joint to turn by its name, with a flexion or with
-        an object of "flexion", "abduction" and "twist".
+        An object with ``"unit"`` ("deg" or "rad"), and each joint to turn by its name, with a flexion from
+        rest or with an object of "flexion", "abduction" and "twist".
 
     Returns
     -------

@@ -170,6 +170,7 @@ class PosedHand(Frozen):
         response: Response | None = None,
         nodes: ArrayLike | None = None,
         folder: str | PathLike[str] | None = None,
+        num_threads: int | None = None,
     ) -> Skin | PreparedSkin:
         """Return material and response of this skin in this pose.
 
@@ -189,6 +190,8 @@ class PosedHand(Frozen):
             A whole hand without one answers everywhere, best beside these.
         folder : path, optional
             Keeps prepared bodies in files, as `PreparedSkin.save`, and finds them there.
+        num_threads : int, optional
+            Threads that prepare a body; None for all.
 
         Raises
         ------
@@ -213,7 +216,8 @@ class PosedHand(Frozen):
                 "or take a response that needs none, such as HalfSpace()"
             )
         skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
-        return kept(skin, self.surface, self._touching(response) if nodes is None else nodes, folder)
+        nodes = self._touching(response) if nodes is None else nodes
+        return kept(skin, self.surface, nodes, folder, num_threads)
 
     def _touching(self, body: Body) -> NDArray[np.int64]:
         """Return the vertices of the palmar side and the sides of the thumb's tip.

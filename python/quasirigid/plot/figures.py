@@ -63,7 +63,7 @@ def contact_figure(contact: Contact, *, bone: Surface | None = None, view: View 
     plot_skin(contact, show="overlap", ax=axes["before"], view=view)
     plot_skin(contact, show="pressure", ax=axes["after"], view=view)
     plot_section(contact, bone=bone, ax=axes["cut"], view=view)
-    plot_footprint(contact, ax=axes["footprint"], view=view, with_colour_bar=False)
+    plot_footprint(contact, ax=axes["footprint"], view=view, with_color_bar=False)
     for name, title in _TITLES.items():
         axes[name].set_title(title, fontsize=11, color=INK, pad=8)
     for name in ("before", "after", "cut"):
@@ -117,7 +117,7 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     axes = figure.subplots(1, len(contacts), squeeze=False, sharex=True, sharey=True)[0]
     top = max(float(np.nan_to_num(contact.pressure).max()) for contact in contacts.values()) * KPA
     for ax, (name, contact) in zip(axes, contacts.items(), strict=True):
-        plot_footprint(contact, ax=ax, with_colour_bar=False, top=top)
+        plot_footprint(contact, ax=ax, with_color_bar=False, top=top)
         ax.set_title(f"{name}\n{_headline(contact)}", fontsize=11, color=INK, pad=8)
     reach = max(max(map(abs, (*ax.get_xlim(), *ax.get_ylim()))) for ax in axes)
     axes[0].set_xlim(-reach, reach)

@@ -29,7 +29,7 @@ def plot_footprint(
     *,
     ax: Axes | None = None,
     view: View | None = None,
-    with_colour_bar: bool = True,
+    with_color_bar: bool = True,
     top: float | None = None,
 ) -> Axes:
     """Draw the pressure (kPa) in the contact plane (mm), with the outline of the contact.
@@ -42,7 +42,7 @@ def plot_footprint(
         Where to draw; a new figure when left out.
     view : View, optional
         The view whose `right` and `up` span the plane; `pad_view` when left out.
-    with_colour_bar : bool
+    with_color_bar : bool
         False where a color bar of the same scale stands beside.
     top : float, optional
         Pressure (kPa) at the dark end of the colors, > 0; the contact's own largest when left out.
@@ -83,7 +83,7 @@ def plot_footprint(
     ax.set_xlim(low[0] - margin, high[0] + margin)
     ax.set_ylim(low[1] - margin, high[1] + margin)
     _note(ax, 0.97, _unseen(contact, seen))
-    if with_colour_bar:
+    if with_color_bar:
         color_bar(ax, pressure_colors(), top, "pressure (kPa)", beside=True)
     return ax
 

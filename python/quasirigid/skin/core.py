@@ -50,6 +50,7 @@ def build_prepared(
     *,
     nodes: ArrayLike | None = None,
     progress: Progress | None = None,
+    num_threads: int | None = None,
 ) -> _core.Skin:
     """Return the response computed once at nodes; None: the skin mask, less what a body holds."""
     _check_surface("surface", surface)
@@ -57,10 +58,11 @@ def build_prepared(
     if isinstance(response, GivenMatrix):
         return _build_given(material, response, surface, chosen)
     if isinstance(response, Body):
-        return _build_body(material, response, surface, chosen, progress)
+        return _build_body(material, response, surface, chosen, progress, num_threads)
     kernel = build_kernel(material, response)
     assert kernel is not None
-    return kernel.prepare(surface, np.flatnonzero(surface.skin_mask) if chosen is None else chosen)
+    chosen = np.flatnonzero(surface.skin_mask) if chosen is None else chosen
+    return kernel.prepare(surface, chosen, num_threads=num_threads)
 
 
 def _check_surface(name: str, value: object) -> None:
@@ -74,6 +76,7 @@ def _build_body(
     surface: Surface,
     nodes: NDArray[np.int64] | None,
     progress: Progress | None,
+    num_threads: int | None,
 ) -> _core.Skin:
     if body.bone is not None:
         _check_surface("bone", body.bone)
@@ -91,7 +94,7 @@ def _build_body(
         nodes,
         coarse_edge_length=as_float_or_none("coarse_edge_length", body.coarse_edge_length),
         bone_pressure=as_boolean("bone_pressure", body.bone_pressure),
-        num_threads=None,
+        num_threads=num_threads,
         memory_limit=as_integer_or_none("memory_limit", body.memory_limit, ResponseError),
         progress=stage_reporter(progress),
     )

@@ -14,15 +14,15 @@ __all__ = ["ElasticSkin", "core_skin"]
 class ElasticSkin(Protocol):
     """What goes into a contact as its skin: a `Skin`, `PreparedSkin` or `CombinedSkin`."""
 
-    def _core_on(self, surface: Surface) -> _core.Skin:
-        """Return the core's skin for a surface."""
+    def _core_on(self, surface: Surface, num_threads: int | None) -> _core.Skin:
+        """Return the core's skin for a surface, prepared by so many threads where it has to be."""
 
 
-def core_skin(skin: ElasticSkin, surface: Surface) -> _core.Skin:
+def core_skin(skin: ElasticSkin, surface: Surface, num_threads: int | None = None) -> _core.Skin:
     """Return the core's skin for a surface; refuse what is no skin, a bare response above all."""
     if not hasattr(skin, "_core_on"):
         raise TypeError(
             f"skin is a {type(skin).__name__}, expected a Skin, PreparedSkin or CombinedSkin: a response "
             "goes into Skin(shear_modulus=..., poisson_ratio=..., response=...)"
         )
-    return skin._core_on(surface)
+    return skin._core_on(surface, num_threads)

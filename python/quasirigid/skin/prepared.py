@@ -118,7 +118,7 @@ class PreparedSkin:
         """Return the number of nodes and the skin on one line."""
         return f"PreparedSkin({len(self.nodes)} nodes, {self.skin!r})"
 
-    def _core_on(self, surface: Surface) -> _core.Skin:
+    def _core_on(self, surface: Surface, num_threads: int | None) -> _core.Skin:
         return self._response
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from .._check import as_float
+from .._check import as_float, as_integer_or_none
 from ..errors import ResponseError, ResponseRangeWarning
 from ..scene import as_surface
 from .core import Material, build_kernel, build_prepared
@@ -87,6 +87,7 @@ class Skin:
         nodes: ArrayLike | None = None,
         *,
         progress: Progress | bool | None = None,
+        num_threads: int | None = None,
     ) -> PreparedSkin:
         """Compute the response for a surface once, to use it for every product.
 
@@ -102,6 +103,8 @@ class Skin:
             done, first with memory and operations and 0, then with "assembly", "factorization" and
             "solution". Ctrl-C ends the work at any time, and so does what the function raises, which is
             raised here.
+        num_threads : int, optional
+            Threads; None for all. The response is equal to the bit for any number.
 
         Returns
         -------
@@ -117,7 +120,12 @@ class Skin:
         """
         surface = as_surface("surface", surface)
         response = build_prepared(
-            self._material, self.response, surface, nodes=nodes, progress=as_progress(progress)
+            self._material,
+            self.response,
+            surface,
+            nodes=nodes,
+            progress=as_progress(progress),
+            num_threads=as_integer_or_none("num_threads", num_threads, ResponseError),
         )
         return PreparedSkin(skin=self, _response=response)
 
@@ -157,8 +165,10 @@ class Skin:
     def _material(self) -> Material:
         return as_float("shear_modulus", self.shear_modulus), as_float("poisson_ratio", self.poisson_ratio)
 
-    def _core_on(self, surface: Surface) -> _core.Skin:
-        return self._kernel or build_prepared(self._material, self.response, surface)
+    def _core_on(self, surface: Surface, num_threads: int | None) -> _core.Skin:
+        if self._kernel is not None:
+            return self._kernel
+        return build_prepared(self._material, self.response, surface, num_threads=num_threads)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -258,7 +268,7 @@ class CombinedSkin:
         """Return the names of the parts and the kernel on one line."""
         return f"CombinedSkin({', '.join(self.parts) or 'no parts'}, background {self.background!r})"
 
-    def _core_on(self, surface: Surface) -> _core.Skin:
+    def _core_on(self, surface: Surface, num_threads: int | None) -> _core.Skin:
         return self._response
 
 

@@ -10,7 +10,7 @@ pub enum WarningKind {
     Depth,
     /// The shear modulus is none of tissue.
     Modulus,
-    /// The mesh is too coarse for the contact, or that of a body for its tissue.
+    /// The mesh is too coarse for the contact.
     CoarseMesh,
     /// The contact reaches where the skin is cut, held or masked.
     Cut,
@@ -20,7 +20,7 @@ pub enum WarningKind {
     Mask,
     /// Skin and product still overlap, or are pulled, or went through each other.
     Penetration,
-    /// A refinement or a search ended short of its target.
+    /// A refinement or a search ended short of its target, or the coarse mesh of a body does.
     Refinement,
 }
 

@@ -75,7 +75,7 @@ impl Default for BodyOptions<'_> {
 impl Body {
     /// The body of a part that is held at its cut, with `bone` inside if there is one.
     pub fn of_part(part: &CutOut, bone: Option<Surface>) -> Body {
-        Body { bone, fixed: Some(part.fixed.clone()), coarse_edge_length: Some(0.0) }
+        Body { bone, fixed: Some(part.fixed.clone()), ..Body::default() }
     }
 
     /// Checks the body without solving anything.
