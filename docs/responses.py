@@ -44,6 +44,8 @@ The body is prepared for the {node_count} vertices that may touch. Written by `p
   fingertip, where tissue gives way sideways.
 - **body**: `Body(bone=models.bone_of(finger), fixed=cut)`.
 
+What follows was measured once, as each was built; the script does not measure it again.
+
 A whole hand with its bones (`PosedHand.skin`), 13,000 vertices, nu = 0.495: at most some 2,050 coarse
 vertices of the skin, 9 to 12 s and 1 GB of the whole process. Against edges of 3.6 mm everywhere, twice as
 many vertices (80 s, 4.2 GB), on refined contacts:
@@ -65,7 +67,7 @@ any surface. A layer's collocation matrix on flat meshes was so from 0.1 to 100 
 borders included, but for meshes of over 1,000 irregular nodes (vertices moved by 0.3 cells) under an
 incompressible layer of a tenth of a cell: -3e-5 of the largest eigenvalue, where Galerkin's is definite.
 Where the surface bends within the layer's reach neither has to be: 800 nodes around a fingertip under 1 mm,
-nu = 0.5, have -0.1 % (collocation) and -0.3 % (Galerkin). Galerkin assembly costs some 9 times
+nu = 0.5, have -0.1 % (collocation) and -0.3 % (Galerkin). Galerkin assembly costs 9 to 12 times
 collocation's, 10 to 20 times for a layer, up to 60 times for one thinner than the mesh.
 
 A body in Galerkin form, `Body(discretization="galerkin")`, averages its near kernel; what is left of it is
