@@ -72,6 +72,25 @@ impl Default for BodyOptions<'_> {
     }
 }
 
+impl BodyOptions<'_> {
+    /// Works on as many threads as asked for, with options that ask for those at hand.
+    pub(crate) fn with_threads<R: Send, E: From<BodyError> + Send>(
+        &self,
+        work: impl FnOnce(&BodyOptions) -> Result<R, E> + Send,
+    ) -> Result<R, E> {
+        let refuse = |threads, reason| Err(BodyError::Threads { threads, reason }.into());
+        let at_hand = BodyOptions { num_threads: None, ..*self };
+        match self.num_threads {
+            None => work(&at_hand),
+            Some(0) => refuse(0, "at least 1 is needed".to_string()),
+            Some(threads) => match bounded_pool(threads) {
+                Ok(pool) => pool.install(|| work(&at_hand)),
+                Err(error) => refuse(threads, error.to_string()),
+            },
+        }
+    }
+}
+
 impl Body {
     /// The body of a part that is held at its cut, with `bone` inside if there is one.
     pub fn of_part(part: &CutOut, bone: Option<Surface>) -> Body {
@@ -157,19 +176,10 @@ impl Body {
         let (report, fixed) = self.check(skin)?;
         check_nodes(skin.vertices().len(), &fixed, nodes)?;
         check_uncrossed(skin)?;
-        let solve = || {
+        options.with_threads(|options| {
             let parts = self.solve::<T>(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
             Ok(BodyCompliance::new(parts, report))
-        };
-        match options.num_threads {
-            None => solve(),
-            Some(0) => Err(BodyError::Threads { threads: 0, reason: "at least 1 is needed".to_string() }),
-            Some(threads) => {
-                let pool = bounded_pool(threads)
-                    .map_err(|error| BodyError::Threads { threads, reason: error.to_string() })?;
-                pool.install(solve)
-            }
-        }
+        })
     }
 
     fn check_memory<T>(

@@ -44,18 +44,20 @@ impl PreparedBody {
         nodes: &[usize],
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
-        let levels = match body.coarse_skin(surface, nodes, options.interrupt)? {
-            None => Levels::One(OneLevel {
-                compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
-                thickness: body.bone.as_ref().map(|bone| tissue_thickness(surface, bone).into()),
-            }),
-            Some(OnCoarse { skin, fixed, nodes }) => {
-                let material = [shear_modulus, poisson_ratio];
-                let two = TwoLevels::solve(body, surface, skin, &fixed, material, &nodes, options)?;
-                return Self::from_levels(surface, &nodes, Levels::Two(two));
-            }
-        };
-        Self::from_levels(surface, nodes, levels)
+        options.with_threads(|options| {
+            let levels = match body.coarse_skin(surface, nodes, options.interrupt)? {
+                None => Levels::One(OneLevel {
+                    compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
+                    thickness: body.bone.as_ref().map(|bone| tissue_thickness(surface, bone).into()),
+                }),
+                Some(OnCoarse { skin, fixed, nodes }) => {
+                    let material = [shear_modulus, poisson_ratio];
+                    let two = TwoLevels::solve(body, surface, skin, &fixed, material, &nodes, options)?;
+                    return Self::from_levels(surface, &nodes, Levels::Two(two));
+                }
+            };
+            Self::from_levels(surface, nodes, levels)
+        })
     }
 
     /// Takes a compliance that was computed or measured before; vertices that it keeps at rest stay.

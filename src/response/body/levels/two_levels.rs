@@ -138,7 +138,6 @@ impl TwoLevels {
         let near = NearKernel::new(shear_modulus, poisson_ratio, on_coarse)?;
         let assembly = AssemblyOptions {
             tolerance: options.tolerance,
-            num_threads: options.num_threads,
             interrupt: options.interrupt,
             ..AssemblyOptions::default()
         };
