@@ -196,25 +196,25 @@ pub(super) fn motions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Isom
 /// (n,) booleans.
 pub(super) fn mask(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<bool>> {
     let array = as_array(value, name, None)?;
-    let dtype = array.getattr("dtype")?;
-    let Ok(array) = array.cast_into::<PyArrayDyn<bool>>() else {
+    let Ok(flags) = array.cast::<PyArrayDyn<bool>>() else {
+        let dtype = array.getattr("dtype")?;
         return Err(PyTypeError::new_err(format!(
             "`{name}` has dtype {dtype}, expected booleans; from vertices take np.isin(np.arange(n), vertices)"
         )));
     };
-    match array.shape() {
-        [_] => Ok(array.readonly().as_slice()?.to_vec()),
+    match flags.shape() {
+        [_] => Ok(flags.readonly().as_slice()?.to_vec()),
         shape => Err(shape_error(name, "(n,) booleans", shape)),
     }
 }
 
 fn integer_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, i64>> {
     let array = as_array(value, name, None)?;
-    let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    let dtype = array.getattr("dtype")?;
+    let kind: String = dtype.getattr("kind")?.extract()?;
     let empty = array.getattr("size")?.extract::<usize>()? == 0;
     if !"iu".contains(&kind) && !empty {
         let hint = if kind == "b" { ": of a mask take np.flatnonzero(mask)" } else { "" };
-        let dtype = array.getattr("dtype")?;
         return Err(PyTypeError::new_err(format!("`{name}` has dtype {dtype}, expected integers{hint}")));
     }
     Ok(as_array(&array, name, Some("int64"))?.cast_into::<PyArrayDyn<i64>>()?.readonly())

@@ -13,7 +13,7 @@ from .press import press as press
 from .press import solve_contact as solve_contact
 from .result import Contact as Contact
 from .result import ContactError as ContactError
-from .sweep import Sweep as Sweep
 from .sweep import SweepProgress as SweepProgress
 from .sweep import sweep as sweep
+from .swept import Sweep as Sweep
 from .warned import Warned as Warned

@@ -102,10 +102,7 @@ def solve_contact(
     'no_contact'
     """
     check_scene(surface, obstacle)
-    core_options = options_to_core(options)
-    core = core_skin(skin, surface, core_options.num_threads)
-    solved = _core.solve_contact(surface, obstacle, core, core_options)
-    return end_of(_from_core(solved, surface), throw=throw, stacklevel=2)
+    return end_of(solve_quietly(surface, obstacle, skin, options), throw=throw, stacklevel=2)
 
 
 def press(
@@ -269,7 +266,7 @@ def press_quietly(
 
 
 def solve_quietly(
-    surface: Surface, obstacle: Obstacle, skin: ElasticSkin, options: ContactOptions
+    surface: Surface, obstacle: Obstacle, skin: ElasticSkin, options: ContactOptions | None
 ) -> Contact:
     """Return the contact in place; nothing is warned of, no ending is an error."""
     core_options = options_to_core(options)

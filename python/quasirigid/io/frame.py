@@ -11,7 +11,7 @@ from .._extras import import_extra
 
 if TYPE_CHECKING:
     from ..contact.result import Contact
-    from ..contact.sweep import Sweep
+    from ..contact.swept import Sweep
 
 __all__ = [
     "contact_dataframe",

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from ..contact.accuracy import Refinement
     from ..contact.result import Contact
-    from ..contact.sweep import Sweep
+    from ..contact.swept import Sweep
 
 __all__ = [
     "aligned",

@@ -12,7 +12,7 @@ from .style import AFTER, BEFORE, INK, new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..contact.sweep import Sweep
+    from ..contact.swept import Sweep
 
 __all__ = ["sweep_figure"]
 

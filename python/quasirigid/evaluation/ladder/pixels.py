@@ -18,7 +18,7 @@ __all__ = ["pixel_tasks"]
 def pixel_tasks(quick: bool) -> Iterator[Task]:
     """Make the ladder of pixels per contact radius; none without tamaas."""
     try:
-        import tamaas  # type: ignore[import-not-found, import-untyped, unused-ignore]
+        import tamaas
     except ImportError:
         return
     tamaas.set_log_level(tamaas.LogLevel.warning)

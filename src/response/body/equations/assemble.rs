@@ -117,8 +117,8 @@ impl<'a> Row<'a> {
     /// Elements of skin or of bone that share a rule, none of them around the point.
     #[inline(always)]
     fn add_together(&mut self, elements: &[u32], rule: usize, scratch: &mut RowScratch) {
-        let triangles = elements.iter().map(|&element| &self.body.elements[element as usize].triangle);
-        scratch.lanes.set_all(triangles, &self.body.points[self.point]);
+        let triangle = |element: u32| &self.body.elements[element as usize].triangle;
+        scratch.lanes.set_all(elements, triangle, &self.body.points[self.point]);
         let is_skin = self.body.elements[elements[0] as usize].is_skin;
         if is_skin {
             far_moments::<true>(&scratch.lanes, RULES[rule], &mut scratch.moments);

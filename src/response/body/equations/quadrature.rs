@@ -142,18 +142,18 @@ pub(crate) struct TriangleLanes {
 }
 
 impl TriangleLanes {
-    /// Puts some triangles, seen from `point`, into as many lanes; the others repeat the last one, without area.
+    /// Puts the triangles of some numbers, seen from `point`, into as many lanes; the others repeat the last one, without area.
     #[inline(always)]
-    pub fn set_all<'a>(&mut self, triangles: impl Iterator<Item = &'a Triangle>, point: &Vector3<f64>) {
-        let (mut lane, mut last) = (0, None);
-        for triangle in triangles {
-            self.set(lane, triangle, point);
-            (lane, last) = (lane + 1, Some(triangle));
+    pub fn set_all<'a>(
+        &mut self,
+        numbers: &[u32],
+        triangle: impl Fn(u32) -> &'a Triangle,
+        point: &Vector3<f64>,
+    ) {
+        for lane in 0..LANES {
+            self.set(lane, triangle(numbers[lane.min(numbers.len() - 1)]), point);
         }
-        for spare in lane..LANES {
-            self.set(spare, last.expect("at least one triangle"), point);
-            self.area[spare] = 0.0;
-        }
+        self.area[numbers.len()..].fill(0.0);
     }
 
     /// Puts `triangle`, seen from `point`, into a lane.

@@ -51,9 +51,7 @@ impl NearKernel {
                     (0..3).for_each(|corner| load.add(corner, |c| moments[corner].b[c], blocks));
                 }
                 Integration::Rule { rule, triangles } => {
-                    scratch
-                        .lanes
-                        .set_all(triangles.iter().map(|&index| &loads[index as usize].triangle), point);
+                    scratch.lanes.set_all(triangles, |index| &loads[index as usize].triangle, point);
                     far_moments::<false>(&scratch.lanes, RULES[rule], &mut scratch.moments);
                     for (corner, moments) in scratch.moments.iter().enumerate() {
                         for (lane, &index) in triangles.iter().enumerate() {
