@@ -1,6 +1,6 @@
 //! `_core.Accuracy` and `_core.Refinement`: how far the figures of a contact can be trusted.
 
-use super::convert::{read_only, vector_out};
+use super::arrays_out::{read_only, vector_out};
 use crate::contact::{Accuracy, Refinement, RefinementEnd};
 use numpy::PyArray1;
 use pyo3::prelude::*;

@@ -1,10 +1,9 @@
 //! `solve_contact` and `press`.
 
 use super::accuracy::{PyAccuracy, PyRefinement};
+use super::arrays_out::{nodes_out, pairs_out, read_only, vector_out, vectors_out};
 use super::contact_options::PyContactOptions;
-use super::convert::{
-    named, nodes_out, number, pairs_out, read_only, vector, vector_out, vectors, vectors_out,
-};
+use super::convert::{named, number, vector, vectors};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use super::forked::released;
 use super::interrupt::detached_with;

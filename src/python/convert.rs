@@ -1,18 +1,15 @@
-//! NumPy arrays in and out.
+//! NumPy arrays, numbers and names in.
 
-use super::forked::released;
 use crate::geometry::rigid_motion;
-use faer::{Mat, MatRef};
+use faer::MatRef;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
-use numpy::ndarray::Dimension;
 use numpy::{
-    Element, PyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
+    PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
     PyUntypedArrayMethods,
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyFloat, PyType};
-use rayon::prelude::*;
 
 /// `numpy.require(value, dtype)`, in C order and aligned, with the argument's name in the error.
 fn as_array<'py>(value: &Bound<'py, PyAny>, name: &str, dtype: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
@@ -269,40 +266,6 @@ pub(super) fn nodes(
         .collect()
 }
 
-/// (n, 3) array of vectors.
-pub(super) fn vectors_out<'py>(py: Python<'py>, vectors: &[Vector3<f64>]) -> Bound<'py, PyArray2<f64>> {
-    let rows: Vec<[f64; 3]> = vectors.iter().map(|&vector| vector.into()).collect();
-    PyArray1::from_vec(py, rows.into_flattened()).reshape([vectors.len(), 3]).expect("three numbers a vector")
-}
-
-/// The array for all to share: nobody may write to it.
-pub(super) fn read_only<T: Element, D: Dimension>(array: Bound<'_, PyArray<T, D>>) -> Py<PyArray<T, D>> {
-    array.readwrite().make_nonwriteable();
-    array.unbind()
-}
-
-/// (3,) array.
-pub(super) fn vector_out<'py>(py: Python<'py>, vector: &Vector3<f64>) -> Bound<'py, PyArray1<f64>> {
-    PyArray1::from_slice(py, vector.as_slice())
-}
-
-/// (m, 3) int64 array of faces.
-pub(super) fn faces_out<'py>(py: Python<'py>, faces: &[[u32; 3]]) -> Bound<'py, PyArray2<i64>> {
-    let flat: Vec<i64> = faces.iter().flatten().map(|&index| i64::from(index)).collect();
-    PyArray1::from_vec(py, flat).reshape([faces.len(), 3]).expect("three corners a face")
-}
-
-/// (k, 2) int64 array of vertex numbers.
-pub(super) fn pairs_out<'py>(py: Python<'py>, pairs: &[[usize; 2]]) -> Bound<'py, PyArray2<i64>> {
-    let flat: Vec<i64> = pairs.iter().flatten().map(|&vertex| vertex as i64).collect();
-    PyArray1::from_vec(py, flat).reshape([pairs.len(), 2]).expect("two vertices each")
-}
-
-/// (k,) int64 array of vertex numbers.
-pub(super) fn nodes_out<'py>(py: Python<'py>, nodes: &[usize]) -> Bound<'py, PyArray1<i64>> {
-    PyArray1::from_vec(py, nodes.iter().map(|&node| node as i64).collect())
-}
-
 /// A matrix of float64 in C or Fortran order, aligned; anything else is copied to C order first. What has not two
 /// dimensions is refused by the exception that `refuse` makes.
 pub(super) struct MatrixArgument<'py>(PyReadonlyArray2<'py, f64>);
@@ -328,24 +291,4 @@ impl<'py> MatrixArgument<'py> {
             MatRef::from_column_major_slice(numbers, rows, columns)
         }
     }
-}
-
-/// Rows handled together where a matrix is turned from columns to rows, so that what is written stays in cache.
-const ROWS_AT_ONCE: usize = 32;
-
-/// (n, m) array, C order.
-pub(super) fn matrix_out<'py>(py: Python<'py>, matrix: &Mat<f64>) -> Bound<'py, PyArray2<f64>> {
-    let (rows, columns) = (matrix.nrows(), matrix.ncols());
-    let mut flat = vec![0.0; rows * columns];
-    let fill = |(block, out): (usize, &mut [f64])| {
-        let first = block * ROWS_AT_ONCE;
-        for j in 0..columns {
-            let column = &matrix.col_as_slice(j)[first..];
-            out.chunks_exact_mut(columns).zip(column).for_each(|(row, entry)| row[j] = *entry);
-        }
-    };
-    if columns > 0 {
-        released(py, || flat.par_chunks_mut(columns * ROWS_AT_ONCE).enumerate().for_each(fill));
-    }
-    PyArray1::from_vec(py, flat).reshape([rows, columns]).expect("as many numbers as entries")
 }

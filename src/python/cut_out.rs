@@ -1,6 +1,7 @@
 //! Parts of a skin, cut out for a body of their own.
 
-use super::convert::{mask, read_only, vector};
+use super::arrays_out::read_only;
+use super::convert::{mask, vector};
 use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
 use super::surface::PySurface;

@@ -1,6 +1,7 @@
 //! Initial gaps as a response measures them.
 
-use super::convert::{nodes, scalars, vectors_out};
+use super::arrays_out::vectors_out;
+use super::convert::{nodes, scalars};
 use super::errors::{IntoPyErr, ResponseError};
 use super::skin::PySkin;
 use super::surface::PySurface;

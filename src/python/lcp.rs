@@ -1,6 +1,7 @@
 //! `solve_lcp`.
 
-use super::convert::{MatrixArgument, named, nodes_out, read_only, scalars};
+use super::arrays_out::{nodes_out, read_only};
+use super::convert::{MatrixArgument, named, scalars};
 use super::errors::{IntoPyErr, LcpError};
 use super::interrupt::detached;
 use crate::lcp::{

@@ -1,7 +1,8 @@
 //! The vertices under force, from which the figures of any part of a contact are summed.
 
+use super::arrays_out::{matrix_out, nodes_out};
 use super::contact::{PyPatch, PyResultant, patches_out};
-use super::convert::{MatrixArgument, mask, matrix_out, nodes_out, number};
+use super::convert::{MatrixArgument, mask, number};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
 use crate::contact::figures::resultant::{LoadedVertex, LoadedVertices};
 use faer::Mat;

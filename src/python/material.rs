@@ -1,6 +1,7 @@
 //! Materials of products, from and to the facade's `Material`.
 
-use super::convert::{MatrixArgument, matrix_out, nodes, nodes_out};
+use super::arrays_out::{matrix_out, nodes_out};
+use super::convert::{MatrixArgument, nodes};
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;
 use super::skin::PySkin;

@@ -1,6 +1,7 @@
 //! The response matrix, and what is known of the symmetric part of a matrix.
 
-use super::convert::{MatrixArgument, matrix_out, nodes, vectors};
+use super::arrays_out::matrix_out;
+use super::convert::{MatrixArgument, nodes, vectors};
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;
 use super::interrupt::detached_with;

@@ -1,6 +1,7 @@
 //! Thin PyO3 layer: convert, detach, call, convert back. The typed facade in `python/quasirigid` builds on it.
 
 mod accuracy;
+mod arrays_out;
 mod contact;
 mod contact_options;
 mod convert;

@@ -1,9 +1,7 @@
 //! `quasirigid.Obstacle`.
 
-use super::convert::{
-    faces, faces_out, matrix3, mesh_arrays, number, rotation_and_translation, vector, vector_out, vectors,
-    vectors_out,
-};
+use super::arrays_out::{faces_out, vector_out, vectors_out};
+use super::convert::{faces, matrix3, mesh_arrays, number, rotation_and_translation, vector, vectors};
 use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
 use super::material::{made_of, material_out};

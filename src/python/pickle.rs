@@ -1,6 +1,7 @@
 //! Obstacles to pickles and back, equal to the bit.
 
-use super::convert::{faces, faces_out, vectors, vectors_out};
+use super::arrays_out::{faces_out, vectors_out};
+use super::convert::{faces, vectors};
 use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
 use super::material::material_out;

@@ -1,6 +1,7 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
-use super::convert::{MatrixArgument, mask, nodes, nodes_out, rotation_and_translation, scalars, vectors};
+use super::arrays_out::nodes_out;
+use super::convert::{MatrixArgument, mask, nodes, rotation_and_translation, scalars, vectors};
 use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;

@@ -1,9 +1,7 @@
 //! Prepared skins to their arrays and back, equal to the bit.
 
-use super::convert::{
-    MatrixArgument, faces, faces_out, mask, matrix_out, matrix3, nodes, nodes_out, scalars, vectors,
-    vectors_out,
-};
+use super::arrays_out::{faces_out, matrix_out, nodes_out, vectors_out};
+use super::convert::{MatrixArgument, faces, mask, matrix3, nodes, scalars, vectors};
 use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;

@@ -1,9 +1,7 @@
 //! `quasirigid.Surface` and what works on raw vertices and faces.
 
-use super::convert::{
-    faces, faces_out, integer, mask, mesh_arrays, nodes, nodes_out, pairs_out, rotation_and_translation,
-    vectors, vectors_out,
-};
+use super::arrays_out::{faces_out, nodes_out, pairs_out, vectors_out};
+use super::convert::{faces, integer, mask, mesh_arrays, nodes, rotation_and_translation, vectors};
 use super::errors::{IntoPyErr, SurfaceError};
 use super::forked::released;
 use crate::geometry::bounds::is_within_range;
