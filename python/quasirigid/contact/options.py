@@ -35,8 +35,8 @@ class ContactOptions:
     target_error : float or None
         Relative error that the mesh may leave in force and area, as far as it is estimated (0 < target < 1):
         the mesh is refined around the contact until then. On a sharp edge of the product, where force and
-        area settle slowly, it ends with a warning once the skin held on the edge is no broader than the
-        depth times twice the root of the target. None: the mesh is taken as it is.
+        area settle slowly, it ends with a warning once the skin held on the edge is no broader than 2.2 times
+        the depth times the root of the target. None: the mesh is taken as it is.
     max_nodes : int
         Most contact nodes of a refined mesh.
     gap_tolerance : float

@@ -11,9 +11,9 @@ use crate::surface::checked::Surface;
 pub(crate) struct LoadedEdge {
     /// Ends of one of them (m).
     pub ends: [Vector3<f64>; 2],
-    /// Breadth of the skin that the mesh holds on it (m): that of its cells where vertices lie on the edge, twice as much where
-    /// the edge runs between two rows of them.
-    pub breadth: f64,
+    /// Breadth of the skin that the mesh holds on it, in cells: one where vertices lie on the edge, two where the edge runs
+    /// between two rows of them.
+    pub cells: f64,
     /// Share of all force at the vertices there.
     pub share: f64,
 }
@@ -45,10 +45,10 @@ impl LoadedEdge {
         let sum = |vertices: &[usize]| vertices.iter().map(|&vertex| forces.force[vertex]).sum::<f64>();
         let share = sum(&held) / sum(&forces.active);
         let areas = gaps.surface.vertex_areas();
-        let held_breadth =
-            |(&vertex, ends): (&usize, _)| areas[vertex].sqrt() + 2.0 * beside(gaps.surface, vertex, ends);
-        let breadth = held.iter().zip(&edges).map(held_breadth).sum::<f64>() / held.len() as f64;
-        Some(Self { ends, breadth, share })
+        let cell: f64 = held.iter().map(|&vertex| areas[vertex].sqrt()).sum();
+        let off = held.iter().zip(&edges).map(|(&vertex, ends)| beside(gaps.surface, vertex, ends));
+        let cells = 1.0 + 2.0 * off.sum::<f64>() / cell;
+        Some(Self { ends, cells, share })
     }
 }
 

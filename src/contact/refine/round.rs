@@ -6,7 +6,7 @@ use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::penetration::SMALL_PENETRATION;
 use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement, RefinementEnd, RefinementKind};
-use crate::contact::refine::estimate::ErrorEstimate;
+use crate::contact::refine::estimate::{ErrorEstimate, KEPT_ON_EDGE};
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::refine::wanting::Finer;
 use crate::response::kernel::basis::Discretization;
@@ -60,6 +60,7 @@ impl Contact {
         let error = ErrorEstimate::of_rounds(previous, self);
         let [of_force, of_area] = match finer {
             Finer::Pressed => return Some(error),
+            Finer::Larger => [KEPT_ON_EDGE; 2],
             Finer::Rim => self.left_by_rim(),
             Finer::Elsewhere => [1.0; 2],
         };

@@ -26,11 +26,8 @@ use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// Rounds in which the figures may fail to settle before the refinement gives up.
 const UNSETTLED_ROUNDS: usize = 2;
-/// Breadth of the skin that is held on a sharp edge with which a contact is as fine as it gets, in the depth times the root of
-/// the target: its figures go on changing with the logarithm of the cells.
-const FINEST_ON_EDGE: f64 = 2.0;
 /// A contact of fewer vertices under force says nothing of those to come.
-const FEW_UNDER_FORCE: usize = 12;
+const FEW_UNDER_FORCE: usize = 100;
 /// A mesh with more contact nodes is not refined for the penetration between them alone.
 pub(crate) const FEW_NODES: usize = 300;
 /// A figure that keeps more than this share from one round to the next does not settle.
@@ -158,7 +155,10 @@ impl Rounds<'_> {
         let mut so_far = SoFar { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
-            let next = self.next();
+            let next = match self.next() {
+                Continue(next) => next,
+                Break(end) => return Ok(end),
+            };
             let finer = match self.finer(next)? {
                 Continue(finer) => finer,
                 Break(end) => return Ok(end),
@@ -256,11 +256,6 @@ impl Rounds<'_> {
                 || contact.candidates.len() > FEW_NODES);
         if is_met && is_resolved {
             return Some(RefinementEnd::Target);
-        }
-        let finest = FINEST_ON_EDGE * self.target.sqrt() * contact.max_penetration_before;
-        let is_fine_on_edge = contact.clues.edge.is_some_and(|edge| edge.breadth <= finest);
-        if is_fine_on_edge {
-            return Some(RefinementEnd::SharpEdge);
         }
         let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_UNDER_FORCE;
         let is_unsettled = !is_met && error.worst() > SETTLING * so_far.worst && may_settle;

@@ -1,15 +1,28 @@
 //! Where the mesh of the last round is to be finer.
 
+use std::collections::BTreeSet;
+use std::ops::ControlFlow::{self, Break, Continue};
+
 use crate::contact::error::ContactError;
-use crate::contact::refine::mark::{loaded, pressed_between};
+use crate::contact::outcome::RefinementEnd;
+use crate::contact::refine::mark::{loaded, pressed_between, too_large};
+use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::rounds::Rounds;
+
+/// Breadth of the skin held on a sharp edge with which triangles are as small as it has use for, in the depth times the root of
+/// the target: figures go on changing with the logarithm of the cells there.
+const FINEST_ON_EDGE: f64 = 2.2;
+/// A round for fewer of the triangles under force, as a share of all, is not worth its time; one for all but so few takes all.
+const FEW: f64 = 0.1;
 
 /// Where a round makes the mesh finer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Finer {
     /// Wherever the skin is pressed.
     Pressed,
-    /// At the rim of that.
+    /// There, where triangles are larger than a sharp edge has use for.
+    Larger,
+    /// At the rim of what is pressed.
     Rim,
     /// Where it is touched away from all force.
     Elsewhere,
@@ -17,13 +30,41 @@ pub(crate) enum Finer {
 
 impl Rounds<'_> {
     /// Where the next round is to make the mesh finer: all that is pressed, until the force is known well enough, then its rim,
-    /// and what is touched away from all force where force and area are as good as wanted.
-    pub(super) fn next(&self) -> Finer {
-        match &self.meshes.last {
-            Some(_) if self.touches_elsewhere_alone => Finer::Elsewhere,
-            Some((_, contact)) if contact.knows_force(self.target) => Finer::Rim,
-            _ => Finer::Pressed,
+    /// and what is touched away from all force where force and area are as good as wanted. On a sharp edge triangles get as
+    /// small as that has use for: figures that hang on their size must not jump from one depth to the next.
+    pub(super) fn next(&self) -> ControlFlow<RefinementEnd, Finer> {
+        let Some((_, contact)) = &self.meshes.last else { return Continue(Finer::Pressed) };
+        if contact.clues.edge.is_some() {
+            let share = self.share_of_larger();
+            if share < FEW {
+                return Break(RefinementEnd::SharpEdge);
+            }
+            if share < 1.0 - FEW && !self.touches_elsewhere_alone {
+                return Continue(Finer::Larger);
+            }
         }
+        Continue(if self.touches_elsewhere_alone {
+            Finer::Elsewhere
+        } else if contact.knows_force(self.target) {
+            Finer::Rim
+        } else {
+            Finer::Pressed
+        })
+    }
+
+    /// Share of the triangles under force that are larger than a sharp edge has use for.
+    fn share_of_larger(&self) -> f64 {
+        let count = |marked: &[bool]| marked.iter().filter(|&&is_marked| is_marked).count() as f64;
+        let pressed = self.pressed();
+        count(&self.larger(&pressed)) / count(&loaded(&self.meshes.mesh, &pressed))
+    }
+
+    /// Triangles with one of some corners that are larger than a sharp edge has use for.
+    fn larger(&self, corners: &[usize]) -> Vec<bool> {
+        let Meshes { given, mesh, last } = &self.meshes;
+        let contact = last.as_ref().map_or(given, |(_, contact)| contact);
+        let broadest = FINEST_ON_EDGE * self.target.sqrt() * contact.max_penetration_before;
+        too_large(mesh, corners, contact.clues.edge.map_or(0.0, |edge| broadest / edge.cells))
     }
 
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface.
@@ -33,6 +74,14 @@ impl Rounds<'_> {
         let at_rim = |&vertex: &usize| part.surface.neighbours(vertex).iter().any(is_free);
         match finer {
             Finer::Pressed => self.pressed(),
+            Finer::Larger => {
+                let pressed = self.pressed();
+                let larger = self.larger(&pressed);
+                let leaves = (0..larger.len()).filter(|&leaf| larger[leaf]);
+                let corners: BTreeSet<usize> =
+                    leaves.flat_map(|leaf| self.meshes.mesh.corners(leaf)).collect();
+                pressed.into_iter().filter(|vertex| corners.contains(vertex)).collect()
+            }
             Finer::Rim => {
                 let rim = contact.pressed().into_iter().filter(at_rim);
                 rim.map(|vertex| part.number(vertex)).collect()
@@ -49,7 +98,10 @@ impl Rounds<'_> {
 
     /// Triangles to cut.
     pub(super) fn marked(&self, wanting: &[usize], finer: Finer) -> Result<Vec<bool>, ContactError> {
-        let mut marked = loaded(&self.meshes.mesh, wanting);
+        let mut marked = match finer {
+            Finer::Larger => self.larger(wanting),
+            _ => loaded(&self.meshes.mesh, wanting),
+        };
         if finer == Finer::Rim {
             // Only those that the rim runs through.
             let pressed = self.pressed();
