@@ -465,6 +465,18 @@ def test_the_estimate_on_a_sharp_edge_covers_what_finer_meshes_change(depth: flo
     assert contact.accuracy.force_error > 0.05
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+def test_the_force_on_a_sharp_edge_grows_steadily() -> None:
+    pad, aslant = jittered_ball(1), math.sqrt(0.5) * np.array([[1, 0, 1], [0, math.sqrt(2), 0], [-1, 0, 1]])
+    ridge = qr.Obstacle.box([0.02, 0.05, 0.02]).moved(aslant, [0.3e-3, 0, -0.05])
+    curve = qr.sweep(pad, ridge, SKIN, UP, depths=np.geomspace(0.5e-3, 2e-3, 41))
+    growth = np.diff(np.log(curve.normal_force))
+    # Each triangle is halved at a depth of its own: all at once, one step came to 0.16.
+    assert growth.min() > 0
+    assert np.abs(growth - np.median(growth)).max() < 0.05
+
+
 @pytest.mark.filterwarnings("ignore::quasirigid.ResponseRangeWarning")
 def test_a_refined_contact_without_answer_keeps_its_rounds() -> None:
     tip = qr.models.fingertip(edge_length=2.5e-3)
