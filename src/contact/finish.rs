@@ -86,7 +86,7 @@ impl Contact {
         let [body, product] = response.doubts(&forces.active, &forces.active_vectors(), gaps.deepest())?;
         let edge = LoadedEdge::of_obstacle(gaps, &forces);
         let skin_edge = LoadedEdge::of_skin(gaps, &forces);
-        let ends_of = |edge: &Option<LoadedEdge>| edge.map(|edge| edge.ends);
+        let ends_of = |edge: &Option<LoadedEdge>| edge.as_ref().map(|edge| edge.ends);
         for (whose, ends) in [("obstacle", ends_of(&edge).or(on_edges.ends)), ("skin", ends_of(&skin_edge))] {
             ends.iter().for_each(|ends| report.note_edge(whose, ends));
         }

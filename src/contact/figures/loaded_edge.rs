@@ -7,10 +7,12 @@ use crate::contact::gap::initial::Gaps;
 use crate::surface::checked::Surface;
 
 /// A sharp edge that carries force.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(crate) struct LoadedEdge {
     /// Ends of one of them (m).
     pub ends: [Vector3<f64>; 2],
+    /// Vertices under force there, ascending.
+    pub held: Vec<usize>,
     /// Breadth of the skin that the mesh holds on it, in cells: one where vertices lie on the edge, two where the edge runs
     /// between two rows of them.
     pub cells: f64,
@@ -48,7 +50,7 @@ impl LoadedEdge {
         let cell: f64 = held.iter().map(|&vertex| areas[vertex].sqrt()).sum();
         let off = held.iter().zip(&edges).map(|(&vertex, ends)| beside(gaps.surface, vertex, ends));
         let cells = 1.0 + 2.0 * off.sum::<f64>() / cell;
-        Some(Self { ends, cells, share })
+        Some(Self { ends, held, cells, share })
     }
 }
 

@@ -172,7 +172,7 @@ impl ErrorEstimate {
 
     /// With what sharp edges of the skin and at the rim add: their shares go on falling with the cells.
     fn with_edges(self, contact: &Contact) -> Self {
-        let of_skin = contact.clues.skin_edge.map_or(0.0, |edge| ON_SKIN_EDGE * edge.share);
+        let of_skin = contact.clues.skin_edge.as_ref().map_or(0.0, |edge| ON_SKIN_EDGE * edge.share);
         let at_rim = match contact.accuracy.discretization {
             Discretization::Collocation => 0.0,
             Discretization::Galerkin => ON_RIM * contact.clues.ends_at_edges,

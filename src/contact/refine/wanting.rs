@@ -4,23 +4,24 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow::{self, Break, Continue};
 
 use crate::contact::error::ContactError;
+use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::outcome::RefinementEnd;
 use crate::contact::refine::mark::{loaded, pressed_between, too_large};
-use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::rounds::Rounds;
+use crate::surface::refined::RefinedSurface;
 
 /// Breadth of the skin held on a sharp edge with which triangles are as small as it has use for, in the depth times the root of
 /// the target: figures go on changing with the logarithm of the cells there.
 const FINEST_ON_EDGE: f64 = 2.2;
-/// A round for fewer of the triangles under force, as a share of all, is not worth its time; one for all but so few takes all.
-const FEW: f64 = 0.1;
+/// A round for fewer of the triangles on the edge, as a share of all, is not worth its time; one for all but so few takes all.
+const FEW: f64 = 0.25;
 
 /// Where a round makes the mesh finer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Finer {
     /// Wherever the skin is pressed.
     Pressed,
-    /// There, where triangles are larger than a sharp edge has use for.
+    /// On a sharp edge, where triangles are larger than that has use for.
     Larger,
     /// At the rim of what is pressed.
     Rim,
@@ -33,9 +34,9 @@ impl Rounds<'_> {
     /// and what is touched away from all force where force and area are as good as wanted. On a sharp edge triangles get as
     /// small as that has use for: figures that hang on their size must not jump from one depth to the next.
     pub(super) fn next(&self) -> ControlFlow<RefinementEnd, Finer> {
-        let Some((_, contact)) = &self.meshes.last else { return Continue(Finer::Pressed) };
-        if contact.clues.edge.is_some() {
-            let share = self.share_of_larger();
+        let Some((part, contact)) = &self.meshes.last else { return Continue(Finer::Pressed) };
+        if let Some(edge) = &contact.clues.edge {
+            let share = self.share_of_larger(edge, part);
             if share < FEW {
                 return Break(RefinementEnd::SharpEdge);
             }
@@ -52,19 +53,19 @@ impl Rounds<'_> {
         })
     }
 
-    /// Share of the triangles under force that are larger than a sharp edge has use for.
-    fn share_of_larger(&self) -> f64 {
+    /// Share of the triangles on a sharp edge that are larger than it has use for.
+    fn share_of_larger(&self, edge: &LoadedEdge, part: &RefinedSurface) -> f64 {
         let count = |marked: &[bool]| marked.iter().filter(|&&is_marked| is_marked).count() as f64;
-        let pressed = self.pressed();
-        count(&self.larger(&pressed)) / count(&loaded(&self.meshes.mesh, &pressed))
+        let held = part.numbers(&edge.held);
+        count(&self.larger(&held)) / count(&loaded(&self.meshes.mesh, &held))
     }
 
     /// Triangles with one of some corners that are larger than a sharp edge has use for.
     fn larger(&self, corners: &[usize]) -> Vec<bool> {
-        let Meshes { given, mesh, last } = &self.meshes;
-        let contact = last.as_ref().map_or(given, |(_, contact)| contact);
+        let contact = self.meshes.last.as_ref().map_or(&self.meshes.given, |(_, contact)| contact);
         let broadest = FINEST_ON_EDGE * self.target.sqrt() * contact.max_penetration_before;
-        too_large(mesh, corners, contact.clues.edge.map_or(0.0, |edge| broadest / edge.cells))
+        let longest = contact.clues.edge.as_ref().map_or(0.0, |edge| broadest / edge.cells);
+        too_large(&self.meshes.mesh, corners, longest)
     }
 
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface.
@@ -75,12 +76,12 @@ impl Rounds<'_> {
         match finer {
             Finer::Pressed => self.pressed(),
             Finer::Larger => {
-                let pressed = self.pressed();
-                let larger = self.larger(&pressed);
+                let held = contact.clues.edge.as_ref().map_or(Vec::new(), |edge| part.numbers(&edge.held));
+                let larger = self.larger(&held);
                 let leaves = (0..larger.len()).filter(|&leaf| larger[leaf]);
                 let corners: BTreeSet<usize> =
                     leaves.flat_map(|leaf| self.meshes.mesh.corners(leaf)).collect();
-                pressed.into_iter().filter(|vertex| corners.contains(vertex)).collect()
+                held.into_iter().filter(|vertex| corners.contains(vertex)).collect()
             }
             Finer::Rim => {
                 let rim = contact.pressed().into_iter().filter(at_rim);
