@@ -475,14 +475,15 @@ def test_the_estimate_on_a_thin_layer_knows_how_thick_it_is() -> None:
 
 
 def test_penetration_left_beside_a_sharp_edge_is_told() -> None:
-    half = np.sqrt(0.5)
-    turn = [[1, 0, 0], [0, half, -half], [0, half, half]]
-    bar = qr.Obstacle.box([30e-3, 10e-3, 10e-3]).moved(turn, [2e-3, 1e-3, -50e-3])
+    half, third, sixth = np.sqrt([1 / 2, 1 / 3, 1 / 6])
+    on_edge = [[1, 0, 0], [0, half, -half], [0, half, half]]
+    on_corner = [[half, -half, 0], [sixth, sixth, -2 * sixth], [third, third, third]]
     shares = []
-    for depth in (0.4e-3, 0.6e-3, 1.2e-3):
+    for turn in (on_edge, on_corner):
+        bar = qr.Obstacle.box([10e-3, 10e-3, 10e-3]).moved(turn, [2e-3, 1e-3, -50e-3])
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always")
-            contact = qr.press(qr.models.fingertip(), bar, SKIN, [0, 0, 1], depth=depth)
+            contact = qr.press(qr.models.fingertip(), bar, SKIN, [0, 0, 1], depth=1.2e-3)
         shares.append(contact.max_penetration_after / contact.max_penetration_before)
         texts = [str(one.message) for one in told if one.category is qr.PenetrationWarning]
         assert (shares[-1] > 0.02) == any("still penetrates" in text for text in texts), (shares[-1], texts)

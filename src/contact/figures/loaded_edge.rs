@@ -13,6 +13,8 @@ pub(crate) struct LoadedEdge {
     pub ends: [Vector3<f64>; 2],
     /// Vertices under force there, ascending.
     pub held: Vec<usize>,
+    /// How deep each of them is in the undeformed obstacle (m).
+    pub depth: Vec<f64>,
     /// Breadth of the skin that the mesh holds on it, in cells: one where vertices lie on the edge, two where the edge runs
     /// between two rows of them.
     pub cells: f64,
@@ -46,11 +48,13 @@ impl LoadedEdge {
         let &ends = edges.first()?;
         let sum = |vertices: &[usize]| vertices.iter().map(|&vertex| forces.force[vertex]).sum::<f64>();
         let share = sum(&held) / sum(&forces.active);
+        let undeformed = gaps.undeformed();
+        let depth = held.iter().map(|&vertex| -undeformed[vertex]).collect();
         let areas = gaps.surface.vertex_areas();
         let cell: f64 = held.iter().map(|&vertex| areas[vertex].sqrt()).sum();
         let off = held.iter().zip(&edges).map(|(&vertex, ends)| beside(gaps.surface, vertex, ends));
         let cells = 1.0 + 2.0 * off.sum::<f64>() / cell;
-        Some(Self { ends, held, cells, share })
+        Some(Self { ends, held, depth, cells, share })
     }
 }
 

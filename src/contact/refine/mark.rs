@@ -62,15 +62,16 @@ pub(crate) fn loaded(mesh: &MeshRefinement, active: &[usize]) -> Vec<bool> {
     (0..mesh.leaf_count()).map(|leaf| mesh.corners(leaf).iter().any(is_active)).collect()
 }
 
-/// Triangles with one of some corners and edges longer than so many m in the mean.
+/// Triangles longer, in the mean of their edges, than one of their corners has use for.
 ///
-/// * `corners`: numbers in the whole refined surface, ascending
-pub(crate) fn too_large(mesh: &MeshRefinement, corners: &[usize], longest: f64) -> Vec<bool> {
-    let mut marked = loaded(mesh, corners);
-    for (leaf, is_marked) in marked.iter_mut().enumerate() {
-        *is_marked = *is_marked && mesh.mean_edge(leaf) > longest;
-    }
-    marked
+/// * `longest`: of some vertices by their numbers in the whole refined surface (m)
+pub(crate) fn too_large(mesh: &MeshRefinement, longest: impl Fn(usize) -> Option<f64>) -> Vec<bool> {
+    let is_large = |leaf: usize| {
+        let corners = mesh.corners(leaf);
+        let least = corners.into_iter().filter_map(&longest).reduce(f64::min);
+        least.is_some_and(|least| mesh.mean_edge(leaf) > least)
+    };
+    (0..mesh.leaf_count()).map(is_large).collect()
 }
 
 /// Triangles of the given surface that a curved middle of is in the obstacle and no vertex need be.

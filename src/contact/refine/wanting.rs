@@ -1,6 +1,6 @@
 //! Where the mesh of the last round is to be finer.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow::{self, Break, Continue};
 
 use crate::contact::error::ContactError;
@@ -12,9 +12,12 @@ use crate::surface::refined::RefinedSurface;
 
 /// Breadth of the skin held on a sharp edge with which triangles are as small as it has use for, in the depth times the root of
 /// the target: figures go on changing with the logarithm of the cells there.
-const FINEST_ON_EDGE: f64 = 2.2;
+const FINEST_ON_EDGE: f64 = 2.1;
+/// How much broader it may be where an edge has all but left the skin than at its deepest. So few triangles come to be too large
+/// at the same depth, as all would that are halves of one, and those that carry little force are larger.
+const BROADER_AT_ENDS: f64 = 1.0;
 /// A round for fewer of the triangles on the edge, as a share of all, is not worth its time; one for all but so few takes all.
-const FEW: f64 = 0.25;
+const FEW: f64 = 0.08;
 
 /// Where a round makes the mesh finer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,16 +59,23 @@ impl Rounds<'_> {
     /// Share of the triangles on a sharp edge that are larger than it has use for.
     fn share_of_larger(&self, edge: &LoadedEdge, part: &RefinedSurface) -> f64 {
         let count = |marked: &[bool]| marked.iter().filter(|&&is_marked| is_marked).count() as f64;
-        let held = part.numbers(&edge.held);
-        count(&self.larger(&held)) / count(&loaded(&self.meshes.mesh, &held))
+        count(&self.larger()) / count(&loaded(&self.meshes.mesh, &part.numbers(&edge.held)))
     }
 
-    /// Triangles with one of some corners that are larger than a sharp edge has use for.
-    fn larger(&self, corners: &[usize]) -> Vec<bool> {
-        let contact = self.meshes.last.as_ref().map_or(&self.meshes.given, |(_, contact)| contact);
-        let broadest = FINEST_ON_EDGE * self.target.sqrt() * contact.max_penetration_before;
-        let longest = contact.clues.edge.as_ref().map_or(0.0, |edge| broadest / edge.cells);
-        too_large(&self.meshes.mesh, corners, longest)
+    /// Triangles that are larger than a sharp edge has use for.
+    fn larger(&self) -> Vec<bool> {
+        let mut longest = BTreeMap::new();
+        if let Some((part, contact)) = &self.meshes.last
+            && let Some(edge) = &contact.clues.edge
+        {
+            let deepest = contact.max_penetration_before;
+            let finest = FINEST_ON_EDGE * self.target.sqrt() * deepest / edge.cells;
+            longest.extend(part.numbers(&edge.held).into_iter().zip(&edge.depth).map(|(vertex, depth)| {
+                let from_deepest = (1.0 - depth / deepest).clamp(0.0, 1.0).sqrt();
+                (vertex, finest * (1.0 + BROADER_AT_ENDS * from_deepest))
+            }));
+        }
+        too_large(&self.meshes.mesh, |vertex| longest.get(&vertex).copied())
     }
 
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface.
@@ -77,7 +87,7 @@ impl Rounds<'_> {
             Finer::Pressed => self.pressed(),
             Finer::Larger => {
                 let held = contact.clues.edge.as_ref().map_or(Vec::new(), |edge| part.numbers(&edge.held));
-                let larger = self.larger(&held);
+                let larger = self.larger();
                 let leaves = (0..larger.len()).filter(|&leaf| larger[leaf]);
                 let corners: BTreeSet<usize> =
                     leaves.flat_map(|leaf| self.meshes.mesh.corners(leaf)).collect();
@@ -100,7 +110,7 @@ impl Rounds<'_> {
     /// Triangles to cut.
     pub(super) fn marked(&self, wanting: &[usize], finer: Finer) -> Result<Vec<bool>, ContactError> {
         let mut marked = match finer {
-            Finer::Larger => self.larger(wanting),
+            Finer::Larger => self.larger(),
             _ => loaded(&self.meshes.mesh, wanting),
         };
         if finer == Finer::Rim {

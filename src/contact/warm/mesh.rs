@@ -114,7 +114,9 @@ impl WarmMesh {
         let rim: Vec<usize> = contact.active.iter().copied().filter(at_rim).collect();
         let near = part.numbers(&part.surface.k_ring(&rim, 1));
         let known = self.meshes.mesh.added_count();
-        self.meshes.mesh.refine(&too_large(&self.meshes.mesh, &near, longest));
+        self.meshes.mesh.refine(&too_large(&self.meshes.mesh, |vertex| {
+            near.binary_search(&vertex).is_ok().then_some(longest)
+        }));
         contact.candidates.len() + self.meshes.mesh.added_count() - known <= self.most_nodes()
     }
 
