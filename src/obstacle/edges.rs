@@ -1,10 +1,12 @@
-//! Sharp edges of an obstacle, where a skin between its own vertices may meet it first.
+//! Convex edges of an obstacle, where a skin between its own vertices may meet it first.
 
 use std::borrow::Cow;
 
 use nalgebra::Vector3;
 
-use crate::obstacle::posed::{Obstacle, Shape};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::face_tree::node_bounds;
+use crate::obstacle::posed::{Obstacle, PoseMatrix, Shape};
 use crate::obstacle::primitive::Primitive;
 
 /// An edge is sharp where its faces turn by more than this: 15 degrees.
@@ -23,16 +25,28 @@ const INSIDE: f64 = 1e-6;
 /// Error of a coordinate in another frame, as a share.
 const ROUNDING: f64 = 1e-12;
 
-/// A sharp convex edge.
+/// A convex edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SharpEdge {
+pub(crate) struct ConvexEdge {
     /// Its ends (m).
     pub ends: [Vector3<f64>; 2],
     /// Outward unit normals of the two faces that meet there.
     pub normals: [Vector3<f64>; 2],
 }
 
-impl SharpEdge {
+impl ConvexEdge {
+    fn placed(&self, pose: &PoseMatrix) -> Self {
+        Self {
+            ends: self.ends.map(|end| pose.to_world(&end)),
+            normals: self.normals.map(|normal| pose.turn(&normal)),
+        }
+    }
+
+    pub(super) fn is_sharp(&self) -> bool {
+        let [one, other] = &self.normals;
+        one.dot(other) < SHARP_COSINE
+    }
+
     /// The part of `normal` across the edge, as a unit vector, if it lies between those of the two faces: a plane that the
     /// edge touches from inside has such a normal.
     ///
@@ -59,7 +73,7 @@ impl Obstacle {
     /// Sharp convex edges of a mesh, a box or a cylinder, each once; none of a round primitive.
     ///
     /// The rims of a cylinder are polygons.
-    pub(crate) fn sharp_edges(&self) -> impl Iterator<Item = SharpEdge> {
+    pub(crate) fn sharp_edges(&self) -> impl Iterator<Item = ConvexEdge> {
         let own = match self.shape() {
             Shape::Mesh(mesh) => Cow::Borrowed(mesh.sharp_edges()),
             Shape::Primitive(Primitive::Cuboid { half_extents }) => cuboid_edges(half_extents).into(),
@@ -69,10 +83,7 @@ impl Obstacle {
             Shape::Primitive(_) => Cow::default(),
         };
         let pose = self.pose_matrix();
-        (0..own.len()).map(move |edge| SharpEdge {
-            ends: own[edge].ends.map(|end| pose.to_world(&end)),
-            normals: own[edge].normals.map(|normal| pose.turn(&normal)),
-        })
+        (0..own.len()).map(move |edge| own[edge].placed(&pose))
     }
 
     /// Vertices of a mesh that lie at least so far along a direction (m).
@@ -91,6 +102,28 @@ impl Obstacle {
         // The rounding of the two frames loses none.
         let least = least - ROUNDING * least.abs();
         own.iter().filter(move |corner| corner.dot(&local) >= least).map(move |corner| pose.to_world(corner))
+    }
+
+    /// The convex edges of a mesh that are not sharp, may meet a box in its own frame and lie between faces that face a plane
+    /// with that outward unit normal.
+    ///
+    /// * `corners`: that the box is around (m)
+    pub(crate) fn blunt_edges(
+        &self,
+        normal: &Vector3<f64>,
+        corners: impl Iterator<Item = Vector3<f64>>,
+    ) -> Vec<ConvexEdge> {
+        let Shape::Mesh(mesh) = self.shape() else { return Vec::new() };
+        let pose = self.pose_matrix();
+        let within = Bounds::around_each(corners.map(|corner| pose.to_local(&corner)));
+        let near = mesh.tree().bvh().leaves(|node| node_bounds(node).meets(&within));
+        let (search, local) = (mesh.search(), pose.turn_back(normal));
+        let near = near.filter(|&face| search.normals[face as usize].dot(&local) > 0.0);
+        let (faces, normals): (Vec<[u32; 3]>, Vec<Vector3<f64>>) =
+            near.map(|face| (search.corners[face as usize], search.normals[face as usize])).unzip();
+        let mut edges = mesh_edges(search.vertices, &faces, &normals, |edge| !edge.is_sharp());
+        edges.iter_mut().for_each(|edge| *edge = edge.placed(&pose));
+        edges
     }
 
     /// Whether it has a [`line_towards`](Self::line_towards) some normals.
@@ -127,7 +160,8 @@ pub(super) fn mesh_edges(
     vertices: &[Vector3<f64>],
     faces: &[[u32; 3]],
     normals: &[Vector3<f64>],
-) -> Vec<SharpEdge> {
+    is_wanted: impl Fn(&ConvexEdge) -> bool,
+) -> Vec<ConvexEdge> {
     let mut sides: Vec<([u32; 2], u32, u32)> = Vec::with_capacity(3 * faces.len());
     for (face, corners) in (0..).zip(faces) {
         for k in 0..3 {
@@ -137,18 +171,17 @@ pub(super) fn mesh_edges(
     }
     sides.sort_unstable();
     let point = |vertex: u32| vertices[vertex as usize];
-    let sharp = |pair: &[([u32; 2], u32, u32)]| {
+    let convex = |pair: &[([u32; 2], u32, u32)]| {
         let &[(ends, one, _), (_, other, apex)] = pair else { return None };
         let normals = [one, other].map(|face| normals[face as usize]);
         let is_convex = (point(apex) - point(ends[0])).dot(&normals[0]) < 0.0;
-        let is_sharp = normals[0].dot(&normals[1]) < SHARP_COSINE;
-        (is_convex && is_sharp).then(|| SharpEdge { ends: ends.map(point), normals })
+        is_convex.then(|| ConvexEdge { ends: ends.map(point), normals })
     };
-    sides.chunk_by(|one, other| one.0 == other.0).filter_map(sharp).collect()
+    sides.chunk_by(|one, other| one.0 == other.0).filter_map(convex).filter(is_wanted).collect()
 }
 
 /// The twelve edges of a box around the origin.
-fn cuboid_edges(half_extents: &Vector3<f64>) -> Vec<SharpEdge> {
+fn cuboid_edges(half_extents: &Vector3<f64>) -> Vec<ConvexEdge> {
     let mut edges = Vec::with_capacity(12);
     for axis in 0..3 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -157,14 +190,14 @@ fn cuboid_edges(half_extents: &Vector3<f64>) -> Vec<SharpEdge> {
             (end[u], end[v]) = (s * half_extents[u], t * half_extents[v]);
             let along = Vector3::ith(axis, half_extents[axis]);
             let normals = [Vector3::ith(u, s), Vector3::ith(v, t)];
-            edges.push(SharpEdge { ends: [end - along, end + along], normals });
+            edges.push(ConvexEdge { ends: [end - along, end + along], normals });
         }
     }
     edges
 }
 
 /// Polygons inscribed in the two rims of a cylinder around the z axis.
-fn cylinder_rims(half_height: f64, radius: f64) -> Vec<SharpEdge> {
+fn cylinder_rims(half_height: f64, radius: f64) -> Vec<ConvexEdge> {
     let out = |k: usize| {
         let (sine, cosine) = (std::f64::consts::TAU * k as f64 / RIM_SIDES as f64).sin_cos();
         Vector3::new(cosine, sine, 0.0)
@@ -174,7 +207,7 @@ fn cylinder_rims(half_height: f64, radius: f64) -> Vec<SharpEdge> {
         [-1.0, 1.0].map(|end| {
             let cap = Vector3::new(0.0, 0.0, end);
             let ends = [a, b].map(|out| radius * out + half_height * cap);
-            SharpEdge { ends, normals: [cap, (a + b).normalize()] }
+            ConvexEdge { ends, normals: [cap, (a + b).normalize()] }
         })
     };
     (0..RIM_SIDES).flat_map(side).collect()
@@ -200,7 +233,7 @@ mod tests {
             let shift = Vector3::new(0.5, 0.0, -1.0);
             let edges = obstacle.translated(&shift).sharp_edges().collect::<Vec<_>>();
             assert_eq!(edges.len(), 12);
-            for SharpEdge { ends: [a, b], normals } in edges {
+            for ConvexEdge { ends: [a, b], normals } in edges {
                 assert_eq!((b - a).iter().filter(|part| **part != 0.0).count(), 1);
                 assert_eq!([(a - shift).abs(), (b - shift).abs()], [extents; 2]);
                 assert!(normals.iter().all(|normal| (a - shift).dot(normal) > 0.0));
@@ -211,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_plane_touches_an_edge_if_its_normal_lies_between_those_of_the_faces() {
-        let edge = SharpEdge { ends: [-Vector3::x(), Vector3::x()], normals: [Vector3::y(), Vector3::z()] };
+        let edge = ConvexEdge { ends: [-Vector3::x(), Vector3::x()], normals: [Vector3::y(), Vector3::z()] };
         let between = edge.between(&Vector3::new(3.0, 1.0, 1.0), false).expect("between");
         assert!((between - Vector3::new(0.0, 0.5, 0.5).normalize()).norm() < 1e-15);
         for outside in [Vector3::new(0.0, 1.0, -0.1), Vector3::new(0.0, -1.0, -1.0), Vector3::x()] {

@@ -13,7 +13,7 @@ use crate::geometry::face_tree::{Faces, crossings_within, node_bounds};
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::check;
 use crate::mesh::nesting::check_nesting;
-use crate::obstacle::edges::{SharpEdge, mesh_edges};
+use crate::obstacle::edges::{ConvexEdge, mesh_edges};
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::nearest::Nearest;
 use crate::obstacle::primitive::SURFACE_TOLERANCE;
@@ -51,7 +51,7 @@ pub(super) struct MeshShape {
     /// Diagonal of the bounding box (m).
     size: f64,
     /// Sharp convex edges, once somebody asked for them.
-    sharp_edges: OnceLock<Vec<SharpEdge>>,
+    sharp_edges: OnceLock<Vec<ConvexEdge>>,
 }
 
 impl MeshShape {
@@ -104,8 +104,9 @@ impl MeshShape {
     }
 
     /// Its sharp convex edges.
-    pub fn sharp_edges(&self) -> &[SharpEdge] {
-        self.sharp_edges.get_or_init(|| mesh_edges(&self.vertices, &self.faces, &self.normals))
+    pub fn sharp_edges(&self) -> &[ConvexEdge] {
+        let find = || mesh_edges(&self.vertices, &self.faces, &self.normals, ConvexEdge::is_sharp);
+        self.sharp_edges.get_or_init(find)
     }
 
     /// The tree of boxes around the faces.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press};
-use quasirigid::obstacle::Obstacle;
+use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 use quasirigid::response::KernelSkin;
 use quasirigid::surface::Surface;
 
@@ -87,6 +87,30 @@ fn a_ridge_presses_straight_and_steadily_wherever_it_meets_the_mesh() {
             assert!(contact.max_penetration_after <= 0.05 * contact.max_penetration_before);
             assert_eq!(contact.accuracy.max_pressure_error, Some(f64::INFINITY));
             assert!(contact.left_out.iter().any(|left| left.what == "a finite peak pressure"));
+        }
+    }
+}
+
+#[test]
+fn a_ball_within_a_triangle_is_felt_as_a_mesh_as_much_as_by_its_radius() {
+    let pad = flat(8, 2e-3);
+    let at = Vector3::new(0.7e-3, 0.4e-3, 0.0);
+    for (radius, depth) in [(0.8e-3, 0.1e-3), (0.4e-3, 0.2e-3)] {
+        let drawn = ball(radius, 5);
+        let mesh = Obstacle::mesh(
+            drawn.vertices().to_vec(),
+            drawn.faces().to_vec(),
+            &MeshObstacleOptions::default(),
+        );
+        let (mesh, round) = (mesh.unwrap(), Obstacle::sphere(Vector3::zeros(), radius).unwrap());
+        for skin in [half_space(), galerkin()] {
+            let [mesh, round] = [&mesh, &round].map(|obstacle| {
+                let below = BELOW + at;
+                pressed_with(&pad, &obstacle.translated(&below), &skin, depth, &ContactOptions::default())
+            });
+            // Facets of 0.07 radii lie up to 0.0006 radii within the ball.
+            let lost = 1.5 * 6e-4 * radius / depth;
+            assert_relative_eq!(mesh.resultant.force.z, round.resultant.force.z, max_relative = 0.01 + lost);
         }
     }
 }

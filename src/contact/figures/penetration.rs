@@ -65,7 +65,7 @@ pub(crate) fn penetration_after(
     let measured = Measured::near(&points, &gaps.scene.obstacle, reach, None)?;
     let depths: Vec<f64> = measured.distance.iter().map(|distance| -distance.min(reach)).collect();
     let at_vertices = depths.iter().copied().fold(0.0, f64::max);
-    let of_edges = moved_skin.deepest_edge(&gaps.scene.obstacle, reach, at_vertices);
+    let of_edges = moved_skin.deepest_between(&gaps.scene.obstacle, reach, at_vertices, &measured.distance);
     let between = PointsBetween::new(&points, &depths, &triangles);
     let depth = between.deepest(&gaps.scene.obstacle, of_edges)?;
     let is_at_vertex = at_vertices >= depth;
@@ -89,8 +89,10 @@ pub(crate) fn penetration_between(gaps: &Gaps) -> Result<f64, ContactError> {
     let near: Vec<usize> = (0..skin.len()).filter(|&row| distance[row] <= reach).collect();
     let (vertices, points): (Vec<usize>, Vec<Vector3<f64>>) =
         near.iter().map(|&row| (skin[row], points[row])).unzip();
-    let depths: Vec<f64> = near.iter().map(|&row| -distance[row]).collect();
+    let distances: Vec<f64> = near.iter().map(|&row| distance[row]).collect();
+    let depths: Vec<f64> = distances.iter().map(|distance| -distance).collect();
     let triangles = triangles_among(surface, &vertices);
-    let of_edges = SkinPart { points: &points, triangles: &triangles }.deepest_edge(obstacle, reach, 0.0);
+    let part = SkinPart { points: &points, triangles: &triangles };
+    let of_edges = part.deepest_between(obstacle, reach, 0.0, &distances);
     PointsBetween::new(&points, &depths, &triangles).deepest(obstacle, of_edges)
 }

@@ -9,7 +9,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::entry::OTHER_SIDE;
 use crate::contact::gap::initial::Gaps;
 use crate::geometry::bounds::Bounds;
-use crate::obstacle::edges::SharpEdge;
+use crate::obstacle::edges::ConvexEdge;
 
 /// The rim of a contact along sharp edges of the obstacle.
 #[derive(Debug, Default)]
@@ -42,10 +42,10 @@ impl RimOnEdges {
         let reach = gaps.deepest() + surface.mean_edge_length();
         let point = |across: &Across| surface.vertices()[across.vertex];
         let around = Bounds::around_each(across.iter().map(point)).grown(reach);
-        let is_around = |edge: &SharpEdge| Bounds::around(&edge.ends).meets(&around);
-        let edges: Vec<SharpEdge> = gaps.scene.obstacle.sharp_edges().filter(is_around).collect();
+        let is_around = |edge: &ConvexEdge| Bounds::around(&edge.ends).meets(&around);
+        let edges: Vec<ConvexEdge> = gaps.scene.obstacle.sharp_edges().filter(is_around).collect();
         let edge_of = |across: &Across| {
-            let is_near = |edge: &SharpEdge| edge.distance(&point(across)) <= across.distance + reach;
+            let is_near = |edge: &ConvexEdge| edge.distance(&point(across)) <= across.distance + reach;
             edges.iter().find(|edge| across.is_over(edge) && is_near(edge))
         };
         across.retain(|across| edge_of(across).is_some());
@@ -64,7 +64,7 @@ impl RimOnEdges {
 
 impl Across {
     /// Whether the sides meet at such an edge.
-    fn is_over(&self, edge: &SharpEdge) -> bool {
+    fn is_over(&self, edge: &ConvexEdge) -> bool {
         let [touched, own] = &self.normals;
         let are =
             |a: &Vector3<f64>, b: &Vector3<f64>| a.dot(touched) >= OTHER_SIDE && b.dot(own) >= OTHER_SIDE;

@@ -1,20 +1,22 @@
-//! Where the obstacle meets the skin between its vertices: sharp edges, and round primitives smaller than a triangle.
+//! Where the obstacle meets the skin between its vertices: sharp edges, and what is round and smaller than a triangle.
 //!
 //! Where a sharp edge touches a triangle of the skin, the plane between them has the normal m of the skin, taken across
 //! the edge and turned around, as long as that lies between the normals of the faces that meet at the edge. The triangle has
 //! to go back along m as a whole, so each corner's gap is `g = -t (m . -N)`, with t the depth of the edge under the triangle
 //! and N its normal. A corner that is in the obstacle as deep as the edge holds it alone: the face of a flat punch does not
 //! lend the depth of its rim to the skin beside it. Of several gaps, that to the closest point of the obstacle among them, a
-//! vertex takes the least. The line of a round primitive does the same in a triangle that no corner has met it in.
+//! vertex takes the least. The line of a round primitive does the same in a triangle that no corner has met it in, and so does
+//! the deepest edge of a mesh there, however blunt.
 
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::contact::gap::measured::Measured;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::{Faces, box_tree, face_tree, node_bounds};
-use crate::obstacle::edges::SharpEdge;
+use crate::obstacle::edges::ConvexEdge;
 use crate::obstacle::posed::Obstacle;
 
 /// Least barycentric coordinate that an edge reaches in the triangle of a corner that feels it.
@@ -23,6 +25,12 @@ const LEAST_SHARE: f64 = 0.02;
 /// A corner that is less deep than the edge by this share of its depth leaves the edge to be felt by all corners, one as deep
 /// holds it alone.
 const SHALLOWER: f64 = 0.1;
+
+/// Farthest that a point of a triangle lies from its nearest corner, in longest edges: 1/√3.
+const FARTHEST_POINT: f64 = 0.58;
+
+/// Triangles that one task looks under.
+const TRIANGLES_PER_TASK: usize = 64;
 
 /// Share of a box' size that rounding may move it.
 const ROUNDING: f64 = 1e-6;
@@ -78,11 +86,16 @@ impl Facet {
         Some(Self { corners, inward, width })
     }
 
-    /// Box around all that is under the triangle, down to `deepest` (m), and over it, as high as it is wide.
+    /// Corners of the prism under the triangle, down to `deepest` (m).
+    fn under(&self, deepest: f64) -> impl Iterator<Item = Vector3<f64>> + Clone {
+        let below = self.inward * deepest;
+        self.corners.iter().flat_map(move |corner| [*corner, corner + below])
+    }
+
+    /// Box around that, and over the triangle, as high as it is wide.
     fn reach(&self, deepest: f64) -> Bounds {
-        let [under, over] = [self.inward * deepest, -self.inward * self.width];
-        let ends = self.corners.iter().flat_map(|corner| [corner + under, corner + over]);
-        Bounds::around_each(ends).grown(ROUNDING * (self.width + deepest))
+        let over = self.corners.iter().map(|corner| corner - self.inward * self.width);
+        Bounds::around_each(self.under(deepest).chain(over)).grown(ROUNDING * (self.width + deepest))
     }
 
     /// A line of the obstacle within that, with the normal of the plane between line and triangle.
@@ -114,7 +127,7 @@ impl SkinPart<'_> {
     ) -> Vec<Meeting> {
         let corners = self.triangles.iter().flatten();
         let around = Bounds::around(corners.map(|&corner| &self.points[corner as usize])).grown(deepest);
-        let (edges, boxes): (Vec<SharpEdge>, Vec<Bounds>) = (obstacle.sharp_edges())
+        let (edges, boxes): (Vec<ConvexEdge>, Vec<Bounds>) = (obstacle.sharp_edges())
             .map(|edge| (edge, Bounds::around(&edge.ends)))
             .filter(|(_, bounds)| bounds.meets(&around))
             .unzip();
@@ -140,9 +153,13 @@ impl SkinPart<'_> {
         found.into_iter().map(|(_, met)| met).collect()
     }
 
-    /// How deep (m, ≥ 0) a sharp edge of the obstacle stands in the skin at the most; `least` (m) where none is deeper.
-    pub fn deepest_edge(&self, obstacle: &Obstacle, deepest: f64, least: f64) -> f64 {
+    /// How deep (m, ≥ 0) the obstacle stands in the skin between its vertices at the most, with a sharp edge or what no vertex
+    /// meets; `least` (m) where nothing is deeper.
+    ///
+    /// * `distance`: of the points from the obstacle (m)
+    pub fn deepest_between(&self, obstacle: &Obstacle, deepest: f64, least: f64, distance: &[f64]) -> f64 {
         let mut met = self.edges_of(obstacle, deepest, |_| true);
+        met.extend(self.lines_of(obstacle, deepest, distance));
         met.retain(|under| under.depth > least);
         met.sort_by(|one, other| other.depth.total_cmp(&one.depth));
         if met.is_empty() {
@@ -172,20 +189,34 @@ impl SkinPart<'_> {
         depth
     }
 
-    /// The line of a round primitive over or under each triangle whose corners are outside it.
-    fn line_of(&self, obstacle: &Obstacle, deepest: f64, gaps: &Measured) -> Vec<Meeting> {
+    /// Of each triangle whose corners are outside the obstacle, the line of a round primitive under it, or the deepest edge of
+    /// a mesh.
+    ///
+    /// * `distance`: of the points from the obstacle (m)
+    fn lines_of(&self, obstacle: &Obstacle, deepest: f64, distance: &[f64]) -> Vec<Meeting> {
         let meeting = |face: usize| {
             let facet = Facet::new(self.triangles[face].map(|corner| self.points[corner as usize]))?;
-            let line = Line { ends: obstacle.line_towards(&facet.inward)?, is_sharp: false };
-            facet.meeting(face, line, facet.inward, deepest).filter(|met| met.depth > 0.0)
+            // No point of it is farther from the nearest corner.
+            let farthest = FARTHEST_POINT * facet.width;
+            let nearest = self.triangles[face].iter().map(|&corner| distance[corner as usize]);
+            if nearest.fold(f64::INFINITY, f64::min) > farthest {
+                return None;
+            }
+            let met = |ends, normal| facet.meeting(face, Line { ends, is_sharp: false }, normal, deepest);
+            let own = obstacle.line_towards(&facet.inward).and_then(|ends| met(ends, facet.inward));
+            let edges = obstacle.blunt_edges(&facet.inward, facet.under(deepest)).into_iter();
+            let of_mesh = edges.filter_map(|edge| met(edge.ends, edge.between(&facet.inward, false)?));
+            let under = own.into_iter().chain(of_mesh).filter(|met| met.depth > 0.0);
+            under.max_by(|one, other| one.depth.total_cmp(&other.depth))
         };
-        let is_unmet = |&face: &usize| self.is_unmet(face, gaps);
-        (0..self.triangles.len()).filter(is_unmet).filter_map(meeting).collect()
+        let is_unmet = |&face: &usize| self.is_unmet(face, distance);
+        let triangles = (0..self.triangles.len()).into_par_iter().with_min_len(TRIANGLES_PER_TASK);
+        triangles.filter(is_unmet).filter_map(meeting).collect()
     }
 
     /// Whether no corner of a triangle is in the obstacle.
-    fn is_unmet(&self, triangle: usize, gaps: &Measured) -> bool {
-        self.triangles[triangle].iter().all(|&corner| gaps.distance[corner as usize] >= 0.0)
+    fn is_unmet(&self, triangle: usize, distance: &[f64]) -> bool {
+        self.triangles[triangle].iter().all(|&corner| distance[corner as usize] >= 0.0)
     }
 
     /// Gives the corners the gap to the plane between triangle and obstacle where that is the lesser one.
@@ -198,8 +229,8 @@ impl SkinPart<'_> {
         gaps: &mut Measured,
     ) -> BTreeMap<usize, Line> {
         let mut taken = BTreeMap::new();
-        let lines = self.line_of(obstacle, deepest, gaps);
-        let edges = self.edges_of(obstacle, deepest, |triangle| self.is_unmet(triangle, gaps));
+        let edges = self.edges_of(obstacle, deepest, |triangle| self.is_unmet(triangle, &gaps.distance));
+        let lines = self.lines_of(obstacle, deepest, &gaps.distance);
         // As the vertices alone were measured.
         let measured = gaps.distance.clone();
         for met in edges.iter().chain(&lines) {

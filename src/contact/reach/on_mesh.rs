@@ -118,7 +118,7 @@ impl OnMesh<'_> {
             Ok(power) => {
                 let value = quantity.of(&contact, &self.setup.press.direction);
                 let is_close = (value / search.value - 1.0).abs() <= Search::CLOSE;
-                if is_refined || is_close || contact.status != ContactStatus::Solved {
+                if is_refined || is_close || matches!(contact.status, ContactStatus::Failed(_)) {
                     self.warn_of_jump(quantity, search.value, &mut contact);
                     return Ok(Reached::Goal { contact, power });
                 }
