@@ -141,8 +141,8 @@ impl LcpSolution {
                     Some(RayConclusion::NotCopositive) => {
                         "it shows a z >= 0 with z·Mz < 0, so M is not copositive: there may be no solution, one or \
                          several, and Lemke's method cannot tell. For a response matrix this means that the kernel is \
-                         not well posed on a patch this wide: use a well-posed response (half-space, layer, body), a \
-                         smaller depth or a coarser mesh, or try method auto"
+                         not well posed on a patch this wide: use a well-posed response (half-space, layer, body; a body \
+                         with a shorter coarse_edge_length), a smaller depth or a coarser mesh, or try method auto"
                     }
                     _ => {
                         "it proves nothing about M beyond that Lemke's method cannot process it with this covering \

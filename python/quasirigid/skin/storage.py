@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["read_prepared", "restored_response", "write_prepared"]
 
 _FORMAT = "quasirigid prepared skin"
-_VERSION = 1
+_VERSION = 2
 
 
 def write_prepared(

@@ -71,10 +71,12 @@ impl PreparedBody {
         let coarseness = match &levels {
             Levels::Given(_) => None,
             Levels::One(one) => {
-                Some(Coarseness::new(surface, surface.mean_edges().into(), one.thickness.as_ref()))
+                let ratio = one.compliance.parts().poisson_ratio;
+                Some(Coarseness::new(surface, surface.mean_edges().into(), one.thickness.as_ref(), ratio))
             }
             Levels::Two(two) => {
-                Some(Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref()))
+                let ratio = two.remainder.parts().poisson_ratio;
+                Some(Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref(), ratio))
             }
         };
         let discretization = Discretization::Collocation;

@@ -3,11 +3,11 @@
 //! Per newton at distance r, with `r^` the unit vector along r, K = (1-ν)/(2πG) and φ the layer's smooth part,
 //!
 //! ```text
-//! N = 1/(2πG r) [(1-ν) I + ν r^ r^']  -  K φ(r/h)/h I
+//! N = 1/(2πG r) [(1-ν) I + ν r^ r^' + (1/2 - ν) (r^ n' - n r^')]  -  K φ(r/h)/h I
 //! ```
 //!
-//! The first term is the symmetric part of the displacement of a half-space's surface (Boussinesq, Cerruti; Johnson
-//! 1985, §3.2, 3.6); at ν = 1/2 it is twice Kelvin's solution. h is the thickness of the tissue at hand.
+//! The first term is the displacement of a half-space's surface (Boussinesq, Cerruti; Johnson 1985, §3.2, 3.6), n the mean of
+//! the outward normals at both ends; at ν = 1/2 it is twice Kelvin's solution. h is the thickness of the tissue at hand.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -78,9 +78,9 @@ impl NearKernel {
 
     /// R of the kernel over the nodes along `directions` (k × k, m/N).
     ///
-    /// The first term is a scalar kernel's. The second is taken at the nodes in either discretization: along the skin's own
-    /// normals it vanishes with r. Where the obstacle's lean from these it does not, and what the sum over the other nodes lacks
-    /// of an even load is the node's own.
+    /// What is alike along every direction is a scalar kernel's. The rest is taken at the nodes in either discretization: along
+    /// the skin's own normals it vanishes with r. Where the obstacle's lean from these it does not, and what the sum over the
+    /// other nodes lacks of an even load is the node's own.
     ///
     /// * `kept`: what is known of the scalar kernel on this mesh, in that discretization
     pub fn along(
@@ -93,7 +93,9 @@ impl NearKernel {
         let mut response = self.scalar_rows(asked, asked.nodes, discretization, kept)?;
         let [x, y, z] = coordinates(asked.nodes.iter().map(|&vertex| &asked.surface.vertices()[vertex]));
         let [along_x, along_y, along_z] = coordinates(directions.iter());
-        let factor = self.outer_factor();
+        let normals = asked.nodes.iter().map(|&vertex| &asked.surface.vertex_normals()[vertex]);
+        let [normal_x, normal_y, normal_z] = coordinates(normals);
+        let (factor, skew) = (self.outer_factor(), 0.5 * self.skew_factor());
         let at_once = columns_per_task(asked.nodes.len());
         response.par_col_chunks_mut(1).enumerate().with_min_len(at_once).for_each(|(j, column)| {
             let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
@@ -101,15 +103,22 @@ impl NearKernel {
             let count = entries.len();
             let [x, y, z] = [&x[..count], &y[..count], &z[..count]];
             let [along_x, along_y, along_z] = [&along_x[..count], &along_y[..count], &along_z[..count]];
+            let [normal_x, normal_y, normal_z] = [&normal_x[..count], &normal_y[..count], &normal_z[..count]];
             let (to, load) = ([x[j], y[j], z[j]], [along_x[j], along_y[j], along_z[j]]);
+            let own = [normal_x[j], normal_y[j], normal_z[j]];
             vectorized(
                 #[inline(always)]
                 || {
                     for (i, entry) in entries.iter_mut().enumerate() {
                         let way = [x[i] - to[0], y[i] - to[1], z[i] - to[2]];
                         let along = [along_x[i], along_y[i], along_z[i]];
-                        let leans = dot(&along, &way) * dot(&load, &way);
-                        *entry = *entry * dot(&along, &load) + factor * leans / cubed(&way);
+                        // Twice the mean normal.
+                        let normal = [normal_x[i] + own[0], normal_y[i] + own[1], normal_z[i] + own[2]];
+                        let (row, column) = (dot(&along, &way), dot(&load, &way));
+                        let turned = row * dot(&load, &normal) - column * dot(&along, &normal);
+                        let squared = squared(&way);
+                        let rest = factor * row * column / squared.sqrt() + skew * turned;
+                        *entry = *entry * dot(&along, &load) + rest / squared;
                     }
                 },
             );
@@ -138,13 +147,16 @@ impl NearKernel {
         kept: &KeptBlock,
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let scalar = self.scalar_rows(asked, vertices, Discretization::Collocation, kept)?;
-        let points = asked.surface.vertices();
+        let (points, normals) = (asked.surface.vertices(), asked.surface.vertex_normals());
         let [x, y, z] = coordinates(vertices.iter().map(|&vertex| &points[vertex]));
-        let factor = self.outer_factor();
+        let [normal_x, normal_y, normal_z] = coordinates(vertices.iter().map(|&vertex| &normals[vertex]));
+        let (factor, skew) = (self.outer_factor(), 0.5 * self.skew_factor());
         let moved = |first: usize| {
             let rows = first..vertices.len().min(first + ROWS_PER_TASK);
             let count = rows.len();
             let [x, y, z] = [&x[rows.clone()], &y[rows.clone()], &z[rows.clone()]];
+            let [normal_x, normal_y, normal_z] =
+                [&normal_x[rows.clone()], &normal_y[rows.clone()], &normal_z[rows.clone()]];
             let mut sums = [[0.0; ROWS_PER_TASK]; 3];
             vectorized(
                 #[inline(always)]
@@ -153,14 +165,20 @@ impl NearKernel {
                     let [sum_x, sum_y, sum_z] =
                         [&mut sum_x[..count], &mut sum_y[..count], &mut sum_z[..count]];
                     for (j, (&node, force)) in asked.nodes.iter().zip(forces).enumerate() {
-                        let (to, load) = (&points[node], [force.x, force.y, force.z]);
+                        let (to, own) = (&points[node], &normals[node]);
+                        let load = [force.x, force.y, force.z];
                         let scalar = &scalar.col_as_slice(j)[first..][..count];
                         for i in 0..count {
                             let way = [x[i] - to.x, y[i] - to.y, z[i] - to.z];
-                            let leans = factor * dot(&load, &way) / cubed(&way);
-                            sum_x[i] += scalar[i] * load[0] + leans * way[0];
-                            sum_y[i] += scalar[i] * load[1] + leans * way[1];
-                            sum_z[i] += scalar[i] * load[2] + leans * way[2];
+                            let normal = [normal_x[i] + own.x, normal_y[i] + own.y, normal_z[i] + own.z];
+                            let squared = squared(&way);
+                            let column = dot(&load, &way) / squared;
+                            let along =
+                                factor * column / squared.sqrt() + skew * dot(&load, &normal) / squared;
+                            let across = skew * column;
+                            sum_x[i] += scalar[i] * load[0] + along * way[0] - across * normal[0];
+                            sum_y[i] += scalar[i] * load[1] + along * way[1] - across * normal[1];
+                            sum_z[i] += scalar[i] * load[2] + along * way[2] - across * normal[2];
                         }
                     }
                 },
@@ -186,6 +204,11 @@ impl NearKernel {
     /// ν / (2πG) (m²/N).
     pub(super) fn outer_factor(&self) -> f64 {
         self.half_space.poisson_ratio() / (TAU * self.half_space.shear_modulus())
+    }
+
+    /// (1 - 2ν) / (4πG) (m²/N).
+    pub(super) fn skew_factor(&self) -> f64 {
+        (1.0 - 2.0 * self.half_space.poisson_ratio()) / (2.0 * TAU * self.half_space.shear_modulus())
     }
 
     /// The scalar kernel's displacement of `rows` per newton at the nodes.
@@ -216,11 +239,10 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The length of a way cubed, or next to nothing where it has none: what leans along it is 0 then.
+/// The length of a way squared, or next to nothing where it has none: what is along it is 0 then.
 #[inline(always)]
-fn cubed(way: &[f64; 3]) -> f64 {
-    let squared = dot(way, way);
-    (squared * squared.sqrt()).max(f64::MIN_POSITIVE)
+fn squared(way: &[f64; 3]) -> f64 {
+    dot(way, way).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The near kernel between coarse vertices, as blocks along any direction.
 
 use faer::Mat;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::response::body::equations::element::NO_COLUMN;
 use crate::response::body::equations::moments::{Triangle, exact_moments};
@@ -22,12 +22,19 @@ const PACKED: usize = 6;
 pub(crate) struct NearBlocks {
     /// What is alike along every direction (m × k).
     scalar: Mat<f64>,
-    /// The rest, packed (6 k × m).
+    /// What is along the way between them, packed (6 k × m).
     outer: Mat<f64>,
+    /// Of the rows and of the columns.
+    ends: [Vec<End>; 2],
+    skew_factor: f64,
 }
 
+/// Place (m) and normal of a vertex.
+type End = (Vector3<f64>, Vector3<f64>);
+
 impl NearKernel {
-    /// Blocks of the displacement of `rows` per newton at `columns`, vertices of `surface`, with both terms against the hats.
+    /// Blocks of the displacement of `rows` per newton at `columns`, vertices of `surface`, against the hats but
+    /// for the skew part: of a hat on itself that vanishes, and others are some edges away.
     pub fn blocks(
         &self,
         surface: &Surface,
@@ -61,7 +68,9 @@ impl NearKernel {
                 }
             });
         })?;
-        Ok(NearBlocks { scalar, outer })
+        let end = |&vertex: &usize| (surface.vertices()[vertex], surface.vertex_normals()[vertex]);
+        let ends = [rows, columns].map(|vertices| vertices.iter().map(end).collect());
+        Ok(NearBlocks { scalar, outer, ends, skew_factor: self.skew_factor() })
     }
 
     /// The faces around `columns`.
@@ -82,7 +91,13 @@ impl NearBlocks {
     pub fn block(&self, row: usize, column: usize) -> Matrix3<f64> {
         let [xx, xy, xz, yy, yz, zz] = self.outer.col_as_slice(row).as_chunks().0[column];
         let outer = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        outer + Matrix3::from_diagonal_element(self.scalar[(row, column)])
+        let [(to, normal), (from, other)] = [self.ends[0][row], self.ends[1][column]];
+        let way = to - from;
+        let turned = way * (0.5 * (normal + other)).transpose();
+        let skew = self.skew_factor / way.norm_squared().max(f64::MIN_POSITIVE);
+        outer
+            + skew * (turned - turned.transpose())
+            + Matrix3::from_diagonal_element(self.scalar[(row, column)])
     }
 }
 
