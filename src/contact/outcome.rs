@@ -180,7 +180,7 @@ pub struct Refinement {
     /// Estimated relative error of the contact area; `None` of a linearization and without contact.
     pub area_error: Option<f64>,
     /// Deepest penetration left (m); of a linearization the largest gap of a vertex under force or penetration of
-    /// another.
+    /// another, in Galerkin form the largest change of a node's averaged gap.
     pub max_penetration: f64,
     /// Wall time (s).
     pub seconds: f64,

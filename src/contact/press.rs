@@ -47,7 +47,8 @@ pub fn press(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     let guarded = Guarded { surface, obstacle, skin, press: Some(press) };
-    guarded.check(pressed(surface, obstacle, skin, press, options))
+    options.validate()?;
+    with_threads(options, || guarded.check(pressed(surface, obstacle, skin, press, options)))
 }
 
 fn pressed(
@@ -57,7 +58,6 @@ fn pressed(
     press: &Press,
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
-    options.validate()?;
     let direction = unit_direction(&press.direction)?;
     let approach = |depth| Approach::new(direction, press.start, depth);
     let tilt = match press.balance {
@@ -75,9 +75,9 @@ fn pressed(
                 return Err(ContactError::Depth { depth });
             }
             if let Some(tilted) = tilted(depth, None) {
-                return with_threads(options, || tilted.run());
+                return tilted.run();
             }
-            return with_threads(options, || solve(surface, &setup(depth).at(depth), skin, options));
+            return solve(surface, &setup(depth).at(depth), skin, options);
         }
         Goal::Force(force) => (Quantity::Force, force),
         Goal::Overlap(overlap) => (Quantity::Overlap, overlap),
@@ -88,9 +88,9 @@ fn pressed(
     }
     let target = Target { quantity, value };
     if let Some(tilted) = tilted(0.0, Some(target)) {
-        return with_threads(options, || tilted.run());
+        return tilted.run();
     }
-    with_threads(options, || reach(setup(0.0), target))
+    reach(setup(0.0), target)
 }
 
 /// The unit vector along the direction of a press.

@@ -30,9 +30,10 @@ pub fn solve_contact(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     options.validate()?;
-    let solved =
-        with_threads(options, || solve(surface, &Placement { obstacle, press: None }, skin, options));
-    Guarded { surface, obstacle, skin, press: None }.check(solved)
+    with_threads(options, || {
+        let solved = solve(surface, &Placement { obstacle, press: None }, skin, options);
+        Guarded { surface, obstacle, skin, press: None }.check(solved)
+    })
 }
 
 /// Solves the contact on the skin's mesh, and on finer ones as far as the options ask for it.

@@ -143,7 +143,7 @@ fn a_gaussian_under_a_wide_contact_is_out_of_its_range() {
     let gaussian = skin(Kernel::GaussianCorrected { height: 0.2 * constant / width, width, cutoff });
     let at = |depth| pressed(&surface, &gaussian, depth, &ContactOptions::on_given_mesh());
     assert!(told(&at(0.3e-3), WarningKind::ResponseRange).is_empty());
-    assert_told(&at(4e-3), WarningKind::ResponseRange, &["half of the 8.0000e-3 m"]);
+    assert_told(&at(4e-3), WarningKind::ResponseRange, &["a third of the 8.0000e-3 m"]);
 }
 
 #[test]

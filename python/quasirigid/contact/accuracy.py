@@ -19,7 +19,9 @@ class Accuracy:
     """How far the figures of a contact can be trusted, by source of error.
 
     Estimated are the errors of meshes. What the response leaves out, as the bone under a half-space, is not
-    among them; nor is the product's mesh, which is taken as it is drawn, facets and all.
+    among them; nor are the shapes that the given meshes stand for: the product's is taken as it is drawn,
+    facets and all, the skin's as the smooth surface that its vertices and their normals imply. Where the skin
+    is drawn with few triangles a radius of its curvature, only a finer drawing tells what that costs.
 
     Attributes
     ----------
@@ -30,10 +32,11 @@ class Accuracy:
     discretization : str
         "collocation" or "galerkin": how gaps were taken on the mesh that was solved.
     condition : float or None
-        Condition number of the response matrix, where it was estimated.
+        Largest condition number of the response matrices' symmetric parts, where `ContactOptions.condition`
+        asks for it; infinite of one that is not positive definite.
     definite : bool or None
         True: the symmetric part of every response matrix was shown to be positive definite, so the answer
-        is the only one. False: shown not to be. None: not examined.
+        is the only one. False: shown not to be, or singular to rounding. None: not examined.
     cells_per_radius : float
         Mesh cells per contact radius, taken as 2 area / rim length. Below about 4 the mesh is coarse.
     force_error : float or None
@@ -45,7 +48,7 @@ class Accuracy:
         product's given matrix. Penetration that a refined mesh leaves, over that before, is in `mesh_error`
         and in the two below.
     area_error : float or None
-        Estimated error of `contact_area` over it.
+        Estimated error of `contact_area` over it, with what the body's mesh costs it.
     max_pressure_error : float or None
         Estimated error of `max_pressure` over it; infinite where a sharp edge carries force, or a vertex at
         a cut or the rim of the skin mask, too. Where facets of a product's mesh meet under the peak, they
@@ -85,8 +88,8 @@ class Refinement(Frozen):
     force_error, area_error : float or None
         Estimated relative errors; None of a linearization and without contact.
     max_penetration : float
-        Deepest penetration left (m); of a linearization the largest gap of a vertex under force, or
-        penetration of another.
+        Deepest penetration left (m); of a linearization the largest gap of a vertex under force or
+        penetration of another, in Galerkin form the largest change of a node's averaged gap.
     seconds : float
         Wall time (s).
     reason : str

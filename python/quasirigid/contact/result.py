@@ -78,8 +78,8 @@ class Contact(Frozen):
         Deepest penetration (m): of a skin vertex before; after, measured anew at the deformed skin against
         the deformed product, in the skin's triangles and of the product's sharp edges too.
     obstacle_share : float or None
-        The product's share of what skin and product give way together, ``f'u_P / f'(u_H + u_P)`` along the
-        obstacle's normals: 0 of a rigid product, None without contact.
+        The product's share of what skin and product give way together, ``-f'u_P / f'(u_H - u_P)`` with
+        the displacements of skin and product: 0 of a rigid product, None without contact.
     pressure : (n,) float64
         Pressure (Pa): `node_force` over vertex area. In Galerkin form that ratio is right in the mean only,
         and this is the smooth pressure recovered from it, which sums to the force up to the mesh error.

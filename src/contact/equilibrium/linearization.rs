@@ -69,8 +69,8 @@ impl Deformed {
         Ok(Self { vertices, displacement, measured })
     }
 
-    /// Largest gap of a vertex under force, and penetration of any (m); in Galerkin form the largest of a node under force,
-    /// averaged.
+    /// Largest gap of a vertex under force, and penetration of any (m); in Galerkin form the largest change of the
+    /// averaged gap of a node under force.
     fn error(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<f64, ContactError> {
         if traits.discretization == Discretization::Galerkin {
             // Solved, the gap is as far from nothing as another linearisation changes it.

@@ -10,7 +10,7 @@ use crate::surface::checked::Surface;
 /// How far the figures of a contact can be trusted, by source of error.
 ///
 /// Estimated are the errors of meshes. What the response leaves out, as the bone under a half-space, is not among them; nor
-/// is the product's mesh, which is taken as it is drawn, facets and all.
+/// are the shapes that the given meshes stand for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accuracy {
     /// Worst natural residual of the complementarity problems (dimensionless).
@@ -24,7 +24,7 @@ pub struct Accuracy {
     /// Largest condition number of the response matrices' symmetric parts, where they were examined.
     pub condition: Option<f64>,
     /// Whether the symmetric part of every response matrix was shown to be positive definite: the answer is
-    /// then the only one. `None`: not examined.
+    /// then the only one. False of one that is singular to rounding, too; `None`: not examined.
     pub definite: Option<bool>,
     /// Mesh cells per contact radius, which is twice the area over the length of the rim: a circle's radius, the width
     /// of a strip, and of several patches alike that of one. Below about 4 force and area are coarse, at 8 a sphere's
@@ -37,7 +37,7 @@ pub struct Accuracy {
     pub mesh_error: Option<f64>,
     /// What the coarse mesh of a body costs of that, and that which the matrix of a product is given on; 0 of a kernel.
     pub body_error: Option<f64>,
-    /// Estimated error of the contact area over it.
+    /// Estimated error of the contact area over it, with what the body's mesh costs it.
     pub area_error: Option<f64>,
     /// Estimated error of the largest pressure over it, with what cells a quarter as large would add where facets of the
     /// obstacle meet; infinite where a sharp edge carries force, or a vertex at a cut.

@@ -17,6 +17,10 @@ use crate::response::kernel::basis::Discretization;
 const LEFT_BY_RIM: [f64; 2] = [0.75, 0.33];
 const LEFT_BY_RIM_IN_GALERKIN: [f64; 2] = [1.0, 0.45];
 
+/// What the area errs over what the force does, where that is for the body's mesh, as between two and one level on a finger; the
+/// peak errs as much as the force.
+const AREA_PER_BODY: f64 = 0.6;
+
 impl Contact {
     /// Vertices under force, and those that penetrate where averages over their triangles feel nothing of it, ascending.
     pub(crate) fn pressed(&self) -> Vec<usize> {
@@ -109,7 +113,9 @@ impl Contact {
         }
         self.refinements.last_mut().expect("a round was noted").end = Some(end);
         // No round makes these less. The estimate of a mesh that was taken as it is knows of penetration.
-        let [of_area, of_peak] = self.clues.product.as_ref().map_or([0.0; 2], errors_of_area_and_peak);
+        let [area, peak] = self.clues.product.as_ref().map_or([0.0; 2], errors_of_area_and_peak);
+        let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
+        let (of_area, of_peak) = (area + AREA_PER_BODY * body, peak + body);
         let left = if end == RefinementEnd::NoTarget { 0.0 } else { self.unresolved_penetration() };
         let Accuracy { force_error, mesh_error, area_error, max_pressure_error, .. } = &mut self.accuracy;
         let more = [

@@ -8,6 +8,7 @@ use crate::contact::report::warning::{Warning, WarningKind};
 use crate::contact::scene::{Press, Start};
 use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
+use crate::geometry::direction::unit;
 use crate::geometry::ray::first_hit;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
@@ -28,9 +29,8 @@ const BREADTH_SHARE: f64 = 0.5;
 const SHALLOW: f64 = 1.0 / 64.0;
 /// Share of its thickness up to which a layer is pressed in.
 const LAYER_SHARE: f64 = 0.5;
-/// Radius of a contact as a share of the width of a Gaussian, up to which its force is off by less than the half-space's
-/// own (docs/responses.md).
-const GAUSSIAN_SHARE: f64 = 0.5;
+/// Radius of a contact as a share of the width of a Gaussian, from which its force is half too high (docs/responses.md).
+const GAUSSIAN_SHARE: f64 = 1.0 / 3.0;
 /// Mesh cells in the radius of a contact below which force and area are guesses.
 const FEW_CELLS: f64 = 1.5;
 /// Share of the vertices that are few to touch: the flat cuts of hands and fingers are less.
@@ -160,7 +160,7 @@ impl Guarded<'_> {
         }
         // Beside an edge, or in a thin wall, the obstacle's normal runs along the skin.
         let inward = -self.surface.vertex_normals()[*vertex];
-        let ways = [Some(*normal), Some(inward), self.press.map(|press| press.direction.normalize())];
+        let ways = [Some(*normal), Some(inward), self.press.and_then(|press| unit(&press.direction))];
         let breadths =
             ways.into_iter().flatten().filter_map(|way| breadth_along(self.surface, *vertex, &way));
         let part = breadths.reduce(f64::max).unwrap_or(breadth);
@@ -184,7 +184,7 @@ impl Guarded<'_> {
                 let areas = contact.patches.iter().map(|patch| patch.resultant.contact_area);
                 let radius = (areas.fold(0.0, f64::max) / std::f64::consts::PI).sqrt();
                 let found = format!(
-                    "the contact has a radius of {radius:.4e} m, more than half of the {width:.4e} m of the Gaussian's width"
+                    "the contact has a radius of {radius:.4e} m, more than a third of the {width:.4e} m of the Gaussian's width"
                 );
                 (found, radius > GAUSSIAN_SHARE * width)
             }

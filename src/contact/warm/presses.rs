@@ -62,11 +62,12 @@ pub fn press_after(
     let press = Approach::new(unit_direction(&asked.direction)?, asked.start, 0.0);
     let setup = Setup { surface, obstacle, skin, options, press };
     let guarded = Guarded { surface, obstacle, skin, press: Some(asked) };
-    guarded.check(with_threads(options, || {
-        let (contact, warm) = setup.answer(aim, warm)?;
-        before.0 = warm;
-        Ok(contact)
-    }))
+    with_threads(options, || {
+        guarded.check(setup.answer(aim, warm).map(|(contact, warm)| {
+            before.0 = warm;
+            contact
+        }))
+    })
 }
 
 /// What is asked of a press.
