@@ -430,3 +430,39 @@ def test_a_signalling_nan_is_refused_without_a_warning_of_numpy(tmp_path: Path) 
     (tmp_path / "signal.stl").write_bytes(data)
     with pytest.raises(MeshFileError, match=r"signal\.stl: vertex \d is at .*nan"):
         qr.read_mesh(tmp_path / "signal.stl", unit="m")
+
+
+def test_a_face_that_bends_inwards_is_cut_ear_by_ear(tmp_path: Path) -> None:
+    # Prisms over outlines of known area; of the second no corner sees all.
+    bend = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
+    comb = [(0, 0), (5, 0), (5, 3), (4, 3), (4, 1), (3, 1), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)]
+    for outline, area in ((bend, 5.0), (comb, 11.0)):
+        count = len(outline)
+        points = "".join(f"v {x} {y} {z}\n" for z in (0, 1) for x, y in outline)
+        around = [(k + 1, (k + 1) % count + 1) for k in range(count)]
+        sides = "".join(f"f {a} {b} {b + count} {a + count}\n" for a, b in around)
+        for start in range(count):
+            top = [(start + k) % count + count + 1 for k in range(count)]
+            bottom = [(start - k) % count + 1 for k in range(count)]
+            lids = "".join("f " + " ".join(map(str, lid)) + "\n" for lid in (top, bottom))
+            path = tmp_path / f"prism{start}.obj"
+            path.write_text(points + sides + lids)
+            surface = qr.read_surface(path, unit="m")
+            a, b, c = surface.vertices[surface.faces].swapaxes(0, 1)
+            height = np.cross(b - a, c - a)[:, 2] / 2
+            assert height[height > 0].sum() == pytest.approx(area)
+            assert height[height < 0].sum() == pytest.approx(-area)
+
+
+def test_a_face_that_crosses_itself_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bow.obj"
+    path.write_text("v 1 3 0\nv 2 0 0\nv 3 2 0\nv 3 0 0\nv 0 3 0\nv 0 2 0\nf 1 2 3 4 5 6\n")
+    with pytest.raises(qr.MeshFileError, match="face 0 has 6 corners and crosses itself"):
+        qr.read_surface(path, unit="m")
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_word(tmp_path: Path) -> None:
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    path = tmp_path / "marked.obj"
+    path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+    np.testing.assert_array_equal(qr.read_surface(path, unit="m").vertices[0], [0, 0, 0])

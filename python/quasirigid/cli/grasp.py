@@ -160,7 +160,13 @@ def _in_palm(
     across, distal, out_of_palm = palm[:3, :3].T
     middle = palm.copy()
     middle[:3, 3] += way[0] * across + way[1] * distal
-    return obstacle.placed(middle, rotation=turn).moved(translation=way[2] * out_of_palm)
+    try:
+        placed = obstacle.placed(middle, rotation=turn)
+    except qr.ObstacleError as error:
+        raise qr.ObstacleError(
+            f"the product does not come to lie on the palm: {error}; check --product-unit, --rotate, --shift"
+        ) from error
+    return placed.moved(translation=way[2] * out_of_palm)
 
 
 def _goal(force: str | None, overlap: str | None) -> dict[str, Any]:

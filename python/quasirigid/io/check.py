@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 from itertools import pairwise
 
 import numpy as np
@@ -39,6 +40,7 @@ def _how_many(count: int, what: str) -> str:
 
 def lines_of(data: bytes) -> list[str]:
     """Return the lines of a text, whatever letters it holds."""
+    data = data.removeprefix(codecs.BOM_UTF8)
     # Bytes end a line at \n, \r and \r\n alone: decoded first, bytes of many a letter would too.
     return [line.decode("utf-8", "backslashreplace") for line in data.splitlines()]
 
@@ -57,10 +59,70 @@ def to_int(word: str) -> int:
     return int(word)
 
 
-def fans(corners: list[list[int]]) -> Indices:
-    """Return faces of three or more corners as triangles from their first corner, in order."""
+def fans(corners: list[list[int]], points: Floats, name: str) -> Indices:
+    """Return faces of three or more corners as triangles from their first corner, in order.
+
+    One that bends inwards is cut ear by ear.
+    """
+    triangles = _fans(corners)
+    counts = np.array([len(face) - 2 for face in corners], dtype=np.int64)
+    is_known = ((triangles >= 0) & (triangles < len(points))).all(axis=1)
+    if (counts <= 1).all() or not is_known.all():
+        return triangles
+    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    for face in np.unique(np.repeat(np.arange(len(corners)), counts)[_is_folded(triangles, points, first)]):
+        own = corners[face]
+        ears = _ears(points[own])
+        if ears is None:
+            raise MeshFileError(
+                f"{name}: face {face} has {len(own)} corners and crosses itself: cut it into triangles"
+            )
+        triangles[first[face] : first[face] + counts[face]] = np.array(own)[ears]
+    return triangles
+
+
+def _fans(corners: list[list[int]]) -> Indices:
     triangles = [(face[0], second, third) for face in corners for second, third in pairwise(face[1:])]
     return np.array(triangles, dtype=np.int64).reshape(-1, 3)
+
+
+def _ears(points: Floats) -> Indices | None:
+    """Return the triangles of a polygon (n, 3) in its own corners; None where it crosses itself."""
+    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    # Seen along the largest component, as it turns counter-clockwise.
+    axis = int(np.abs(normal).argmax())
+    flat = np.roll(points, -1 - axis, axis=1)[:, :2] * [np.sign(normal[axis]), 1.0]
+
+    def turn(a: Floats, b: Floats, c: Floats) -> Floats:
+        found: Floats = (b[0] - a[0]) * (c[..., 1] - a[1]) - (b[1] - a[1]) * (c[..., 0] - a[0])
+        return found
+
+    def is_ear(triangle: list[int], rest: list[int]) -> bool:
+        a, b, c = flat[triangle]
+        others = flat[rest]
+        others = others[~(others[:, None] == flat[triangle]).all(axis=2).any(axis=1)]
+        sides = (turn(one, other, others) for one, other in ((a, b), (b, c), (c, a)))
+        return bool(turn(a, b, c) > 0.0 and not np.all([side >= 0.0 for side in sides], axis=0).any())
+
+    left, ears = list(range(len(points))), []
+    while len(left) > 3:
+        triangles = ([left[k - 1], left[k], left[(k + 1) % len(left)]] for k in range(len(left)))
+        ear = next((triangle for triangle in triangles if is_ear(triangle, left)), None)
+        if ear is None:
+            return None
+        ears.append(ear)
+        left.remove(ear[1])
+    return np.array([*ears, left], dtype=np.int64)
+
+
+def _is_folded(triangles: Indices, points: Floats, first: Indices) -> NDArray[np.bool_]:
+    """Return which triangles face away from the face, from `first[k]` on those of face k."""
+    a, b, c = points[triangles].swapaxes(0, 1)
+    areas = np.cross(b - a, c - a)
+    whole = np.add.reduceat(areas, first)
+    counts = np.diff(np.append(first, len(triangles)))
+    is_folded: NDArray[np.bool_] = (areas * np.repeat(whole, counts, axis=0)).sum(axis=1) < 0.0
+    return is_folded
 
 
 def weld_equal(points: Floats, faces: Indices) -> tuple[Floats, Indices]:

@@ -39,7 +39,8 @@ def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
         raise MeshFileError(
             f"{name}: a face refers to vertex {wrong[0] + 1}, but the file has {len(points)} vertices"
         )
-    return weld_equal(np.array(points, dtype=np.float64).reshape(-1, 3), fans(faces))
+    vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
+    return weld_equal(vertices, fans(faces, vertices, name))
 
 
 def _corner(word: str, known: int, here: str) -> int:

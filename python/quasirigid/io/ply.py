@@ -54,7 +54,7 @@ def read_ply(data: bytes, name: str) -> tuple[Floats, Indices]:
             raise MeshFileError(
                 f"{name}: face {number} has {len(face)} corners, expected at least 3 ({few} such)"
             )
-    return vertices, fans(rows)
+    return vertices, fans(rows, vertices, name)
 
 
 def _header(data: bytes, name: str) -> tuple[str, list[_Element], int]:
