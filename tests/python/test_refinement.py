@@ -378,6 +378,35 @@ def test_the_estimate_of_a_coarse_body_covers_its_error(coarse_edge_length: floa
             assert abs(contact.force[2] / true - 1) <= contact.accuracy.force_error + sphere.accuracy
 
 
+# Forces (N) of a rigid ball by its radius and Poisson's ratio, at depths (m), the contact solved to the end: of the
+# large one by axisymmetric finite elements, of the small one by the series of the shell.
+BALLS_ON_CORED_SPHERE = {
+    (15e-3, 0.3): {0.6e-3: 0.2953, 1.12e-3: 0.7936, 2e-3: 1.9562},
+    (15e-3, 0.495): {0.6e-3: 0.3800, 1.12e-3: 0.9817, 2e-3: 2.3050},
+    (3e-3, 0.3): {0.5e-3: 0.1359, 1e-3: 0.3894, 2e-3: 1.0320},
+    (3e-3, 0.495): {0.5e-3: 0.1703, 1e-3: 0.4598, 2e-3: 1.1116},
+}
+
+
+@pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
+@pytest.mark.parametrize("coarse_edge_length", [None, 0], ids=["two levels", "one level"])
+@pytest.mark.parametrize(("radius", "poisson_ratio"), BALLS_ON_CORED_SPHERE)
+def test_a_ball_leans_on_a_body_as_in_finite_elements(
+    radius: float, poisson_ratio: float, coarse_edge_length: float | None
+) -> None:
+    surface = qr.Surface(*ball(8e-3, 3))
+    skin = qr.Skin(
+        shear_modulus=60e3,
+        poisson_ratio=poisson_ratio,
+        response=qr.Body(bone=core(), coarse_edge_length=coarse_edge_length),
+    )
+    prepared = skin.prepared(surface, low_vertices(surface))
+    indenter = qr.Obstacle.sphere([0, 0, -0.05], radius)
+    for depth, true in BALLS_ON_CORED_SPHERE[radius, poisson_ratio].items():
+        contact = qr.press(surface, indenter, prepared, UP, depth=depth)
+        assert contact.force[2] == pytest.approx(true, rel=0.025)
+
+
 @pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 @pytest.mark.parametrize("coarse_edge_length", [None, 0], ids=["two levels", "one level"])
 def test_the_drawn_skin_of_a_refined_body_lies_on_the_plate_and_is_still_where_it_is_fixed(
