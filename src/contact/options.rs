@@ -94,7 +94,7 @@ impl ContactOptions<'_> {
         Self { target_error: None, ..Self::default() }
     }
 
-    pub(super) fn is_interrupted(&self) -> bool {
+    pub(in crate::contact) fn is_interrupted(&self) -> bool {
         self.interrupt.is_some_and(|interrupt| interrupt())
     }
 

@@ -72,12 +72,17 @@ impl Spectrum {
 /// # Panics
 /// If the matrix is not square.
 pub fn spectrum(matrix: MatRef<f64>) -> Spectrum {
+    spectrum_until(matrix, &|| false)
+}
+
+/// The same, with nothing known once it is interrupted.
+pub(crate) fn spectrum_until(matrix: MatRef<f64>, interrupted: Interrupt) -> Spectrum {
     let n = matrix.nrows();
     assert_eq!(n, matrix.ncols(), "a matrix with a spectrum is square");
     let all: Vec<usize> = (0..n).collect();
-    let (definiteness, factor) = examine(matrix, &all, &|| false);
-    let symmetric = symmetric_part(matrix, &all, 1.0, &|| false);
-    let (smallest, largest) = if n == 0 {
+    let (definiteness, factor) = examine(matrix, &all, interrupted);
+    let symmetric = symmetric_part(matrix, &all, 1.0, interrupted);
+    let (smallest, largest) = if n == 0 || interrupted() {
         (f64::NAN, f64::NAN)
     } else if n <= EXACT_ORDER {
         let values = symmetric.as_ref().self_adjoint_eigenvalues(Side::Lower);

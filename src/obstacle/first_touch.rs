@@ -107,10 +107,7 @@ impl Obstacle {
         direction: &Vector3<f64>,
     ) -> Result<SweptShape<'_>, ObstacleError> {
         check_points(points)?;
-        let direction = Some(*direction)
-            .filter(|direction| direction.iter().all(|x| x.is_finite()))
-            .and_then(|direction| unit(&direction))
-            .ok_or(ObstacleError::Direction { direction: (*direction).into() })?;
+        let direction = unit(direction).ok_or(ObstacleError::Direction { direction: (*direction).into() })?;
         let pose = self.pose_matrix();
         let local =
             points.par_iter().with_min_len(MOVED_PER_TASK).map(|point| pose.to_local(point)).collect();

@@ -381,8 +381,8 @@ class ContactError(QuasirigidError, ValueError, RuntimeError):
     Attributes
     ----------
     contact : Contact or None
-        What was found, where the question was well posed: the contact whose ending was not "solved", or the
-        largest contact of a press that cannot reach its force or overlap.
+        What was found, where the question was well posed: the contact whose ending was not "solved", the
+        largest contact of a press that cannot reach its force or overlap, or that left without balance.
     """
 
     contact: Contact | None = None

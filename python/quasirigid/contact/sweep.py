@@ -93,6 +93,8 @@ def sweep(
     ------
     ContactError
         For none or both of depths and forces, a value out of range, or what `press` raises at every step.
+    ObstacleError
+        As from `press`, where the obstacle cannot meet the skin.
 
     Warns
     -----

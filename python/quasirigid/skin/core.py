@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, as_nodes, short
+from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, as_nodes
 from ..errors import CutWarning, ResponseError
+from ..scene import as_surface
 from .progress import Progress, stage_reporter
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, Response
 
@@ -53,7 +54,6 @@ def build_prepared(
     num_threads: int | None = None,
 ) -> _core.Skin:
     """Return the response computed once at nodes; None: the skin mask, less what a body holds."""
-    _check_surface("surface", surface)
     chosen = None if nodes is None else np.asarray(nodes)
     if isinstance(response, GivenMatrix):
         return _build_given(material, response, surface, chosen)
@@ -65,11 +65,6 @@ def build_prepared(
     return kernel.prepare(surface, chosen, num_threads=num_threads)
 
 
-def _check_surface(name: str, value: object) -> None:
-    if not isinstance(value, _core.Surface):
-        raise TypeError(f"{name} is {short(value)}, expected a Surface")
-
-
 def _build_body(
     material: Material,
     body: Body,
@@ -79,7 +74,7 @@ def _build_body(
     num_threads: int | None,
 ) -> _core.Skin:
     if body.bone is not None:
-        _check_surface("bone", body.bone)
+        as_surface("bone", body.bone)
     fixed = body.fixed
     if fixed is not None:
         fixed = as_mask("fixed", fixed, len(surface.vertices), ResponseError)

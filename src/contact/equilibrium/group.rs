@@ -15,7 +15,7 @@ use crate::lcp::options::{DefinitenessCheck, LcpOptions};
 use crate::lcp::problem::LcpProblem;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::lcp::solve as lcp;
-use crate::linalg::definiteness::{Definiteness, Spectrum, spectrum};
+use crate::linalg::definiteness::{Definiteness, Spectrum, spectrum_until};
 use crate::response::kernel::basis::Discretization;
 
 /// Response matrices up to this size are examined for definiteness and condition unasked: it costs less there
@@ -147,9 +147,10 @@ impl GroupProblem<'_> {
         let matrix = response.matrix(nodes, &normals, &forces.fingers)?;
         report.clock("response", started);
         let is_examined = options.condition || nodes.len() <= EXAMINED_SIZE;
-        let spectrum = is_examined.then(|| spectrum(matrix.as_ref()));
-        let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
         let started = Instant::now();
+        let is_interrupted = || options.is_interrupted();
+        let spectrum = is_examined.then(|| spectrum_until(matrix.as_ref(), &is_interrupted));
+        let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
         let q = response.traits.discretization.initial_gap(gaps, response, nodes)?;
         // What fingers feel of each other may change with the candidates.
         let kept = response.kept_factors(&normals).filter(|_| forces.fingers.coupling.extremes()[1] == 0.0);
