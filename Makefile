@@ -59,7 +59,7 @@ lint: $(VENV)/installed $(VENV)/tools
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 
-## Criterion benches: distance, response, LCP, whole press.
+## Criterion benches: distance, response, body, LCP, whole press.
 bench:
 	cargo bench
 
