@@ -407,6 +407,19 @@ def test_a_ball_leans_on_a_body_as_in_finite_elements(
         assert contact.force[2] == pytest.approx(true, rel=0.025)
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_a_compressible_body_is_as_stiff_as_its_modulus_however_soft() -> None:
+    surface = qr.Surface(*ball(8e-3, 3))
+    forces = []
+    for modulus in (60e3, 1e-3, 1e-20):
+        skin = qr.Skin(shear_modulus=modulus, poisson_ratio=0.3, response=qr.Body(bone=core()))
+        prepared = skin.prepared(surface, low_vertices(surface))
+        contact = qr.press(surface, qr.Obstacle.sphere([0, 0, -0.05], 5e-3), prepared, UP, depth=1e-3)
+        assert np.isfinite(contact.deformed.vertices).all()
+        forces.append(contact.force[2] / modulus)
+    np.testing.assert_allclose(forces, forces[0], rtol=1e-9)
+
+
 @pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 @pytest.mark.parametrize("coarse_edge_length", [None, 0], ids=["two levels", "one level"])
 def test_the_drawn_skin_of_a_refined_body_lies_on_the_plate_and_is_still_where_it_is_fixed(

@@ -1,7 +1,7 @@
 //! Initial gaps `g0` (m) along the obstacle's outward normal.
 //!
 //! [`initial`] measures them on demand: [`measured`], signed distance at points; [`entry`], back along the press or the
-//! skin's inward normal where the closest side is not the one that the skin came in through; [`edge`], from a sharp edge
+//! skin's inward normal where the closest side is not the one that the skin came in through; [`edge`], from an edge of it
 //! between the vertices; [`averaged`], against the hats, for the Galerkin form. [`touch`] finds
 //! where an obstacle on its way first touches the skin, between vertices too.
 

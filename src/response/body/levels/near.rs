@@ -172,13 +172,14 @@ impl NearKernel {
                             let way = [x[i] - to.x, y[i] - to.y, z[i] - to.z];
                             let normal = [normal_x[i] + own.x, normal_y[i] + own.y, normal_z[i] + own.z];
                             let squared = squared(&way);
-                            let column = dot(&load, &way) / squared;
-                            let along =
-                                factor * column / squared.sqrt() + skew * dot(&load, &normal) / squared;
+                            let column = dot(&load, &way);
+                            let along = factor * column / squared.sqrt() + skew * dot(&load, &normal);
                             let across = skew * column;
-                            sum_x[i] += scalar[i] * load[0] + along * way[0] - across * normal[0];
-                            sum_y[i] += scalar[i] * load[1] + along * way[1] - across * normal[1];
-                            sum_z[i] += scalar[i] * load[2] + along * way[2] - across * normal[2];
+                            // Multiplied last: 0 at the node itself, however soft the tissue.
+                            let inverse = 1.0 / squared;
+                            sum_x[i] += scalar[i] * load[0] + (along * way[0] - across * normal[0]) * inverse;
+                            sum_y[i] += scalar[i] * load[1] + (along * way[1] - across * normal[1]) * inverse;
+                            sum_z[i] += scalar[i] * load[2] + (along * way[2] - across * normal[2]) * inverse;
                         }
                     }
                 },

@@ -94,10 +94,10 @@ impl NearBlocks {
         let [(to, normal), (from, other)] = [self.ends[0][row], self.ends[1][column]];
         let way = to - from;
         let turned = way * (0.5 * (normal + other)).transpose();
-        let skew = self.skew_factor / way.norm_squared().max(f64::MIN_POSITIVE);
-        outer
-            + skew * (turned - turned.transpose())
-            + Matrix3::from_diagonal_element(self.scalar[(row, column)])
+        // 0 at the vertex itself, however soft the tissue.
+        let skew =
+            self.skew_factor * (turned - turned.transpose()) / way.norm_squared().max(f64::MIN_POSITIVE);
+        outer + skew + Matrix3::from_diagonal_element(self.scalar[(row, column)])
     }
 }
 
