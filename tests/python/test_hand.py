@@ -400,6 +400,8 @@ def test_bones_move_rigidly_with_their_joints(hand: qr.Hand) -> None:
 def test_the_other_hand_is_the_mirror_image(hand: qr.Hand) -> None:
     other = hand.mirrored()
     assert other.side == "left"
+    found = qr.Hand(other.surface.vertices, other.surface.faces, **parts_of(other))
+    assert found.side == "left"
     assert other.surface.volume > 0.0
     for pose in ("fist", {"thumb-metacarpal": {"flexion": 0.2, "abduction": 0.3, "twist": 0.2}}):
         mirrored = hand.posed(pose).surface.vertices * [-1.0, 1.0, 1.0]
@@ -482,7 +484,8 @@ def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"side": "both"}, r'side is \'both\', expected "right" or "left"'),
+        ({"side": "both"}, r'side is \'both\', expected "right", "left" or None'),
+        ({"side": "left"}, "side is 'left', but the joints are those of a right hand"),
         ({"weights": lambda hand: hand.weights * 0.9}, r"weights\[0\] sums to 0\.9"),
         ({"parents": lambda hand: np.roll(np.arange(len(hand.parents)), 1)}, r"run in a circle: .* on "),
         ({"parents": lambda hand: hand.parents + 0.5}, r"expected 26 integers"),

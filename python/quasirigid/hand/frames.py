@@ -63,6 +63,24 @@ def uniform_frames(names: Sequence[str], frames: Floats) -> tuple[Floats, Side]:
     return made, side
 
 
+def side_of(names: Sequence[str], frames: Floats) -> Side:
+    """Return which hand joints are of: a right one's index is left of its little finger, seen from the back.
+
+    Parameters
+    ----------
+    names : sequence of str
+        WebXR's 25 among them.
+    frames : (J, 4, 4) float64
+        +z dorsal (m).
+    """
+    place = {name: frames[names.index(name), :3, 3] for name in PARENTS}
+    knuckles = [JOINTS_OF[digit][1] for digit in DIGITS[1:]]
+    dorsal = np.sum([frames[names.index(name), :3, 2] for name in knuckles], axis=0)
+    distal = np.mean([place[name] for name in knuckles], axis=0) - place["wrist"]
+    across = place[knuckles[-1]] - place[knuckles[0]]
+    return "right" if np.cross(across, distal) @ dorsal >= 0.0 else "left"
+
+
 def _dorsal(bones: dict[str, Floats], dorsal: Floats) -> dict[str, Floats]:
     """Return the dorsal direction of each phalanx of the fingers: that of the hand, as far as bones bend."""
     found = {}

@@ -16,6 +16,7 @@ from .bend import shares_of
 from .bones import Bone, bones_of
 from .checks import as_frames, as_labels, as_names, as_parents, check_inside, read_only
 from .creases import without_folds
+from .frames import side_of
 from .joints import JOINTS_OF, index_of
 from .kinematics import mirrored_frames, motions_of, moved_frames
 from .pivots import pivots_of
@@ -60,8 +61,8 @@ class Hand(Frozen):
         How much each does, >= 0; sums within 1e-3 of 1 are normalised.
     labels : (n,) sequence of str, optional
         Region of each vertex; found from joints and normals when left out.
-    side : {"right", "left"}
-        Which hand it is.
+    side : {"right", "left"}, optional
+        Which hand it is; found from the joints when left out.
 
     Attributes
     ----------
@@ -78,7 +79,8 @@ class Hand(Frozen):
     ------
     HandError
         Naming the joint or vertex at fault: names that are missing or double, parents in a circle, frames
-        that are no rigid motion, a joint outside the skin, weights that do not sum to 1.
+        that are no rigid motion, a joint outside the skin, weights that do not sum to 1. Or a `side` that the
+        joints are not of.
     SurfaceError
         The skin is no surface.
     """
@@ -94,14 +96,19 @@ class Hand(Frozen):
         joints: ArrayLike,
         weights: ArrayLike,
         labels: ArrayLike | None = None,
-        side: Side = "right",
+        side: Side | None = None,
     ) -> None:
-        if side not in ("right", "left"):
-            raise HandError(f'side is {side!r}, expected "right" or "left"')
-        self.side: Side = side
+        if side not in ("right", "left", None):
+            raise HandError(f'side is {side!r}, expected "right", "left" or None')
         self.joint_names = as_names(joint_names)
         self.parents = as_parents(parents, self.joint_names)
         self.rest = as_frames(rest, self.joint_names)
+        self.side: Side = side_of(self.joint_names, self.rest)
+        if side not in (self.side, None):
+            raise HandError(
+                f"side is {side!r}, but the joints are those of a {self.side} hand: seen from the back, +z "
+                "of their frames, its little finger lies on the other side of the index"
+            )
         surface = Surface(vertices, faces)
         if not surface.is_closed:
             raise HandError("the skin is open: a hand needs a closed one, its cut at the wrist capped")

@@ -66,7 +66,7 @@ def read_hand(
     -----
     A rig holds ``joint_names`` (J,), ``parents`` (J,; -1 for the root), ``rest`` (J, 4, 4), and for each mesh
     one pair ``<mesh>_joint`` and ``<mesh>_weight`` (n, k), found by the number of vertices; ``side`` ("right"
-    or "left") is optional, "right" where it is missing.
+    or "left") is optional, the joints tell it.
 
     Of glTF, bit-equal points are welded, as texture seams need. Its joints get frames of this package: +y to
     the next joint, +x the axis of flexion as the file has it. Which hand it is shows in the place of the
@@ -102,7 +102,7 @@ def _read_mesh_with_rig(file: Path, rig: Path | None, unit: LengthUnit) -> Hand:
     arrays = _load(rig)
     names, parents, rest = (_entry(arrays, name, rig) for name in ("joint_names", "parents", "rest"))
     joints, weights = _weights_for(len(vertices), arrays, rig)
-    side: Any = str(arrays.get("side", "right"))
+    side: Any = str(arrays["side"]) if "side" in arrays else None
     try:
         frames: Floats = np.array(rest, dtype=np.float64)
         if unit != "m" and frames.ndim == 3:
