@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::geometry::bounds::is_within_range;
+use crate::linalg::factor::Interrupt;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::nearest::Nearest;
 use crate::obstacle::posed::{Obstacle, Shape};
@@ -41,6 +42,16 @@ impl Obstacle {
         points: &[Vector3<f64>],
         max_distance: Option<f64>,
     ) -> Result<SignedDistances, ObstacleError> {
+        self.signed_distance_until(points, max_distance, &|| false)
+    }
+
+    /// The same; once it is interrupted, points that it has not come to are as if they were beyond.
+    pub(crate) fn signed_distance_until(
+        &self,
+        points: &[Vector3<f64>],
+        max_distance: Option<f64>,
+        interrupted: Interrupt,
+    ) -> Result<SignedDistances, ObstacleError> {
         check_points(points)?;
         let reach = max_distance.unwrap_or(f64::INFINITY);
         if reach.is_nan() || reach < 0.0 {
@@ -56,11 +67,14 @@ impl Obstacle {
             })
         };
         let [of_mesh, of_primitive] = POINTS_PER_TASK;
-        let answers: Vec<Nearest> = points
-            .par_iter()
-            .with_min_len(if matches!(self.shape(), Shape::Mesh(_)) { of_mesh } else { of_primitive })
-            .map(|point| answer(point).unwrap_or(Nearest::BEYOND))
-            .collect();
+        let at_once = if matches!(self.shape(), Shape::Mesh(_)) { of_mesh } else { of_primitive };
+        let mut answers = vec![Nearest::BEYOND; points.len()];
+        answers.par_chunks_mut(at_once).zip(points.par_chunks(at_once)).for_each(|(answers, points)| {
+            if !interrupted() {
+                let found = points.iter().map(|point| answer(point).unwrap_or(Nearest::BEYOND));
+                answers.iter_mut().zip(found).for_each(|(answer, found)| *answer = found);
+            }
+        });
         Ok(SignedDistances {
             distance: answers.iter().map(|answer| answer.distance).collect(),
             closest: answers.iter().map(|answer| answer.closest).collect(),

@@ -3,11 +3,11 @@
 use super::arrays_out::matrix_out;
 use super::convert::{MatrixArgument, nodes, vectors};
 use super::errors::{IntoPyErr, ResponseError};
-use super::forked::released;
 use super::interrupt::detached_with;
 use super::skin::PySkin;
 use super::surface::PySurface;
-use crate::response::{self, AssemblyOptions, Request};
+use crate::linalg::definiteness::spectrum_until;
+use crate::response::{AssemblyOptions, Request};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -65,7 +65,7 @@ pub(super) fn definiteness(py: Python<'_>, matrix: &Bound<'_, PyAny>) -> PyResul
     if !view.is_all_finite() {
         return Err(ResponseError::new_err("`matrix` has entries that are not finite"));
     }
-    let found = released(py, || response::spectrum(view));
+    let found = detached_with(py, None, |interrupt| spectrum_until(view, interrupt))?;
     Ok(PyDefiniteness {
         positive_definite: found.is_positive_definite(),
         smallest: found.smallest,

@@ -4,6 +4,7 @@ use super::arrays_out::{faces_out, vector_out, vectors_out};
 use super::convert::{faces, matrix3, mesh_arrays, number, rotation_and_translation, vector, vectors};
 use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
+use super::interrupt::detached_with;
 use super::material::{made_of, material_out};
 use super::pickle::{Pose, Reduced, reduced, restored};
 use super::surface::PySurface;
@@ -315,8 +316,10 @@ impl PyObstacle {
     ) -> PyResult<Distances<'py>> {
         let points = vectors(points, "points")?;
         let max_distance = max_distance.map(|value| number(value, "max_distance")).transpose()?;
-        let answer = released(py, || self.inner.signed_distance(&points, max_distance))
-            .map_err(IntoPyErr::into_py_err)?;
+        let found = detached_with(py, None, |interrupt| {
+            self.inner.signed_distance_until(&points, max_distance, interrupt)
+        })?;
+        let answer = found.map_err(IntoPyErr::into_py_err)?;
         Ok((
             PyArray1::from_vec(py, answer.distance),
             vectors_out(py, &answer.closest),

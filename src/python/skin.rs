@@ -126,9 +126,12 @@ impl PySkin {
     /// Net and gross volume that the mesh moves per newton at a vertex (m^3/N).
     fn net_volume(&self, py: Python<'_>, surface: &PySurface, node: usize) -> PyResult<(f64, f64)> {
         // a sum of both signs over the whole mesh asks for more digits than a matrix does, and takes one column
-        let options = AssemblyOptions { tolerance: 1e-9, ..AssemblyOptions::default() };
         let skin = self.inner.kernel()?;
-        let volume = released(py, || response::net_volume(&surface.inner, skin, node, &options));
+        let volume = detached(py, |interrupt| {
+            let options =
+                AssemblyOptions { tolerance: 1e-9, interrupt: Some(interrupt), ..AssemblyOptions::default() };
+            response::net_volume(&surface.inner, skin, node, &options)
+        })?;
         volume.map(|volume| (volume.net, volume.gross)).map_err(IntoPyErr::into_py_err)
     }
 

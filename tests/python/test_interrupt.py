@@ -108,11 +108,38 @@ while True:
 """
 
 
-@pytest.mark.parametrize("method", ["lemke", "block_pivoting", "projected_cg"])
-def test_a_problem_of_five_thousand_ends_at_once(method: str, tmp_path: Path) -> None:
+# A second and more of work each.
+FIGURES = {
+    "signed distances": "points = np.full((1_000_000, 3), 0.3); work = lambda: mesh.signed_distance(points)",
+    "definiteness": "matrix = np.eye(4000) + 1e-9; work = lambda: qr.definiteness(matrix)",
+}
+FIGURE = """
+import sys
+import numpy as np
+import quasirigid as qr
+
+mesh = qr.Obstacle.from_mesh(qr.models.fingertip(edge_length=0.35e-3))
+exec(sys.argv[1])
+print("working", file=sys.stderr, flush=True)
+while True:
+    work()
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "argument"),
+    [
+        (LCP, "lemke"),
+        (LCP, "block_pivoting"),
+        (LCP, "projected_cg"),
+        *((FIGURE, one) for one in FIGURES.values()),
+    ],
+    ids=["lemke", "block pivoting", "projected cg", *FIGURES],
+)
+def test_a_figure_that_takes_long_ends_at_once(code: str, argument: str, tmp_path: Path) -> None:
     seconds = []
     for _ in range(TRIES):
-        took, _, told = interrupted(LCP, [method], "solving", tmp_path)
+        took, _, told = interrupted(code, [argument], "ing", tmp_path)
         assert told.splitlines()[-1] == "KeyboardInterrupt"
         seconds.append(took)
         if took < PATIENCE:
