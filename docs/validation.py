@@ -128,6 +128,28 @@ def on_two_levels() -> list[str]:
     return lines
 
 
+def under_balls() -> list[str]:
+    """Measure forces against finite elements as a press finds them by default."""
+    bone = ball(3e-3, 3, 1.0)
+    known = qr.reference.ball_on_cored_sphere()
+    depths = known[0].indentations
+    lines = ["| nu | skin vertices | " + " | ".join(f"{depth * 1e3:g} mm" for depth in depths) + " |"]
+    lines.append("|---|---|" + "---|" * len(depths))
+    for sphere in known:
+        for subdivisions in (2, 3):
+            skin = ball(8e-3, subdivisions, 1.0)
+            loaded = near_pole(skin, 4e-3)
+            prepared = body(skin, sphere.poisson_ratio, loaded, bone=bone, coarse_edge_length=None)
+            indenter = qr.Obstacle.sphere([0, 0, -0.05], sphere.indenter_radius)
+            cells = []
+            for depth, true in sphere.indentations.items():
+                contact = qr.press(skin, indenter, prepared, UP, depth=depth)
+                told = contact.accuracy.force_error
+                cells.append(f"{contact.force[2] / true - 1:+.1%} (told {told:.1%})")
+            lines.append(f"| {sphere.poisson_ratio} | {len(skin.vertices)} | " + " | ".join(cells) + " |")
+    return lines
+
+
 def thin_shell() -> list[str]:
     """Measure the radial response of a thin shell on a large core against the flat layer."""
     radius, h = 40e-3, 2e-3
@@ -288,6 +310,12 @@ SECTIONS = {
         "The body solved on a coarse skin, a near kernel on the skin's own mesh of 2,562 vertices drawn "
         "towards the contact; core of 642 vertices. By the tissue: `Body(coarse_edge_length=None)`.",
         on_two_levels,
+    ),
+    "A ball on the same sphere": (
+        "A rigid ball of 15 mm radius, the skin an even mesh, options and coarse edges as by default, so "
+        "that the skin is refined under the ball. Truth: axisymmetric finite elements. In brackets what "
+        "`accuracy.force_error` tells.",
+        under_balls,
     ),
     "Thin shell on a large core against the flat layer": (
         "Inward displacement h u / (K f) beside a force on a shell of h = 2 mm over a core of 38 mm, nu = "

@@ -51,7 +51,7 @@ mod cored_sphere {
 
     #[test]
     fn the_core_stiffens_and_the_more_so_the_deeper() {
-        for CoredSphere { poisson_ratio, indentations } in plate_on_cored_sphere() {
+        for CoredSphere { poisson_ratio, indentations, .. } in plate_on_cored_sphere() {
             let contact_modulus = contact_modulus(CoredSphere::SHEAR_MODULUS, poisson_ratio);
             let hertz = Hertz { radius: CoredSphere::RADIUS, contact_modulus };
             let ratios = indentations.map(|(depth, force)| force / hertz.force(depth));

@@ -16,6 +16,7 @@ __all__ = [
     "FlatPunch",
     "Hertz",
     "LayerIndentation",
+    "ball_on_cored_sphere",
     "contact_modulus",
     "plate_on_cored_sphere",
     "point_load_on_layer",
@@ -35,12 +36,14 @@ class LayerIndentation(NamedTuple):
 
 
 class CoredSphere(NamedTuple):
-    """A flat frictionless plate pressed against an elastic sphere bonded to a rigid concentric core."""
+    """A rigid frictionless indenter pressed against an elastic sphere bonded to a rigid concentric core."""
 
     radius: float
     """Radius of the sphere (m)."""
     core_radius: float
     """Radius of the core (m)."""
+    indenter_radius: float
+    """Radius of the indenter (m), inf for a flat plate."""
     shear_modulus: float
     """Shear modulus (Pa)."""
     accuracy: float
@@ -94,3 +97,11 @@ def plate_on_cored_sphere() -> tuple[CoredSphere, ...]:
     (0.3, 1.02)
     """
     return tuple(CoredSphere(*row[:-1], dict(row[-1])) for row in _core.plate_on_cored_sphere())
+
+
+def ball_on_cored_sphere() -> tuple[CoredSphere, ...]:
+    """Return the forces of a ball on a sphere with a rigid core at two Poisson's ratios.
+
+    Of axisymmetric finite elements, with the contact solved to the end.
+    """
+    return tuple(CoredSphere(*row[:-1], dict(row[-1])) for row in _core.ball_on_cored_sphere())

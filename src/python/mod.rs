@@ -50,8 +50,8 @@ mod _core {
     use super::obstacle::{PyObstacle, restore_obstacle};
     #[pymodule_export]
     use super::reference::{
-        PyCone, PyFlatPunch, PyHertz, contact_modulus, plate_on_cored_sphere, point_load_on_layer,
-        sphere_on_layer,
+        PyCone, PyFlatPunch, PyHertz, ball_on_cored_sphere, contact_modulus, plate_on_cored_sphere,
+        point_load_on_layer, sphere_on_layer,
     };
     #[pymodule_export]
     use super::skin::PySkin;
@@ -87,6 +87,7 @@ mod _core {
                 "SkinWeights",
                 "Surface",
                 "WarmStart",
+                "ball_on_cored_sphere",
                 "contact_modulus",
                 "cut_out",
                 "cut_out_marked",

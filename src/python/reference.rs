@@ -207,17 +207,25 @@ pub(super) fn point_load_on_layer() -> Vec<(f64, f64)> {
     reference::point_load_on_layer().into()
 }
 
-/// Radius (m), core radius (m), shear modulus (Pa), accuracy, Poisson's ratio and pairs of depth (m) and force (N).
-type CoredSphereCase = (f64, f64, f64, f64, f64, Vec<(f64, f64)>);
+/// Radius, core radius and indenter radius (m), shear modulus (Pa), accuracy, Poisson's ratio and pairs of depth (m) and
+/// force (N).
+type CoredSphereCase = (f64, f64, f64, f64, f64, f64, Vec<(f64, f64)>);
 
 /// One case for each Poisson's ratio.
 #[pyfunction]
 pub(super) fn plate_on_cored_sphere() -> Vec<CoredSphereCase> {
+    reference::plate_on_cored_sphere().map(cored_sphere).into()
+}
+
+/// One case for each Poisson's ratio.
+#[pyfunction]
+pub(super) fn ball_on_cored_sphere() -> Vec<CoredSphereCase> {
+    reference::ball_on_cored_sphere().map(cored_sphere).into()
+}
+
+fn cored_sphere(case: CoredSphere) -> CoredSphereCase {
     let (radius, core_radius) = (CoredSphere::RADIUS, CoredSphere::CORE_RADIUS);
     let (shear_modulus, accuracy) = (CoredSphere::SHEAR_MODULUS, CoredSphere::ACCURACY);
-    let row = |case: CoredSphere| {
-        let indentations = case.indentations.to_vec();
-        (radius, core_radius, shear_modulus, accuracy, case.poisson_ratio, indentations)
-    };
-    reference::plate_on_cored_sphere().map(row).into()
+    let CoredSphere { poisson_ratio, indenter_radius, indentations } = case;
+    (radius, core_radius, indenter_radius, shear_modulus, accuracy, poisson_ratio, indentations.to_vec())
 }

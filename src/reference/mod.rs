@@ -10,7 +10,7 @@ mod hertz;
 mod layer;
 
 pub use cone::Cone;
-pub use cored_sphere::{CoredSphere, plate_on_cored_sphere};
+pub use cored_sphere::{CoredSphere, ball_on_cored_sphere, plate_on_cored_sphere};
 pub use flat_punch::FlatPunch;
 pub use hertz::Hertz;
 pub use layer::{LayerIndentation, layer_correction_at_load, point_load_on_layer, sphere_on_layer};

@@ -97,7 +97,7 @@ fn a_plate_on_a_sphere_with_a_core_meets_the_finite_element_force_on_two_levels(
     let skin = drawn_sphere(RADIUS, 3, 4.0);
     let body = with_bone(drawn_sphere(CoredSphere::CORE_RADIUS, 2, 2.0));
     let nodes = cap_nodes(&skin, RADIUS, 1.3e-3);
-    for CoredSphere { poisson_ratio, indentations } in plate_on_cored_sphere() {
+    for CoredSphere { poisson_ratio, indentations, .. } in plate_on_cored_sphere() {
         let two = prepared(&body, &skin, poisson_ratio, &nodes);
         assert!(coarse_count(&two).is_some_and(|count| count < 300));
         for (depth, expected) in indentations {

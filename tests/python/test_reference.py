@@ -46,6 +46,10 @@ def test_tables_hold_what_their_names_say() -> None:
     assert first.indentations[1.12e-3] == 1.297
     ratios = [force / SPHERE.force(depth) for depth, force in first.indentations.items()]
     assert ratios == sorted(ratios), "the core stiffens"
+    stiff, soft = reference.ball_on_cored_sphere()
+    assert (stiff.indenter_radius, first.indenter_radius) == (15e-3, float("inf"))
+    for depth, force in soft.indentations.items():
+        assert force < stiff.indentations[depth]
 
 
 @pytest.mark.parametrize(

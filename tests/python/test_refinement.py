@@ -381,8 +381,9 @@ def test_the_estimate_of_a_coarse_body_covers_its_error(coarse_edge_length: floa
 # Forces (N) of a rigid ball by its radius and Poisson's ratio, at depths (m), the contact solved to the end:
 # of the large one by axisymmetric finite elements, of the small one by the series of the shell.
 BALLS_ON_CORED_SPHERE = {
-    (15e-3, 0.3): {0.6e-3: 0.2953, 1.12e-3: 0.7936, 2e-3: 1.9562},
-    (15e-3, 0.495): {0.6e-3: 0.3800, 1.12e-3: 0.9817, 2e-3: 2.3050},
+    (known.indenter_radius, known.poisson_ratio): known.indentations
+    for known in qr.reference.ball_on_cored_sphere()
+} | {
     (3e-3, 0.3): {0.5e-3: 0.1359, 1e-3: 0.3894, 2e-3: 1.0320},
     (3e-3, 0.495): {0.5e-3: 0.1703, 1e-3: 0.4598, 2e-3: 1.1116},
 }

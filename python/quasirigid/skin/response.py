@@ -222,7 +222,7 @@ class Layer(_Response):
 
     Notes
     -----
-    For wide flat tissue, as the palm. On a fingertip it is too stiff, by up to twice the true force; where
+    For wide flat tissue, as the palm. On a fingertip it is too stiff (docs/responses.md); where
     the surface bends within some 20 thicknesses neither form has to be positive definite, and the contact
     says so.
 

@@ -33,7 +33,7 @@ pub enum Kernel {
         cutoff: f64,
     },
     /// Elastic layer bonded to rigid bone: [`LayerKernel`](crate::response::LayerKernel). Wide flat tissue such as the
-    /// palm; on a fingertip it is too stiff, up to twice the true force.
+    /// palm; on a fingertip it is too stiff.
     ///
     /// On the open border of a mesh that is coarser than the layer is thick, collocation takes the displacement up to 0.3
     /// thicknesses inside, as there is none right at the jump of the pressure. Where the surface bends within the
