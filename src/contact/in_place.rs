@@ -24,10 +24,10 @@ use crate::surface::checked::Surface;
 pub(crate) struct Known {
     /// Vertices under force, ascending.
     active: Vec<usize>,
-    /// Vertices whose gap was linearised, and the displacements (m) that it was measured at.
+    /// Vertices whose gap was linearized, and the displacements (m) that it was measured at.
     vertices: Vec<usize>,
     displacement: Vec<Vector3<f64>>,
-    /// Whether linearised gaps led to no better answer.
+    /// Whether linearized gaps led to no better answer.
     in_vain: bool,
 }
 
@@ -57,15 +57,15 @@ impl Known {
         Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false }
     }
 
-    /// The same, with the displacement (m) that the gap of each vertex was linearised at, where it was.
-    pub fn linearised(active: Vec<usize>, at: Vec<Option<Vector3<f64>>>) -> Self {
+    /// The same, with the displacement (m) that the gap of each vertex was linearized at, where it was.
+    pub fn linearized(active: Vec<usize>, at: Vec<Option<Vector3<f64>>>) -> Self {
         let (vertices, displacement) =
             at.into_iter().enumerate().filter_map(|(vertex, at)| Some((vertex, at?))).unzip();
         Self { active, vertices, displacement, in_vain: false }
     }
 
-    /// Vertices whose gap was linearised, each with the displacement (m) that it was measured at.
-    pub fn into_linearised(self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
+    /// Vertices whose gap was linearized, each with the displacement (m) that it was measured at.
+    pub fn into_linearized(self) -> impl Iterator<Item = (usize, Vector3<f64>)> {
         self.vertices.into_iter().zip(self.displacement)
     }
 }
@@ -127,7 +127,7 @@ impl<'a> InPlace<'a> {
             let (vertices, displacement): (Vec<usize>, Vec<Vector3<f64>>) =
                 pairs.filter(|(vertex, _)| gaps.line_at(**vertex).is_none()).unzip();
             let there = gaps.measured_at(&vertices, &displacement)?;
-            gaps.linearise(&vertices, &displacement, &there);
+            gaps.linearize(&vertices, &displacement, &there);
         }
         let guess = known.map(|known| {
             let is_refined = gaps.scene.inherited.is_some();
@@ -149,8 +149,8 @@ impl<'a> InPlace<'a> {
     pub fn known(&self) -> Option<Known> {
         let forces = self.forces.as_ref().filter(|forces| forces.failure.is_none())?;
         let mut vertices = self.gaps.surface.k_ring(&forces.candidates, 1);
-        vertices.retain(|&vertex| self.gaps.linearised_at(vertex) != Vector3::zeros());
-        let displacement = vertices.iter().map(|&vertex| self.gaps.linearised_at(vertex)).collect();
+        vertices.retain(|&vertex| self.gaps.linearized_at(vertex) != Vector3::zeros());
+        let displacement = vertices.iter().map(|&vertex| self.gaps.linearized_at(vertex)).collect();
         let in_vain = self.report.is_unsettled;
         Some(Known { active: forces.active.clone(), vertices, displacement, in_vain })
     }

@@ -100,7 +100,6 @@ impl Dense {
         interrupted: Interrupt,
         fill: impl Fn(usize, usize, &mut [f64]) + Sync,
     ) -> Self {
-        const TILE: usize = 32;
         let mut block = Self::zeros(rows, columns);
         let group = (SHARED_WORK / rows.max(1)).next_multiple_of(8 * TILE);
         for start in (0..columns).step_by(group) {

@@ -13,7 +13,7 @@ pub enum ObstacleError {
     /// The mesh has a border, so it has no inside.
     #[error(
         "an obstacle must be closed, but the mesh has {loops} open border(s) with {edges} edges in all, \
-         the first at vertex {vertex}; close the holes or weld the seams (see `repair`)"
+         the first at vertex {vertex}; close its holes where it was made; `repair` welds seams, and closes no hole"
     )]
     NotClosed {
         /// Number of boundary loops.

@@ -38,7 +38,7 @@ fn a_solved_contact_is_complementary_and_free_of_penetration() {
         assert!(contact.node_force[vertex] >= 0.0);
     }
     assert_relative_eq!(contact.max_penetration_before, depth, max_relative = 1e-9);
-    // The obstacle is flat, so the linearised gaps are the true ones.
+    // The obstacle is flat, so the linearized gaps are the true ones.
     assert!(contact.max_penetration_after <= 1e-9 * depth);
     let sum: f64 = contact.node_force.iter().sum();
     assert_relative_eq!(contact.resultant.force.z, sum, max_relative = 1e-12);

@@ -353,7 +353,7 @@ def test_a_matrix_that_memory_does_not_hold_is_refused_before_it_is_made() -> No
         qr.press(sheet, plate, SKIN, [0, 0, -1], depth=1e-3, options=AS_GIVEN)
 
 
-# Poses at which a linearisation puts all skin that was inside on the far side of the obstacle.
+# Poses at which a linearization puts all skin that was inside on the far side of the obstacle.
 PASSED_BY = {
     "pin": (
         (2, qr.Obstacle.cylinder(1.51e-3, 1.01e-3), 2.64e-3),

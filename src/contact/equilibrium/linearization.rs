@@ -1,7 +1,7 @@
 //! Contact solved to the end: gaps and normals anew at the deformed skin, until the gap that is left there is small.
 //!
 //! With u the displacement at which a vertex X was measured, d its signed distance there and n the obstacle's normal,
-//! the gap is linearised as
+//! the gap is linearized as
 //!
 //! ```text
 //! g = d + n . (u(f) - u) = g0 + n . u(f),   g0 = d - n . u
@@ -31,10 +31,10 @@ use crate::response::skin::kept::KeptSkin;
 
 /// A round that leaves more than this share of the error before it is followed by one of half the step.
 const SETTLING: f64 = 0.7;
-/// Rounds without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
+/// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
 /// twice.
 const MOST_IN_VAIN: usize = 3;
-/// Least step from one linearisation to the next.
+/// Least step from one linearization to the next.
 const LEAST_STEP: f64 = 0.125;
 
 /// The skin around a contact where its forces put it.
@@ -73,9 +73,9 @@ impl Deformed {
     /// averaged gap of a node under force.
     fn error(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<f64, ContactError> {
         if traits.discretization == Discretization::Galerkin {
-            // Solved, the gap is as far from nothing as another linearisation changes it.
+            // Solved, the gap is as far from nothing as another linearization changes it.
             let mut anew = gaps.clone();
-            anew.linearise(&self.vertices, &self.displacement, &self.measured);
+            anew.linearize(&self.vertices, &self.displacement, &self.measured);
             let [before, after] = [gaps, &anew].map(|gaps| gaps.averaged(traits.basis, &forces.active));
             let changes = before?.into_iter().zip(after?).map(|(before, after)| (after - before).abs());
             return Ok(changes.fold(0.0, f64::max));
@@ -91,7 +91,7 @@ impl Deformed {
 /// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance.
 ///
 /// * `forces`: of the gaps as measured at the undeformed skin
-/// * `was_vain`: whether none of the linearisations of a contact nearby led to a better answer; one then says whether they do
+/// * `was_vain`: whether none of the linearizations of a contact nearby led to a better answer; one then says whether they do
 ///   here
 ///
 /// Returns the forces that leave the least gap; `gaps` are those that they were solved with.
@@ -119,7 +119,7 @@ pub(crate) fn solve_to_the_end<'a>(
     let is_kept = !response.traits.is_kernel || response.skin.kept_factors().is_some();
     let response = if is_kept { response } else { &keeping };
     report.is_unsettled = options.max_linearizations > 1;
-    let mut rounds = Rounds {
+    let mut rounds = Linearizations {
         response,
         options,
         was_vain,
@@ -145,8 +145,8 @@ pub(crate) fn solve_to_the_end<'a>(
     Ok(forces)
 }
 
-/// Linearisations one after the other.
-struct Rounds<'a, 'b> {
+/// Linearizations one after the other.
+struct Linearizations<'a, 'b> {
     response: &'b Compliance<'b>,
     options: &'b ContactOptions<'b>,
     was_vain: bool,
@@ -158,21 +158,21 @@ struct Rounds<'a, 'b> {
     best: (f64, NodeForces, Gaps<'a>),
     /// The gap that the last round left (m).
     before: f64,
-    /// Share of the way from the place of one linearisation to the next.
+    /// Share of the way from the place of one linearization to the next.
     step: f64,
     in_vain: usize,
 }
 
-impl<'a> Rounds<'a, '_> {
+impl<'a> Linearizations<'a, '_> {
     /// Takes gaps and normals anew on the way to the deformed skin, and solves.
     fn add(&mut self, gaps: &mut Gaps<'a>, report: &mut Report) -> Result<(), ContactError> {
         let started = Instant::now();
         let Deformed { vertices, displacement, .. } = &self.deformed;
         let shift = vertices.iter().zip(displacement);
-        let shift = shift.map(|(&vertex, u)| gaps.linearised_at(vertex).lerp(u, self.step)).collect();
+        let shift = shift.map(|(&vertex, u)| gaps.linearized_at(vertex).lerp(u, self.step)).collect();
         let there = Deformed::at(gaps, vertices.clone(), shift)?;
         let last = gaps.clone();
-        gaps.linearise(&there.vertices, &there.displacement, &there.measured);
+        gaps.linearize(&there.vertices, &there.displacement, &there.measured);
         // The last attempt looks for an answer far away as well.
         let is_last = report.is_unsettled && self.in_vain + 1 == MOST_IN_VAIN && !self.was_vain;
         let nearness = if is_last { Nearness::OfCoarser } else { Nearness::Near };

@@ -34,7 +34,7 @@ pub(crate) struct Gaps<'a> {
     pub entry: EntryGap,
     /// Vertices that may touch with g0 < 0, ascending.
     pub penetrating: Vec<usize>,
-    /// As the problem takes them: linearised where the skin was measured after it was deformed.
+    /// As the problem takes them: linearized where the skin was measured after it was deformed.
     measured: RefCell<Measured>,
     /// g0 (n, m) of the undeformed skin, once it differs.
     undeformed: Option<Vec<f64>>,
@@ -128,8 +128,8 @@ impl<'a> Gaps<'a> {
         travel.map_or_else(|| -self.surface.vertex_normals()[vertex], |travel| travel.direction)
     }
 
-    /// Displacement (m) at which the gap of a vertex was linearised.
-    pub fn linearised_at(&self, vertex: usize) -> Vector3<f64> {
+    /// Displacement (m) at which the gap of a vertex was linearized.
+    pub fn linearized_at(&self, vertex: usize) -> Vector3<f64> {
         self.shifts.get(&vertex).copied().unwrap_or_default()
     }
 
@@ -152,7 +152,7 @@ impl<'a> Gaps<'a> {
     /// Takes the gaps of vertices from where a displacement (m) puts them.
     ///
     /// * `measured`: [`measured_at`](Self::measured_at)
-    pub fn linearise(&mut self, vertices: &[usize], displacement: &[Vector3<f64>], measured: &Measured) {
+    pub fn linearize(&mut self, vertices: &[usize], displacement: &[Vector3<f64>], measured: &Measured) {
         let undeformed = self.undeformed.get_or_insert_with(|| self.measured.borrow().distance.clone());
         let known = self.measured.get_mut();
         for (row, &vertex) in vertices.iter().enumerate() {
@@ -198,7 +198,7 @@ impl<'a> Gaps<'a> {
                 let vertex_gap = |(row, &vertex): (usize, &usize)| VertexGap {
                     distance: measured.distance[row],
                     normal: measured.normal[row],
-                    shift: self.linearised_at(vertex),
+                    shift: self.linearized_at(vertex),
                     is_on_line: self.line_at(vertex).is_some(),
                 };
                 Ok(vertices.iter().enumerate().map(vertex_gap).collect())

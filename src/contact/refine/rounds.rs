@@ -102,7 +102,7 @@ pub(crate) fn begin<'a>(
         meshes,
         between: Vec::new(),
         touches_elsewhere_alone: false,
-        linearised_at: HashMap::new(),
+        linearized_at: HashMap::new(),
         placement,
         skin,
         options,
@@ -141,8 +141,8 @@ pub(crate) struct Rounds<'a> {
     pub(super) between: Vec<usize>,
     /// Whether the mesh is fine enough but for where it is touched away from all force.
     pub(super) touches_elsewhere_alone: bool,
-    /// Displacements (m) at which its gaps were linearised, by the vertex' number in the whole refined surface.
-    linearised_at: HashMap<usize, Vector3<f64>>,
+    /// Displacements (m) at which its gaps were linearized, by the vertex' number in the whole refined surface.
+    linearized_at: HashMap<usize, Vector3<f64>>,
     placement: &'a Placement<'a>,
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions<'a>,
@@ -306,8 +306,8 @@ impl Rounds<'_> {
         let kept = KeptSkin::new(&*skin);
         let skin = if skin.as_kernel().is_some() { &kept } else { &*skin };
         let solved = InPlace::solve_gaps(gaps, skin, Some(&known), self.options, report)?;
-        let linearised = solved.known().into_iter().flat_map(Known::into_linearised);
-        self.linearised_at = linearised.map(|(vertex, at)| (part.number(vertex), at)).collect();
+        let linearized = solved.known().into_iter().flat_map(Known::into_linearized);
+        self.linearized_at = linearized.map(|(vertex, at)| (part.number(vertex), at)).collect();
         let mut contact = solved.contact(self.options)?;
         self.between = match contact.status {
             ContactStatus::Solved => touched_between(finer, part, &contact, skin, self.options)?,
@@ -323,7 +323,7 @@ impl Rounds<'_> {
         if self.options.max_linearizations == 1 {
             return Known::of_active(active);
         }
-        Known::linearised(active, part.inherit_known(&self.linearised_at, |a, b| 0.5 * (a + b)))
+        Known::linearized(active, part.inherit_known(&self.linearized_at, |a, b| 0.5 * (a + b)))
     }
 
     /// The last contact in the numbers of the whole skin, with why no further round followed.

@@ -100,7 +100,7 @@ impl Report {
         self.leave_out("a finite peak pressure", why);
     }
 
-    /// Warns where the obstacle is too finely shaped for gaps linearised at this depth, or the mesh too coarse for
+    /// Warns where the obstacle is too finely shaped for gaps linearized at this depth, or the mesh too coarse for
     /// averaged ones.
     pub fn warn_of_penetration(&mut self, discretization: Discretization, before: f64, left: &Penetration) {
         if left.depth <= UNRESOLVED_SHARE * before {

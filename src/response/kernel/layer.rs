@@ -3,10 +3,8 @@
 use std::sync::{Arc, Mutex};
 
 use crate::response::error::ResponseError;
-use crate::response::kernel::layer_table::LayerTable;
+use crate::response::kernel::layer_table::{LARGEST_RHO, LayerTable};
 
-/// Largest r/h at which the kernel is felt at all: it has fallen below 1e-9.
-const LARGEST_RHO: usize = 32;
 /// Steps per unit of r/h at which it is known how large the kernel still gets.
 const ENVELOPE_STEPS: usize = 16;
 

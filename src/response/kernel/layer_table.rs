@@ -20,8 +20,9 @@ const PIECES_PER_PART: usize = 4;
 const SLOPE_COUNT: usize = MAX_DEGREE + 3;
 /// Terms of Ψ.
 const PRIMITIVE_TERMS: usize = 7;
-/// Largest ρ, and steps per unit of ρ, at which the error of a series is known.
-const LARGEST_RHO: usize = 32;
+/// Largest ρ at which the kernel is felt at all: it has fallen below 1e-9.
+pub(super) const LARGEST_RHO: usize = 32;
+/// Steps per unit of ρ at which the error of a series is known.
 const ERROR_STEPS: usize = 4;
 
 /// One number for each derivative.

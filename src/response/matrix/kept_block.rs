@@ -1,7 +1,7 @@
 //! A block of a kernel on one mesh that grows with what is asked of it.
 //!
 //! A contact asks again and again about nearly the same vertices: for every group of nodes that grows and for every
-//! linearisation. Directions change in between, the kernel does not.
+//! linearization. Directions change in between, the kernel does not.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, MutexGuard};

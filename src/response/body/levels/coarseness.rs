@@ -8,8 +8,8 @@ use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
 /// Relative error of the force where the edges are as long as the tissue is thick; it falls with their square.
-/// With [`ERROR_PER_LOSS`] fitted to 40 balls of 5 to 20 mm all over a hand's palm and digits, of which they cover 36, and
-/// 37 of 40 on a hand that they were not fitted to (docs/responses.md).
+/// With [`ERROR_PER_LOSS`] fitted to 40 balls of 5 to 20 mm all over a hand's palm and digits; docs/responses.md has what
+/// they cover.
 const ERROR_AT_THICKNESS: f64 = 0.06;
 
 /// Relative error of the force per share of the depth that interpolation between the body's vertices loses there.

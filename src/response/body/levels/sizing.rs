@@ -73,7 +73,7 @@ fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
 /// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, the more so
 /// the farther away, then everywhere by one factor. At the nodes edges are the least share of the thickness that there are
 /// vertices for, and grow with its cube root where the tissue is deeper than is typical: balls on palm and fingertips of a
-/// hand erred less so than with the root or the fourth root (docs/responses.md). Returns whether it has too many.
+/// hand erred less so than with the root or the fourth root. Returns whether it has too many.
 ///
 /// * `thickness`: of the tissue (n, m)
 /// * `bends`: radius that the skin bends with (n, m)
