@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.models.bones import LENGTHS
 from shapes import ball
+from shared_meshes import hand_file
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 SCANNED = ("libhand_right_middle_1500", "webxr_right_middle_1500", "makehuman_female_right_middle_1500")
 TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 
@@ -22,10 +20,7 @@ def finger_named(name: str) -> qr.Surface:
         return qr.models.fingertip()
     if name == "finger":
         return qr.models.finger()
-    path = DATA / "hands" / f"{name}.ply"
-    if not path.is_file():
-        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
-    return qr.read_surface(path, unit="m")
+    return qr.read_surface(hand_file(name), unit="m")
 
 
 def bones_in(bone: qr.Surface) -> list[np.ndarray]:

@@ -152,7 +152,7 @@ def test_a_mesh_object_is_read_without_an_import_of_its_library() -> None:
 
 def test_a_data_frame_has_one_row_a_vertex_and_units_in_its_names(pressed: qr.Contact) -> None:
     pytest.importorskip("pandas")
-    frame = contact_dataframe(pressed)
+    frame = pressed.to_dataframe()
     names = ["x (m)", "y (m)", "z (m)", "pressure (Pa)", "node_force (N)", "force_x (N)", "force_y (N)"]
     names += ["force_z (N)", "gap (m)", "displacement_x (m)", "displacement_y (m)", "displacement_z (m)"]
     assert list(frame.columns) == [*names, "candidate", "active"]
@@ -164,8 +164,8 @@ def test_a_data_frame_has_one_row_a_vertex_and_units_in_its_names(pressed: qr.Co
 
 
 def test_a_mesh_of_pyvista_carries_every_vertex_array(pressed: qr.Contact) -> None:
-    pytest.importorskip("pyvista")
-    mesh = contact_pyvista(pressed)
+    pytest.importorskip("pyvista", reason="pyvista is not installed")
+    mesh = pressed.to_pyvista()
     assert np.array_equal(mesh.points, pressed.deformed.vertices)
     assert np.array_equal(mesh.faces.reshape(-1, 4)[:, 1:], pressed.deformed.faces)
     assert np.array_equal(mesh.point_data["force"], pressed.force_vectors)
@@ -175,7 +175,7 @@ def test_a_mesh_of_pyvista_carries_every_vertex_array(pressed: qr.Contact) -> No
 
 def test_a_mesh_of_trimesh_carries_every_vertex_array(pressed: qr.Contact) -> None:
     pytest.importorskip("trimesh")
-    mesh = contact_trimesh(pressed)
+    mesh = pressed.to_trimesh()
     assert np.array_equal(mesh.vertices, pressed.deformed.vertices)
     assert np.array_equal(mesh.faces, pressed.deformed.faces)
     assert np.array_equal(mesh.vertex_attributes["pressure"], pressed.pressure)
@@ -203,7 +203,7 @@ def test_the_libraries_are_called_with_plain_arrays(
     stand_ins = {"pandas": "DataFrame", "pyvista": "PolyData", "trimesh": "Trimesh"}
     for library, name in stand_ins.items():
         monkeypatch.setitem(sys.modules, library, SimpleNamespace(**{name: Recorder}))
-    frame, grid, mesh = contact_dataframe(pressed), contact_pyvista(pressed), contact_trimesh(pressed)
+    frame, grid, mesh = pressed.to_dataframe(), pressed.to_pyvista(), pressed.to_trimesh()
     assert frame.values[0]["z (m)"].shape == (len(pressed.pressure),)
     assert frame.values[0]["active"].dtype == bool
     assert np.array_equal(grid.values[1][:4], [3, *pressed.deformed.faces[0]])

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 import pickle
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +12,8 @@ import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
 from shapes import AS_GIVEN, ball, grid
+from shared_meshes import hand_file
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 PLATE = qr.Obstacle.half_space([0.0, 0.0, -0.05], [0.0, 0.0, 1.0])
 UP = [0.0, 0.0, 1.0]
@@ -130,10 +128,9 @@ def test_a_patch_that_straddles_two_parts_counts_in_both(fingertip: qr.Surface) 
     np.testing.assert_allclose(half, contact.patches[0].force, rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.skipif(not (DATA / "hands").is_dir(), reason=f"no meshes in {DATA} (set QUASIRIGID_DATA)")
 @pytest.mark.parametrize("options", OPTIONS)
 def test_parts_of_a_real_hand_sum_to_the_whole(options: str) -> None:
-    hand = qr.read_surface(DATA / "hands" / "libhand_right_13k.ply", unit="m")
+    hand = qr.read_surface(hand_file("libhand_right_13k"), unit="m")
     contact = qr.press(hand, PLATE, SKIN, UP, depth=2e-3, options=OPTIONS[options])
     along = np.digitize(hand.vertices[:, 1], np.quantile(hand.vertices[:, 1], np.linspace(0, 1, 21)))
     labels = 5 * along + np.digitize(hand.vertices[:, 0], np.quantile(hand.vertices[:, 0], [0.3, 0.5, 0.7]))

@@ -16,7 +16,6 @@ import pytest
 import quasirigid as qr
 from quasirigid.io import (
     compare_contacts,
-    contact_html,
     contact_record,
     contact_summary,
     patch_table,
@@ -385,7 +384,7 @@ def test_contacts_are_compared_column_by_column(pressed: qr.Contact, apart: qr.C
 
 
 def test_a_notebook_gets_the_summary_as_a_table(unsolved: qr.Contact) -> None:
-    text = contact_html(unsolved)
+    text = unsolved._repr_html_()
     rows = ElementTree.fromstring(f"<all>{text}</all>").findall(".//tr")
     assert [rows[0][0].text, rows[0][1].text] == ["status", str(unsolved.status)]
     assert len(rows) == len([line for line in contact_summary(unsolved).splitlines() if "  " in line])

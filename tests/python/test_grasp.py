@@ -2,9 +2,7 @@
 
 import copy
 import json
-import os
 import pickle
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,11 +13,11 @@ from quasirigid.hand import hold
 from quasirigid.hand.closing import Closing
 from quasirigid.hand.hold import Hold, Solved
 from quasirigid.hand.search import Search
+from shared_meshes import hand_file
 
 # Meshes as coarse as these leave penetration between their vertices, and say so.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 AS_GIVEN = qr.ContactOptions(target_error=None)
 FINGERS = ("index", "middle", "ring", "little")
 
@@ -104,10 +102,7 @@ def test_an_overlap_is_reached(hand, handle):
 
 @pytest.mark.parametrize("name", ["webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k"])
 def test_a_scanned_hand_holds_a_can_between_its_thumb_and_all_fingers(name):
-    path = DATA / "hands" / f"{name}.ply"
-    if not path.exists():
-        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
-    hand = qr.read_hand(path)
+    hand = qr.read_hand(hand_file(name))
     # Along z, longer than the largest of the hands is broad: a rim under a finger makes its force jump. The
     # ring finger of libhand, bent at rest, curls past cans of less than 75 mm.
     can = qr.Obstacle.cylinder(0.07, 0.04)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import math
-import os
 import struct
 from collections.abc import Callable, Sequence
 from fractions import Fraction
@@ -18,19 +17,12 @@ import quasirigid as qr
 from quasirigid.hand import DIGITS, JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
 from quasirigid.hand.frames import uniform_frames
 from quasirigid.hand.pose import bend_at_rest
+from shared_meshes import hand_file
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 RIGS = ("webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k")
 DENSE = ("webxr_right_53k", "libhand_right_53k", "makehuman_male_right_53k")
 GLB = ("webxr_generic_hand_left", "webxr_generic_hand_right")
 INDEX = "index-finger-phalanx-"
-
-
-def hand_file(name: str, ending: str = ".ply") -> Path:
-    path = DATA / "hands" / (name + ending)
-    if not path.exists():
-        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
-    return path
 
 
 @pytest.fixture(scope="module", params=RIGS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import struct
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,7 @@ import pytest
 import quasirigid as qr
 from quasirigid.errors import MeshFileError
 from quasirigid.io import UNITS, LengthUnit, write_mesh
-
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / ".." / "shared" / "data"))
+from shared_meshes import DATA, MISSING
 
 POINTS = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
@@ -324,7 +322,7 @@ def test_a_refused_surface_names_its_file(tmp_path: Path) -> None:
 def shared_files() -> list[Path]:
     files = sorted(path for path in DATA.glob("*/*") if path.suffix in (".ply", ".stl", ".obj"))
     if not files:
-        pytest.skip(f"no meshes at {DATA}; QUASIRIGID_DATA says where they are")
+        pytest.skip(MISSING)
     return files
 
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from shapes import AS_GIVEN
+from shared_meshes import hand_file
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 SHEAR_MODULUS = 60e3
 UP = np.array([0.0, 0.0, 1.0])
 TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
@@ -230,10 +228,7 @@ def test_parts_that_do_not_fit_are_refused(
 
 @pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
 def test_a_finger_cut_out_of_a_hand_presses_with_the_palm() -> None:
-    path = DATA / "hands" / "webxr_right_13k.ply"
-    if not path.is_file():
-        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
-    hand = qr.read_surface(path, unit="m")
+    hand = qr.read_surface(hand_file("webxr_right_13k"), unit="m")
     tip = int(np.argmax(hand.vertices[:, 1]))
     top = hand.vertices[tip]
     part = qr.cut_out(hand, tip=tip, point=top - [0, 0.042, 0], normal=[0, 1, 0])

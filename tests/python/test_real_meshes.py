@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
 from shapes import AS_GIVEN
+from shared_meshes import DATA, MISSING
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
-pytestmark = pytest.mark.skipif(
-    not (DATA / "hands").is_dir(), reason=f"no meshes in {DATA} (set QUASIRIGID_DATA)"
-)
+pytestmark = pytest.mark.skipif(not (DATA / "hands").is_dir(), reason=MISSING)
 
 FINGERS = ("libhand_right_middle_1500", "webxr_right_middle_1500", "makehuman_female_right_middle_1500")
 PRODUCTS = ("gen_phone_slab", "tbm_mug", "ycb_soup_can", "tbm_computer_mouse")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import pickle
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
 from shapes import AS_GIVEN, ball, grid
+from shared_meshes import hand_file
 
 # Scenes are coarse on purpose, and taken as they are; some are metres wide.
 pytestmark = [
@@ -19,7 +19,6 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::quasirigid.SizeWarning"),
 ]
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.5}
 SKIN = qr.Skin(**MATERIAL, response=qr.HalfSpace())
 PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
@@ -58,10 +57,7 @@ def fingertip_on_plate() -> tuple[qr.Surface, qr.Contact]:
 
 
 def hand_on_plate() -> tuple[qr.Surface, qr.Contact]:
-    path = DATA / "hands" / "libhand_right_13k.ply"
-    if not path.is_file():
-        pytest.skip(f"no meshes in {DATA} (set QUASIRIGID_DATA)")
-    hand = qr.read_surface(path, unit="m")
+    hand = qr.read_surface(hand_file("libhand_right_13k"), unit="m")
     return hand, qr.press(hand, PLATE, SKIN, UP, depth=1.5e-3)
 
 
