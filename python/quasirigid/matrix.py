@@ -154,7 +154,7 @@ def _distance_to(obstacle: Obstacle) -> Callable[[NDArray[np.float64]], NDArray[
 
 
 class NetVolume(NamedTuple):
-    """Volume under the displacement of a unit force: dents less bulges, and both added up (m^3/N)."""
+    """Volume under the displacement of a unit force: dents less bulges, and both added up (m³/N)."""
 
     net: float
     gross: float
@@ -178,7 +178,7 @@ def net_volume(surface: Surface, skin: Skin, node: int) -> NetVolume:
     Returns
     -------
     NetVolume
-        Net and gross volume (m^3/N).
+        Net and gross volume (m³/N).
 
     Raises
     ------

@@ -82,7 +82,7 @@ class Refinement(Frozen):
     force : (3,) float64
         Force on the skin (N).
     contact_area : float or None
-        Contact area (m^2); None of a linearization.
+        Contact area (m²); None of a linearization.
     max_pressure : float or None
         Largest pressure (Pa); None of a linearization.
     force_error, area_error : float or None

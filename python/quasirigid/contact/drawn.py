@@ -19,7 +19,7 @@ __all__ = ["Drawing", "DrawnObstacle", "DrawnSkin"]
 
 
 class DrawnSkin(NamedTuple):
-    """Displacement (n, 3) in m, where it has faded (m), volume change (m^3) and deformed skin."""
+    """Displacement (n, 3) in m, where it has faded (m), volume change (m³) and deformed skin."""
 
     displacement: NDArray[np.float64]
     fade_distance: float

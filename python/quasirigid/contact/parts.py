@@ -34,11 +34,11 @@ class Patch(Frozen):
     center_of_pressure : (3,) float64
         Mean of the deformed positions weighted by node force (m).
     contact_area : float
-        Its contact area (m^2), as in `Contact`.
+        Its contact area (m²), as in `Contact`.
     max_pressure : float
         Its largest pressure (Pa), as in `Contact`.
     mean_pressure : float
-        Its largest mean pressure over 1 cm^2 (Pa), as `Contact.mean_pressure` of its vertices alone.
+        Its largest mean pressure over 1 cm² (Pa), as `Contact.mean_pressure` of its vertices alone.
     """
 
     vertices: NDArray[np.int64]
@@ -67,11 +67,11 @@ class Part(Frozen):
     center_of_pressure : (3,) float64
         Mean of the deformed positions weighted by node force (m); nan without force.
     contact_area : float
-        Its share of the contact area (m^2).
+        Its share of the contact area (m²).
     max_pressure : float
         The largest pressure that one of its vertices stands for (Pa), as in `Contact`.
     mean_pressure : float
-        Its largest mean pressure over 1 cm^2 (Pa), as `Contact.mean_pressure` of its vertices alone.
+        Its largest mean pressure over 1 cm² (Pa), as `Contact.mean_pressure` of its vertices alone.
     patches : tuple of Patch
         The patches of the contact that reach it, each as far as it lies on this part.
     """
@@ -92,7 +92,7 @@ class Part(Frozen):
 def figures_text(part: Any) -> str:
     """Return force, area and peak of a contact, a patch or a part."""
     force = float((part.force @ part.force) ** 0.5)
-    return f"force {force:.4g} N, area {part.contact_area:.4g} m^2, peak {part.max_pressure:.4g} Pa"
+    return f"force {force:.4g} N, area {part.contact_area:.4g} m², peak {part.max_pressure:.4g} Pa"
 
 
 def patches_of(core: list[tuple[NDArray[np.int64], _core.Resultant]]) -> tuple[Patch, ...]:

@@ -68,7 +68,7 @@ class Contact(Frozen):
     center_of_pressure : (3,) float64
         Mean of the deformed positions weighted by node force (m); nan without force.
     contact_area : float
-        Area that carries force (m^2): in collocation on the mesh as given the sum of the vertex areas with
+        Area that carries force (m²): in collocation on the mesh as given the sum of the vertex areas with
         f > 0; on a refined mesh, and in Galerkin form on any, the area within the rim, which the gaps beside
         it and sharp edges of the product place between the vertices.
     max_pressure : float
@@ -162,7 +162,7 @@ class Contact(Frozen):
 
     @property
     def volume_change(self) -> float:
-        """Change of the volume in the skin to first order (m^3), ``sum S_i N_i . u_i`` without fade."""
+        """Change of the volume in the skin to first order (m³), ``sum S_i N_i . u_i`` without fade."""
         return self._drawing.skin().volume_change
 
     @property
@@ -190,7 +190,7 @@ class Contact(Frozen):
         Parameters
         ----------
         area : float
-            Of the disc (m^2), > 0; by custom 1 cm^2.
+            Of the disc (m²), > 0; by custom 1 cm².
 
         Returns
         -------

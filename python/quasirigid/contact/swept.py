@@ -80,7 +80,7 @@ class Sweep(Frozen):
     moment : (s, 3) float64
         Moment on the skin about the origin (N m).
     contact_area : (s,) float64
-        Contact area (m^2).
+        Contact area (m²).
     max_pressure : (s,) float64
         Largest pressure (Pa).
     force_error, area_error : (s,) float64

@@ -44,7 +44,7 @@ _REFINEMENT = {
 _PATCH = {
     name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
 } | {"mean_pressure": "Pa"}
-# Areas (m^2) of the discs over which the whole contact has its mean pressures.
+# Areas (m²) of the discs over which the whole contact has its mean pressures.
 MEAN_AREAS = (1e-4, 1e-6)
 
 

@@ -223,7 +223,7 @@ def _rows(contact: Contact) -> dict[str, str]:
 
 
 def _mean_pressure(contact: Contact, area: float) -> str:
-    """Return the largest mean pressure over an area (m^2), unless the cells of the mesh are larger."""
+    """Return the largest mean pressure over an area (m²), unless the cells of the mesh are larger."""
     if contact.contact_area > area * len(contact.active):
         return "not resolved: mesh too coarse"
     return f"{contact.mean_pressure(area) * KPA:.4g} kPa"

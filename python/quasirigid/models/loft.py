@@ -21,11 +21,11 @@ MOST_VERTICES = 2_000_000
 
 
 def check_vertex_count(area: float, edge_length: float, refusal: type[QuasirigidError]) -> None:
-    """Raise a `refusal` where a mesh of `area` (m^2) would have more vertices than can be meant."""
+    """Raise a `refusal` where a mesh of `area` (m²) would have more vertices than can be meant."""
     count = area / (ROW * edge_length**2)
     if not count <= MOST_VERTICES:
         raise refusal(
-            f"edge_length is {edge_length} m, which makes some {count:.1e} vertices of {area:.3g} m^2, "
+            f"edge_length is {edge_length} m, which makes some {count:.1e} vertices of {area:.3g} m², "
             f"expected at most {MOST_VERTICES:.0e}: raise it, or check that every length is in m"
         )
 

@@ -125,7 +125,7 @@ class Phalanx:
 
     @property
     def area(self) -> float:
-        """Area of the bone (m^2), about."""
+        """Area of the bone (m²), about."""
         stations = self.stations(60)
         angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
         rings = np.stack([self.outline(float(station), angles) for station in stations])

@@ -28,7 +28,7 @@ def sweep_figure(sweep: Sweep) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Depths in mm, forces in N, areas in mm^2; bars show the estimated errors.
+        Depths in mm, forces in N, areas in mm²; bars show the estimated errors.
 
     Raises
     ------

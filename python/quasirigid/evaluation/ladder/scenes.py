@@ -47,7 +47,7 @@ class Scene:
     extents : (2,) float
         Half axes of the contact (m), along x and y.
     true : tuple
-        Force (N), area (m^2) and peak pressure (Pa); None where there is none to compare with. Of a strip the
+        Force (N), area (m²) and peak pressure (Pa); None where there is none to compare with. Of a strip the
         first two are by its length (N/m, m).
     response : callable
         Of the discretization.
@@ -75,7 +75,7 @@ class Scene:
         return jittered(self, random, cells)
 
     def figures(self, contact: Contact) -> tuple[Figures, Figures]:
-        """Return force (N), area (m^2) and peak (Pa) of a contact, and what is true."""
+        """Return force (N), area (m²) and peak (Pa) of a contact, and what is true."""
         if self.measured is not None:
             return self.measured(contact)
         return (-float(contact.force[2]), contact.contact_area, contact.max_pressure), self.true
