@@ -104,6 +104,7 @@ def sweep(
 
     Examples
     --------
+    >>> import numpy as np
     >>> import quasirigid as qr
     >>> tip = qr.models.fingertip(edge_length=2e-3)
     >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())

@@ -50,6 +50,7 @@ def mesh_arrays(
     Examples
     --------
     >>> from types import SimpleNamespace
+    >>> from quasirigid.io import mesh_arrays
     >>> corner = SimpleNamespace(vertices=[[0, 0, 0], [20, 0, 0], [0, 10, 0]], faces=[[0, 1, 2]])
     >>> vertices, faces = mesh_arrays(corner, unit="mm")
     >>> vertices[1], faces
