@@ -118,7 +118,7 @@ def as_mask(name: str, value: Any, count: int | tuple[int, int], refusal: Refusa
     return mask
 
 
-def as_labels(name: str, value: Any, counts: tuple[int, int], refusal: Refusal) -> NDArray[Any]:
+def as_vertex_labels(name: str, value: Any, counts: tuple[int, int], refusal: Refusal) -> NDArray[Any]:
     """Return an integer or a word for each vertex, of the given mesh or of the one that was solved.
 
     Raises

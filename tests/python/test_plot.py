@@ -19,7 +19,7 @@ from quasirigid.errors import MissingExtraError
 from quasirigid.plot import section
 from quasirigid.plot.outline import contact_side
 from quasirigid.plot.raster import rasterise
-from quasirigid.plot.section import cut_lines, joined
+from quasirigid.plot.section import cut_lines, polylines
 from quasirigid.plot.style import new_figure, round_steps, scale_bar
 from quasirigid.plot.view import View
 from shapes import AS_GIVEN, ball
@@ -98,7 +98,7 @@ def test_the_rim_of_a_hertz_contact_is_found_between_the_vertices() -> None:
     )
     side = contact_side(vertices, faces, pressure, gap)
     assert np.array_equal(side > 0.0, inside)
-    crossing = joined(cut_lines(faces, side, vertices[:, :2]))
+    crossing = polylines(cut_lines(faces, side, vertices[:, :2]))
     radii = np.hypot(*crossing[~np.isnan(crossing[:, 0])].T)
     # Half-way points would stray by half a step or more; the fit stays within a fifth of it.
     assert np.abs(radii - radius).max() < 0.2 * step
@@ -106,7 +106,7 @@ def test_the_rim_of_a_hertz_contact_is_found_between_the_vertices() -> None:
 
 def test_a_cut_through_a_mesh_is_one_closed_line(pressed: qr.Contact) -> None:
     vertices, faces = pressed.deformed.vertices, pressed.deformed.faces
-    line = joined(cut_lines(faces, vertices[:, 0] - 1e-4, vertices[:, 1:]))
+    line = polylines(cut_lines(faces, vertices[:, 0] - 1e-4, vertices[:, 1:]))
     assert np.isnan(line[:, 0]).sum() == 1
     assert line[0] == pytest.approx(line[-2])
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import as_labels, as_mask
+from .._check import as_mask, as_vertex_labels
 from .._frozen import Frozen
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def parts_by_label(
     loaded: _core.LoadedVertices, labels: ArrayLike, counts: tuple[int, int], refusal: type[QuasirigidError]
 ) -> dict[int | str, Part]:
     """Return what the vertices of each label carry, as `part_of`."""
-    entries = as_labels("labels", labels, counts, refusal)
+    entries = as_vertex_labels("labels", labels, counts, refusal)
     names, group = np.unique(entries, return_inverse=True)
     return {name.item(): part_of(loaded, group == at, counts, refusal) for at, name in enumerate(names)}
 

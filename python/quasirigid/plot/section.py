@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .raster import Floats, Indices
     from .style import Window
 
-__all__ = ["cut_lines", "joined", "plot_section"]
+__all__ = ["cut_lines", "plot_section", "polylines"]
 
 
 def plot_section(
@@ -110,7 +110,7 @@ def _draw_product(ax: Axes, obstacle: Obstacle, center: Floats, view: View, wind
 
 
 def _draw_bone(ax: Axes, segments: Floats) -> None:
-    outlines = joined(segments)
+    outlines = polylines(segments)
     ends = np.flatnonzero(np.isnan(outlines[:, 0]))
     for first, last in zip([0, *(ends[:-1] + 1)], ends, strict=True):
         ax.fill(*outlines[first:last].T, color=BONE, zorder=2)
@@ -136,7 +136,7 @@ def _section_window(cut: Floats, center: Floats) -> Window:
 
 def _draw_cut(ax: Axes, segments: Floats, color: str, thickness: float, dashes: Any, name: str) -> None:
     # Joined by nan, so that dashes run on along the line and not anew in each triangle.
-    line = joined(segments)
+    line = polylines(segments)
     ax.plot(line[:, 0], line[:, 1], color=color, linewidth=thickness, linestyle=dashes, label=name, zorder=3)
 
 
@@ -172,7 +172,7 @@ def cut_lines(faces: Indices, offset: Floats, plane: Floats) -> Floats:
     return np.stack(ends, axis=1)
 
 
-def joined(segments: Floats) -> Floats:
+def polylines(segments: Floats) -> Floats:
     """Return segments (k, 2, 2) strung to lines (j, 2), nan between two lines.
 
     Ends are matched by their place, rounded to a millionth of the extent.

@@ -6,10 +6,10 @@ import numpy as np
 
 from ..loft import Floats
 
-__all__ = ["ellipsoid", "joined", "sheet", "superellipse"]
+__all__ = ["ellipsoid", "sheet", "smooth_union", "superellipse"]
 
 
-def joined(one: Floats, other: Floats, blend: float) -> Floats:
+def smooth_union(one: Floats, other: Floats, blend: float) -> Floats:
     """Return the union of two bodies, its groove filled where they differ by less than `blend` (m)."""
     overlap = np.maximum(blend - np.abs(one - other), 0.0)
     return np.minimum(one, other) - overlap**2 / (4.0 * blend)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..loft import Floats
 from .digits import DigitSkin
-from .field import ellipsoid, joined, sheet, superellipse
+from .field import ellipsoid, sheet, smooth_union, superellipse
 from .skeleton import REFERENCE_BREADTH, REFERENCE_LENGTH, Digit, Skeleton
 
 __all__ = ["HandShape"]
@@ -103,13 +103,13 @@ class HandShape:
         thumb, *fingers = (digit.distance(points) for digit in self.digits)
         hand = self.trunk(points)
         for middle, axes, radii, blend in self.bodies:
-            hand = joined(hand, ellipsoid(points, middle, axes, radii), blend * b)
-        hand = joined(hand, sheet(points, self.web, self.web_thickness), 12e-3 * b)
-        hand = joined(hand, thumb, 10e-3 * b)
+            hand = smooth_union(hand, ellipsoid(points, middle, axes, radii), blend * b)
+        hand = smooth_union(hand, sheet(points, self.web, self.web_thickness), 12e-3 * b)
+        hand = smooth_union(hand, thumb, 10e-3 * b)
         four = fingers[0]
         for finger in fingers[1:]:
-            four = joined(four, finger, 3.5e-3 * b)
-        whole: Floats = joined(hand, four, 7e-3 * b)
+            four = smooth_union(four, finger, 3.5e-3 * b)
+        whole: Floats = smooth_union(hand, four, 7e-3 * b)
         return whole
 
 
