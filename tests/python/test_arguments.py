@@ -171,6 +171,22 @@ def test_a_depth_of_a_sweep_is_no_boolean(depths: Any) -> None:
         qr.sweep(SURFACE, PLATE, SKIN, [0, 0, -1], depths=depths)
 
 
+@pytest.mark.parametrize(
+    ("response", "message"),
+    [
+        (
+            "half-space",
+            "response is 'half-space', expected one of HalfSpace, GaussianCorrected, Layer",
+        ),
+        (qr.HalfSpace, r"response is the class HalfSpace, call it: `HalfSpace\(\)`"),
+        (np.eye(3), "response is .*, as in response=qr.HalfSpace"),
+    ],
+)
+def test_what_is_no_response_says_how_to_make_one(response: Any, message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
+
+
 @pytest.mark.parametrize("value", [1e200, 1e61, 1e-61, 0.0, -1.0, np.inf])
 @pytest.mark.parametrize(
     "response", [qr.HalfSpace(), qr.Body(fixed=SURFACE.vertices[:, 2] > 8e-3)], ids=["kernel", "body"]

@@ -88,8 +88,8 @@ class Sweep(Frozen):
     seconds : (s,) float64
         Wall time (s).
     status : tuple of str
-        Each a `ContactStatus`, "not_reached" (a force out of reach), or "refused" where nothing could be
-        solved.
+        Each the word of a `ContactStatus`, "not_reached" (a force out of reach), or "refused" where nothing
+        could be solved.
     messages : tuple of str
         Why a step has no figures, and what to try; "" where it has.
     warnings : tuple of tuple of (category, message)

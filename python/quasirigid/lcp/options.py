@@ -82,16 +82,18 @@ class LcpOptions:
     crash: bool = DEFAULTS["crash"]
     known_p_matrix: bool = False
 
-    def to_core(self) -> _core.LcpOptions:
-        given = self.initial_active
-        guess = None if given is None else as_integers("initial_active", given, LcpError)
-        return _core.LcpOptions(
-            max_pivots=as_integer_or_none("max_pivots", self.max_pivots, LcpError),
-            pivot_tol=as_float("pivot_tol", self.pivot_tol),
-            tolerance=as_float("tolerance", self.tolerance),
-            initial_active=guess,
-            covering=self.covering,
-            definiteness=as_choice("definiteness", self.definiteness, _Examination, LcpError),
-            crash=as_boolean("crash", self.crash),
-            known_p_matrix=as_boolean("known_p_matrix", self.known_p_matrix),
-        )
+
+def options_to_core(options: LcpOptions) -> _core.LcpOptions:
+    """Return the core's options; refuse by name what is of another kind."""
+    given = options.initial_active
+    guess = None if given is None else as_integers("initial_active", given, LcpError)
+    return _core.LcpOptions(
+        max_pivots=as_integer_or_none("max_pivots", options.max_pivots, LcpError),
+        pivot_tol=as_float("pivot_tol", options.pivot_tol),
+        tolerance=as_float("tolerance", options.tolerance),
+        initial_active=guess,
+        covering=options.covering,
+        definiteness=as_choice("definiteness", options.definiteness, _Examination, LcpError),
+        crash=as_boolean("crash", options.crash),
+        known_p_matrix=as_boolean("known_p_matrix", options.known_p_matrix),
+    )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from .. import _core
 from .._check import as_choice, short
 from .error import LcpError
-from .options import DEFAULTS, LcpMethod, LcpOptions
+from .options import DEFAULTS, LcpMethod, LcpOptions, options_to_core
 from .solution import LcpStatus, solution_from_core
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .solution import LcpSolution
 
 
-_DEFAULT_OPTIONS = LcpOptions().to_core()
+_DEFAULT_OPTIONS = options_to_core(LcpOptions())
 
 # Options that only some methods know: Lemke's, with which "auto" and block pivoting may end.
 _KNOWN_BY = {
@@ -39,7 +39,7 @@ def _core_options(options: LcpOptions | None, method: LcpMethod) -> _core.LcpOpt
         if method not in methods and not is_default:
             known = ", ".join(methods)
             raise LcpError(f"option `{name}` is not known by method {str(method)!r}, only by {known}")
-    return options.to_core()
+    return options_to_core(options)
 
 
 def solve_lcp(

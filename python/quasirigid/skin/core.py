@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from .. import _core
-from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, as_nodes
+from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, as_nodes, short
 from ..errors import CutWarning, ResponseError
 from ..scene import as_surface
 from .progress import Progress, stage_reporter
@@ -41,7 +41,11 @@ def build_kernel(material: Material, response: Response) -> _core.Skin | None:
         case Body() | GivenMatrix():
             _core.Skin.half_space(*material, "linear", None)  # checks the material
             return None
-    raise TypeError(f"response is {response!r}, expected one of {Response}")
+    kinds = get_args(Response)
+    if isinstance(response, type) and response in kinds:
+        raise TypeError(f"response is the class {response.__name__}, call it: `{response.__name__}()`")
+    names = ", ".join(kind.__name__ for kind in kinds)
+    raise TypeError(f"response is {short(response)}, expected one of {names}, as in response=qr.HalfSpace()")
 
 
 def build_prepared(

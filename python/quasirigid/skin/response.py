@@ -303,3 +303,4 @@ class GivenMatrix(_Response):
 
 
 Response = HalfSpace | GaussianCorrected | Layer | Body | GivenMatrix
+"""What `Skin.response` may be: displacement of the surface per unit force (m/N)."""
