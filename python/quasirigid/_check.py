@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 import sys
 from enum import StrEnum
+from os import PathLike
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 Refusal = type[QuasirigidError]
 _Choice = TypeVar("_Choice", bound=StrEnum)
+_Kind = TypeVar("_Kind")
 
 
 def as_number(name: str, value: Any, refusal: Refusal, least: float = 0.0, most: float = np.inf) -> float:
@@ -266,6 +268,24 @@ def as_choice(name: str, value: Any, kind: type[_Choice], refusal: Refusal) -> _
     except ValueError:
         known = ", ".join(f'"{member}"' for member in kind)
         raise refusal(f"{name} is {value!r}, expected one of {known}") from None
+
+
+def as_kind(name: str, value: Any, kind: type[_Kind], remedy: str) -> _Kind:
+    """Return a value of a class; a TypeError of any other, with what makes one."""
+    if isinstance(value, kind):
+        return value
+    raise TypeError(f"{name} is {kind_of(value)}, expected {_with_article(kind.__name__)}: {remedy}")
+
+
+def kind_of(value: Any) -> str:
+    """Return what a value is in words: a path, or its class."""
+    if isinstance(value, (str, PathLike)):
+        return f"the path {short(str(value))}"
+    return _with_article(type(value).__name__)
+
+
+def _with_article(name: str) -> str:
+    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
 
 
 def short(value: Any) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from os import PathLike
 from typing import Any
 
-from ._check import short
+from ._check import kind_of
 from ._core import Obstacle, Surface
 
 __all__ = ["as_obstacle", "as_surface", "check_scene"]
@@ -25,7 +25,7 @@ def as_surface(name: str, value: Any) -> Surface:
         remedy = "a product goes in the place of the obstacle"
     else:
         remedy = _remedy(value, "qr.read_surface", "qr.Surface.from_mesh", "qr.Surface(vertices, faces)")
-    raise TypeError(f"{name} is {_kind(value)}, expected a Surface: {remedy}")
+    raise TypeError(f"{name} is {kind_of(value)}, expected a Surface: {remedy}")
 
 
 def as_obstacle(name: str, value: Any) -> Obstacle:
@@ -37,7 +37,7 @@ def as_obstacle(name: str, value: Any) -> Obstacle:
     else:
         arrays = "qr.Obstacle.mesh(vertices, faces)"
         remedy = _remedy(value, "qr.read_obstacle", "qr.Obstacle.from_mesh", arrays)
-    raise TypeError(f"{name} is {_kind(value)}, expected an Obstacle: {remedy}")
+    raise TypeError(f"{name} is {kind_of(value)}, expected an Obstacle: {remedy}")
 
 
 def check_scene(surface: Any, obstacle: Any) -> None:
@@ -46,13 +46,6 @@ def check_scene(surface: Any, obstacle: Any) -> None:
         raise TypeError("surface is an Obstacle and obstacle a Surface: swap them, the skin comes first")
     as_surface("surface", surface)
     as_obstacle("obstacle", obstacle)
-
-
-def _kind(value: Any) -> str:
-    if isinstance(value, (str, PathLike)):
-        return f"the path {short(str(value))}"
-    name = type(value).__name__
-    return f"{'an' if name[0] in 'AEIOUaeiou' else 'a'} {name}"
 
 
 def _remedy(value: Any, read: str, convert: str, make: str) -> str:

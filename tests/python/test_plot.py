@@ -265,6 +265,34 @@ def test_a_scale_bar_fits_into_any_picture_and_leaves_its_limits(size: float) ->
         (lambda c: c.plot(bone=c.obstacle), TypeError, "bone is an Obstacle, expected a Surface"),
         (lambda c: View.along(UP, UP), qr.ContactError, "up is .*, along the sight"),
         (lambda c: View.along([0, 0, 0], UP), qr.ContactError, "sight is .*, expected a direction"),
+        (
+            lambda c: View(right=[1, 0, 0], up=[0, 0, 0], toward=[0, 0, 1]),
+            qr.ContactError,
+            r"right \[1, 0, 0\], up \[0, 0, 0\].*expected unit vectors",
+        ),
+        # Seen in a mirror.
+        (lambda c: View(right=[-1, 0, 0], up=[0, 1, 0], toward=[0, 0, 1]), qr.ContactError, "right x up"),
+        *(
+            (
+                lambda c, draw=draw: draw(c.surface),
+                TypeError,
+                "contact is a Surface, expected a Contact",
+            )
+            for draw in (
+                plot.plot_footprint,
+                plot.plot_section,
+                plot.plot_skin,
+                plot.pad_view,
+                plot.contact_figure,
+                plot.footprint_figure,
+            )
+        ),
+        (lambda c: plot.plot_footprint(c, ax="x"), TypeError, "ax is the path 'x', expected an Axes"),
+        (lambda c: plot.plot_skin(c, view=[0, 0, 1]), TypeError, "view is a list, expected a View"),
+        (lambda c: plot.comparison_figure({"a": 1}), TypeError, r"contacts\['a'\] is an int"),
+        (lambda c: plot.sweep_figure(c), TypeError, "sweep is a Contact, expected a Sweep"),
+        (lambda c: plot.grasp_figure(c), TypeError, "grasp is a Contact, expected a Grasp"),
+        (lambda c: plot.hand_figure(c), TypeError, r"hand is a Contact, expected a PosedHand: hand\.posed"),
         (lambda c: c.save("nowhere", inputs=[1]), TypeError, "inputs is a list, expected a mapping"),
     ],
 )

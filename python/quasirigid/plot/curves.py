@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._check import as_kind
 from .._units import MM
+from ..contact.swept import Sweep
 from .style import AFTER, BEFORE, INK, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from ..contact.swept import Sweep
 
 __all__ = ["sweep_figure"]
 
@@ -35,6 +35,7 @@ def sweep_figure(sweep: Sweep) -> Figure:
     MissingExtraError
         If matplotlib is not installed.
     """
+    as_kind("sweep", sweep, Sweep, "qr.sweep returns one")
     figure = new_figure((9.0, 4.0))
     curves = (
         ("force (N)", sweep.normal_force, sweep.force_error, AFTER),

@@ -13,7 +13,7 @@ from .footprint import plot_footprint
 from .section import plot_section
 from .skin import plot_skin
 from .style import INK, color_bar, new_figure, pressure_colors
-from .view import View, pad_view
+from .view import View, as_contact, view_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,7 +54,7 @@ def contact_figure(contact: Contact, *, bone: Surface | None = None, view: View 
         If matplotlib is not installed.
     """
     figure = new_figure((11.0, 6.0))
-    view = pad_view(contact) if view is None else view
+    view = view_of(contact, view)
     axes = figure.subplot_mosaic(
         [["before", "after", "cut"], ["before", "after", "footprint"]],
         width_ratios=[1.0, 1.0, 1.15],
@@ -107,12 +107,14 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     Raises
     ------
     ContactError
-        If there is no contact; a TypeError if `contacts` is no mapping.
+        If there is no contact; a TypeError if `contacts` is no mapping of contacts.
     """
     if not isinstance(contacts, Mapping):
         raise TypeError(f"contacts is a {type(contacts).__name__}, expected a mapping of names to contacts")
     if not contacts:
         raise ContactError("contacts is empty, expected at least one")
+    for name, contact in contacts.items():
+        as_contact(f"contacts[{name!r}]", contact)
     figure = new_figure((5.2 * len(contacts) + 0.8, 5.4))
     axes = figure.subplots(1, len(contacts), squeeze=False, sharex=True, sharey=True)[0]
     top = max(float(np.nan_to_num(contact.pressure).max()) for contact in contacts.values()) * KPA

@@ -11,7 +11,7 @@ from .._units import KPA, MM
 from ..contact.result import ContactError
 from .outline import contact_side
 from .style import FAINT, INK, axes_or_new, color_bar, pressure_colors, round_steps
-from .view import View, pad_view
+from .view import View, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,7 +61,7 @@ def plot_footprint(
     from matplotlib.tri import Triangulation
 
     top = None if top is None else as_number("top", top, ContactError)
-    view = pad_view(contact) if view is None else view
+    view = view_of(contact, view)
     ax = _plane_axes(axes_or_new(ax, (6.4, 5.4)))
     pressure = np.nan_to_num(contact.pressure) * KPA
     if not pressure.max() > 0.0:

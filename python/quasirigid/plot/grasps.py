@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._check import as_kind
 from .._units import KPA, MM
+from ..hand import Grasp
 from .outline import contact_side
 from .shading import SKIN, lit_skin
 from .style import PRODUCT, color_bar, new_figure, pressure_colors, scale_bar, window_around
@@ -15,7 +17,6 @@ from .view import View
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..hand import Grasp
     from .raster import Floats
 
 __all__ = ["grasp_figure"]
@@ -46,6 +47,7 @@ def grasp_figure(grasp: Grasp) -> Figure:
     Figure
         The deformed hand with its pressure (kPa).
     """
+    as_kind("grasp", grasp, Grasp, "close_hand returns one")
     contact, palm = grasp.contact, np.array(grasp.posed.palm)
     vertices, faces = contact.deformed.vertices, contact.deformed.faces
     pressure = np.nan_to_num(contact.pressure)

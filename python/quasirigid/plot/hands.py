@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._check import as_kind
 from ..errors import HandError
+from ..hand import PosedHand
 from .shading import lit_skin
 from .style import new_figure, pressure_colors
 from .view import View
@@ -18,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from ..hand import PosedHand
     from .raster import Floats
 
 __all__ = ["hand_figure"]
@@ -51,10 +52,11 @@ def hand_figure(
     Raises
     ------
     HandError
-        If there is no such view.
+        If there is no such view; a TypeError if `hand` is not posed.
     MissingExtraError
         If matplotlib is not installed.
     """
+    as_kind("hand", hand, PosedHand, "hand.posed(pose) makes one of a Hand")
     unknown = [view for view in views if view not in _SIGHTS]
     if unknown:
         raise HandError(f"views holds {unknown[0]!r}, expected some of {', '.join(_SIGHTS)}")

@@ -9,7 +9,7 @@ import numpy as np
 from .._units import MM
 from ..scene import as_surface
 from .style import AFTER, BEFORE, BONE, INK, PRODUCT, PRODUCT_EDGE, axes_or_new, scale_bar
-from .view import View, pad_view
+from .view import View, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +54,7 @@ def plot_section(
     """
     if bone is not None:
         as_surface("bone", bone)
-    view = pad_view(contact) if view is None else view
+    view = view_of(contact, view)
     ax = axes_or_new(ax, (4.4, 6.0))
     before, after = contact.surface.vertices, contact.deformed.vertices
     center = _center(contact)

@@ -13,7 +13,7 @@ from ..contact.result import ContactError
 from .outline import contact_side
 from .shading import lit_skin
 from .style import axes_or_new, color_bar, overlap_colors, pressure_colors, scale_bar, window_around
-from .view import View, pad_view
+from .view import View, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,7 +65,7 @@ def plot_skin(
     pixels = as_integer("pixels", pixels, ContactError)
     if pixels == 0:
         raise ContactError("pixels is 0, expected an integer of at least 1")
-    view = pad_view(contact) if view is None else view
+    view = view_of(contact, view)
     ax = axes_or_new(ax, (4.4, 6.0))
     faces = contact.surface.faces
     if shown is _Shown.PRESSURE:

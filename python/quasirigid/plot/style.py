@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from .._check import as_kind
 from .._extras import need_matplotlib
 from .raster import Floats
 
@@ -37,8 +38,13 @@ def new_figure(size: tuple[float, float]) -> Figure:
 
 
 def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
-    """Return the given axes, or those of a new figure."""
-    return new_figure(size).subplots() if ax is None else ax
+    """Return the given axes, or those of a new figure; a TypeError of what is neither."""
+    if ax is None:
+        return new_figure(size).subplots()
+    need_matplotlib()
+    from matplotlib.axes import Axes
+
+    return as_kind("ax", ax, Axes, "plt.subplots() makes a figure and one")
 
 
 def pressure_colors() -> Colormap:

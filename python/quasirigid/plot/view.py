@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
-from .._check import as_direction, short
-from ..contact.result import ContactError
+from .._check import as_direction, as_kind, as_vector, short
+from ..contact.result import Contact, ContactError
 from .raster import Floats
-
-if TYPE_CHECKING:
-    from ..contact.result import Contact
 
 __all__ = ["View", "pad_view"]
 
+_SQUARE = 1e-6  # largest dot product of two directions that are square, of unit vectors
 _OPPOSED = 0.5  # resultant over the sum of the forces, below which patches push against each other
 
 
@@ -34,6 +32,16 @@ class View:
     right: Floats
     up: Floats
     toward: Floats
+
+    def __post_init__(self) -> None:
+        """Refuse what is no right-handed set of unit vectors."""
+        names = ("right", "up", "toward")
+        axes = np.array([as_vector(name, getattr(self, name), ContactError) for name in names])
+        if not np.allclose(axes @ axes.T, np.eye(3), rtol=0.0, atol=_SQUARE) or np.linalg.det(axes) < 0.0:
+            found = ", ".join(f"{name} {short(getattr(self, name))}" for name in names)
+            raise ContactError(
+                f"{found}: expected unit vectors with right x up = toward; View.along makes them"
+            )
 
     @classmethod
     def along(cls, sight: Floats, up: Floats) -> View:
@@ -57,6 +65,25 @@ class View:
         return points @ np.stack([self.right, self.up, self.toward], axis=1)
 
 
+def view_of(contact: Contact, view: View | None) -> View:
+    """Return the view of a contact, `pad_view` where none is given.
+
+    Raises
+    ------
+    TypeError
+        If one of them is something else.
+    """
+    as_contact("contact", contact)
+    if view is None:
+        return pad_view(contact)
+    return as_kind("view", view, View, "View.along(sight, up) makes one")
+
+
+def as_contact(name: str, value: Any) -> Contact:
+    """Return the contact; a TypeError of what is none."""
+    return as_kind(name, value, Contact, "press and solve_contact return one")
+
+
 def pad_view(contact: Contact) -> View:
     """Return the view from the product onto the skin: along the force, the skin's long axis upwards.
 
@@ -72,7 +99,7 @@ def pad_view(contact: Contact) -> View:
     View
         An axis of the scene, where force or long axis come close to one.
     """
-    force = contact.force
+    force = as_contact("contact", contact).force
     if np.linalg.norm(force) < _OPPOSED * np.linalg.norm(contact.force_vectors, axis=1).sum():
         force = max((patch.force for patch in contact.patches), key=np.linalg.norm)
     pressed = np.isfinite(force).all() and np.any(force)
