@@ -247,8 +247,9 @@ TRUNCATED += np.array(POINTS, dtype="<f4").tobytes() + struct.pack("<B3i", 3, 0,
         ("short.obj", obj_text() + "v 1 2\n", "expected 3 coordinates"),
         ("inf.obj", obj_text() + "v 1 2 inf\n", r"vertex 4 is at \(1.0, 2.0, inf\)"),
         ("curved.obj", obj_text() + "surf 0 1 0 1 1 2 3 4\n", "free-form"),
-        ("empty.obj", "", "no faces"),
-        ("mesh.off", "OFF", "expected .ply, .stl or .obj"),
+        ("empty.obj", "", "neither vertices nor faces: is it a mesh"),
+        ("mesh.off", "OFF", "the ending is '.off', expected .ply, .stl or .obj"),
+        ("mesh", "OFF", "has no ending, expected .ply, .stl or .obj"),
     ],
 )
 def test_a_broken_file_is_refused_with_its_defect(
@@ -293,6 +294,41 @@ def test_a_damaged_file_is_read_or_refused_but_never_worse(tmp_path: Path, name:
 def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(MeshFileError, match=r"nowhere\.ply: No such file"):
         qr.read_mesh(tmp_path / "nowhere.ply", unit="m")
+
+
+def test_a_folder_is_no_mesh_file(tmp_path: Path) -> None:
+    (tmp_path / "mesh.ply").mkdir()
+    for folder in (tmp_path, tmp_path / "mesh.ply"):
+        with pytest.raises(MeshFileError, match=f"{folder}: is a folder, expected a .ply, .stl or .obj file"):
+            qr.read_mesh(folder, unit="m")
+
+
+FAR = [[0, 1, 2], [0, 1, 9], [-1, 0, 1]]
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "message"),
+    [
+        (
+            np.full((4, 3), np.nan),
+            FACES,
+            r"mesh\.stl: vertex 0 is at \(nan, nan, nan\), 4 such vertices in all",
+        ),
+        (POINTS, FAR, r"mesh\.stl: face 1 refers to vertex 9, but there are 4 vertices, 2 such faces"),
+        (POINTS, [[0.0, 1.0, 2.0]], r"has faces of float64 and shape \(1, 3\), expected whole numbers"),
+        (POINTS, [0, 1, 2], r"has faces of int64 and shape \(3,\), expected whole numbers \(m, 3\)"),
+        (POINTS, [], "has faces of float64"),
+        (POINTS, np.empty((0, 3), dtype=int), "has 4 vertices but no faces"),
+        (np.zeros((4, 2)), FACES, r"vertices is an array of shape \(4, 2\), expected numbers \(n, 3\)"),
+        ("mesh.ply", POINTS, r"vertices is 'mesh\.ply', expected .*: write_mesh\(vertices, faces, path, "),
+    ],
+)
+def test_what_could_not_be_read_again_is_not_written(
+    tmp_path: Path, vertices: Any, faces: Any, message: str
+) -> None:
+    with pytest.raises(MeshFileError, match=message):
+        write_mesh(vertices, faces, tmp_path / "mesh.stl", unit="mm")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("unit", UNITS)
@@ -373,7 +409,7 @@ def test_real_stl_and_obj_files_have_the_listed_sizes(shared_files: list[Path]) 
         ("finger_nan.ply", "vertex 397 is at .*nan.*3 such vertices"),
         (
             "finger_index_out_of_range.ply",
-            "face 335 refers to vertex 1508, but the file has 1496.*5 such faces",
+            "face 335 refers to vertex 1508, but there are 1496.*5 such faces",
         ),
         ("trimesh_notenoughindices.obj", "line 9 .*2 corners"),
     ],

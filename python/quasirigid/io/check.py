@@ -1,9 +1,10 @@
-"""What the readers share: lines, checks of the values, fans, and the welding of equal points."""
+"""What readers and writers share: lines, checks of the values, fans, and the welding of equal points."""
 
 from __future__ import annotations
 
 import codecs
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,10 @@ Indices = NDArray[np.int64]
 
 def check_values(vertices: Floats, faces: Indices, name: str) -> None:
     """Raise `MeshFileError` where a coordinate is not finite or a face names a vertex that is not there."""
+    if len(vertices) == 0 and len(faces) == 0:
+        raise MeshFileError(f"{name}: has neither vertices nor faces: is it a mesh?")
     if len(faces) == 0:
-        raise MeshFileError(f"{name}: has {len(vertices)} vertices but no faces")
+        raise MeshFileError(f"{name}: has {len(vertices)} vertices but no faces, expected triangles")
     wrong = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
     if len(wrong):
         x, y, z = vertices[wrong[0]]
@@ -29,9 +32,17 @@ def check_values(vertices: Floats, faces: Indices, name: str) -> None:
         corners = faces[wrong[0]]
         vertex = corners[(corners < 0) | (corners >= len(vertices))][0]
         raise MeshFileError(
-            f"{name}: face {wrong[0]} refers to vertex {vertex}, but the file has {len(vertices)} vertices,"
+            f"{name}: face {wrong[0]} refers to vertex {vertex}, but there are {len(vertices)} vertices,"
             f" {_how_many(len(wrong), 'faces')}"
         )
+
+
+def triangle_rows(faces: Any) -> Indices:
+    """Return triangles (m, 3); a ValueError of what has no three whole numbers a row."""
+    rows = np.asarray(faces)
+    if rows.ndim != 2 or rows.shape[1] != 3 or rows.dtype.kind not in "iu":
+        raise ValueError(f"has faces of {rows.dtype} and shape {rows.shape}, expected whole numbers (m, 3)")
+    return rows.astype(np.int64)
 
 
 def _how_many(count: int, what: str) -> str:

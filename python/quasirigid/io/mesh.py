@@ -8,6 +8,7 @@ import numpy as np
 
 from .._units import LengthUnit, metres_in
 from ..errors import QuasirigidError, SurfaceError
+from .check import triangle_rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,9 +69,9 @@ def mesh_arrays(
 def _attributes(mesh: Any) -> tuple[Any, NDArray[np.int64]]:
     has = {name for name in ("vertices", "faces", "triangles", "points", "cells") if hasattr(mesh, name)}
     if {"vertices", "faces"} <= has:
-        return mesh.vertices, _rows(mesh.faces)
+        return mesh.vertices, triangle_rows(mesh.faces)
     if {"vertices", "triangles"} <= has:
-        return mesh.vertices, _rows(mesh.triangles)
+        return mesh.vertices, triangle_rows(mesh.triangles)
     if {"points", "cells"} <= has and all(hasattr(block, "type") for block in mesh.cells):
         return mesh.points, _blocks(mesh.cells)
     if {"points", "faces"} <= has:
@@ -82,18 +83,11 @@ def _attributes(mesh: Any) -> tuple[Any, NDArray[np.int64]]:
     )
 
 
-def _rows(faces: Any) -> NDArray[np.int64]:
-    rows = np.asarray(faces)
-    if rows.ndim != 2 or rows.shape[1] != 3 or rows.dtype.kind not in "iu":
-        raise ValueError(f"has faces of {rows.dtype} and shape {rows.shape}, expected whole numbers (m, 3)")
-    return rows.astype(np.int64)
-
-
 def _blocks(cells: Any) -> NDArray[np.int64]:
     for block in cells:
         if block.type != "triangle" and block.type not in _WITHOUT_AREA:
             raise ValueError(f"has {len(block.data)} cells of type '{block.type}', expected triangles alone")
-    triangles = [_rows(block.data) for block in cells if block.type == "triangle"]
+    triangles = [triangle_rows(block.data) for block in cells if block.type == "triangle"]
     if not triangles:
         raise ValueError("has no cells of type 'triangle'")
     return np.concatenate(triangles)
@@ -105,7 +99,7 @@ def _counted(mesh: Any) -> NDArray[np.int64]:
         raise ValueError(f"has {mesh.n_strips} triangle strips, expected triangles: call `triangulate()`")
     flat = np.asarray(mesh.faces)
     if flat.ndim != 1:
-        return _rows(flat)
+        return triangle_rows(flat)
     # Every fourth number, which is right up to the first face that is no triangle.
     corners = flat[::4]
     wrong = np.flatnonzero(corners != 3)
@@ -114,4 +108,4 @@ def _counted(mesh: Any) -> NDArray[np.int64]:
         raise ValueError(
             f"has a face {number} with {corners[number]} corners, expected triangles: call `triangulate()`"
         )
-    return _rows(flat.reshape(-1, 4)[:, 1:])
+    return triangle_rows(flat.reshape(-1, 4)[:, 1:])

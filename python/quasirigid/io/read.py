@@ -130,9 +130,12 @@ def read_obstacle(path: str | PathLike[str], *, unit: LengthUnit, check_crossing
 
 def _read_file(path: Path) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) in the file's own unit and faces (m, 3), checked to be finite and in range."""
+    if path.is_dir():
+        raise MeshFileError(f"{path}: is a folder, expected a .ply, .stl or .obj file")
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
-        raise MeshFileError(f"{path}: the ending is '{path.suffix}', expected .ply, .stl or .obj")
+        found = f"the ending is '{path.suffix}'" if path.suffix else "has no ending"
+        raise MeshFileError(f"{path}: {found}, expected .ply, .stl or .obj")
     try:
         data = path.read_bytes()
     except OSError as error:

@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import short
 from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
 from .atomic import atomic_write
+from .check import Floats, Indices, check_values, triangle_rows
 from .frame import vertex_data
 from .ply import ply_bytes
 from .record import contact_record, inputs_record
@@ -175,10 +177,12 @@ def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str],
     Raises
     ------
     MeshFileError
-        If the path ends in something else, or the unit is not known.
+        If a coordinate is no finite number, a face names a missing vertex, one of the arrays has another
+        shape, the path ends in something else, or the unit is not known.
     """
-    points = np.asarray(vertices, dtype=np.float64) / metres_in(unit, MeshFileError)
-    corners = np.asarray(faces, dtype=np.int64)
+    scale = metres_in(unit, MeshFileError)
+    points, corners = _checked(vertices, faces, str(path))
+    points /= scale
     match Path(path).suffix.lower():
         case ".ply":
             content = _plain_ply(points, corners, unit)
@@ -188,6 +192,24 @@ def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str],
             raise MeshFileError(f"{path}: the ending is '{ending}', expected .ply or .stl")
     with atomic_write(path) as file:
         file.write(content)
+
+
+def _checked(vertices: Any, faces: Any, name: str) -> tuple[Floats, Indices]:
+    """Return the arrays of a mesh, copied; a MeshFileError of what could not be read again."""
+    try:
+        points = np.array(vertices, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        points = np.empty(0)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise MeshFileError(
+            f"vertices is {short(vertices)}, expected numbers (n, 3): write_mesh(vertices, faces, path, ...)"
+        )
+    try:
+        corners = triangle_rows(faces)
+    except ValueError as error:
+        raise MeshFileError(f"{name}: {error}") from None
+    check_values(points, corners, name)
+    return points, corners
 
 
 def _plain_ply(points: Any, faces: Any, unit: LengthUnit) -> bytes:
