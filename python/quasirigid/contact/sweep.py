@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
@@ -11,6 +10,7 @@ import numpy as np
 
 from .. import _core
 from .._check import as_choice, as_direction, short
+from .._progress import print_progress, reporter
 from ..errors import QuasirigidError, ResponseError
 from ..scene import check_scene
 from ..skin import Body, Skin
@@ -134,7 +134,7 @@ def sweep(
         start=as_choice("start", start, Start, ContactError),
         options=options,
     )
-    report = _reporter(progress)
+    report = reporter(progress, _print_step)
     rows, warm = _Rows(len(values)), _core.WarmStart()
     for step in range(len(values)):
         rows.solve(question, step, warm)
@@ -232,19 +232,5 @@ def _values(name: str, values: ArrayLike | None, *, zero: bool) -> NDArray[np.fl
     return row
 
 
-def _reporter(progress: SweepProgress | bool | None) -> SweepProgress | None:
-    if progress is None or progress is False:
-        return None
-    if progress is not True and not callable(progress):
-        raise TypeError(f"progress is {progress!r}, expected a function, True, False or None")
-    return _print_line if progress is True else progress
-
-
-def _print_line(done: int, total: int) -> None:
-    text = f"{done} of {total} presses"
-    if sys.stderr.isatty():
-        # One line for all.
-        sys.stderr.write("\r" + text + ("\n" if done == total else ""))
-    else:
-        sys.stderr.write(text + "\n")
-    sys.stderr.flush()
+def _print_step(done: int, total: int) -> None:
+    print_progress(f"{done} of {total} presses", is_last=done == total)

@@ -6,7 +6,7 @@
 
 from .extremes.run import stress as stress
 from .ladder.run import accuracy as accuracy
-from .progress import TableProgress as TableProgress
 from .table import Table as Table
+from .table import TableProgress as TableProgress
 
 __all__ = ["Table", "TableProgress", "accuracy", "stress"]

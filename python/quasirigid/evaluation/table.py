@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -12,14 +13,16 @@ from typing import Any
 from .. import _core
 from .._extras import import_extra
 from .._frozen import Frozen
+from .._progress import print_progress, reporter
 from ..errors import MissingExtraError
 from ..io.atomic import atomic_write
 from ..io.record import as_plain
 from .page import page_of, summary_of
 
-__all__ = ["Row", "Table"]
+__all__ = ["Row", "Table", "TableProgress", "table_reporter"]
 
 Row = dict[str, Any]
+TableProgress = Callable[[str, int, int], object]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -128,3 +131,12 @@ class Table(Frozen):
         """Return the counts on one line."""
         off = sum(not row["ok"] for row in self._rows)
         return f"Table({self.name}: {len(self._rows)} rows, {off or 'none'} off)"
+
+
+def table_reporter(progress: TableProgress | bool | None) -> TableProgress:
+    """Return the function to call after each case: the caller's, one that prints for True, or none."""
+    return reporter(progress, _print_case) or (lambda name, done, total: None)
+
+
+def _print_case(name: str, done: int, total: int) -> None:
+    print_progress(f"{done} of {total}: {name}"[:100], is_last=done == total)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
+from .._progress import print_progress, reporter
+
 __all__ = ["Progress", "as_progress", "stage_reporter"]
 
 Progress = Callable[[str, float], object]
@@ -14,11 +16,7 @@ _STEP = 0.05  # A stage is reported again when it is further by this share.
 
 def as_progress(progress: Progress | bool | None) -> Progress | None:
     """Return the function to call: the caller's, one that prints to stderr for True, or None."""
-    if progress is None or progress is False:
-        return None
-    if progress is not True and not callable(progress):
-        raise TypeError(f"progress is {progress!r}, expected a function, True, False or None")
-    return _print_line if progress is True else progress
+    return reporter(progress, _print_stage)
 
 
 def stage_reporter(progress: Progress | None) -> Callable[[str, float], None] | None:
@@ -37,12 +35,8 @@ def stage_reporter(progress: Progress | None) -> Callable[[str, float], None] | 
     return report
 
 
-def _print_line(what: str, done: float) -> None:
+def _print_stage(what: str, done: float) -> None:
     text = what if done == 0.0 else f"{what}: {done:.0%}"
-    if sys.stderr.isatty():
-        # The stages share one line.
-        last = done == 0.0 or (what == "solution" and done >= 1.0)
-        sys.stderr.write("\r" + text.ljust(24) + ("\n" if last else ""))
-    elif done == 0.0 or done >= 1.0:
-        sys.stderr.write(text + "\n")
-    sys.stderr.flush()
+    # The stages share one line of a terminal; elsewhere only their ends are told.
+    if sys.stderr.isatty() or done == 0.0 or done >= 1.0:
+        print_progress(text, is_last=done == 0.0 or (what == "solution" and done >= 1.0))

@@ -10,8 +10,7 @@ from typing import Any
 
 from ...errors import QuasirigidWarning
 from ..memo import forget
-from ..progress import TableProgress, table_reporter
-from ..table import Table
+from ..table import Table, TableProgress, table_reporter
 from .alone import row_of_alone
 from .case import Case, row_of
 from .endings import ending_cases

@@ -7,8 +7,7 @@ from typing import Any
 
 from ...errors import QuasirigidWarning
 from ..memo import forget
-from ..progress import TableProgress, table_reporter
-from ..table import Table
+from ..table import Table, TableProgress, table_reporter
 from .bodies import body_tasks
 from .estimates import estimate_tasks
 from .kernels import kernel_tasks, solver_tasks
