@@ -501,8 +501,10 @@ def test_info_names_the_defect_of_an_open_product(
     printed = capsys.readouterr().out
     assert "size (mm)" in printed
     assert "9 x 9 x 0" in printed
-    assert "as product" in printed
-    assert "no: " in printed
+    with pytest.raises(qr.ObstacleError) as refusal:
+        qr.Obstacle.mesh(*qr.read_mesh("open.obj", unit="mm"))
+    assert f"{'as product':23}no: {refusal.value}" in printed.splitlines()
+    assert all(line == line.rstrip() for line in printed.splitlines())
 
 
 @pytest.mark.parametrize("library", ["typer", "rich"])

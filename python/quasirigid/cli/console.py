@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console, RenderableType
+from rich.console import Console
 
 __all__ = [
     "ContactTalk",
@@ -21,7 +21,6 @@ __all__ = [
     "print_all_letters",
     "progress",
     "refuse",
-    "render",
     "say",
     "show_warning",
 ]
@@ -101,16 +100,6 @@ def close_stdout() -> None:
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)
-
-
-def render(table: RenderableType) -> str:
-    """Return what rich draws; wide where stdout is no terminal, so that no line is cut."""
-    terminal = Console(highlight=False)
-    if not terminal.is_terminal:
-        terminal = Console(highlight=False, width=160)
-    with terminal.capture() as drawn:
-        terminal.print(table)
-    return drawn.get().rstrip("\n")
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:

@@ -9,16 +9,16 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 import typer
-from rich.table import Table
 
 import quasirigid as qr
 
 from .. import _core
+from .._text import aligned
 from .._units import MM
 from ..errors import QuasirigidError
 from ..io import write_mesh
 from .arguments import file_unit
-from .console import Talk, progress, refuse, render, say
+from .console import Talk, progress, refuse, say
 from .folder import check_file
 from .quantities import LENGTH, parse_quantity
 from .scene import UNIT_NAMES
@@ -118,10 +118,8 @@ def _record(vertices: Any, faces: Any, *, check_crossings: bool) -> dict[str, An
 
 def record_table(title: str, record: dict[str, Any]) -> str:
     """Return a record as a table of two columns."""
-    table = Table(title=title, title_justify="left", show_header=False, box=None, pad_edge=False)
-    for name, value in record.items():
-        table.add_row(name, _shown(name, value))
-    return render(table)
+    shown = {name: _shown(name, value) for name, value in record.items()}
+    return "\n".join([title, *aligned([list(shown), list(shown.values())], left=True)])
 
 
 def _shown(name: str, value: Any) -> str:

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._extras import need_matplotlib
+from .._text import aligned
 from .._units import KPA, MM
 from ..hand.crossings import in_words
 from .atomic import atomic_write
 from .record import as_plain, inputs_record
-from .summary import aligned
 from .write import save_contact, save_pictures
 
 if TYPE_CHECKING:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._text import aligned, as_percent
 from .._units import KPA, MM
 
 if TYPE_CHECKING:
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from ..contact.swept import Sweep
 
 __all__ = [
-    "aligned",
     "compare_contacts",
     "contact_html",
     "contact_summary",
@@ -155,15 +155,6 @@ def patch_table(contact: Contact) -> str:
     return "\n".join(aligned(columns))
 
 
-def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
-    """Return the lines of a table: the first column to the left, the others to the right."""
-    widths = [max(map(len, column)) for column in columns]
-    return [
-        "  ".join([first.ljust(widths[0]), *map(str.rjust, cells, widths[1:])]).rstrip()
-        for first, *cells in zip(*columns, strict=True)
-    ]
-
-
 def contact_html(contact: Contact) -> str:
     """Return the figures of a contact as an HTML table, for notebooks.
 
@@ -254,10 +245,8 @@ def _estimated(error: float | None, infinite: str) -> str:
 
 
 def _percent(error: float | None) -> str:
-    """Return a relative error in percent, one digit below ten of them; a dash where there is none."""
-    if error is None:
-        return "-"
-    return f"{100.0 * error:.0f} %" if error >= 0.095 else f"{100.0 * error:.1g} %"
+    """Return an estimated error, of one figure."""
+    return as_percent(error, figures=1)
 
 
 def _vector(values: ArrayLike, scale: float) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..text import as_time, markdown, plain
+from ..._text import aligned
+from ..text import as_time, markdown
 
 __all__ = ["stress_page", "stress_summary"]
 
@@ -29,7 +30,8 @@ def stress_page(rows: Sequence[Row]) -> str:
 
 def stress_summary(rows: Sequence[Row]) -> str:
     """Return the lines for a terminal."""
-    return plain(_HEAD, [[_short(cell) for cell in _line(row)] for row in rows]) + "\n" + _verdict(rows)
+    lines = [[_short(cell) for cell in _line(row)] for row in rows]
+    return "\n".join([*aligned(list(zip(_HEAD, *lines, strict=True)), left=True), _verdict(rows)])
 
 
 def _verdict(rows: Sequence[Row]) -> str:

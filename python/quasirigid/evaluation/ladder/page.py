@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..text import as_error, as_time, markdown, plain
+from ..._text import aligned
+from ..text import as_error, as_time, markdown
 from .kernels import SOLVERS
 
 __all__ = ["accuracy_page", "accuracy_summary"]
@@ -88,7 +89,8 @@ def accuracy_summary(rows: Sequence[Row]) -> str:
     """Return the lines for a terminal."""
     measured = [row for row in rows if row["scene"] != "estimates"]
     names = ("scene", "response", "mesh", "fine", "nodes", *_ERRORS, "estimate", "time")
-    lines = [plain(*_columns(measured, names))]
+    head, cells = _columns(measured, names)
+    lines = aligned(list(zip(head, *cells, strict=True)), left=True)
     off = [row for row in rows if not row["ok"]]
     if any(row["knee"] for row in rows):
         lines.append("* the knee: beyond it a smaller error costs more")
