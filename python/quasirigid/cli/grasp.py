@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -32,64 +33,79 @@ from .quantities import (
 )
 from .scene import GOAL_UNITS, ProductFile, ProductUnit, TargetError
 
-__all__ = ["GRASP_EXAMPLE", "grasp"]
+__all__ = ["GRASP_EXAMPLE", "GraspWords", "grasp"]
 
 GRASP_EXAMPLE = (
     "quasirigid grasp built-in demo-output/bottle.stl --product-unit mm --force 20N --out grasp-output"
 )
 
 
-def grasp(
-    hand: HandFile,
-    product: ProductFile,
-    talk: ContactTalk,
+@dataclass(frozen=True, kw_only=True)
+class GraspWords:
+    """Which hand closes on what, and how, as it is asked for."""
+
+    hand: HandFile
+    product: ProductFile
     force: Annotated[
         str | None,
         typer.Option(
             help="What the digits hold: 20N is their sum, half of it the thumb's; or thumb=8N,index=4N, where"
             " digits that are not named stay at the start."
         ),
-    ] = None,
+    ] = None
     overlap: Annotated[
         str | None,
         typer.Option(help="In place of a force, how deep each digit goes, likewise, as in 2mm or index=2mm."),
-    ] = None,
-    rig: Rig = None,
-    unit: HandUnit = "m",
-    product_unit: ProductUnit = None,
-    start: PoseWord = "relaxed",
-    end: PoseWord = "fist",
+    ] = None
+    rig: Rig = None
+    unit: HandUnit = "m"
+    product_unit: ProductUnit = None
+    start: PoseWord = "relaxed"
+    end: PoseWord = "fist"
     rotate: Annotated[
         str,
         typer.Option(
             help="Turns of the product about x, y, z: across the palm, distal, out of it; then it comes down."
         ),
-    ] = "0,0,0deg",
+    ] = "0,0,0deg"
     shift: Annotated[
         str,
         typer.Option(
             help="Shift of the product from the palm's center along x and y, as in 0,10,0mm, and along z from"
             " where it touches."
         ),
-    ] = "0,0,0mm",
+    ] = "0,0,0mm"
     as_placed: Annotated[
         bool, typer.Option("--as-placed", help="Leave hand and product where their files have them.")
-    ] = False,
-    product_mass: Annotated[
-        str | None, typer.Option(help="As in 0.3kg: what is out of balance is told.")
-    ] = None,
-    shear_modulus: Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")] = "60kPa",
-    poisson_ratio: Annotated[float, typer.Option(help="Of the skin, 0 to 0.5.")] = 0.495,
+    ] = False
+    product_mass: Annotated[str | None, typer.Option(help="As in 0.3kg: what is out of balance is told.")] = (
+        None
+    )
+    shear_modulus: Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")] = "60kPa"
+    poisson_ratio: Annotated[float, typer.Option(help="Of the skin, 0 to 0.5.")] = 0.495
     response: Annotated[
         str,
         typer.Option(
             help="half-space; body: the hand's own bones, seconds to minutes; or a kernel of press."
         ),
-    ] = "half-space",
-    target_error: TargetError = "0.05",
-    pictures: Annotated[bool, typer.Option(help="Draw grasp.png, skin.png and footprint.png.")] = True,
-    out: OutFolder = None,
-) -> int:
+    ] = "half-space"
+    target_error: TargetError = "0.05"
+    pictures: Annotated[bool, typer.Option(help="Draw grasp.png, skin.png and footprint.png.")] = True
+    out: OutFolder = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Asked:
+    """Which hand closes on what, and how: arguments of `close_hand`, and the inputs for the record."""
+
+    hand: qr.Hand
+    obstacle: qr.Obstacle
+    skin: qr.Skin
+    more: Mapping[str, Any]
+    inputs: Mapping[str, Any]
+
+
+def grasp(words: GraspWords, talk: ContactTalk) -> int:
     """Close a hand on a product until its digits hold it, and write what happens.
 
     Takes one of --force and --overlap.
@@ -97,60 +113,67 @@ def grasp(
     Writes what `press` writes, grasp.json, hand.glb and grasp.png.
     Exit status 0: every digit holds; 1: one does not, or the solver ended otherwise; 2: bad input.
     """
-    check_folder(out)
-    goal = _goal(force, overlap)
-    options = qr.ContactOptions(target_error=parse_target_error(target_error), max_nodes=MOST_NODES)
-    modulus = parse_quantity(shear_modulus, STRESS, "--shear-modulus")
-    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=poisson_ratio, response=parse_response(response))
-    angles = parse_quantities(rotate, 3, ANGLE, "--rotate")
-    way = parse_quantities(shift, 3, LENGTH, "--shift")
-    if as_placed and any([*angles, *way]):
-        raise QuantityError(
-            "--rotate and --shift are of a product in the palm: leave out --as-placed, or them"
-        )
-    mass = None if product_mass is None else parse_positive(product_mass, MASS, "--product-mass")
-    poses = {"start": read_pose_word(start), "end": read_pose_word(end)}
-    if out is not None and pictures:
-        need_matplotlib()
-    in_unit = file_unit(product_unit or unit, "--product-unit")
-    with progress(f"reading {hand} and {product}"):
-        known = read_rigged(hand, rig, unit)
-        obstacle = qr.read_obstacle(product, unit=in_unit)
-    if not as_placed:
-        obstacle = _in_palm(obstacle, known.posed(poses["start"]).palm, rotation(angles), way)
+    asked = _read(words)
     with progress("closing the hand"):
-        held = qr.close_hand(
-            known, obstacle, skin, **goal, **poses, product_mass=mass, options=options, throw=False
-        )
-    inputs = {
-        "hand": hand,
-        "rig": None if rig is None else str(rig),
-        "unit": unit,
-        "product": str(product),
-        "product_unit": in_unit,
-        "rotate": {"value": angles, "unit": "rad"},
-        "shift": {"value": way, "unit": "m"},
-        "as_placed": as_placed,
-        "product_mass": None if mass is None else {"value": mass, "unit": "kg"},
-        **{name: {"value": value, "unit": GOAL_UNITS[name]} for name, value in goal.items()},
-        "start": start,
-        "end": end,
-        "shear_modulus": {"value": modulus, "unit": "Pa"},
-        "poisson_ratio": {"value": poisson_ratio, "unit": "1"},
-        "response": response,
-        "target_error": {"value": options.target_error, "unit": "1"},
-        "quasirigid": qr.__version__,
-    }
+        held = qr.close_hand(asked.hand, asked.obstacle, asked.skin, **asked.more, throw=False)
     files: tuple[Path, ...] = ()
-    if out is not None:
-        with progress(f"writing {out}"):
-            files = held.save(out, inputs=inputs, pictures=pictures)
-    text = f"{digit_table(held)}\n{compare_contacts({product.stem: held.contact}, verbose=talk.verbose)}"
-    record = grasp_record(held) | {"contact": contact_record(held.contact), "inputs": as_plain(inputs)}
+    if words.out is not None:
+        with progress(f"writing {words.out}"):
+            files = held.save(words.out, inputs=asked.inputs, pictures=words.pictures)
+    contacts = {words.product.stem: held.contact}
+    text = f"{digit_table(held)}\n{compare_contacts(contacts, verbose=talk.verbose)}"
+    record = grasp_record(held) | {"contact": contact_record(held.contact), "inputs": as_plain(asked.inputs)}
     talk.tell(text + ("\nwrote " + ", ".join(map(str, files)) if files else ""), record)
     if held.contact.status not in ("solved", "no_contact"):
         return refuse(f"the contact did not end solved: {held.contact.advice}", status=1)
     return 1 if held.missed else 0
+
+
+def _read(words: GraspWords) -> _Asked:
+    """Return what is asked for; all words are checked before a file is read."""
+    check_folder(words.out)
+    goal = _goal(words.force, words.overlap)
+    options = qr.ContactOptions(target_error=parse_target_error(words.target_error), max_nodes=MOST_NODES)
+    modulus = parse_quantity(words.shear_modulus, STRESS, "--shear-modulus")
+    response = parse_response(words.response)
+    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=words.poisson_ratio, response=response)
+    angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
+    way = parse_quantities(words.shift, 3, LENGTH, "--shift")
+    if words.as_placed and any([*angles, *way]):
+        raise QuantityError(
+            "--rotate and --shift are of a product in the palm: leave out --as-placed, or them"
+        )
+    mass = None if words.product_mass is None else parse_positive(words.product_mass, MASS, "--product-mass")
+    poses = {"start": read_pose_word(words.start), "end": read_pose_word(words.end)}
+    if words.out is not None and words.pictures:
+        need_matplotlib()
+    in_unit = file_unit(words.product_unit or words.unit, "--product-unit")
+    with progress(f"reading {words.hand} and {words.product}"):
+        hand = read_rigged(words.hand, words.rig, words.unit)
+        obstacle = qr.read_obstacle(words.product, unit=in_unit)
+    if not words.as_placed:
+        obstacle = _in_palm(obstacle, hand.posed(poses["start"]).palm, rotation(angles), way)
+    inputs = {
+        "hand": words.hand,
+        "rig": None if words.rig is None else str(words.rig),
+        "unit": words.unit,
+        "product": str(words.product),
+        "product_unit": in_unit,
+        "rotate": {"value": angles, "unit": "rad"},
+        "shift": {"value": way, "unit": "m"},
+        "as_placed": words.as_placed,
+        "product_mass": None if mass is None else {"value": mass, "unit": "kg"},
+        **{name: {"value": value, "unit": GOAL_UNITS[name]} for name, value in goal.items()},
+        "start": words.start,
+        "end": words.end,
+        "shear_modulus": {"value": modulus, "unit": "Pa"},
+        "poisson_ratio": {"value": words.poisson_ratio, "unit": "1"},
+        "response": words.response,
+        "target_error": {"value": options.target_error, "unit": "1"},
+        "quasirigid": qr.__version__,
+    }
+    more = {**goal, **poses, "product_mass": mass, "options": options}
+    return _Asked(hand=hand, obstacle=obstacle, skin=skin, more=more, inputs=inputs)
 
 
 def _in_palm(
