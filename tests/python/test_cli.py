@@ -400,10 +400,10 @@ BAD_INPUT = {
         {"response": "body", "bone": "none", "fixed": "none"},
         "nothing holds the body",
     ),
-    "a missing bone": ({"response": "body", "bone": "nowhere.ply"}, "nowhere.ply"),
+    "a missing bone": ({"response": "body", "bone": "nowhere.ply"}, "--bone: there is no file nowhere.ply"),
     "an unknown hold": ({"response": "body", "fixed": "nails"}, "--fixed: 'nails' is not known"),
     "an unknown mask": ({"skin_mask": "nails"}, "--skin-mask: 'nails' is not known"),
-    "a missing mask file": ({"skin_mask": "nowhere.npy"}, "--skin-mask: nowhere.npy"),
+    "a missing mask file": ({"skin_mask": "nowhere.npy"}, "--skin-mask: there is no file nowhere.npy"),
     "no target": ({"target_error": "fine"}, "--target-error: 'fine' is not a plain number"),
     "a target of nothing": ({"target_error": "0"}, "--target-error: 0 is not between 0 and 1"),
     "a target beyond all": ({"target_error": "2"}, "--target-error: 2 is not between 0 and 1"),
@@ -447,7 +447,8 @@ def test_a_mask_file_that_holds_no_array_is_one_line(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["info", "nowhere.ply", "--unit", "m"], "nowhere.ply: No such file"),
+        (["info", "nowhere.ply", "--unit", "m"], "MESH: there is no file nowhere.ply"),
+        (["info", "demo-output", "--unit", "m"], "MESH: demo-output is a folder, expected a file"),
         (["info", "demo-output/fingertip.ply"], "Missing option '--unit'"),
         (["levitate"], "No such command 'levitate'"),
         (["demo", "--loud"], "--loud"),

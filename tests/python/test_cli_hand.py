@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.cli import run
+from quasirigid.io.grasps import GRASP_FILES
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +72,6 @@ def test_a_faulty_pose_file_is_one_line(
         (lambda data: data[:-100], "it ends after"),
         (lambda data: data.replace(b'"skins"', b'"other"'), "it has 0 skins"),
         (lambda data: data.replace(b'"wrist"', b'"waist"'), "it has no joint 'wrist'"),
-        (None, "No such file or directory"),
     ],
 )
 def test_a_faulty_hand_file_is_one_line(
@@ -80,17 +80,60 @@ def test_a_faulty_hand_file_is_one_line(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     command: str,
-    change: Callable[[bytes], bytes] | None,
+    change: Callable[[bytes], bytes],
     message: str,
 ) -> None:
     file = tmp_path / "hand.glb"
-    if change is not None:
-        file.write_bytes(change(saved.read_bytes()))
+    file.write_bytes(change(saved.read_bytes()))
     words = [] if command == "hand" else [str(bottle), "--product-unit", "mm", "--force", "5N"]
     assert run([command, str(file), *words]) == 2
     error = capsys.readouterr().err.splitlines()[-1]
     assert error.startswith(f"error: {file}: ")
     assert message in error
+
+
+@pytest.mark.parametrize(
+    ("words", "argument"),
+    [
+        (["hand", "no.glb"], "HAND"),
+        (["hand", "built-in", "--pose", "no.json"], "--pose"),
+        (["grasp", "no.glb", "bottle.stl"], "HAND"),
+        (["grasp", "built-in", "no.stl"], "PRODUCT"),
+        (["grasp", "hand.glb", "bottle.stl", "--rig", "no.npz"], "--rig"),
+        (["grasp", "hand.glb", "bottle.stl", "--end", "no.json"], "--end"),
+    ],
+)
+def test_a_missing_file_is_told_by_its_argument(
+    saved: Path, bottle: Path, capsys: pytest.CaptureFixture[str], words: list[str], argument: str
+) -> None:
+    files = {"hand.glb": str(saved), "bottle.stl": str(bottle)}
+    assert run([files.get(word, word) for word in words]) == 2
+    (missing,) = (word for word in words if word.startswith("no."))
+    assert capsys.readouterr().err == f"error: {argument}: there is no file {missing}\n"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["hand", "out/hand.glb", "--pose", "fist"],
+        ["grasp", "out/hand.glb", "bottle.stl", "--force", "5N"],
+        ["grasp", "built-in", "out/product.ply", "--force", "5N"],
+        ["grasp", "built-in", "out/deformed.ply", "--force", "5N"],
+    ],
+)
+def test_a_hand_or_product_is_not_replaced_by_a_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("out").mkdir()
+    Path("bottle.stl").write_bytes(b"mine")
+    (file,) = (word for word in words if word.startswith("out/"))
+    Path(file).write_bytes(b"mine")
+    assert run([*words, "--out", "out"]) == 2
+    argument = "PRODUCT" if words[1] == "built-in" else "HAND"
+    told = f"error: --out: {file} is read as {argument} and would be replaced: name another folder\n"
+    assert capsys.readouterr().err == told
+    assert Path(file).read_bytes() == b"mine"
 
 
 @pytest.mark.parametrize("command", ["hand", "grasp"])
@@ -186,7 +229,7 @@ def test_a_hand_grasps_with_the_force_asked_for(
     assert inputs["force"] == {"value": {"index": 2.0, "ring": 1.0}, "unit": "N"}
     assert (inputs["unit"], inputs["product_unit"], inputs["as_placed"]) == ("m", "mm", False)
     assert inputs["shift"] == {"value": [0.0, 0.0, 0.0], "unit": "m"}
-    assert (out / "contact.json").exists()
+    assert "contact.json" in {file.name for file in out.iterdir()} <= {*GRASP_FILES}
     # Far above the palm nothing is met: status 1, and the table says why.
     assert run([*words, "--force", "5N", "--shift", "0,0,300mm"]) == 1
     assert "does not meet the product" in capsys.readouterr().out

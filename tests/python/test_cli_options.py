@@ -19,6 +19,7 @@ pytest.importorskip("rich")
 import quasirigid as qr
 from quasirigid.cli import run
 from quasirigid.cli.quantities import LENGTH, parse_quantity
+from quasirigid.io.write import CONTACT_FILES
 from shapes import ball
 
 # Scenes are coarse on purpose, and taken as they are.
@@ -99,6 +100,72 @@ def test_without_a_folder_nothing_is_written(folder: Path, capsys: pytest.Captur
     assert run(words("press", "--depth", "1mm")) == 0
     assert "wrote" not in capsys.readouterr().out
     assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("changes", "argument", "replaced"),
+    [
+        ({"tip.ply": "out/deformed.ply"}, "SKIN", "out/deformed.ply"),
+        ({"handle.stl": "out/product.ply"}, "PRODUCT", "out/product.ply"),
+        # By another way to the same file.
+        ({"tip.ply": "out/../out/deformed.ply"}, "SKIN", "out/deformed.ply"),
+        ({"--bone": "out/product.ply"}, "--bone", "out/product.ply"),
+        # Before it is there.
+        ({"--prepared": "out/contact.npz"}, "--prepared", "out/contact.npz"),
+        ({"--prepared": "tip.ply"}, "SKIN", "tip.ply"),
+    ],
+)
+def test_a_press_does_not_replace_what_it_reads(
+    changes: dict[str, str], argument: str, replaced: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "out").mkdir()
+    for name in ("deformed.ply", "product.ply"):
+        shutil.copy("tip.ply", f"out/{name}")
+    before = {file: file.read_bytes() for file in folder.rglob("*.*")}
+    given = [changes.get(word, word) for word in words("press", "--depth", "1mm", "--out", "out")]
+    options = [word for name in changes if name.startswith("--") for word in (name, changes[name])]
+    assert run([*given, "--response", "body", *options]) == 2
+    option, kind = ("--prepared", "file") if replaced == "tip.ply" else ("--out", "folder")
+    told = f"error: {option}: {replaced} is read as {argument} and would be replaced: name another {kind}\n"
+    assert capsys.readouterr().err == told
+    assert {file: file.read_bytes() for file in folder.rglob("*.*")} == before
+
+
+def test_a_repaired_mesh_does_not_replace_the_broken_one(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (folder / "tip.ply").read_bytes()
+    assert run(["repair", "tip.ply", "--unit", "m", "--out", str(folder / "tip.ply")]) == 2
+    assert "tip.ply is read as MESH and would be replaced: name another file" in capsys.readouterr().err
+    assert (folder / "tip.ply").read_bytes() == before
+
+
+def test_the_files_that_are_looked_after_are_those_that_are_written(folder: Path) -> None:
+    pytest.importorskip("matplotlib")
+    # Twice: results may replace older ones.
+    for _ in range(2):
+        assert run(words("press", "--depth", "1mm", "--out", "out")) == 0
+    written = {file.name for file in (folder / "out").iterdir()}
+    assert written == {*CONTACT_FILES} - {"deformed_product.ply"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "argument"),
+    [
+        ({"tip.ply": "no.ply"}, "SKIN"),
+        ({"handle.stl": "no.stl"}, "PRODUCT"),
+        ({"--bone": "no.ply"}, "--bone"),
+        ({"--fixed": "no.npy"}, "--fixed"),
+        ({"--skin-mask": "no.npy"}, "--skin-mask"),
+    ],
+)
+def test_a_missing_file_is_told_by_its_argument(
+    changes: dict[str, str], argument: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [changes.get(word, word) for word in words("press", "--depth", "1mm")]
+    options = [word for name in changes if name.startswith("--") for word in (name, changes[name])]
+    assert run([*given, "--response", "body", *options]) == 2
+    assert capsys.readouterr().err == f"error: {argument}: there is no file {next(iter(changes.values()))}\n"
 
 
 def test_quiet_keeps_progress_and_warnings_back(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,6 +20,7 @@ from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_numbers, parse_
 __all__ = [
     "choice",
     "file_unit",
+    "mask_file",
     "on_skin",
     "parse_response",
     "parse_target_error",
@@ -100,7 +101,7 @@ def with_skin_mask(surface: Surface, text: str) -> Surface:
     """Return the surface with the mask that `caps`, `none` or the name of a NumPy file stands for."""
     if text == "none":
         return surface
-    mask = skin_without_caps(surface) if text == "caps" else _mask_file(surface, text, "--skin-mask")
+    mask = skin_without_caps(surface) if text == "caps" else _read_mask(surface, text, "--skin-mask")
     return surface.with_skin_mask(mask)
 
 
@@ -118,18 +119,24 @@ def on_skin(body: Body, surface: Surface, bone: str, fixed: str, unit: LengthUni
             # A skin without a cut is held by its bone alone; without either the body itself says so.
             held = None
     elif fixed != "none":
-        held = _mask_file(surface, fixed, "--fixed")
+        held = _read_mask(surface, fixed, "--fixed")
     return replace(body, bone=bones, fixed=held)
 
 
-def _mask_file(surface: Surface, text: str, option: str) -> NDArray[np.bool_]:
+def mask_file(text: str | None) -> Path | None:
+    """Return the NumPy file that a mask is read from; None of a word that stands for one."""
+    return Path(text) if text is not None and text.endswith(".npy") else None
+
+
+def _read_mask(surface: Surface, text: str, option: str) -> NDArray[np.bool_]:
     """Return (n,) bool from a NumPy file."""
-    if not text.endswith(".npy"):
+    file = mask_file(text)
+    if file is None:
         raise QuantityError(
             f"{option}: '{text}' is not known, expected caps, none or a file that ends in .npy"
         )
     try:
-        with Path(text).open("rb") as stream:
+        with file.open("rb") as stream:
             mask = np.lib.format.read_array(stream, allow_pickle=False)
     except Exception as error:  # damaged headers raise many kinds
         raise QuantityError(f"{option}: {text} is no NumPy array: {error}") from None

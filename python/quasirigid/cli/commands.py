@@ -14,6 +14,7 @@ import quasirigid as qr
 from .._extras import need_matplotlib
 from ..errors import QuasirigidError
 from ..io import as_plain, compare_contacts, contact_record, patch_table, refinement_table, save_contact
+from ..io.write import CONTACT_FILES
 from .arguments import parse_target_error
 from .completion import COMPLETION_EXAMPLE, completion
 from .console import ContactTalk, close_stdout, print_all_letters, progress, refuse, say, show_warning
@@ -111,7 +112,10 @@ def _program(
 
 def demo(
     talk: ContactTalk,
-    out: Annotated[Path, typer.Option(help="Folder for meshes, results and pictures.")] = Path("demo-output"),
+    out: Annotated[
+        Path,
+        typer.Option(help="Folder for meshes, results and pictures; files of the same names are replaced."),
+    ] = Path("demo-output"),
     quick: Annotated[
         bool, typer.Option("--quick", help="Coarse meshes and one grasp: done in a moment.")
     ] = False,
@@ -157,7 +161,7 @@ def press(
     goal = parse_goal(depth, force, overlap)
     if pictures and scene.out is not None:
         need_matplotlib()
-    read = read_scene(scene)
+    read = read_scene(scene, CONTACT_FILES)
     skin = prepared_skin(read, goal, talk)
     asked: dict[str, Any] = {**read.motion, **goal}
     unreached = None

@@ -20,9 +20,13 @@ STRESS_EXAMPLE = "quasirigid stress --quick --out stress-output"
 
 _AccuracyOut = Annotated[
     Path | None,
-    typer.Option(help="Folder for accuracy.md, accuracy.json and, with matplotlib, accuracy.png."),
+    typer.Option(
+        help="Folder for accuracy.md, accuracy.json and, with matplotlib, accuracy.png; these are replaced."
+    ),
 ]
-_StressOut = Annotated[Path | None, typer.Option(help="Folder for stress.md and stress.json.")]
+_StressOut = Annotated[
+    Path | None, typer.Option(help="Folder for stress.md and stress.json; these are replaced.")
+]
 
 
 def accuracy(

@@ -16,10 +16,11 @@ import quasirigid as qr
 from .._extras import need_matplotlib
 from ..hand.grasp import MOST_NODES
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
+from ..io.grasps import GRASP_FILES
 from .arguments import file_unit, parse_response, parse_target_error, rotation
 from .console import ContactTalk, progress, refuse
-from .folder import OutFolder, check_folder
-from .hand import HandFile, HandUnit, PoseWord, Rig, read_pose_word, read_rigged
+from .folder import OutFolder, check_folder, check_inputs
+from .hand import HandFile, HandUnit, PoseWord, Rig, hand_inputs, pose_file, read_pose_word, read_rigged
 from .quantities import (
     ANGLE,
     FORCE,
@@ -131,7 +132,10 @@ def grasp(words: GraspWords, talk: ContactTalk) -> int:
 
 def _read(words: GraspWords) -> _Asked:
     """Return what is asked for; all words are checked before a file is read."""
-    check_folder(words.out)
+    inputs = hand_inputs(words.hand, words.rig) | {"PRODUCT": words.product}
+    inputs |= {"--start": pose_file(words.start), "--end": pose_file(words.end)}
+    check_inputs(inputs)
+    check_folder(words.out, GRASP_FILES, inputs)
     goal = _goal(words.force, words.overlap)
     options = qr.ContactOptions(target_error=parse_target_error(words.target_error), max_nodes=MOST_NODES)
     modulus = parse_quantity(words.shear_modulus, STRESS, "--shear-modulus")
@@ -153,7 +157,7 @@ def _read(words: GraspWords) -> _Asked:
         obstacle = qr.read_obstacle(words.product, unit=in_unit)
     if not words.as_placed:
         obstacle = _in_palm(obstacle, hand.posed(poses["start"]).palm, rotation(angles), way)
-    inputs = {
+    record = {
         "hand": words.hand,
         "rig": None if words.rig is None else str(words.rig),
         "unit": words.unit,
@@ -173,7 +177,7 @@ def _read(words: GraspWords) -> _Asked:
         "quasirigid": qr.__version__,
     }
     more = {**goal, **poses, "product_mass": mass, "options": options}
-    return _Asked(hand=hand, obstacle=obstacle, skin=skin, more=more, inputs=inputs)
+    return _Asked(hand=hand, obstacle=obstacle, skin=skin, more=more, inputs=record)
 
 
 def _in_palm(

@@ -17,15 +17,27 @@ from ..hand.pose import PRESETS
 from ..io import write_mesh
 from .arguments import file_unit
 from .console import Talk, progress
-from .folder import OutFolder, check_folder
+from .folder import OutFolder, check_folder, check_inputs
 from .meshes import record_table
 from .quantities import QuantityError
 from .scene import UNIT_NAMES
 
-__all__ = ["HAND_EXAMPLE", "HandFile", "HandUnit", "PoseWord", "Rig", "hand", "read_pose_word", "read_rigged"]
+__all__ = [
+    "HAND_EXAMPLE",
+    "HandFile",
+    "HandUnit",
+    "PoseWord",
+    "Rig",
+    "hand",
+    "hand_inputs",
+    "pose_file",
+    "read_pose_word",
+    "read_rigged",
+]
 
 HAND_EXAMPLE = "quasirigid hand built-in --pose cylinder --out hand-output"
 _BUILT_IN = "built-in"
+_FILES = ("posed.ply", "hand.glb", "hand.png")
 
 HandFile = Annotated[
     str,
@@ -54,7 +66,9 @@ def hand(
     Writes posed.ply (m), hand.glb (at rest, with skin and joints) and hand.png.
     Exit status 0: done; 2: bad input.
     """
-    check_folder(out)
+    inputs = hand_inputs(file, rig) | {"--pose": pose_file(pose)}
+    check_inputs(inputs)
+    check_folder(out, _FILES, inputs)
     wanted = {} if pose is None else read_pose_word(pose)
     with progress(f"reading {file}"):
         known = read_rigged(file, rig, unit)
@@ -69,19 +83,32 @@ def hand(
     return 0
 
 
+def pose_file(word: str | None) -> Path | None:
+    """Return the JSON file of a pose; None of a preset."""
+    return Path(word) if word is not None and word.lower().endswith(".json") else None
+
+
 def read_pose_word(word: str) -> Any:
     """Return a preset's name as it is, a JSON file as the pose that it holds."""
-    return read_pose(word) if word.lower().endswith(".json") else word
+    file = pose_file(word)
+    return word if file is None else read_pose(file)
+
+
+def hand_inputs(file: str, rig: Path | None) -> dict[str, Path | None]:
+    """Return the files that a hand is read from, by the names of their arguments."""
+    if file == _BUILT_IN:
+        return {}
+    if not Path(file).suffix and not Path(file).exists():
+        raise QuantityError(
+            f"there is no hand '{file}', expected {_BUILT_IN}, a .glb file, or a mesh with its rig"
+        )
+    return {"HAND": Path(file), "--rig": rig}
 
 
 def read_rigged(file: str, rig: Path | None, unit: str) -> qr.Hand:
     """Return the hand of a file, or the built-in one."""
     length = file_unit(unit, "--unit")
     if file != _BUILT_IN:
-        if not Path(file).suffix and not Path(file).exists():
-            raise QuantityError(
-                f"there is no hand '{file}', expected {_BUILT_IN}, a .glb file, or a mesh with its rig"
-            )
         return qr.read_hand(file, rig=rig, unit=length)
     if rig is not None:
         raise QuantityError(f"--rig: '{rig}' belongs to a mesh, the {_BUILT_IN} hand has its own")
@@ -106,12 +133,12 @@ def _write(known: qr.Hand, posed: qr.PosedHand, out: Path, *, pictures: bool) ->
     if pictures:
         need_matplotlib()
     out.mkdir(parents=True, exist_ok=True)
-    files = [out / "posed.ply", out / "hand.glb"]
-    write_mesh(posed.surface.vertices, posed.surface.faces, files[0], unit="m")
-    known.save(files[1])
-    if pictures:
-        from ..plot.hands import hand_figure
+    mesh, glb, picture = (out / name for name in _FILES)
+    write_mesh(posed.surface.vertices, posed.surface.faces, mesh, unit="m")
+    known.save(glb)
+    if not pictures:
+        return [mesh, glb]
+    from ..plot.hands import hand_figure
 
-        files.append(out / "hand.png")
-        hand_figure(posed).savefig(files[-1], dpi=150)
-    return files
+    hand_figure(posed).savefig(picture, dpi=150)
+    return [mesh, glb, picture]

@@ -19,7 +19,7 @@ from ..errors import QuasirigidError
 from ..io import write_mesh
 from .arguments import file_unit
 from .console import Talk, progress, refuse, say
-from .folder import check_file
+from .folder import check_file, check_inputs
 from .quantities import LENGTH, parse_quantity
 from .scene import UNIT_NAMES
 
@@ -47,6 +47,7 @@ def info(
 
     Exit status 0: it can serve as one of them; 2: as neither, or bad input.
     """
+    check_inputs({"MESH": file})
     with progress(f"reading {file}"):
         vertices, faces = qr.read_mesh(file, unit=file_unit(unit, "--unit"))
         record = _record(vertices, faces, check_crossings=check_crossings)
@@ -67,7 +68,10 @@ def info(
 def repair(
     file: MeshFile,
     unit: Unit,
-    out: Annotated[Path, typer.Option(help="File to write: .ply or .stl, in the same unit.")],
+    out: Annotated[
+        Path,
+        typer.Option(help="File to write: .ply or .stl, in the same unit; one of that name is replaced."),
+    ],
     talk: Talk,
     weld_tolerance: Annotated[
         str, typer.Option(help="Vertices at most this far apart become one, as in 1um.")
@@ -77,7 +81,9 @@ def repair(
 
     Exit status 0: mended; 2: the mesh cannot be mended, or bad input.
     """
-    check_file(out, "--out")
+    inputs = {"MESH": file}
+    check_inputs(inputs)
+    check_file(out, "--out", inputs)
     known = file_unit(unit, "--unit")
     tolerance = parse_quantity(weld_tolerance, LENGTH, "--weld-tolerance")
     with progress(f"repairing {file}"):

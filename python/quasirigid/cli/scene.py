@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,6 +16,7 @@ from .._units import UNITS
 from .arguments import (
     choice,
     file_unit,
+    mask_file,
     on_skin,
     parse_response,
     parse_target_error,
@@ -23,7 +24,7 @@ from .arguments import (
     with_skin_mask,
 )
 from .console import Talk, progress
-from .folder import OutFolder, check_file, check_folder
+from .folder import OutFolder, check_file, check_folder, check_inputs
 from .kept import kept_body
 from .nodes import free_nodes, may_touch
 from .quantities import (
@@ -152,10 +153,17 @@ class Scene:
     inputs: Mapping[str, Any]
 
 
-def read_scene(words: SceneWords) -> Scene:
-    """Return the scene; everything is checked before a file is read."""
-    check_folder(words.out)
-    check_file(words.prepared, "--prepared")
+def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
+    """Return the scene; everything is checked before a file is read.
+
+    Parameters
+    ----------
+    words : SceneWords
+        What is asked for.
+    names : sequence of str
+        Names of the files that the command may write.
+    """
+    _check_files(words, names)
     motion: dict[str, Any] = {
         "direction": parse_numbers(words.direction, 3, "--direction"),
         "start": choice(words.start, ("infinity", "current"), "--start"),
@@ -251,6 +259,20 @@ def prepared_skin(scene: Scene, goal: Mapping[str, float], talk: Talk) -> qr.Ski
     if scene.prepared is None:
         return body.prepared(scene.surface, nodes, progress=talk.progress)
     return kept_body(scene.prepared, body, scene.surface, nodes, progress=talk.progress)
+
+
+def _check_files(words: SceneWords, names: Sequence[str]) -> None:
+    """Refuse missing inputs, and to write where they are or nothing can be."""
+    inputs = {
+        "SKIN": words.skin_file,
+        "PRODUCT": words.product_file,
+        "--bone": None if words.bone in (None, "auto", "none") else Path(words.bone),
+        "--fixed": mask_file(words.fixed),
+        "--skin-mask": mask_file(words.skin_mask),
+    }
+    check_inputs(inputs)
+    check_file(words.prepared, "--prepared", inputs)
+    check_folder(words.out, names, inputs | {"--prepared": words.prepared})
 
 
 def _only_for_a_body(text: object, option: str) -> None:

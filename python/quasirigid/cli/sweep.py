@@ -27,6 +27,9 @@ EXAMPLE = (
 )
 
 
+_FILES = ("sweep.csv", "sweep.json")
+
+
 def sweep(
     scene: SceneWords,
     talk: Talk,
@@ -52,7 +55,7 @@ def sweep(
         goal, values = "depth", parse_steps(depths, LENGTH, "--depths")
     else:
         goal, values = "force", parse_steps(forces or "", FORCE, "--forces")
-    read = read_scene(scene)
+    read = read_scene(scene, _FILES)
     skin = prepared_skin(read, {goal: max(values)}, talk)
     steps: dict[str, Any] = {f"{goal}s": values}
     curve = qr.sweep(
@@ -83,12 +86,10 @@ def _save(record: dict[str, Any], folder: Path) -> tuple[Path, ...]:
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows(zip(*columns.values(), strict=True))
-    contents = {
-        "sweep.csv": text.getvalue(),
-        "sweep.json": json.dumps(record, indent=2, allow_nan=False) + "\n",
-    }
+    document = json.dumps(record, indent=2, allow_nan=False) + "\n"
     folder.mkdir(parents=True, exist_ok=True)
-    for name, content in contents.items():
-        with atomic_write(folder / name) as file:
+    files = tuple(folder / name for name in _FILES)
+    for path, content in zip(files, (text.getvalue(), document), strict=True):
+        with atomic_write(path) as file:
             file.write(content.encode())
-    return tuple(folder / name for name in contents)
+    return files

@@ -16,13 +16,16 @@ from .._units import KPA, MM
 from ..hand.crossings import in_words
 from .atomic import atomic_write
 from .record import as_plain, inputs_record
-from .write import save_contact, save_pictures
+from .write import CONTACT_FILES, save_contact, save_pictures
 
 if TYPE_CHECKING:
     from ..contact.parts import Part
     from ..hand import Grasp
 
-__all__ = ["digit_table", "grasp_record", "save_grasp"]
+__all__ = ["GRASP_FILES", "digit_table", "grasp_record", "save_grasp"]
+
+# All that `save_grasp` may write.
+GRASP_FILES = (*CONTACT_FILES, "grasp.json", "grasp.png", "hand.glb")
 
 _PART = {
     "force": "N",

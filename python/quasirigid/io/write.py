@@ -32,7 +32,19 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..surface import Surface
 
-__all__ = ["save_contact", "save_pictures", "write_mesh"]
+__all__ = ["CONTACT_FILES", "save_contact", "save_pictures", "write_mesh"]
+
+# All that `save_contact` may write.
+CONTACT_FILES = (
+    "contact.json",
+    "contact.npz",
+    "deformed.ply",
+    "deformed.vtp",
+    "deformed_product.ply",
+    "footprint.png",
+    "product.ply",
+    "skin.png",
+)
 
 _NO_TRIANGLES = "not written: a primitive has no triangles"
 
