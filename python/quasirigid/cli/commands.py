@@ -190,7 +190,7 @@ def press(
 
 
 def _press_text(name: str, contact: qr.Contact, files: Sequence[Path], *, verbose: bool) -> str:
-    parts = [compare_contacts({name: contact}, verbose=verbose)]
+    parts = [compare_contacts({name: contact}, verbose=verbose, warnings=False)]
     if contact.patches:
         parts.append(patch_table(contact))
     if sum(one.kind == "mesh" for one in contact.refinements) > 1:

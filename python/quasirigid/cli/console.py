@@ -32,7 +32,12 @@ class Talk:
 
     json: Annotated[bool, typer.Option("--json", help="Print the results as JSON, with their units.")] = False
     quiet: Annotated[
-        bool, typer.Option("--quiet", "-q", help="Print results and errors alone: no progress, no warnings.")
+        bool,
+        typer.Option(
+            "--quiet",
+            "-q",
+            help="Leave out progress and warnings, which go to stderr. Results, their files and errors stay.",
+        ),
     ] = False
 
     def __post_init__(self) -> None:

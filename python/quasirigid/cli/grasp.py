@@ -121,8 +121,8 @@ def grasp(words: GraspWords, talk: ContactTalk) -> int:
     if words.out is not None:
         with progress(f"writing {words.out}"):
             files = held.save(words.out, inputs=asked.inputs, pictures=words.pictures)
-    contacts = {words.product.stem: held.contact}
-    text = f"{digit_table(held)}\n{compare_contacts(contacts, verbose=talk.verbose)}"
+    figures = compare_contacts({words.product.stem: held.contact}, verbose=talk.verbose, warnings=False)
+    text = f"{digit_table(held)}\n{figures}"
     record = grasp_record(held) | {"contact": contact_record(held.contact), "inputs": as_plain(asked.inputs)}
     talk.tell(text + ("\nwrote " + ", ".join(map(str, files)) if files else ""), record)
     if held.contact.status not in ("solved", "no_contact"):

@@ -43,7 +43,7 @@ def contact_summary(contact: Contact) -> str:
     return compare_contacts({"": contact})
 
 
-def compare_contacts(contacts: Mapping[str, Contact], *, verbose: bool = True) -> str:
+def compare_contacts(contacts: Mapping[str, Contact], *, verbose: bool = True, warnings: bool = True) -> str:
     """Return the figures of several contacts side by side as a text table.
 
     Parameters
@@ -52,6 +52,8 @@ def compare_contacts(contacts: Mapping[str, Contact], *, verbose: bool = True) -
         The contacts under their names.
     verbose : bool
         Say why each thing was left out; else name them on one line.
+    warnings : bool
+        List what the contacts warned of; False where that is told elsewhere.
 
     Returns
     -------
@@ -61,7 +63,9 @@ def compare_contacts(contacts: Mapping[str, Contact], *, verbose: bool = True) -
     columns = [{"": name} | _rows(contact) for name, contact in contacts.items()]
     names = list(dict.fromkeys(name for column in columns for name in column))
     rows = [[column.get(name, "") for name in names] for column in columns]
-    notes = dict.fromkeys(note for contact in contacts.values() for note in _notes(contact, verbose))
+    notes = dict.fromkeys(
+        note for contact in contacts.values() for note in _notes(contact, verbose, warnings)
+    )
     omitted = dict.fromkeys(what for contact in contacts.values() for what, _ in contact.left_out)
     if omitted and not verbose:
         notes["left out: " + ", ".join(omitted)] = None
@@ -256,8 +260,8 @@ def _vector(values: ArrayLike, scale: float) -> str:
     return ", ".join(f"{number:.4g}" for number in np.where(small, 0.0, numbers) + 0.0)
 
 
-def _notes(contact: Contact, verbose: bool = True) -> list[str]:
+def _notes(contact: Contact, verbose: bool = True, warnings: bool = True) -> list[str]:
     advice = [f"advice: {contact.advice}"] if contact.advice else []
-    warned = [f"warning: {warning}" for warning in contact.warnings]
+    warned = [f"warning: {warning}" for warning in contact.warnings] if warnings else []
     omitted = [f"left out: {what} ({why})" for what, why in contact.left_out] if verbose else []
     return [*warned, *omitted, *advice]
