@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shlex
@@ -19,6 +20,7 @@ pytest.importorskip("matplotlib")
 import quasirigid as qr
 from quasirigid.cli import run
 from quasirigid.cli.arguments import parse_response, rotation
+from quasirigid.cli.console import refuse, show_warning
 from quasirigid.evaluation.extremes.run import run_cases
 from quasirigid.io import patch_table
 
@@ -264,8 +266,9 @@ def test_a_missing_folder_is_told_by_the_file_that_was_meant(
         (["--depths", "1:2mm"], "not of the form first:last:count"),
         (["--depths", "1:2:1mm"], "not of the form first:last:count"),
         (["--depths", "1:2:3"], "has no unit"),
+        (["--depths", "-1:2:3mm"], "--depths: '-1:2:3mm' holds a depth below 0"),
         (["--forces", "1:2:3mm"], "is not a number with a unit"),
-        (["--forces", "0:2:3N"], "forces[0] is 0.0"),
+        (["--forces", "0:2:3N"], "--forces: '0:2:3N' holds a force that is not above 0"),
     ],
 )
 def test_a_sweep_names_what_is_wrong(
@@ -368,9 +371,13 @@ BAD_INPUT = {
     "a wrong unit": ({"shear_modulus": "60mm"}, "--shear-modulus: '60mm' is not a number with a unit"),
     "an unknown file unit": ({"unit": "km"}, "--unit: 'km' is not known, expected m, cm, mm or inch"),
     "two numbers for three": ({"direction": "0,1"}, "--direction: '0,1' has 2 values"),
-    "a zero direction": ({"direction": "0,0,0"}, "direction"),
-    "a negative depth": ({"depth": "-1mm"}, "depth"),
-    "an impossible ratio": ({"poisson_ratio": "0.7"}, "poisson_ratio is 7e-1"),
+    "a zero direction": ({"direction": "0,0,0"}, "--direction: '0,0,0' has no direction"),
+    "a negative depth": ({"depth": "-1mm"}, "--depth: '-1mm' is below 0"),
+    "no force": ({"depth": None, "force": "0N"}, "--force: '0N' is not above 0"),
+    "a negative overlap": ({"depth": None, "overlap": "-1mm"}, "--overlap: '-1mm' is not above 0"),
+    "no stiffness": ({"shear_modulus": "0kPa"}, "--shear-modulus: '0kPa' is not above 0"),
+    "a ratio in words": ({"poisson_ratio": "half"}, "--poisson-ratio: 'half' is not a plain number"),
+    "an impossible ratio": ({"poisson_ratio": "0.7"}, "--poisson-ratio: 0.7 is not from 0 to 0.5"),
     "an unknown response": (
         {"response": "jelly"},
         "--response: 'jelly' is not known, expected half-space, body, layer or gaussian",
@@ -393,7 +400,18 @@ BAD_INPUT = {
         "--fixed: 'caps' is of use to --response body alone",
     ),
     "a missing constant": ({"response": "gaussian:height=0.8mm/N,width=5mm"}, "gaussian needs cutoff"),
-    "an unknown constant": ({"response": "half-space:cutoff=1mm"}, "half-space has no constant 'cutoff'"),
+    "an unknown constant": (
+        {"response": "half-space:cutoff=1mm"},
+        "half-space has no constant 'cutoff', expected pressure, discretization",
+    ),
+    "a layer of nothing": (
+        {"response": "layer:thickness=0mm"},
+        "--response thickness: '0mm' is not above 0",
+    ),
+    "a Gaussian upside down": (
+        {"response": "gaussian:height=-1mm/N,width=5mm,cutoff=15mm"},
+        "--response height: '-1mm/N' is below 0",
+    ),
     "an unknown basis": ({"response": "half-space:pressure=cubic"}, "'cubic' is not known"),
     "a constant for a body": ({"response": "body:thickness=5mm"}, "body has no constant 'thickness'"),
     "a body that nothing holds": (
@@ -410,6 +428,10 @@ BAD_INPUT = {
     "an unknown start": ({"start": "here"}, "--start: 'here' is not known"),
     "a missing option": ({"shear_modulus": None}, "Missing option '--shear-modulus'"),
     "a start in overlap": ({"start": "current", "translate": "0,19.2,-22mm"}, "penetrat"),
+    "a product beside the skin": (
+        {"translate": "0,500,-40mm"},
+        "the skin is demo-output/fingertip.ply, the product demo-output/handle.stl: check their order,",
+    ),
 }
 
 
@@ -424,6 +446,35 @@ def test_bad_input_is_one_line_and_status_2(
     assert printed.err.count("\n") == 1
     assert message in printed.err
     assert sorted(in_demo_folder.iterdir()) == before
+
+
+def test_a_folder_that_cannot_be_made_is_named(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(path: Path, *_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", str(path))
+
+    monkeypatch.setattr(Path, "mkdir", fail)
+    assert run(press_arguments(target_error="none", out="full")) == 2
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert told == "error: full cannot be read or written: No space left on device"
+
+
+@pytest.mark.parametrize(
+    ("told", "printed"),
+    [
+        ("refine it (`target_error`, `max_nodes`)", "refine it (--target-error, `max_nodes`)"),
+        ('`unit="mm"` converts a file', "--unit converts a file"),
+        ("let it touch (`skin_mask=`)", "let it touch (--skin-mask)"),
+        ("see `repair`", "see `repair`"),
+    ],
+)
+def test_an_argument_of_the_library_is_told_as_its_option(
+    told: str, printed: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    refuse(told)
+    show_warning(told)
+    assert capsys.readouterr().err == f"error: {printed}\nwarning: {printed}\n"
 
 
 @pytest.mark.parametrize("changes", [{"skin_mask": "file.npy"}, {"response": "body", "fixed": "file.npy"}])

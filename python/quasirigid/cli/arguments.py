@@ -15,13 +15,14 @@ from ..io import read_surface
 from ..models import bone_of
 from ..skin.response import Body, GaussianCorrected, HalfSpace, Layer
 from ..surface import Surface, skin_without_caps
-from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_numbers, parse_quantity
+from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_not_negative, parse_numbers, parse_positive
 
 __all__ = [
     "choice",
     "file_unit",
     "mask_file",
     "on_skin",
+    "parse_poisson_ratio",
     "parse_response",
     "parse_target_error",
     "rotation",
@@ -75,16 +76,27 @@ def parse_response(text: str) -> _Named:
     choice(name, tuple(_RESPONSES), "--response")
     response, units, choices = _RESPONSES[name]
     if wrong := sorted(values.keys() - units.keys() - set(choices)):
-        raise QuantityError(f"--response: {name} has no constant '{wrong[0]}'")
+        known = ", ".join([*units, *choices])
+        raise QuantityError(f"--response: {name} has no constant '{wrong[0]}', expected {known}")
     if missing := [key for key in units if key not in values]:
         raise QuantityError(f"--response: {name} needs {', '.join(missing)}, as in {_EXAMPLES[name]}")
     arguments: dict[str, Any] = {}
     for key, value in values.items():
         if key in units:
-            arguments[key] = parse_quantity(value, units[key], f"--response {key}")
+            # A Gaussian of no height is the half-space.
+            parse = parse_not_negative if key == "height" else parse_positive
+            arguments[key] = parse(value, units[key], f"--response {key}")
         else:
             arguments[key] = choice(value, _CHOICES[key], f"--response {key}")
     return response(**arguments)
+
+
+def parse_poisson_ratio(text: str) -> float:
+    """Return the ratio of `--poisson-ratio`."""
+    ratio = parse_numbers(text, 1, "--poisson-ratio")[0]
+    if not 0.0 <= ratio <= 0.5:
+        raise QuantityError(f"--poisson-ratio: {text} is not from 0 to 0.5")
+    return ratio
 
 
 def parse_target_error(text: str) -> float | None:

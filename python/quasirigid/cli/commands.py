@@ -30,6 +30,7 @@ from .scene import (
     TARGET_ERROR,
     SceneWords,
     TargetError,
+    naming_scene,
     parse_goal,
     prepared_skin,
     read_scene,
@@ -74,7 +75,11 @@ def run(arguments: Sequence[str]) -> int:
     warnings.showwarning = show_warning
     try:
         status = app(list(arguments) or ["--help"], prog_name="quasirigid", standalone_mode=False)
-    except (QuasirigidError, OSError) as error:
+    except OSError as error:
+        # In our own words, or the system's.
+        place = f"{error.filename} cannot be read or written: " if error.filename else ""
+        return refuse(place + (error.strerror or str(error)))
+    except QuasirigidError as error:
         return refuse(str(error))
     except (KeyboardInterrupt, typer.Abort):
         return refuse("interrupted", status=130)
@@ -162,10 +167,11 @@ def press(
     if pictures and scene.out is not None:
         need_matplotlib()
     read = read_scene(scene, CONTACT_FILES)
-    skin = prepared_skin(read, goal, talk)
+    with naming_scene(scene):
+        skin = prepared_skin(read, goal, talk)
     asked: dict[str, Any] = {**read.motion, **goal}
     unreached = None
-    with progress("pressing"):
+    with progress("pressing"), naming_scene(scene):
         try:
             contact = qr.press(read.surface, read.obstacle, skin, options=read.options, throw=False, **asked)
         except qr.ContactError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import sys
 import threading
 from collections.abc import Iterator, Mapping
@@ -107,13 +108,22 @@ def close_stdout() -> None:
     os.close(nowhere)
 
 
+# Arguments of the library that messages name and that options of the same name give.
+_ARGUMENT = re.compile(r"`(rig|skin_mask|target_error|unit)(=[^`]*)?`")
+
+
+def _in_options(message: str) -> str:
+    """Return a message of the library with the names of options for those of arguments."""
+    return _ARGUMENT.sub(lambda found: "--" + found[1].replace("_", "-"), message)
+
+
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
     """Print a warning as one line on stderr."""
     if not _is_quiet:
-        print(f"warning: {message}", file=sys.stderr)
+        print(f"warning: {_in_options(str(message))}", file=sys.stderr)
 
 
 def refuse(message: str, *, status: int = 2) -> int:
     """Print on one line of stderr what is wrong; return the exit status."""
-    print("error: " + " ".join(message.split()), file=sys.stderr)
+    print("error: " + _in_options(" ".join(message.split())), file=sys.stderr)
     return status

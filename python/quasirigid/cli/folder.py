@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -47,6 +48,8 @@ def check_folder(out: Path | None, names: Sequence[str] = (), inputs: Inputs | N
     there = next(path for path in (out, *out.parents) if path.exists())
     if not there.is_dir():
         raise NotADirectoryError(f"--out: {there} is a file, expected a folder")
+    if not os.access(there, os.W_OK):
+        raise PermissionError(f"--out: {there} cannot be written to: name another folder")
     for name in names:
         _check_kept(out / name, "--out", "folder", inputs or {})
 

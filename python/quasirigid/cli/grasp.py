@@ -17,7 +17,7 @@ from .._extras import need_matplotlib
 from ..hand.grasp import MOST_NODES
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from ..io.grasps import GRASP_FILES
-from .arguments import file_unit, parse_response, parse_target_error, rotation
+from .arguments import file_unit, parse_poisson_ratio, parse_response, parse_target_error, rotation
 from .console import ContactTalk, progress, refuse
 from .folder import OutFolder, check_folder, check_inputs
 from .hand import HandFile, HandUnit, PoseWord, Rig, hand_inputs, pose_file, read_pose_word, read_rigged
@@ -30,9 +30,8 @@ from .quantities import (
     QuantityError,
     parse_positive,
     parse_quantities,
-    parse_quantity,
 )
-from .scene import GOAL_UNITS, ProductFile, ProductUnit, TargetError
+from .scene import GOAL_UNITS, PoissonRatio, ProductFile, ProductUnit, ShearModulus, TargetError
 
 __all__ = ["GRASP_EXAMPLE", "GraspWords", "grasp"]
 
@@ -82,8 +81,8 @@ class GraspWords:
     product_mass: Annotated[str | None, typer.Option(help="As in 0.3kg: what is out of balance is told.")] = (
         None
     )
-    shear_modulus: Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")] = "60kPa"
-    poisson_ratio: Annotated[float, typer.Option(help="Of the skin, 0 to 0.5.")] = 0.495
+    shear_modulus: ShearModulus = "60kPa"
+    poisson_ratio: PoissonRatio = "0.495"
     response: Annotated[
         str,
         typer.Option(
@@ -138,9 +137,9 @@ def _read(words: GraspWords) -> _Asked:
     check_folder(words.out, GRASP_FILES, inputs)
     goal = _goal(words.force, words.overlap)
     options = qr.ContactOptions(target_error=parse_target_error(words.target_error), max_nodes=MOST_NODES)
-    modulus = parse_quantity(words.shear_modulus, STRESS, "--shear-modulus")
-    response = parse_response(words.response)
-    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=words.poisson_ratio, response=response)
+    modulus = parse_positive(words.shear_modulus, STRESS, "--shear-modulus")
+    ratio = parse_poisson_ratio(words.poisson_ratio)
+    skin = qr.Skin(shear_modulus=modulus, poisson_ratio=ratio, response=parse_response(words.response))
     angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
     way = parse_quantities(words.shift, 3, LENGTH, "--shift")
     if words.as_placed and any([*angles, *way]):
@@ -171,7 +170,7 @@ def _read(words: GraspWords) -> _Asked:
         "start": words.start,
         "end": words.end,
         "shear_modulus": {"value": modulus, "unit": "Pa"},
-        "poisson_ratio": {"value": words.poisson_ratio, "unit": "1"},
+        "poisson_ratio": {"value": ratio, "unit": "1"},
         "response": words.response,
         "target_error": {"value": options.target_error, "unit": "1"},
         "quasirigid": qr.__version__,

@@ -20,7 +20,7 @@ from ..io import write_mesh
 from .arguments import file_unit
 from .console import Talk, progress, refuse, say
 from .folder import check_file, check_inputs
-from .quantities import LENGTH, parse_quantity
+from .quantities import LENGTH, parse_not_negative
 from .scene import UNIT_NAMES
 
 __all__ = ["INFO_EXAMPLE", "REPAIR_EXAMPLE", "info", "record_table", "repair"]
@@ -85,7 +85,7 @@ def repair(
     check_inputs(inputs)
     check_file(out, "--out", inputs)
     known = file_unit(unit, "--unit")
-    tolerance = parse_quantity(weld_tolerance, LENGTH, "--weld-tolerance")
+    tolerance = parse_not_negative(weld_tolerance, LENGTH, "--weld-tolerance")
     with progress(f"repairing {file}"):
         mended = qr.repair(*qr.read_mesh(file, unit=known), weld_tolerance=tolerance)
         write_mesh(mended.vertices, mended.faces, out, unit=known)

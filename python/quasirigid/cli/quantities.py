@@ -9,6 +9,7 @@ from ..errors import QuasirigidError
 
 __all__ = [
     "QuantityError",
+    "parse_not_negative",
     "parse_numbers",
     "parse_positive",
     "parse_quantities",
@@ -66,6 +67,14 @@ def parse_positive(text: str, units: dict[str, float], what: str) -> float:
     value = parse_quantity(text, units, what)
     if not value > 0.0:
         raise QuantityError(f"{what}: '{text}' is not above 0")
+    return value
+
+
+def parse_not_negative(text: str, units: dict[str, float], what: str) -> float:
+    """Read one number from 0 on with its unit, as `parse_quantity`."""
+    value = parse_quantity(text, units, what)
+    if value < 0.0:
+        raise QuantityError(f"{what}: '{text}' is below 0")
     return value
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -18,6 +19,7 @@ from .arguments import (
     file_unit,
     mask_file,
     on_skin,
+    parse_poisson_ratio,
     parse_response,
     parse_target_error,
     rotation,
@@ -33,9 +35,10 @@ from .quantities import (
     LENGTH,
     STRESS,
     QuantityError,
+    parse_not_negative,
     parse_numbers,
+    parse_positive,
     parse_quantities,
-    parse_quantity,
 )
 
 __all__ = [
@@ -45,6 +48,7 @@ __all__ = [
     "Scene",
     "SceneWords",
     "TargetError",
+    "naming_scene",
     "parse_goal",
     "prepared_skin",
     "read_scene",
@@ -59,7 +63,7 @@ ProductFile = Annotated[Path, typer.Argument(metavar="PRODUCT", help="Closed pro
 Unit = Annotated[str, typer.Option(help=f"Unit of the skin file: {UNIT_NAMES}.")]
 Direction = Annotated[str, typer.Option(help="Direction in which the product travels, as in 0,0,1.")]
 ShearModulus = Annotated[str, typer.Option(help="Of the skin, as in 60kPa.")]
-PoissonRatio = Annotated[float, typer.Option(help="Of the skin, 0 to 0.5.")]
+PoissonRatio = Annotated[str, typer.Option(help="Of the skin, 0 to 0.5.")]
 ProductUnit = Annotated[str | None, typer.Option(help="Unit of the product file [default: as --unit].")]
 Translate = Annotated[str, typer.Option(help="Shift of the product, after turning it, as in 0,0,-20mm.")]
 Rotate = Annotated[
@@ -168,6 +172,8 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         "direction": parse_numbers(words.direction, 3, "--direction"),
         "start": choice(words.start, ("infinity", "current"), "--start"),
     }
+    if not any(motion["direction"]):
+        raise QuantityError(f"--direction: '{words.direction}' has no direction, expected as 0,0,1")
     options = qr.ContactOptions(target_error=parse_target_error(words.target_error))
     shift = parse_quantities(words.translate, 3, LENGTH, "--translate")
     angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
@@ -176,10 +182,11 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         _only_for_a_body(words.bone, "--bone")
         _only_for_a_body(words.fixed, "--fixed")
         _only_for_a_body(words.prepared, "--prepared")
-    modulus = parse_quantity(words.shear_modulus, STRESS, "--shear-modulus")
+    modulus = parse_positive(words.shear_modulus, STRESS, "--shear-modulus")
+    ratio = parse_poisson_ratio(words.poisson_ratio)
     skin = qr.Skin(
         shear_modulus=modulus,
-        poisson_ratio=words.poisson_ratio,
+        poisson_ratio=ratio,
         response=qr.HalfSpace() if isinstance(response, qr.Body) else response,
     )
     unit = file_unit(words.unit, "--unit")
@@ -200,7 +207,7 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         "rotate": {"value": angles, "unit": "rad"},
         **motion,
         "shear_modulus": {"value": modulus, "unit": "Pa"},
-        "poisson_ratio": {"value": words.poisson_ratio, "unit": "1"},
+        "poisson_ratio": {"value": ratio, "unit": "1"},
         "response": words.response,
         **held,
         "skin_mask": words.skin_mask,
@@ -227,7 +234,8 @@ def parse_goal(depth: str | None, force: str | None, overlap: str | None) -> dic
         found = " and ".join(f"--{name}" for name in given) or "none of them"
         raise QuantityError(f"give one of --depth, --force and --overlap; given: {found}")
     ((name, text),) = given.items()
-    return {name: parse_quantity(text, FORCE if name == "force" else LENGTH, f"--{name}")}
+    parse = parse_not_negative if name == "depth" else parse_positive
+    return {name: parse(text, FORCE if name == "force" else LENGTH, f"--{name}")}
 
 
 def prepared_skin(scene: Scene, goal: Mapping[str, float], talk: Talk) -> qr.Skin | qr.PreparedSkin:
@@ -259,6 +267,20 @@ def prepared_skin(scene: Scene, goal: Mapping[str, float], talk: Talk) -> qr.Ski
     if scene.prepared is None:
         return body.prepared(scene.surface, nodes, progress=talk.progress)
     return kept_body(scene.prepared, body, scene.surface, nodes, progress=talk.progress)
+
+
+@contextmanager
+def naming_scene(words: SceneWords) -> Iterator[None]:
+    """Name skin and product where there is no contact to speak of: they may be swapped or far apart."""
+    try:
+        yield
+    except (qr.ContactError, qr.ObstacleError) as error:
+        if isinstance(error, qr.ContactError) and error.contact is not None:
+            raise
+        raise type(error)(
+            f"{error} (the skin is {words.skin_file}, the product {words.product_file}: check their order,"
+            " --unit, --product-unit, --translate, --rotate and --direction)"
+        ) from error
 
 
 def _check_files(words: SceneWords, names: Sequence[str]) -> None:

@@ -16,7 +16,7 @@ from ..io import as_plain, sweep_columns, sweep_table
 from ..io.atomic import atomic_write
 from .console import Talk, refuse
 from .quantities import FORCE, LENGTH, QuantityError, parse_steps
-from .scene import SceneWords, prepared_skin, read_scene
+from .scene import SceneWords, naming_scene, prepared_skin, read_scene
 
 __all__ = ["EXAMPLE", "sweep"]
 
@@ -53,20 +53,25 @@ def sweep(
         )
     if depths is not None:
         goal, values = "depth", parse_steps(depths, LENGTH, "--depths")
+        if min(values) < 0.0:
+            raise QuantityError(f"--depths: '{depths}' holds a depth below 0")
     else:
         goal, values = "force", parse_steps(forces or "", FORCE, "--forces")
+        if min(values) <= 0.0:
+            raise QuantityError(f"--forces: '{forces}' holds a force that is not above 0")
     read = read_scene(scene, _FILES)
-    skin = prepared_skin(read, {goal: max(values)}, talk)
     steps: dict[str, Any] = {f"{goal}s": values}
-    curve = qr.sweep(
-        read.surface,
-        read.obstacle,
-        skin,
-        options=read.options,
-        progress=talk.progress,
-        **read.motion,
-        **steps,
-    )
+    with naming_scene(scene):
+        skin = prepared_skin(read, {goal: max(values)}, talk)
+        curve = qr.sweep(
+            read.surface,
+            read.obstacle,
+            skin,
+            options=read.options,
+            progress=talk.progress,
+            **read.motion,
+            **steps,
+        )
     inputs = dict(read.inputs) | {f"{goal}s": {"value": values, "unit": "m" if goal == "depth" else "N"}}
     record = {"columns": as_plain(sweep_columns(curve)), "inputs": as_plain(inputs)}
     files = () if scene.out is None else _save(record, scene.out)

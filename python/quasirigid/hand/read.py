@@ -139,8 +139,8 @@ def _load(rig: Path) -> dict[str, NDArray[Any]]:
             return {name: arrays[name] for name in arrays.files}
     except OSError as error:
         raise HandError(f"{rig}: {error.strerror or error}") from None
-    except Exception as error:  # damaged archives raise many kinds
-        raise HandError(f"{rig}: no file of arrays: {error}") from None
+    except Exception:  # damaged archives raise many kinds
+        raise HandError(f"{rig}: no file of arrays, expected the .npz of a rig") from None
 
 
 def _entry(arrays: dict[str, NDArray[Any]], name: str, rig: Path) -> NDArray[Any]:
