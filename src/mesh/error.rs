@@ -29,7 +29,7 @@ pub enum MeshError {
     },
     /// A coordinate is too large to compute with.
     #[error(
-        "vertex {vertex} has the coordinate {axis} = {value:e} m ({count} vertices have one beyond 1e60 m, of which \
+        "vertex {vertex} has the coordinate {axis} = {value:?} m ({count} vertices have one beyond 1e60 m, of which \
          areas and volumes overflow); check the unit, or remove the vertices and their faces"
     )]
     OutOfRange {

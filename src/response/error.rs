@@ -7,7 +7,7 @@ use crate::response::body::error::BodyError;
 #[non_exhaustive]
 pub enum ResponseError {
     /// A material or kernel constant is outside its range.
-    #[error("{name} is {value:e}, but must be {expected}")]
+    #[error("{name} is {value:?}, but must be {expected}")]
     Constant {
         /// Name of the constant.
         name: &'static str,

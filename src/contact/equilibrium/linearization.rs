@@ -29,7 +29,8 @@ use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Traits;
 use crate::response::skin::kept::KeptSkin;
 
-/// A round that leaves more than this share of the error before it is followed by one of half the step.
+/// Share of the error that a linearization at a full step leaves at the most; more, and one of half the step follows. A shorter
+/// step takes away as much less.
 const SETTLING: f64 = 0.7;
 /// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
 /// twice.
@@ -203,13 +204,14 @@ impl<'a> Linearizations<'a, '_> {
         let is_same_force = (total - self.force).norm() <= self.options.gap_tolerance * total.norm();
         self.force = total;
         report.linearizations.push(round(total, &forces, error, started));
-        if error > SETTLING * self.before {
+        let settling = 1.0 - (1.0 - SETTLING) * self.step;
+        if error > settling * self.before {
             self.shorten();
         }
         self.before = error;
         let least = self.best.0;
         let vain = if is_same_force { 2 } else { 1 };
-        self.in_vain = if error < SETTLING * least { 0 } else { self.in_vain + vain };
+        self.in_vain = if error < settling * least { 0 } else { self.in_vain + vain };
         if error < least {
             self.best = (error, forces, gaps.clone());
             report.is_unsettled = false;

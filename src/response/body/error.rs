@@ -7,7 +7,7 @@ use crate::geometry::rigid_motion::RigidMotionError;
 #[non_exhaustive]
 pub enum BodyError {
     /// The shear modulus is not a positive number, or is out of range.
-    #[error("shear modulus {value:e} Pa: it must be positive and finite, from 1e-60 to 1e60")]
+    #[error("shear modulus {value:?} Pa: it must be positive and finite, from 1e-60 to 1e60")]
     ShearModulus {
         /// What was given (Pa).
         value: f64,
