@@ -516,6 +516,26 @@ def test_the_force_on_a_sharp_edge_grows_steadily() -> None:
     assert np.abs(growth - np.median(growth)).max() < 0.05
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+def test_gaps_at_the_shoulders_of_a_blunt_blade_vanish_by_shorter_steps() -> None:
+    tip = qr.models.fingertip(edge_length=1.5e-3)
+    lowest = tip.vertices[np.argmin(tip.vertices[:, 2])]
+    # 1.5 mm thick, its edge of 120 degrees along x: pressed deeper than its bevels are high.
+    half, height = 0.75e-3, 0.75e-3 / math.tan(math.radians(60))
+    outline = [(0, 0), (half, -height), (half, -0.02), (-half, -0.02), (-half, -height)]
+    corners = [(x, y, z) for x in (-0.02, 0.02) for y, z in outline]
+    sides = [[i, (i + 1) % 5, (i + 1) % 5 + 5] for i in range(5)] + [
+        [i, (i + 1) % 5 + 5, i + 5] for i in range(5)
+    ]
+    caps = [[0, i + 1, i] for i in range(1, 4)] + [[5, 5 + i, 6 + i] for i in range(1, 4)]
+    blade = qr.Obstacle.mesh(np.add(corners, [0, lowest[1], -0.3]), np.array(sides + caps)[:, ::-1])
+    contact = qr.press(tip, blade, SKIN, UP, depth=1.5e-3)
+    left = [one.max_penetration for one in contact.refinements if one.kind == "linearization"]
+    # A full step has no answer here; halves of it were given up with 13 % left.
+    assert left[-1] < 0.01 * contact.max_penetration_before
+
+
 @pytest.mark.filterwarnings("ignore::quasirigid.ResponseRangeWarning")
 def test_a_refined_contact_without_answer_keeps_its_rounds() -> None:
     tip = qr.models.fingertip(edge_length=2.5e-3)
