@@ -88,13 +88,14 @@ pub(crate) fn spectrum_until(matrix: MatRef<f64>, interrupted: Interrupt) -> Spe
         let values = symmetric.as_ref().self_adjoint_eigenvalues(Side::Lower);
         values.map_or((f64::NAN, f64::NAN), |values| (values[0], values[n - 1]))
     } else {
-        let (low, high) = ritz_values(n, LANCZOS_STEPS, |v| symmetric.as_ref() * v);
+        let (low, high) = ritz_values(n, LANCZOS_STEPS, interrupted, |v| symmetric.as_ref() * v);
         let inverse = |factor: &Cholesky, v: &Mat<f64>| {
             let x = factor.solve(v.col_as_slice(0));
             Mat::from_fn(n, 1, |i, _| x[i])
         };
-        let smallest =
-            factor.as_ref().map(|factor| 1.0 / ritz_values(n, LANCZOS_STEPS, |v| inverse(factor, v)).1);
+        let smallest = factor
+            .as_ref()
+            .map(|factor| 1.0 / ritz_values(n, LANCZOS_STEPS, interrupted, |v| inverse(factor, v)).1);
         (smallest.unwrap_or(low.min(0.0)), high)
     };
     let condition = match definiteness {

@@ -2,12 +2,19 @@
 
 use faer::{Mat, Side};
 
+use crate::linalg::factor::Interrupt;
+
 /// Smallest and largest Ritz value after `steps` Lanczos steps with full orthogonalisation, from a fixed start with
-/// parts in all directions; NaN if their equation has no solution.
+/// parts in all directions; NaN if their equation has no solution, or once it is interrupted.
 ///
 /// * `n`: order of the operator, > 0
 /// * `apply`: the operator on a vector (n × 1)
-pub(crate) fn ritz_values(n: usize, steps: usize, apply: impl Fn(&Mat<f64>) -> Mat<f64>) -> (f64, f64) {
+pub(crate) fn ritz_values(
+    n: usize,
+    steps: usize,
+    interrupted: Interrupt,
+    apply: impl Fn(&Mat<f64>) -> Mat<f64>,
+) -> (f64, f64) {
     let steps = steps.min(n);
     let mut state = 1u64;
     let mut v = Mat::from_fn(n, 1, |_, _| {
@@ -18,6 +25,9 @@ pub(crate) fn ritz_values(n: usize, steps: usize, apply: impl Fn(&Mat<f64>) -> M
     let mut basis: Vec<Mat<f64>> = Vec::with_capacity(steps);
     let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
     for _ in 0..steps {
+        if interrupted() {
+            return (f64::NAN, f64::NAN);
+        }
         let mut w = apply(&v);
         basis.push(v);
         let scale = w.norm_l2();

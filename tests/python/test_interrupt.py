@@ -108,10 +108,10 @@ while True:
 """
 
 
-# A second and more of work each.
+# Work of a second and more, over and over.
 FIGURES = {
     "signed distances": "points = np.full((1_000_000, 3), 0.3); work = lambda: mesh.signed_distance(points)",
-    "definiteness": "matrix = np.eye(4000) + 1e-9; work = lambda: qr.definiteness(matrix)",
+    "definiteness": "matrix = np.eye(2500) + 1e-9; work = lambda: qr.definiteness(matrix)",
 }
 FIGURE = """
 import sys
