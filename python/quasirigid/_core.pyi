@@ -36,6 +36,7 @@ __all__ = [
     "definiteness",
     "find_crossings",
     "initial_gaps",
+    "overlaps",
     "plate_on_cored_sphere",
     "point_load_on_layer",
     "press",
@@ -414,6 +415,7 @@ def initial_gaps(
     nodes: ArrayLike,
     distance: Callable[[NDArray[np.float64]], ArrayLike],
 ) -> NDArray[np.float64]: ...
+def overlaps(surface: Surface, obstacle: Obstacle) -> NDArray[np.float64]: ...
 def response_matrix(
     surface: Surface,
     skin: Skin,

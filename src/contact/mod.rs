@@ -25,6 +25,7 @@ pub(crate) mod gap;
 pub(crate) mod in_place;
 pub(crate) mod options;
 pub(crate) mod outcome;
+pub(crate) mod overlap;
 pub(crate) mod press;
 pub(crate) mod reach;
 pub(crate) mod refine;
@@ -43,6 +44,7 @@ pub use outcome::{
     Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, RefinementEnd, RefinementKind,
     Resultant, Timing,
 };
+pub use overlap::overlaps;
 pub use press::press;
 pub use report::warning::{Warning, WarningKind};
 pub use scene::{Goal, Press, Start};

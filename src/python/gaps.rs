@@ -1,10 +1,13 @@
-//! Initial gaps as a response measures them.
+//! Initial gaps as a response measures them, and depths of a skin in an obstacle.
 
 use super::arrays_out::vectors_out;
 use super::convert::{nodes, scalars};
 use super::errors::{IntoPyErr, ResponseError};
+use super::interrupt::detached;
+use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
+use crate::contact;
 use crate::response;
 use nalgebra::Vector3;
 use numpy::PyArray1;
@@ -34,4 +37,16 @@ pub(super) fn initial_gaps<'py>(
     };
     let gaps = response::initial_gaps(surface, traits.basis, traits.discretization, &nodes, measure)?;
     Ok(PyArray1::from_vec(py, gaps))
+}
+
+/// How deep each vertex stands in an obstacle (m, >= 0), as a contact measures it.
+#[pyfunction]
+pub(super) fn overlaps<'py>(
+    py: Python<'py>,
+    surface: &PySurface,
+    obstacle: &PyObstacle,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let (surface, obstacle) = (&surface.inner, &obstacle.inner);
+    let found = detached(py, |_| contact::overlaps(surface, obstacle))?.map_err(IntoPyErr::into_py_err)?;
+    Ok(PyArray1::from_vec(py, found))
 }

@@ -37,7 +37,7 @@ mod _core {
     #[pymodule_export]
     use super::cut_out::{cut_out, cut_out_marked};
     #[pymodule_export]
-    use super::gaps::initial_gaps;
+    use super::gaps::{initial_gaps, overlaps};
     #[pymodule_export]
     use super::hand::PySkinWeights;
     #[pymodule_export]
@@ -94,6 +94,7 @@ mod _core {
                 "definiteness",
                 "find_crossings",
                 "initial_gaps",
+                "overlaps",
                 "plate_on_cored_sphere",
                 "point_load_on_layer",
                 "press",

@@ -8,6 +8,7 @@
 //! [`Surface::nearest_along_skin`] and [`Surface::skin_without_caps`]. [`shared_tissue`]: how far two
 //! points are coupled through the tissue or belong to different fingers. [`cut_out`] takes one finger out of a whole hand.
 
+mod breadth;
 pub(crate) mod cap;
 pub(crate) mod checked;
 pub(crate) mod coarse;

@@ -100,6 +100,32 @@ def test_an_overlap_is_reached(hand, handle):
         assert depth[on_digit].max() == pytest.approx(wanted, rel=1e-3)
 
 
+def tube(radius, wall, half_height):
+    """A tube around the z axis, open at both ends (m)."""
+    sides, corners = 96, 4
+    profile = np.array([[radius, -1.0], [radius, 1.0], [radius - wall, 1.0], [radius - wall, -1.0]])
+    turn = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)[:, None]
+    out = profile[:, 0]
+    x, y, z = out * np.cos(turn), out * np.sin(turn), np.tile(half_height * profile[:, 1], (sides, 1))
+    side, corner = (each.ravel() for each in np.mgrid[:sides, :corners])
+    a, b = (corners * side + (corner + step) % corners for step in (0, 1))
+    c, d = (corners * ((side + 1) % sides) + (corner + step) % corners for step in (0, 1))
+    faces = np.concatenate([np.column_stack([a, c, d]), np.column_stack([a, d, b])])
+    return qr.Obstacle.mesh(np.stack([x, y, z], axis=-1).reshape(-1, 3), faces)
+
+
+def test_a_wall_thinner_than_the_overlap_is_no_way_through(hand):
+    palm = hand.posed("relaxed").palm
+    products = tube(RADIUS, 0.6e-3, 0.06), qr.Obstacle.cylinder(0.06, RADIUS)
+    wanted = {"index": 1.5e-3, "middle": 1.5e-3}
+    walled, filled = (
+        qr.close_hand(hand, product.placed(palm), skin(), overlap=wanted, options=AS_GIVEN)
+        for product in products
+    )
+    assert walled.missed == filled.missed == {}
+    assert walled.shares == pytest.approx(filled.shares, abs=5e-3)
+
+
 @pytest.mark.parametrize("name", ["webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k"])
 def test_a_scanned_hand_holds_a_can_between_its_thumb_and_all_fingers(name):
     hand = qr.read_hand(hand_file(name))

@@ -192,7 +192,8 @@ def close_hand(
         Length of the resultant that a digit shall carry (N, > 0). A number is the sum over the digits: half
         on the thumb, an eighth on each finger. Digits that a mapping does not name stay at the start.
     overlap : float or mapping of digit to float
-        In place of a force: deepest overlap of a digit's vertices with the product (m, > 0).
+        In place of a force: deepest overlap of a digit's vertices with the product (m, > 0), measured back
+        the way they came where a wall of it is thinner.
     rotation, translation : array_like
         Of the whole hand, as for `Hand.posed`.
     product_mass : float, optional

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .. import _core
 from ..contact.ending import ContactStatus
 from ..contact.press import solve_quietly
 from ..errors import HandError
@@ -252,13 +253,18 @@ class Hold:
 
     def _on_given_mesh(self) -> Floats:
         if not self.by_force:
-            return np.maximum(-self.closing.distances(self.shares, self.obstacle), 0.0)
+            return self._overlaps()
         skin = replace(self.skin, response=HalfSpace()) if isinstance(self.skin.response, Body) else self.skin
         options = replace(self.options, target_error=None)
         if self._has_rounds:
             rounds = min(_SEARCH_LINEARIZATIONS, options.max_linearizations)
             options = replace(options, max_linearizations=rounds)
         return self._solve(skin, options)
+
+    def _overlaps(self) -> Floats:
+        """Return how deep each digit stands in the product (m), through a wall thinner than that too."""
+        deep = _core.overlaps(self.closing.posed(self.shares).surface, self.obstacle)
+        return np.array([deep[vertices].max(initial=0.0) for vertices in self.closing.vertices])
 
     def _finish(self) -> None:
         """Solve the whole hand as asked; go on with the digits, as its forces are not those of the search."""

@@ -76,7 +76,11 @@ impl<'a> Gaps<'a> {
             if !may_be_deeper || entry.deepest <= NEARLY_ALL * reach {
                 break;
             }
-            reach *= 2.0;
+            let farther = (2.0 * reach).min(0.5 * breadth_at_deepest(surface, &measured));
+            if farther <= reach {
+                break;
+            }
+            reach = farther;
             (measured, entry) = Self::within(surface, scene, reach)?;
         }
         let deepest = depth_bound.unwrap_or(reach);
@@ -208,6 +212,15 @@ impl<'a> Gaps<'a> {
         }
         Ok(nodes.iter().map(|node| known[node]).collect())
     }
+}
+
+/// How broad the skin's body is under the vertex that stands deepest (m): what is farther in than half of it came in through
+/// the skin on the other side.
+fn breadth_at_deepest(surface: &Surface, measured: &Measured) -> f64 {
+    let of = |&vertex: &usize| measured.distance[vertex];
+    let may_touch = (0..measured.distance.len()).filter(|&vertex| surface.skin_mask()[vertex]);
+    let breadth = |vertex: usize| surface.breadth_along(vertex, &-surface.vertex_normals()[vertex]);
+    may_touch.min_by(|a, b| of(a).total_cmp(&of(b))).and_then(breadth).unwrap_or(f64::INFINITY)
 }
 
 /// Takes the gaps to sharp edges where vertices were measured.

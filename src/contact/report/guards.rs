@@ -9,7 +9,6 @@ use crate::contact::scene::{Press, Start};
 use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::direction::unit;
-use crate::geometry::ray::first_hit;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
 use crate::response::skin::elastic::ElasticSkin;
@@ -161,8 +160,7 @@ impl Guarded<'_> {
         // Beside an edge, or in a thin wall, the obstacle's normal runs along the skin.
         let inward = -self.surface.vertex_normals()[*vertex];
         let ways = [Some(*normal), Some(inward), self.press.and_then(|press| unit(&press.direction))];
-        let breadths =
-            ways.into_iter().flatten().filter_map(|way| breadth_along(self.surface, *vertex, &way));
+        let breadths = ways.into_iter().flatten().filter_map(|way| self.surface.breadth_along(*vertex, &way));
         let part = breadths.reduce(f64::max).unwrap_or(breadth);
         let most = BREADTH_SHARE * part;
         let of = || format!("half of the {part:.4e} m that the part is broad at vertex {vertex}");
@@ -248,11 +246,4 @@ fn largest(bounds: &Bounds) -> f64 {
 
 fn middle(bounds: &Bounds) -> f64 {
     sides(bounds)[1]
-}
-
-/// Way from a vertex along a direction to where it leaves the skin again (m); `None` where it does not.
-fn breadth_along(surface: &Surface, vertex: usize, direction: &Vector3<f64>) -> Option<f64> {
-    let others = surface.faces().iter().filter(|corners| !corners.contains(&(vertex as u32)));
-    let triangles = others.map(|corners| corners.map(|corner| surface.vertices()[corner as usize]));
-    first_hit(&surface.vertices()[vertex], direction, triangles)
 }
