@@ -132,7 +132,7 @@ impl<'a> InPlace<'a> {
         let guess = known.map(|known| {
             let is_refined = gaps.scene.inherited.is_some();
             let nearness = if is_refined { Nearness::OfCoarser } else { Nearness::Any };
-            Guess { active: &known.active, nearness }
+            Guess { active: &known.active, nearness, fingers: None }
         });
         let forces = equilibrium::solve(&gaps, &response, guess, options, &mut report)?;
         let was_vain = known.is_some_and(|known| known.in_vain);

@@ -155,6 +155,15 @@ impl Fingers {
         Self::searched(surface, by_finger, coupling)
     }
 
+    /// Whether these are all their candidates.
+    ///
+    /// * `candidates`: ascending
+    pub fn are_of(&self, candidates: &[usize]) -> bool {
+        let mut own: Vec<usize> = self.candidates.iter().flatten().copied().collect();
+        own.sort_unstable();
+        own == candidates
+    }
+
     /// Candidates of fingers that feel each other, each ascending; ordered by the first.
     pub fn groups(&self) -> Vec<Vec<usize>> {
         let candidates = |group: Vec<usize>| {

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use crate::contact::candidate::fingers::Fingers;
 use crate::contact::candidate::groups::with_rings;
 use crate::contact::discretization::gap_at;
 use crate::contact::equilibrium::compliance::Compliance;
@@ -39,6 +40,8 @@ pub(crate) struct Guess<'a> {
     pub active: &'a [usize],
     /// What a problem that is far from it may do.
     pub nearness: Nearness,
+    /// The fingers of a contact of the same undeformed skin, where known.
+    pub fingers: Option<&'a Fingers>,
 }
 
 /// How near a guess is expected to be, and so how much is done for an answer elsewhere.

@@ -177,7 +177,7 @@ impl<'a> Linearizations<'a, '_> {
         // The last attempt looks for an answer far away as well.
         let is_last = report.is_unsettled && self.in_vain + 1 == MOST_IN_VAIN && !self.was_vain;
         let nearness = if is_last { Nearness::OfCoarser } else { Nearness::Near };
-        let guess = Guess { active: &self.active, nearness };
+        let guess = Guess { active: &self.active, nearness, fingers: Some(&self.best.1.fingers) };
         let forces = solve(gaps, self.response, Some(guess), self.options, report)?;
         if forces.failure.is_some() || forces.active.is_empty() {
             // Half-way there fewer nodes change sides, and skin that was inside is not let go.

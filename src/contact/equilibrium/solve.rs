@@ -92,10 +92,14 @@ fn solve_on(
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
-    let fingers = match &gaps.scene.inherited {
+    let before = guess.and_then(|guess| guess.fingers).filter(|fingers| fingers.are_of(&candidates));
+    let fingers = match (before, &gaps.scene.inherited) {
         _ if options.couple_fingers => Fingers::one(&candidates),
-        Some(known) => Fingers::as_before(gaps.surface, &candidates, &known.finger_of, &known.coupling),
-        None => {
+        (Some(before), _) => before.clone(),
+        (None, Some(known)) => {
+            Fingers::as_before(gaps.surface, &candidates, &known.finger_of, &known.coupling)
+        }
+        (None, None) => {
             let is_under_kernel = |vertex| response.skin.kernel_at(vertex).is_some();
             Fingers::split_by_tissue(gaps.surface, &candidates, &gaps.undeformed(), is_under_kernel)
         }
