@@ -88,11 +88,6 @@ class Closing:
             self._posed = (shares.copy(), posed)
         return self._posed[1]
 
-    def distances(self, shares: Floats, obstacle: Obstacle) -> Floats:
-        """Return the least signed distance (5,) (m) of each digit's vertices to the product; inf without."""
-        found = self._found(shares, obstacle, np.ones(len(DIGITS), dtype=bool), None)
-        return np.array([one.min(initial=np.inf) for one in found])
-
     def look(
         self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_], *, least: float
     ) -> tuple[Floats, Floats]:
@@ -156,7 +151,7 @@ class Closing:
         return shares
 
     def _found(
-        self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_], reach: float | None
+        self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_], reach: float
     ) -> list[Floats]:
         """Return the signed distances (m) of the vertices of some digits, none of the others."""
         places = self.posed(shares).surface.vertices

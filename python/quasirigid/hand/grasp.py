@@ -254,15 +254,7 @@ def close_hand(
     if not isinstance(hand, Hand):
         raise TypeError(f"hand is a {type(hand).__name__}, expected a Hand, as of `read_hand`")
     as_obstacle("obstacle", obstacle)
-    if not isinstance(skin, Skin):
-        raise TypeError(f"skin is a {type(skin).__name__}, expected a Skin: it is prepared for each pose")
-    if isinstance(skin.response, GivenMatrix) or (
-        isinstance(skin.response, Body)
-        and (skin.response.bone is not None or skin.response.fixed is not None)
-    ):
-        raise HandError(
-            "the response belongs to one pose; Body() with neither bone nor fixed takes the hand's own bones"
-        )
+    _check_skin(skin)
     if options is None:
         options = ContactOptions(target_error=_TARGET_ERROR, max_nodes=MOST_NODES)
     options_to_core(options)
@@ -279,20 +271,43 @@ def close_hand(
     )
     posed, contact = hold.run()
     end_of(contact, throw=throw, stacklevel=2)
+    _warn(hold, posed)
+    return _grasp(hold, posed, contact, weight=weight, middle=middle)
+
+
+def _check_skin(skin: Skin) -> None:
+    """Refuse what is no skin, and one that is prepared for a single pose."""
+    if not isinstance(skin, Skin):
+        raise TypeError(f"skin is a {type(skin).__name__}, expected a Skin: it is prepared for each pose")
+    if isinstance(skin.response, GivenMatrix) or (
+        isinstance(skin.response, Body)
+        and (skin.response.bone is not None or skin.response.fixed is not None)
+    ):
+        raise HandError(
+            "the response belongs to one pose; Body() with neither bone nor fixed takes the hand's own bones"
+        )
+
+
+def _warn(hold: Hold, posed: PosedHand) -> None:
+    """Warn of digits that stay inside the product and of regions that cross each other."""
     for digit, depth in hold.standing.items():
         warnings.warn(
             f"{digit} was not asked for and stands {1e3 * depth:.3g} mm inside the product: it stays at the "
             "start; name it too, start in another pose, or move the hand",
             QuasirigidWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     if posed.crossings:
         warnings.warn(
             f"the hand crosses itself, {in_words(posed.crossings)}: digits do not hold each other off; "
             "turn or move the hand, ask for less force or end in another pose",
             QuasirigidWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
+
+
+def _grasp(hold: Hold, posed: PosedHand, contact: Contact, *, weight: Floats | None, middle: Floats) -> Grasp:
+    """Return what a hand holds about the middle (m) of a product, and with its weight (N)."""
     parts = contact.by_label(hold.closing.parts)  # each digit and the palm
     regions = contact.by_label(posed.labels)
     net_force = -contact.force

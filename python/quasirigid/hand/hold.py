@@ -140,8 +140,8 @@ class Hold:
         self._refuse_inside(self.closing.posed(self.shares))
         moving = np.isin(np.arange(len(DIGITS)), list(self.wanted))
         if not moving.all():
-            away = self.closing.distances(self.shares, self.obstacle)
-            self.standing = {DIGITS[at]: -float(away[at]) for at in np.flatnonzero(~moving & (away < 0.0))}
+            deep = self._overlaps()
+            self.standing = {DIGITS[at]: float(deep[at]) for at in np.flatnonzero(~moving & (deep > 0.0))}
         self.shares = self.closing.first_touch(self.obstacle, moving)
         for at, wanted in self.wanted.items():
             self.searches[at] = Search(
