@@ -11,18 +11,18 @@ const ARRIVED: f64 = 1e-10;
 const MOST_STEPS: usize = 60;
 
 impl Obstacle {
-    /// How far (m) along its direction each point has the surface farthest on, up to `reach` (m); `None` where there is none,
+    /// How far (m) along its direction each point has the surface farthest on, up to its reach (m); `None` where there is none,
     /// or the line ends inside the obstacle.
     ///
-    /// * `points`, `directions`: (n) starts (m) and unit vectors
+    /// * `points`, `directions`, `reach`: (n) starts (m), unit vectors, lengths of the lines (m)
     pub(crate) fn farthest_surfaces(
         &self,
         points: &[Vector3<f64>],
         directions: &[Vector3<f64>],
-        reach: f64,
+        reach: &[f64],
     ) -> Result<Vec<Option<f64>>, ObstacleError> {
         let mut found = vec![None; points.len()];
-        let mut on_way: Vec<(usize, f64)> = (0..points.len()).map(|point| (point, reach)).collect();
+        let mut on_way: Vec<(usize, f64)> = reach.iter().copied().enumerate().collect();
         for _ in 0..MOST_STEPS {
             if on_way.is_empty() {
                 break;
@@ -32,7 +32,7 @@ impl Obstacle {
             let distance = self.signed_distance(&at, None)?.distance;
             let mut left = Vec::with_capacity(on_way.len());
             for ((point, way), distance) in on_way.into_iter().zip(distance) {
-                if distance.abs() <= ARRIVED * reach {
+                if distance.abs() <= ARRIVED * reach[point] {
                     found[point] = Some(way);
                 } else if distance > 0.0 && way > distance {
                     left.push((point, way - distance));
@@ -53,13 +53,13 @@ mod tests {
         let sheet = Obstacle::cuboid(Vector3::new(1.0, 1.0, 0.1)).expect("a box");
         let points = [Vector3::new(0.2, 0.0, 0.3), Vector3::new(0.2, 0.0, -0.3), Vector3::new(3.0, 0.0, 0.3)];
         let down = [-Vector3::z(); 3];
-        let ways = sheet.farthest_surfaces(&points, &down, 1.0).expect("finite points");
+        let ways = sheet.farthest_surfaces(&points, &down, &[1.0; 3]).expect("finite points");
         assert!((ways[0].expect("through it") - 0.4).abs() < 1e-9, "{ways:?}");
         assert_eq!(ways[1..], [None, None]);
         // The line ends inside.
-        assert_eq!(sheet.farthest_surfaces(&points[..1], &down[..1], 0.3).expect("finite points"), [None]);
+        assert_eq!(sheet.farthest_surfaces(&points[..1], &down[..1], &[0.3]).expect("finite points"), [None]);
         let slant = Vector3::new(1.0, 0.0, -1.0).normalize();
-        let ways = sheet.farthest_surfaces(&points[..1], &[slant], 2.0).expect("finite points");
+        let ways = sheet.farthest_surfaces(&points[..1], &[slant], &[2.0]).expect("finite points");
         assert!((ways[0].expect("through it") - 0.4 * 2f64.sqrt()).abs() < 1e-8, "{ways:?}");
     }
 }

@@ -42,9 +42,11 @@ fn box_of(half_extents: [f64; 3]) -> Obstacle {
 
 /// The same box as a mesh.
 fn mesh_of(half_extents: [f64; 3]) -> Obstacle {
-    let corner = |i: usize| {
-        Vector3::from_fn(|axis, _| half_extents[axis] * if i >> axis & 1 == 1 { 1.0 } else { -1.0 })
-    };
+    meshes_of(&[(Vector3::zeros(), half_extents)])
+}
+
+/// Boxes about their middles as one mesh.
+fn meshes_of(boxes: &[(Vector3<f64>, [f64; 3])]) -> Obstacle {
     let faces = [
         [0, 2, 1],
         [1, 2, 3],
@@ -59,7 +61,13 @@ fn mesh_of(half_extents: [f64; 3]) -> Obstacle {
         [1, 3, 5],
         [3, 7, 5],
     ];
-    Obstacle::mesh((0..8).map(corner).collect(), faces.to_vec(), &Default::default()).unwrap()
+    let corner = |middle: &Vector3<f64>, half_extents: &[f64; 3], i: usize| {
+        middle + Vector3::from_fn(|axis, _| half_extents[axis] * if i >> axis & 1 == 1 { 1.0 } else { -1.0 })
+    };
+    let corners = boxes.iter().flat_map(|(middle, half)| (0..8).map(move |i| corner(middle, half, i)));
+    let of_box = |at: u32| faces.map(|face: [u32; 3]| face.map(|vertex| 8 * at + vertex));
+    let faces = (0..boxes.len() as u32).flat_map(of_box).collect();
+    Obstacle::mesh(corners.collect(), faces, &Default::default()).unwrap()
 }
 
 #[test]
@@ -210,6 +218,31 @@ fn a_sheet_stands_in_the_skin_that_it_is_nearer_to_and_not_in_that_on_the_other_
     let middle = depths.iter().zip(lens.vertices()).filter(|(_, x)| in_middle(x));
     assert!(middle.clone().any(|(depth, _)| *depth > 0.8 * half_breadth));
     middle.for_each(|(depth, x)| assert_relative_eq!(*depth, (x.z - level).max(0.0), epsilon = 1e-9));
+}
+
+#[test]
+fn how_deep_a_finger_stands_does_not_hang_on_another_one() {
+    let (radius, apart) = (8e-3, 60e-3);
+    let (ball, faces) = icosphere(radius, 3);
+    let count = ball.len() as u32;
+    let beside = ball.iter().map(|x| x + Vector3::new(apart, 0.0, 0.0));
+    let fingers = Surface::new(
+        ball.iter().copied().chain(beside).collect(),
+        faces.iter().copied().chain(faces.iter().map(|face| face.map(|vertex| vertex + count))).collect(),
+    );
+    let fingers = fingers.unwrap();
+    // A sheet in each, whose lower face came to some depth; the first finger stands over a second one besides.
+    let sheet = |x: f64, depth: f64| (Vector3::new(x, 0.0, radius - depth + 0.1e-3), [15e-3, 15e-3, 0.1e-3]);
+    let depths = |other: f64| {
+        let product = meshes_of(&[sheet(0.0, 1.5e-3), sheet(0.0, 4e-3), sheet(apart, other)]);
+        overlaps(&fingers, &product).unwrap()
+    };
+    let (shallow, deep) = (depths(1.5e-3), depths(3.5e-3));
+    let [of_first, of_other] = [0..ball.len(), ball.len()..2 * ball.len()];
+    assert_eq!(shallow[of_first.clone()], deep[of_first.clone()]);
+    let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, f64::max);
+    assert_relative_eq!(deepest(&shallow[of_first]), 1.5e-3, max_relative = 1e-9);
+    assert_relative_eq!(deepest(&deep[of_other]), 3.5e-3, max_relative = 1e-9);
 }
 
 #[test]

@@ -46,7 +46,7 @@ pub(crate) fn measure(
         &at_vertices[row]
     };
     // A distance changes by no more than the way, so no middle is beyond the reach.
-    let mut reach: f64 = 0.0;
+    let mut reach = Vec::with_capacity(around.edges.len());
     let mut middles = around.middles(surface);
     let mut shifts = Vec::with_capacity(middles.len());
     for (&[a, b], middle) in around.edges.iter().zip(&mut middles) {
@@ -55,18 +55,18 @@ pub(crate) fn measure(
         // Between skin that moves along one side of the obstacle and skin that moves along another nobody knows the way.
         let is_one_side = a.normal.dot(&b.normal) >= OTHER_SIDE;
         let shift = if is_one_side { 0.5 * (a.shift + b.shift) } else { Vector3::zeros() };
-        reach = reach.max(a.distance.abs() + length + a.shift.norm() + shift.norm());
+        reach.push(a.distance.abs() + length + a.shift.norm() + shift.norm());
         *middle += shift;
         shifts.push(shift);
     }
-    let found = scene.obstacle.signed_distance(&middles, Some(reach))?;
+    let found = scene.obstacle.signed_distance(&middles, reach.iter().copied().reduce(f64::max))?;
     let mut at_middles = Measured { distance: found.distance, normal: found.normal };
     let normals = surface.vertex_normals();
     let between = around.edges.iter().map(|ends| {
         let [a, b] = ends.map(|end| normals[end as usize]);
         (a + b).try_normalize(0.0).unwrap_or(a)
     });
-    let way_in = WayIn::new(scene, between, reach);
+    let way_in = WayIn::new(scene, between, |row| reach[row]);
     measure_entries(&middles, |_| true, &scene.obstacle, &way_in, &mut at_middles)?;
     for (row, shift) in shifts.iter().enumerate().filter(|(_, shift)| **shift != Vector3::zeros()) {
         at_middles.distance[row] -= at_middles.normal[row].dot(shift);

@@ -115,18 +115,19 @@ impl Facet {
 }
 
 impl SkinPart<'_> {
-    /// The sharp edges of the obstacle over or under the triangles, no deeper than `deepest` (m) and no higher than the
-    /// triangle is wide.
+    /// The sharp edges of the obstacle over or under the triangles, no higher than the triangle is wide.
     ///
+    /// * `deepest`: under a triangle (m)
     /// * `with_faces`: whether an edge that a triangle touches with a face of it counts
     fn edges_of(
         &self,
         obstacle: &Obstacle,
-        deepest: f64,
+        deepest: impl Fn(usize) -> f64,
         with_faces: impl Fn(usize) -> bool,
     ) -> Vec<Meeting> {
         let corners = self.triangles.iter().flatten();
-        let around = Bounds::around(corners.map(|&corner| &self.points[corner as usize])).grown(deepest);
+        let most = (0..self.triangles.len()).map(&deepest).fold(0.0, f64::max);
+        let around = Bounds::around(corners.map(|&corner| &self.points[corner as usize])).grown(most);
         let (edges, boxes): (Vec<ConvexEdge>, Vec<Bounds>) = (obstacle.sharp_edges())
             .map(|edge| (edge, Bounds::around(&edge.ends)))
             .filter(|(_, bounds)| bounds.meets(&around))
@@ -140,6 +141,7 @@ impl SkinPart<'_> {
             let Some(facet) = Facet::new(corners.map(|corner| self.points[corner as usize])) else {
                 continue;
             };
+            let deepest = deepest(triangle);
             let reach = facet.reach(deepest);
             for edge in tree.leaves(|node| node_bounds(node).meets(&reach)) {
                 let sharp = &edges[edge as usize];
@@ -158,8 +160,8 @@ impl SkinPart<'_> {
     ///
     /// * `distance`: of the points from the obstacle (m)
     pub fn deepest_between(&self, obstacle: &Obstacle, deepest: f64, least: f64, distance: &[f64]) -> f64 {
-        let mut met = self.edges_of(obstacle, deepest, |_| true);
-        met.extend(self.lines_of(obstacle, deepest, distance));
+        let mut met = self.edges_of(obstacle, |_| deepest, |_| true);
+        met.extend(self.lines_of(obstacle, |_| deepest, distance));
         met.retain(|under| under.depth > least);
         met.sort_by(|one, other| other.depth.total_cmp(&one.depth));
         if met.is_empty() {
@@ -193,8 +195,14 @@ impl SkinPart<'_> {
     /// a mesh.
     ///
     /// * `distance`: of the points from the obstacle (m)
-    fn lines_of(&self, obstacle: &Obstacle, deepest: f64, distance: &[f64]) -> Vec<Meeting> {
+    fn lines_of(
+        &self,
+        obstacle: &Obstacle,
+        deepest: impl Fn(usize) -> f64 + Sync,
+        distance: &[f64],
+    ) -> Vec<Meeting> {
         let meeting = |face: usize| {
+            let deepest = deepest(face);
             let facet = Facet::new(self.triangles[face].map(|corner| self.points[corner as usize]))?;
             // No point of it is farther from the nearest corner.
             let farthest = FARTHEST_POINT * facet.width;
@@ -222,15 +230,21 @@ impl SkinPart<'_> {
     /// Gives the corners the gap to the plane between triangle and obstacle where that is the lesser one.
     ///
     /// Returns these corners, with the line that each is held by.
+    ///
+    /// * `deepest`: under a corner (k, m)
     pub fn take_edges(
         &self,
         obstacle: &Obstacle,
-        deepest: f64,
+        deepest: &[f64],
         gaps: &mut Measured,
     ) -> BTreeMap<usize, Line> {
         let mut taken = BTreeMap::new();
-        let edges = self.edges_of(obstacle, deepest, |triangle| self.is_unmet(triangle, &gaps.distance));
-        let lines = self.lines_of(obstacle, deepest, &gaps.distance);
+        let under = |triangle: usize| {
+            let corners = self.triangles[triangle].iter();
+            corners.map(|&corner| deepest[corner as usize]).fold(0.0, f64::max)
+        };
+        let edges = self.edges_of(obstacle, under, |triangle| self.is_unmet(triangle, &gaps.distance));
+        let lines = self.lines_of(obstacle, under, &gaps.distance);
         // As the vertices alone were measured.
         let measured = gaps.distance.clone();
         for met in edges.iter().chain(&lines) {
@@ -354,7 +368,7 @@ mod tests {
         let roof = roof.moved(turn.matrix(), &shift).expect("a rotation");
         // The skin faces down on the roof.
         let mut gaps = Measured { distance: vec![0.5; 3], normal: vec![Vector3::y(); 3] };
-        assert_eq!(part.take_edges(&roof, 0.2, &mut gaps).len(), 3);
+        assert_eq!(part.take_edges(&roof, &[0.2; 3], &mut gaps).len(), 3);
         for corner in 0..3 {
             assert!((gaps.distance[corner] + 0.1).abs() < 1e-12, "{}", gaps.distance[corner]);
             assert!((gaps.normal[corner] - Vector3::z()).norm() < 1e-12);
@@ -362,7 +376,7 @@ mod tests {
         // Along a side it is none of the far corner's.
         let aside = roof.translated(&-Vector3::y());
         let mut gaps = Measured { distance: vec![0.5; 3], normal: vec![Vector3::y(); 3] };
-        assert_eq!(Vec::from_iter(part.take_edges(&aside, 0.2, &mut gaps).into_keys()), [0, 2]);
+        assert_eq!(Vec::from_iter(part.take_edges(&aside, &[0.2; 3], &mut gaps).into_keys()), [0, 2]);
     }
 
     #[test]
@@ -372,9 +386,9 @@ mod tests {
         let part = SkinPart { points: &points, triangles: &[[0, 1, 2]] };
         let ball = Obstacle::sphere(Vector3::new(0.0, 0.0, -0.05), 0.15).expect("a ball");
         let mut gaps = Measured { distance: vec![0.5; 3], normal: vec![Vector3::y(); 3] };
-        assert_eq!(part.take_edges(&ball, 0.2, &mut gaps).len(), 3);
+        assert_eq!(part.take_edges(&ball, &[0.2; 3], &mut gaps).len(), 3);
         assert!(gaps.distance.iter().all(|gap| (gap + 0.1).abs() < 1e-15), "{:?}", gaps.distance);
         let mut met = Measured { distance: vec![0.5, -0.01, 0.5], normal: vec![Vector3::y(); 3] };
-        assert!(part.take_edges(&ball, 0.2, &mut met).is_empty());
+        assert!(part.take_edges(&ball, &[0.2; 3], &mut met).is_empty());
     }
 }

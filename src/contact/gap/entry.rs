@@ -28,19 +28,29 @@ pub(crate) const OTHER_SIDE: f64 = 0.499;
 pub(crate) enum WayIn<'a> {
     /// Against the travel of a press, of points on skin that faces it or is passed by.
     Press { travel: &'a Travel, faces: Vec<bool> },
-    /// Along its inward unit normals, one for each point, from no farther than `reach` (m).
-    Inward { normals: Vec<Vector3<f64>>, reach: f64 },
+    /// Along its inward unit normals, one for each point, from no farther than the reach of that (m).
+    Inward { normals: Vec<Vector3<f64>>, reach: Vec<f64> },
 }
 
 impl<'a> WayIn<'a> {
     /// Of skin with outward unit normals under a scene.
-    pub fn new(scene: &'a Scene, outward: impl Iterator<Item = Vector3<f64>>, reach: f64) -> Self {
+    ///
+    /// * `reach`: how far a point looks for it in overlap (m)
+    pub fn new(
+        scene: &'a Scene,
+        outward: impl Iterator<Item = Vector3<f64>>,
+        reach: impl Fn(usize) -> f64,
+    ) -> Self {
         match &scene.press {
             Some(travel) => {
                 let faces = outward.map(|normal| normal.dot(&travel.direction) < -OTHER_SIDE).collect();
                 Self::Press { travel, faces }
             }
-            None => Self::Inward { normals: outward.map(|normal| -normal).collect(), reach },
+            None => {
+                let normals: Vec<Vector3<f64>> = outward.map(|normal| -normal).collect();
+                let reach = (0..normals.len()).map(reach).collect();
+                Self::Inward { normals, reach }
+            }
         }
     }
 
@@ -60,11 +70,11 @@ impl<'a> WayIn<'a> {
     }
 
     /// How far back the way of a point (m) goes at the most; inside the obstacle none is deeper.
-    fn reach(&self, point: &Vector3<f64>, is_inside: bool) -> f64 {
+    fn reach(&self, row: usize, point: &Vector3<f64>, is_inside: bool) -> f64 {
         match self {
             Self::Press { travel, .. } if is_inside => travel.deepest,
             Self::Press { travel, .. } => travel.way_to(point),
-            Self::Inward { reach, .. } => *reach,
+            Self::Inward { reach, .. } => reach[row],
         }
     }
 
@@ -72,6 +82,7 @@ impl<'a> WayIn<'a> {
     fn back(
         &self,
         obstacle: &Obstacle,
+        rows: &[usize],
         points: &[Vector3<f64>],
         directions: &[Vector3<f64>],
     ) -> Result<Vec<Option<f64>>, ContactError> {
@@ -79,7 +90,10 @@ impl<'a> WayIn<'a> {
             Self::Press { travel, .. } => {
                 obstacle.entry_distances(points, &travel.direction, travel.deepest)?
             }
-            Self::Inward { reach, .. } => obstacle.farthest_surfaces(points, directions, *reach)?,
+            Self::Inward { reach, .. } => {
+                let reach: Vec<f64> = rows.iter().map(|&row| reach[row]).collect();
+                obstacle.farthest_surfaces(points, directions, &reach)?
+            }
         })
     }
 }
@@ -95,13 +109,11 @@ pub(crate) struct EntryGap {
     /// Those that went through a wall thinner than their depth: they left the obstacle again, or their closest
     /// surface faces against the travel, or lies on a wall thinner than twice the way back.
     pub through_walls: usize,
-    /// The deepest of them (m).
-    pub deepest: f64,
 }
 
 /// Measures the gap back along the way in where the entry normal points elsewhere than the one at the closest point.
 ///
-/// Others keep their gap to the bit.
+/// Others keep their gap to the bit. Returns these points too.
 ///
 /// * `points`: (k, m)
 /// * `may_touch`: which of them
@@ -111,20 +123,20 @@ pub(crate) fn measure_entries(
     obstacle: &Obstacle,
     way_in: &WayIn,
     gaps: &mut Measured,
-) -> Result<EntryGap, ContactError> {
+) -> Result<(EntryGap, Vec<usize>), ContactError> {
     let cosine = |row: usize| gaps.normal[row].dot(&way_in.direction(row));
-    let reach = |row: usize| way_in.reach(&points[row], gaps.distance[row] < 0.0);
+    let reach = |row: usize| way_in.reach(row, &points[row], gaps.distance[row] < 0.0);
     let suspects: Vec<usize> = (0..gaps.distance.len())
         .filter(|&row| may_touch(row) && gaps.distance[row] < reach(row))
         .filter(|&row| gaps.distance[row] < 0.0 || way_in.may_pass(row))
         .filter(|&row| cosine(row) < if gaps.distance[row] < 0.0 { OTHER_SIDE } else { FACING_BACK })
         .collect();
     if suspects.is_empty() {
-        return Ok(EntryGap::default());
+        return Ok((EntryGap::default(), Vec::new()));
     }
     let suspected: Vec<Vector3<f64>> = suspects.iter().map(|&row| points[row]).collect();
     let directions: Vec<Vector3<f64>> = suspects.iter().map(|&row| way_in.direction(row)).collect();
-    let ways = way_in.back(obstacle, &suspected, &directions)?;
+    let ways = way_in.back(obstacle, &suspects, &suspected, &directions)?;
     let in_reach =
         |(row, way): (usize, Option<f64>)| way.filter(|way| *way <= reach(row)).map(|way| (row, way));
     let met: Vec<(usize, f64)> = suspects.into_iter().zip(ways).filter_map(in_reach).collect();
@@ -137,7 +149,7 @@ pub(crate) fn measure_entries(
         .map(|&(vertex, way)| points[vertex] - (gaps.distance[vertex] + 2.0 * way) * gaps.normal[vertex])
         .collect();
     let behind = obstacle.signed_distance(&beyond, None)?.distance;
-    let mut counted = EntryGap::default();
+    let (mut entered, mut through_walls) = (Vec::new(), 0);
     for (row, (vertex, way)) in met.into_iter().enumerate() {
         let (normal, entry) = (gaps.normal[vertex], entry_normal[row]);
         let advance = entry.dot(&way_in.direction(vertex));
@@ -148,11 +160,10 @@ pub(crate) fn measure_entries(
         let through_wall = gaps.distance[vertex] >= 0.0 || faces_back || behind[row] > 0.0;
         gaps.distance[vertex] = -way * advance;
         gaps.normal[vertex] = entry;
-        counted.vertices += 1;
-        counted.deepest = counted.deepest.max(way * advance);
-        counted.through_walls += usize::from(through_wall);
+        entered.push(vertex);
+        through_walls += usize::from(through_wall);
     }
-    Ok(counted)
+    Ok((EntryGap { vertices: entered.len(), through_walls }, entered))
 }
 
 #[cfg(test)]

@@ -19,6 +19,9 @@ use crate::surface::checked::Surface;
 const SEARCH_EDGES: f64 = 2.0;
 /// Where skin in overlap stands deeper than this share of the search distance, some may stand deeper than that.
 const NEARLY_ALL: f64 = 0.7;
+/// How far around such a patch the skin looks farther, in its search distance: what the patch holds deeper than it looked is no
+/// farther.
+const AROUND: f64 = 2.0;
 /// How often the search distance is doubled for that.
 const MOST_DOUBLINGS: usize = 4;
 
@@ -30,6 +33,8 @@ pub(crate) struct Gaps<'a> {
     pub scene: &'a Scene,
     /// Every vertex not measured is at least this far from the obstacle, outside it (m).
     pub search_distance: f64,
+    /// How far back along its inward normal each vertex in overlap looks for the way that it came in (n, m).
+    reach: Vec<f64>,
     /// Vertices whose gap is measured back the way they came.
     pub entry: EntryGap,
     /// Vertices that may touch with g0 < 0, ascending.
@@ -69,28 +74,26 @@ impl<'a> Gaps<'a> {
             (None, Some(inherited)) => inherited.search_distance,
             (None, None) => search_distance_in_overlap(surface),
         };
-        let mut reach = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
-        let (mut measured, mut entry) = Self::within(surface, scene, reach)?;
-        let may_be_deeper = search_distance.is_none() && scene.press.is_none();
-        for _ in 0..MOST_DOUBLINGS {
-            if !may_be_deeper || entry.deepest <= NEARLY_ALL * reach {
-                break;
+        let nearest = search_distance.unwrap_or_else(default).max(depth_bound.unwrap_or(0.0));
+        let mut reach = vec![nearest; surface.vertices().len()];
+        let (mut measured, mut entry, mut entered) = Self::within(surface, scene, &reach)?;
+        if search_distance.is_none() && scene.press.is_none() {
+            for _ in 0..MOST_DOUBLINGS {
+                if !reach_farther(surface, &entered, &measured, &mut reach) {
+                    break;
+                }
+                (measured, entry, entered) = Self::within(surface, scene, &reach)?;
             }
-            let farther = (2.0 * reach).min(0.5 * breadth_at_deepest(surface, &measured));
-            if farther <= reach {
-                break;
-            }
-            reach = farther;
-            (measured, entry) = Self::within(surface, scene, reach)?;
         }
-        let deepest = depth_bound.unwrap_or(reach);
-        let on_lines = take_edges(surface, &scene.obstacle, deepest, &mut measured);
+        let deepest = depth_bound.map_or_else(|| reach.clone(), |depth| vec![depth; reach.len()]);
+        let on_lines = take_edges(surface, &scene.obstacle, &deepest, &mut measured);
         let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
         let penetrating: Vec<usize> = (0..measured.distance.len()).filter(is_inside).collect();
         Ok(Self {
             surface,
             scene,
-            search_distance: reach,
+            search_distance: farthest(&reach),
+            reach,
             entry,
             deepest: penetrating.iter().map(|&vertex| -measured.distance[vertex]).fold(0.0, f64::max),
             penetrating,
@@ -102,13 +105,19 @@ impl<'a> Gaps<'a> {
         })
     }
 
-    /// Gaps of the vertices within a search distance (m).
-    fn within(surface: &Surface, scene: &Scene, reach: f64) -> Result<(Measured, EntryGap), ContactError> {
-        let mut measured = Measured::near(surface.vertices(), &scene.obstacle, reach, scene.depth_bound)?;
+    /// Gaps of the vertices within their search distances (n, m), and those measured back the way they came.
+    fn within(
+        surface: &Surface,
+        scene: &Scene,
+        reach: &[f64],
+    ) -> Result<(Measured, EntryGap, Vec<usize>), ContactError> {
+        let farthest = farthest(reach);
+        let mut measured = Measured::near(surface.vertices(), &scene.obstacle, farthest, scene.depth_bound)?;
         let may_touch = |vertex: usize| surface.skin_mask()[vertex];
-        let way_in = WayIn::new(scene, surface.vertex_normals().iter().copied(), reach);
-        let entry = measure_entries(surface.vertices(), may_touch, &scene.obstacle, &way_in, &mut measured)?;
-        Ok((measured, entry))
+        let way_in = WayIn::new(scene, surface.vertex_normals().iter().copied(), |vertex| reach[vertex]);
+        let (entry, entered) =
+            measure_entries(surface.vertices(), may_touch, &scene.obstacle, &way_in, &mut measured)?;
+        Ok((measured, entry, entered))
     }
 
     /// Deepest penetration of a vertex of the undeformed skin (m, ≥ 0).
@@ -148,7 +157,7 @@ impl<'a> Gaps<'a> {
             moved.map(|(&vertex, u)| self.surface.vertices()[vertex] + u).collect();
         let mut measured = Measured::near(&points, &self.scene.obstacle, f64::INFINITY, None)?;
         let normals = vertices.iter().map(|&vertex| self.surface.vertex_normals()[vertex]);
-        let way_in = WayIn::new(self.scene, normals, self.search_distance);
+        let way_in = WayIn::new(self.scene, normals, |row| self.reach[vertices[row]]);
         measure_entries(&points, |_| true, &self.scene.obstacle, &way_in, &mut measured)?;
         Ok(measured)
     }
@@ -214,22 +223,52 @@ impl<'a> Gaps<'a> {
     }
 }
 
-/// How broad the skin's body is under the vertex that stands deepest (m): what is farther in than half of it came in through
-/// the skin on the other side.
-fn breadth_at_deepest(surface: &Surface, measured: &Measured) -> f64 {
-    let of = |&vertex: &usize| measured.distance[vertex];
-    let may_touch = (0..measured.distance.len()).filter(|&vertex| surface.skin_mask()[vertex]);
-    let breadth = |vertex: usize| surface.breadth_along(vertex, &-surface.vertex_normals()[vertex]);
-    may_touch.min_by(|a, b| of(a).total_cmp(&of(b))).and_then(breadth).unwrap_or(f64::INFINITY)
+/// The farthest that any vertex looks (m).
+fn farthest(reach: &[f64]) -> f64 {
+    reach.iter().copied().fold(0.0, f64::max)
+}
+
+/// Lets the skin around a patch look farther where the patch stands nearly as deep as it looked, and nowhere else: another
+/// finger would find walls that it never met.
+///
+/// No farther than half the breadth of the skin's body under the deepest vertex: what stands farther in came through the skin
+/// on the other side.
+///
+/// * `entered`: vertices whose gap is measured back the way they came
+/// * `reach`: how far each vertex looks (n, m)
+///
+/// Returns whether some shall.
+fn reach_farther(surface: &Surface, entered: &[usize], measured: &Measured, reach: &mut [f64]) -> bool {
+    let mut is_farther = false;
+    for patch in surface.patches(entered) {
+        let deepest =
+            patch.iter().copied().min_by(|&a, &b| measured.distance[a].total_cmp(&measured.distance[b]));
+        let deepest = deepest.expect("no patch is empty");
+        if -measured.distance[deepest] <= NEARLY_ALL * reach[deepest] {
+            continue;
+        }
+        let breadth = surface.breadth_along(deepest, &-surface.vertex_normals()[deepest]);
+        let farther = (2.0 * reach[deepest]).min(0.5 * breadth.unwrap_or(f64::INFINITY));
+        if farther <= reach[deepest] {
+            continue;
+        }
+        is_farther = true;
+        for (vertex, _) in surface.skin_distances(&patch, AROUND * farther) {
+            reach[vertex] = reach[vertex].max(farther);
+        }
+    }
+    is_farther
 }
 
 /// Takes the gaps to sharp edges where vertices were measured.
+///
+/// * `deepest`: under a vertex (n, m)
 ///
 /// Returns the vertices that have such a gap, with the line.
 fn take_edges(
     surface: &Surface,
     obstacle: &Obstacle,
-    deepest: f64,
+    deepest: &[f64],
     measured: &mut Measured,
 ) -> BTreeMap<usize, Line> {
     let near: Vec<usize> =
@@ -238,7 +277,8 @@ fn take_edges(
     let triangles = triangles_among(surface, &near);
     let mut at_near = measured.rows(&near);
     let part = SkinPart { points: &points, triangles: &triangles };
-    let taken = part.take_edges(obstacle, deepest, &mut at_near);
+    let deepest: Vec<f64> = near.iter().map(|&vertex| deepest[vertex]).collect();
+    let taken = part.take_edges(obstacle, &deepest, &mut at_near);
     for &row in taken.keys() {
         (measured.distance[near[row]], measured.normal[near[row]]) =
             (at_near.distance[row], at_near.normal[row]);
