@@ -95,6 +95,14 @@ impl WarmMesh {
             && nodes <= self.most_nodes()
     }
 
+    /// Whether a contact at a depth (m) is likely to come to too many nodes: they grow with the depth at least, as the area does
+    /// under a ball.
+    pub fn is_outgrown_at(&self, depth: f64) -> bool {
+        let last = &self.last().1;
+        let growth = last.depth.map_or(1.0, |before| depth / before);
+        growth * last.candidates.len() as f64 > self.most_nodes() as f64
+    }
+
     /// What the mesh costs a contact; `Err` with the edges (m) to cut longer ones to where its rim is too coarse.
     pub fn error(&self, contact: &Contact) -> Result<Option<ErrorEstimate>, f64> {
         let known = &self.refined_for;

@@ -141,6 +141,11 @@ impl Setup<'_> {
     fn go_on(&self, aim: Aim, mut warm: WarmMesh) -> Result<Option<(Contact, WarmMesh)>, ContactError> {
         let started = Instant::now();
         let Some(target) = self.options.target_error else { return Ok(None) };
+        if let Aim::Depth(depth) = aim
+            && warm.is_outgrown_at(depth)
+        {
+            return Ok(None);
+        }
         for _ in 0..MOST_CHANGES {
             if self.options.is_interrupted() {
                 return Err(ContactError::Interrupted { stage: "refinement" });
