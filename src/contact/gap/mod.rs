@@ -11,3 +11,4 @@ pub(crate) mod entry;
 pub(crate) mod initial;
 pub(crate) mod measured;
 pub(crate) mod touch;
+mod under;

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use crate::contact::gap::edge::depth_along;
+use crate::contact::gap::under::depth_along;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::direction::tangents;
 use crate::geometry::face_tree::{box_tree, node_bounds};
