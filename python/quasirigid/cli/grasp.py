@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import quasirigid as qr
 
 from .._extras import need_matplotlib
-from ..hand.grasp import MOST_NODES
+from ..hand.close import MOST_NODES
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from ..io.grasps import GRASP_FILES
 from .arguments import file_unit, parse_poisson_ratio, parse_response, parse_target_error, rotation

@@ -1,8 +1,8 @@
 """Hands: skin that follows joints, poses, and the regions of the skin."""
 
 from .bones import Bone as Bone
+from .close import close_hand as close_hand
 from .grasp import Grasp as Grasp
-from .grasp import close_hand as close_hand
 from .hand import Hand as Hand
 from .hand import Side as Side
 from .joints import DIGITS as DIGITS
