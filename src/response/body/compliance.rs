@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::rigid_motion::check_rotation;
 use crate::response::body::check::parts::{Range, check_counts, check_numbers, entries};
-use crate::response::body::check::tissue::{TissueReport, check_nodes};
+use crate::response::body::check::tissue::check_nodes;
 use crate::response::body::error::BodyError;
 
 /// Everything in a [`BodyCompliance`], to store it and to build it again.
@@ -33,19 +33,18 @@ pub struct BodyParts {
 pub struct BodyCompliance {
     parts: Arc<BodyParts>,
     rotation: Matrix3<f64>,
-    report: Arc<TissueReport>,
 }
 
 /// Deviation of a direction's length from 1 that still counts as rounding.
 const UNIT_LENGTH_ERROR: f64 = 1e-9;
 
 impl BodyCompliance {
-    pub(crate) fn new(parts: BodyParts, report: TissueReport) -> Self {
+    pub(crate) fn new(parts: BodyParts) -> Self {
         let rotation = parts.rotation;
-        BodyCompliance { parts: Arc::new(parts), rotation, report: Arc::new(report) }
+        BodyCompliance { parts: Arc::new(parts), rotation }
     }
 
-    /// Builds a compliance from stored parts; its report is empty.
+    /// Builds a compliance from stored parts.
     ///
     /// # Errors
     /// [`BodyError::Parts`]: sizes that do not belong together; [`BodyError::PartNumber`]; [`BodyError::Rotation`];
@@ -61,7 +60,7 @@ impl BodyCompliance {
         check_numbers("displacement", Range::Finite, entries(&parts.displacement))?;
         check_numbers("bone pressure", Range::Finite, parts.bone_pressure.iter().flat_map(entries))?;
         check_rotation(&parts.rotation)?;
-        Ok(Self::new(parts, TissueReport { min_thickness: f64::NAN, thinnest: None, warnings: Vec::new() }))
+        Ok(Self::new(parts))
     }
 
     /// The stored numbers; their rotation is the one at construction, see [`BodyCompliance::rotation`].
@@ -72,11 +71,6 @@ impl BodyCompliance {
     /// How the body has been turned in all, since its equations were solved.
     pub fn rotation(&self) -> &Matrix3<f64> {
         &self.rotation
-    }
-
-    /// What the checks found.
-    pub fn report(&self) -> &TissueReport {
-        &self.report
     }
 
     /// Loaded skin vertices, in the order of the matrices' rows and columns.

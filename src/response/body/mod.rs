@@ -34,7 +34,6 @@ pub(crate) mod levels;
 pub(crate) mod progress;
 pub(crate) mod solve;
 
-pub use check::tissue::{TissueReport, TissueWarning};
 pub use compliance::{BodyCompliance, BodyParts};
 pub use cost::BodyCost;
 pub use equations::kelvin;

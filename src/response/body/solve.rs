@@ -12,9 +12,7 @@ use crate::linalg::factor::{NoFactor, Real};
 use crate::linalg::lu::{Blocking, Lu};
 use crate::linalg::memory::free_memory;
 use crate::linalg::threads::bounded_pool;
-use crate::response::body::check::tissue::{
-    TissueReport, check_fixed, check_nodes, check_tissue, check_uncrossed,
-};
+use crate::response::body::check::tissue::{check_fixed, check_nodes, check_tissue, check_uncrossed};
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::cost::{BodyCost, solve_width};
 use crate::response::body::equations::assemble::assemble_equations;
@@ -35,7 +33,8 @@ const FACTOR_STRIP: usize = 256;
 pub struct Body {
     /// Rigid, immobile bones: closed surfaces inside the skin, one connected component each.
     pub bone: Option<Surface>,
-    /// Skin vertices that do not move, such as those of the cut face of a finger; one entry per vertex.
+    /// Skin vertices that do not move, such as those of the cut face of a finger; one entry per vertex. Only whole faces are
+    /// held: a vertex of none that is fixed at all three corners stays free.
     pub fixed: Option<Vec<bool>>,
     /// Wanted length of the edges of the coarse skin that [`PreparedBody`](crate::response::PreparedBody) solves on (m):
     /// `None` lets the thickness of the tissue decide, 0 is the skin itself.
@@ -97,24 +96,20 @@ impl Body {
         Body { bone, fixed: Some(part.fixed.clone()), ..Body::default() }
     }
 
-    /// Checks the body without solving anything.
+    /// Checks the body without solving anything; which vertices of the skin it holds: those of faces that are fixed at all
+    /// three corners.
     ///
     /// # Errors
     /// Whatever is wrong with skin, bones or fixed vertices, as in [`Body::prepare`].
-    pub fn inspect(&self, skin: &Surface) -> Result<TissueReport, BodyError> {
-        self.check(skin).map(|(report, _)| report)
-    }
-
-    pub(crate) fn check(&self, skin: &Surface) -> Result<(TissueReport, Vec<bool>), BodyError> {
+    pub fn held_vertices(&self, skin: &Surface) -> Result<Vec<bool>, BodyError> {
         if self.bone.is_none() && self.fixed.is_none() {
             return Err(BodyError::Unsupported);
         }
-        let mut report = check_tissue(skin, self.bone.as_ref())?;
-        let fixed = match &self.fixed {
-            Some(mask) => check_fixed(skin, mask, &mut report)?,
-            None => vec![false; skin.vertices().len()],
-        };
-        Ok((report, fixed))
+        check_tissue(skin, self.bone.as_ref())?;
+        match &self.fixed {
+            Some(mask) => check_fixed(skin, mask),
+            None => Ok(vec![false; skin.vertices().len()]),
+        }
     }
 
     /// What preparing `node_count` nodes on the skin's own mesh costs.
@@ -173,12 +168,12 @@ impl Body {
             return Err(BodyError::Tolerance { value: options.tolerance });
         }
         self.check_memory::<T>(skin, nodes.len(), options.memory_limit)?;
-        let (report, fixed) = self.check(skin)?;
+        let fixed = self.held_vertices(skin)?;
         check_nodes(skin.vertices().len(), &fixed, nodes)?;
         check_uncrossed(skin)?;
         options.with_threads(|options| {
             let parts = self.solve::<T>(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
-            Ok(BodyCompliance::new(parts, report))
+            Ok(BodyCompliance::new(parts))
         })
     }
 

@@ -18,16 +18,18 @@ fn faces_of(surface: &Surface) -> Faces<'_> {
     Faces { vertices: surface.vertices(), corners: surface.faces(), normals: surface.face_normals() }
 }
 
-/// For every face of `first` the closest face of `second`, provided that they do not cross.
-pub(crate) fn closest_faces(first: &Surface, second: &Surface) -> Vec<FacePair> {
+/// The two closest faces of surfaces that do not cross.
+pub(crate) fn closest_faces(first: &Surface, second: &Surface) -> FacePair {
     let tree = face_tree(second.vertices(), second.faces());
+    let closest = |face| {
+        let (closest, distance) = faces_of(second).closest_to_face(&tree, faces_of(first), face);
+        FacePair { first: face, second: closest, distance }
+    };
     (0..first.faces().len())
         .into_par_iter()
-        .map(|face| {
-            let (closest, distance) = faces_of(second).closest_to_face(&tree, faces_of(first), face);
-            FacePair { first: face, second: closest, distance }
-        })
-        .collect()
+        .map(closest)
+        .min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.first.cmp(&b.first)))
+        .expect("a surface has faces")
 }
 
 /// All pairs of faces of the two surfaces that cross or touch, sorted.

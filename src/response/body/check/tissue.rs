@@ -15,50 +15,8 @@ use crate::surface::checked::Surface;
 /// Bone and skin touch below this part of the skin's mean edge length (dimensionless).
 const TOUCHING_DISTANCE: f64 = 1e-6;
 
-/// What was found between skin and bone.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TissueReport {
-    /// Smallest distance between skin and bone (m); infinite without bone.
-    pub min_thickness: f64,
-    /// The bone face and the skin face where it is, if there is a bone.
-    pub thinnest: Option<(usize, usize)>,
-    /// Everything worth a second look.
-    pub warnings: Vec<TissueWarning>,
-}
-
-/// Something that makes a body response less accurate than the rest, or other than meant.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TissueWarning {
-    /// The tissue is thinner than the faces around it.
-    #[error(
-        "the tissue is thinner than its mesh over {count} bone faces (worst: {thickness:.2e} m at bone face \
-         {bone_face}, where skin edges are {edge:.2e} m long): refine the skin there"
-    )]
-    ThinnerThanMesh {
-        /// Number of bone faces closer to the skin than the skin's local edge length.
-        count: usize,
-        /// The worst of them.
-        bone_face: usize,
-        /// Its distance from the skin (m).
-        thickness: f64,
-        /// Longest edge of the nearest skin face (m).
-        edge: f64,
-    },
-    /// Fixed vertices that are part of no fixed face are left free.
-    #[error(
-        "{count} fixed vertices (first: {first}) belong to no face that is fixed at all three corners: left free"
-    )]
-    LooseFixed {
-        /// Number of such vertices.
-        count: usize,
-        /// The first of them.
-        first: usize,
-    },
-}
-
-/// Checks skin and bones; returns the report.
-pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<TissueReport, BodyError> {
+/// Checks skin and bones.
+pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<(), BodyError> {
     if !skin.is_closed() {
         return Err(BodyError::SkinOpen { border_count: skin.topology().boundary_loops().len() });
     }
@@ -68,8 +26,7 @@ pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<Tis
     if skin.volume().is_nan() || skin.volume() <= 0.0 {
         return Err(BodyError::SkinInverted { volume: skin.volume() });
     }
-    let mut report = TissueReport { min_thickness: f64::INFINITY, thinnest: None, warnings: Vec::new() };
-    let Some(bone) = bone else { return Ok(report) };
+    let Some(bone) = bone else { return Ok(()) };
     check_each_bone(bone)?;
 
     let crossings = crossings(bone, skin);
@@ -88,31 +45,12 @@ pub(crate) fn check_tissue(skin: &Surface, bone: Option<&Surface>) -> Result<Tis
     }
     check_bones_apart(bone)?;
 
-    let closest = closest_faces(bone, skin);
-    let nearest = closest.iter().min_by(|a, b| a.distance.total_cmp(&b.distance)).expect("a bone has faces");
     let limit = TOUCHING_DISTANCE * skin.mean_edge_length();
-    if nearest.distance <= limit {
-        let FacePair { first, second, distance } = *nearest;
+    let FacePair { first, second, distance } = closest_faces(bone, skin);
+    if distance <= limit {
         return Err(BodyError::BoneTouchesSkin { bone_face: first, skin_face: second, distance, limit });
     }
-    report.min_thickness = nearest.distance;
-    report.thinnest = Some((nearest.first, nearest.second));
-    let longest_edge = |face: usize| {
-        let [a, b, c] = skin.faces()[face].map(|v| skin.vertices()[v as usize]);
-        (b - a).norm().max((c - b).norm()).max((a - c).norm())
-    };
-    let thin: Vec<&FacePair> =
-        closest.iter().filter(|pair| pair.distance < longest_edge(pair.second)).collect();
-    let ratio = |pair: &FacePair| pair.distance / longest_edge(pair.second);
-    if let Some(worst) = thin.iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b))) {
-        report.warnings.push(TissueWarning::ThinnerThanMesh {
-            count: thin.len(),
-            bone_face: worst.first,
-            thickness: worst.distance,
-            edge: longest_edge(worst.second),
-        });
-    }
-    Ok(report)
+    Ok(())
 }
 
 /// A skin that crosses itself encloses no body.
@@ -157,11 +95,7 @@ fn check_bones_apart(bone: &Surface) -> Result<(), BodyError> {
 }
 
 /// Checks the mask of fixed vertices; returns the vertices that are fixed (those of fixed faces).
-pub(crate) fn check_fixed(
-    skin: &Surface,
-    mask: &[bool],
-    report: &mut TissueReport,
-) -> Result<Vec<bool>, BodyError> {
+pub(crate) fn check_fixed(skin: &Surface, mask: &[bool]) -> Result<Vec<bool>, BodyError> {
     let vertex_count = skin.vertices().len();
     if mask.len() != vertex_count {
         return Err(BodyError::FixedLength { found: mask.len(), expected: vertex_count });
@@ -179,10 +113,6 @@ pub(crate) fn check_fixed(
     }
     if !held.contains(&true) {
         return Err(BodyError::FixedWithoutFace { count, first });
-    }
-    let mut loose = (0..vertex_count).filter(|&v| mask[v] && !held[v]);
-    if let Some(first) = loose.next() {
-        report.warnings.push(TissueWarning::LooseFixed { count: 1 + loose.count(), first });
     }
     Ok(held)
 }

@@ -200,7 +200,7 @@ impl Body {
         if self.coarse_edge_length == Some(0.0) {
             return Ok(None);
         }
-        let (_, fixed) = self.check(skin)?;
+        let fixed = self.held_vertices(skin)?;
         check_nodes(vertex_count, &fixed, nodes)?;
         let (mut edge_length, has_many, tries) = match self.coarse_edge_length {
             Some(length) => {
@@ -281,7 +281,7 @@ impl Body {
         }
         let held = coarse.fine_vertices.iter().map(|&vertex| fixed[vertex]).collect();
         let body = Self { fixed: self.fixed.as_ref().map(|_| held), ..self.clone() };
-        match body.check(&coarse.surface) {
+        match body.held_vertices(&coarse.surface) {
             Ok(_) => Ok(Some(coarse)),
             Err(error) => {
                 let pairs = self.bone.as_ref().map_or_else(Vec::new, |bone| crossings(&coarse.surface, bone));

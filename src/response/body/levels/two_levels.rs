@@ -153,7 +153,7 @@ impl TwoLevels {
             nodes: columns,
             ..solved.parts().clone()
         };
-        let remainder = BodyCompliance::new(parts, solved.report().clone());
+        let remainder = BodyCompliance::new(parts);
         let edges = coarse.surface.mean_edges();
         let edge = |place: &CoarsePlace| -> f64 {
             place.weights_of_corners().map(|(corner, weight)| weight * edges[corner as usize]).sum()
