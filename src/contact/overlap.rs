@@ -15,7 +15,7 @@ use crate::surface::checked::Surface;
 /// # Errors
 /// [`ContactError`] where the obstacle cannot be measured.
 pub fn overlaps(surface: &Surface, obstacle: &Obstacle) -> Result<Vec<f64>, ContactError> {
-    let scene = Placement { obstacle, press: None }.scene(surface, false)?;
+    let scene = Placement { obstacle, press: None }.scene(surface)?;
     let gaps = Gaps::measure(surface, &scene, None)?;
     let mut depths = vec![0.0; surface.vertices().len()];
     for &vertex in &gaps.penetrating {

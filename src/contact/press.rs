@@ -1,14 +1,14 @@
-//! Bringing the obstacle to the skin: first touch, then a depth.
+//! Bringing the obstacle to the skin.
 
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::Contact;
-use crate::contact::reach::goal::{Target, reach};
-use crate::contact::reach::on_mesh::Quantity;
+use crate::contact::reach::goal::reach;
+use crate::contact::reach::target::Aim;
 use crate::contact::report::guards::Guarded;
-use crate::contact::scene::{Approach, Goal, Press};
+use crate::contact::scene::{Approach, Press};
 use crate::contact::setup::Setup;
 use crate::contact::solve::solve;
 use crate::contact::tilt::axes::Balance;
@@ -59,38 +59,15 @@ fn pressed(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     let direction = unit_direction(&press.direction)?;
-    let approach = |depth| Approach::new(direction, press.start, depth);
-    let tilt = match press.balance {
-        Balance::None => None,
-        Balance::Tilt(tilt) => Some((tilt.checked_point()?, tilt.axes.units(&direction)?)),
-    };
-    let setup = |depth| Setup { surface, obstacle, skin, options, press: approach(depth) };
-    let tilted = |depth, target| {
-        let (point, axes) = tilt.clone()?;
-        Some(Tilted { setup: setup(depth), target, axes, point })
-    };
-    let (quantity, value) = match press.goal {
-        Goal::Depth(depth) => {
-            if !(depth >= 0.0 && depth.is_finite()) {
-                return Err(ContactError::Depth { depth });
-            }
-            if let Some(tilted) = tilted(depth, None) {
-                return tilted.run();
-            }
-            return solve(surface, &setup(depth).at(depth), skin, options);
-        }
-        Goal::Force(force) => (Quantity::Force, force),
-        Goal::Overlap(overlap) => (Quantity::Overlap, overlap),
-    };
-    if !(value > 0.0 && value.is_finite()) {
-        let (goal, unit) = quantity.name_and_unit();
-        return Err(ContactError::Goal { goal, value, unit });
+    let setup = Setup { surface, obstacle, skin, options, approach: Approach::new(direction, press.start) };
+    if let Balance::Tilt(tilt) = press.balance {
+        let (point, axes) = (tilt.checked_point()?, tilt.axes.units(&direction)?);
+        return Tilted { setup, aim: press.goal.aim()?, axes, point }.run();
     }
-    let target = Target { quantity, value };
-    if let Some(tilted) = tilted(0.0, Some(target)) {
-        return tilted.run();
+    match press.goal.aim()? {
+        Aim::Depth(depth) => solve(surface, &setup.at(depth), skin, options),
+        Aim::Value(target) => reach(setup, target),
     }
-    reach(setup(0.0), target)
 }
 
 /// The unit vector along the direction of a press.

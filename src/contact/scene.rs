@@ -1,4 +1,4 @@
-//! Where the obstacle stands, and how it comes there: first touch, then a depth.
+//! Where the obstacle stands, and how it came there.
 
 use nalgebra::Vector3;
 
@@ -48,15 +48,13 @@ pub struct Press {
     pub balance: Balance,
 }
 
-/// A press to a depth.
+/// The way of a press.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Approach {
     /// Unit direction.
     pub direction: Vector3<f64>,
     /// Where it begins.
     pub start: Start,
-    /// Travel beyond that (m, ≥ 0).
-    pub depth: f64,
     /// Of the obstacle, where it has turned.
     pub turn: Option<Turn>,
     /// Travel of the first touch (m), where the skin at hand is a part that need not show it.
@@ -94,42 +92,39 @@ pub(crate) struct Inherited {
 pub(crate) struct Placement<'a> {
     /// The obstacle before that.
     pub obstacle: &'a Obstacle,
-    /// `None`: it stays where it is.
-    pub press: Option<Approach>,
+    /// The way it comes, and the travel beyond the beginning of that (m, ≥ 0); `None`: it stays where it is.
+    pub press: Option<(Approach, f64)>,
 }
 
 impl Placement<'_> {
     /// The obstacle where it stands against a skin.
-    ///
-    /// * `is_refined`: whether a press from where the obstacle stands was found to be free before
-    pub fn scene(&self, surface: &Surface, is_refined: bool) -> Result<Scene, ContactError> {
-        let Some(approach) = self.press else {
+    pub fn scene(&self, surface: &Surface) -> Result<Scene, ContactError> {
+        let Some((approach, depth)) = self.press else {
             let obstacle = self.obstacle.clone();
             return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, inherited: None });
         };
         let begin = match approach.start {
             Start::Infinity => approach.first_touch(surface, self.obstacle)?,
-            Start::Current if is_refined => 0.0,
-            Start::Current => free_start(surface, self.obstacle)?,
+            Start::Current => 0.0,
         };
-        Ok(approach.scene(surface, self.obstacle, begin))
+        Ok(approach.scene(depth, surface, self.obstacle, begin))
     }
 }
 
 impl Approach {
     /// Of an obstacle that does not turn.
-    pub fn new(direction: Vector3<f64>, start: Start, depth: f64) -> Self {
-        Self { direction, start, depth, turn: None, known_touch: None }
+    pub fn new(direction: Vector3<f64>, start: Start) -> Self {
+        Self { direction, start, turn: None, known_touch: None }
     }
 
-    /// The obstacle at the depth.
+    /// The obstacle at a depth (m).
     ///
     /// * `begin`: travel at which the press begins (m)
-    pub fn scene(&self, surface: &Surface, obstacle: &Obstacle, begin: f64) -> Scene {
-        let travel = begin + self.depth;
+    pub fn scene(&self, depth: f64, surface: &Surface, obstacle: &Obstacle, begin: f64) -> Scene {
+        let travel = begin + depth;
         let way = travel * self.direction;
         let mut placed = obstacle.translated(&way);
-        let mut deepest = self.depth;
+        let mut deepest = depth;
         let turned = self.turn.map(|turn| Turn { point: turn.point + way, ..turn });
         if let Some(turn) = &turned {
             placed = turn.of(&placed);
@@ -139,26 +134,16 @@ impl Approach {
         Scene {
             obstacle: placed,
             travel,
-            press: Some(Travel { direction: self.direction, depth: self.depth, turned, deepest }),
+            press: Some(Travel { direction: self.direction, depth, turned, deepest }),
             depth_bound: Some(deepest + touch_rounding(surface)),
             inherited: None,
         }
     }
 
     /// Travel at which the press begins, and the depth at which it touches (m).
-    ///
-    /// * `is_refined`: as for [`Placement::scene`]
-    pub fn touch(
-        &self,
-        surface: &Surface,
-        obstacle: &Obstacle,
-        is_refined: bool,
-    ) -> Result<(f64, f64), ContactError> {
+    pub fn touch(&self, surface: &Surface, obstacle: &Obstacle) -> Result<(f64, f64), ContactError> {
         if self.start == Start::Infinity {
             return Ok((self.first_touch(surface, obstacle)?, 0.0));
-        }
-        if !is_refined {
-            free_start(surface, obstacle)?;
         }
         let touching: Vec<Vector3<f64>> = skin_vertices(surface).map(|(_, position)| position).collect();
         let of_vertices = obstacle.first_touch_from_current(&touching, &self.direction)?;
@@ -168,6 +153,28 @@ impl Approach {
         match of_vertices.min(between.max(0.0)) {
             f64::INFINITY => Err(never_touches(&self.direction, touching.len())),
             travel => Ok((0.0, travel)),
+        }
+    }
+
+    /// Checks that nothing penetrates yet where the obstacle starts.
+    ///
+    /// # Errors
+    /// [`ContactError::StartsPenetrating`].
+    pub fn check_start(&self, surface: &Surface, obstacle: &Obstacle) -> Result<(), ContactError> {
+        if self.start == Start::Infinity {
+            return Ok(());
+        }
+        let (vertices, positions): (Vec<usize>, Vec<Vector3<f64>>) = skin_vertices(surface).unzip();
+        let distance = Measured::near(&positions, obstacle, 0.0, None)?.distance;
+        // A position reached by an earlier press touches exactly; its rounding is no penetration.
+        let allowed = -touch_rounding(surface);
+        let count = distance.iter().filter(|&&d| d < allowed).count();
+        match (0..distance.len()).min_by(|&a, &b| distance[a].total_cmp(&distance[b])) {
+            Some(row) if count > 0 => {
+                let (vertex, penetration) = (vertices[row], -distance[row]);
+                Err(ContactError::StartsPenetrating { vertex, penetration, count })
+            }
+            _ => Ok(()),
         }
     }
 
@@ -219,24 +226,6 @@ pub(crate) fn first_touch(
 
 fn never_touches(direction: &Vector3<f64>, skin_vertices: usize) -> ContactError {
     ContactError::NeverTouches { direction: (*direction).into(), skin_vertices }
-}
-
-/// Travel 0, after a check that nothing penetrates yet.
-fn free_start(surface: &Surface, obstacle: &Obstacle) -> Result<f64, ContactError> {
-    let (vertices, positions): (Vec<usize>, Vec<Vector3<f64>>) = skin_vertices(surface).unzip();
-    let distance = Measured::near(&positions, obstacle, 0.0, None)?.distance;
-    // A position reached by an earlier press touches exactly; its rounding is no penetration.
-    let allowed = -touch_rounding(surface);
-    let inside = distance.iter().filter(|&&d| d < allowed).count();
-    let deepest = (0..distance.len()).min_by(|&a, &b| distance[a].total_cmp(&distance[b]));
-    match deepest {
-        Some(row) if inside > 0 => Err(ContactError::StartsPenetrating {
-            vertex: vertices[row],
-            penetration: -distance[row],
-            count: inside,
-        }),
-        _ => Ok(0.0),
-    }
 }
 
 /// Rounding of a touch (m).

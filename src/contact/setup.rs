@@ -17,14 +17,13 @@ pub(crate) struct Setup<'a> {
     pub obstacle: &'a Obstacle,
     pub skin: &'a dyn ElasticSkin,
     pub options: &'a ContactOptions<'a>,
-    /// Direction, start and turn; its depth where one is given.
-    pub press: Approach,
+    pub approach: Approach,
 }
 
 impl<'a> Setup<'a> {
     /// The press to a depth (m).
     pub fn at(&self, depth: f64) -> Placement<'a> {
-        Placement { obstacle: self.obstacle, press: Some(Approach { depth, ..self.press }) }
+        Placement { obstacle: self.obstacle, press: Some((self.approach, depth)) }
     }
 
     /// Beyond this way past the touch, obstacle and skin are apart again, or no skin is left (m).
@@ -35,7 +34,8 @@ impl<'a> Setup<'a> {
 
     /// The press on the given mesh.
     pub fn on_given(&self) -> Result<OnMesh<'a>, ContactError> {
-        let touch = self.press.touch(self.surface, self.obstacle, false)?;
+        self.approach.check_start(self.surface, self.obstacle)?;
+        let touch = self.approach.touch(self.surface, self.obstacle)?;
         Ok(OnMesh { setup: *self, inherited: None, touch })
     }
 
@@ -51,7 +51,7 @@ impl<'a> Setup<'a> {
     where
         'a: 'b,
     {
-        let touch = self.press.touch(&part.surface, self.obstacle, true)?;
+        let touch = self.approach.touch(&part.surface, self.obstacle)?;
         let inherited = Some(meshes.inherited_by(part, self.skin));
         Ok(OnMesh { setup: Setup { surface: &part.surface, skin, ..*self }, inherited, touch })
     }

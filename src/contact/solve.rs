@@ -55,7 +55,10 @@ pub(crate) fn on_given_mesh(
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     let started = Instant::now();
-    let scene = placement.scene(surface, false)?;
+    if let Some((approach, _)) = placement.press {
+        approach.check_start(surface, placement.obstacle)?;
+    }
+    let scene = placement.scene(surface)?;
     let mut report = Report::default();
     if placement.press.is_some() {
         report.clock("first_touch", started);

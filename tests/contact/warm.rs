@@ -73,6 +73,19 @@ fn forces_are_found_on_the_mesh_before() {
 }
 
 #[test]
+fn overlaps_are_found_on_the_mesh_before() {
+    let surface = ball(RADIUS, 3);
+    let mut before = WarmStart::default();
+    for overlap in [0.5e-3, 0.52e-3, 0.54e-3] {
+        let contact = after(&surface, Goal::Overlap(overlap), &mut before).expect("within reach");
+        assert_eq!(mesh_rounds(&contact), 1);
+        assert_relative_eq!(contact.max_penetration_before, overlap, max_relative = 1e-6);
+        let force = alone(&surface, Goal::Overlap(overlap)).resultant.force.z;
+        assert_relative_eq!(contact.resultant.force.z, force, max_relative = 0.02);
+    }
+}
+
+#[test]
 fn a_bad_press_is_refused_and_the_next_one_begins_anew() {
     let surface = ball(RADIUS, 3);
     let mut before = WarmStart::default();

@@ -4,27 +4,18 @@ use std::time::Instant;
 
 use crate::contact::error::{ContactError, LargestContact};
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
-use crate::contact::reach::on_mesh::{Quantity, Reached};
+use crate::contact::reach::on_mesh::Reached;
 use crate::contact::reach::search::Search;
+use crate::contact::reach::target::{Quantity, Target};
 use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
 use crate::contact::scene::Placement;
 use crate::contact::setup::Setup;
 
-/// Power of the depth that the force of a round body rises with (Hertz).
-const HERTZ_POWER: f64 = 1.5;
 /// Refinements at the most: one at the depth that the given mesh asks for, one at that of the refined mesh.
 pub(crate) const REFINEMENTS: usize = 2;
 /// How much farther than the part of the skin that was refined was made for, in mean edges of the given mesh, an
 /// obstacle may come.
 pub(crate) const FARTHER: f64 = 0.5;
-
-/// The value that a quantity is to take.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Target {
-    pub quantity: Quantity,
-    /// In N or m.
-    pub value: f64,
-}
 
 /// A target, and what is pressed on what.
 struct Task<'a> {
@@ -105,7 +96,7 @@ impl Task<'_> {
         let skin = self.setup.refined_skin(part)?;
         let on_part = self.setup.on_refined(&rounds.meshes, part, &*skin)?;
         let past = last.depth.expect("a press has a depth") - on_part.touch.1;
-        let value = self.target.quantity.of(last, &self.setup.press.direction);
+        let value = self.target.quantity.of(last, &self.setup.approach.direction);
         if (value / self.target.value - 1.0).abs() <= Search::CLOSE {
             return Ok(Some(Ok(())));
         }
@@ -133,27 +124,9 @@ impl Task<'_> {
 
     fn not_reached(&self, contact: Contact, why: String) -> ContactError {
         let (goal, unit) = self.target.quantity.name_and_unit();
-        let largest = self.target.quantity.of(&contact, &self.setup.press.direction);
+        let largest = self.target.quantity.of(&contact, &self.setup.approach.direction);
         let depth = contact.depth.expect("a press has a depth");
         let contact = LargestContact(Box::new(contact));
         ContactError::NotReached { goal, unit, asked: self.target.value, largest, depth, why, contact }
-    }
-}
-
-impl Quantity {
-    /// Power of the depth that it rises with, as a first guess.
-    pub fn power(self) -> f64 {
-        match self {
-            Self::Force => HERTZ_POWER,
-            Self::Overlap => 1.0,
-        }
-    }
-
-    /// For messages.
-    pub fn name_and_unit(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Force => ("force", "N"),
-            Self::Overlap => ("overlap", "m"),
-        }
     }
 }

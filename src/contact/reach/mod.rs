@@ -4,3 +4,4 @@
 pub(crate) mod goal;
 pub(crate) mod on_mesh;
 pub(crate) mod search;
+pub(crate) mod target;

@@ -10,6 +10,7 @@ use crate::contact::gap::initial::Gaps;
 use crate::contact::in_place::{InPlace, Known, solve_in_place};
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
+use crate::contact::reach::target::Quantity;
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Inherited, Scene};
@@ -18,15 +19,6 @@ use crate::contact::tilt::axes::Turn;
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
-
-/// What the contact is to reach.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Quantity {
-    /// Force along the direction (N).
-    Force,
-    /// Deepest penetration of the undeformed skin (m).
-    Overlap,
-}
 
 /// One mesh of the skin, and the press that is carried out on it.
 pub(crate) struct OnMesh<'a> {
@@ -104,7 +96,7 @@ impl OnMesh<'_> {
             Found::Close { at, power } => (at, Ok(power)),
             Found::NotReached { largest: Some(at), why } => (at, Err(why)),
             Found::NotReached { largest: None, why } => match (last, trials.refusal.take()) {
-                (Some(contact), _) if quantity.of(contact, &self.setup.press.direction) < search.value => {
+                (Some(contact), _) if quantity.of(contact, &self.setup.approach.direction) < search.value => {
                     return Ok(Reached::Short { contact: contact.clone(), why });
                 }
                 (_, Some(error)) => return Err(error.into()),
@@ -116,7 +108,7 @@ impl OnMesh<'_> {
         add_timings(&mut contact.timings, &trials.timings());
         match end {
             Ok(power) => {
-                let value = quantity.of(&contact, &self.setup.press.direction);
+                let value = quantity.of(&contact, &self.setup.approach.direction);
                 let is_close = (value / search.value - 1.0).abs() <= Search::CLOSE;
                 if is_refined || is_close || matches!(contact.status, ContactStatus::Failed(_)) {
                     self.warn_of_jump(quantity, search.value, &mut contact);
@@ -140,7 +132,7 @@ impl OnMesh<'_> {
         let mut best = near;
         let timings = std::mem::take(&mut best.timings);
         let off = |contact: &Contact| {
-            (quantity.of(contact, &self.setup.press.direction) / search.value - 1.0).abs()
+            (quantity.of(contact, &self.setup.approach.direction) / search.value - 1.0).abs()
         };
         search.run(|past| -> Result<_, ContactError> {
             let contact = self.solve(past)?;
@@ -150,7 +142,7 @@ impl OnMesh<'_> {
                     status.as_str()
                 )));
             }
-            let value = quantity.of(&contact, &self.setup.press.direction).max(0.0);
+            let value = quantity.of(&contact, &self.setup.approach.direction).max(0.0);
             if off(&contact) < off(&best) {
                 best = contact;
             }
@@ -163,7 +155,7 @@ impl OnMesh<'_> {
 
     /// Warns where the contact changes by jumps around the goal.
     fn warn_of_jump(&self, quantity: Quantity, value: f64, contact: &mut Contact) {
-        let found = quantity.of(contact, &self.setup.press.direction);
+        let found = quantity.of(contact, &self.setup.approach.direction);
         if (found / value - 1.0).abs() > Search::CLOSE {
             let (name, unit) = quantity.name_and_unit();
             let message = format!(
@@ -203,7 +195,7 @@ impl OnMesh<'_> {
             None => {
                 trials.known.replace(solved.known());
                 let total: Vector3<f64> = forces.active_vectors().iter().sum();
-                Ok(Trial::Value(total.dot(&self.setup.press.direction).max(0.0)))
+                Ok(Trial::Value(total.dot(&self.setup.approach.direction).max(0.0)))
             }
             Some(status) => {
                 let ended = forces.solutions.iter().find(|solution| solution.status == status);
@@ -252,8 +244,8 @@ impl OnMesh<'_> {
 
     /// The same with the obstacle turned.
     pub fn turned(&self, turn: Turn) -> OnMesh<'_> {
-        let press = Approach { turn: Some(turn), ..self.setup.press };
-        OnMesh { setup: Setup { press, ..self.setup }, inherited: self.inherited.clone(), ..*self }
+        let approach = Approach { turn: Some(turn), ..self.setup.approach };
+        OnMesh { setup: Setup { approach, ..self.setup }, inherited: self.inherited.clone(), ..*self }
     }
 
     /// The contact so far past the touch.
@@ -268,24 +260,8 @@ impl OnMesh<'_> {
 
     fn scene(&self, past: f64) -> Scene {
         let (begin, touch) = self.touch;
-        let Setup { surface, obstacle, press, .. } = self.setup;
-        let approach = Approach { depth: touch + past, ..press };
-        let scene = approach.scene(surface, obstacle, begin);
+        let Setup { surface, obstacle, approach, .. } = self.setup;
+        let scene = approach.scene(touch + past, surface, obstacle, begin);
         Scene { inherited: self.inherited.clone(), ..scene }
     }
-}
-
-impl Quantity {
-    /// Its value in a contact.
-    pub fn of(self, contact: &Contact, direction: &Vector3<f64>) -> f64 {
-        match self {
-            Self::Force => force_along(contact, direction),
-            Self::Overlap => contact.max_penetration_before,
-        }
-    }
-}
-
-/// Force on the skin along a direction (N).
-fn force_along(contact: &Contact, direction: &Vector3<f64>) -> f64 {
-    contact.resultant.force.dot(direction)
 }

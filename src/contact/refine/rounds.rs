@@ -290,7 +290,7 @@ impl Rounds<'_> {
             return Err(ContactError::Interrupted { stage: "refinement" });
         }
         let started = Instant::now();
-        let mut scene = self.placement.scene(&part.surface, true)?;
+        let mut scene = self.placement.scene(&part.surface)?;
         scene.inherited = Some(self.meshes.inherited_by(part, self.skin));
         let mut report = Report::default();
         if self.placement.press.is_some() {

@@ -7,8 +7,9 @@ use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
 use crate::contact::error::{ContactError, LargestContact};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
-use crate::contact::reach::goal::{FARTHER, REFINEMENTS, Target, reach};
-use crate::contact::reach::on_mesh::{OnMesh, Quantity, Trials};
+use crate::contact::reach::goal::{FARTHER, REFINEMENTS, reach};
+use crate::contact::reach::on_mesh::{OnMesh, Trials};
+use crate::contact::reach::target::{Aim, Quantity, Target};
 use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
@@ -33,8 +34,7 @@ const LENGTHS: [f64; 2] = [0.5, 1e-2];
 /// What is pressed on what, and turns meanwhile.
 pub(crate) struct Tilted<'a> {
     pub setup: Setup<'a>,
-    /// `None`: the depth is that of the press.
-    pub target: Option<Target>,
+    pub aim: Aim,
     /// Unit axes, one or two.
     pub axes: Vec<Vector3<f64>>,
     /// Point that they go through, before any travel (m).
@@ -56,11 +56,11 @@ impl Tilted<'_> {
     /// Brings the obstacle to its balance: on the given mesh, then on the one refined there.
     pub fn run(&self) -> Result<Contact, ContactError> {
         let mut started = Instant::now();
-        let Setup { surface, obstacle, skin, options, press } = self.setup;
+        let Setup { surface, obstacle, skin, options, approach } = self.setup;
         let unrefined = ContactOptions { target_error: None, ..options.clone() };
-        let depth = match self.target {
-            None => press.depth,
-            Some(target) => {
+        let depth = match self.aim {
+            Aim::Depth(depth) => depth,
+            Aim::Value(target) => {
                 let untilted = reach(Setup { options: &unrefined, ..self.setup }, target)?;
                 untilted.depth.expect("a press has a depth")
             }
@@ -76,8 +76,8 @@ impl Tilted<'_> {
             let contact = end_unrefined(contact, started, &placement, skin, options)?;
             return Err(self.not_balanced(contact, &given.turn, why));
         }
-        let press = press.on_part(surface, obstacle, options)?;
-        let refined = Self { setup: Setup { press, ..self.setup }, axes: self.axes.clone(), ..*self };
+        let approach = approach.on_part(surface, obstacle, options)?;
+        let refined = Self { setup: Setup { approach, ..self.setup }, axes: self.axes.clone(), ..*self };
         for refinement in 1..=REFINEMENTS {
             let placement = refined.placement(&given);
             let before = given.contact.obstacle.clone();
@@ -149,7 +149,7 @@ impl Tilted<'_> {
             let turn = self.turn(&angles);
             return Ok(Settled { contact: first, turn, angles, stiffness, why: None });
         }
-        let is_force = self.target.is_some_and(|target| target.quantity == Quantity::Force);
+        let is_force = self.force().is_some();
         let own_depth = is_force.then_some(depth);
         let at = own_depth.into_iter().chain(angles.iter().map(|angle| angle * lever));
         let at = DVector::from_iterator(self.axes.len() + usize::from(is_force), at);
@@ -213,9 +213,9 @@ impl Tilted<'_> {
     /// * `own`: where it is searched together with the angles
     /// * `near`: as it was at others
     fn past(&self, on: &OnMesh, own: Option<f64>, near: f64) -> Result<Option<f64>, ContactError> {
-        match (self.target, own) {
+        match (self.aim, own) {
             (_, Some(past)) => Ok(Some(past.max(0.0))),
-            (Some(Target { quantity: Quantity::Overlap, value }), _) => on.past_at_overlap(value, near),
+            (Aim::Value(Target { quantity: Quantity::Overlap, value }), _) => on.past_at_overlap(value, near),
             _ => Ok(Some(near)),
         }
     }
@@ -224,12 +224,8 @@ impl Tilted<'_> {
     ///
     /// * `free`: force below which there is nothing to be balanced (N); a force to be reached pulls back by itself
     fn place(&self, contact: Contact, lever: f64, free: f64) -> Place<Contact> {
-        let excess = match self.target {
-            Some(Target { quantity: Quantity::Force, value }) => {
-                Some(Quantity::Force.of(&contact, &self.setup.press.direction) - value)
-            }
-            _ => None,
-        };
+        let along = Quantity::Force.of(&contact, &self.setup.approach.direction);
+        let excess = self.force().map(|force| along - force);
         let moments = self.moments(&contact);
         let parts = excess.into_iter().chain(moments.iter().map(|moment| moment / lever));
         let gradient = DVector::from_vec(parts.collect());
@@ -245,13 +241,17 @@ impl Tilted<'_> {
             return f64::INFINITY;
         }
         let moments = DVector::from_vec(self.moments(contact)).norm() / (force * self.lever(contact));
-        let excess = match self.target {
-            Some(Target { quantity: Quantity::Force, value }) => {
-                (Quantity::Force.of(contact, &self.setup.press.direction) / value - 1.0).abs()
-            }
-            _ => 0.0,
-        };
+        let along = Quantity::Force.of(contact, &self.setup.approach.direction);
+        let excess = self.force().map_or(0.0, |force| (along / force - 1.0).abs());
         moments.max(excess) / CLOSE
+    }
+
+    /// The force to be reached along the direction (N).
+    fn force(&self) -> Option<f64> {
+        match self.aim {
+            Aim::Value(Target { quantity: Quantity::Force, value }) => Some(value),
+            _ => None,
+        }
     }
 
     /// Moments on the skin about the axes (N m).
@@ -263,7 +263,7 @@ impl Tilted<'_> {
 
     /// The point where it stands (m).
     fn point_at(&self, contact: &Contact) -> Vector3<f64> {
-        self.point + contact.travel * self.setup.press.direction
+        self.point + contact.travel * self.setup.approach.direction
     }
 
     /// Largest distance of a vertex under force from the point (m); the size of the skin without any.
@@ -310,8 +310,8 @@ impl Tilted<'_> {
     /// The press to where the obstacle came to rest.
     fn placement(&self, settled: &Settled) -> Placement<'_> {
         let depth = settled.contact.depth.expect("a press has a depth");
-        let press = Approach { turn: Some(settled.turn), ..self.setup.press };
-        Setup { press, ..self.setup }.at(depth)
+        let approach = Approach { turn: Some(settled.turn), ..self.setup.approach };
+        Setup { approach, ..self.setup }.at(depth)
     }
 
     fn not_balanced(&self, contact: Contact, turn: &Turn, why: &str) -> ContactError {

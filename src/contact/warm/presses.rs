@@ -10,14 +10,15 @@ use crate::contact::in_place::Known;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::press::{press, unit_direction};
-use crate::contact::reach::goal::{FARTHER, Target, reach};
-use crate::contact::reach::on_mesh::{OnMesh, Quantity, Reached, Trials};
+use crate::contact::reach::goal::{FARTHER, reach};
+use crate::contact::reach::on_mesh::{OnMesh, Reached, Trials};
 use crate::contact::reach::search::Search;
+use crate::contact::reach::target::{Aim, Target};
 use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::rounds::{Begun, begin};
 use crate::contact::report::guards::Guarded;
-use crate::contact::scene::{Approach, Goal, Press};
+use crate::contact::scene::{Approach, Press};
 use crate::contact::setup::Setup;
 use crate::contact::solve::on_given_mesh;
 use crate::contact::tilt::axes::Balance;
@@ -39,7 +40,7 @@ pub struct WarmStart(Option<WarmMesh>);
 /// As [`press`], from what a press before leaves, if `before` holds anything.
 ///
 /// On the mesh of that press, which is cut where skin comes under force; the figures are those of [`press`] within the
-/// estimates of their errors. An overlap, a tilt and a mesh taken as it is begin anew.
+/// estimates of their errors. A tilt and a mesh taken as it is begin anew.
 ///
 /// # Errors
 /// As [`press`]; nothing is left for the next one then.
@@ -53,14 +54,13 @@ pub fn press_after(
 ) -> Result<Contact, ContactError> {
     let warm = before.0.take();
     let is_plain = asked.balance == Balance::None && options.target_error.is_some();
-    let aim = match asked.goal {
-        Goal::Depth(depth) if is_plain && depth > 0.0 && depth.is_finite() => Aim::Depth(depth),
-        Goal::Force(force) if is_plain && force > 0.0 && force.is_finite() => Aim::Force(force),
+    let aim = match asked.goal.aim() {
+        Ok(aim) if is_plain => aim,
         _ => return press(surface, obstacle, skin, asked, options),
     };
     options.validate()?;
-    let press = Approach::new(unit_direction(&asked.direction)?, asked.start, 0.0);
-    let setup = Setup { surface, obstacle, skin, options, press };
+    let approach = Approach::new(unit_direction(&asked.direction)?, asked.start);
+    let setup = Setup { surface, obstacle, skin, options, approach };
     let guarded = Guarded { surface, obstacle, skin, press: Some(asked) };
     with_threads(options, || {
         guarded.check(setup.answer(aim, warm).map(|(contact, warm)| {
@@ -68,15 +68,6 @@ pub fn press_after(
             contact
         }))
     })
-}
-
-/// What is asked of a press.
-#[derive(Clone, Copy)]
-enum Aim {
-    /// Depth (m).
-    Depth(f64),
-    /// Force along the direction (N).
-    Force(f64),
 }
 
 impl Setup<'_> {
@@ -88,8 +79,7 @@ impl Setup<'_> {
             return Ok((contact, Some(warm)));
         }
         match aim {
-            Aim::Force(value) => {
-                let target = Target { quantity: Quantity::Force, value };
+            Aim::Value(target) => {
                 let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
                 let near = reach(Setup { options: &unrefined, ..*self }, target)?;
                 let (_, warm) = self.begin_anew(near.depth.expect("a press has a depth"))?;
@@ -128,7 +118,7 @@ impl Setup<'_> {
         let Some(refined_for) = RefinedFor::new(&part.surface, last, target, most) else { return Ok(None) };
         let warm = WarmMesh {
             refined_for,
-            touch: self.press.touch(&part.surface, self.obstacle, true)?,
+            touch: self.approach.touch(&part.surface, self.obstacle)?,
             inherited: meshes.inherited_by(part, self.skin),
             kept: Arc::default(),
             known: Some(Known::of_active(last.active.clone())),
@@ -187,17 +177,17 @@ impl Setup<'_> {
                 let trials = Trials::from(&kept, before);
                 (on.solve_with(depth - warm.touch.1, &trials)?, trials.into_known())
             }
-            Aim::Force(value) => {
+            Aim::Value(Target { quantity, value }) => {
                 let past = last.depth.expect("a press has a depth") - warm.touch.1;
-                let force = Quantity::Force.of(last, &self.press.direction);
-                if past <= 0.0 || force <= 0.0 {
+                let reached = quantity.of(last, &self.approach.direction);
+                if past <= 0.0 || reached <= 0.0 {
                     return Ok(None);
                 }
-                let power = Quantity::Force.power();
+                let power = quantity.power();
                 // Of the mesh before, where that has changed: no more than a guess.
-                let first = past * (value / force).powf(1.0 / power);
+                let first = past * (value / reached).powf(1.0 / power);
                 let search = Search { value, first, power, limit: setup.limit(), known: None };
-                match on.reach(Quantity::Force, &search, before, None)? {
+                match on.reach(quantity, &search, before, None)? {
                     Reached::Short { .. } => return Ok(None),
                     Reached::Goal { contact, .. } => {
                         let known = Known::of_active(contact.active.clone());
@@ -232,8 +222,8 @@ impl Setup<'_> {
             warm.meshes.given = given;
             near
         } else {
-            let approach = Approach { depth, ..self.press };
-            let scene = approach.scene(self.surface, self.obstacle, contact.travel - depth);
+            let begin = contact.travel - depth;
+            let scene = self.approach.scene(depth, self.surface, self.obstacle, begin);
             let gaps = Gaps::measure(self.surface, &scene, self.options.search_distance)?;
             let given = &mut warm.meshes.given;
             given.gap = gaps.undeformed();
@@ -284,7 +274,7 @@ impl Setup<'_> {
         let part = warm.meshes.mesh.part();
         warm.known = Some(Known::of_active(warm.meshes.expected(&part)));
         warm.inherited = warm.meshes.inherited_by(&part, self.skin);
-        warm.touch = self.press.touch(&part.surface, self.obstacle, true)?;
+        warm.touch = self.approach.touch(&part.surface, self.obstacle)?;
         warm.kept = Arc::default();
         warm.put_part(part);
         Ok(())
