@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
 import json
 import re
 import sys
@@ -157,6 +158,15 @@ def test_what_is_not_known_is_null(apart: qr.Contact, tmp_path: Path) -> None:
     assert document["status"] == "no_contact"
     assert document["center_of_pressure"]["value"] == [None, None, None]
     assert document["accuracy"]["force_error"]["value"] is None
+
+
+def test_words_and_booleans_stand_plain_whether_known_or_not(pressed: qr.Contact) -> None:
+    for definite in (True, None):
+        accuracy = dataclasses.replace(pressed.accuracy, definite=definite)
+        record = contact_record(dataclasses.replace(pressed, accuracy=accuracy))["accuracy"]
+        assert (record.pop("discretization"), record.pop("definite")) == ("collocation", definite)
+        figures = dataclasses.asdict(accuracy).keys() - {"discretization", "definite"}
+        assert record == {name: {"value": getattr(accuracy, name), "unit": "1"} for name in figures}
 
 
 def test_what_is_infinite_is_a_word_that_reads_as_such(on_edge: qr.Contact, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..contact.accuracy import Refinement
+    from ..contact.accuracy import Accuracy, Refinement
     from ..contact.result import Contact
     from ..obstacle import Obstacle
 
@@ -41,6 +41,21 @@ _REFINEMENT = {
     "max_penetration": "m",
     "seconds": "s",
 }
+_ACCURACY = dict.fromkeys(
+    (
+        "natural_residual",
+        "complementarity",
+        "integration_tolerance",
+        "condition",
+        "cells_per_radius",
+        "force_error",
+        "mesh_error",
+        "body_error",
+        "area_error",
+        "max_pressure_error",
+    ),
+    "1",
+)
 _PATCH = {
     name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
 } | {"mean_pressure": "Pa"}
@@ -75,10 +90,7 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "candidates": len(contact.candidates),
         "active": len(contact.active),
         "patches": [{"vertices": len(patch.vertices)} | _figures(patch, _PATCH) for patch in contact.patches],
-        "accuracy": {
-            name: value if isinstance(value, bool) else _figure(value, "1")
-            for name, value in as_plain(contact.accuracy).items()
-        },
+        "accuracy": _accuracy(contact.accuracy),
         "timings": {stage: _figure(seconds, "s") for stage, seconds in contact.timings.items()},
         "warnings": [
             {"category": category.__name__, "message": message} for category, message in contact.warnings
@@ -97,6 +109,11 @@ def inputs_record(inputs: Mapping[str, Any] | None) -> Any:
 
 def _refinement(one: Refinement) -> dict[str, Any]:
     return {"kind": one.kind, "nodes": one.nodes, "reason": one.reason} | _figures(one, _REFINEMENT)
+
+
+def _accuracy(accuracy: Accuracy) -> dict[str, Any]:
+    words = {"discretization": accuracy.discretization, "definite": accuracy.definite}
+    return words | _figures(accuracy, _ACCURACY)
 
 
 def as_plain(value: Any) -> Any:
