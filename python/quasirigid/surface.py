@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from . import _core
 from ._core import Surface as Surface
+from ._frozen import Frozen
 from .scene import as_surface
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ __all__ = ["Repair", "Surface", "repair", "skin_without_caps"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Repair:
+class Repair(Frozen):
     """A repaired raw mesh and what was changed.
 
     Attributes

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import warnings
 from functools import partial
 from typing import Any
@@ -83,13 +82,6 @@ def test_counts_out_of_range_are_named(option: str) -> None:
         options = qr.ContactOptions(**{option: value})  # type: ignore[arg-type]
         with pytest.raises(error, match=f"{option} is .*expected an integer"):
             qr.press(surface, PLATE, SKIN, [0, 0, 2], depth=0.5e-3, options=options)
-
-
-def test_results_and_options_are_frozen(contact: qr.Contact) -> None:
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        contact.travel = 0.0  # type: ignore[misc]
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        SKIN.shear_modulus = 1.0  # type: ignore[misc]
 
 
 def test_an_ending_raises_with_the_contact_or_is_returned(paper_skin: qr.Skin) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from threading import Lock
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import _core
+from .._frozen import Frozen
 from ..surface import Surface
 
 if TYPE_CHECKING:
@@ -18,7 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["Drawing", "DrawnObstacle", "DrawnSkin"]
 
 
-class DrawnSkin(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class DrawnSkin(Frozen):
     """Displacement (n, 3) in m, where it has faded (m), volume change (m³) and deformed skin."""
 
     displacement: NDArray[np.float64]
@@ -27,7 +30,8 @@ class DrawnSkin(NamedTuple):
     deformed: Surface
 
 
-class DrawnObstacle(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class DrawnObstacle(Frozen):
     """Displacement (n, 3) in m of the product opposite each vertex, and its moved mesh, if it has one."""
 
     displacement: NDArray[np.float64]
@@ -47,9 +51,6 @@ class Drawing:
         self._surface = surface
         self._obstacle = obstacle
         self._lock = Lock()
-        for drawn in (source, obstacle):
-            if isinstance(drawn, (DrawnSkin, DrawnObstacle)):
-                drawn.displacement.flags.writeable = False
 
     def surface(self) -> Surface:
         """Return the mesh that was solved; built once, when it is first asked for."""
@@ -71,7 +72,6 @@ class Drawing:
             drawn = self._moved_obstacle()
             if drawn is None:
                 displacement = np.zeros((vertex_count, 3))
-                displacement.flags.writeable = False
                 triangles = obstacle.triangles()
                 drawn = DrawnObstacle(displacement, None if triangles is None else Surface(*triangles))
                 self._obstacle = drawn

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
@@ -325,7 +324,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
             area_error=accuracy.area_error,
             max_pressure_error=accuracy.max_pressure_error,
         ),
-        timings=MappingProxyType(dict(core.timings)),
+        timings=dict(core.timings),
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
         warnings=warned(core.warnings),
         advice=core.advice,

@@ -198,9 +198,7 @@ class _Rows:
             rows[step] = getattr(contact, name)
 
     def sweep(self, question: Question) -> Sweep:
-        """Return the figures, read-only."""
-        for array in (*self.scalars.values(), *self.vectors.values()):
-            array.flags.writeable = False
+        """Return the figures."""
         return Sweep(
             asked=question.values,
             **self.scalars,
@@ -228,7 +226,6 @@ def _values(name: str, values: ArrayLike | None, *, zero: bool) -> NDArray[np.fl
     if not good.all():
         step = int(np.flatnonzero(~good)[0])
         raise ContactError(f"{name}[{step}] is {row[step]}, expected finite {wanted}")
-    row.flags.writeable = False
     return row
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import _core
+from .._frozen import Frozen
 from ..models.fingers import REFERENCE_BREADTH
 from ..models.loft import loft
 from ..models.phalanges import JOINT_GAP, LENGTHS, SECTIONS
@@ -42,7 +43,7 @@ _KIND = {"distal": 0, "middle": 1, "proximal": 2, "metacarpal": 2}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Bone:
+class Bone(Frozen):
     """A bone, at rest or where its joint is.
 
     Attributes

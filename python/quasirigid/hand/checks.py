@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from ..surface import Surface
     from .rotations import Floats
 
-__all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside", "read_only"]
-
-_Array = TypeVar("_Array", bound="NDArray[Any]")
+__all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside"]
 
 _FRAME_TOLERANCE = 1e-6  # of the entries of R'R - I
 _OUTSIDE = 5e-3  # m, of a tip of a hand of 0.19 m: rigs end some digits just beyond the skin
@@ -62,7 +60,7 @@ def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
                 raise HandError(f"parents run in a circle: {circle}; the root has -1")
             seen.append(at)
             at = int(rows[at])
-    return read_only(rows.astype(np.int64))
+    return rows.astype(np.int64)
 
 
 def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
@@ -85,7 +83,7 @@ def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
     # To the last digit, so that poses are rigid motions too.
     left, _, right = np.linalg.svd(rotations)
     frames[:, :3, :3] = left @ right
-    return read_only(frames)
+    return frames
 
 
 def as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:
@@ -93,7 +91,7 @@ def as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:
     words = np.asarray(labels)
     if words.shape != (count,) or words.dtype.kind not in "UO":
         raise HandError(f"labels is {short(labels)}, expected one word for each of {count} vertices")
-    return read_only(words.astype(np.str_))
+    return words.astype(np.str_)
 
 
 def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None:
@@ -119,9 +117,3 @@ def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None
             f"the joint {WEBXR_25[worst]!r} lies {-distance[worst] * 1e3:.2f} mm inside the skin, of a hand "
             f"{length * 1e3:.4g} mm long by its joints: {_CHECK}"
         )
-
-
-def read_only(array: _Array) -> _Array:
-    """Return the array, which nobody can change."""
-    array.flags.writeable = False
-    return array

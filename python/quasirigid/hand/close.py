@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -202,17 +201,17 @@ def _grasp(hold: Hold, posed: PosedHand, contact: Contact, *, weight: Floats | N
         pose=hold.closing.pose(hold.shares),
         posed=posed,
         contact=contact,
-        shares=MappingProxyType(dict(zip(DIGITS, hold.shares.tolist(), strict=True))),
-        digits=MappingProxyType({name: parts[name] for name in DIGITS if name in parts}),
+        shares=dict(zip(DIGITS, hold.shares.tolist(), strict=True)),
+        digits={name: parts[name] for name in DIGITS if name in parts},
         palm=parts["palm"],
-        regions=MappingProxyType({str(name): part for name, part in regions.items() if part.force.any()}),
+        regions={str(name): part for name, part in regions.items() if part.force.any()},
         net_force=net_force,
         net_moment=net_moment,
         unbalanced_force=None if weight is None else net_force + weight,
         unbalanced_moment=None if weight is None else net_moment,
-        missed=MappingProxyType(hold.missed()),
+        missed=hold.missed(),
         rounds=hold.rounds,
-        timings=MappingProxyType(hold.timings),
+        timings=hold.timings,
     )
 
 

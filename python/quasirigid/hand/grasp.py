@@ -74,10 +74,6 @@ class Grasp(Frozen):
     rounds: int
     timings: Mapping[str, float]
 
-    def __post_init__(self) -> None:
-        """Make the arrays read-only."""
-        self._freeze()
-
     def summary(self) -> str:
         """Return what each digit holds and the figures of the contact as text tables in mm, N and kPa."""
         from ..io.grasps import digit_table

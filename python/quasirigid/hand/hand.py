@@ -9,12 +9,12 @@ import numpy as np
 
 from .. import _core
 from .._check import as_number
-from .._frozen import Frozen
+from .._frozen import Frozen, read_only
 from ..errors import HandError
 from ..surface import Surface, skin_without_caps
 from .bend import shares_of
 from .bones import Bone, bones_of
-from .checks import as_frames, as_labels, as_names, as_parents, check_inside, read_only
+from .checks import as_frames, as_labels, as_names, as_parents, check_inside
 from .creases import without_folds
 from .frames import side_of
 from .joints import JOINTS_OF, index_of
@@ -85,6 +85,15 @@ class Hand(Frozen):
         The skin is no surface.
     """
 
+    surface: Surface
+    joint_names: tuple[str, ...]
+    parents: NDArray[np.int64]
+    rest: Floats
+    joints: NDArray[np.int64]
+    weights: Floats
+    side: Side
+    _labels: NDArray[np.str_] | None
+
     def __init__(
         self,
         vertices: ArrayLike,
@@ -100,29 +109,38 @@ class Hand(Frozen):
     ) -> None:
         if side not in ("right", "left", None):
             raise HandError(f'side is {side!r}, expected "right", "left" or None')
-        self.joint_names = as_names(joint_names)
-        self.parents = as_parents(parents, self.joint_names)
-        self.rest = as_frames(rest, self.joint_names)
-        self.side: Side = side_of(self.joint_names, self.rest)
-        if side not in (self.side, None):
+        names = as_names(joint_names)
+        hangs_on = as_parents(parents, names)
+        frames = as_frames(rest, names)
+        found = side_of(names, frames)
+        if side not in (found, None):
             raise HandError(
-                f"side is {side!r}, but the joints are those of a {self.side} hand: seen from the back, +z "
+                f"side is {side!r}, but the joints are those of a {found} hand: seen from the back, +z "
                 "of their frames, its little finger lies on the other side of the index"
             )
         surface = Surface(vertices, faces)
         if not surface.is_closed:
             raise HandError("the skin is open: a hand needs a closed one, its cut at the wrist capped")
         # The flat cut at the wrist is no skin.
-        self.surface = surface.with_skin_mask(skin_without_caps(surface))
-        _core.SkinWeights(joints, weights, joint_count=len(self.joint_names))  # checked
-        self.joints = read_only(np.array(joints, dtype=np.int64))
-        self.weights = read_only(np.array(weights, dtype=np.float64))
-        if len(self.joints) != len(surface.vertices):
+        surface = surface.with_skin_mask(skin_without_caps(surface))
+        _core.SkinWeights(joints, weights, joint_count=len(names))  # checked
+        movers = np.array(joints, dtype=np.int64)
+        if len(movers) != len(surface.vertices):
             raise HandError(
-                f"joints has {len(self.joints)} rows, but the skin has {len(surface.vertices)} vertices"
+                f"joints has {len(movers)} rows, but the skin has {len(surface.vertices)} vertices"
             )
-        check_inside(surface, self.rest, self.joint_names)
-        self._labels = None if labels is None else as_labels(labels, len(surface.vertices))
+        check_inside(surface, frames, names)
+        vars(self).update(
+            surface=surface,
+            joint_names=names,
+            parents=hangs_on,
+            rest=frames,
+            joints=movers,
+            weights=np.array(weights, dtype=np.float64),
+            side=found,
+            _labels=None if labels is None else as_labels(labels, len(surface.vertices)),
+        )
+        self._freeze()
 
     @property
     def labels(self) -> NDArray[np.str_]:
@@ -153,7 +171,7 @@ class Hand(Frozen):
 
     @cached_property
     def _pivots(self) -> Floats:
-        return pivots_of(self, self._shares)
+        return read_only(pivots_of(self, self._shares))
 
     @cached_property
     def _influence(self) -> _core.SkinWeights:
@@ -216,7 +234,7 @@ class Hand(Frozen):
         placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
         motions, frames = motions_of(self.rest, self._pivots, self.parents, turns_of(pose, self), placed)
         surface = self._influence.posed(self.surface, motions, linear=linear)
-        return PosedHand(hand=self, surface=surface, joints=read_only(frames), motions=read_only(motions))
+        return PosedHand(hand=self, surface=surface, joints=frames, motions=motions)
 
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Hand:
         """Return the hand after a rigid motion of all of it, at rest there.

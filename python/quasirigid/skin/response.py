@@ -64,6 +64,7 @@ class _Response(Frozen):
         if given.get("discretization") is not None:
             chosen = as_choice("discretization", given["discretization"], Discretization, ResponseError)
             given["discretization"] = chosen
+        super().__post_init__()
 
     def __eq__(self, other: object) -> bool:
         """Return whether it is of the same kind with the same fields."""
@@ -84,7 +85,7 @@ class _Response(Frozen):
 
 
 def _kept(value: Any) -> Any:
-    """Return an array, or rows of numbers, as a read-only copy; all else stays, for whoever refuses it."""
+    """Return an array, or rows of numbers, as a copy; all else stays, for whoever refuses it."""
     try:
         array = np.array(value)
     except ValueError:
@@ -92,7 +93,6 @@ def _kept(value: Any) -> Any:
     has_rows = array.ndim > 0 and array.dtype.kind in "biuf"
     if not (has_rows or isinstance(value, np.ndarray)):
         return value
-    array.flags.writeable = False
     return array
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import _core
 from .._check import as_float, as_integer_or_none
+from .._frozen import Frozen
 from ..errors import ResponseError, ResponseRangeWarning
 from ..scene import as_surface
 from .core import Material, build_kernel, build_prepared
@@ -172,7 +172,7 @@ class Skin:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CombinedSkin:
+class CombinedSkin(Frozen):
     """Bodies where they exist, a kernel off them; made by `Skin.combined`, goes wherever a `Skin` goes.
 
     Attributes
@@ -258,7 +258,7 @@ class CombinedSkin:
             for name, (cut, prepared) in self.parts.items()
         }
         surface = self._surface.moved(*motion)
-        return replace(self, parts=MappingProxyType(parts), _surface=surface, _response=response)
+        return replace(self, parts=parts, _surface=surface, _response=response)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what it is made of."""
@@ -288,8 +288,7 @@ def _combine(
         for name, (cut, prepared) in parts.items()
     ]
     response = _core.Skin.combined(surface, background._kernel, given)
-    kept = MappingProxyType(dict(parts))
-    return CombinedSkin(background=background, parts=kept, _surface=surface, _response=response)
+    return CombinedSkin(background=background, parts=dict(parts), _surface=surface, _response=response)
 
 
 def _check_part(name: object, part: Any) -> None:
