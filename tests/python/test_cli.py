@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -555,8 +556,22 @@ def test_info_names_the_defect_of_an_open_product(
     assert "9 x 9 x 0" in printed
     with pytest.raises(qr.ObstacleError) as refusal:
         qr.Obstacle.mesh(*qr.read_mesh("open.obj", unit="mm"))
-    assert f"{'as product':23}no: {refusal.value}" in printed.splitlines()
+    rows = dict(re.split("  +", line) for line in printed.splitlines()[1:])
+    assert (rows["as skin"], rows["as product"]) == ("yes", "no")
+    assert rows["why no product"] == str(refusal.value)
     assert all(line == line.rstrip() for line in printed.splitlines())
+
+
+def test_info_as_json_is_in_si_with_units(in_demo_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (in_demo_folder / "sheet.obj").write_text("v 0 0 0\nv 9 0 0\nv 0 8 0\nf 1 2 3\n")
+    assert run(["info", "sheet.obj", "--unit", "mm", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["size"] == {"value": pytest.approx([9e-3, 8e-3, 0.0]), "unit": "m"}
+    assert record["area"] == {"value": pytest.approx(36e-6), "unit": "m^2"}
+    assert record["volume"] == {"value": None, "unit": "m^3"}
+    assert (record["closed"], record["as_skin"], record["as_product"]) == (False, True, False)
+    assert record["why_no_skin"] is None
+    assert "open" in record["why_no_product"]
 
 
 @pytest.mark.parametrize("library", ["typer", "rich"])

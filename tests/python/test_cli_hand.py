@@ -32,6 +32,7 @@ def test_a_hand_is_told_and_written_in_a_pose(
     hand = qr.read_hand(saved)
     assert record["side"] == "right"
     assert record["vertices"] == len(hand.surface.vertices)
+    assert record["wrist_to_middle_tip_joint"] == {"value": pytest.approx(hand.length), "unit": "m"}
     vertices, faces = qr.read_mesh(out / "posed.ply", unit="m")
     posed = hand.posed({"index-finger-phalanx-proximal": math.radians(40)})
     np.testing.assert_allclose(vertices, posed.surface.vertices, atol=1e-12)

@@ -240,7 +240,8 @@ def test_a_mesh_is_repaired_and_the_changes_are_counted(
     assert run([*asked, "--out", "ball.ply", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["changes"]["flipped_faces"] == 1
-    assert record["as product"] == "yes"
+    assert record["as_product"] is True
+    assert record["volume"] == {"value": pytest.approx(mended.volume), "unit": "m^3"}
     assert run([*asked, "--out", "ball.glb"]) == 2
     assert "expected .ply or .stl" in capsys.readouterr().err
 

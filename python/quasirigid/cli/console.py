@@ -31,7 +31,9 @@ __all__ = [
 class Talk:
     """How much is said, and in which form."""
 
-    json: Annotated[bool, typer.Option("--json", help="Print the results as JSON, with their units.")] = False
+    json: Annotated[
+        bool, typer.Option("--json", help="Print the results as JSON, in SI with their units.")
+    ] = False
     quiet: Annotated[
         bool,
         typer.Option(

@@ -11,10 +11,10 @@ import typer
 import quasirigid as qr
 
 from .._extras import need_matplotlib
-from .._units import MM
 from ..hand import read_pose
 from ..hand.pose import PRESETS
 from ..io import write_mesh
+from ..io.record import figure
 from .arguments import file_unit
 from .console import Talk, progress
 from .folder import OutFolder, check_folder, check_inputs
@@ -120,12 +120,12 @@ def _record(known: qr.Hand, pose: str | None) -> dict[str, Any]:
         "side": known.side,
         "vertices": len(known.surface.vertices),
         "joints": len(known.joint_names),
-        "wrist to middle tip joint (mm)": round(known.length * MM, 1),
-        "volume (cm³)": round(known.surface.volume * 1e6, 1),
-        "mean edge (mm)": round(known.surface.mean_edge_length * MM, 2),
+        "wrist_to_middle_tip_joint": figure(known.length, "m"),
+        "volume": figure(known.surface.volume, "m^3"),
+        "mean_edge_length": figure(known.surface.mean_edge_length, "m"),
         "regions": len(np.unique(known.labels)),
         "bones": len(known.bones),
-        "pose": pose or "as in the file",
+        "pose": pose,
     }
 
 

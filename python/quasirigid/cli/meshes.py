@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -17,6 +17,7 @@ from .._text import aligned
 from .._units import MM
 from ..errors import QuasirigidError
 from ..io import write_mesh
+from ..io.record import figure
 from .arguments import file_unit
 from .console import Talk, progress, refuse, say
 from .folder import check_file, check_inputs
@@ -28,6 +29,7 @@ __all__ = ["INFO_EXAMPLE", "REPAIR_EXAMPLE", "info", "record_table", "repair"]
 INFO_EXAMPLE = "quasirigid info demo-output/fingertip.ply --unit m"
 REPAIR_EXAMPLE = "quasirigid repair demo-output/fingertip.ply --unit m --out repaired.ply"
 
+_SHOWN_UNITS = {"m": (" (mm)", MM), "m^2": (" (mm²)", MM**2), "m^3": (" (cm³)", 1e6)}
 _EXTENTS = (1e-3, 3.0)  # m: products, and all skins
 
 Made = TypeVar("Made")
@@ -60,8 +62,8 @@ def info(
             stacklevel=1,
         )
     talk.tell(record_table(str(file), record), record)
-    if record["as skin"] != "yes" and record["as product"] != "yes":
-        return refuse(f"{file}: neither skin nor product: {record['as skin'].removeprefix('no: ')}")
+    if not (record["as_skin"] or record["as_product"]):
+        return refuse(f"{file}: neither skin nor product: {record['why_no_skin']}")
     return 0
 
 
@@ -89,57 +91,68 @@ def repair(
     with progress(f"repairing {file}"):
         mended = qr.repair(*qr.read_mesh(file, unit=known), weld_tolerance=tolerance)
         write_mesh(mended.vertices, mended.faces, out, unit=known)
-        record = _record(mended.vertices, mended.faces, check_crossings=False)
-    changes = {name: count for name, count in mended.report.items() if count}
-    shown = {"changes": ", ".join(f"{name} {count}" for name, count in changes.items()) or "none", **record}
-    talk.tell(record_table(str(out), shown), {"changes": dict(mended.report), **record})
+        record = {
+            "changes": dict(mended.report),
+            **_record(mended.vertices, mended.faces, check_crossings=False),
+        }
+    talk.tell(record_table(str(out), record), record)
     if not talk.json:
         say(f"wrote {out}")
     return 0
 
 
 def _record(vertices: Any, faces: Any, *, check_crossings: bool) -> dict[str, Any]:
-    """Return what a mesh holds, lengths in mm."""
+    """Return what a mesh holds, in SI; what is not known is None."""
     surface, no_skin = _tried(lambda: qr.Surface(vertices, faces))
     _, no_product = _tried(lambda: qr.Obstacle.mesh(vertices, faces))
-    record: dict[str, Any] = {
+    record = {
         "vertices": len(vertices),
         "faces": len(faces),
-        "size (mm)": [float(f"{length:.4g}") for length in np.ptp(vertices, axis=0) * MM],
+        "size": figure(np.ptp(vertices, axis=0), "m"),
+        "closed": surface and surface.is_closed,
+        "area": figure(surface and surface.area, "m^2"),
+        "volume": figure(surface and surface.volume, "m^3"),
+        "mean_edge_length": figure(surface and surface.mean_edge_length, "m"),
+        "vertices_on_flat_cuts": surface and int(np.count_nonzero(~qr.skin_without_caps(surface))),
     }
-    if surface is not None:
-        record |= {
-            "closed": "yes" if surface.is_closed else "no",
-            "area (mm²)": float(f"{surface.area * MM**2:.5g}"),
-            "volume (mm³)": float(f"{surface.volume * MM**3:.5g}") if surface.is_closed else None,
-            "mean edge (mm)": float(f"{surface.mean_edge_length * MM:.4g}"),
-            "vertices on flat cuts": int(np.count_nonzero(~qr.skin_without_caps(surface))),
-        }
-        if check_crossings:
-            record["crossing faces"] = _core.find_crossings(vertices, faces).tolist()
-    for use, why_not in (("as skin", no_skin), ("as product", no_product)):
-        record[use] = f"no: {why_not}" if why_not else "yes"
-    return record
+    if check_crossings:
+        record["crossing_faces"] = surface and _core.find_crossings(vertices, faces).tolist()
+    uses = {"as_skin": no_skin is None, "why_no_skin": no_skin}
+    return record | uses | {"as_product": no_product is None, "why_no_product": no_product}
 
 
-def record_table(title: str, record: dict[str, Any]) -> str:
-    """Return a record as a table of two columns."""
-    shown = {name: _shown(name, value) for name, value in record.items()}
-    return "\n".join([title, *aligned([list(shown), list(shown.values())], left=True)])
+def record_table(title: str, record: Mapping[str, Any]) -> str:
+    """Return a record as a table of two columns in mm, mm² and cm³; what is not known is left out."""
+    names, values = [], []
+    for name, value in record.items():
+        unit, factor = "", 1.0
+        if isinstance(value, dict) and "unit" in value:
+            value, (unit, factor) = value["value"], _SHOWN_UNITS[value["unit"]]
+        if value is not None:
+            names.append(name.replace("_", " ") + unit)
+            values.append(_shown(value, factor))
+    return "\n".join([title, *aligned([names, values], left=True)])
 
 
-def _shown(name: str, value: Any) -> str:
-    if name == "size (mm)":
-        return " x ".join(f"{length:.4g}" for length in value)
-    if name == "crossing faces":
-        first = f", the first {value[0][0]} and {value[0][1]}" if value else ""
-        return f"{len(value)} pairs{first}"
-    return "-" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+def _shown(value: Any, factor: float) -> str:
+    match value:
+        case bool():
+            return "yes" if value else "no"
+        case float():
+            return f"{value * factor:.5g}"
+        case [float(), *_]:
+            return " x ".join(_shown(one, factor) for one in value)
+        case list():
+            first = f", the first {value[0][0]} and {value[0][1]}" if value else ""
+            return f"{len(value)} pairs{first}"
+        case dict():
+            return ", ".join(f"{name} {count}" for name, count in value.items() if count) or "none"
+    return str(value)
 
 
-def _tried(make: Callable[[], Made]) -> tuple[Made | None, str]:
+def _tried(make: Callable[[], Made]) -> tuple[Made | None, str | None]:
     """Return what is made, or why not."""
     try:
-        return make(), ""
+        return make(), None
     except QuasirigidError as error:
         return None, str(error)

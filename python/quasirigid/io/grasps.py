@@ -15,7 +15,7 @@ from .._text import aligned
 from .._units import KPA, MM
 from ..hand.crossings import in_words
 from .atomic import atomic_write
-from .record import as_plain, inputs_record
+from .record import as_plain, figure, inputs_record
 from .write import CONTACT_FILES, save_contact, save_pictures
 
 if TYPE_CHECKING:
@@ -98,11 +98,11 @@ def grasp_record(grasp: Grasp) -> dict[str, Any]:
         "digits": {name: _record(part) for name, part in grasp.digits.items()},
         "palm": _record(grasp.palm),
         "regions": {name: _record(part) for name, part in grasp.regions.items()},
-        **{name: {"value": as_plain(getattr(grasp, name)), "unit": unit} for name, unit in _BALANCE.items()},
+        **{name: figure(getattr(grasp, name), unit) for name, unit in _BALANCE.items()},
         "missed": dict(grasp.missed),
         "crossings": grasp.posed.crossings,
         "rounds": grasp.rounds,
-        "timings": {name: {"value": seconds, "unit": "s"} for name, seconds in grasp.timings.items()},
+        "timings": {name: figure(seconds, "s") for name, seconds in grasp.timings.items()},
     }
 
 
@@ -135,7 +135,7 @@ def save_grasp(
 
 
 def _record(part: Part) -> dict[str, Any]:
-    return {name: {"value": as_plain(getattr(part, name)), "unit": unit} for name, unit in _PART.items()}
+    return {name: figure(getattr(part, name), unit) for name, unit in _PART.items()}
 
 
 def _length(vector: Any) -> float:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..obstacle import Obstacle
 
-__all__ = ["as_plain", "contact_record", "inputs_record"]
+__all__ = ["as_plain", "contact_record", "figure", "inputs_record"]
 
 # Unit of each figure; "1" is dimensionless.
 _CONTACT = {
@@ -82,7 +82,7 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "advice": contact.advice,
         **_figures(contact, _CONTACT),
         "mean_pressure": [
-            _figure(contact.mean_pressure(area), "Pa") | {"area": _figure(area, "m^2")} for area in MEAN_AREAS
+            figure(contact.mean_pressure(area), "Pa") | {"area": figure(area, "m^2")} for area in MEAN_AREAS
         ],
         "vertices": len(contact.pressure),
         "given_vertex_count": contact.given_vertex_count,
@@ -91,7 +91,7 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "active": len(contact.active),
         "patches": [{"vertices": len(patch.vertices)} | _figures(patch, _PATCH) for patch in contact.patches],
         "accuracy": _accuracy(contact.accuracy),
-        "timings": {stage: _figure(seconds, "s") for stage, seconds in contact.timings.items()},
+        "timings": {stage: figure(seconds, "s") for stage, seconds in contact.timings.items()},
         "warnings": [
             {"category": category.__name__, "message": message} for category, message in contact.warnings
         ],
@@ -139,10 +139,11 @@ def as_plain(value: Any) -> Any:
 
 
 def _figures(source: Any, units: Mapping[str, str]) -> dict[str, Any]:
-    return {name: _figure(getattr(source, name), unit) for name, unit in units.items()}
+    return {name: figure(getattr(source, name), unit) for name, unit in units.items()}
 
 
-def _figure(value: Any, unit: str) -> dict[str, Any]:
+def figure(value: Any, unit: str) -> dict[str, Any]:
+    """Return a number or a list of numbers in SI with its unit, ready for JSON."""
     return {"value": as_plain(value), "unit": unit}
 
 
@@ -151,8 +152,8 @@ def _product(contact: Contact) -> dict[str, Any]:
     return {
         "kind": obstacle.kind,
         "rotation": as_plain(obstacle.rotation),
-        "translation": _figure(obstacle.translation, "m"),
-        "bounding_box": _figure(obstacle.bounding_box, "m"),
+        "translation": figure(obstacle.translation, "m"),
+        "bounding_box": figure(obstacle.bounding_box, "m"),
         "material": _material(obstacle),
     }
 
@@ -162,7 +163,7 @@ def _material(obstacle: Obstacle) -> dict[str, Any] | None:
         return None
     shear_modulus, poisson_ratio, response = obstacle.material
     return {
-        "shear_modulus": _figure(shear_modulus, "Pa"),
-        "poisson_ratio": _figure(poisson_ratio, "1"),
+        "shear_modulus": figure(shear_modulus, "Pa"),
+        "poisson_ratio": figure(poisson_ratio, "1"),
         "response": repr(response),
     }
