@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import quasirigid as qr
 
 from .._extras import need_matplotlib
-from ..hand.close import MOST_NODES
+from ..hand.close import MOST_NODES, TARGET_ERROR
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from ..io.grasps import GRASP_FILES
 from .arguments import file_unit, parse_poisson_ratio, parse_response, parse_target_error, rotation
@@ -89,7 +89,7 @@ class GraspWords:
             help="half-space; body: the hand's own bones, seconds to minutes; or a kernel of press."
         ),
     ] = "half-space"
-    target_error: TargetError = "0.05"
+    target_error: TargetError = f"{TARGET_ERROR:g}"
     pictures: Annotated[bool, typer.Option(help="Draw grasp.png, skin.png and footprint.png.")] = True
     out: OutFolder = None
 

@@ -103,8 +103,8 @@ PreparedFile = Annotated[
 SkinMask = Annotated[
     str,
     typer.Option(
-        help="What may touch: caps leaves out flat cut faces, none leaves out nothing, FILE.npy holds a"
-        " bool for each vertex."
+        help="What may touch: caps leaves out flat cut faces; none leaves out nothing, as Python does where"
+        " no mask is given; FILE.npy holds a bool for each vertex."
     ),
 ]
 StartName = Annotated[

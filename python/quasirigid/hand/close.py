@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["close_hand"]
 
-_TARGET_ERROR = 0.05
+TARGET_ERROR = 0.05
 MOST_NODES = 1250
 _THUMB = 0.5  # its share of a force that is not told by digit
 
@@ -141,7 +141,7 @@ def close_hand(
     as_obstacle("obstacle", obstacle)
     _check_skin(skin)
     if options is None:
-        options = ContactOptions(target_error=_TARGET_ERROR, max_nodes=MOST_NODES)
+        options = ContactOptions(target_error=TARGET_ERROR, max_nodes=MOST_NODES)
     options_to_core(options)
     weight = None if product_mass is None else _weight_of(product_mass, gravity)
     middle = _middle_of(obstacle, center_of_mass)
