@@ -9,6 +9,7 @@ import numpy as np
 
 from . import _core
 from ._check import as_float, as_index, as_integer_or_none
+from ._from_core import from_core
 from .errors import ResponseError
 from .scene import as_obstacle, as_surface
 from .skin.elastic import core_skin
@@ -250,11 +251,4 @@ def definiteness(matrix: ArrayLike) -> Definiteness:
     >>> qr.definiteness([[2.0, 1.0], [0.0, 2.0]]).positive_definite
     True
     """
-    found = _core.definiteness(matrix)
-    return Definiteness(
-        positive_definite=found.positive_definite,
-        smallest=found.smallest,
-        largest=found.largest,
-        condition=found.condition,
-        estimated=found.estimated,
-    )
+    return from_core(Definiteness, _core.definiteness(matrix))

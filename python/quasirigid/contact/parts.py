@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._check import as_mask, as_vertex_labels
+from .._from_core import from_core
 from .._frozen import Frozen
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def figures_text(part: Any) -> str:
 
 def patches_of(core: list[tuple[NDArray[np.int64], _core.Resultant]]) -> tuple[Patch, ...]:
     """Return the facade's patches."""
-    return tuple(Patch(vertices=vertices, **_figures(figures)) for vertices, figures in core)
+    return tuple(from_core(Patch, figures, vertices=vertices) for vertices, figures in core)
 
 
 def part_of(
@@ -117,7 +118,7 @@ def part_of(
         What is raised where the mask has another length.
     """
     figures, patches = loaded.part(as_mask("mask", mask, counts, refusal))
-    return Part(**_figures(figures), patches=patches_of(patches))
+    return from_core(Part, figures, patches=patches_of(patches))
 
 
 def parts_by_label(
@@ -127,8 +128,3 @@ def parts_by_label(
     entries = as_vertex_labels("labels", labels, counts, refusal)
     names, group = np.unique(entries, return_inverse=True)
     return {name.item(): part_of(loaded, group == at, counts, refusal) for at, name in enumerate(names)}
-
-
-def _figures(core: _core.Resultant) -> dict[str, Any]:
-    names = "force", "moment", "center_of_pressure", "contact_area", "max_pressure", "mean_pressure"
-    return {name: getattr(core, name) for name in names}

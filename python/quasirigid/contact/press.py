@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
 from .._check import as_choice
+from .._from_core import from_core
 from ..lcp.solution import solution_from_core
 from ..scene import check_scene
 from ..skin.elastic import core_skin
@@ -289,7 +290,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         status=ContactStatus(core.status),
         given_vertex_count=core.given_vertex_count,
         parents=core.parents,
-        refinements=tuple(_round(one) for one in core.refinements),
+        refinements=tuple(from_core(Refinement, one) for one in core.refinements),
         obstacle=core.obstacle,
         travel=core.travel,
         depth=core.depth,
@@ -310,39 +311,11 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         patches=patches_of(core.patches),
         lcp_solutions=tuple(solution_from_core(solution) for solution in core.lcp_solutions),
         natural_residual=accuracy.natural_residual,
-        accuracy=Accuracy(
-            natural_residual=accuracy.natural_residual,
-            complementarity=accuracy.complementarity,
-            integration_tolerance=accuracy.integration_tolerance,
-            discretization=accuracy.discretization,
-            condition=accuracy.condition,
-            definite=accuracy.definite,
-            cells_per_radius=accuracy.cells_per_radius,
-            force_error=accuracy.force_error,
-            mesh_error=accuracy.mesh_error,
-            body_error=accuracy.body_error,
-            area_error=accuracy.area_error,
-            max_pressure_error=accuracy.max_pressure_error,
-        ),
+        accuracy=from_core(Accuracy, accuracy),
         timings=dict(core.timings),
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
         warnings=warned(core.warnings),
         advice=core.advice,
         _loaded=core.loaded,
         _drawing=Drawing(core.drawing, None if len(core.parents) else surface),
-    )
-
-
-def _round(core: _core.Refinement) -> Refinement:
-    return Refinement(
-        kind=core.kind,
-        nodes=core.nodes,
-        force=core.force,
-        contact_area=core.contact_area,
-        max_pressure=core.max_pressure,
-        force_error=core.force_error,
-        area_error=core.area_error,
-        max_penetration=core.max_penetration,
-        seconds=core.seconds,
-        reason=core.reason,
     )

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from .._from_core import from_core
 from .._frozen import Frozen
 from .options import LcpMethod
 
@@ -198,7 +199,7 @@ def solution_from_core(core: _core.LcpSolution) -> LcpSolution:
             definiteness=_DEFINITENESS[core.definiteness],
             is_unique=core.is_unique,
         ),
-        ray=None if core.ray is None else _ray_from_core(core.ray),
+        ray=core.ray and from_core(LcpRay, core.ray, conclusion=RayConclusion(core.ray.conclusion)),
         attempts=tuple([_attempt_from_core(attempt) for attempt in core.attempts]),
         candidates=core.candidates,
     )
@@ -207,14 +208,3 @@ def solution_from_core(core: _core.LcpSolution) -> LcpSolution:
 def _attempt_from_core(core: tuple[str, str, int, bool, bool]) -> LcpAttempt:
     method, status, pivots, warm, crash = core
     return LcpAttempt(_METHOD[method], _STATUS[status], pivots, warm, crash)
-
-
-def _ray_from_core(core: _core.LcpRay) -> LcpRay:
-    return LcpRay(
-        z=core.z,
-        w=core.w,
-        z0=core.z0,
-        residual=core.residual,
-        curvature=core.curvature,
-        conclusion=RayConclusion(core.conclusion),
-    )
