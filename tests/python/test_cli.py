@@ -462,20 +462,50 @@ def test_a_folder_that_cannot_be_made_is_named(
 
 
 @pytest.mark.parametrize(
-    ("told", "printed"),
+    ("command", "told", "printed"),
     [
-        ("refine it (`target_error`, `max_nodes`)", "refine it (--target-error, `max_nodes`)"),
-        ('`unit="mm"` converts a file', "--unit converts a file"),
-        ("let it touch (`skin_mask=`)", "let it touch (--skin-mask)"),
-        ("see `repair`", "see `repair`"),
+        ("press", "refine it (`target_error`, `max_nodes`)", "refine it (--target-error, --max-nodes)"),
+        (
+            "demo",
+            "refine it (`target_error`, `max_nodes`)",
+            "refine it (--target-error, `max_nodes` of Python)",
+        ),
+        ("grasp", "`couple_fingers` joins them", "--couple-fingers joins them"),
+        ("sweep", "fix fewer (`Body(fixed=)`)", "fix fewer (--fixed)"),
+        ("grasp", "fix fewer (`Body(fixed=)`)", "fix fewer (`Body(fixed=)` of Python)"),
+        ("press", "let it touch (`skin_mask=`)", "let it touch (--skin-mask)"),
+        ("press", "a smaller `gap_tolerance` will", "a smaller `gap_tolerance` of Python will"),
+        ("info", '`unit="mm"` converts a file', "--unit converts a file"),
+        ("hand", "give `rig`", "give --rig"),
+        ("info", "see `repair`", "see `repair`"),
     ],
 )
-def test_an_argument_of_the_library_is_told_as_its_option(
-    told: str, printed: str, capsys: pytest.CaptureFixture[str]
+def test_an_argument_of_the_library_is_told_as_an_option_or_as_pythons(
+    command: str, told: str, printed: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    assert run([command, "--help"]) == 0
+    capsys.readouterr()
     refuse(told)
     show_warning(told)
     assert capsys.readouterr().err == f"error: {printed}\nwarning: {printed}\n"
+
+
+@pytest.mark.parametrize("command", ["press", "sweep", "grasp"])
+def test_no_message_of_a_contact_names_an_option_that_the_command_has_not(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sources = sorted(Path(__file__).parents[2].glob("src/contact/**/*.rs"))
+    lines = [line.strip() for source in sources for line in source.read_text("utf-8").splitlines()]
+    messages = [line for line in lines if "`" in line and not line.startswith("//")]
+    assert len(messages) > 5
+    assert run([command, "--help"]) == 0
+    options = set(re.findall(r"--[a-z][a-z-]+", capsys.readouterr().out))
+    for message in messages:
+        show_warning(message)
+        told = capsys.readouterr().err
+        assert {*re.findall(r"--[a-z][a-z-]+", told)} <= options
+        named = re.findall(r"`([^`{]+)`( of Python)?", told)
+        assert {name for name, of_python in named if not of_python} <= {"press", "repair"}
 
 
 @pytest.mark.parametrize("changes", [{"skin_mask": "file.npy"}, {"response": "body", "fixed": "file.npy"}])

@@ -17,7 +17,16 @@ from ..io import as_plain, compare_contacts, contact_record, patch_table, refine
 from ..io.write import CONTACT_FILES
 from .arguments import parse_target_error
 from .completion import COMPLETION_EXAMPLE, completion
-from .console import ContactTalk, close_stdout, print_all_letters, progress, refuse, say, show_warning
+from .console import (
+    ContactTalk,
+    close_stdout,
+    print_all_letters,
+    progress,
+    refuse,
+    say,
+    show_warning,
+    speak_for,
+)
 from .demo import grasp_demo, press_demo
 from .evaluation import ACCURACY_EXAMPLE, STRESS_EXAMPLE, accuracy, stress
 from .folder import check_folder
@@ -108,11 +117,12 @@ def _print_version(is_asked: bool) -> None:
 
 @app.callback()
 def _program(
+    context: typer.Context,
     version: Annotated[
         bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Show the version.")
     ] = False,
 ) -> None:
-    pass
+    speak_for(context)
 
 
 def demo(

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 from rich.console import Console
@@ -24,6 +24,7 @@ __all__ = [
     "refuse",
     "say",
     "show_warning",
+    "speak_for",
 ]
 
 
@@ -55,7 +56,7 @@ class Talk:
 
     def tell(self, text: str, record: Mapping[str, Any]) -> None:
         """Print results as text, or as JSON where that was asked for."""
-        say(json.dumps(record, indent=2, allow_nan=False) if self.json else text)
+        say(json.dumps(record, indent=2, allow_nan=False) if self.json else _in_options(text))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,13 +111,25 @@ def close_stdout() -> None:
     os.close(nowhere)
 
 
-# Arguments of the library that messages name and that options of the same name give.
-_ARGUMENT = re.compile(r"`(rig|skin_mask|target_error|unit)(=[^`]*)?`")
+# An argument of the library in a message, as `unit="mm"` or `Body(fixed=)`.
+_ARGUMENT = re.compile(r"`(?:\w+\()?(\w+)(?:=[^`]*)?`")
+# What the command at work has for them: its options, and the commands, which keep their names.
+_words: dict[str, str] = {}
+
+
+def speak_for(program: typer.Context) -> None:
+    """Name arguments of the library from now on by the options of the command that was called."""
+    commands = cast(Any, program.command).commands
+    called = commands.get(program.invoked_subcommand)
+    names = {one.name: one.opts[0] for one in called.params} if called else {}
+    _words.clear()
+    _words.update({name: f"`{name}`" for name in commands})
+    _words.update({name: option for name, option in names.items() if option.startswith("--")})
 
 
 def _in_options(message: str) -> str:
-    """Return a message of the library with the names of options for those of arguments."""
-    return _ARGUMENT.sub(lambda found: "--" + found[1].replace("_", "-"), message)
+    """Return a message of the library with options for its arguments; others are told to be Python's."""
+    return _ARGUMENT.sub(lambda found: _words.get(found[1], f"{found[0]} of Python"), message)
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:

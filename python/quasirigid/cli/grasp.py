@@ -31,7 +31,16 @@ from .quantities import (
     parse_positive,
     parse_quantities,
 )
-from .scene import GOAL_UNITS, PoissonRatio, ProductFile, ProductUnit, ShearModulus, TargetError
+from .scene import (
+    GOAL_UNITS,
+    CoupleFingers,
+    MaxNodes,
+    PoissonRatio,
+    ProductFile,
+    ProductUnit,
+    ShearModulus,
+    TargetError,
+)
 
 __all__ = ["GRASP_EXAMPLE", "GraspWords", "grasp"]
 
@@ -90,6 +99,8 @@ class GraspWords:
         ),
     ] = "half-space"
     target_error: TargetError = f"{TARGET_ERROR:g}"
+    max_nodes: MaxNodes = MOST_NODES
+    couple_fingers: CoupleFingers = False
     pictures: Annotated[bool, typer.Option(help="Draw grasp.png, skin.png and footprint.png.")] = True
     out: OutFolder = None
 
@@ -136,7 +147,11 @@ def _read(words: GraspWords) -> _Asked:
     check_inputs(inputs)
     check_folder(words.out, GRASP_FILES, inputs)
     goal = _goal(words.force, words.overlap)
-    options = qr.ContactOptions(target_error=parse_target_error(words.target_error), max_nodes=MOST_NODES)
+    options = qr.ContactOptions(
+        target_error=parse_target_error(words.target_error),
+        max_nodes=words.max_nodes,
+        couple_fingers=words.couple_fingers,
+    )
     modulus = parse_positive(words.shear_modulus, STRESS, "--shear-modulus")
     ratio = parse_poisson_ratio(words.poisson_ratio)
     skin = qr.Skin(shear_modulus=modulus, poisson_ratio=ratio, response=parse_response(words.response))
@@ -173,6 +188,8 @@ def _read(words: GraspWords) -> _Asked:
         "poisson_ratio": {"value": ratio, "unit": "1"},
         "response": words.response,
         "target_error": {"value": options.target_error, "unit": "1"},
+        "max_nodes": options.max_nodes,
+        "couple_fingers": options.couple_fingers,
         "quasirigid": qr.__version__,
     }
     more = {**goal, **poses, "product_mass": mass, "options": options}

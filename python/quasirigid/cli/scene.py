@@ -45,6 +45,8 @@ __all__ = [
     "GOAL_UNITS",
     "TARGET_ERROR",
     "UNIT_NAMES",
+    "CoupleFingers",
+    "MaxNodes",
     "Scene",
     "SceneWords",
     "TargetError",
@@ -55,7 +57,8 @@ __all__ = [
 ]
 
 UNIT_NAMES = f"{', '.join(list(UNITS)[:-1])} or {list(UNITS)[-1]}"
-TARGET_ERROR = "none" if (_target := qr.ContactOptions().target_error) is None else f"{_target:g}"
+_OPTIONS = qr.ContactOptions()
+TARGET_ERROR = "none" if _OPTIONS.target_error is None else f"{_OPTIONS.target_error:g}"
 GOAL_UNITS = {"depth": "m", "force": "N", "overlap": "m"}
 
 SkinFile = Annotated[Path, typer.Argument(metavar="SKIN", help="Hand or finger mesh: .ply, .stl or .obj.")]
@@ -118,6 +121,13 @@ TargetError = Annotated[
         " contact until the estimates are below; none takes it as it is."
     ),
 ]
+MaxNodes = Annotated[int, typer.Option(help="Most contact nodes of a refined mesh.", min=1)]
+CoupleFingers = Annotated[
+    bool,
+    typer.Option(
+        "--couple-fingers", help="Let a kernel couple patches on different fingers too, through the air."
+    ),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,6 +150,8 @@ class SceneWords:
     skin_mask: SkinMask = "caps"
     start: StartName = "infinity"
     target_error: TargetError = TARGET_ERROR
+    max_nodes: MaxNodes = _OPTIONS.max_nodes
+    couple_fingers: CoupleFingers = _OPTIONS.couple_fingers
     out: OutFolder = None
 
 
@@ -174,7 +186,11 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
     }
     if not any(motion["direction"]):
         raise QuantityError(f"--direction: '{words.direction}' has no direction, expected as 0,0,1")
-    options = qr.ContactOptions(target_error=parse_target_error(words.target_error))
+    options = qr.ContactOptions(
+        target_error=parse_target_error(words.target_error),
+        max_nodes=words.max_nodes,
+        couple_fingers=words.couple_fingers,
+    )
     shift = parse_quantities(words.translate, 3, LENGTH, "--translate")
     angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
     response = parse_response(words.response)
@@ -212,6 +228,8 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         **held,
         "skin_mask": words.skin_mask,
         "target_error": {"value": options.target_error, "unit": "1"},
+        "max_nodes": options.max_nodes,
+        "couple_fingers": options.couple_fingers,
         "quasirigid": qr.__version__,
     }
     return Scene(
