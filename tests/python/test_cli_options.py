@@ -291,10 +291,10 @@ def test_a_kept_body_is_read_again_and_grows_with_what_is_asked(
     assert shallow == pytest.approx(first, rel=1e-6)
     kept = (folder / "kept.npz").read_bytes()
     for other, difference in (
-        (("--shear-modulus", "50kPa"), "shear modulus 60000 Pa, not 50000"),
+        (("--shear-modulus", "50kPa"), "shear modulus (Pa) 60000.0, not 50000.0"),
         (("--poisson-ratio", "0.4"), "Poisson's ratio 0.5, not 0.4"),
         (("--bone", "none"), "another bone"),
-        (("--fixed", "none"), "other fixed vertices"),
+        (("--fixed", "none"), "another fixed part"),
         (("--response", "body:discretization=galerkin"), "discretization collocation, not galerkin"),
     ):
         assert run(words("press", "--depth", "0.5mm", *body, *other)) == 2

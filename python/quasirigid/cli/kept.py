@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 import quasirigid as qr
 
@@ -54,25 +54,9 @@ def kept_body(
 
 def _difference(known: qr.Skin, asked: qr.Skin) -> str:
     """Return what a kept body has that the one asked for has not; empty where they are one."""
-    if known.shear_modulus != asked.shear_modulus:
-        return f"shear modulus {known.shear_modulus:g} Pa, not {asked.shear_modulus:g}"
-    if known.poisson_ratio != asked.poisson_ratio:
-        return f"Poisson's ratio {known.poisson_ratio:g}, not {asked.poisson_ratio:g}"
-    one, other = known.response, asked.response
-    if not isinstance(one, qr.Body) or not isinstance(other, qr.Body):
-        return "another response"
-    for part in ("vertices", "faces"):
-        if not _are_equal(*(body.bone and getattr(body.bone, part) for body in (one, other))):
-            return "another bone"
-    if one.coarse_edge_length != other.coarse_edge_length:
-        return f"coarse edge length {one.coarse_edge_length} m, not {other.coarse_edge_length}"
-    forms = [body.discretization or qr.Discretization.COLLOCATION for body in (one, other)]
-    if forms[0] != forms[1]:
-        return f"discretization {forms[0]}, not {forms[1]}"
-    return "" if _are_equal(one.fixed, other.fixed) else "other fixed vertices"
-
-
-def _are_equal(one: ArrayLike | None, other: ArrayLike | None) -> bool:
-    if one is None or other is None:
-        return one is other
-    return np.array_equal(np.asarray(one), np.asarray(other))
+    others = asked._content
+    for name, value in known._content.items():
+        other = others[name]
+        if not np.array_equal(value, other):
+            return f"another {name}" if np.ndim(value) + np.ndim(other) else f"{name} {value}, not {other}"
+    return ""

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import _core
 from ..errors import ResponseError
-from ..skin import Body, Discretization, load_prepared
+from ..skin import load_prepared
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -72,15 +72,9 @@ def kept(
 
 def _key(skin: Skin, surface: Surface, nodes: ArrayLike) -> str:
     """Return a name for all that a body depends on."""
-    body = skin.response
-    assert isinstance(body, Body)
     content = sha256(_VERSION)
-    form = str(body.discretization or Discretization.COLLOCATION)
-    numbers = (skin.shear_modulus, skin.poisson_ratio, body.coarse_edge_length, body.bone_pressure, form)
-    content.update(repr(numbers).encode())
-    arrays = [surface.vertices, surface.faces, surface.skin_mask, body.fixed, nodes]
-    arrays += [None, None] if body.bone is None else [body.bone.vertices, body.bone.faces]
-    for one in arrays:
+    mesh = (surface.vertices, surface.faces, surface.skin_mask, nodes)
+    for one in (*skin._content.values(), *mesh):
         array = np.ascontiguousarray(np.empty(0) if one is None else one)
         content.update(f"{one is None} {array.dtype} {array.shape}".encode())
         content.update(array.tobytes())

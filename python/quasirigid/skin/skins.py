@@ -19,7 +19,7 @@ from .cut_out import CutOut
 from .given_mesh import forces_on_given_mesh
 from .prepared import PreparedSkin, bone_pressures_of
 from .progress import Progress, as_progress
-from .response import Response
+from .response import Body, Discretization, Response
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -164,6 +164,25 @@ class Skin:
     @property
     def _material(self) -> Material:
         return as_float("shear_modulus", self.shear_modulus), as_float("poisson_ratio", self.poisson_ratio)
+
+    @property
+    def _content(self) -> dict[str, Any]:
+        """By name what the response of a body depends on, beside its surface and nodes."""
+        content = {
+            "shear modulus (Pa)": self.shear_modulus,
+            "Poisson's ratio": self.poisson_ratio,
+            "response": type(self.response).__name__,
+        }
+        if not isinstance(body := self.response, Body):
+            return content
+        return content | {
+            "bone": body.bone and body.bone.vertices,
+            "mesh of the bone": body.bone and body.bone.faces,
+            "fixed part": body.fixed,
+            "bone pressure": body.bone_pressure,
+            "coarse edge length (m)": body.coarse_edge_length,
+            "discretization": str(body.discretization or Discretization.COLLOCATION),
+        }
 
     def _core_on(self, surface: Surface, num_threads: int | None) -> _core.Skin:
         if self._kernel is not None:
