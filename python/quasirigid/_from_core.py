@@ -10,7 +10,7 @@ __all__ = ["from_core"]
 _Result = TypeVar("_Result")
 
 
-def from_core(kind: type[_Result], core: object, **other: Any) -> _Result:
+def from_core(kind: type[_Result], core: object, /, **other: Any) -> _Result:
     """Return a dataclass with the fields of these names of a core's object, and others as they are given."""
     names = {field.name for field in fields(kind)} - other.keys()  # type: ignore[arg-type]
     return kind(**{name: getattr(core, name) for name in names}, **other)

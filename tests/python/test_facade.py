@@ -191,6 +191,8 @@ def test_results_are_frozen_to_the_bottom(contact: qr.Contact) -> None:
     assert small.lcp_solutions[0].certificate.definiteness is qr.LcpDefiniteness.POSITIVE_DEFINITE
     assert small.accuracy.definite is True
     rounds = contact.refinements
+    assert rounds[0].kind is qr.RefinementKind.MESH
+    assert contact.accuracy.discretization is qr.Discretization.COLLOCATION
     for array in (
         contact.gap,
         contact.active,

@@ -2,6 +2,7 @@
 
 from .accuracy import Accuracy as Accuracy
 from .accuracy import Refinement as Refinement
+from .accuracy import RefinementKind as RefinementKind
 from .ending import ContactStatus as ContactStatus
 from .ending import LeftOut as LeftOut
 from .options import ContactOptions as ContactOptions

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from .._frozen import Frozen
@@ -11,7 +12,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Accuracy", "Refinement"]
+    from ..skin.response import Discretization
+
+__all__ = ["Accuracy", "Refinement", "RefinementKind"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +32,7 @@ class Accuracy:
         Worst residuals of the complementarity problems, measured on the original matrix (dimensionless).
     integration_tolerance : float
         Largest error of an entry of the response matrix from numerical integration, over the half-space's.
-    discretization : str
+    discretization : Discretization
         "collocation" or "galerkin": how gaps were taken on the mesh that was solved.
     condition : float or None
         Largest condition number of the response matrices' symmetric parts, where `ContactOptions.condition`
@@ -58,7 +61,7 @@ class Accuracy:
     natural_residual: float
     complementarity: float
     integration_tolerance: float
-    discretization: str
+    discretization: Discretization
     condition: float | None
     definite: bool | None
     cells_per_radius: float
@@ -69,13 +72,20 @@ class Accuracy:
     max_pressure_error: float | None
 
 
+class RefinementKind(StrEnum):
+    """What a `Refinement` was: a mesh, solved to the end, or one linear problem on the way there."""
+
+    MESH = "mesh"
+    LINEARIZATION = "linearization"
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Refinement(Frozen):
     """What one mesh gave, or one linear problem on the way there.
 
     Attributes
     ----------
-    kind : str
+    kind : RefinementKind
         "mesh", or "linearization": gaps and normals taken anew at the deformed skin.
     nodes : int
         Contact nodes: unknowns of the complementarity problems.
@@ -98,7 +108,7 @@ class Refinement(Frozen):
         sharp edge".
     """
 
-    kind: str
+    kind: RefinementKind
     nodes: int
     force: NDArray[np.float64]
     contact_area: float | None

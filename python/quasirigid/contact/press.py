@@ -10,8 +10,9 @@ from .._check import as_choice
 from .._from_core import from_core
 from ..lcp.solution import solution_from_core
 from ..scene import check_scene
+from ..skin import Discretization
 from ..skin.elastic import core_skin
-from .accuracy import Accuracy, Refinement
+from .accuracy import Accuracy, Refinement, RefinementKind
 from .drawn import Drawing
 from .ending import ContactStatus, LeftOut
 from .options import ContactOptions, options_to_core
@@ -290,7 +291,9 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         status=ContactStatus(core.status),
         given_vertex_count=core.given_vertex_count,
         parents=core.parents,
-        refinements=tuple(from_core(Refinement, one) for one in core.refinements),
+        refinements=tuple(
+            from_core(Refinement, one, kind=RefinementKind(one.kind)) for one in core.refinements
+        ),
         obstacle=core.obstacle,
         travel=core.travel,
         depth=core.depth,
@@ -311,7 +314,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         patches=patches_of(core.patches),
         lcp_solutions=tuple(solution_from_core(solution) for solution in core.lcp_solutions),
         natural_residual=accuracy.natural_residual,
-        accuracy=from_core(Accuracy, accuracy),
+        accuracy=from_core(Accuracy, accuracy, discretization=Discretization(accuracy.discretization)),
         timings=dict(core.timings),
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
         warnings=warned(core.warnings),

@@ -108,11 +108,11 @@ def inputs_record(inputs: Mapping[str, Any] | None) -> Any:
 
 
 def _refinement(one: Refinement) -> dict[str, Any]:
-    return {"kind": one.kind, "nodes": one.nodes, "reason": one.reason} | _figures(one, _REFINEMENT)
+    return {"kind": str(one.kind), "nodes": one.nodes, "reason": one.reason} | _figures(one, _REFINEMENT)
 
 
 def _accuracy(accuracy: Accuracy) -> dict[str, Any]:
-    words = {"discretization": accuracy.discretization, "definite": accuracy.definite}
+    words = {"discretization": str(accuracy.discretization), "definite": accuracy.definite}
     return words | _figures(accuracy, _ACCURACY)
 
 
