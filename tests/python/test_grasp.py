@@ -100,6 +100,21 @@ def test_an_overlap_is_reached(hand, handle):
         assert depth[on_digit].max() == pytest.approx(wanted, rel=1e-3)
 
 
+def test_from_the_opposed_thumb_digits_push_a_bottle_against_each_other_and_not_away(hand):
+    def pushed(start):
+        bottle = qr.models.bottle().placed(hand.posed(start).palm)
+        return qr.close_hand(hand, bottle, skin(), force=20.0, start=start, options=AS_GIVEN)
+
+    opposed, relaxed = pushed("opposed"), pushed("relaxed")
+    assert opposed.missed == {}
+    total = sum(forces(opposed).values())
+    assert np.linalg.norm(opposed.net_force) < 0.3 * total
+    assert np.linalg.norm(relaxed.net_force) > 0.8 * total
+    told = "push it away more than against each other"
+    assert told in relaxed.summary()
+    assert told not in opposed.summary()
+
+
 def tube(radius, wall, half_height):
     """A tube around the z axis, open at both ends (m)."""
     sides, corners = 96, 4

@@ -132,7 +132,7 @@ def demo(
         typer.Option(help="Folder for meshes, results and pictures; files of the same names are replaced."),
     ] = Path("demo-output"),
     quick: Annotated[
-        bool, typer.Option("--quick", help="Coarse meshes and one grasp: done in a moment.")
+        bool, typer.Option("--quick", help="Coarse meshes: done in a moment.")
     ] = False,
     target_error: TargetError = TARGET_ERROR,
 ) -> int:
@@ -140,7 +140,7 @@ def demo(
 
     The fingertip goes 1.12 mm deep on a handle and on a phone-sized box, each twice: as a half-space, which
     knows neither the finger's shape nor its bone, and as the body with its bone, whose compliance is computed
-    first and serves both. The hand holds a handle and a bottle with 20 N, to the target of `close_hand`.
+    first and serves both. The hand holds a bottle with 20 N, to the target of `close_hand`.
     Needs no file. Prints the figures and writes, in a folder for each product, what `press` writes and
     footprints of both responses, or what `grasp` writes, with one picture.
     Exit status 0: done; 2: bad input.
@@ -149,7 +149,7 @@ def demo(
     options = qr.ContactOptions(target_error=parse_target_error(target_error))
     need_matplotlib()
     record = press_demo(out, edge_length=1.6e-3 if quick else 1.0e-3, options=options, talk=talk)
-    record |= grasp_demo(out, edge_length=4e-3 if quick else 2e-3, talk=talk, quick=quick)
+    record |= grasp_demo(out, talk)
     if talk.json:
         talk.tell("", record)
     return 0

@@ -32,10 +32,8 @@ _INPUTS = {
     "fixed": "caps",
     "skin_mask": "caps",
 }
-
-
 _GRASP_FORCE = 20.0
-_GRIP_LENGTH = 0.16  # of the handle that is grasped (m): the thumb does not press on its end
+_HAND_EDGE = 2e-3
 
 
 def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: ContactTalk) -> dict[str, Any]:
@@ -97,36 +95,27 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Con
     return record
 
 
-def grasp_demo(out: Path, edge_length: float, talk: Talk, *, quick: bool) -> dict[str, Any]:
-    """Close the built-in hand on a bottle and, unless it must be quick, on a handle, as `press_demo`."""
+def grasp_demo(out: Path, talk: Talk) -> dict[str, Any]:
+    """Close the built-in hand on a bottle, as `press_demo`."""
+    name, bottle = "grasped bottle", models.bottle()
     with progress("building the hand"):
-        hand = models.hand(edge_length=edge_length)
-        palm = hand.posed("relaxed").palm
-        products = {"grasped bottle": models.bottle()}
-        if not quick:
-            products["grasped handle"] = models.cylinder_handle(length=_GRIP_LENGTH)
-    record = {}
-    for name, product in products.items():
-        with progress(f"closing the hand: {name}"):
-            grasp = close_hand(
-                hand,
-                product.placed(palm),
-                _skin(HalfSpace()),
-                force=_GRASP_FORCE,
-                throw=False,
-            )
-        folder = out / name.replace(" ", "-")
-        with progress(f"drawing and writing {folder}"):
-            inputs = {"scene": name, "force": {"value": _GRASP_FORCE, "unit": "N"}}
-            grasp.save(folder, inputs=inputs)
-            with atomic_write(folder / "grasp.png") as file:
-                grasp_figure(grasp).savefig(file, format="png")
-        record[name] = grasp_record(grasp) | {"contact": contact_record(grasp.contact)}
-        if not talk.json:
-            say(f"{name}, {_GRASP_FORCE:g} N\n{digit_table(grasp)}\n{name}: {folder / 'grasp.png'}")
-    if triangles := products["grasped bottle"].triangles():
+        hand = models.hand(edge_length=_HAND_EDGE)
+        product = bottle.placed(hand.posed("opposed").palm)
+    with progress(f"closing the hand: {name}"):
+        grasp = close_hand(
+            hand, product, _skin(HalfSpace()), force=_GRASP_FORCE, start="opposed", throw=False
+        )
+    folder = out / name.replace(" ", "-")
+    with progress(f"drawing and writing {folder}"):
+        inputs = {"scene": name, "force": {"value": _GRASP_FORCE, "unit": "N"}}
+        grasp.save(folder, inputs=inputs)
+        with atomic_write(folder / "grasp.png") as file:
+            grasp_figure(grasp).savefig(file, format="png")
+    if not talk.json:
+        say(f"{name}, {_GRASP_FORCE:g} N\n{digit_table(grasp)}\n{name}: {folder / 'grasp.png'}")
+    if triangles := bottle.triangles():
         write_mesh(*triangles, out / "bottle.stl", unit="mm")
-    return record
+    return {name: grasp_record(grasp) | {"contact": contact_record(grasp.contact)}}
 
 
 def _skin(response: HalfSpace | Body) -> Skin:

@@ -45,7 +45,8 @@ from .scene import (
 __all__ = ["GRASP_EXAMPLE", "GraspWords", "grasp"]
 
 GRASP_EXAMPLE = (
-    "quasirigid grasp built-in demo-output/bottle.stl --product-unit mm --force 20N --out grasp-output"
+    "quasirigid grasp built-in demo-output/bottle.stl --product-unit mm --start opposed --force 20N"
+    " --out grasp-output"
 )
 
 

@@ -72,7 +72,9 @@ def close_hand(
         Material and response. A `Body` that has neither bone nor fixed vertices gets the hand's own bones and
         is held at the cut at the wrist; it is prepared anew for every pose of the last rounds.
     start, end : pose
-        Where the digits begin and where they are closed, as for `Hand.posed`.
+        Where the digits begin and where they are closed, as for `Hand.posed`. From "opposed" the thumb comes
+        from the other side than the fingers, as on what is thicker than 50 mm; for less, from
+        ``mix("flat", "opposed", 0.6)``.
     force : float or mapping of digit to float
         Length of the resultant that a digit shall carry (N, > 0). A number is the sum over the digits: half
         on the thumb, an eighth on each finger. Digits that a mapping does not name stay at the start.

@@ -193,8 +193,8 @@ class Hand(Frozen):
         Parameters
         ----------
         pose : str, mapping, array_like or Mixed
-            A preset ("flat", "open", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"), its flexion
-            from the straight digit; a mapping of joint names to flexion from rest (rad) or to a
+            A preset ("flat", "open", "opposed", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"),
+            its flexion from the straight digit; a mapping of joint names to flexion from rest (rad) or to a
             mapping of "flexion", "abduction" and "twist" (rad), joints not named at rest; or an array in the
             order of `joint_names`, relative to the rest frames: (J, 3) rotation vectors (rad) or (J, 4)
             quaternions x, y, z, w. Flexion is positive towards the palm,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PRESETS", "Mixed", "Pose", "Preset", "mix"]
 
-Preset = Literal["flat", "open", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"]
+Preset = Literal["flat", "open", "opposed", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"]
 
 _ANGLES = ("flexion", "abduction", "twist")
 
@@ -70,6 +70,7 @@ def _preset(
 PRESETS: dict[str, dict[str, dict[str, float]]] = {
     "flat": _preset((0, 0, 0), (0, 0, 0)),
     "open": _preset((0, 0, 0), (-20, 0, 0), spread=5, lift=-30),
+    "opposed": _preset((0, 0, 0), (-20, 0, 0), oppose=40, lift=40),
     "relaxed": _preset((25, 30, 12), (5, 10, 10), oppose=5),
     "cylinder": _preset((45, 55, 30), (10, 20, 25), oppose=35, lift=15),
     "sphere": _preset((35, 45, 25), (5, 15, 20), spread=12, oppose=30, lift=20),

@@ -35,6 +35,7 @@ _PART = {
     "max_pressure": "Pa",
     "mean_pressure": "Pa",
 }
+_ONE_WAY = 0.5  # of all forces: beyond, most of them are against nothing
 _BALANCE = {"net_force": "N", "net_moment": "N m", "unbalanced_force": "N", "unbalanced_moment": "N m"}
 
 
@@ -77,7 +78,10 @@ def digit_table(grasp: Grasp) -> str:
     if grasp.posed.crossings:
         lines.append(f"the hand crosses itself: {in_words(grasp.posed.crossings)}")
     net, moment = _length(grasp.net_force), _length(grasp.net_moment)
-    lines.append(f"hand on product: {net:.4g} N, {moment:.4g} N m about its center of mass")
+    line = f"hand on product: {net:.4g} N, {moment:.4g} N m about its center of mass"
+    if net > _ONE_WAY * sum(forces):
+        line += ": the digits push it away more than against each other; start with the thumb opposed"
+    lines.append(line)
     if grasp.unbalanced_force is not None and grasp.unbalanced_moment is not None:
         force, moment = _length(grasp.unbalanced_force), _length(grasp.unbalanced_moment)
         lines.append(f"out of balance with its weight: {force:.4g} N, {moment:.4g} N m")
