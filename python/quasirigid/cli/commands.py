@@ -131,9 +131,7 @@ def demo(
         Path,
         typer.Option(help="Folder for meshes, results and pictures; files of the same names are replaced."),
     ] = Path("demo-output"),
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Coarse meshes: done in a moment.")
-    ] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Coarse meshes: done in a moment.")] = False,
     target_error: TargetError = TARGET_ERROR,
 ) -> int:
     """Press the built-in fingertip on two products, and close the built-in hand on two.
