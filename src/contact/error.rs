@@ -134,7 +134,8 @@ pub enum ContactError {
     /// Moving along the direction, the obstacle never meets the skin.
     #[error(
         "the obstacle never meets the skin along direction ({:.4}, {:.4}, {:.4}): none of the {skin_vertices} \
-         vertices that may touch lies in its way; move it into line with the skin, or turn the direction",
+         vertices that may touch lies in its way; move it into line with the skin, or turn the direction. The skin is \
+         {skin_size:.3e} m large, the obstacle {obstacle_size:.3e} m: check both units",
         direction[0], direction[1], direction[2]
     )]
     NeverTouches {
@@ -142,6 +143,10 @@ pub enum ContactError {
         direction: [f64; 3],
         /// Vertices that may touch.
         skin_vertices: usize,
+        /// Diagonal of the skin's bounding box (m).
+        skin_size: f64,
+        /// That of the obstacle's; infinite for a half-space (m).
+        obstacle_size: f64,
     },
     /// A press from the current position starts inside the skin.
     #[error(
@@ -158,7 +163,7 @@ pub enum ContactError {
     /// A vertex inside the obstacle is one that a body holds in place.
     #[error(
         "vertex {vertex} comes to lie inside the obstacle, and the body holds it fixed ({count} such vertices): mask them \
-         out (`skin_mask`), fix fewer (`Body(fixed=)`), cut farther from the contact, or press less deep"
+         out (`skin_mask` of the surface), fix fewer (`Body(fixed=)`), cut farther from the contact, or press less deep"
     )]
     Held {
         /// First such vertex.
@@ -193,6 +198,17 @@ pub enum ContactError {
     /// The complementarity problem could not be posed.
     #[error(transparent)]
     Lcp(#[from] LcpError),
+}
+
+impl ContactError {
+    /// Whether it may be that of a depth alone: deeper than the response knows, the body moves or memory holds.
+    pub(crate) fn is_of_deeper(&self) -> bool {
+        match self {
+            Self::Response(error) => !error.is_interruption(),
+            Self::Held { .. } | Self::Growth { .. } => true,
+            _ => false,
+        }
+    }
 }
 
 /// The contact that a press came to which could not reach its goal or its balance.

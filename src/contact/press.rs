@@ -65,7 +65,7 @@ fn pressed(
         return Tilted { setup, aim: press.goal.aim()?, axes, point }.run();
     }
     match press.goal.aim()? {
-        Aim::Depth(depth) => solve(surface, &setup.at(depth), skin, options),
+        Aim::Depth(depth) => solve(surface, setup.at(depth), skin, options),
         Aim::Value(target) => reach(setup, target),
     }
 }

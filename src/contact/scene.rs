@@ -8,6 +8,7 @@ use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
 use crate::contact::report::cuts::Cuts;
 use crate::contact::tilt::axes::{Balance, Turn};
+use crate::geometry::bounds::Bounds;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 
@@ -103,11 +104,11 @@ impl Placement<'_> {
             let obstacle = self.obstacle.clone();
             return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, inherited: None });
         };
-        let begin = match approach.start {
-            Start::Infinity => approach.first_touch(surface, self.obstacle)?,
-            Start::Current => 0.0,
+        let touch = match approach.touch(surface, self.obstacle) {
+            Err(ContactError::NeverTouches { .. }) if approach.start == Start::Current => (0.0, depth),
+            touch => touch?,
         };
-        Ok(approach.scene(depth, surface, self.obstacle, begin))
+        Ok(approach.scene(depth, surface, self.obstacle, touch))
     }
 }
 
@@ -119,12 +120,19 @@ impl Approach {
 
     /// The obstacle at a depth (m).
     ///
-    /// * `begin`: travel at which the press begins (m)
-    pub fn scene(&self, depth: f64, surface: &Surface, obstacle: &Obstacle, begin: f64) -> Scene {
+    /// * `touch`: travel at which the press begins, and the depth at which it touches (m)
+    pub fn scene(
+        &self,
+        depth: f64,
+        surface: &Surface,
+        obstacle: &Obstacle,
+        (begin, touch): (f64, f64),
+    ) -> Scene {
         let travel = begin + depth;
         let way = travel * self.direction;
         let mut placed = obstacle.translated(&way);
-        let mut deepest = depth;
+        let past = (depth - touch).max(0.0);
+        let mut deepest = past;
         let turned = self.turn.map(|turn| Turn { point: turn.point + way, ..turn });
         if let Some(turn) = &turned {
             placed = turn.of(&placed);
@@ -134,7 +142,7 @@ impl Approach {
         Scene {
             obstacle: placed,
             travel,
-            press: Some(Travel { direction: self.direction, depth, turned, deepest }),
+            press: Some(Travel { direction: self.direction, depth, past, turned, deepest }),
             depth_bound: Some(deepest + touch_rounding(surface)),
             inherited: None,
         }
@@ -151,7 +159,7 @@ impl Approach {
         let between =
             touch_between(surface, obstacle, &self.direction, [-touch_rounding(surface), of_vertices]);
         match of_vertices.min(between.max(0.0)) {
-            f64::INFINITY => Err(never_touches(&self.direction, touching.len())),
+            f64::INFINITY => Err(never_touches(surface, obstacle, &self.direction)),
             travel => Ok((0.0, travel)),
         }
     }
@@ -189,19 +197,20 @@ impl Approach {
 pub(crate) struct Travel {
     /// Unit direction of the obstacle.
     pub direction: Vector3<f64>,
-    /// Its length (m).
+    /// Its length (m), and how much of that is past the touch.
     pub depth: f64,
+    pub past: f64,
     /// How the obstacle turned there.
     pub turned: Option<Turn>,
-    /// A penetration that none exceeds (m): the length where the obstacle did not turn.
+    /// A penetration that none exceeds (m): the way past the touch where the obstacle did not turn.
     pub deepest: f64,
 }
 
 impl Travel {
-    /// How far the obstacle came along the direction to a place (m).
+    /// How far the obstacle came along the direction to a place, past the touch (m).
     pub fn way_to(&self, place: &Vector3<f64>) -> f64 {
         let by_turning = self.turned.map_or(0.0, |turn| self.direction.dot(&turn.way_to(place)));
-        self.depth + by_turning
+        self.past + by_turning
     }
 }
 
@@ -219,13 +228,19 @@ pub(crate) fn first_touch(
     let travel =
         of_vertices.min(touch_between(surface, obstacle, direction, [f64::NEG_INFINITY, of_vertices]));
     if travel.is_infinite() {
-        return Err(never_touches(direction, touching.len()));
+        return Err(never_touches(surface, obstacle, direction));
     }
     Ok(travel)
 }
 
-fn never_touches(direction: &Vector3<f64>, skin_vertices: usize) -> ContactError {
-    ContactError::NeverTouches { direction: (*direction).into(), skin_vertices }
+fn never_touches(surface: &Surface, obstacle: &Obstacle, direction: &Vector3<f64>) -> ContactError {
+    let size = |bounds: Bounds| bounds.diagonal();
+    ContactError::NeverTouches {
+        direction: (*direction).into(),
+        skin_vertices: skin_vertices(surface).count(),
+        skin_size: size(surface.bounding_box()),
+        obstacle_size: obstacle.bounding_box().map_or(f64::INFINITY, size),
+    }
 }
 
 /// Rounding of a touch (m).

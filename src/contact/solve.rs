@@ -31,7 +31,7 @@ pub fn solve_contact(
 ) -> Result<Contact, ContactError> {
     options.validate()?;
     with_threads(options, || {
-        let solved = solve(surface, &Placement { obstacle, press: None }, skin, options);
+        let solved = solve(surface, Placement { obstacle, press: None }, skin, options);
         Guarded { surface, obstacle, skin, press: None }.check(solved)
     })
 }
@@ -39,12 +39,12 @@ pub fn solve_contact(
 /// Solves the contact on the skin's mesh, and on finer ones as far as the options ask for it.
 pub(crate) fn solve(
     surface: &Surface,
-    placement: &Placement,
+    placement: Placement,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
     let started = Instant::now();
-    refine(on_given_mesh(surface, placement, skin, options)?, started, placement, skin, options)
+    refine(on_given_mesh(surface, &placement, skin, options)?, started, placement, skin, options)
 }
 
 /// Solves the contact on the skin's own mesh.

@@ -15,7 +15,7 @@ const SHARP_COSINE: f64 = 0.966;
 /// Sides of the polygons that stand for the rims of a cylinder: 0.5 % of the radius within them.
 const RIM_SIDES: usize = 32;
 
-/// A normal this near to the axis (sine) meets no side of a round primitive but its end.
+/// A normal this near to the axis (sine) meets no side of a cylinder but its end.
 const ALONG_AXIS: f64 = 1e-6;
 
 /// A normal counts as between two others from this product of sines on, so that a face's own does not; or down to less than
@@ -134,24 +134,22 @@ impl Obstacle {
 
     /// The line, or point, of a round primitive that a plane with that outward unit normal touches first.
     ///
-    /// A sphere has a point, the sides of a capsule and a cylinder lines along their axes.
+    /// A sphere has a point, a capsule and the side of a cylinder have lines along their axes. That of a capsule is swept by
+    /// what the spheres in it touch with, so that it has the one of its end.
     pub(crate) fn line_towards(&self, normal: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
         let pose = self.pose_matrix();
         let local = pose.turn_back(normal);
-        let (ends, radius) = match self.shape() {
-            Shape::Primitive(Primitive::Sphere { center, radius }) => ([*center; 2], *radius),
-            Shape::Primitive(Primitive::Capsule { a, b, radius }) => ([*a, *b], *radius),
+        let (ends, arm) = match self.shape() {
+            Shape::Primitive(Primitive::Sphere { center, radius }) => ([*center; 2], *radius * local),
+            Shape::Primitive(Primitive::Capsule { a, b, radius }) => ([*a, *b], *radius * local),
             Shape::Primitive(Primitive::Cylinder { half_height, radius }) => {
                 let end = Vector3::new(0.0, 0.0, *half_height);
-                ([-end, end], *radius)
+                let across = Vector3::new(local.x, local.y, 0.0).try_normalize(ALONG_AXIS)?;
+                ([-end, end], *radius * across)
             }
             _ => return None,
         };
-        let across = match (ends[1] - ends[0]).try_normalize(0.0) {
-            Some(axis) => (local - axis * local.dot(&axis)).try_normalize(ALONG_AXIS)?,
-            None => local,
-        };
-        Some(ends.map(|end| pose.to_world(&(end + radius * across))))
+        Some(ends.map(|end| pose.to_world(&(end + arm))))
     }
 }
 

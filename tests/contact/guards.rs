@@ -9,8 +9,8 @@ use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::response::{Discretization, ElasticSkin, Kernel, KernelSkin, PreparedBody};
 use quasirigid::surface::Surface;
 
-use crate::common::icosphere;
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate, skin, solve};
+use crate::common::{Random, icosphere};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, lattice, plate, skin, solve};
 
 /// A plate pressed on a surface.
 fn pressed(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, options: &ContactOptions) -> Contact {
@@ -193,4 +193,21 @@ fn an_obstacle_inside_the_skin_is_no_quiet_miss() {
     assert_eq!((swallowed.status, warned(&swallowed)), (ContactStatus::NoContact, true));
     let beside = solve(&skin, &at(-3e-3), &half_space());
     assert_eq!((beside.status, warned(&beside)), (ContactStatus::NoContact, false));
+}
+
+#[test]
+fn an_obstacle_behind_open_skin_is_no_quiet_miss() {
+    let spacing = 1e-3;
+    let sides = [Vector3::x() * spacing, Vector3::y() * spacing];
+    let skin = lattice(20, sides, Vector3::zeros(), 0.0, &mut Random(1));
+    let at = |height: f64| {
+        let bead = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, height), 2e-4).expect("a sphere");
+        solve(&skin, &bead, &half_space())
+    };
+    // The skin faces up.
+    for (height, is_behind) in [(-1.5e-3, true), (1.5e-3, false)] {
+        let contact = at(height);
+        let is_told = contact.warnings.iter().any(|one| one.message.contains("inside the skin"));
+        assert_eq!((contact.status, is_told), (ContactStatus::NoContact, is_behind), "{height}");
+    }
 }

@@ -224,3 +224,36 @@ fn threads_change_nothing_and_drawing_uses_those_asked_for() {
     };
     assert_eq!(with(1), with(2));
 }
+
+#[test]
+fn the_free_way_to_the_skin_is_no_depth() {
+    let surface = ball(8e-3, 3);
+    let skin = half_space();
+    let options = ContactOptions::default();
+    let at = |away: f64, start: Start, depth: f64| {
+        let slab = Obstacle::cuboid(Vector3::new(15e-3, 10e-3, 5e-3)).expect("a box");
+        let slab = slab.translated(&Vector3::new(1e-3, 6e-3, -5e-3 - away));
+        let press_up = Press { direction: UP, goal: Goal::Depth(depth), start, balance: Balance::None };
+        press(&surface, &slab, &skin, &press_up, &options).expect("a depth")
+    };
+    let expected = at(0.02, Start::Infinity, 5e-4);
+    for away in [0.02, 0.03, 0.05] {
+        let travel = at(away, Start::Infinity, 5e-4).travel;
+        let contact = at(away, Start::Current, travel);
+        assert_relative_eq!(contact.resultant.force.z, expected.resultant.force.z, max_relative = 0.02);
+        assert!(contact.max_penetration_before < 6e-4, "{}", contact.max_penetration_before);
+    }
+}
+
+#[test]
+fn a_capsule_end_on_is_met_between_vertices_as_its_sphere_is() {
+    let surface = ball(8e-3, 2);
+    for x in [0.3e-3, 0.9e-3, 1.3e-3] {
+        let (low, high) = (Vector3::new(x, 0.4e-3, -0.05), Vector3::new(x, 0.4e-3, -0.03));
+        let capsule = Obstacle::capsule(low, high, 3e-4).expect("a capsule");
+        let sphere = Obstacle::sphere(high, 3e-4).expect("a sphere");
+        let [pin, tip] = [capsule, sphere].map(|product| press_up(&surface, &product, &half_space(), 1e-4));
+        assert_relative_eq!(pin.travel, tip.travel, max_relative = 1e-9);
+        assert_relative_eq!(pin.resultant.force, tip.resultant.force, max_relative = 1e-9);
+    }
+}

@@ -15,7 +15,7 @@ use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, jittered_grid};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, lattice, plate, skin, solve};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, galerkin, half_space, lattice, plate, skin, solve};
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, goal: Goal, options: &ContactOptions) -> Contact {
     let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
@@ -78,6 +78,39 @@ fn the_depth_of_a_force_gives_that_force_back() {
         let again = pressed(&surface, &plate(), Goal::Depth(refined.depth.unwrap()), &options);
         assert_relative_eq!(again.resultant.force.z, force, max_relative = 0.04);
     }
+}
+
+#[test]
+fn a_small_force_from_the_current_place_is_found_on_the_smooth_skin() {
+    let surface = ball(8e-3, 2);
+    for x in [0.0, 0.5e-3, 1.1e-3] {
+        let rod = Obstacle::sphere(Vector3::new(x, 0.2e-3, -20e-3), 5e-3).expect("a sphere");
+        for (force, start) in [(1e-4, Start::Current), (1e-4, Start::Infinity), (3e-3, Start::Current)] {
+            let upwards = Press { direction: UP, goal: Goal::Force(force), start, balance: Balance::None };
+            let contact = press(&surface, &rod, &half_space(), &upwards, &ContactOptions::default())
+                .expect("a force within reach");
+            assert_relative_eq!(contact.resultant.force.z, force, max_relative = 1e-6);
+        }
+    }
+}
+
+#[test]
+fn averaged_gaps_find_a_force_that_starts_late() {
+    for force in [0.01, 0.1] {
+        let upwards =
+            Press { direction: UP, goal: Goal::Force(force), start: Start::Infinity, balance: Balance::None };
+        let contact =
+            press(&ball(8e-3, 2), &plate(), &galerkin(), &upwards, &ContactOptions::on_given_mesh())
+                .expect("a force within reach");
+        assert_relative_eq!(contact.resultant.force.z, force, max_relative = 1e-6);
+    }
+}
+
+#[test]
+fn a_force_by_what_is_smaller_than_the_triangles_is_found() {
+    let bead = Obstacle::sphere(Vector3::new(0.3e-3, 0.1e-3, -0.03), 3e-4).expect("a sphere");
+    let contact = pressed(&ball(8e-3, 2), &bead, Goal::Force(0.01), &ContactOptions::default());
+    assert_relative_eq!(contact.resultant.force.z, 0.01, max_relative = 1e-6);
 }
 
 #[test]

@@ -74,6 +74,21 @@ fn a_seesaw_shares_a_force_by_its_arms() {
 }
 
 #[test]
+fn where_along_its_axis_the_point_lies_is_of_no_account() {
+    let surface = two_balls(4e-4);
+    let angle = |y: f64| {
+        let tilt = Tilt { point: Vector3::new(0.0, y, 0.0), axes: TiltAxes::One(Vector3::y()) };
+        let contact = tilted(&surface, Goal::Force(0.5), tilt).expect("a balance");
+        contact.obstacle.pose().rotation.angle()
+    };
+    let at_balls = angle(0.0);
+    assert!(at_balls > 5e-3);
+    for y in [1.0, 1e3] {
+        assert!((angle(y) / at_balls - 1.0).abs() < 1e-4, "{y}");
+    }
+}
+
+#[test]
 fn a_point_beside_both_balls_leaves_its_moment() {
     let x = 3.0 * ARM;
     match tilted(&two_balls(0.0), Goal::Depth(1e-3), about(x)) {

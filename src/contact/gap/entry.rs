@@ -181,7 +181,7 @@ mod tests {
         let plate = turn.of(&Obstacle::cuboid(Vector3::new(0.05, 0.05, 2e-4)).expect("a plate"));
         // 1 mm behind the plate, on the side that came forward by 4 mm, and on the other.
         let points = [arm, -arm].map(|x| rotation * Vector3::new(x, 0.0, -1.2e-3));
-        let travel = Travel { direction: up, depth: 1e-3, turned: Some(turn), deepest: 0.02 };
+        let travel = Travel { direction: up, depth: 1e-3, past: 1e-3, turned: Some(turn), deepest: 0.02 };
         let mut gaps = Measured::near(&points, &plate, 0.01, None).expect("points");
         let way_in = WayIn::Press { travel: &travel, faces: vec![true; 2] };
         measure_entries(&points, |_| true, &plate, &way_in, &mut gaps).expect("points");

@@ -11,6 +11,8 @@ use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
 use crate::contact::scene::Placement;
 use crate::contact::setup::Setup;
 
+/// First depth tried for a force, in sizes of the obstacle, where that is smaller than the edges of the mesh.
+const FIRST_OF_OBSTACLE: f64 = 0.1;
 /// Refinements at the most: one at the depth that the given mesh asks for, one at that of the refined mesh.
 pub(crate) const REFINEMENTS: usize = 2;
 /// How much farther than the part of the skin that was refined was made for, in mean edges of the given mesh, an
@@ -31,10 +33,13 @@ pub(crate) fn reach(setup: Setup, target: Target) -> Result<Contact, ContactErro
 impl Task<'_> {
     fn run(&self) -> Result<Contact, ContactError> {
         let mut started = Instant::now();
-        let Setup { surface, skin, options, .. } = self.setup;
+        let Setup { surface, obstacle, skin, options, .. } = self.setup;
         let on_given = self.setup.on_given()?;
         let first = match self.target.quantity {
-            Quantity::Force => surface.mean_edge_length(),
+            Quantity::Force => {
+                let of_obstacle = obstacle.bounding_box().map_or(f64::INFINITY, |bounds| bounds.diagonal());
+                surface.mean_edge_length().min(FIRST_OF_OBSTACLE * of_obstacle)
+            }
             Quantity::Overlap => self.target.value,
         };
         let search = Search {
@@ -48,14 +53,15 @@ impl Task<'_> {
             Reached::Goal { contact, power } => (contact, power),
             Reached::Short { contact, why } => {
                 let placement = self.at(&contact);
-                let contact = end_unrefined(contact, started, &placement, skin, options)?;
+                let contact = end_unrefined(contact, started, placement, skin, options)?;
                 return Err(self.not_reached(contact, why));
             }
         };
+        let mut before = None;
         for refinement in 1..=REFINEMENTS {
             let placement = self.at(&given);
             let travel = given.travel;
-            let mut rounds = match begin(given, started, &placement, skin, options)? {
+            let mut rounds = match begin(given, started, placement, skin, options)? {
                 Begun::Ended(contact) => return Ok(*contact),
                 Begun::Rounds(rounds) => *rounds,
             };
@@ -63,6 +69,7 @@ impl Task<'_> {
             let refined_for = rounds.meshes.last_area();
             let met = (end == RefinementEnd::Target).then_some(rounds.target);
             let Some(why) = self.search_again(&mut rounds, power)? else {
+                let (rounds, end) = before.unwrap_or((rounds, end));
                 return rounds.conclude(end);
             };
             if let Err(why) = why {
@@ -76,6 +83,7 @@ impl Task<'_> {
             };
             started = Instant::now();
             given = on_given.solve(found.depth.expect("a press has a depth") - on_given.touch.1)?;
+            before = Some((rounds, end));
         }
         unreachable!("the last refinement returns")
     }

@@ -16,7 +16,6 @@ use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Inherited, Scene};
 use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::Turn;
-use crate::response::error::ResponseError;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
 
@@ -44,7 +43,7 @@ pub(crate) struct Trials<'a> {
     /// Of the last one in contact.
     known: RefCell<Option<Known>>,
     timings: RefCell<Vec<Timing>>,
-    refusal: RefCell<Option<ResponseError>>,
+    refusal: RefCell<Option<ContactError>>,
 }
 
 impl<'a> Trials<'a> {
@@ -99,7 +98,7 @@ impl OnMesh<'_> {
                 (Some(contact), _) if quantity.of(contact, &self.setup.approach.direction) < search.value => {
                     return Ok(Reached::Short { contact: contact.clone(), why });
                 }
-                (_, Some(error)) => return Err(error.into()),
+                (_, Some(error)) => return Err(error),
                 (_, None) => (0.0, Err(why)),
             },
         };
@@ -175,8 +174,7 @@ impl OnMesh<'_> {
             Quantity::Overlap => self.overlap(past).map(Trial::Value),
         };
         match tried {
-            // Deeper than the response knows or memory holds.
-            Err(ContactError::Response(error)) if !error.is_interruption() => {
+            Err(error) if error.is_of_deeper() => {
                 let why = error.to_string();
                 trials.refusal.replace(Some(error));
                 Ok(Trial::Blocked(why))
@@ -259,9 +257,8 @@ impl OnMesh<'_> {
     }
 
     fn scene(&self, past: f64) -> Scene {
-        let (begin, touch) = self.touch;
         let Setup { surface, obstacle, approach, .. } = self.setup;
-        let scene = approach.scene(touch + past, surface, obstacle, begin);
+        let scene = approach.scene(self.touch.1 + past, surface, obstacle, self.touch);
         Scene { inherited: self.inherited.clone(), ..scene }
     }
 }

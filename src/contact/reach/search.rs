@@ -12,7 +12,7 @@ const PATIENCE: usize = 3;
 const NARROW: f64 = 1.01;
 
 /// How near to the one looked for a value is good enough where none is nearer: contacts are solved to a gap.
-const UNEVENNESS: f64 = 1e-3;
+const UNEVENNESS: f64 = 1e-2;
 /// How far a value may fall, as a logarithm, before the function is taken to fall for good: forces on rough products dip by a
 /// few per cent.
 const DIP: f64 = 0.1;
@@ -61,6 +61,8 @@ struct Bracket {
     recent: [Option<(f64, f64)>; 2],
     /// The point nearest to the value.
     nearest: (f64, f64),
+    /// Whether the value was 0 somewhere.
+    starts_late: bool,
     /// Width at the last halving, and trials since.
     width: (f64, usize),
     why: String,
@@ -78,6 +80,7 @@ impl Search {
             above: None,
             recent: [None; 2],
             nearest: (0.0, f64::INFINITY),
+            starts_late: false,
             width: (f64::INFINITY, 0),
             why: String::new(),
         };
@@ -139,6 +142,8 @@ impl Bracket {
         }
         if value.is_finite() {
             self.recent = [self.recent[1], Some((at, value))];
+        } else {
+            self.starts_late = true;
         }
     }
 
@@ -155,7 +160,7 @@ impl Bracket {
 
     /// The argument to try next.
     fn next(&mut self, search: &Search) -> f64 {
-        let secant = self.recent[1].map(|(at, value)| at - value / self.power(search));
+        let secant = self.secant(search);
         let chord = self.chord();
         let low = self.below.map(|(at, _)| at);
         let step = LARGEST_STEP.ln();
@@ -175,10 +180,29 @@ impl Bracket {
                     self.width = (width, 0);
                 }
                 let inside = |at: &f64| low < *at && *at < high && !is_slow;
-                secant.filter(inside).or(chord.filter(inside)).unwrap_or(0.5 * (low + high))
+                // Where it starts late, any argument between may be the first with a value.
+                let middle = if self.below.is_some_and(|(_, value)| value.is_finite()) {
+                    0.5 * (low + high)
+                } else {
+                    (0.5 * (low.exp() + high.exp())).ln()
+                };
+                secant.filter(inside).or(chord.filter(inside)).unwrap_or(middle)
             }
         };
         next.exp().min(search.limit)
+    }
+
+    /// Where the function takes the value by its last points; where it starts late, its root of the power looked for rises in
+    /// a straight line.
+    fn secant(&self, search: &Search) -> Option<f64> {
+        let (at, value) = self.recent[1]?;
+        if !self.starts_late {
+            return Some(at - value / self.power(search));
+        }
+        let (before, value_before) = self.recent[0]?;
+        let root = |value: f64| (value / search.power).exp();
+        let slope = (root(value) - root(value_before)) / (at.exp() - before.exp());
+        (slope > 0.0).then(|| (at.exp() + (1.0 - root(value)) / slope).ln())
     }
 
     /// Where the chord between the ends of the bracket crosses.
@@ -239,6 +263,17 @@ mod tests {
         println!("{trials} trials");
         // To 1e-6 of 1 with slope 1.5.
         assert!((found - 6.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_start_without_value_is_found_for_values_that_are_small_there() {
+        for at in [0.07_f64, 0.3, 0.7, 5.0] {
+            let late = |x: f64| (x - at).max(0.0).powf(1.5);
+            for value in [1e-9, 1e-6, 1e-3, 1.0] {
+                let (trials, found) = count(&search(value), late);
+                assert!((late(found) / value - 1.0).abs() <= 1e-6, "{value} past {at}: {trials}, {found}");
+            }
+        }
     }
 
     #[test]

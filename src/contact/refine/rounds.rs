@@ -47,7 +47,7 @@ pub(crate) enum Begun<'a> {
 pub(crate) fn refine(
     given: Contact,
     started: Instant,
-    placement: &Placement,
+    placement: Placement,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
@@ -64,7 +64,7 @@ pub(crate) fn refine(
 pub(crate) fn begin<'a>(
     mut given: Contact,
     started: Instant,
-    placement: &'a Placement,
+    placement: Placement<'a>,
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions,
 ) -> Result<Begun<'a>, ContactError> {
@@ -114,7 +114,7 @@ pub(crate) fn begin<'a>(
 pub(crate) fn end_unrefined(
     given: Contact,
     started: Instant,
-    placement: &Placement,
+    placement: Placement,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
@@ -143,7 +143,7 @@ pub(crate) struct Rounds<'a> {
     pub(super) touches_elsewhere_alone: bool,
     /// Displacements (m) at which its gaps were linearized, by the vertex' number in the whole refined surface.
     linearized_at: HashMap<usize, Vector3<f64>>,
-    placement: &'a Placement<'a>,
+    placement: Placement<'a>,
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions<'a>,
     pub target: f64,

@@ -58,15 +58,27 @@ impl Report {
     }
 
     /// Warns of an obstacle that lies inside the skin, with no vertex of the skin in it.
+    ///
+    /// Skin that is open has no inside; behind its nearest vertex counts as such.
     pub fn warn_of_swallowed(&mut self, gaps: &Gaps) -> Result<(), ContactError> {
         let (surface, obstacle) = (gaps.surface, &gaps.scene.obstacle);
-        if !surface.is_closed() || obstacle.bounding_box().is_none() {
+        if obstacle.bounding_box().is_none() {
             return Ok(());
         }
-        let vertex = &surface.vertices()[..1];
-        let nearest = obstacle.signed_distance(vertex, None)?;
-        let on_obstacle = vertex[0] - nearest.distance[0] * nearest.normal[0];
-        if winding_number(&on_obstacle, surface.vertices(), surface.faces().iter().copied()) > 0.5 {
+        let nearest = {
+            let distances = gaps.distances();
+            let order = |&a: &usize, &b: &usize| distances[a].total_cmp(&distances[b]);
+            (0..distances.len()).min_by(order).expect("a surface has vertices")
+        };
+        let measured = gaps.at(&[nearest])?;
+        let inwards = measured.distance[0] * measured.normal[0];
+        let is_inside = if surface.is_closed() {
+            let on_obstacle = surface.vertices()[nearest] - inwards;
+            winding_number(&on_obstacle, surface.vertices(), surface.faces().iter().copied()) > 0.5
+        } else {
+            inwards.dot(&surface.vertex_normals()[nearest]) > 0.0
+        };
+        if is_inside {
             let message = "the obstacle lies inside the skin and no vertex of the skin in it: nothing is pressed; check its place and unit, or press it on from outside";
             self.warn(WarningKind::Penetration, message.to_string());
         }

@@ -73,15 +73,16 @@ impl Tilted<'_> {
         if let Some(why) = given.why {
             let placement = self.placement(&given);
             let contact = given.contact.clone();
-            let contact = end_unrefined(contact, started, &placement, skin, options)?;
+            let contact = end_unrefined(contact, started, placement, skin, options)?;
             return Err(self.not_balanced(contact, &given.turn, why));
         }
         let approach = approach.on_part(surface, obstacle, options)?;
         let refined = Self { setup: Setup { approach, ..self.setup }, axes: self.axes.clone(), ..*self };
+        let mut before = None;
         for refinement in 1..=REFINEMENTS {
             let placement = refined.placement(&given);
-            let before = given.contact.obstacle.clone();
-            let mut rounds = match begin(given.contact.clone(), started, &placement, skin, options)? {
+            let obstacle = given.contact.obstacle.clone();
+            let mut rounds = match begin(given.contact.clone(), started, placement, skin, options)? {
                 Begun::Ended(contact) => return Ok(*contact),
                 Begun::Rounds(rounds) => *rounds,
             };
@@ -89,13 +90,14 @@ impl Tilted<'_> {
             let refined_for = rounds.meshes.last_area();
             let met = (end == RefinementEnd::Target).then_some(rounds.target);
             let Some(found) = refined.settle_again(&mut rounds, &given, lever)? else {
+                let (rounds, end) = before.unwrap_or((rounds, end));
                 return rounds.conclude(end);
             };
             if let Some(why) = found.why {
                 return Err(self.not_balanced(rounds.conclude(end)?, &found.turn, why));
             }
             let has_gone_farther = |contact: &Contact| {
-                self.farthest_move(&before, contact) > FARTHER * surface.mean_edge_length()
+                self.farthest_move(&obstacle, contact) > FARTHER * surface.mean_edge_length()
             };
             let contact = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
             let Some(contact) = contact.filter(|_| refinement < REFINEMENTS) else {
@@ -105,6 +107,7 @@ impl Tilted<'_> {
             let past = contact.depth.expect("a press has a depth") - on_given.touch.1;
             let contact = on_given.turned(found.turn).solve(past)?;
             given = Settled { contact, ..found };
+            before = Some((rounds, end));
         }
         unreachable!("the last refinement returns")
     }
@@ -175,7 +178,7 @@ impl Tilted<'_> {
                 return Ok(None);
             };
             let mut contact = match turned.solve_with(past, &trials) {
-                Err(ContactError::Response(error)) if !error.is_interruption() => return Ok(None),
+                Err(error) if error.is_of_deeper() => return Ok(None),
                 other => other?,
             };
             trials.note(&std::mem::take(&mut contact.timings));
@@ -266,11 +269,18 @@ impl Tilted<'_> {
         self.point + contact.travel * self.setup.approach.direction
     }
 
-    /// Largest distance of a vertex under force from the point (m); the size of the skin without any.
+    /// Largest distance of a vertex under force from the point, or from the axis where that is one (m); the size of the skin
+    /// without any.
     fn lever(&self, contact: &Contact) -> f64 {
         let point = self.point_at(contact);
         let surface = contact.surface();
-        let distance = |&vertex: &usize| (surface.vertices()[vertex] - point).norm();
+        let distance = |&vertex: &usize| {
+            let arm = surface.vertices()[vertex] - point;
+            match &self.axes[..] {
+                [axis] => axis.cross(&arm).norm(),
+                _ => arm.norm(),
+            }
+        };
         let largest = contact.active.iter().map(distance).fold(0.0, f64::max);
         if largest > 0.0 { largest } else { surface.bounding_box().diagonal() }
     }

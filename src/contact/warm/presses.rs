@@ -99,7 +99,7 @@ impl Setup<'_> {
         let started = Instant::now();
         let placement = self.at(depth);
         let given = on_given_mesh(self.surface, &placement, self.skin, self.options)?;
-        match begin(given, started, &placement, self.skin, self.options)? {
+        match begin(given, started, placement, self.skin, self.options)? {
             Begun::Ended(contact) => Ok((*contact, None)),
             Begun::Rounds(mut rounds) => {
                 let end = rounds.run()?;
@@ -222,8 +222,8 @@ impl Setup<'_> {
             warm.meshes.given = given;
             near
         } else {
-            let begin = contact.travel - depth;
-            let scene = self.approach.scene(depth, self.surface, self.obstacle, begin);
+            let touch = (contact.travel - depth, warm.touch.1);
+            let scene = self.approach.scene(depth, self.surface, self.obstacle, touch);
             let gaps = Gaps::measure(self.surface, &scene, self.options.search_distance)?;
             let given = &mut warm.meshes.given;
             given.gap = gaps.undeformed();
