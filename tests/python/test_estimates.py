@@ -133,6 +133,7 @@ def test_the_estimate_of_a_peak_on_facets_covers_smaller_cells_and_the_smooth_pr
     assert 2 * round_one.accuracy.max_pressure_error < error < 0.3
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.CutWarning")
 @pytest.mark.parametrize(("pitch", "target"), [(5.0, None), (5.0, 0.05), (45.0, None), (45.0, 0.05)])
 def test_the_estimate_at_the_cut_end_of_a_finger_says_what_its_edge_costs(
     fingertip: qr.Surface, pitch: float, target: float | None

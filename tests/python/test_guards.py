@@ -64,6 +64,14 @@ def pressed_on_caps() -> qr.Contact:
     return qr.press(caps, PLATE, kernel(qr.HalfSpace()), [0, 0, 1], depth=1e-4, options=AS_GIVEN)
 
 
+def pressed_on_cut(pitch: float) -> qr.Contact:
+    """Press a plate on the cut end of a fingertip, or aslant on its rim."""
+    tip = qr.models.fingertip(edge_length=2.5e-3)
+    along = np.array([0, np.cos(pitch), np.sin(pitch)])
+    plate = qr.Obstacle.half_space(-0.1 * along, along)
+    return qr.press(tip, plate, SKIN, along, depth=3e-4, options=AS_GIVEN)
+
+
 CASES = {
     "a ball of metres": ("SizeWarning", "1.6000e1 m", lambda: pressed(huge(), depth=0.08)),
     "a metre deep": ("DepthWarning", "1.1200e0 m", lambda: pressed(qr.Surface(*ball(8e-3, 3)), depth=1.12)),
@@ -84,6 +92,8 @@ CASES = {
             qr.Surface(*ball(8e-3, 3)), coarse_body(), options=qr.ContactOptions(target_error=0.005)
         ),
     ),
+    "on a cut face": ("CutWarning", "qr.skin_without_caps(surface)", lambda: pressed_on_cut(0.0)),
+    "on the rim of a cut": ("CutWarning", "% of all", lambda: pressed_on_cut(0.7)),
     "half masked": ("CutWarning", "% of all", lambda: pressed(halved())),
     "through a layer": (
         "ResponseRangeWarning",
@@ -143,5 +153,23 @@ def test_an_ordinary_press_is_told_nothing() -> None:
     assert pressed(qr.Surface(*ball(8e-3, 3))).warnings == ()
     tip = qr.models.fingertip()
     plate = qr.Obstacle.half_space([0, 0, -0.05], [0, 0, 1])
-    for depth in (0.1e-3, 1.12e-3, 3e-3):
+    for depth in (0.1e-3, 1.12e-3):
         assert qr.press(tip, plate, SKIN, [0, 0, 1], depth=depth).warnings == ()
+
+
+def test_cut_faces_are_looked_for_once_a_skin_and_never_behind_a_mask(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = []
+    look = qr.skin_without_caps
+
+    def counted(surface: qr.Surface) -> object:
+        asked.append(surface)
+        return look(surface)
+
+    monkeypatch.setattr("quasirigid.contact.caps.skin_without_caps", counted)
+    tip = qr.models.fingertip(edge_length=1.6e-3)
+    masked = tip.with_skin_mask(look(tip))
+    for surface in (tip, tip, masked):
+        assert pressed(surface, options=AS_GIVEN).status == "solved"
+    assert asked == [tip]

@@ -13,6 +13,7 @@ from ..scene import check_scene
 from ..skin import Discretization
 from ..skin.elastic import core_skin
 from .accuracy import Accuracy, Refinement, RefinementKind
+from .caps import warned_of_caps
 from .drawn import Drawing
 from .ending import ContactStatus, LeftOut
 from .options import ContactOptions, options_to_core
@@ -217,14 +218,14 @@ def press(
     >>> contact = qr.press(tip, plate, skin, [0, 0, 1], depth=1e-3)
     >>> contact.status.value, bool(contact.force[2] > 0)
     ('solved', True)
-    >>> contact = qr.press(tip, plate, skin, [0, 0, 1], force=5.0)
+    >>> contact = qr.press(tip, plate, skin, [0, 0, 1], force=1.5)
     >>> round(float(contact.force[2]), 4), bool(contact.depth > 1e-3)
-    (5.0, True)
+    (1.5, True)
 
     A plate held 0.5 mm beside the middle of the contact turns until it presses there:
 
     >>> beside = [contact.center_of_pressure[0] + 0.5e-3, contact.center_of_pressure[1], 0.0]
-    >>> held = qr.press(tip, plate, skin, [0, 0, 1], force=5.0, balance="tilt", tilt_point=beside)
+    >>> held = qr.press(tip, plate, skin, [0, 0, 1], force=1.5, balance="tilt", tilt_point=beside)
     >>> bool(held.center_of_pressure[0] > contact.center_of_pressure[0] + 0.4e-3)
     True
     """
@@ -317,7 +318,7 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         accuracy=from_core(Accuracy, accuracy, discretization=Discretization(accuracy.discretization)),
         timings=dict(core.timings),
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
-        warnings=warned(core.warnings),
+        warnings=warned(core.warnings) + warned_of_caps(core, surface),
         advice=core.advice,
         _loaded=core.loaded,
         _drawing=Drawing(core.drawing, None if len(core.parents) else surface),

@@ -78,7 +78,8 @@ def read_surface(
     path, unit
         As for `read_mesh`.
     skin_mask : (n,) array_like of bool, optional
-        Vertices that may touch; all when left out.
+        Vertices that may touch; all when left out. The flat cut of a scan is left out by
+        ``surface.with_skin_mask(skin_without_caps(surface))``.
 
     Returns
     -------
