@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import pickle
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -272,3 +275,27 @@ def test_a_sweep_is_drawn_over_its_depth(by_depth: qr.Sweep) -> None:
     # In the order of the depths, in mm.
     np.testing.assert_allclose(axes[0].lines[0].get_xdata(), [0.0, 0.4, 1.0])
     np.testing.assert_allclose(axes[0].lines[0].get_ydata(), by_depth.normal_force[[1, 2, 0]])
+
+
+def test_a_sweep_is_saved_as_its_columns_with_the_inputs(by_depth: qr.Sweep, tmp_path: Path) -> None:
+    files = by_depth.save(tmp_path / "made", inputs={"skin": "a ball"})
+    assert [file.name for file in files] == ["sweep.csv", "sweep.json"]
+    header, *rows = csv.reader(files[0].read_text().splitlines())
+    record = json.loads(files[1].read_text())
+    assert record["inputs"] == {"skin": "a ball"}
+    assert list(record["columns"]) == header
+    np.testing.assert_array_equal([float(row[1]) for row in rows], by_depth.normal_force)
+    assert record["columns"]["normal_force (N)"] == by_depth.normal_force.tolist()
+    assert record["columns"]["force_error"][1] is None
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_the_summary_of_a_sweep_is_its_table_and_what_it_warned_of(surface: qr.Surface) -> None:
+    small = qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)
+    curve = qr.sweep(surface, small, SKIN, UP, forces=[0.1, 1e3], options=AS_GIVEN)
+    text = curve.summary()
+    assert text.startswith(qr.io.sweep_table(curve) + "\n")
+    for step, warned in enumerate(curve.warnings):
+        for warning in warned:
+            assert f"step {step}: warning: {warning}" in text.splitlines()
+    assert text.splitlines()[-1] == f"step 1: not_reached: {curve.messages[1]}"

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 import quasirigid as qr
 
-from ..io import as_plain, sweep_columns, sweep_table
-from ..io.atomic import atomic_write
+from ..io import as_plain, sweep_record, sweep_table
+from ..io.sweeps import SWEEP_FILES
 from .console import Talk, refuse
 from .quantities import FORCE, LENGTH, QuantityError, parse_steps
 from .scene import SceneWords, naming_scene, prepared_skin, read_scene
@@ -25,9 +21,6 @@ EXAMPLE = (
     " --translate 0,19.2,-40mm --rotate 0,90,0deg --direction 0,0,1 --depths 0.2:1.4:4mm"
     " --shear-modulus 60kPa --poisson-ratio 0.5 --out sweep-output"
 )
-
-
-_FILES = ("sweep.csv", "sweep.json")
 
 
 def sweep(
@@ -59,7 +52,7 @@ def sweep(
         goal, values = "force", parse_steps(forces or "", FORCE, "--forces")
         if min(values) <= 0.0:
             raise QuantityError(f"--forces: '{forces}' holds a force that is not above 0")
-    read = read_scene(scene, _FILES)
+    read = read_scene(scene, SWEEP_FILES)
     steps: dict[str, Any] = {f"{goal}s": values}
     with naming_scene(scene):
         skin = prepared_skin(read, {goal: max(values)}, talk)
@@ -73,28 +66,12 @@ def sweep(
             **steps,
         )
     inputs = dict(read.inputs) | {f"{goal}s": {"value": values, "unit": "m" if goal == "depth" else "N"}}
-    record = {"columns": as_plain(sweep_columns(curve)), "inputs": as_plain(inputs)}
-    files = () if scene.out is None else _save(record, scene.out)
+    files = () if scene.out is None else curve.save(scene.out, inputs=inputs)
     text = sweep_table(curve)
+    record = sweep_record(curve) | {"inputs": as_plain(inputs)}
     talk.tell(text + "\nwrote " + ", ".join(map(str, files)) if files else text, record)
     bad = [step for step, status in enumerate(curve.status) if status not in ("solved", "no_contact")]
     if not bad:
         return 0
     status, message = curve.status[bad[0]], curve.messages[bad[0]]
     return refuse(f"{len(bad)} of {len(curve)} presses ended with {status!r}: {message}", status=1)
-
-
-def _save(record: dict[str, Any], folder: Path) -> tuple[Path, ...]:
-    """Write the table as CSV, and with its inputs as JSON; both in SI."""
-    columns = record["columns"]
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(columns)
-    table.writerows(zip(*columns.values(), strict=True))
-    document = json.dumps(record, indent=2, allow_nan=False) + "\n"
-    folder.mkdir(parents=True, exist_ok=True)
-    files = tuple(folder / name for name in _FILES)
-    for path, content in zip(files, (text.getvalue(), document), strict=True):
-        with atomic_write(path) as file:
-            file.write(content.encode())
-    return files

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,9 @@ from .result import Contact, ContactError
 from .warned import Warned
 
 if TYPE_CHECKING:
+    from os import PathLike
+    from pathlib import Path
+
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -140,6 +143,38 @@ class Sweep(Frozen):
             At a step that has no contact; ``next`` goes on after it.
         """
         return _Steps(self._question)
+
+    def summary(self) -> str:
+        """Return a line for each step in mm, N and kPa as a text table, and what the steps warned of."""
+        from ..io.summary import sweep_summary
+
+        return sweep_summary(self)
+
+    def save(
+        self, folder: str | PathLike[str], *, inputs: Mapping[str, Any] | None = None
+    ) -> tuple[Path, ...]:
+        """Write the columns of `to_dataframe` into a folder, in SI.
+
+        Parameters
+        ----------
+        folder : path
+            The folder; made where it is missing. Files of these names are replaced, others stay.
+        inputs : mapping, optional
+            What the sweep was computed from, for sweep.json.
+
+        Returns
+        -------
+        tuple of Path
+            sweep.csv, and sweep.json with the inputs.
+
+        Raises
+        ------
+        OSError
+            If the folder cannot be written to.
+        """
+        from ..io.sweeps import save_sweep
+
+        return save_sweep(self, folder, inputs=inputs)
 
     def to_dataframe(self) -> Any:
         """Return a pandas DataFrame with one row a step."""

@@ -25,7 +25,10 @@ from .summary import contact_html as contact_html
 from .summary import contact_summary as contact_summary
 from .summary import patch_table as patch_table
 from .summary import refinement_table as refinement_table
+from .summary import sweep_summary as sweep_summary
 from .summary import sweep_table as sweep_table
+from .sweeps import save_sweep as save_sweep
+from .sweeps import sweep_record as sweep_record
 from .write import save_contact as save_contact
 from .write import write_mesh as write_mesh
 
@@ -49,8 +52,11 @@ __all__ = [
     "read_surface",
     "refinement_table",
     "save_contact",
+    "save_sweep",
     "sweep_columns",
     "sweep_dataframe",
+    "sweep_record",
+    "sweep_summary",
     "sweep_table",
     "vertex_data",
     "write_mesh",

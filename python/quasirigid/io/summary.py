@@ -23,6 +23,8 @@ __all__ = [
     "contact_summary",
     "patch_table",
     "refinement_table",
+    "sweep_summary",
+    "sweep_table",
 ]
 
 
@@ -131,6 +133,26 @@ def sweep_table(sweep: Sweep) -> str:
     )
     columns = [depth, force, force_error, area, area_error, peak, seconds, ["status", *sweep.status]]
     return "\n".join(aligned(columns))
+
+
+def sweep_summary(sweep: Sweep) -> str:
+    """Return the steps of a sweep as a text table, and what each has warned of or left without figures.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+
+    Returns
+    -------
+    str
+        `sweep_table`, then `warnings` and `messages` of each step, counted from 0.
+    """
+    notes = []
+    for step, (warned, message) in enumerate(zip(sweep.warnings, sweep.messages, strict=True)):
+        notes += [f"step {step}: warning: {warning}" for warning in warned]
+        notes += [f"step {step}: {sweep.status[step]}: {message}"] if message else []
+    return "\n".join([sweep_table(sweep), *notes])
 
 
 def patch_table(contact: Contact) -> str:

@@ -1,0 +1,59 @@
+"""Sweeps: a record for JSON, files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .atomic import atomic_write
+from .frame import sweep_columns
+from .record import as_plain, inputs_record
+
+if TYPE_CHECKING:
+    from ..contact.swept import Sweep
+
+__all__ = ["SWEEP_FILES", "save_sweep", "sweep_record"]
+
+# All that `save_sweep` writes.
+SWEEP_FILES = ("sweep.csv", "sweep.json")
+
+
+def sweep_record(sweep: Sweep) -> dict[str, Any]:
+    """Return the steps of a sweep, ready for JSON, in SI.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+
+    Returns
+    -------
+    dict
+        `columns`, as `sweep_columns` returns them.
+    """
+    return {"columns": as_plain(sweep_columns(sweep))}
+
+
+def save_sweep(
+    sweep: Sweep, folder: str | PathLike[str], *, inputs: Mapping[str, Any] | None = None
+) -> tuple[Path, ...]:
+    """Write a sweep into a folder, as `Sweep.save` describes."""
+    folder = Path(folder)
+    record = sweep_record(sweep) | {"inputs": inputs_record(inputs)}
+    columns = record["columns"]
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(columns)
+    table.writerows(zip(*columns.values(), strict=True))
+    document = json.dumps(record, indent=2, allow_nan=False) + "\n"
+    folder.mkdir(parents=True, exist_ok=True)
+    files = tuple(folder / name for name in SWEEP_FILES)
+    for path, content in zip(files, (text.getvalue(), document), strict=True):
+        with atomic_write(path) as file:
+            file.write(content.encode())
+    return files
