@@ -44,7 +44,7 @@ def test_every_row_is_the_press_of_its_depth(surface: qr.Surface, by_depth: qr.S
         assert by_depth.normal_force[step] == contact.force[2]
         assert by_depth.contact_area[step] == contact.contact_area
         assert by_depth.max_pressure[step] == contact.max_pressure
-        for name in ("force_error", "area_error"):
+        for name in ("force_error", "area_error", "max_pressure_error"):
             known = getattr(contact.accuracy, name)
             np.testing.assert_equal(getattr(by_depth, name)[step], np.nan if known is None else known)
     assert (by_depth.seconds > 0.0).all()
@@ -299,3 +299,22 @@ def test_the_summary_of_a_sweep_is_its_table_and_what_it_warned_of(surface: qr.S
         for warning in warned:
             assert f"step {step}: warning: {warning}" in text.splitlines()
     assert text.splitlines()[-1] == f"step 1: not_reached: {curve.messages[1]}"
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_a_peak_at_a_cut_is_infinite_in_table_and_files(surface: qr.Surface, tmp_path: Path) -> None:
+    cut = surface.with_skin_mask(surface.vertices[:, 0] > 0.0)
+    curve = qr.sweep(cut, PLATE, SKIN, UP, depths=[0.0, 0.6e-3])
+    contact = curve[1]
+    assert contact.accuracy.max_pressure_error == np.inf == curve.max_pressure_error[1]
+    assert "kPa, infinite at an edge or a cut" in contact.summary()
+    *lines, note = qr.io.sweep_table(curve).splitlines()
+    assert note == "peak with an error of inf %: infinite at an edge or a cut"
+    assert ["inf %" in line for line in lines] == [False, False, True]
+    assert "infinite" not in qr.io.sweep_table(qr.sweep(surface, PLATE, SKIN, UP, depths=[1e-3]))
+    record = json.loads(curve.save(tmp_path)[1].read_text())
+    assert record["columns"]["max_pressure_error"] == [None, "Infinity"]
+    assert record["warnings"] == [
+        [{"category": one.__name__, "message": message} for one, message in step] for step in curve.warnings
+    ]
+    assert "CutWarning" in [one["category"] for one in record["warnings"][1]]

@@ -39,6 +39,7 @@ _SCALARS = (
     "max_pressure",
     "force_error",
     "area_error",
+    "max_pressure_error",
     "seconds",
 )
 
@@ -190,6 +191,7 @@ class _Rows:
             "max_pressure": contact.max_pressure,
             "force_error": contact.accuracy.force_error,
             "area_error": contact.accuracy.area_error,
+            "max_pressure_error": contact.accuracy.max_pressure_error,
         }
         for name, value in figures.items():
             if value is not None:

@@ -86,8 +86,9 @@ class Sweep(Frozen):
         Contact area (m²).
     max_pressure : (s,) float64
         Largest pressure (Pa).
-    force_error, area_error : (s,) float64
-        Estimated relative errors, as in `Accuracy`; nan where none was made.
+    force_error, area_error, max_pressure_error : (s,) float64
+        Estimated relative errors, as in `Accuracy`; nan where none was made, infinite of a peak at a sharp
+        edge or a cut.
     seconds : (s,) float64
         Wall time (s).
     status : tuple of str
@@ -108,6 +109,7 @@ class Sweep(Frozen):
     max_pressure: NDArray[np.float64]
     force_error: NDArray[np.float64]
     area_error: NDArray[np.float64]
+    max_pressure_error: NDArray[np.float64]
     seconds: NDArray[np.float64]
     status: tuple[str, ...]
     messages: tuple[str, ...]
@@ -165,7 +167,7 @@ class Sweep(Frozen):
         Returns
         -------
         tuple of Path
-            sweep.csv, and sweep.json with the inputs.
+            sweep.csv, and sweep.json with the warnings of each step and the inputs.
 
         Raises
         ------

@@ -32,6 +32,7 @@ _SWEEP_UNITS = {
     "max_pressure": "Pa",
     "force_error": "",
     "area_error": "",
+    "max_pressure_error": "",
     "seconds": "s",
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,9 +12,10 @@ import numpy as np
 if TYPE_CHECKING:
     from ..contact.accuracy import Accuracy, Refinement
     from ..contact.result import Contact
+    from ..contact.warned import Warned
     from ..obstacle import Obstacle
 
-__all__ = ["as_plain", "contact_record", "figure", "inputs_record"]
+__all__ = ["as_plain", "contact_record", "figure", "inputs_record", "warnings_record"]
 
 # Unit of each figure; "1" is dimensionless.
 _CONTACT = {
@@ -92,12 +93,15 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "patches": [{"vertices": len(patch.vertices)} | _figures(patch, _PATCH) for patch in contact.patches],
         "accuracy": _accuracy(contact.accuracy),
         "timings": {stage: figure(seconds, "s") for stage, seconds in contact.timings.items()},
-        "warnings": [
-            {"category": category.__name__, "message": message} for category, message in contact.warnings
-        ],
+        "warnings": warnings_record(contact.warnings),
         "left_out": [{"what": what, "why": why} for what, why in contact.left_out],
         "product": _product(contact),
     }
+
+
+def warnings_record(warnings: Iterable[Warned]) -> list[dict[str, str]]:
+    """Return the category and the message of each warning."""
+    return [{"category": category.__name__, "message": message} for category, message in warnings]
 
 
 def inputs_record(inputs: Mapping[str, Any] | None) -> Any:

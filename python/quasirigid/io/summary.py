@@ -114,8 +114,8 @@ def sweep_table(sweep: Sweep) -> str:
     Returns
     -------
     str
-        A line for each step: depth (mm), force along the direction (N) and area (mm²) with the estimates of
-        their errors, peak pressure (kPa), time (ms), status.
+        A line for each step: depth (mm), force along the direction (N) and area (mm²) and peak pressure (kPa)
+        with the estimates of their errors, time (ms), status; a note where a peak is infinite.
     """
     numbers = (
         ("depth (mm)", sweep.depth * MM),
@@ -127,12 +127,15 @@ def sweep_table(sweep: Sweep) -> str:
     depth, force, area, peak, seconds = (
         [name, *("-" if np.isnan(value) else f"{value:.4g}" for value in values)] for name, values in numbers
     )
-    force_error, area_error = (
+    force_error, area_error, peak_error = (
         ["error", *(_percent(None if np.isnan(error) else float(error)) for error in errors)]
-        for errors in (sweep.force_error, sweep.area_error)
+        for errors in (sweep.force_error, sweep.area_error, sweep.max_pressure_error)
     )
-    columns = [depth, force, force_error, area, area_error, peak, seconds, ["status", *sweep.status]]
-    return "\n".join(aligned(columns))
+    status = ["status", *sweep.status]
+    columns = [depth, force, force_error, area, area_error, peak, peak_error, seconds, status]
+    at_edge = np.isinf(sweep.max_pressure_error) & np.isfinite(sweep.force_error)
+    note = ["peak with an error of inf %: infinite at an edge or a cut"] if at_edge.any() else []
+    return "\n".join([*aligned(columns), *note])
 
 
 def sweep_summary(sweep: Sweep) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from .atomic import atomic_write
 from .frame import sweep_columns
-from .record import as_plain, inputs_record
+from .record import as_plain, inputs_record, warnings_record
 
 if TYPE_CHECKING:
     from ..contact.swept import Sweep
@@ -34,9 +34,10 @@ def sweep_record(sweep: Sweep) -> dict[str, Any]:
     Returns
     -------
     dict
-        `columns`, as `sweep_columns` returns them.
+        `columns`, as `sweep_columns` returns them, and `warnings`: for each step, as in `contact_record`.
     """
-    return {"columns": as_plain(sweep_columns(sweep))}
+    warned = [warnings_record(step) for step in sweep.warnings]
+    return {"columns": as_plain(sweep_columns(sweep)), "warnings": warned}
 
 
 def save_sweep(
