@@ -365,6 +365,17 @@ def test_a_summary_tells_an_infinite_error_by_its_cause(on_edge: qr.Contact) -> 
         assert ("not known" in words) == (contact.accuracy.force_error == np.inf)
 
 
+def test_a_summary_of_a_press_has_its_depth_and_travel(pressed: qr.Contact, folder: Path) -> None:
+    lines = contact_summary(pressed).splitlines()
+    ways = {name: line.split()[1:] for line in lines for name in ("depth", "travel") if line.startswith(name)}
+    assert ways == {"depth": ["1.12", "mm"], "travel": [f"{1e3 * pressed.travel:.4g}", "mm"]}
+    assert read_record(folder)["depth"] == {"value": pressed.depth, "unit": "m"}
+    assert read_record(folder)["travel"] == {"value": pressed.travel, "unit": "m"}
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    here = qr.solve_contact(pressed.surface, pressed.obstacle, skin, options=AS_GIVEN)
+    assert contact_summary(here).splitlines()[1].startswith("force")
+
+
 def test_a_summary_of_a_bad_ending_says_what_to_try(unsolved: qr.Contact) -> None:
     assert contact_summary(unsolved).splitlines()[-1] == f"advice: {unsolved.advice}"
 

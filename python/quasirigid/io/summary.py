@@ -222,6 +222,7 @@ def _rows(contact: Contact) -> dict[str, str]:
     infinite = _infinite(contact)
     return {
         "status": str(contact.status),
+        **_way(contact),
         "force": f"{force:.4g} N" + _estimated(accuracy.force_error, infinite),
         "force vector": f"{_vector(contact.force, 1.0)} N",
         "moment about the origin": f"{_vector(contact.moment, MM)} N mm",
@@ -240,6 +241,14 @@ def _rows(contact: Contact) -> dict[str, str]:
         "rounds of refinement": f"{len(rounds) - 1}, {rounds[-1].reason}",
         "natural residual": f"{contact.natural_residual:.1e}",
     } | {f"time: {stage}": f"{seconds * 1e3:.3g} ms" for stage, seconds in contact.timings.items()}
+
+
+def _way(contact: Contact) -> dict[str, str]:
+    """Return how far a press went; nothing of a contact in place."""
+    if contact.depth is None:
+        return {}
+    ways = {"depth": contact.depth, "travel": contact.travel}
+    return {name: f"{way * MM:.4g} mm" for name, way in ways.items()}
 
 
 def _mean_pressure(contact: Contact, area: float) -> str:
