@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid import _core
 from quasirigid.hand import kept
+from shared_meshes import hand_file
 
 INDEX = "index-finger-phalanx-"
 MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.495}
@@ -124,6 +126,19 @@ def test_a_hand_without_room_for_a_bone_is_refused_with_its_length(hand: qr.Hand
         posed.skin(**MATERIAL)
     with pytest.raises(qr.HandError, match=words):
         _ = posed.bones
+
+
+def test_bones_keep_clear_of_a_fold_that_reaches_in_between_their_vertices() -> None:
+    posed = qr.read_hand(hand_file("libhand_right_13k")).posed("relaxed")
+    assert posed.crossings == ()
+    skin, bones = posed.surface, posed.bones
+    pairs = _core.find_crossings(
+        np.concatenate([skin.vertices, bones.vertices]),
+        np.concatenate([skin.faces, bones.faces + len(skin.vertices)]),
+    )
+    assert len(pairs) == 0
+    assert {name for name, share in posed.bone_shares.items() if share < 1.0} == {"middle-proximal"}
+    assert words_of(posed)
 
 
 class Stop(Exception):

@@ -133,7 +133,10 @@ def bones_of(hand: Hand) -> tuple[Bone, ...]:
 
 
 def fitted(bones: Iterable[Bone], surface: Surface) -> tuple[Bone, ...]:
-    """Return bones, slimmer or left out where they come nearer than 1 mm to the skin or cross each other."""
+    """Return bones, slimmer or left out where they come nearer than 1 mm to the skin or cross it or others.
+
+    A fold of the skin may reach into a bone between its vertices, which are apart from it.
+    """
     skin = Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False)
     fitting: list[Bone] = []
     for bone in bones:
@@ -142,7 +145,7 @@ def fitted(bones: Iterable[Bone], surface: Surface) -> tuple[Bone, ...]:
             slim = slim.slimmer()
         if slim is not None:
             fitting.append(slim)
-    while crossing := _crossing(fitting):
+    while crossing := _crossing(fitting, surface):
         slimmer = (bone.slimmer() if at in crossing else bone for at, bone in enumerate(fitting))
         fitting = [bone for bone in slimmer if bone is not None]
     return tuple(fitting)
@@ -155,12 +158,18 @@ def joined(bones: Sequence[Bone]) -> tuple[Floats, Indices]:
     return np.concatenate([bone.vertices for bone in bones]), np.concatenate(faces)
 
 
-def _crossing(bones: Sequence[Bone]) -> set[int]:
-    """Return which bones cross another."""
+def _crossing(bones: Sequence[Bone], surface: Surface) -> set[int]:
+    """Return which bones cross another or the skin."""
     if not bones:
         return set()
-    of_face = np.repeat(np.arange(len(bones)), [len(bone.faces) for bone in bones])
-    return set(of_face[_core.find_crossings(*joined(bones))].ravel().tolist())
+    vertices, faces = joined(bones)
+    counts = [len(surface.faces), *(len(bone.faces) for bone in bones)]
+    of_face = np.repeat(np.arange(-1, len(bones)), counts)
+    crossing = _core.find_crossings(
+        np.concatenate([surface.vertices, vertices]),
+        np.concatenate([surface.faces, faces + len(surface.vertices)]),
+    )
+    return set(of_face[crossing].ravel().tolist()) - {-1}
 
 
 def _rods(hand: Hand, digit: str) -> list[_Rod]:

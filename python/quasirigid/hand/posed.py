@@ -196,8 +196,8 @@ class PosedHand(Frozen):
         Raises
         ------
         HandError
-            The skin of a body crosses itself in this pose (the regions are named), leaves no room for bones,
-            or its bones cross the skin.
+            The skin of a body crosses itself in this pose (the regions are named), or leaves no room for
+            bones.
         ResponseError
             As `Skin` and `Skin.prepared` say.
         OSError
