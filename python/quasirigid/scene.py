@@ -23,6 +23,8 @@ def as_surface(name: str, value: Any) -> Surface:
         return value
     if isinstance(value, Obstacle):
         remedy = "a product goes in the place of the obstacle"
+    elif isinstance(getattr(value, "surface", None), Surface):
+        remedy = "pass its `.surface`"
     else:
         remedy = _remedy(value, "qr.read_surface", "qr.Surface.from_mesh", "qr.Surface(vertices, faces)")
     raise TypeError(f"{name} is {kind_of(value)}, expected a Surface: {remedy}")

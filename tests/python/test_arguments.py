@@ -57,12 +57,16 @@ def test_other_takers_of_a_surface_say_so_too() -> None:
         lambda surface: qr.initial_gaps(surface, SKIN, [0], PLATE),
         lambda surface: qr.net_volume(surface, SKIN, 0),
         lambda surface: qr.skin_without_caps(surface),
+        lambda surface: SKIN.combined(surface, {}),
     )
+    posed = SimpleNamespace(surface=SURFACE, labels=[])
     for take in takers:
         with pytest.raises(TypeError, match="is an Obstacle, expected a Surface: a product goes"):
             take(PLATE)
         with pytest.raises(TypeError, match=r"is the path 'a\.ply', expected a Surface: qr\.read_surface"):
             take("a.ply")
+        with pytest.raises(TypeError, match=r"is a SimpleNamespace, .*: pass its `\.surface`"):
+            take(posed)
 
 
 @pytest.mark.parametrize("distance", ["a.ply", SURFACE, MESH])

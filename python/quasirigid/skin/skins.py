@@ -296,6 +296,7 @@ def _combine(
 ) -> CombinedSkin:
     if background._kernel is None:
         raise ResponseError("a combined skin needs a kernel off its parts, such as HalfSpace()")
+    surface = as_surface("surface", surface)
     if not isinstance(parts, Mapping):
         raise TypeError(
             f"parts is a {type(parts).__name__}, expected a dict of names to (CutOut, PreparedSkin)"
