@@ -61,7 +61,7 @@ def solve_contact(
     Parameters
     ----------
     surface : Surface
-        The undeformed skin.
+        The undeformed skin. Its `skin_mask`, of `Surface.with_skin_mask`, says what may touch.
     obstacle : Obstacle
         The product, at its pose.
     skin : Skin, PreparedSkin or CombinedSkin
@@ -130,7 +130,7 @@ def press(
     Parameters
     ----------
     surface : Surface
-        The undeformed skin.
+        The undeformed skin. Its `skin_mask`, of `Surface.with_skin_mask`, says what may touch.
     obstacle : Obstacle
         The product.
     skin : Skin, PreparedSkin or CombinedSkin
