@@ -174,6 +174,16 @@ def test_masks_that_do_not_fit_are_refused_with_both_lengths() -> None:
         contact.part(np.zeros((162, 1), dtype=bool))
 
 
+def test_labels_and_masks_in_the_place_of_each_other_are_told_apart(apart: qr.Contact) -> None:
+    labels: Any = {"tip": np.ones(len(apart.gap), dtype=bool)}
+    with pytest.raises(
+        TypeError, match=r"`labels` is a dict, expected an array .*: part\(mask\) takes a mask"
+    ):
+        apart.by_label(labels)
+    with pytest.raises(TypeError, match=r"`mask` is 'palm-center', .*: by_label\(labels\)\['palm-center'\]"):
+        apart.part("palm-center")
+
+
 def test_a_contact_without_force_or_answer_has_parts_too(apart: qr.Contact, unsolved: qr.Contact) -> None:
     for contact, figure in ((apart, 0.0), (unsolved, np.nan)):
         part = contact.part(np.ones(contact.given_vertex_count, dtype=bool))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import as_mask, as_vertex_labels
+from .._check import as_mask, as_vertex_labels, kind_of
 from .._from_core import from_core
 from .._frozen import Frozen
 
@@ -117,6 +118,9 @@ def part_of(
     refusal : exception class
         What is raised where the mask has another length.
     """
+    if isinstance(mask, str):
+        remedy = f"by_label(labels)[{mask!r}] has the part of a label"
+        raise TypeError(f"`mask` is {mask!r}, expected an array of booleans: {remedy}")
     figures, patches = loaded.part(as_mask("mask", mask, counts, refusal))
     return from_core(Part, figures, patches=patches_of(patches))
 
@@ -125,6 +129,9 @@ def parts_by_label(
     loaded: _core.LoadedVertices, labels: ArrayLike, counts: tuple[int, int], refusal: type[QuasirigidError]
 ) -> dict[int | str, Part]:
     """Return what the vertices of each label carry, as `part_of`."""
+    if isinstance(labels, Mapping):
+        found = f"`labels` is {kind_of(labels)}, expected an array with a label for each vertex"
+        raise TypeError(f"{found}: part(mask) takes a mask")
     entries = as_vertex_labels("labels", labels, counts, refusal)
     names, group = np.unique(entries, return_inverse=True)
     return {name.item(): part_of(loaded, group == at, counts, refusal) for at, name in enumerate(names)}
