@@ -222,6 +222,10 @@ def test_a_file_that_is_no_prepared_skin_is_refused(tmp_path: Path) -> None:
     np.savez(path, numbers=np.arange(3))
     with pytest.raises(qr.ResponseError, match="cannot be read as a prepared skin"):
         qr.load_prepared(path)
+    # As a contact is saved.
+    np.savez_compressed(path, gap=np.zeros(1000))
+    with pytest.raises(qr.ResponseError, match=r"cannot be read as .*: it holds no prepared skin"):
+        qr.load_prepared(path)
     path.write_text("text")
     with pytest.raises(qr.ResponseError, match="cannot be read"):
         qr.load_prepared(path)

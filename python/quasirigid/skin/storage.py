@@ -113,6 +113,8 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
         with zipfile.ZipFile(path) as archive:
             members = archive.infolist()
             names = [member.filename.removesuffix(".npy") for member in members]
+            if "header" not in names:
+                raise ValueError("it holds no prepared skin")
             if len(set(names)) < len(names):
                 raise ValueError("it holds a part twice")
             if sum(member.file_size for member in members) > Path(path).stat().st_size:
@@ -122,8 +124,7 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
     except FileNotFoundError:
         raise
     except Exception as error:
-        reason = f"it has no part {error}" if isinstance(error, KeyError) else error
-        raise ResponseError(f"{path} cannot be read as a prepared skin: {reason}") from error
+        raise ResponseError(f"{path} cannot be read as a prepared skin: {error}") from error
     if not isinstance(header, dict) or header.get("format") != _FORMAT or header.get("version") != _VERSION:
         raise ResponseError(f"{path} is no prepared skin of version {_VERSION}")
     found, expected = sorted(stored.keys() - {"header"}), header.get("parts")
