@@ -243,7 +243,7 @@ def test_a_hand_grasps_with_the_force_asked_for(
         (["--force", "5N", "--overlap", "1mm"], "given: both"),
         (["--force", "5"], "has no unit"),
         (["--force", "5N", "--shift", "0,0,3mm", "--as-placed"], "leave out --as-placed"),
-        (["--force", "pinky=5N"], "the nearest is"),
+        (["--force", "pinky=5N"], "--force: the digit 'pinky' is not known; the nearest is 'little'"),
         (["--force", "index=5N,index=6N"], "'index' stands there twice"),
         (["--force", "5N", "--start", "fits"], "the nearest is 'fist'"),
         (["--force", "5N", "--product-mass", "3"], "has no unit, expected kg or g after it, as in 3kg"),
@@ -257,3 +257,14 @@ def test_a_grasp_that_makes_no_sense_is_one_line(
 ) -> None:
     assert run(["grasp", str(saved), str(bottle), "--product-unit", "mm", *words]) == 2
     assert message in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_digits_are_checked_before_a_file_is_read(
+    saved: Path, bottle: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object, **__: object) -> qr.Hand:
+        raise AssertionError("the work has begun")
+
+    monkeypatch.setattr(qr, "read_hand", never)
+    assert run(["grasp", str(saved), str(bottle), "--force", "thumb=8N,pinky=4N"]) == 2
+    assert "--force: the digit 'pinky' is not known" in capsys.readouterr().err

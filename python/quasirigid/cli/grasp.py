@@ -15,6 +15,7 @@ import quasirigid as qr
 
 from .._extras import need_matplotlib
 from ..hand.close import MOST_NODES, TARGET_ERROR
+from ..hand.joints import DIGITS, index_of
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from ..io.grasps import GRASP_FILES
 from .arguments import file_unit, parse_poisson_ratio, parse_response, parse_target_error, rotation
@@ -224,6 +225,7 @@ def _goal(force: str | None, overlap: str | None) -> dict[str, Any]:
     goal: dict[str, float] = {}
     for part in text.split(","):
         digit, _, value = (word.strip() for word in part.partition("="))
+        index_of(digit, DIGITS, f"--{name}: the digit")
         if digit in goal:
             raise QuantityError(f"--{name}: {digit!r} stands there twice")
         goal[digit] = parse_positive(value, units, f"--{name}")
