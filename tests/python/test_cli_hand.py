@@ -259,6 +259,18 @@ def test_a_grasp_that_makes_no_sense_is_one_line(
     assert message in capsys.readouterr().err.splitlines()[-1]
 
 
+@pytest.mark.filterwarnings("always::quasirigid.QuasirigidWarning")
+def test_an_angle_out_of_reach_is_told_with_both_units(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pose = tmp_path / "pose.json"
+    pose.write_text('{"unit": "deg", "index-finger-phalanx-distal": 170}', encoding="utf-8")
+    assert run(["hand", str(saved), "--pose", str(pose)]) == 0
+    told = capsys.readouterr().err
+    assert "is 170 degrees, taken as" in told
+    assert told.endswith("angles are in rad, of a file in its unit\n")
+
+
 def test_digits_are_checked_before_a_file_is_read(
     saved: Path, bottle: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

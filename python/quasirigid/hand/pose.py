@@ -223,7 +223,7 @@ def _within_limits(angles: Floats, hand: Hand) -> Floats:
                 )
     if said:
         more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
-        why = f"beyond what the joint can do: {said[0]}{more}; angles are in rad"
+        why = f"beyond what the joint can do: {said[0]}{more}; angles are in rad, of a file in its unit"
         warnings.warn(why, QuasirigidWarning, stacklevel=5)
     return kept
 
