@@ -259,6 +259,13 @@ def test_a_grasp_that_makes_no_sense_is_one_line(
     assert message in capsys.readouterr().err.splitlines()[-1]
 
 
+def test_info_of_a_hand_file_names_the_command_for_hands(
+    saved: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["info", str(saved), "--unit", "m"]) == 2
+    assert f"`quasirigid hand {saved}` shows a hand" in capsys.readouterr().err
+
+
 @pytest.mark.filterwarnings("always::quasirigid.QuasirigidWarning")
 def test_an_angle_out_of_reach_is_told_with_both_units(
     saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -50,6 +50,8 @@ def info(
     Exit status 0: it can serve as one of them; 2: as neither, or bad input.
     """
     check_inputs({"MESH": file})
+    if file.suffix.lower() in (".glb", ".gltf"):
+        return refuse(f"{file}: holds no plain mesh; `quasirigid hand {file}` shows a hand")
     with progress(f"reading {file}"):
         vertices, faces = qr.read_mesh(file, unit=file_unit(unit, "--unit"))
         record = _record(vertices, faces, check_crossings=check_crossings)

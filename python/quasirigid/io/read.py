@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["read_mesh", "read_obstacle", "read_surface"]
 
 _READERS = {".ply": read_ply, ".stl": read_stl, ".obj": read_obj}
+# Words that files of one kind alone begin with; an STL may be binary and an OBJ has none.
+_STARTS = {b"ply\n": ".ply", b"ply\r": ".ply", b"solid ": ".stl"}
 
 
 def read_mesh(path: str | PathLike[str], *, unit: LengthUnit) -> tuple[Floats, Indices]:
@@ -141,6 +143,9 @@ def _read_file(path: Path) -> tuple[Floats, Indices]:
         data = path.read_bytes()
     except OSError as error:
         raise MeshFileError(f"{path}: {error.strerror or error}") from None
+    for start, ending in _STARTS.items():
+        if data.startswith(start) and reader is not _READERS[ending]:
+            raise MeshFileError(f"{path}: begins as a {ending} file, but is named {path.suffix}: rename it")
     with np.errstate(invalid="ignore"):  # a signalling nan of single precision warns where it is widened
         vertices, faces = reader(data, str(path))
     check_values(vertices, faces, str(path))
