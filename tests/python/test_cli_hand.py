@@ -31,6 +31,10 @@ def test_a_hand_is_told_and_written_in_a_pose(
     record = json.loads(capsys.readouterr().out)
     hand = qr.read_hand(saved)
     assert record["side"] == "right"
+    assert record["joint_names"] == list(hand.joint_names)
+    assert len(record["joint_names"]) == record["joints"]
+    assert set(record["region_names"]) == set(hand.labels)
+    assert len(record["region_names"]) == record["regions"]
     assert record["vertices"] == len(hand.surface.vertices)
     assert record["wrist_to_middle_tip_joint"] == {"value": pytest.approx(hand.length), "unit": "m"}
     vertices, faces = qr.read_mesh(out / "posed.ply", unit="m")

@@ -63,6 +63,7 @@ def hand(
 ) -> int:
     """Show a hand's joints, regions and size; write it in a pose.
 
+    --json has the names of joints and regions too.
     Writes posed.ply (m), hand.glb (at rest, with skin and joints) and hand.png.
     Exit status 0: done; 2: bad input.
     """
@@ -79,6 +80,7 @@ def hand(
             files = _write(known, posed, out, pictures=pictures)
     record = _record(known, pose)
     text = record_table(file, record)
+    record |= {"joint_names": list(known.joint_names), "region_names": np.unique(known.labels).tolist()}
     talk.tell(text + "\nwrote " + ", ".join(map(str, files)) if files else text, record)
     return 0
 
