@@ -31,7 +31,7 @@ def warned_of_caps(core: _core.Contact, surface: Surface) -> tuple[Warned, ...]:
         _caps[surface] = ~skin_without_caps(surface)
     on_cap = np.zeros(len(core.gap), dtype=bool)
     on_cap[: core.given_vertex_count] = _caps[surface]
-    if not on_cap.any():
+    if not on_cap.any() or _caps[surface].all():  # a block has no other skin
         return ()
     for vertex, beside in enumerate(core.parents, core.given_vertex_count):
         on_cap[vertex] = on_cap[beside].all()
