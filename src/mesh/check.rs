@@ -69,8 +69,7 @@ pub fn check(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Result<Topology, 
     Ok(complete(vertices.len(), faces, incident, neighbours, pairs))
 }
 
-/// Neighbourhoods of a mesh that needs no check, but that a vertex of its border may join several fans: it has all of
-/// its faces, and the neighbours in one of the fans.
+/// Neighbourhoods of a mesh that needs no check, but that a vertex of its border may join several fans.
 pub(crate) fn sound_topology(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Topology {
     let mut incident = Csr::faces_of_vertices(vertices.len(), faces);
     let pairs = pair_edges(faces, &incident);

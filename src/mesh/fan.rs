@@ -42,7 +42,7 @@ fn walk_fan(
 /// Puts the faces around each vertex into counter-clockwise order and lists the neighbours likewise.
 ///
 /// Returns the neighbours, and the first pinched vertex with its number of fans, and how many are pinched: such a vertex
-/// keeps the order of its faces, and has the neighbours of one fan.
+/// has its fans one after the other.
 pub(super) fn order_fans(
     faces: &[[u32; 3]],
     across: &[[u32; 3]],
@@ -50,39 +50,48 @@ pub(super) fn order_fans(
 ) -> (Csr, Option<(usize, usize, usize)>) {
     let mut neighbours = Csr::with_capacity(incident.rows(), 3 * faces.len());
     let mut pinched: Option<(usize, usize, usize)> = None;
-    let mut fan: Vec<u32> = Vec::new();
+    let (mut ordered, mut left): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
     for vertex in 0..incident.rows() {
         let around = incident.row_mut(vertex);
-        if !around.is_empty() {
-            fan.clear();
-            let start = fan_start(vertex as u32, faces, across, around);
+        ordered.clear();
+        left.clear();
+        left.extend_from_slice(around);
+        let mut fans = 0;
+        while !left.is_empty() {
+            let start = fan_start(vertex as u32, faces, across, &left);
             let end = walk_fan(vertex as u32, start, faces, across, |face, k| {
-                fan.push(face);
+                ordered.push(face);
                 neighbours.push(faces[face as usize][(k + 1) % 3]);
             });
             if let Some(last) = end {
                 neighbours.push(last);
             }
-            if fan.len() == around.len() {
-                around.copy_from_slice(&fan);
-            } else {
-                let first = pinched
-                    .get_or_insert_with(|| (vertex, count_fans(vertex as u32, faces, across, around), 0));
-                first.2 += 1;
+            fans += 1;
+            if ordered.len() == around.len() {
+                break;
             }
+            left.retain(|face| !ordered.contains(face));
+        }
+        around.copy_from_slice(&ordered);
+        if fans > 1 {
+            pinched.get_or_insert((vertex, fans, 0)).2 += 1;
         }
         neighbours.end_row();
     }
     (neighbours, pinched)
 }
 
-fn count_fans(vertex: u32, faces: &[[u32; 3]], across: &[[u32; 3]], around: &[u32]) -> usize {
-    let mut left = around.to_vec();
-    let mut fans = 0;
-    while !left.is_empty() {
-        let start = fan_start(vertex, faces, across, &left);
-        walk_fan(vertex, start, faces, across, |face, _| left.retain(|other| *other != face));
-        fans += 1;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pinched_vertex_has_the_neighbours_of_all_its_fans() {
+        let faces = [[0, 1, 2], [3, 4, 0]];
+        let mut incident = Csr::faces_of_vertices(5, &faces);
+        let (neighbours, pinched) = order_fans(&faces, &[[NO_FACE; 3]; 2], &mut incident);
+        assert_eq!(neighbours.row(0), [1, 2, 3, 4]);
+        assert_eq!((neighbours.row(1), neighbours.row(4)), (&[2, 0][..], &[0, 3][..]));
+        assert_eq!(pinched, Some((0, 2, 1)));
     }
-    fans
 }
