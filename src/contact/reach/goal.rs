@@ -62,7 +62,7 @@ impl Task<'_> {
             let placement = self.at(&given);
             let travel = given.travel;
             let mut rounds = match begin(given, started, placement, skin, options)? {
-                Begun::Ended(contact) => return Ok(*contact),
+                Begun::Ended(contact) => return self.unless_missed(*contact),
                 Begun::Rounds(rounds) => *rounds,
             };
             let end = rounds.run()?;
@@ -86,6 +86,16 @@ impl Task<'_> {
             before = Some((rounds, end));
         }
         unreachable!("the last refinement returns")
+    }
+
+    /// The contact, where it is as near to the target as jumps of the quantity are allowed to keep it.
+    fn unless_missed(&self, contact: Contact) -> Result<Contact, ContactError> {
+        let value = self.target.quantity.of(&contact, &self.setup.approach.direction);
+        let is_near = (value / self.target.value - 1.0).abs() <= Search::UNEVENNESS;
+        if is_near || matches!(contact.status, ContactStatus::Failed(_)) {
+            return Ok(contact);
+        }
+        Err(self.not_reached(contact, "it jumps there from depth to depth".into()))
     }
 
     /// Searches the depth on the mesh that was refined last, and puts the contact found in the place of the one there.

@@ -11,8 +11,6 @@ const PATIENCE: usize = 3;
 /// A bracket that narrow, whose upper end has no value, ends the search.
 const NARROW: f64 = 1.01;
 
-/// How near to the one looked for a value is good enough where none is nearer: contacts are solved to a gap.
-const UNEVENNESS: f64 = 1e-2;
 /// How far a value may fall, as a logarithm, before the function is taken to fall for good: forces on rough products dip by a
 /// few per cent.
 const DIP: f64 = 0.1;
@@ -42,7 +40,7 @@ pub(crate) enum Trial {
 
 /// How a search ended.
 pub(crate) enum Found {
-    /// With the value, or as near to it as jumps of no more than [`UNEVENNESS`] allow; with the power of the argument
+    /// With the value, or as near to it as jumps of no more than [`Search::UNEVENNESS`] allow; with the power of the argument
     /// that the function rises with there.
     Close { at: f64, power: f64 },
     /// Without: where the largest value below was found, if any, and what is in the way.
@@ -71,6 +69,8 @@ struct Bracket {
 impl Search {
     /// Relative distance from the value asked for at which the search ends.
     pub const CLOSE: f64 = 1e-6;
+    /// How near to it is good enough where no value is nearer: contacts are solved to a gap.
+    pub const UNEVENNESS: f64 = 1e-2;
 
     /// Looks for the value.
     pub fn run<E>(&self, mut trial: impl FnMut(f64) -> Result<Trial, E>) -> Result<Found, E> {
@@ -213,7 +213,7 @@ impl Bracket {
     }
 
     fn give_up(self, search: &Search) -> Found {
-        if self.nearest.1.abs() <= UNEVENNESS {
+        if self.nearest.1.abs() <= Search::UNEVENNESS {
             return Found::Close { at: self.nearest.0.exp(), power: self.power(search) };
         }
         Found::NotReached { largest: self.largest.map(|(at, _)| at.exp()), why: self.why }
