@@ -13,7 +13,7 @@ use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
 
 /// In collocation the hats of the outermost nodes carry force beyond the rim, and their contact is smaller by this share of
-/// an edge (docs/accuracy.md).
+/// an edge: fitted to areas under Hertz's spheres.
 const COLLOCATION_RIM_SHIFT: f64 = 0.08;
 
 /// Edges in thicknesses of a layer, to the power 3/2, at which its rim is half-way between that of a smooth contact and that

@@ -17,7 +17,7 @@ pub struct ContactOptions<'a> {
     pub target_error: Option<f64>,
     /// Most contact nodes of a refined mesh.
     pub max_nodes: usize,
-    /// Gap (≥ 0) that may be left at the deformed skin where it touches, as a share of the deepest penetration before.
+    /// Gap (between 0 and 1) that may be left at the deformed skin where it touches, as a share of the deepest penetration before.
     pub gap_tolerance: f64,
     /// Most linear problems that a contact is solved with (≥ 1), each with gaps and normals taken at the skin as the one
     /// before deformed it; 1 takes them at the undeformed skin alone.
@@ -32,7 +32,7 @@ pub struct ContactOptions<'a> {
     pub num_threads: Option<usize>,
     /// Largest memory for response matrices (bytes); `None`: what the system has free, where it says so.
     pub memory_limit: Option<usize>,
-    /// Distance (m) from the obstacle up to which gaps are reported; `None`: depth plus two mean edge lengths, in overlap more
+    /// Distance (m) from the obstacle up to which gaps are measured; `None`: depth plus two mean edge lengths, in overlap more
     /// where skin stands deeper.
     pub search_distance: Option<f64>,
     /// Whether to examine definiteness and condition of response matrices of any size; small ones always are.

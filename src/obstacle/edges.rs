@@ -153,7 +153,7 @@ impl Obstacle {
     }
 }
 
-/// The sharp convex edges of a closed mesh.
+/// The convex edges of a mesh that are wanted.
 pub(super) fn mesh_edges(
     vertices: &[Vector3<f64>],
     faces: &[[u32; 3]],

@@ -100,7 +100,7 @@ impl PyObstacle {
         Self::mesh(py, &vertices, &faces, check_crossings)
     }
 
-    /// Return the half-space below a plane.
+    /// Return the half-space behind a plane, against its normal.
     ///
     /// Parameters
     /// ----------

@@ -16,6 +16,7 @@ use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Inherited, Scene};
 use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::Turn;
+use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
 
@@ -136,10 +137,7 @@ impl OnMesh<'_> {
         search.run(|past| -> Result<_, ContactError> {
             let contact = self.solve(past)?;
             if let ContactStatus::Failed(status) = contact.status {
-                return Ok(Trial::Blocked(format!(
-                    "deeper the contact ends with status '{}'",
-                    status.as_str()
-                )));
+                return Ok(blocked(status, &contact.lcp_solutions));
             }
             let value = quantity.of(&contact, &self.setup.approach.direction).max(0.0);
             if off(&contact) < off(&best) {
@@ -195,14 +193,7 @@ impl OnMesh<'_> {
                 let total: Vector3<f64> = forces.active_vectors().iter().sum();
                 Ok(Trial::Value(total.dot(&self.setup.approach.direction).max(0.0)))
             }
-            Some(status) => {
-                let ended = forces.solutions.iter().find(|solution| solution.status == status);
-                let advice = ended.map(|solution| solution.advice()).unwrap_or_default();
-                Ok(Trial::Blocked(format!(
-                    "deeper the contact ends with status '{}': {advice}",
-                    status.as_str()
-                )))
-            }
+            Some(status) => Ok(blocked(status, &forces.solutions)),
         }
     }
 
@@ -261,4 +252,11 @@ impl OnMesh<'_> {
         let scene = approach.scene(self.touch.1 + past, surface, obstacle, self.touch);
         Scene { inherited: self.inherited.clone(), ..scene }
     }
+}
+
+/// A trial whose complementarity problems did not end solved.
+fn blocked(status: LcpStatus, solutions: &[LcpSolution]) -> Trial {
+    let ended = solutions.iter().find(|solution| solution.status == status);
+    let advice = ended.map(|solution| solution.advice()).unwrap_or_default();
+    Trial::Blocked(format!("deeper the contact ends with status '{}': {advice}", status.as_str()))
 }

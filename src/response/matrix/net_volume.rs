@@ -62,7 +62,7 @@ pub fn net_volume(
 /// # Errors
 /// [`ResponseError::Constant`] names the constant that is out of range.
 pub fn balanced_height(kernel_constant: f64, width: f64, cutoff: f64) -> Result<f64, ResponseError> {
-    let expected = "finite and positive (m)";
+    let expected = "finite and positive";
     for (name, value) in [("kernel_constant", kernel_constant), ("width", width), ("cutoff", cutoff)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(ResponseError::Constant { name, value, expected });
