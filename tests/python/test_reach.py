@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from shapes import ball
+from shared_meshes import hand_file
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
@@ -134,3 +135,27 @@ def test_a_force_on_a_flat_end_is_that_of_the_depth_found(degrees: float, force:
         assert found.depth is not None
         back = qr.press(finger, plate, SKIN, [0, 1, 0], depth=found.depth)
     assert back.force[1] == pytest.approx(force, rel=0.01)
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize(
+    ("response", "force", "options"),
+    [
+        (qr.HalfSpace(), 20.0, AS_GIVEN),
+        (qr.HalfSpace(discretization="galerkin"), 5.0, qr.ContactOptions()),
+    ],
+)
+def test_a_force_that_jumps_on_a_scan_deep_over_a_ball_is_refused(
+    response: qr.Response, force: float, options: qr.ContactOptions
+) -> None:
+    # On refined parts of this skin vertices of the border are pinched.
+    skin = qr.read_surface(hand_file("libhand_right_middle_1500"), unit="m")
+    skin = skin.with_skin_mask(qr.skin_without_caps(skin))
+    middle = skin.vertices[skin.skin_mask].mean(axis=0)
+    product = qr.Obstacle.sphere(middle - [0.0, 0.0, 0.2], 5e-3)
+    material = qr.Skin(shear_modulus=60e3, poisson_ratio=0.45, response=response)
+    with pytest.raises(qr.ContactError, match="is not reached") as caught:
+        qr.press(skin, product, material, UP, force=force, options=options)
+    reached = caught.value.contact
+    assert reached is not None
+    assert abs(reached.force[2] / force - 1.0) > 0.01
