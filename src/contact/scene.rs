@@ -8,7 +8,6 @@ use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
 use crate::contact::report::cuts::Cuts;
 use crate::contact::tilt::axes::{Balance, Turn};
-use crate::geometry::bounds::Bounds;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 
@@ -234,12 +233,11 @@ pub(crate) fn first_touch(
 }
 
 fn never_touches(surface: &Surface, obstacle: &Obstacle, direction: &Vector3<f64>) -> ContactError {
-    let size = |bounds: Bounds| bounds.diagonal();
     ContactError::NeverTouches {
         direction: (*direction).into(),
         skin_vertices: skin_vertices(surface).count(),
-        skin_size: size(surface.bounding_box()),
-        obstacle_size: obstacle.bounding_box().map_or(f64::INFINITY, size),
+        skin_size: surface.bounding_box().diagonal(),
+        obstacle_size: obstacle.bounding_box().map_or(f64::INFINITY, |bounds| bounds.diagonal()),
     }
 }
 

@@ -55,7 +55,7 @@ def again(thing: Any) -> Any:
 def test_no_result_can_be_changed(results: list[Any], copied: Callable[[Any], Any]) -> None:
     for result in map(copied, results):
         for name in fields_of(result):
-            value = getattr(result, name)
+            value = entries = getattr(result, name)
             with pytest.raises(AttributeError):
                 setattr(result, name, value)
             with pytest.raises(AttributeError):
@@ -64,7 +64,7 @@ def test_no_result_can_be_changed(results: list[Any], copied: Callable[[Any], An
                 assert not value.flags.writeable, f"{type(result).__name__}.{name}"
             if isinstance(value, Mapping):
                 with pytest.raises(TypeError):
-                    value["new"] = 0  # type: ignore[index]
+                    entries["new"] = 0
 
 
 def fields_of(result: Any) -> list[str]:

@@ -69,8 +69,9 @@ def test_a_contact_knows_its_depth(fingertip: qr.Surface, apart: qr.Contact) -> 
 
 @pytest.mark.parametrize("name", ["force", "overlap"])
 def test_a_goal_that_is_not_above_zero_is_named(name: str, fingertip: qr.Surface) -> None:
+    asked: dict[str, Any] = {name: 0.0}
     with pytest.raises(qr.ContactError, match=f"{name} is .*, expected a finite {name} > 0"):
-        qr.press(fingertip, PLATE, SKIN, UP, **{name: 0.0})  # type: ignore[arg-type]
+        qr.press(fingertip, PLATE, SKIN, UP, **asked)
 
 
 @pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")

@@ -69,7 +69,8 @@ struct Bracket {
 impl Search {
     /// Relative distance from the value asked for at which the search ends.
     pub const CLOSE: f64 = 1e-6;
-    /// How near to it is good enough where no value is nearer: contacts are solved to a gap.
+    /// How near to it is good enough where no value is nearer, as contacts are solved to a gap: half of what a mesh may cost by
+    /// default.
     pub const UNEVENNESS: f64 = 1e-2;
 
     /// Looks for the value.
