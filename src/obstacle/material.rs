@@ -26,30 +26,36 @@ pub enum ProductResponse {
 /// Elastic constants of a product and its response, checked.
 #[derive(Debug, Clone)]
 pub struct Material {
-    /// Of a given matrix, the constants that it was given with.
-    kernel: KernelSkin,
-    given: Option<GivenMatrix>,
+    shear_modulus: f64,
+    poisson_ratio: f64,
+    pub(crate) answer: Answer,
+}
+
+/// [`ProductResponse`], checked.
+#[derive(Debug, Clone)]
+pub(crate) enum Answer {
+    Kernel(KernelSkin),
+    /// Its nodes lie on the product's mesh.
+    Matrix(GivenMatrix),
 }
 
 impl Material {
     /// Shear modulus G (Pa).
     pub fn shear_modulus(&self) -> f64 {
-        self.kernel.shear_modulus()
+        self.shear_modulus
     }
 
     /// Poisson's ratio ν.
     pub fn poisson_ratio(&self) -> f64 {
-        self.kernel.poisson_ratio()
+        self.poisson_ratio
     }
 
     /// The kernel with its constants; `None` of a given matrix.
     pub fn kernel(&self) -> Option<&KernelSkin> {
-        self.given.is_none().then_some(&self.kernel)
-    }
-
-    /// The given matrix, its nodes on the product's mesh; `None` of a kernel.
-    pub fn given(&self) -> Option<&GivenMatrix> {
-        self.given.as_ref()
+        match &self.answer {
+            Answer::Kernel(kernel) => Some(kernel),
+            Answer::Matrix(_) => None,
+        }
     }
 }
 
@@ -57,13 +63,9 @@ impl Traits {
     /// Of a skin together with the product that it meets.
     pub(crate) fn with_product(self, material: Option<&Material>) -> Self {
         let Some(material) = material else { return self };
-        let (negative_entries, reach) = match &material.given {
-            None => (material.kernel.has_negative_entries(), material.kernel.reach()),
-            Some(given) => {
-                let is_negative = |column: &[f64]| column.iter().any(|&entry| entry < 0.0);
-                let matrix = given.response_matrix();
-                ((0..matrix.ncols()).any(|column| is_negative(matrix.col_as_slice(column))), None)
-            }
+        let (negative_entries, reach) = match &material.answer {
+            Answer::Kernel(kernel) => (kernel.has_negative_entries(), kernel.reach()),
+            Answer::Matrix(given) => (given.has_negative_entries(), None),
         };
         Self {
             negative_entries: self.negative_entries || negative_entries,
@@ -94,21 +96,21 @@ impl Obstacle {
         response: ProductResponse,
     ) -> Result<Obstacle, ResponseError> {
         let of_kernel = |kernel| KernelSkin::new(shear_modulus, poisson_ratio, kernel);
-        let material = match response {
+        let answer = match response {
             ProductResponse::Kernel(Kernel::Layer { thickness: Thickness::PerVertex(_) }) => {
                 let what = "a layer of the product has one thickness everywhere";
                 return Err(ResponseError::Product { what });
             }
-            ProductResponse::Kernel(kernel) => Material { kernel: of_kernel(kernel)?, given: None },
+            ProductResponse::Kernel(kernel) => Answer::Kernel(of_kernel(kernel)?),
             ProductResponse::Matrix { nodes, matrix } => {
-                let kernel = of_kernel(Kernel::HalfSpace)?;
+                of_kernel(Kernel::HalfSpace)?;
                 let Some(mesh) = self.surface() else {
                     let what = "a given matrix is known at the vertices of the product's mesh, and a primitive has none: take a kernel, or a mesh";
                     return Err(ResponseError::Product { what });
                 };
-                Material { kernel, given: Some(GivenMatrix::new(&mesh, &nodes, matrix)?) }
+                Answer::Matrix(GivenMatrix::new(&mesh, &nodes, matrix)?)
             }
         };
-        Ok(self.made_of(material))
+        Ok(self.made_of(Material { shear_modulus, poisson_ratio, answer }))
     }
 }

@@ -5,6 +5,7 @@ use super::convert::{MatrixArgument, nodes};
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;
 use super::skin::PySkin;
+use crate::obstacle::material::Answer;
 use crate::obstacle::{Obstacle, ProductResponse};
 use crate::response::{Kernel, Thickness};
 use pyo3::prelude::*;
@@ -54,21 +55,26 @@ pub(super) fn made_of(
 /// The facade's `Material` of an obstacle; None of a rigid one.
 pub(super) fn material_out<'py>(py: Python<'py>, obstacle: &Obstacle) -> PyResult<Option<Bound<'py, PyAny>>> {
     let Some(material) = obstacle.material() else { return Ok(None) };
-    let (kind, arguments) = match (material.given(), material.kernel().map(|skin| skin.kernel())) {
-        (Some(given), _) => {
+    let (kind, arguments) = match &material.answer {
+        Answer::Matrix(given) => {
             let arguments = PyDict::new(py);
             arguments.set_item("nodes", nodes_out(py, given.nodes().list()))?;
             arguments.set_item("compliance", matrix_out(py, given.response_matrix()))?;
             ("GivenMatrix", arguments)
         }
-        (None, Some(&Kernel::GaussianCorrected { height, width, cutoff })) => {
-            let arguments = [("height", height), ("width", width), ("cutoff", cutoff)];
-            ("GaussianCorrected", arguments.into_py_dict(py)?)
-        }
-        (None, Some(Kernel::Layer { thickness: Thickness::Uniform(thickness) })) => {
-            ("Layer", [("thickness", *thickness)].into_py_dict(py)?)
-        }
-        _ => ("HalfSpace", PyDict::new(py)),
+        Answer::Kernel(skin) => match skin.kernel() {
+            Kernel::GaussianCorrected { height, width, cutoff } => {
+                let arguments = [("height", height), ("width", width), ("cutoff", cutoff)];
+                ("GaussianCorrected", arguments.into_py_dict(py)?)
+            }
+            Kernel::Layer { thickness: Thickness::Uniform(thickness) } => {
+                ("Layer", [("thickness", thickness)].into_py_dict(py)?)
+            }
+            Kernel::Layer { thickness: Thickness::PerVertex(_) } => {
+                unreachable!("a product's layer has one thickness")
+            }
+            Kernel::HalfSpace => ("HalfSpace", PyDict::new(py)),
+        },
     };
     let response = py.import("quasirigid.skin.response")?.getattr(kind)?.call((), Some(&arguments))?;
     let made = py.import("quasirigid.skin.product")?.getattr("Material")?;

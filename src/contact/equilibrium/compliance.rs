@@ -65,7 +65,7 @@ impl<'a> Compliance<'a> {
         self.traits.negative_entries |= are_opposed(&gaps.at(&gaps.penetrating)?.normal);
         if let Some(material) = gaps.scene.obstacle.material() {
             let response = product_response(material, gaps, &self.traits)?;
-            self.product = Some(Rc::new(Product { response, joins_fingers: material.given().is_some() }));
+            self.product = Some(Rc::new(Product { response, joins_fingers: material.kernel().is_none() }));
             self.traits = self.traits.with_product(Some(material));
         }
         Ok(self)

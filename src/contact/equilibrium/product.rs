@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
-use crate::obstacle::material::Material;
+use crate::obstacle::material::{Answer, Material};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::{BodyDoubt, lost_displacement};
 use crate::response::error::ResponseError;
@@ -52,9 +52,12 @@ pub(crate) fn product_response<'a>(
     gaps: &Gaps<'a>,
     traits: &Traits,
 ) -> Result<Box<dyn ElasticSkin + 'a>, ContactError> {
-    let Some(given) = material.given() else {
-        let kernel = material.kernel().expect("a kernel or a matrix").clone().with_basis(traits.basis);
-        return Ok(Box::new(kernel.with_discretization(traits.discretization)?));
+    let given = match &material.answer {
+        Answer::Matrix(given) => given,
+        Answer::Kernel(kernel) => {
+            let kernel = kernel.clone().with_basis(traits.basis);
+            return Ok(Box::new(kernel.with_discretization(traits.discretization)?));
+        }
     };
     if traits.discretization == Discretization::Galerkin {
         let what = "a given matrix takes the gap at the nodes: discretization = collocation of the skin";
@@ -84,11 +87,9 @@ impl GivenProduct<'_> {
         self.places[vertex].get_or_init(find)
     }
 
-    /// Rows of the matrix that a vertex of the skin depends on, with their weights; vertices of the product that are not
-    /// known stay where they are.
+    /// Rows of the matrix that a vertex of the skin depends on, with their weights.
     fn rows(&self, vertex: usize) -> Vec<(usize, f64)> {
-        let known = |(corner, weight)| Some((self.given.nodes().row(corner as usize)?, weight));
-        self.place(vertex).weights_of_corners().filter_map(known).collect()
+        self.given.rows_at(self.place(vertex)).collect()
     }
 
     /// A vertex of the product that the response at a vertex of the skin depends on and that is not known.

@@ -7,7 +7,7 @@ use crate::contact::figures::fade::{fade, fade_distance};
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::geometry::bounds::Bounds;
-use crate::obstacle::material::Material;
+use crate::obstacle::material::{Answer, Material};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{ElasticSkin, Request};
@@ -56,14 +56,13 @@ impl Contact {
         options: &ContactOptions,
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let mut vertices = mesh.vertices().to_vec();
-        match (material.given(), material.kernel()) {
-            (Some(given), _) => self.move_known(given, &mut vertices),
-            (None, Some(kernel)) => {
+        match &material.answer {
+            Answer::Matrix(given) => self.move_known(given, &mut vertices),
+            Answer::Kernel(kernel) => {
                 for finger in &self.drawing.fingers.candidates {
                     self.move_by_kernel(kernel, finger, mesh.vertices(), &mut vertices, options)?;
                 }
             }
-            (None, None) => unreachable!("a material has a kernel or a matrix"),
         }
         Ok(vertices)
     }
@@ -75,10 +74,8 @@ impl Contact {
         for (&vertex, apart) in self.candidates.iter().zip(&self.drawing.motion.displacement) {
             let touched = self.surface().vertices()[vertex] + apart;
             let place = self.obstacle.closest_triangle(&touched).expect("a given matrix belongs to a mesh");
-            for (corner, weight) in place.weights_of_corners() {
-                if let Some(row) = nodes.row(corner as usize) {
-                    forces[row] += weight * self.force_vectors[vertex];
-                }
+            for (row, weight) in given.rows_at(&place) {
+                forces[row] += weight * self.force_vectors[vertex];
             }
         }
         for (row, &vertex) in nodes.list().iter().enumerate() {

@@ -10,6 +10,7 @@ use crate::response::matrix::displaced::displaced;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
+use crate::surface::coarse::CoarsePlace;
 use crate::surface::refined::RefinedSurface;
 
 /// Displacements along the force (k × k, m/N): R of a contact is that times the cosine between the obstacle's normals.
@@ -51,6 +52,16 @@ impl GivenMatrix {
         &self.nodes
     }
 
+    pub(crate) fn has_negative_entries(&self) -> bool {
+        self.matrix.col_iter().any(|column| column.iter().any(|&entry| entry < 0.0))
+    }
+
+    /// Rows that a place on the surface depends on, with their weights; vertices that are no nodes stay where they are.
+    pub(crate) fn rows_at(&self, place: &CoarsePlace) -> impl Iterator<Item = (usize, f64)> {
+        let known = |(corner, weight)| Some((self.nodes.row(corner as usize)?, weight));
+        place.weights_of_corners().filter_map(known)
+    }
+
     /// The same after a rigid motion of the surface.
     pub fn moved(&self, motion: &Isometry3<f64>) -> Self {
         Self { nodes: self.nodes.moved(motion), ..self.clone() }
@@ -60,8 +71,7 @@ impl GivenMatrix {
 impl ElasticSkin for GivenMatrix {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
         self.nodes.check_surface(surface)?;
-        let mut columns = self.matrix.col_iter();
-        Ok(Traits::of_matrix(columns.any(|column| column.iter().any(|&entry| entry < 0.0)), false))
+        Ok(Traits::of_matrix(self.has_negative_entries(), false))
     }
 
     fn is_scalar(&self, _: usize) -> bool {
