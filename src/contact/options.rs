@@ -3,7 +3,8 @@
 use crate::contact::error::ContactError;
 use crate::lcp::solution::LcpMethodName;
 use crate::lcp::solve::LcpMethod;
-use crate::linalg::threads::bounded_pool;
+use crate::linalg::threads;
+use crate::response::error::ResponseError;
 use crate::response::matrix::options::TOLERANCES;
 
 /// Options of [`solve_contact`](crate::contact::solve_contact) and [`press`](crate::contact::press::press).
@@ -136,15 +137,5 @@ pub(crate) fn with_threads<T: Send>(
     options: &ContactOptions,
     work: impl FnOnce() -> Result<T, ContactError> + Send,
 ) -> Result<T, ContactError> {
-    match options.num_threads {
-        None => work(),
-        Some(threads) => match bounded_pool(threads) {
-            Ok(pool) => pool.install(work),
-            Err(_) => Err(ContactError::Option {
-                option: "num_threads",
-                value: threads as f64,
-                expected: "a number of threads that the system can start",
-            }),
-        },
-    }
+    threads::with_threads(options.num_threads, work).map_err(ResponseError::from)?
 }

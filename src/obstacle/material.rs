@@ -87,7 +87,7 @@ impl Obstacle {
     ///
     /// # Errors
     /// [`ResponseError::Constant`] names the constant that is out of range; [`ResponseError::Product`] for a response that
-    /// no product has; of a matrix also [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`],
+    /// no product has; of a matrix also [`ResponseError::Nodes`],
     /// [`ResponseError::MatrixShape`] and [`ResponseError::MatrixEntry`].
     pub fn with_material(
         &self,

@@ -1,6 +1,8 @@
 //! Why a skin or a response matrix was refused.
 
+use crate::linalg::threads::ThreadsError;
 use crate::response::body::error::BodyError;
+use crate::response::rows::NodesError;
 
 /// Why a skin or a response matrix was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,26 +24,9 @@ pub enum ResponseError {
         /// What it is.
         response: &'static str,
     },
-    /// A node is no vertex of the surface.
-    #[error("entry {index} of nodes is vertex {vertex}, but the surface has {vertex_count} vertices")]
-    NodeOutOfRange {
-        /// Position in the list of nodes.
-        index: usize,
-        /// The vertex it names.
-        vertex: usize,
-        /// Number of vertices of the surface.
-        vertex_count: usize,
-    },
-    /// A vertex occurs twice among the nodes, so the matrix would be singular.
-    #[error("vertex {vertex} occurs twice in nodes, at {first} and {second}")]
-    RepeatedNode {
-        /// The vertex.
-        vertex: usize,
-        /// Position of its first occurrence.
-        first: usize,
-        /// Position of its second occurrence.
-        second: usize,
-    },
+    /// The nodes are no rows of a response.
+    #[error(transparent)]
+    Nodes(#[from] NodesError),
     /// The number of directions differs from the number of nodes.
     #[error("{directions} directions were given for {nodes} nodes")]
     DirectionCount {
@@ -217,13 +202,8 @@ pub enum ResponseError {
     #[error(transparent)]
     Body(#[from] BodyError),
     /// The worker threads could not be started.
-    #[error("could not start {threads} threads: {reason}")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// What the system said.
-        reason: String,
-    },
+    #[error(transparent)]
+    Threads(#[from] ThreadsError),
 }
 
 impl ResponseError {

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use quasirigid::geometry::RigidMotionError;
-use quasirigid::response::PreparedBody;
 use quasirigid::response::body::{Body, BodyCompliance, BodyCost, BodyError, BodyOptions, BodyProgress};
+use quasirigid::response::{NodesError, PreparedBody, ThreadsError};
 use quasirigid::surface::Surface;
 
 use crate::common::{icosphere, joined};
@@ -165,8 +165,8 @@ fn nodes_must_be_free_skin_vertices_each_listed_once() {
     let options = BodyOptions::default();
     let error = |nodes: &[usize]| prepare(&with_core(), nodes, &options).expect_err("bad nodes");
     assert_eq!(error(&[]), BodyError::NoNodes);
-    assert_eq!(error(&[0, 42]), BodyError::NodeOutOfRange { position: 1, vertex: 42, vertex_count: 42 });
-    assert_eq!(error(&[4, 0, 4]), BodyError::NodeRepeated { vertex: 4, first: 0, second: 2 });
+    assert_eq!(error(&[0, 42]), NodesError::OutOfRange { index: 1, vertex: 42, vertex_count: 42 }.into());
+    assert_eq!(error(&[4, 0, 4]), NodesError::Repeated { vertex: 4, first: 0, second: 2 }.into());
     let body = with_fixed(|_, v| v.z > 0.0);
     let above: Vec<usize> = (0..42).filter(|&i| skin().vertices()[i].z > 0.0).collect();
     let error = prepare(&body, &above, &options).expect_err("fixed");
@@ -222,7 +222,7 @@ fn without_a_limit_the_free_memory_is_the_limit_where_the_system_tells_it() {
 fn at_least_one_thread_is_needed() {
     let options = BodyOptions { num_threads: Some(0), ..BodyOptions::default() };
     let error = prepare(&with_core(), &[0], &options).expect_err("no thread");
-    assert!(matches!(error, BodyError::Threads { threads: 0, .. }));
+    assert!(matches!(error, BodyError::Threads(ThreadsError { threads: 0, .. })));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 use quasirigid::response::body::{BodyCompliance, BodyError, BodyOptions, BodyParts, OneLevel, TwoLevels};
-use quasirigid::response::{Levels, PreparedBody, ResponseError};
+use quasirigid::response::{Levels, NodesError, PreparedBody, ResponseError};
 use quasirigid::surface::{CoarsePlace, Surface};
 
 use crate::{SHEAR_MODULUS, prepare, sphere, with_bone};
@@ -42,11 +42,11 @@ fn nodes_of_parts_are_there_each_listed_once_and_have_columns() {
     assert_eq!(none, BodyError::NoNodes);
     assert_eq!(
         refusal(|parts| parts.nodes[2] = 42),
-        BodyError::NodeOutOfRange { position: 2, vertex: 42, vertex_count: 42 }
+        NodesError::OutOfRange { index: 2, vertex: 42, vertex_count: 42 }.into()
     );
     assert_eq!(
         refusal(|parts| parts.nodes[2] = 5),
-        BodyError::NodeRepeated { vertex: 5, first: 1, second: 2 }
+        NodesError::Repeated { vertex: 5, first: 1, second: 2 }.into()
     );
     assert_eq!(
         refusal(|parts| parts.nodes.push(9)),

@@ -8,8 +8,8 @@ use quasirigid::contact::{
 };
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
 use quasirigid::response::{
-    AssemblyOptions, Discretization, GivenMatrix, Kernel, KernelSkin, PressureBasis, ResponseError,
-    Thickness, assemble,
+    AssemblyOptions, Discretization, GivenMatrix, Kernel, KernelSkin, NodesError, PressureBasis,
+    ResponseError, Thickness, assemble,
 };
 use quasirigid::surface::Surface;
 
@@ -368,7 +368,7 @@ fn what_no_product_can_be_made_of_is_refused_by_name() {
     assert!(error.to_string().contains("a primitive has none"), "{error}");
     let error =
         with_matrix(&slab(2), vec![0, 99], Mat::identity(2, 2)).map(|_| ()).expect_err("no vertex 99");
-    assert_eq!(error, ResponseError::NodeOutOfRange { index: 1, vertex: 99, vertex_count: 18 });
+    assert_eq!(error, NodesError::OutOfRange { index: 1, vertex: 99, vertex_count: 18 }.into());
     let error = with_matrix(&slab(2), vec![0, 1], Mat::identity(3, 3)).map(|_| ()).expect_err("3 x 3");
     assert_eq!(error, ResponseError::MatrixShape { rows: 3, columns: 3, nodes: 2 });
 }

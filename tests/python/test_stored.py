@@ -79,7 +79,7 @@ DAMAGED: list[tuple[str, Callable[[Parts], Parts], str]] = [
     (
         "two",
         lambda parts: {"coarse_nodes": np.full(len(parts["coarse_nodes"]), 7)},
-        "7 is listed twice",
+        "7 occurs twice",
     ),
     ("two", rows(["coarse_corners"], slice(None, None, -1)), "no column for vertex"),
     ("one", entry("displacement", (9, 4), np.nan), "row 9 of the stored displacement holds NaN"),

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Vector3;
 use quasirigid::response::{
-    AssemblyOptions, ElasticSkin, Kernel, KernelSkin, Request, ResponseError, Thickness, assemble,
+    AssemblyOptions, ElasticSkin, Kernel, KernelSkin, NodesError, Request, ResponseError, Thickness, assemble,
 };
 
 use super::*;
@@ -47,9 +47,9 @@ fn malformed_requests_say_what_is_wrong_and_where() {
     let plain = AssemblyOptions::default();
     assert_eq!(
         ask(&[1, 16], plain),
-        ResponseError::NodeOutOfRange { index: 1, vertex: 16, vertex_count: 16 }
+        NodesError::OutOfRange { index: 1, vertex: 16, vertex_count: 16 }.into()
     );
-    assert_eq!(ask(&[4, 2, 4], plain), ResponseError::RepeatedNode { vertex: 4, first: 0, second: 2 });
+    assert_eq!(ask(&[4, 2, 4], plain), NodesError::Repeated { vertex: 4, first: 0, second: 2 }.into());
     let up = Vector3::z();
     assert_eq!(along(&[4, 2], &[up]), ResponseError::DirectionCount { directions: 1, nodes: 2 });
     assert_eq!(

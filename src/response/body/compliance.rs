@@ -48,7 +48,7 @@ impl BodyCompliance {
     ///
     /// # Errors
     /// [`BodyError::Parts`]: sizes that do not belong together; [`BodyError::PartNumber`]; [`BodyError::Rotation`];
-    /// [`BodyError::NoNodes`], [`BodyError::NodeOutOfRange`], [`BodyError::NodeRepeated`].
+    /// [`BodyError::NoNodes`], [`BodyError::Nodes`].
     pub fn from_parts(parts: BodyParts) -> Result<Self, BodyError> {
         let (vertex_count, columns) = (parts.displacement.nrows() / 3, 3 * parts.nodes.len());
         check_counts(&[

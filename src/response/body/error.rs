@@ -1,6 +1,8 @@
 //! Why a body response was refused.
 
 use crate::geometry::rigid_motion::RigidMotionError;
+use crate::linalg::threads::ThreadsError;
+use crate::response::rows::NodesError;
 
 /// Why a body response was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -187,26 +189,9 @@ pub enum BodyError {
     /// No node was asked for.
     #[error("no node to load: the compliance of no node is empty")]
     NoNodes,
-    /// A node is no skin vertex.
-    #[error("node {position} is vertex {vertex}, but the skin has {vertex_count} vertices")]
-    NodeOutOfRange {
-        /// Position in the list of nodes.
-        position: usize,
-        /// The vertex it names.
-        vertex: usize,
-        /// Number of skin vertices.
-        vertex_count: usize,
-    },
-    /// A vertex is listed twice.
-    #[error("vertex {vertex} is listed twice among the nodes (positions {first} and {second})")]
-    NodeRepeated {
-        /// The vertex.
-        vertex: usize,
-        /// Its first position.
-        first: usize,
-        /// Its second position.
-        second: usize,
-    },
+    /// The nodes are no rows of a response.
+    #[error(transparent)]
+    Nodes(#[from] NodesError),
     /// A node is fixed, so a force there moves nothing.
     #[error("{count} of the nodes are fixed vertices (first: vertex {vertex}): a force there moves nothing")]
     NodeFixed {
@@ -315,12 +300,7 @@ pub enum BodyError {
         /// The vertex of the coarse skin.
         coarse_vertex: usize,
     },
-    /// A thread pool could not be started.
-    #[error("could not start {threads} threads: {reason}")]
-    Threads {
-        /// Threads asked for.
-        threads: usize,
-        /// What the system said.
-        reason: String,
-    },
+    /// The worker threads could not be started.
+    #[error(transparent)]
+    Threads(#[from] ThreadsError),
 }

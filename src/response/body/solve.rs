@@ -11,7 +11,7 @@ use crate::linalg::dense::Dense;
 use crate::linalg::factor::{NoFactor, Real};
 use crate::linalg::lu::{Blocking, Lu};
 use crate::linalg::memory::free_memory;
-use crate::linalg::threads::bounded_pool;
+use crate::linalg::threads::with_threads;
 use crate::response::body::check::tissue::{check_fixed, check_nodes, check_tissue, check_uncrossed};
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::cost::{BodyCost, solve_width};
@@ -77,16 +77,8 @@ impl BodyOptions<'_> {
         &self,
         work: impl FnOnce(&BodyOptions) -> Result<R, E> + Send,
     ) -> Result<R, E> {
-        let refuse = |threads, reason| Err(BodyError::Threads { threads, reason }.into());
         let at_hand = BodyOptions { num_threads: None, ..*self };
-        match self.num_threads {
-            None => work(&at_hand),
-            Some(0) => refuse(0, "at least 1 is needed".to_string()),
-            Some(threads) => match bounded_pool(threads) {
-                Ok(pool) => pool.install(|| work(&at_hand)),
-                Err(error) => refuse(threads, error.to_string()),
-            },
-        }
+        with_threads(self.num_threads, || work(&at_hand)).map_err(BodyError::from)?
     }
 }
 

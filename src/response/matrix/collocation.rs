@@ -11,7 +11,8 @@ use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::InverseThickness;
 use crate::response::matrix::fill::{fill_items, filled_columns};
 use crate::response::matrix::galerkin::galerkin_block;
-use crate::response::matrix::options::{AssemblyOptions, check_memory, rows_of_vertices};
+use crate::response::matrix::options::{AssemblyOptions, check_memory};
+use crate::response::rows::rows_of_vertices;
 use crate::response::simd::points::{Targets, gather};
 use crate::surface::checked::Surface;
 
@@ -94,8 +95,8 @@ fn check(
     options: &AssemblyOptions,
 ) -> Result<(), ResponseError> {
     options.validate()?;
-    rows_of_vertices(surface, rows)?;
-    rows_of_vertices(surface, columns)?;
+    rows_of_vertices(surface.vertices().len(), rows)?;
+    rows_of_vertices(surface.vertices().len(), columns)?;
     check_memory(rows.len(), columns.len(), options)?;
     skin.check_against(surface)
 }

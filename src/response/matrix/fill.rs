@@ -89,7 +89,5 @@ pub(crate) fn fill_items<T: Send, S>(
 /// The local pool that the options ask for; `None` for the global one, or for a single thread.
 fn pool(options: &AssemblyOptions) -> Result<Option<rayon::ThreadPool>, ResponseError> {
     let Some(threads) = options.num_threads.filter(|&threads| threads > 1) else { return Ok(None) };
-    bounded_pool(threads)
-        .map(Some)
-        .map_err(|error| ResponseError::Threads { threads, reason: error.to_string() })
+    Ok(Some(bounded_pool(threads)?))
 }

@@ -14,8 +14,9 @@ use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::{InverseThickness, Thickness};
 use crate::response::matrix::fill::filled_columns;
 use crate::response::matrix::near_faces::{NearFaces, NodeFace};
-use crate::response::matrix::options::{AssemblyOptions, NO_ROW, rows_of_vertices};
+use crate::response::matrix::options::AssemblyOptions;
 use crate::response::matrix::outer_rule::OuterRules;
+use crate::response::rows::{NO_ROW, rows_of_vertices};
 use crate::response::series::hat_pairs::LoadMoments;
 use crate::response::simd::points::{POINTS_PER_BLOCK, Targets};
 use crate::surface::checked::Surface;
@@ -88,8 +89,8 @@ pub(crate) fn galerkin_block(
     options: &AssemblyOptions,
 ) -> Result<Mat<f64>, ResponseError> {
     let is_symmetric = rows == columns;
-    let faces =
-        NodeFace::around(surface, &rows_of_vertices(surface, rows)?, &rows_of_vertices(surface, columns)?);
+    let row_of = |nodes| rows_of_vertices(surface.vertices().len(), nodes);
+    let faces = NodeFace::around(surface, &row_of(rows)?, &row_of(columns)?);
     let rules = OuterRules::new(options.tolerance);
     let order = RowOrder::new(surface, rows, is_symmetric);
     let pressure = skin.basis();

@@ -11,8 +11,9 @@ use crate::response::integral::hat_simd::NearHats;
 use crate::response::integral::rule_lists::RuleLists;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::matrix::fill::fill_items;
-use crate::response::matrix::options::{AssemblyOptions, NO_ROW};
+use crate::response::matrix::options::AssemblyOptions;
 use crate::response::matrix::outer_rule::OuterRules;
+use crate::response::rows::NO_ROW;
 use crate::response::simd::lanes::{Lanes, dot};
 use crate::surface::checked::Surface;
 

@@ -6,7 +6,6 @@ use nalgebra::Vector3;
 
 use crate::linalg::memory::free_memory;
 use crate::response::error::ResponseError;
-use crate::surface::checked::Surface;
 
 /// Tolerances of numerical integration that can be asked for.
 pub(crate) const TOLERANCES: RangeInclusive<f64> = 0.0..=0.1;
@@ -45,27 +44,6 @@ impl AssemblyOptions<'_> {
         }
         Ok(())
     }
-}
-
-/// No row: the vertex is no node.
-pub(crate) const NO_ROW: usize = usize::MAX;
-
-/// Row of each vertex, [`NO_ROW`] for none.
-///
-/// # Errors
-/// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
-pub(crate) fn rows_of_vertices(surface: &Surface, nodes: &[usize]) -> Result<Vec<usize>, ResponseError> {
-    let vertex_count = surface.vertices().len();
-    let mut row_of = vec![NO_ROW; vertex_count];
-    for (index, &vertex) in nodes.iter().enumerate() {
-        let row = row_of.get_mut(vertex);
-        let row = row.ok_or(ResponseError::NodeOutOfRange { index, vertex, vertex_count })?;
-        if *row != NO_ROW {
-            return Err(ResponseError::RepeatedNode { vertex, first: *row, second: index });
-        }
-        *row = index;
-    }
-    Ok(row_of)
 }
 
 /// Checks that there is a direction for each of `nodes` nodes.

@@ -26,7 +26,7 @@ impl GivenMatrix {
     /// * `matrix`: displacement along the force per newton (k × k, m/N), finite
     ///
     /// # Errors
-    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`], [`ResponseError::MatrixShape`],
+    /// [`ResponseError::Nodes`], [`ResponseError::MatrixShape`],
     /// [`ResponseError::MatrixEntry`].
     pub fn new(surface: &Surface, nodes: &[usize], matrix: Mat<f64>) -> Result<Self, ResponseError> {
         let nodes = PreparedNodes::new(surface, nodes)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
-use crate::response::matrix::options::{NO_ROW, rows_of_vertices};
+use crate::response::rows::{NO_ROW, rows_of_vertices};
 use crate::surface::checked::Surface;
 
 /// Largest distance, in mean edge lengths, between the vertices of a surface and those that a response was
@@ -24,9 +24,9 @@ pub struct PreparedNodes {
 
 impl PreparedNodes {
     /// # Errors
-    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`].
+    /// [`ResponseError::Nodes`].
     pub(crate) fn new(surface: &Surface, nodes: &[usize]) -> Result<Self, ResponseError> {
-        let row_of = rows_of_vertices(surface, nodes)?;
+        let row_of = rows_of_vertices(surface.vertices().len(), nodes)?;
         let (vertices, faces) = (surface.vertices().into(), surface.faces().into());
         Ok(Self { nodes: nodes.into(), row_of: row_of.into(), vertices, faces })
     }

@@ -63,7 +63,7 @@ impl PreparedBody {
     /// Takes a compliance that was computed or measured before; vertices that it keeps at rest stay.
     ///
     /// # Errors
-    /// [`ResponseError::NodeOutOfRange`], [`ResponseError::RepeatedNode`]; [`ResponseError::Body`] of a compliance that does
+    /// [`ResponseError::Nodes`]; [`ResponseError::Body`] of a compliance that does
     /// not fit the surface or the nodes.
     pub fn from_levels(surface: &Surface, nodes: &[usize], levels: Levels) -> Result<Self, ResponseError> {
         let nodes = PreparedNodes::new(surface, nodes)?;

@@ -10,6 +10,7 @@ use crate::response::body::check::distance::{
     FacePair, closest_between_components, closest_faces, crossings,
 };
 use crate::response::body::error::BodyError;
+use crate::response::rows::rows_of_vertices;
 use crate::surface::checked::Surface;
 
 /// Bone and skin touch below this part of the skin's mean edge length (dimensionless).
@@ -122,16 +123,7 @@ pub(crate) fn check_nodes(vertex_count: usize, fixed: &[bool], nodes: &[usize]) 
     if nodes.is_empty() {
         return Err(BodyError::NoNodes);
     }
-    let mut seen = vec![usize::MAX; vertex_count];
-    for (position, &vertex) in nodes.iter().enumerate() {
-        if vertex >= vertex_count {
-            return Err(BodyError::NodeOutOfRange { position, vertex, vertex_count });
-        }
-        if seen[vertex] != usize::MAX {
-            return Err(BodyError::NodeRepeated { vertex, first: seen[vertex], second: position });
-        }
-        seen[vertex] = position;
-    }
+    rows_of_vertices(vertex_count, nodes)?;
     let count = nodes.iter().filter(|&&vertex| fixed[vertex]).count();
     match nodes.iter().find(|&&vertex| fixed[vertex]) {
         Some(&vertex) => Err(BodyError::NodeFixed { vertex, count }),
