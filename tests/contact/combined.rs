@@ -1,14 +1,17 @@
 //! Bodies on parts of a skin, a kernel elsewhere.
 
+use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Vector3};
+use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press};
+use quasirigid::obstacle::Obstacle;
 use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::response::{
-    AssemblyOptions, CombinedSkin, ElasticSkin, Part, PreparedBody, Request, ResponseError,
+    AssemblyOptions, CombinedSkin, ElasticSkin, Kernel, Part, PreparedBody, Request, ResponseError,
 };
 use quasirigid::surface::{Surface, cut_out};
 
 use crate::common::icosphere;
-use crate::{galerkin, half_space};
+use crate::{UP, galerkin, half_space, skin as skin_of};
 
 fn sphere() -> Surface {
     let (vertices, faces) = icosphere(8e-3, 3);
@@ -84,6 +87,26 @@ fn each_side_of_a_cut_answers_for_itself() {
     let moves = |v: usize| moved[v] != Vector3::zeros();
     assert!(everywhere.iter().all(|&v| moves(v) == is_moving(&part, v)));
     assert!(everywhere.iter().all(|&v| combined.is_scalar(v) != is_moving(&part, v)));
+}
+
+#[test]
+fn off_its_parts_a_skin_answers_as_its_kernel_on_refined_meshes_too() {
+    let skin = sphere();
+    let layer = skin_of(Kernel::Layer { thickness: 1e-3.into() });
+    let part = lower_part(&skin, Vector3::zeros());
+    let combined = CombinedSkin::new(&skin, layer.clone(), vec![part]).expect("a part that fits");
+    let plate = Obstacle::half_space(UP * 0.02, -UP).expect("a plane");
+    let goal = Goal::Depth(0.2e-3);
+    let down = Press { direction: -UP, goal, start: Start::Infinity, balance: Balance::None };
+    let from_above = |elastic: &dyn ElasticSkin| {
+        press(&skin, &plate, elastic, &down, &ContactOptions::default()).expect("a plate that touches")
+    };
+    let (of_kernel, of_combined) = (from_above(&layer), from_above(&combined));
+    assert!(of_combined.surface().vertices().len() > skin.vertices().len());
+    let figures = |contact: &Contact| (contact.resultant.force.z, contact.resultant.contact_area);
+    let (expected, found) = (figures(&of_kernel), figures(&of_combined));
+    assert_relative_eq!(found.0, expected.0, max_relative = 1e-7);
+    assert_relative_eq!(found.1, expected.1, max_relative = 1e-7);
 }
 
 #[test]

@@ -88,7 +88,7 @@ pub trait ElasticSkin: Sync {
         false
     }
 
-    /// The kernel that answers at `vertex`; asked on the given mesh alone.
+    /// The kernel that answers at `vertex`.
     fn kernel_at(&self, _vertex: usize) -> Option<&KernelSkin> {
         None
     }

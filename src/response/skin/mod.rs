@@ -2,8 +2,9 @@
 //!
 //! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`] and a
 //! [`given_matrix`] look it up at their [`nodes`], a body in its [`levels`]; a [`combined`] skin asks its parts and puts
-//! their answers together (`pieces`); a [`kept`] one remembers what another answered.
+//! their answers together (`combination`); a [`kept`] one remembers what another answered.
 
+mod combination;
 pub(crate) mod combined;
 pub(crate) mod elastic;
 pub(crate) mod given_matrix;
@@ -11,6 +12,5 @@ pub(crate) mod kept;
 pub(crate) mod kernel;
 pub(crate) mod levels;
 pub(crate) mod nodes;
-mod pieces;
 pub(crate) mod prepared_body;
 pub(crate) mod prepared_kernel;
