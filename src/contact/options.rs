@@ -92,7 +92,12 @@ impl std::fmt::Debug for ContactOptions<'_> {
 impl ContactOptions<'_> {
     /// The defaults, but for the mesh, which is taken as it is.
     pub fn on_given_mesh() -> Self {
-        Self { target_error: None, ..Self::default() }
+        Self::default().unrefined()
+    }
+
+    /// The same on the mesh as it is.
+    pub(crate) fn unrefined(&self) -> Self {
+        Self { target_error: None, ..self.clone() }
     }
 
     pub(in crate::contact) fn is_interrupted(&self) -> bool {

@@ -301,6 +301,11 @@ impl Contact {
         Some(self.mesh.whole.get_or_init(|| refinement.whole()))
     }
 
+    /// The depth of a press (m).
+    pub(crate) fn pressed_depth(&self) -> f64 {
+        self.depth.expect("a press has a depth")
+    }
+
     /// The two vertices that each added one lies between, in the order of the added ones.
     pub fn parents(&self) -> Vec<[usize; 2]> {
         self.mesh.refinement.as_ref().map_or_else(Vec::new, MeshRefinement::parents)

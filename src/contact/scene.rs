@@ -6,6 +6,7 @@ use crate::contact::candidate::coupling::Coupling;
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
+use crate::contact::outcome::Contact;
 use crate::contact::report::cuts::Cuts;
 use crate::contact::tilt::axes::{Balance, Turn};
 use crate::obstacle::posed::Obstacle;
@@ -61,6 +62,22 @@ pub(crate) struct Approach {
     pub known_touch: Option<f64>,
 }
 
+/// Where on its way an obstacle touches.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Touch {
+    /// Travel at which the press begins (m).
+    pub begin: f64,
+    /// Depth at which it touches (m).
+    pub depth: f64,
+}
+
+impl Touch {
+    /// Way of a press past the touch (m).
+    pub fn past(&self, pressed: &Contact) -> f64 {
+        pressed.pressed_depth() - self.depth
+    }
+}
+
 /// The obstacle in place, and what is known from bringing it there.
 pub(crate) struct Scene {
     pub obstacle: Obstacle,
@@ -104,7 +121,9 @@ impl Placement<'_> {
             return Ok(Scene { obstacle, travel: 0.0, press: None, depth_bound: None, inherited: None });
         };
         let touch = match approach.touch(surface, self.obstacle) {
-            Err(ContactError::NeverTouches { .. }) if approach.start == Start::Current => (0.0, depth),
+            Err(ContactError::NeverTouches { .. }) if approach.start == Start::Current => {
+                Touch { begin: 0.0, depth }
+            }
             touch => touch?,
         };
         Ok(approach.scene(depth, surface, self.obstacle, touch))
@@ -118,19 +137,11 @@ impl Approach {
     }
 
     /// The obstacle at a depth (m).
-    ///
-    /// * `touch`: travel at which the press begins, and the depth at which it touches (m)
-    pub fn scene(
-        &self,
-        depth: f64,
-        surface: &Surface,
-        obstacle: &Obstacle,
-        (begin, touch): (f64, f64),
-    ) -> Scene {
-        let travel = begin + depth;
+    pub fn scene(&self, depth: f64, surface: &Surface, obstacle: &Obstacle, touch: Touch) -> Scene {
+        let travel = touch.begin + depth;
         let way = travel * self.direction;
         let mut placed = obstacle.translated(&way);
-        let past = (depth - touch).max(0.0);
+        let past = (depth - touch.depth).max(0.0);
         let mut deepest = past;
         let turned = self.turn.map(|turn| Turn { point: turn.point + way, ..turn });
         if let Some(turn) = &turned {
@@ -147,10 +158,10 @@ impl Approach {
         }
     }
 
-    /// Travel at which the press begins, and the depth at which it touches (m).
-    pub fn touch(&self, surface: &Surface, obstacle: &Obstacle) -> Result<(f64, f64), ContactError> {
+    /// Where on its way the obstacle touches.
+    pub fn touch(&self, surface: &Surface, obstacle: &Obstacle) -> Result<Touch, ContactError> {
         if self.start == Start::Infinity {
-            return Ok((self.first_touch(surface, obstacle)?, 0.0));
+            return Ok(Touch { begin: self.first_touch(surface, obstacle)?, depth: 0.0 });
         }
         let touching: Vec<Vector3<f64>> = skin_vertices(surface).map(|(_, position)| position).collect();
         let of_vertices = obstacle.first_touch_from_current(&touching, &self.direction)?;
@@ -159,7 +170,7 @@ impl Approach {
             touch_between(surface, obstacle, &self.direction, [-touch_rounding(surface), of_vertices]);
         match of_vertices.min(between.max(0.0)) {
             f64::INFINITY => Err(never_touches(surface, obstacle, &self.direction)),
-            travel => Ok((0.0, travel)),
+            depth => Ok(Touch { begin: 0.0, depth }),
         }
     }
 

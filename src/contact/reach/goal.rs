@@ -53,7 +53,7 @@ impl Task<'_> {
             Reached::Goal { contact, power } => (contact, power),
             Reached::Short { contact, why } => {
                 let placement = self.at(&contact);
-                let contact = end_unrefined(contact, started, placement, skin, options)?;
+                let contact = end_unrefined(contact, started, placement, skin)?;
                 return Err(self.not_reached(contact, why));
             }
         };
@@ -66,7 +66,7 @@ impl Task<'_> {
                 Begun::Rounds(rounds) => *rounds,
             };
             let end = rounds.run()?;
-            let refined_for = rounds.meshes.last_area();
+            let refined_for = rounds.meshes.finest().resultant.contact_area;
             let met = (end == RefinementEnd::Target).then_some(rounds.target);
             let Some(why) = self.search_again(&mut rounds, power)? else {
                 let (rounds, end) = before.unwrap_or((rounds, end));
@@ -82,7 +82,7 @@ impl Task<'_> {
                 return rounds.conclude(end);
             };
             started = Instant::now();
-            given = on_given.solve(found.depth.expect("a press has a depth") - on_given.touch.1)?;
+            given = on_given.solve(on_given.touch.past(found))?;
             before = Some((rounds, end));
         }
         unreachable!("the last refinement returns")
@@ -113,7 +113,7 @@ impl Task<'_> {
         }
         let skin = self.setup.refined_skin(part)?;
         let on_part = self.setup.on_refined(&rounds.meshes, part, &*skin)?;
-        let past = last.depth.expect("a press has a depth") - on_part.touch.1;
+        let past = on_part.touch.past(last);
         let value = self.target.quantity.of(last, &self.setup.approach.direction);
         if (value / self.target.value - 1.0).abs() <= Search::CLOSE {
             return Ok(Some(Ok(())));
@@ -131,19 +131,19 @@ impl Task<'_> {
             Reached::Goal { contact, .. } => (contact, Ok(())),
             Reached::Short { contact, why } => (contact, Err(why)),
         };
-        rounds.meshes.replace_last(contact, started, self.setup.skin, self.setup.options)?;
+        rounds.meshes.replace_last(contact, started, &*skin, self.setup.options)?;
         Ok(Some(end))
     }
 
     /// The press to the depth of a contact.
     fn at(&self, contact: &Contact) -> Placement<'_> {
-        self.setup.at(contact.depth.expect("a press has a depth"))
+        self.setup.at(contact.pressed_depth())
     }
 
     fn not_reached(&self, contact: Contact, why: String) -> ContactError {
         let (goal, unit) = self.target.quantity.name_and_unit();
         let largest = self.target.quantity.of(&contact, &self.setup.approach.direction);
-        let depth = contact.depth.expect("a press has a depth");
+        let depth = contact.pressed_depth();
         let contact = LargestContact(Box::new(contact));
         ContactError::NotReached { goal, unit, asked: self.target.value, largest, depth, why, contact }
     }

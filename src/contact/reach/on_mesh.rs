@@ -1,6 +1,5 @@
 //! The search for a depth on one mesh.
 
-use std::cell::RefCell;
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -13,7 +12,7 @@ use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::reach::target::Quantity;
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::report::warning::WarningKind;
-use crate::contact::scene::{Approach, Inherited, Scene};
+use crate::contact::scene::{Approach, Inherited, Scene, Touch};
 use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::Turn;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
@@ -26,8 +25,7 @@ pub(crate) struct OnMesh<'a> {
     pub setup: Setup<'a>,
     /// What a refined mesh takes over from the given one.
     pub inherited: Option<Inherited>,
-    /// Travel at which the press begins, and the depth at which it touches (m).
-    pub touch: (f64, f64),
+    pub touch: Touch,
 }
 
 /// How the search on one mesh ended: in both cases with a contact.
@@ -42,34 +40,16 @@ pub(crate) enum Reached {
 pub(crate) struct Trials<'a> {
     skin: &'a dyn ElasticSkin,
     /// Of the last one in contact.
-    known: RefCell<Option<Known>>,
-    timings: RefCell<Vec<Timing>>,
-    refusal: RefCell<Option<ContactError>>,
+    pub known: Option<Known>,
+    /// What all of them took.
+    pub timings: Vec<Timing>,
+    refusal: Option<ContactError>,
 }
 
 impl<'a> Trials<'a> {
-    pub fn new(skin: &'a dyn ElasticSkin) -> Self {
-        Self { skin, known: RefCell::default(), timings: RefCell::default(), refusal: RefCell::default() }
-    }
-
-    /// The first trial begins from `known`.
-    pub fn from(skin: &'a dyn ElasticSkin, known: Option<Known>) -> Self {
-        Self { known: RefCell::new(known), ..Self::new(skin) }
-    }
-
-    /// What the last one in contact leaves.
-    pub fn into_known(self) -> Option<Known> {
-        self.known.into_inner()
-    }
-
-    /// Adds what a trial took.
-    pub fn note(&self, timings: &[Timing]) {
-        add_timings(&mut self.timings.borrow_mut(), timings);
-    }
-
-    /// What all of them took.
-    pub fn timings(&self) -> Vec<Timing> {
-        self.timings.borrow().clone()
+    /// * `known`: what the first trial begins from
+    pub fn new(skin: &'a dyn ElasticSkin, known: Option<Known>) -> Self {
+        Self { skin, known, timings: Vec::new(), refusal: None }
     }
 }
 
@@ -90,8 +70,8 @@ impl OnMesh<'_> {
         last: Option<&Contact>,
     ) -> Result<Reached, ContactError> {
         let kept = KeptSkin::new(self.setup.skin);
-        let trials = Trials::from(&kept, known);
-        let found = search.run(|past| self.trial(quantity, past, &trials))?;
+        let mut trials = Trials::new(&kept, known);
+        let found = search.run(|past| self.trial(quantity, past, &mut trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),
             Found::NotReached { largest: Some(at), why } => (at, Err(why)),
@@ -104,8 +84,8 @@ impl OnMesh<'_> {
             },
         };
         let is_refined = self.inherited.is_some();
-        let mut contact = if is_refined { self.solve_with(at, &trials)? } else { self.solve(at)? };
-        add_timings(&mut contact.timings, &trials.timings());
+        let mut contact = if is_refined { self.solve_with(at, &mut trials)? } else { self.solve(at)? };
+        add_timings(&mut contact.timings, &trials.timings);
         match end {
             Ok(power) => {
                 let value = quantity.of(&contact, &self.setup.approach.direction);
@@ -163,7 +143,7 @@ impl OnMesh<'_> {
     }
 
     /// The quantity so far past the touch.
-    fn trial(&self, quantity: Quantity, past: f64, trials: &Trials) -> Result<Trial, ContactError> {
+    fn trial(&self, quantity: Quantity, past: f64, trials: &mut Trials) -> Result<Trial, ContactError> {
         if self.setup.options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "search for the depth" });
         }
@@ -174,7 +154,7 @@ impl OnMesh<'_> {
         match tried {
             Err(error) if error.is_of_deeper() => {
                 let why = error.to_string();
-                trials.refusal.replace(Some(error));
+                trials.refusal = Some(error);
                 Ok(Trial::Blocked(why))
             }
             other => other,
@@ -182,14 +162,14 @@ impl OnMesh<'_> {
     }
 
     /// The force so far past the touch.
-    fn force(&self, past: f64, trials: &Trials) -> Result<Trial, ContactError> {
+    fn force(&self, past: f64, trials: &mut Trials) -> Result<Trial, ContactError> {
         let scene = self.scene(past);
         let solved = self.in_place(&scene, trials)?;
-        trials.note(solved.timings());
+        add_timings(&mut trials.timings, solved.timings());
         let Some(forces) = solved.forces() else { return Ok(Trial::Value(0.0)) };
         match forces.failure {
             None => {
-                trials.known.replace(solved.known());
+                trials.known = solved.known();
                 let total: Vector3<f64> = forces.active_vectors().iter().sum();
                 Ok(Trial::Value(total.dot(&self.setup.approach.direction).max(0.0)))
             }
@@ -197,18 +177,17 @@ impl OnMesh<'_> {
         }
     }
 
-    fn in_place<'b>(&'b self, scene: &'b Scene, trials: &'b Trials) -> Result<InPlace<'b>, ContactError> {
+    fn in_place<'b>(&'b self, scene: &'b Scene, trials: &Trials<'b>) -> Result<InPlace<'b>, ContactError> {
         let Setup { surface, options, .. } = self.setup;
-        let known = trials.known.borrow();
-        InPlace::solve(surface, scene, trials.skin, known.as_ref(), options, Report::default())
+        InPlace::solve(surface, scene, trials.skin, trials.known.as_ref(), options, Report::default())
     }
 
     /// The contact so far past the touch, with what trials before it know.
-    pub fn solve_with(&self, past: f64, trials: &Trials) -> Result<Contact, ContactError> {
+    pub fn solve_with(&self, past: f64, trials: &mut Trials) -> Result<Contact, ContactError> {
         let scene = self.scene(past);
         let solved = self.in_place(&scene, trials)?;
         if let Some(known) = solved.known() {
-            trials.known.replace(Some(known));
+            trials.known = Some(known);
         }
         solved.contact(self.setup.options)
     }
@@ -249,7 +228,7 @@ impl OnMesh<'_> {
 
     fn scene(&self, past: f64) -> Scene {
         let Setup { surface, obstacle, approach, .. } = self.setup;
-        let scene = approach.scene(self.touch.1 + past, surface, obstacle, self.touch);
+        let scene = approach.scene(self.touch.depth + past, surface, obstacle, self.touch);
         Scene { inherited: self.inherited.clone(), ..scene }
     }
 }

@@ -76,7 +76,7 @@ impl Meshes {
 
     /// Puts a contact at another depth in the place of the last one, on the same mesh.
     ///
-    /// * `skin`: of the given surface
+    /// * `skin`: of that mesh
     pub fn replace_last(
         &mut self,
         mut contact: Contact,
@@ -91,8 +91,7 @@ impl Meshes {
         contact.refinements = known;
         let error = match contact.status {
             ContactStatus::Solved => {
-                let on_part = skin.refined(part)?.expect("a skin that was refined before");
-                let between = touched_between(&self.mesh, part, &contact, &*on_part, options)?;
+                let between = touched_between(&self.mesh, part, &contact, skin, options)?;
                 contact.clues.touched_between = between.len();
                 let coarser = last.accuracy.cells_per_radius / contact.accuracy.cells_per_radius;
                 ErrorEstimate::carried_over(&last.accuracy, coarser, coarser)
@@ -104,9 +103,9 @@ impl Meshes {
         Ok(())
     }
 
-    /// Area of the last contact (m²).
-    pub fn last_area(&self) -> f64 {
-        self.last.as_ref().map_or(&self.given, |(_, contact)| contact).resultant.contact_area
+    /// The contact on the finest mesh so far.
+    pub fn finest(&self) -> &Contact {
+        self.last.as_ref().map_or(&self.given, |(_, contact)| contact)
     }
 
     /// The last contact on a refined mesh, with the larger of what force and area leave.
@@ -144,8 +143,7 @@ impl Meshes {
         target: f64,
         skin: &dyn ElasticSkin,
     ) -> Result<Contact, ContactError> {
-        let modulus = self.given.shear_modulus(skin);
-        let at_facets = self.last.as_ref().map_or(&self.given, |(_, last)| last).growth_at_facets(modulus);
+        let at_facets = self.finest().growth_at_facets(self.given.shear_modulus(skin));
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,

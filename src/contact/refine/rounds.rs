@@ -20,7 +20,7 @@ use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
 use crate::lcp::solution::LcpStatus;
 use crate::response::error::ResponseError;
-use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::elastic::{ElasticSkin, Traits};
 use crate::response::skin::kept::KeptSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
@@ -68,21 +68,8 @@ pub(crate) fn begin<'a>(
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions,
 ) -> Result<Begun<'a>, ContactError> {
-    let ended = |given: Contact, end| {
-        let at_facets = given.growth_at_facets(given.shear_modulus(skin));
-        Ok(Begun::Ended(Box::new(given.concluded(end, at_facets))))
-    };
-    let surface = given.surface().clone();
-    let traits = skin.traits(&surface)?.with_product(placement.obstacle.material());
-    if !traits.refines {
-        given.leave_out(
-            "estimates of error",
-            "one-rings and given matrices take no other mesh to compare with",
-        );
-    }
-    let error = (given.status == ContactStatus::Solved && traits.refines)
-        .then(|| ErrorEstimate::of_cells(&given, Tissue::under(&given, skin)));
-    given.note_round(error, started);
+    let traits = note_given(&mut given, started, placement, skin)?;
+    let ended = |given, end| Ok(Begun::Ended(Box::new(concluded(given, end, skin))));
     let target = match options.target_error {
         None => return ended(given, RefinementEnd::NoTarget),
         Some(_) if !traits.refines => {
@@ -95,8 +82,8 @@ pub(crate) fn begin<'a>(
         return ended(given, RefinementEnd::NotSolved);
     }
     let deepest = given.max_penetration_before;
-    let near = faces_near(&given.gap, &given.candidates, deepest, &surface, &traits);
-    let mesh = MeshRefinement::new(&surface, near);
+    let near = faces_near(&given.gap, &given.candidates, deepest, given.surface(), &traits);
+    let mesh = MeshRefinement::new(given.surface(), near);
     let meshes = Meshes { given, mesh, last: None };
     Ok(Begun::Rounds(Box::new(Rounds {
         meshes,
@@ -112,17 +99,38 @@ pub(crate) fn begin<'a>(
 
 /// The contact on the given mesh alone, concluded.
 pub(crate) fn end_unrefined(
-    given: Contact,
+    mut given: Contact,
     started: Instant,
     placement: Placement,
     skin: &dyn ElasticSkin,
-    options: &ContactOptions,
 ) -> Result<Contact, ContactError> {
-    let unrefined = ContactOptions { target_error: None, ..options.clone() };
-    match begin(given, started, placement, skin, &unrefined)? {
-        Begun::Ended(contact) => Ok(*contact),
-        Begun::Rounds(_) => unreachable!("no refinement was asked for"),
+    note_given(&mut given, started, placement, skin)?;
+    Ok(concluded(given, RefinementEnd::NoTarget, skin))
+}
+
+/// Notes what the given mesh gave; what the contact may rely on.
+fn note_given(
+    given: &mut Contact,
+    started: Instant,
+    placement: Placement,
+    skin: &dyn ElasticSkin,
+) -> Result<Traits, ContactError> {
+    let traits = skin.traits(given.surface())?.with_product(placement.obstacle.material());
+    if !traits.refines {
+        given.leave_out(
+            "estimates of error",
+            "one-rings and given matrices take no other mesh to compare with",
+        );
     }
+    let error = (given.status == ContactStatus::Solved && traits.refines)
+        .then(|| ErrorEstimate::of_cells(given, Tissue::under(given, skin)));
+    given.note_round(error, started);
+    Ok(traits)
+}
+
+fn concluded(given: Contact, end: RefinementEnd, skin: &dyn ElasticSkin) -> Contact {
+    let at_facets = given.growth_at_facets(given.shear_modulus(skin));
+    given.concluded(end, at_facets)
 }
 
 /// How the rounds settle.
@@ -169,7 +177,7 @@ impl Rounds<'_> {
                 Break(end) => return Ok(end),
             };
             self.meshes.mesh = finer;
-            let previous = self.meshes.last.as_ref().map_or(&self.meshes.given, |(_, contact)| contact);
+            let previous = self.meshes.finest();
             contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
             let has_failed = matches!(contact.status, ContactStatus::Failed(_));
             let error = if has_failed { None } else { contact.error_after(previous, next) };
@@ -266,8 +274,7 @@ impl Rounds<'_> {
 
     /// Contact nodes that the next round will have at the least: edges are halved around those wanting.
     fn predicted_nodes(&self, wanting: &[usize]) -> usize {
-        let contact = self.meshes.last.as_ref().map_or(&self.meshes.given, |(_, contact)| contact);
-        contact.candidates.len() + 3 * wanting.len()
+        self.meshes.finest().candidates.len() + 3 * wanting.len()
     }
 
     /// Why no mesh may be fine enough.

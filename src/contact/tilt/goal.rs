@@ -5,7 +5,6 @@ use std::time::Instant;
 use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
 
 use crate::contact::error::{ContactError, LargestContact};
-use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Trials};
@@ -57,23 +56,23 @@ impl Tilted<'_> {
     pub fn run(&self) -> Result<Contact, ContactError> {
         let mut started = Instant::now();
         let Setup { surface, obstacle, skin, options, approach } = self.setup;
-        let unrefined = ContactOptions { target_error: None, ..options.clone() };
+        let unrefined = options.unrefined();
         let depth = match self.aim {
             Aim::Depth(depth) => depth,
             Aim::Value(target) => {
                 let untilted = reach(Setup { options: &unrefined, ..self.setup }, target)?;
-                untilted.depth.expect("a press has a depth")
+                untilted.pressed_depth()
             }
         };
         let on_given = self.setup.on_given()?;
         let angles = vec![0.0; self.axes.len()];
-        let first = on_given.solve(depth - on_given.touch.1)?;
+        let first = on_given.solve(depth - on_given.touch.depth)?;
         let lever = self.lever(&first);
         let mut given = self.settle(&on_given, first, angles, None, lever)?;
         if let Some(why) = given.why {
             let placement = self.placement(&given);
             let contact = given.contact.clone();
-            let contact = end_unrefined(contact, started, placement, skin, options)?;
+            let contact = end_unrefined(contact, started, placement, skin)?;
             return Err(self.not_balanced(contact, &given.turn, why));
         }
         let approach = approach.on_part(surface, obstacle, options)?;
@@ -87,7 +86,7 @@ impl Tilted<'_> {
                 Begun::Rounds(rounds) => *rounds,
             };
             let end = rounds.run()?;
-            let refined_for = rounds.meshes.last_area();
+            let refined_for = rounds.meshes.finest().resultant.contact_area;
             let met = (end == RefinementEnd::Target).then_some(rounds.target);
             let Some(found) = refined.settle_again(&mut rounds, &given, lever)? else {
                 let (rounds, end) = before.unwrap_or((rounds, end));
@@ -104,8 +103,7 @@ impl Tilted<'_> {
                 return rounds.conclude(end);
             };
             started = Instant::now();
-            let past = contact.depth.expect("a press has a depth") - on_given.touch.1;
-            let contact = on_given.turned(found.turn).solve(past)?;
+            let contact = on_given.turned(found.turn).solve(on_given.touch.past(contact))?;
             given = Settled { contact, ..found };
             before = Some((rounds, end));
         }
@@ -130,7 +128,7 @@ impl Tilted<'_> {
         let on_part = self.setup.on_refined(&rounds.meshes, part, &*skin)?;
         let (angles, stiffness) = (given.angles.clone(), given.stiffness.clone());
         let found = self.settle(&on_part, last.clone(), angles, stiffness, lever)?;
-        rounds.meshes.replace_last(found.contact.clone(), started, self.setup.skin, self.setup.options)?;
+        rounds.meshes.replace_last(found.contact.clone(), started, &*skin, self.setup.options)?;
         Ok(Some(found))
     }
 
@@ -146,8 +144,7 @@ impl Tilted<'_> {
         stiffness: Option<DMatrix<f64>>,
         lever: f64,
     ) -> Result<Settled, ContactError> {
-        let depth = first.depth.expect("a press has a depth");
-        let past = depth - on.touch.1;
+        let (depth, past) = (first.pressed_depth(), on.touch.past(&first));
         if first.status != ContactStatus::Solved || past <= 0.0 {
             let turn = self.turn(&angles);
             return Ok(Settled { contact: first, turn, angles, stiffness, why: None });
@@ -160,7 +157,7 @@ impl Tilted<'_> {
             at.iter().skip(usize::from(is_force)).map(|length| length / lever).collect()
         };
         let kept = KeptSkin::new(on.setup.skin);
-        let trials = Trials::new(&kept);
+        let mut trials = Trials::new(&kept, None);
         let mut timings = std::mem::take(&mut first.timings);
         let started = Beginning { at, stiffness, lengths: LENGTHS.map(|share| share * past) };
         let free = FREE * first.resultant.force.norm();
@@ -174,14 +171,14 @@ impl Tilted<'_> {
                 return Err(ContactError::Interrupted { stage: "search for the balance" });
             }
             let turned = on.turned(self.turn(&angles_at(at)));
-            let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.1), past)? else {
+            let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.depth), past)? else {
                 return Ok(None);
             };
-            let mut contact = match turned.solve_with(past, &trials) {
+            let mut contact = match turned.solve_with(past, &mut trials) {
                 Err(error) if error.is_of_deeper() => return Ok(None),
                 other => other?,
             };
-            trials.note(&std::mem::take(&mut contact.timings));
+            add_timings(&mut trials.timings, &std::mem::take(&mut contact.timings));
             let is_answer = !matches!(contact.status, ContactStatus::Failed(_));
             Ok(is_answer.then(|| self.place(contact, lever, free)))
         })?;
@@ -190,7 +187,7 @@ impl Tilted<'_> {
             why = Some("the obstacle swings free of the skin");
         }
         let why = why.filter(|reason| !self.is_nearly_balanced(&mut contact, reason));
-        add_timings(&mut timings, &trials.timings());
+        add_timings(&mut timings, &trials.timings);
         contact.timings = timings;
         let angles = angles_at(&at);
         Ok(Settled { contact, turn: self.turn(&angles), angles, stiffness, why })
@@ -319,7 +316,7 @@ impl Tilted<'_> {
 
     /// The press to where the obstacle came to rest.
     fn placement(&self, settled: &Settled) -> Placement<'_> {
-        let depth = settled.contact.depth.expect("a press has a depth");
+        let depth = settled.contact.pressed_depth();
         let approach = Approach { turn: Some(settled.turn), ..self.setup.approach };
         Setup { approach, ..self.setup }.at(depth)
     }

@@ -12,7 +12,7 @@ use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::too_large;
 use crate::contact::refine::meshes::{Meshes, is_of_another_size};
 use crate::contact::refine::rounds::FEW_NODES;
-use crate::contact::scene::Inherited;
+use crate::contact::scene::{Inherited, Touch};
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptMatrices;
 use crate::surface::checked::Surface;
@@ -27,8 +27,8 @@ pub(crate) struct WarmMesh {
     /// The last one is that of the contact.
     pub meshes: Meshes,
     pub refined_for: RefinedFor,
-    /// Travel at which a press begins on the refined mesh, and the depth at which it touches (m).
-    pub touch: (f64, f64),
+    /// On the refined mesh.
+    pub touch: Touch,
     pub inherited: Inherited,
     pub kept: Arc<KeptMatrices>,
     pub known: Option<Known>,

@@ -18,7 +18,7 @@ use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::rounds::{Begun, begin};
 use crate::contact::report::guards::Guarded;
-use crate::contact::scene::{Approach, Press};
+use crate::contact::scene::{Approach, Press, Touch};
 use crate::contact::setup::Setup;
 use crate::contact::solve::on_given_mesh;
 use crate::contact::tilt::axes::Balance;
@@ -80,9 +80,9 @@ impl Setup<'_> {
         }
         match aim {
             Aim::Value(target) => {
-                let unrefined = ContactOptions { target_error: None, ..self.options.clone() };
+                let unrefined = self.options.unrefined();
                 let near = reach(Setup { options: &unrefined, ..*self }, target)?;
-                let (_, warm) = self.begin_anew(near.depth.expect("a press has a depth"))?;
+                let (_, warm) = self.begin_anew(near.pressed_depth())?;
                 if let Some(warm) = warm
                     && let Some((contact, warm)) = self.go_on(aim, warm)?
                 {
@@ -174,11 +174,11 @@ impl Setup<'_> {
         let on = OnMesh { setup, inherited: Some(warm.inherited.clone()), touch: warm.touch };
         let (contact, known) = match aim {
             Aim::Depth(depth) => {
-                let trials = Trials::from(&kept, before);
-                (on.solve_with(depth - warm.touch.1, &trials)?, trials.into_known())
+                let mut trials = Trials::new(&kept, before);
+                (on.solve_with(depth - warm.touch.depth, &mut trials)?, trials.known)
             }
             Aim::Value(Target { quantity, value }) => {
-                let past = last.depth.expect("a press has a depth") - warm.touch.1;
+                let past = warm.touch.past(last);
                 let reached = quantity.of(last, &self.approach.direction);
                 if past <= 0.0 || reached <= 0.0 {
                     return Ok(None);
@@ -209,7 +209,7 @@ impl Setup<'_> {
             let is_touched = self.cut_between(warm, contact, false)?;
             return Ok(Some(if is_touched { View::Another } else { View::Same }));
         }
-        let depth = contact.depth.expect("a press has a depth");
+        let depth = contact.pressed_depth();
         let traits = self.skin.traits(self.surface)?.with_product(self.obstacle.material());
         let mut is_felt_anew = has_more_patches;
         let near = if has_more_patches {
@@ -222,7 +222,7 @@ impl Setup<'_> {
             warm.meshes.given = given;
             near
         } else {
-            let touch = (contact.travel - depth, warm.touch.1);
+            let touch = Touch { begin: contact.travel - depth, ..warm.touch };
             let scene = self.approach.scene(depth, self.surface, self.obstacle, touch);
             let gaps = Gaps::measure(self.surface, &scene, self.options.search_distance)?;
             let given = &mut warm.meshes.given;
