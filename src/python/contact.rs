@@ -206,7 +206,7 @@ fn run(
     options: &PyContactOptions,
     solve: impl FnOnce(&dyn ElasticSkin, &ContactOptions) -> Result<Contact, ContactError> + Send,
 ) -> PyResult<PyContact> {
-    let (elastic, options) = (skin.get().elastic(), options.to_core()?);
+    let (elastic, options) = (skin.get().elastic(), options.0.clone());
     let contact = detached_with(skin.py(), options.num_threads, |interrupt| {
         solve(elastic, &ContactOptions { interrupt: Some(interrupt), ..options.clone() })
     })?;

@@ -3,24 +3,11 @@
 use super::lcp::method_named;
 use crate::contact::ContactOptions;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-/// Options of a contact.
-#[pyclass(name = "ContactOptions", module = "quasirigid._core", frozen, get_all)]
-pub(super) struct PyContactOptions {
-    tolerance: f64,
-    target_error: Option<f64>,
-    max_nodes: usize,
-    gap_tolerance: f64,
-    max_linearizations: usize,
-    rings: Option<usize>,
-    method: String,
-    num_threads: Option<usize>,
-    memory_limit: Option<usize>,
-    search_distance: Option<f64>,
-    condition: bool,
-    couple_fingers: bool,
-    max_growths: usize,
-}
+/// Options of a contact, without an interrupt; their defaults are the crate's.
+#[pyclass(name = "ContactOptions", module = "quasirigid._core", frozen)]
+pub(super) struct PyContactOptions(pub ContactOptions<'static>);
 
 #[pymethods]
 impl PyContactOptions {
@@ -34,71 +21,55 @@ impl PyContactOptions {
         gap_tolerance: f64,
         max_linearizations: usize,
         rings: Option<usize>,
-        method: String,
+        method: &str,
         num_threads: Option<usize>,
         memory_limit: Option<usize>,
         search_distance: Option<f64>,
         condition: bool,
         couple_fingers: bool,
         max_growths: usize,
-    ) -> Self {
-        Self {
+    ) -> PyResult<Self> {
+        Ok(Self(ContactOptions {
             tolerance,
             target_error,
             max_nodes,
             gap_tolerance,
             max_linearizations,
             rings,
-            method,
+            method: method_named(method)?,
             num_threads,
             memory_limit,
             search_distance,
             condition,
             couple_fingers,
             max_growths,
-        }
-    }
-
-    /// Those of the crate.
-    #[staticmethod]
-    fn defaults() -> Self {
-        let options = ContactOptions::default();
-        Self {
-            tolerance: options.tolerance,
-            target_error: options.target_error,
-            max_nodes: options.max_nodes,
-            gap_tolerance: options.gap_tolerance,
-            max_linearizations: options.max_linearizations,
-            rings: options.rings,
-            method: options.method.as_str().into(),
-            num_threads: options.num_threads,
-            memory_limit: options.memory_limit,
-            search_distance: options.search_distance,
-            condition: options.condition,
-            couple_fingers: options.couple_fingers,
-            max_growths: options.max_growths,
-        }
-    }
-}
-
-impl PyContactOptions {
-    /// Those of the crate, without an interrupt.
-    pub(super) fn to_core(&self) -> PyResult<ContactOptions<'static>> {
-        Ok(ContactOptions {
-            tolerance: self.tolerance,
-            target_error: self.target_error,
-            max_nodes: self.max_nodes,
-            gap_tolerance: self.gap_tolerance,
-            max_linearizations: self.max_linearizations,
-            rings: self.rings,
-            method: method_named(&self.method)?,
-            num_threads: self.num_threads,
-            memory_limit: self.memory_limit,
-            search_distance: self.search_distance,
-            condition: self.condition,
-            couple_fingers: self.couple_fingers,
-            max_growths: self.max_growths,
             interrupt: None,
-        })
+        }))
+    }
+
+    /// The crate's defaults by name.
+    #[staticmethod]
+    fn defaults(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let options = ContactOptions::default();
+        let defaults = PyDict::new(py);
+        defaults.set_item("tolerance", options.tolerance)?;
+        defaults.set_item("target_error", options.target_error)?;
+        defaults.set_item("max_nodes", options.max_nodes)?;
+        defaults.set_item("gap_tolerance", options.gap_tolerance)?;
+        defaults.set_item("max_linearizations", options.max_linearizations)?;
+        defaults.set_item("rings", options.rings)?;
+        defaults.set_item("method", options.method.as_str())?;
+        defaults.set_item("num_threads", options.num_threads)?;
+        defaults.set_item("memory_limit", options.memory_limit)?;
+        defaults.set_item("search_distance", options.search_distance)?;
+        defaults.set_item("condition", options.condition)?;
+        defaults.set_item("couple_fingers", options.couple_fingers)?;
+        defaults.set_item("max_growths", options.max_growths)?;
+        Ok(defaults)
+    }
+
+    #[getter]
+    fn num_threads(&self) -> Option<usize> {
+        self.0.num_threads
     }
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from .. import _core
 from .._check import (
@@ -19,8 +20,8 @@ from .result import ContactError
 
 __all__ = ["ContactOptions"]
 
-_DEFAULTS = _core.ContactOptions.defaults()
-_METHOD = LcpMethod(_DEFAULTS.method)
+_DEFAULTS: dict[str, Any] = _core.ContactOptions.defaults()
+_METHOD = LcpMethod(_DEFAULTS["method"])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,19 +71,19 @@ class ContactOptions:
         How often candidates may be added before the solve gives up.
     """
 
-    tolerance: float = _DEFAULTS.tolerance
-    target_error: float | None = _DEFAULTS.target_error
-    max_nodes: int = _DEFAULTS.max_nodes
-    gap_tolerance: float = _DEFAULTS.gap_tolerance
-    max_linearizations: int = _DEFAULTS.max_linearizations
-    rings: int | None = _DEFAULTS.rings
+    tolerance: float = _DEFAULTS["tolerance"]
+    target_error: float | None = _DEFAULTS["target_error"]
+    max_nodes: int = _DEFAULTS["max_nodes"]
+    gap_tolerance: float = _DEFAULTS["gap_tolerance"]
+    max_linearizations: int = _DEFAULTS["max_linearizations"]
+    rings: int | None = _DEFAULTS["rings"]
     method: LcpMethod | LcpMethodName = _METHOD
-    num_threads: int | None = _DEFAULTS.num_threads
-    memory_limit: int | None = _DEFAULTS.memory_limit
-    search_distance: float | None = _DEFAULTS.search_distance
-    condition: bool = _DEFAULTS.condition
-    couple_fingers: bool = _DEFAULTS.couple_fingers
-    max_growths: int = _DEFAULTS.max_growths
+    num_threads: int | None = _DEFAULTS["num_threads"]
+    memory_limit: int | None = _DEFAULTS["memory_limit"]
+    search_distance: float | None = _DEFAULTS["search_distance"]
+    condition: bool = _DEFAULTS["condition"]
+    couple_fingers: bool = _DEFAULTS["couple_fingers"]
+    max_growths: int = _DEFAULTS["max_growths"]
 
 
 def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
