@@ -75,6 +75,7 @@ impl Contact {
         let (surface, discretization) = (gaps.surface, traits.discretization);
         let motion = CandidateMotion::new(gaps, response, &forces)?;
         report.warn_of_pull(gaps, &forces);
+        report.warn_of_steep_sides(gaps, &forces);
         let beside = Beside::new(gaps, response, &forces, &motion)?;
         let left = penetration_after(gaps, &forces, response.skin, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
@@ -92,6 +93,7 @@ impl Contact {
         }
         let area_within_rim = within_rim.iter().sum();
         let clues = Clues {
+            deepest: gaps.deepest_vertex,
             area_within_rim,
             body,
             product,
@@ -156,7 +158,7 @@ impl Contact {
             left_out: report.left_out,
             warnings: report.warnings,
             drawing: Drawing { fingers: forces.fingers, motion: figures.motion },
-            clues: Clues::default(),
+            clues: Clues { deepest: gaps.deepest_vertex, ..Clues::default() },
         }
     }
 }

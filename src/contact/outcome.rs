@@ -8,6 +8,7 @@ use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::Drawing;
 use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::figures::resultant::LoadedVertices;
+use crate::contact::gap::initial::DeepestVertex;
 use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
@@ -267,6 +268,8 @@ pub struct Contact {
 /// What the estimates of error are made from, beside the figures.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Clues {
+    /// Where the undeformed skin is pressed in deepest; of a concluded contact the given vertex there.
+    pub deepest: Option<DeepestVertex>,
     /// Area within the rim that the gaps beside it place (m²), on the given mesh too.
     pub area_within_rim: f64,
     /// What the coarse mesh of a body costs.

@@ -47,10 +47,20 @@ pub(crate) struct Gaps<'a> {
     on_lines: BTreeMap<usize, Line>,
     /// Displacement (m) at which vertices were measured, where that is not 0.
     shifts: HashMap<usize, Vector3<f64>>,
-    /// Deepest penetration of a vertex of the undeformed skin (m, ≥ 0).
-    deepest: f64,
+    /// Where the undeformed skin is pressed in deepest.
+    pub deepest_vertex: Option<DeepestVertex>,
     /// g0 (m) averaged against the pressure of a node.
     averaged: RefCell<HashMap<usize, f64>>,
+}
+
+/// The vertex of the undeformed skin that is pressed in deepest.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DeepestVertex {
+    pub vertex: usize,
+    /// Depth (m).
+    pub overlap: f64,
+    /// Outward unit normal of the obstacle there.
+    pub normal: Vector3<f64>,
 }
 
 /// How far skin that stands in overlap with an obstacle looks for it (m).
@@ -95,7 +105,11 @@ impl<'a> Gaps<'a> {
             search_distance: farthest(&reach),
             reach,
             entry,
-            deepest: penetrating.iter().map(|&vertex| -measured.distance[vertex]).fold(0.0, f64::max),
+            deepest_vertex: deepest_of(&penetrating, &measured).map(|vertex| DeepestVertex {
+                vertex,
+                overlap: -measured.distance[vertex],
+                normal: measured.normal[vertex],
+            }),
             penetrating,
             measured: RefCell::new(measured),
             undeformed: None,
@@ -122,7 +136,7 @@ impl<'a> Gaps<'a> {
 
     /// Deepest penetration of a vertex of the undeformed skin (m, ≥ 0).
     pub fn deepest(&self) -> f64 {
-        self.deepest
+        self.deepest_vertex.map_or(0.0, |deepest| deepest.overlap)
     }
 
     /// g0 (n, m) of the undeformed skin as measured so far.
@@ -223,6 +237,11 @@ impl<'a> Gaps<'a> {
     }
 }
 
+/// Of some vertices the one with the lowest gap.
+fn deepest_of(vertices: &[usize], measured: &Measured) -> Option<usize> {
+    vertices.iter().copied().min_by(|&a, &b| measured.distance[a].total_cmp(&measured.distance[b]))
+}
+
 /// The farthest that any vertex looks (m).
 fn farthest(reach: &[f64]) -> f64 {
     reach.iter().copied().fold(0.0, f64::max)
@@ -241,9 +260,7 @@ fn farthest(reach: &[f64]) -> f64 {
 fn reach_farther(surface: &Surface, entered: &[usize], measured: &Measured, reach: &mut [f64]) -> bool {
     let mut is_farther = false;
     for patch in surface.patches(entered) {
-        let deepest =
-            patch.iter().copied().min_by(|&a, &b| measured.distance[a].total_cmp(&measured.distance[b]));
-        let deepest = deepest.expect("no patch is empty");
+        let deepest = deepest_of(&patch, measured).expect("no patch is empty");
         if -measured.distance[deepest] <= NEARLY_ALL * reach[deepest] {
             continue;
         }

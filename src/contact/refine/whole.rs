@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
+use crate::contact::gap::initial::DeepestVertex;
 use crate::contact::outcome::{Clues, Contact, ContactMesh, LeftOut, Patch};
 use crate::contact::report::left_out::{FAR_VERTICES, FINGER_COUPLING, MASKED_VERTICES};
 use crate::contact::report::record::add_timings;
@@ -28,6 +29,13 @@ pub(crate) fn into_whole(
     let motion = CandidateMotion { scalar: numbers(&motion.scalar), ..motion.clone() };
     let patch =
         |patch: &Patch| Patch { vertices: numbers(&patch.vertices), resultant: patch.resultant.clone() };
+    let by_given =
+        |deepest: DeepestVertex| DeepestVertex { vertex: part.nearest_given()[deepest.vertex], ..deepest };
+    let clues = Clues {
+        deepest: contact.clues.deepest.map(by_given),
+        unfelt: numbers(&contact.clues.unfelt),
+        ..contact.clues.clone()
+    };
     let left_out = left_out(&given.left_out, &contact.left_out);
     let mut timings = given.timings;
     add_timings(&mut timings, &contact.timings);
@@ -41,7 +49,7 @@ pub(crate) fn into_whole(
         patches: contact.patches.iter().map(patch).collect(),
         loaded: contact.loaded.in_whole(part, [mesh.given().vertices().len(), count]),
         mesh: ContactMesh::refined(mesh),
-        clues: Clues { unfelt: numbers(&contact.clues.unfelt), ..contact.clues.clone() },
+        clues,
         timings,
         left_out,
         drawing: Drawing { fingers, motion },

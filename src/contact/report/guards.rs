@@ -1,8 +1,7 @@
 //! Questions that are posed well and are probably not meant: a wrong unit, a depth that no tissue has, an inverted mask.
 
-use nalgebra::Vector3;
-
 use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::gap::initial::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::report::warning::{Warning, WarningKind};
 use crate::contact::scene::{Press, Start};
@@ -44,42 +43,32 @@ pub(crate) struct Guarded<'a> {
     pub press: Option<&'a Press>,
 }
 
-/// Where the skin is pressed in deepest.
-struct Deepest {
-    vertex: usize,
-    /// Depth (m).
-    overlap: f64,
-    /// Outward unit normal of the obstacle there.
-    normal: Vector3<f64>,
-}
-
 impl Guarded<'_> {
     /// Adds what the guards say to a contact, and to one that an error carries.
     pub fn check(&self, mut answer: Result<Contact, ContactError>) -> Result<Contact, ContactError> {
         match &mut answer {
-            Ok(contact) => self.warn(contact)?,
+            Ok(contact) => self.warn(contact),
             Err(
                 ContactError::NotReached { contact: LargestContact(contact), .. }
                 | ContactError::NotBalanced { contact: LargestContact(contact), .. },
-            ) => self.warn(contact)?,
+            ) => self.warn(contact),
             Err(_) => {}
         }
         answer
     }
 
-    fn warn(&self, contact: &mut Contact) -> Result<(), ContactError> {
-        let deepest = self.deepest(contact)?;
+    fn warn(&self, contact: &mut Contact) {
+        let deepest = contact.clues.deepest.as_ref();
         let found = [
             skin_size(self.surface),
             product_size(self.obstacle),
             self.modulus(contact),
             self.mask(),
-            self.depth(contact, deepest.as_ref()),
-            self.response_range(contact, deepest.as_ref()),
+            self.depth(contact, deepest),
+            self.response_range(contact, deepest),
             coarse_mesh(contact),
         ];
         contact.warnings.splice(0..0, found.into_iter().flatten());
-        Ok(())
     }
 
     fn modulus(&self, contact: &Contact) -> Option<Warning> {
@@ -107,32 +96,7 @@ impl Guarded<'_> {
         })
     }
 
-    /// Where the skin is deepest, if that may be too deep.
-    fn deepest(&self, contact: &Contact) -> Result<Option<Deepest>, ContactError> {
-        let vertices: Vec<usize> = contact
-            .candidates
-            .iter()
-            .copied()
-            .filter(|&vertex| vertex < contact.given_vertex_count())
-            .collect();
-        let overlap = contact.max_penetration_before;
-        let is_shallow = overlap < SHALLOW * largest(&self.surface.bounding_box());
-        // Cheap, and enough for nearly all.
-        let is_harmless = |&vertex: &usize| match self.skin.tissue_at(vertex) {
-            Some(tissue) => overlap <= TISSUE_SHARE * tissue,
-            None => is_shallow,
-        };
-        if vertices.iter().all(is_harmless) {
-            return Ok(None);
-        }
-        let points: Vec<Vector3<f64>> =
-            vertices.iter().map(|&vertex| self.surface.vertices()[vertex]).collect();
-        let measured = contact.obstacle.signed_distance(&points, None)?;
-        let row = (0..points.len()).min_by(|&a, &b| measured.distance[a].total_cmp(&measured.distance[b]));
-        Ok(row.map(|row| Deepest { vertex: vertices[row], overlap, normal: measured.normal[row] }))
-    }
-
-    fn depth(&self, contact: &Contact, deepest: Option<&Deepest>) -> Option<Warning> {
+    fn depth(&self, contact: &Contact, deepest: Option<&DeepestVertex>) -> Option<Warning> {
         let warn = |depth: f64, most: f64, of: String| Warning {
             kind: WarningKind::Depth,
             message: format!(
@@ -145,7 +109,7 @@ impl Guarded<'_> {
         if let Some(depth) = depth.filter(|&depth| depth > breadth) {
             return Some(warn(depth, breadth, "the breadth of the whole skin".into()));
         }
-        let Deepest { vertex, overlap, normal } = deepest?;
+        let DeepestVertex { vertex, overlap, normal } = deepest?;
         if let Some(tissue) = self.skin.tissue_at(*vertex) {
             // Along the way that the skin is pushed.
             let cosine = -self.surface.vertex_normals()[*vertex].dot(normal);
@@ -167,9 +131,8 @@ impl Guarded<'_> {
         (*overlap > most).then(|| warn(*overlap, most, of()))
     }
 
-    fn response_range(&self, contact: &Contact, deepest: Option<&Deepest>) -> Option<Warning> {
-        let given = contact.candidates.iter().copied().find(|&vertex| vertex < contact.given_vertex_count());
-        let vertex = deepest.map_or(given, |deepest| Some(deepest.vertex))?;
+    fn response_range(&self, contact: &Contact, deepest: Option<&DeepestVertex>) -> Option<Warning> {
+        let vertex = deepest?.vertex;
         let (found, is_beyond) = match self.skin.kernel_at(vertex)?.kernel() {
             Kernel::Layer { thickness } => {
                 let (thickness, overlap) = (thickness.at(vertex), contact.max_penetration_before);

@@ -29,6 +29,12 @@ const BESIDE_EDGE: &str = "it does between the vertices beside a sharp edge; ref
 /// Cosine between force and outward normal of the skin from which a vertex is pulled.
 const PULL: f64 = 0.5;
 
+/// Cosine between force and inward normal of the skin below which the obstacle stands steep there, at 60 degrees.
+const STEEP: f64 = 0.5;
+/// Share of the force that steep sides may carry. Between that of a ball at a depth of its radius (8 %, its force rising with
+/// the depth as it should) and at 1.2 of it (29 %, its force about to fall).
+const STEEP_SHARE: f64 = 0.15;
+
 impl Report {
     /// Warns where skin went through a wall.
     pub fn warn_of_walls(&mut self, gaps: &Gaps) {
@@ -98,6 +104,26 @@ impl Report {
                 forces.active.len()
             );
             self.warn(WarningKind::Penetration, message);
+        }
+    }
+
+    /// Warns of force on sides of the obstacle that are steep to the skin.
+    pub fn warn_of_steep_sides(&mut self, gaps: &Gaps, forces: &NodeForces) {
+        let outward = gaps.surface.vertex_normals();
+        let (mut all, mut steep) = (0.0, 0.0);
+        for &vertex in &forces.active {
+            let force = forces.vectors[vertex];
+            all += force.norm();
+            if -force.dot(&outward[vertex]) < STEEP * force.norm() {
+                steep += force.norm();
+            }
+        }
+        if steep > STEEP_SHARE * all {
+            let message = format!(
+                "{:.0} % of the force stands on sides of the obstacle that are steeper than 60 degrees to the skin: the linear answer is for small slopes and lays no skin around what goes in so deep; force and area there are a guess, whatever their errors of the mesh: press less deep",
+                100.0 * steep / all
+            );
+            self.warn(WarningKind::Depth, message);
         }
     }
 
