@@ -223,6 +223,27 @@ fn parts_of_the_skin_that_nothing_joins_do_not_couple() {
 }
 
 #[test]
+fn fingers_that_cross_through_a_thin_sheet_press_it_as_alone() {
+    // 0.3 mm deep from both sides of a sheet of 0.5 mm: undeformed they stand 0.1 mm in one another.
+    let (vertices, faces) = icosphere(8e-3, 4);
+    let at = |z: f64| (vertices.iter().map(|x| x + z * UP).collect(), faces.clone());
+    let (half, depth) = (0.25e-3, 0.3e-3);
+    let off = half - depth + 8e-3;
+    let (both, both_faces) = joined(&at(off), &at(-off));
+    let fingers = Surface::new(both, both_faces).unwrap();
+    let sheet = Obstacle::cuboid(Vector3::new(0.03, 0.03, half)).unwrap();
+    let squeezed = solve(&fingers, &sheet, &half_space(), false);
+    assert_eq!(squeezed.lcp_solutions.len(), 2);
+
+    let (vertices, faces) = at(off);
+    let alone = solve(&Surface::new(vertices, faces).unwrap(), &sheet, &half_space(), false);
+    let of_upper = |vertex: &&usize| **vertex < alone.surface().vertices().len();
+    let upper = squeezed.active.iter().filter(of_upper).map(|&vertex| squeezed.force_vectors[vertex].z);
+    let upwards: f64 = upper.sum();
+    assert_relative_eq!(upwards, alone.resultant.force.z, max_relative = 1e-9);
+}
+
+#[test]
 fn the_nearest_source_along_the_skin_is_the_one_that_single_searches_find() {
     let surface = two_ridges(40e-3);
     let sources = [7, 300, 900];

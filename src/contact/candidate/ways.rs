@@ -81,13 +81,15 @@ fn distance(surface: &Surface, [a, b]: [usize; 2]) -> f64 {
     (surface.vertices()[a] - surface.vertices()[b]).norm()
 }
 
-/// Whether the straight line between two vertices runs inside the skin all the way.
+/// Whether the straight line between two vertices runs inside one body of the skin all the way: where two of them cross, as
+/// fingers that overlap a thin sheet from both sides do, it is inside both and in the tissue of neither.
 pub(crate) fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
     let [a, b] = ends.map(|end| surface.vertices()[end]);
     let inward = |end: usize, towards: Vector3<f64>| surface.vertex_normals()[end].dot(&towards) < 0.0;
     let inside = |k: usize| {
         let share = (k as f64 + 0.5) / LINE_POINTS as f64;
-        winding_number(&a.lerp(&b, share), surface.vertices(), surface.faces().iter().copied()) > 0.5
+        let turns = winding_number(&a.lerp(&b, share), surface.vertices(), surface.faces().iter().copied());
+        (0.5..1.5).contains(&turns)
     };
     inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)
 }
