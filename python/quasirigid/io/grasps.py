@@ -15,11 +15,10 @@ from .._text import aligned
 from .._units import KPA, MM
 from ..hand.crossings import in_words
 from .atomic import atomic_write
-from .record import as_plain, figure, inputs_record
+from .record import as_plain, figure, figures, inputs_record, patch_figures
 from .write import CONTACT_FILES, save_contact, save_pictures
 
 if TYPE_CHECKING:
-    from ..contact.parts import Part
     from ..hand import Grasp
 
 __all__ = ["GRASP_FILES", "digit_table", "grasp_record", "save_grasp"]
@@ -27,14 +26,6 @@ __all__ = ["GRASP_FILES", "digit_table", "grasp_record", "save_grasp"]
 # All that `save_grasp` may write.
 GRASP_FILES = (*CONTACT_FILES, "grasp.json", "grasp.png", "hand.glb")
 
-_PART = {
-    "force": "N",
-    "moment": "N m",
-    "center_of_pressure": "m",
-    "contact_area": "m^2",
-    "max_pressure": "Pa",
-    "mean_pressure": "Pa",
-}
 _ONE_WAY = 0.5  # of all forces: beyond, most of them are against nothing
 _BALANCE = {"net_force": "N", "net_moment": "N m", "unbalanced_force": "N", "unbalanced_moment": "N m"}
 
@@ -99,10 +90,10 @@ def grasp_record(grasp: Grasp) -> dict[str, Any]:
     return {
         "pose": {"joints": list(grasp.posed.hand.joint_names), "turns": as_plain(grasp.pose)},
         "shares": as_plain(grasp.shares),
-        "digits": {name: _record(part) for name, part in grasp.digits.items()},
-        "palm": _record(grasp.palm),
-        "regions": {name: _record(part) for name, part in grasp.regions.items()},
-        **{name: figure(getattr(grasp, name), unit) for name, unit in _BALANCE.items()},
+        "digits": {name: patch_figures(part) for name, part in grasp.digits.items()},
+        "palm": patch_figures(grasp.palm),
+        "regions": {name: patch_figures(part) for name, part in grasp.regions.items()},
+        **figures(grasp, _BALANCE),
         "missed": dict(grasp.missed),
         "crossings": grasp.posed.crossings,
         "rounds": grasp.rounds,
@@ -136,10 +127,6 @@ def save_grasp(
         with atomic_write(files[-1]) as file:
             figure.savefig(file, format="png")
     return tuple(files)
-
-
-def _record(part: Part) -> dict[str, Any]:
-    return {name: figure(getattr(part, name), unit) for name, unit in _PART.items()}
 
 
 def _length(vector: Any) -> float:

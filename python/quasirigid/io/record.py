@@ -11,11 +11,20 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ..contact.accuracy import Accuracy, Refinement
+    from ..contact.parts import Part, Patch
     from ..contact.result import Contact
     from ..contact.warned import Warned
     from ..obstacle import Obstacle
 
-__all__ = ["as_plain", "contact_record", "figure", "inputs_record", "warnings_record"]
+__all__ = [
+    "as_plain",
+    "contact_record",
+    "figure",
+    "figures",
+    "inputs_record",
+    "patch_figures",
+    "warnings_record",
+]
 
 # Unit of each figure; "1" is dimensionless.
 _CONTACT = {
@@ -81,7 +90,7 @@ def contact_record(contact: Contact) -> dict[str, Any]:
     return {
         "status": str(contact.status),
         "advice": contact.advice,
-        **_figures(contact, _CONTACT),
+        **figures(contact, _CONTACT),
         "mean_pressure": [
             figure(contact.mean_pressure(area), "Pa") | {"area": figure(area, "m^2")} for area in MEAN_AREAS
         ],
@@ -90,7 +99,7 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         "refinements": [_refinement(one) for one in contact.refinements],
         "candidates": len(contact.candidates),
         "active": len(contact.active),
-        "patches": [{"vertices": len(patch.vertices)} | _figures(patch, _PATCH) for patch in contact.patches],
+        "patches": [{"vertices": len(patch.vertices)} | patch_figures(patch) for patch in contact.patches],
         "accuracy": _accuracy(contact.accuracy),
         "timings": {stage: figure(seconds, "s") for stage, seconds in contact.timings.items()},
         "warnings": warnings_record(contact.warnings),
@@ -112,12 +121,12 @@ def inputs_record(inputs: Mapping[str, Any] | None) -> Any:
 
 
 def _refinement(one: Refinement) -> dict[str, Any]:
-    return {"kind": str(one.kind), "nodes": one.nodes, "reason": one.reason} | _figures(one, _REFINEMENT)
+    return {"kind": str(one.kind), "nodes": one.nodes, "reason": one.reason} | figures(one, _REFINEMENT)
 
 
 def _accuracy(accuracy: Accuracy) -> dict[str, Any]:
     words = {"discretization": str(accuracy.discretization), "definite": accuracy.definite}
-    return words | _figures(accuracy, _ACCURACY)
+    return words | figures(accuracy, _ACCURACY)
 
 
 def as_plain(value: Any) -> Any:
@@ -142,13 +151,19 @@ def as_plain(value: Any) -> Any:
     return str(value)
 
 
-def _figures(source: Any, units: Mapping[str, str]) -> dict[str, Any]:
-    return {name: figure(getattr(source, name), unit) for name, unit in units.items()}
-
-
 def figure(value: Any, unit: str) -> dict[str, Any]:
     """Return a number or a list of numbers in SI with its unit, ready for JSON."""
     return {"value": as_plain(value), "unit": unit}
+
+
+def figures(source: Any, units: Mapping[str, str]) -> dict[str, Any]:
+    """Return attributes in SI with their units, ready for JSON."""
+    return {name: figure(getattr(source, name), unit) for name, unit in units.items()}
+
+
+def patch_figures(patch: Part | Patch) -> dict[str, Any]:
+    """Return what a patch or a part of the skin holds, ready for JSON."""
+    return figures(patch, _PATCH)
 
 
 def _product(contact: Contact) -> dict[str, Any]:
