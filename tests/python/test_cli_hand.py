@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 from collections.abc import Callable
@@ -43,6 +44,22 @@ def test_a_hand_is_told_and_written_in_a_pose(
     np.testing.assert_array_equal(faces, hand.surface.faces)
     assert (out / "hand.png").read_bytes()[:4] == b"\x89PNG"
     assert qr.read_hand(out / "hand.glb").side == "right"
+
+
+def test_a_picture_that_fails_leaves_the_old_one(
+    saved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figure = pytest.importorskip("matplotlib.figure")
+
+    def write_half(_: object, file: object, **__: object) -> None:
+        with open(file, "wb") if isinstance(file, (str, Path)) else io.BytesIO() as stream:
+            stream.write(b"half")
+        raise OSError("no space left")
+
+    monkeypatch.setattr(figure.Figure, "savefig", write_half)
+    (tmp_path / "hand.png").write_bytes(b"old")
+    assert run(["hand", str(saved), "--out", str(tmp_path)]) == 2
+    assert (tmp_path / "hand.png").read_bytes() == b"old"
 
 
 @pytest.mark.parametrize(

@@ -289,6 +289,13 @@ def test_a_sweep_is_saved_as_its_columns_with_the_inputs(by_depth: qr.Sweep, tmp
     assert record["columns"]["force_error"][1] is None
 
 
+def test_a_file_in_the_place_of_the_folder_of_a_sweep_is_refused(by_depth: qr.Sweep, tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("a file")
+    with pytest.raises(NotADirectoryError, match="out is a file, expected a folder to write to"):
+        by_depth.save(tmp_path / "out")
+    assert (tmp_path / "out").read_text() == "a file"
+
+
 @pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
 def test_the_summary_of_a_sweep_is_its_table_and_what_it_warned_of(surface: qr.Surface) -> None:
     small = qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)

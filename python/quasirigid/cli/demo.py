@@ -11,7 +11,7 @@ from .. import models
 from ..contact import Contact, ContactOptions, press
 from ..hand import close_hand
 from ..io import compare_contacts, digit_table, grasp_record, save_contact, write_mesh
-from ..io.atomic import atomic_write
+from ..io.atomic import png_bytes, write_files
 from ..io.record import contact_record
 from ..plot import comparison_figure, grasp_figure
 from ..skin import Body, HalfSpace, Skin
@@ -78,8 +78,7 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Con
         with progress(f"drawing and writing {out / name}"):
             save_contact(contact, out / name, inputs=inputs | {"scene": name}, pictures=True, bone=bone)
             both = {"half-space": first[name], "body": contact}
-            with atomic_write(out / name / "responses.png") as file:
-                comparison_figure(both).savefig(file, format="png")
+            write_files(out / name, {"responses.png": png_bytes(comparison_figure(both))})
         contacts |= {f"{name}: {response}": pressed for response, pressed in both.items()}
     write_mesh(finger.vertices, finger.faces, out / "fingertip.ply", unit="m")
     write_mesh(bone.vertices, bone.faces, out / "bone.ply", unit="m")
@@ -109,8 +108,7 @@ def grasp_demo(out: Path, talk: Talk) -> dict[str, Any]:
     with progress(f"drawing and writing {folder}"):
         inputs = {"scene": name, "force": {"value": _GRASP_FORCE, "unit": "N"}}
         grasp.save(folder, inputs=inputs)
-        with atomic_write(folder / "grasp.png") as file:
-            grasp_figure(grasp).savefig(file, format="png")
+        write_files(folder, {"grasp.png": png_bytes(grasp_figure(grasp))})
     if not talk.json:
         say(f"{name}, {_GRASP_FORCE:g} N\n{digit_table(grasp)}\n{name}: {folder / 'grasp.png'}")
     if triangles := bottle.triangles():

@@ -14,6 +14,7 @@ from .._extras import need_matplotlib
 from ..hand import read_pose
 from ..hand.pose import PRESETS
 from ..io import write_mesh
+from ..io.atomic import png_bytes, write_files
 from ..io.record import figure
 from .arguments import file_unit
 from .console import Talk, progress
@@ -135,12 +136,11 @@ def _write(known: qr.Hand, posed: qr.PosedHand, out: Path, *, pictures: bool) ->
     if pictures:
         need_matplotlib()
     out.mkdir(parents=True, exist_ok=True)
-    mesh, glb, picture = (out / name for name in _FILES)
+    mesh, glb = (out / name for name in _FILES[:2])
     write_mesh(posed.surface.vertices, posed.surface.faces, mesh, unit="m")
     known.save(glb)
     if not pictures:
         return [mesh, glb]
     from ..plot.hands import hand_figure
 
-    hand_figure(posed).savefig(picture, dpi=150)
-    return [mesh, glb, picture]
+    return [mesh, glb, *write_files(out, {_FILES[2]: png_bytes(hand_figure(posed))})]

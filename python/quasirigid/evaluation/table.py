@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
@@ -15,7 +13,7 @@ from .._extras import import_extra
 from .._frozen import Frozen
 from .._progress import print_progress, reporter
 from ..errors import MissingExtraError
-from ..io.atomic import atomic_write
+from ..io.atomic import json_bytes, png_bytes, write_files
 from ..io.record import as_plain
 from .page import page_of, summary_of
 
@@ -88,22 +86,13 @@ class Table(Frozen):
         OSError
             If the folder cannot be written to.
         """
-        folder = Path(folder)
-        if folder.exists() and not folder.is_dir():
-            raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
-        contents = {
-            f"{self.name}.json": (json.dumps(self.record(), indent=2, allow_nan=False) + "\n").encode()
-        }
+        contents = {f"{self.name}.json": json_bytes(self.record())}
         picture = self._picture()
         if picture is not None:
             contents[f"{self.name}.png"] = picture
         page = page_of(self.name, self._rows, has_picture=picture is not None)
         contents[f"{self.name}.md"] = page.encode()
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, content in contents.items():
-            with atomic_write(folder / name) as file:
-                file.write(content)
-        return tuple(folder / name for name in contents)
+        return write_files(folder, contents)
 
     def _picture(self) -> bytes | None:
         """Return the picture of error against time as PNG; None where there is none to draw."""
@@ -112,12 +101,9 @@ class Table(Frozen):
         from .ladder.picture import accuracy_figure
 
         try:
-            figure = accuracy_figure(self._rows)
+            return png_bytes(accuracy_figure(self._rows))
         except MissingExtraError:
             return None
-        file = io.BytesIO()
-        figure.savefig(file, format="png")
-        return file.getvalue()
 
     def __len__(self) -> int:
         """Return the number of rows."""

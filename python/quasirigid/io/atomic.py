@@ -1,15 +1,20 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and what stands in them."""
 
 from __future__ import annotations
 
 import errno
+import io
+import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
-__all__ = ["atomic_write"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["atomic_write", "json_bytes", "png_bytes", "write_files"]
 
 
 @contextmanager
@@ -33,3 +38,40 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         draft.replace(target)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -> tuple[Path, ...]:
+    """Write files of these names into a folder, each of them whole; return their paths.
+
+    Parameters
+    ----------
+    folder : path
+        Made where it is missing.
+    contents : mapping of str to bytes
+        What stands in each file, by its name.
+
+    Raises
+    ------
+    OSError
+        If the folder is a file or cannot be written to.
+    """
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in contents.items():
+        with atomic_write(folder / name) as file:
+            file.write(content)
+    return tuple(folder / name for name in contents)
+
+
+def json_bytes(record: Mapping[str, Any]) -> bytes:
+    """Return a record of plain values as indented JSON, a line end after it."""
+    return (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
+
+
+def png_bytes(figure: Figure) -> bytes:
+    """Return a matplotlib figure as a PNG file."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png")
+    return file.getvalue()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -14,7 +13,7 @@ from .._extras import need_matplotlib
 from .._text import aligned
 from .._units import KPA, MM
 from ..hand.crossings import in_words
-from .atomic import atomic_write
+from .atomic import json_bytes, png_bytes, write_files
 from .record import as_plain, figure, figures, inputs_record, patch_figures
 from .write import CONTACT_FILES, save_contact, save_pictures
 
@@ -112,21 +111,17 @@ def save_grasp(
     folder = Path(folder)
     if pictures:
         need_matplotlib()
-    files = list(save_contact(grasp.contact, folder, inputs=inputs))
+    files = save_contact(grasp.contact, folder, inputs=inputs)
     record = grasp_record(grasp) | {"inputs": inputs_record(inputs)}
-    with atomic_write(folder / "grasp.json") as file:
-        file.write((json.dumps(record, indent=2, allow_nan=False) + "\n").encode())
+    files += write_files(folder, {"grasp.json": json_bytes(record)})
     grasp.posed.hand.save(folder / "hand.glb", grasp.contact)
-    files += [folder / "grasp.json", folder / "hand.glb"]
+    files += (folder / "hand.glb",)
     if pictures:
         from ..plot.grasps import grasp_figure
 
         files += save_pictures(grasp.contact, folder)
-        figure = grasp_figure(grasp)
-        files.append(folder / "grasp.png")
-        with atomic_write(files[-1]) as file:
-            figure.savefig(file, format="png")
-    return tuple(files)
+        files += write_files(folder, {"grasp.png": png_bytes(grasp_figure(grasp))})
+    return files
 
 
 def _length(vector: Any) -> float:

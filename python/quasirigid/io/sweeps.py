@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .atomic import atomic_write
+from .atomic import json_bytes, write_files
 from .frame import sweep_columns
 from .record import as_plain, inputs_record, warnings_record
 
@@ -44,17 +43,11 @@ def save_sweep(
     sweep: Sweep, folder: str | PathLike[str], *, inputs: Mapping[str, Any] | None = None
 ) -> tuple[Path, ...]:
     """Write a sweep into a folder, as `Sweep.save` describes."""
-    folder = Path(folder)
     record = sweep_record(sweep) | {"inputs": inputs_record(inputs)}
     columns = record["columns"]
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows(zip(*columns.values(), strict=True))
-    document = json.dumps(record, indent=2, allow_nan=False) + "\n"
-    folder.mkdir(parents=True, exist_ok=True)
-    files = tuple(folder / name for name in SWEEP_FILES)
-    for path, content in zip(files, (text.getvalue(), document), strict=True):
-        with atomic_write(path) as file:
-            file.write(content.encode())
-    return files
+    contents = (text.getvalue().encode(), json_bytes(record))
+    return write_files(folder, dict(zip(SWEEP_FILES, contents, strict=True)))

@@ -6,8 +6,7 @@ Arrays are in SI, as everywhere in the package.
 from __future__ import annotations
 
 import io
-import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,7 @@ from .._check import short
 from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
-from .atomic import atomic_write
+from .atomic import atomic_write, json_bytes, png_bytes, write_files
 from .check import Floats, Indices, check_values, triangle_rows
 from .frame import vertex_data
 from .ply import ply_bytes
@@ -93,29 +92,20 @@ def save_contact(
     OSError
         If the folder cannot be written to.
     """
-    folder = Path(folder)
-    if folder.exists() and not folder.is_dir():
-        raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
     if pictures:
         need_matplotlib()
-    contents = dict(_files(contact, inputs_record(inputs)))
-    folder.mkdir(parents=True, exist_ok=True)
-    files = _write(contents.items(), folder)
+    files = write_files(folder, dict(_files(contact, inputs_record(inputs))))
     return files + save_pictures(contact, folder, bone=bone) if pictures else files
 
 
-def save_pictures(contact: Contact, folder: Path, *, bone: Surface | None = None) -> tuple[Path, ...]:
-    """Write the pictures of a contact into a folder that is there."""
-    return _write(_pictures(contact, bone), folder)
+def save_pictures(
+    contact: Contact, folder: str | PathLike[str], *, bone: Surface | None = None
+) -> tuple[Path, ...]:
+    """Write the pictures of a contact into a folder."""
+    from ..plot import contact_figure, footprint_figure
 
-
-def _write(contents: Iterable[tuple[str, bytes]], folder: Path) -> tuple[Path, ...]:
-    files = []
-    for name, content in contents:
-        files.append(folder / name)
-        with atomic_write(files[-1]) as file:
-            file.write(content)
-    return tuple(files)
+    figures = {"skin.png": contact_figure(contact, bone=bone), "footprint.png": footprint_figure(contact)}
+    return write_files(folder, {name: png_bytes(figure) for name, figure in figures.items()})
 
 
 def _files(contact: Contact, inputs: Any) -> Iterator[tuple[str, bytes]]:
@@ -130,7 +120,7 @@ def _files(contact: Contact, inputs: Any) -> Iterator[tuple[str, bytes]]:
     record = contact_record(contact)
     record["product"] |= note
     record["inputs"] = inputs
-    yield "contact.json", (json.dumps(record, indent=2, allow_nan=False) + "\n").encode()
+    yield "contact.json", json_bytes(record)
     if product:
         yield "product.ply", _plain_ply(*product, "m")
     if contact.obstacle.material is not None and contact.deformed_obstacle is not None:
@@ -160,16 +150,6 @@ def _archive(contact: Contact) -> bytes:
     file = io.BytesIO()
     np.savez_compressed(file, **arrays)
     return file.getvalue()
-
-
-def _pictures(contact: Contact, bone: Surface | None) -> Iterator[tuple[str, bytes]]:
-    from ..plot import contact_figure, footprint_figure
-
-    figures = {"skin.png": contact_figure(contact, bone=bone), "footprint.png": footprint_figure(contact)}
-    for name, figure in figures.items():
-        file = io.BytesIO()
-        figure.savefig(file, format="png")
-        yield name, file.getvalue()
 
 
 def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str], *, unit: LengthUnit) -> None:
