@@ -14,6 +14,7 @@ import quasirigid as qr
 from .._extras import need_matplotlib
 from ..errors import QuasirigidError
 from ..io import as_plain, compare_contacts, contact_record, patch_table, refinement_table, save_contact
+from ..io.record import figure
 from ..io.write import CONTACT_FILES
 from .arguments import parse_target_error
 from .completion import COMPLETION_EXAMPLE, completion
@@ -186,9 +187,7 @@ def press(
             if error.contact is None:
                 raise
             contact, unreached = error.contact, str(error)
-    inputs = dict(read.inputs) | {
-        name: {"value": value, "unit": GOAL_UNITS[name]} for name, value in goal.items()
-    }
+    inputs = dict(read.inputs) | {name: figure(value, GOAL_UNITS[name]) for name, value in goal.items()}
     files: tuple[Path, ...] = ()
     if scene.out is not None:
         bones = read.body.bone if read.body else None

@@ -12,7 +12,7 @@ from ..contact import Contact, ContactOptions, press
 from ..hand import close_hand
 from ..io import compare_contacts, digit_table, grasp_record, save_contact, write_mesh
 from ..io.atomic import png_bytes, write_files
-from ..io.record import contact_record
+from ..io.record import contact_record, figure
 from ..plot import comparison_figure, grasp_figure
 from ..skin import Body, HalfSpace, Skin
 from ..surface import skin_without_caps
@@ -24,9 +24,9 @@ __all__ = ["grasp_demo", "press_demo"]
 _DEPTH, _SHEAR_MODULUS, _POISSON_RATIO = 1.12e-3, 60e3, 0.5
 _UPWARDS = (0.0, 0.0, 1.0)
 _INPUTS = {
-    "depth": {"value": _DEPTH, "unit": "m"},
-    "shear_modulus": {"value": _SHEAR_MODULUS, "unit": "Pa"},
-    "poisson_ratio": {"value": _POISSON_RATIO, "unit": "1"},
+    "depth": figure(_DEPTH, "m"),
+    "shear_modulus": figure(_SHEAR_MODULUS, "Pa"),
+    "poisson_ratio": figure(_POISSON_RATIO, "1"),
     "response": "body",
     "bone": "auto",
     "fixed": "caps",
@@ -70,7 +70,7 @@ def press_demo(out: Path, edge_length: float, options: ContactOptions, talk: Con
     near = [may_touch(finger, contact.obstacle, _DEPTH) for contact in first.values()]
     nodes = np.unique(np.concatenate(near))
     body = _skin(held).prepared(finger, nodes, progress=talk.progress)
-    inputs = _INPUTS | {"target_error": {"value": options.target_error, "unit": "1"}}
+    inputs = _INPUTS | {"target_error": figure(options.target_error, "1")}
     contacts: dict[str, Contact] = {}
     for name, product in products.items():
         with progress(f"pressing the {name}"):
@@ -106,7 +106,7 @@ def grasp_demo(out: Path, talk: Talk) -> dict[str, Any]:
         )
     folder = out / name.replace(" ", "-")
     with progress(f"drawing and writing {folder}"):
-        inputs = {"scene": name, "force": {"value": _GRASP_FORCE, "unit": "N"}}
+        inputs = {"scene": name, "force": figure(_GRASP_FORCE, "N")}
         grasp.save(folder, inputs=inputs)
         write_files(folder, {"grasp.png": png_bytes(grasp_figure(grasp))})
     if not talk.json:

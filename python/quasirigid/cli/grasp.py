@@ -18,7 +18,8 @@ from ..hand.close import MOST_NODES, TARGET_ERROR
 from ..hand.joints import DIGITS, index_of
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from ..io.grasps import GRASP_FILES
-from .arguments import file_unit, parse_poisson_ratio, parse_response, parse_target_error, rotation
+from ..io.record import figure
+from .arguments import file_unit, parse_poisson_ratio, parse_response, rotation
 from .console import ContactTalk, progress, refuse
 from .folder import OutFolder, check_folder, check_inputs
 from .hand import HandFile, HandUnit, PoseWord, Rig, hand_inputs, pose_file, read_pose_word, read_rigged
@@ -41,6 +42,7 @@ from .scene import (
     ProductUnit,
     ShearModulus,
     TargetError,
+    options_of,
 )
 
 __all__ = ["GRASP_EXAMPLE", "GraspWords", "grasp"]
@@ -149,11 +151,7 @@ def _read(words: GraspWords) -> _Asked:
     check_inputs(inputs)
     check_folder(words.out, GRASP_FILES, inputs)
     goal = _goal(words.force, words.overlap)
-    options = qr.ContactOptions(
-        target_error=parse_target_error(words.target_error),
-        max_nodes=words.max_nodes,
-        couple_fingers=words.couple_fingers,
-    )
+    options = options_of(words)
     modulus = parse_positive(words.shear_modulus, STRESS, "--shear-modulus")
     ratio = parse_poisson_ratio(words.poisson_ratio)
     skin = qr.Skin(shear_modulus=modulus, poisson_ratio=ratio, response=parse_response(words.response))
@@ -179,17 +177,17 @@ def _read(words: GraspWords) -> _Asked:
         "unit": words.unit,
         "product": str(words.product),
         "product_unit": in_unit,
-        "rotate": {"value": angles, "unit": "rad"},
-        "shift": {"value": way, "unit": "m"},
+        "rotate": figure(angles, "rad"),
+        "shift": figure(way, "m"),
         "as_placed": words.as_placed,
-        "product_mass": None if mass is None else {"value": mass, "unit": "kg"},
-        **{name: {"value": value, "unit": GOAL_UNITS[name]} for name, value in goal.items()},
+        "product_mass": None if mass is None else figure(mass, "kg"),
+        **{name: figure(value, GOAL_UNITS[name]) for name, value in goal.items()},
         "start": words.start,
         "end": words.end,
-        "shear_modulus": {"value": modulus, "unit": "Pa"},
-        "poisson_ratio": {"value": ratio, "unit": "1"},
+        "shear_modulus": figure(modulus, "Pa"),
+        "poisson_ratio": figure(ratio, "1"),
         "response": words.response,
-        "target_error": {"value": options.target_error, "unit": "1"},
+        "target_error": figure(options.target_error, "1"),
         "max_nodes": options.max_nodes,
         "couple_fingers": options.couple_fingers,
         "quasirigid": qr.__version__,

@@ -7,13 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import quasirigid as qr
 
 from .._units import UNITS
+from ..io.record import figure
 from .arguments import (
     choice,
     file_unit,
@@ -41,6 +42,9 @@ from .quantities import (
     parse_quantities,
 )
 
+if TYPE_CHECKING:
+    from .grasp import GraspWords
+
 __all__ = [
     "GOAL_UNITS",
     "TARGET_ERROR",
@@ -51,6 +55,7 @@ __all__ = [
     "SceneWords",
     "TargetError",
     "naming_scene",
+    "options_of",
     "parse_goal",
     "prepared_skin",
     "read_scene",
@@ -186,11 +191,7 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
     }
     if not any(motion["direction"]):
         raise QuantityError(f"--direction: '{words.direction}' has no direction, expected as 0,0,1")
-    options = qr.ContactOptions(
-        target_error=parse_target_error(words.target_error),
-        max_nodes=words.max_nodes,
-        couple_fingers=words.couple_fingers,
-    )
+    options = options_of(words)
     shift = parse_quantities(words.translate, 3, LENGTH, "--translate")
     angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
     response = parse_response(words.response)
@@ -219,15 +220,15 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         "product": str(words.product_file),
         "unit": unit,
         "product_unit": product_unit,
-        "translate": {"value": shift, "unit": "m"},
-        "rotate": {"value": angles, "unit": "rad"},
+        "translate": figure(shift, "m"),
+        "rotate": figure(angles, "rad"),
         **motion,
-        "shear_modulus": {"value": modulus, "unit": "Pa"},
-        "poisson_ratio": {"value": ratio, "unit": "1"},
+        "shear_modulus": figure(modulus, "Pa"),
+        "poisson_ratio": figure(ratio, "1"),
         "response": words.response,
         **held,
         "skin_mask": words.skin_mask,
-        "target_error": {"value": options.target_error, "unit": "1"},
+        "target_error": figure(options.target_error, "1"),
         "max_nodes": options.max_nodes,
         "couple_fingers": options.couple_fingers,
         "quasirigid": qr.__version__,
@@ -241,6 +242,15 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         motion=motion,
         options=options,
         inputs=inputs,
+    )
+
+
+def options_of(words: SceneWords | GraspWords) -> qr.ContactOptions:
+    """Return how the contact is to be solved."""
+    return qr.ContactOptions(
+        target_error=parse_target_error(words.target_error),
+        max_nodes=words.max_nodes,
+        couple_fingers=words.couple_fingers,
     )
 
 

@@ -9,6 +9,7 @@ import typer
 import quasirigid as qr
 
 from ..io import as_plain, sweep_record, sweep_table
+from ..io.record import figure
 from ..io.sweeps import SWEEP_FILES
 from .console import Talk, refuse
 from .quantities import FORCE, LENGTH, QuantityError, parse_steps
@@ -65,7 +66,7 @@ def sweep(
             **read.motion,
             **steps,
         )
-    inputs = dict(read.inputs) | {f"{goal}s": {"value": values, "unit": "m" if goal == "depth" else "N"}}
+    inputs = dict(read.inputs) | {f"{goal}s": figure(values, "m" if goal == "depth" else "N")}
     files = () if scene.out is None else curve.save(scene.out, inputs=inputs)
     text = sweep_table(curve)
     record = sweep_record(curve) | {"inputs": as_plain(inputs)}
