@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid._sides import sides_of
 from quasirigid.hand import DIGITS, JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
 from quasirigid.hand.frames import uniform_frames
 from quasirigid.hand.pose import bend_at_rest
@@ -71,7 +72,7 @@ def spin(axis: int, angle: float) -> np.ndarray:
 
 def volume_of(surface: qr.Surface, faces: np.ndarray) -> float:
     """Volume (m^3) between some faces and the fan that closes their border."""
-    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).tolist()
+    sides = sides_of(faces).tolist()
     known = {(a, b) for a, b in sides}
     border = np.array([(b, a) for a, b in sides if (b, a) not in known])
     middle = surface.vertices[np.unique(border)].mean(axis=0)
@@ -312,7 +313,7 @@ def test_skin_under_a_finger_is_no_other_fingers(sparse_or_dense: qr.Hand) -> No
 
 def test_phalanges_end_at_their_joints(sparse_or_dense: qr.Hand) -> None:
     labels, surface = sparse_or_dense.labels, sparse_or_dense.surface
-    edges = np.concatenate([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]])
+    edges = sides_of(surface.faces)
     for digit in DIGITS:
         words = ("proximal", "distal") if digit == "thumb" else ("proximal", "middle", "distal")
         stem = {"thumb": "thumb", "little": "pinky-finger"}.get(digit, f"{digit}-finger")

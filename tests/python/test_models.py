@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
+from quasirigid._sides import sides_of
 from quasirigid.errors import ObstacleError, SurfaceError
 from quasirigid.models import bottle, cylinder_handle, finger, fingertip, rounded_box
 from shapes import Mesh
@@ -57,7 +58,7 @@ def volume(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> float:
 
 def assert_closed_sphere(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> None:
     """Each edge once in either direction, every vertex used, as many pieces as a sphere has."""
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = sides_of(faces)
     keys = edges[:, 0] * len(vertices) + edges[:, 1]
     turned = edges[:, 1] * len(vertices) + edges[:, 0]
     assert len(np.unique(keys)) == len(keys)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._sides import sides_of
 from .bend import RIGHT_ANGLE, Bend, moved_by
 from .joints import DIGITS, JOINTS_OF
 from .pose import bend_at_rest
@@ -137,7 +138,7 @@ class _Part:
     def __init__(self, faces: NDArray[np.int64]) -> None:
         self.vertices, local = np.unique(faces, return_inverse=True)
         self.faces = local.reshape(-1, 3)
-        sides = np.concatenate([self.faces[:, [0, 1]], self.faces[:, [1, 2]], self.faces[:, [2, 0]]])
+        sides = sides_of(self.faces)
         sides = np.concatenate([sides, sides[:, ::-1]]) @ [len(self.vertices), 1]
         self._of, self._neighbours = np.divmod(np.unique(sides), len(self.vertices))
         self._counts = np.bincount(self._of)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._sides import sides_of
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -17,7 +19,7 @@ def in_one_piece(faces: NDArray[np.int64], labels: NDArray[np.str_]) -> NDArray[
     them; pieces among other pieces alone follow when those have.
     """
     words, label = np.unique(labels, return_inverse=True)
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = sides_of(faces)
     while True:
         piece = _pieces(edges, label)
         size = np.bincount(piece, minlength=len(label))
@@ -45,8 +47,7 @@ def in_one_piece(faces: NDArray[np.int64], labels: NDArray[np.str_]) -> NDArray[
 
 def largest_piece(faces: NDArray[np.int64], chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the largest connected piece (n,) of some vertices."""
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    piece = np.where(chosen, _pieces(edges, chosen.astype(np.int64)), len(chosen))
+    piece = np.where(chosen, _pieces(sides_of(faces), chosen.astype(np.int64)), len(chosen))
     largest: NDArray[np.bool_] = chosen & (piece == np.bincount(piece)[: len(chosen)].argmax())
     return largest
 

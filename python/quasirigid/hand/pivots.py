@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._sides import sides_of
 from .bend import Bend, moved_by
 from .joints import DIGITS, JOINTS_OF
 from .regions import digit_of_vertices
@@ -51,7 +52,7 @@ class _Digit:
         self._hand = hand
         self._vertices, local = np.unique(faces, return_inverse=True)
         self._faces = local.reshape(-1, 3)
-        sides = np.concatenate([self._faces[:, [0, 1]], self._faces[:, [1, 2]], self._faces[:, [2, 0]]])
+        sides = sides_of(self._faces)
         forth, back = (sides @ order for order in ([len(own), 1], [1, len(own)]))
         self._rim = np.unique(sides[~np.isin(forth, back)])
         self._at_rest = hand.surface.vertices[self._vertices]

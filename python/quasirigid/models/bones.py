@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._check import as_direction, as_mask, as_number, as_vector, short
+from .._sides import sides_of
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
 from ..scene import as_surface
@@ -185,8 +186,7 @@ def _find_frame(
             "give `palmar`"
         )
     dorsal = towards_nail / np.linalg.norm(towards_nail)
-    faces = finger.faces
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = sides_of(finger.faces)
     height = (tip - vertices) @ axis
     # Cut straight across or askew: bones end before the first vertex of the cut.
     length = float(height[caps].min() if caps.any() else height.max())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .._sides import sides_of
 from .raster import Floats, Indices
 
 
@@ -14,7 +15,7 @@ def contact_side(vertices: Floats, faces: Indices, pressure: Floats, gap: Floats
     the gap as its 3/2 power outside (Johnson 1985, sections 4.2 and 5.1), so p^2 and g^(2/3) both grow as the
     distance itself. Their two factors come from a least-squares fit over the edges that the rim crosses.
     """
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    edges = sides_of(faces)
     edges = edges[(pressure[edges[:, 0]] > 0.0) & ~(pressure[edges[:, 1]] > 0.0)]
     squared = np.maximum(pressure, 0.0) ** 2
     opened = np.where(np.isfinite(gap), np.maximum(gap, 0.0), 0.0) ** (2.0 / 3.0)
