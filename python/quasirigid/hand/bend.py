@@ -55,9 +55,15 @@ def moved_by(parents: NDArray[np.int64]) -> NDArray[np.bool_]:
     return moved
 
 
+def by_joint(joints: NDArray[np.int64], weights: Floats, count: int) -> Floats:
+    """Return weights (n, k) of some joints (n, k) as those (n, count) of all."""
+    table = np.zeros((len(joints), count))
+    np.add.at(table, (np.arange(len(joints))[:, None], joints), weights)
+    return table
+
+
 def shares_of(hand: Hand) -> Floats:
     """Return how much (n, J) each joint moves each vertex; sums are 1."""
-    shares = np.zeros((len(hand.joints), len(hand.joint_names)))
-    np.add.at(shares, (np.arange(len(shares))[:, None], hand.joints), hand.weights)
+    shares = by_joint(hand.joints, hand.weights, len(hand.joint_names))
     shares /= shares.sum(axis=1, keepdims=True)
     return shares

@@ -8,6 +8,8 @@ import numpy as np
 
 from .._check import short
 from ..errors import HandError
+from ..io.check import weld_equal
+from .bend import by_joint
 from .frames import uniform_frames
 from .gltf import Gltf
 from .hand import Hand
@@ -112,24 +114,18 @@ def _welded(
     path: Path, vertices: Floats, faces: NDArray[np.int64], joints: NDArray[np.int64], weights: Floats
 ) -> tuple[Floats, NDArray[np.int64], NDArray[np.int64], Floats]:
     """Return the mesh with bit-equal points as one, in the order of the first of each."""
-    _, first, number = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
-    number = number.ravel()
-    count = int(joints.max(initial=0)) + 1
-    dense = np.zeros((len(vertices), count))
-    np.add.at(dense, (np.arange(len(vertices))[:, None], joints), weights)
-    differ = np.abs(dense - dense[first[number]]).max(axis=1) > _SCALE_TOLERANCE
+    kept, number = weld_equal(vertices)
+    first = kept[number]
+    all_weights = by_joint(joints, weights, int(joints.max(initial=0)) + 1)
+    differ = np.abs(all_weights - all_weights[first]).max(axis=1) > _SCALE_TOLERANCE
     if differ.any():
         vertex = int(np.flatnonzero(differ)[0])
         place = ", ".join(f"{value:.6g}" for value in vertices[vertex])
         raise HandError(
-            f"{path}: the points {int(first[number[vertex]])} and {vertex} at ({place}) m are one, but their "
+            f"{path}: the points {int(first[vertex])} and {vertex} at ({place}) m are one, but their "
             f"weights differ ({np.count_nonzero(differ)} such points)"
         )
-    order = np.argsort(first)
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[order] = np.arange(len(first))
-    kept = first[order]
-    corners = rank[number][faces]
+    corners = number[faces]
     thin = (corners == np.roll(corners, 1, axis=1)).any(axis=1)
     used, corners = np.unique(corners[~thin], return_inverse=True)
     kept = kept[used]

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import HandError
 from ..io.atomic import atomic_write
+from .bend import shares_of
 from .kinematics import inverse_motions
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def save_glb(hand: Hand, path: str | PathLike[str], contact: Contact | None) -> 
     if file.suffix.lower() != ".glb":
         raise HandError(f"{file}: the ending is '{file.suffix}', expected .glb")
     vertices, faces = hand.surface.vertices, hand.surface.faces
-    weights = _dense(hand)
+    weights = shares_of(hand)
     attributes: dict[str, NDArray[Any]] = {}
     targets: list[dict[str, NDArray[Any]]] = []
     if contact is not None:
@@ -51,13 +52,6 @@ def save_glb(hand: Hand, path: str | PathLike[str], contact: Contact | None) -> 
         attributes[f"WEIGHTS_{at // _WEIGHTS_A_SET}"] = shares[:, at : at + _WEIGHTS_A_SET]
     with atomic_write(file) as stream:
         stream.write(_file(hand, attributes, targets, faces))
-
-
-def _dense(hand: Hand) -> Floats:
-    """Return the weight (n, J) of each joint."""
-    weights = np.zeros((len(hand.joints), len(hand.joint_names)))
-    np.add.at(weights, (np.arange(len(weights))[:, None], hand.joints), hand.weights)
-    return weights
 
 
 def _on_mesh_of(contact: Contact, hand: Hand, weights: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
@@ -82,7 +76,7 @@ def _sets(weights: Floats) -> tuple[NDArray[np.int64], Floats]:
     joints = np.argsort(-padded, axis=1, kind="stable")[:, :columns]
     shares = np.take_along_axis(padded, joints, axis=1)
     joints[shares == 0.0] = 0
-    return joints, shares / shares.sum(axis=1, keepdims=True)
+    return joints, shares
 
 
 def _colors(pressure: Floats) -> Floats:

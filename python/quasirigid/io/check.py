@@ -136,11 +136,11 @@ def _is_folded(triangles: Indices, points: Floats, first: Indices) -> NDArray[np
     return is_folded
 
 
-def weld_equal(points: Floats, faces: Indices) -> tuple[Floats, Indices]:
-    """Join points whose three coordinates are equal, keeping the order in which they first appear."""
+def weld_equal(points: Floats) -> tuple[Indices, Indices]:
+    """Return the first (k,) of the points at each place, in their order, and of each point its place (n,)."""
     # Adding 0 turns -0 into 0, which is the same place.
     _, first, which = np.unique(points + 0.0, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
-    return points[first[order]], rank[which.reshape(-1)][faces]
+    return first[order], rank[which.reshape(-1)]

@@ -40,7 +40,8 @@ def read_obj(data: bytes, name: str) -> tuple[Floats, Indices]:
             f"{name}: a face refers to vertex {wrong[0] + 1}, but the file has {len(points)} vertices"
         )
     vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
-    return weld_equal(vertices, fans(faces, vertices, name))
+    kept, place = weld_equal(vertices)
+    return vertices[kept], place[fans(faces, vertices, name)]
 
 
 def _corner(word: str, known: int, here: str) -> int:

@@ -25,8 +25,9 @@ def read_stl(data: bytes, name: str) -> tuple[Floats, Indices]:
             f"{name}: is {len(data)} bytes long, but its header promises {promised} triangles,"
             f" {84 + _ROW.itemsize * promised} bytes"
         )
-    faces = np.arange(3 * len(corners), dtype=np.int64).reshape(-1, 3)
-    return weld_equal(corners.reshape(-1, 3), faces)
+    points = corners.reshape(-1, 3)
+    kept, number = weld_equal(points)
+    return points[kept], number.reshape(-1, 3)
 
 
 def _ascii(data: bytes, name: str) -> Floats:
