@@ -18,7 +18,7 @@ from ..models.fingers import REFERENCE_BREADTH
 from ..models.loft import loft
 from ..models.phalanges import JOINT_GAP, LENGTHS, SECTIONS
 from ..obstacle import Obstacle
-from .joints import DIGITS, JOINTS_OF
+from .joints import DIGITS, JOINTS_OF, REFERENCE_LENGTH
 from .regions import metacarpal_base
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ _SLIMMER = 0.85  # factor from one try to the next
 _SLIMMEST = 0.3  # of the published section; a bone that must be slimmer is left out
 _CMC = 0.08  # of the length of a metacarpal, which it begins beyond its joint
 _AROUND = 7  # vertices of a ring
-_REFERENCE_LENGTH = 0.19  # m, of a hand whose joint gap is that of the tables
 _CARPALS = ((0.28, 0.09), (0.33, 0.11), (0.33, 0.11))  # half sizes over the breadth between outer knuckles
 _WORDS: dict[str, tuple[str, ...]] = dict.fromkeys(DIGITS, ("metacarpal", "proximal", "middle", "distal"))
 _WORDS["thumb"] = ("metacarpal", "proximal", "distal")
@@ -176,7 +175,7 @@ def _rods(hand: Hand, digit: str) -> list[_Rod]:
     """Return the bones of a digit, from its metacarpal on."""
     names, words = JOINTS_OF[digit], _WORDS[digit]
     places = np.array([metacarpal_base(hand, digit), *(hand.pivot_of(name) for name in names[1:])])
-    scale = hand.length / _REFERENCE_LENGTH
+    scale = hand.length / REFERENCE_LENGTH
     halves = [0.5 * _girth(hand, digit) * np.array(SECTIONS[_KIND[word]][::-1]) for word in words]
     rods = []
     for at, word in enumerate(words):

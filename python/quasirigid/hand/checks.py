@@ -9,7 +9,7 @@ import numpy as np
 from .._check import as_vector, short
 from ..errors import HandError
 from ..obstacle import Obstacle
-from .joints import JOINTS_OF, WEBXR_25, lacking
+from .joints import REFERENCE_LENGTH, WEBXR_25, lacking, length_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside"]
 
 _FRAME_TOLERANCE = 1e-6  # of the entries of R'R - I
-_OUTSIDE = 5e-3  # m, of a tip of a hand of 0.19 m: rigs end some digits just beyond the skin
-_HAND_LENGTH = 0.19
+_OUTSIDE = 5e-3  # m, of a tip of a hand of REFERENCE_LENGTH: rigs end some digits just beyond the skin
 _DEEPEST_TIP = 0.15  # of the way from wrist to middle tip: no finger is as thick
 _CHECK = "check that skin and joints have the same unit and frame"
 
@@ -99,10 +98,9 @@ def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None
     known = [names.index(name) for name in WEBXR_25]
     skin = Obstacle.mesh(surface.vertices, surface.faces, check_crossings=False)
     distance = skin.signed_distance(rest[known, :3, 3])[0]
-    way = [names.index(name) for name in ("wrist", *JOINTS_OF["middle"][1:])]
-    length = np.linalg.norm(np.diff(rest[way, :3, 3], axis=0), axis=1).sum()
+    length = length_of(rest, names)
     is_tip = np.array([name.endswith("-tip") for name in WEBXR_25])
-    outside = np.flatnonzero(distance > np.where(is_tip, _OUTSIDE * length / _HAND_LENGTH, 0.0))
+    outside = np.flatnonzero(distance > np.where(is_tip, _OUTSIDE * length / REFERENCE_LENGTH, 0.0))
     deep = np.flatnonzero(is_tip & (distance < -_DEEPEST_TIP * length))
     if len(outside):
         worst = outside[np.argmax(distance[outside])]

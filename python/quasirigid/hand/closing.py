@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .joints import DIGIT_OF, DIGITS
+from .joints import DIGIT_OF, DIGITS, REFERENCE_LENGTH
 from .pose import turns_of
 from .regions import digit_of_vertices
 from .rotations import Floats, between
@@ -21,13 +21,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Closing"]
 
-_TOUCHES = 1e-4  # m, of a hand of 0.19 m: so near a digit has come to the product
+_TOUCHES = 1e-4  # m, of a hand of REFERENCE_LENGTH: so near a digit has come to the product
 _LEAST_STEP = 1e-3  # m, of that hand
 _REACH = 2e-2  # m, of that hand: farther away a digit does not look
 _OPENING = 2e-3  # m, of that hand: a step of a digit that opens
 _SAMPLES = 6  # of a way, to see how fast a digit goes
 _SPARE = 1.1  # between them it may be faster
-_HAND_LENGTH = 0.19
 
 
 class Closing:
@@ -47,7 +46,7 @@ class Closing:
     speeds : tuple of (k,) float64
         Bound on how far each of these moves per unit of its digit's share (m).
     scale : float
-        Length of the hand over 0.19 m.
+        Length of the hand over REFERENCE_LENGTH.
     reach : float
         How far a digit looks for the product (m).
     mesh_width : float
@@ -67,7 +66,7 @@ class Closing:
         for at, digit in enumerate(DIGITS):
             self.digits[self.parts == digit] = at
         self.vertices = tuple(np.flatnonzero(self.digits == at) for at in range(len(DIGITS)))
-        self.scale = hand.length / _HAND_LENGTH
+        self.scale = hand.length / REFERENCE_LENGTH
         self.reach = _REACH * self.scale
         self.mesh_width = self._mesh_width()
         self._posed: tuple[Floats, PosedHand] | None = None

@@ -17,7 +17,7 @@ from .bones import Bone, bones_of
 from .checks import as_frames, as_labels, as_names, as_parents, check_inside
 from .creases import without_folds
 from .frames import side_of
-from .joints import JOINTS_OF, index_of
+from .joints import index_of, length_of
 from .kinematics import mirrored_frames, motions_of, moved_frames
 from .pivots import pivots_of
 from .pose import turns_of
@@ -156,8 +156,7 @@ class Hand(Frozen):
     @property
     def length(self) -> float:
         """Way along the joints from the wrist to the tip joint of the middle finger (m), less its pulp."""
-        way = self._places(("wrist", *JOINTS_OF["middle"][1:]))
-        return float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+        return length_of(self.rest, self.joint_names)
 
     @cached_property
     def regions(self) -> NDArray[np.str_]:
@@ -320,6 +319,3 @@ class Hand(Frozen):
             if name in vars(self):
                 vars(made)[name] = vars(self)[name]
         return made
-
-    def _places(self, names: Sequence[str]) -> Floats:
-        return self.rest[[self.joint_names.index(name) for name in names], :3, 3]

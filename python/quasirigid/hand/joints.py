@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..errors import HandError
+
+if TYPE_CHECKING:
+    from .rotations import Floats
 
 __all__ = ["DIGITS", "JOINTS_16", "JOINTS_21", "OPENXR_26", "PARENTS", "WEBXR_25"]
 
@@ -62,6 +68,15 @@ for _chain in JOINTS_OF.values():
 
 DIGIT_OF: dict[str, str] = {name: digit for digit in DIGITS for name in JOINTS_OF[digit]}
 """The digit of each joint but the wrist."""
+
+REFERENCE_LENGTH = 0.19
+"""`length_of` a hand (m) for which distances along its skin are given; others have them in proportion."""
+
+
+def length_of(rest: Floats, names: Sequence[str]) -> float:
+    """Return the way along the joints from the wrist to the tip joint of the middle finger (m)."""
+    way = [names.index(name) for name in ("wrist", *JOINTS_OF["middle"][1:])]
+    return float(np.linalg.norm(np.diff(rest[way, :3, 3], axis=0), axis=1).sum())
 
 
 def lacking(names: Iterable[str]) -> str:
