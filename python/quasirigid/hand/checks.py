@@ -10,6 +10,7 @@ from .._check import as_vector, short
 from ..errors import HandError
 from ..obstacle import Obstacle
 from .joints import REFERENCE_LENGTH, WEBXR_25, lacking, length_of
+from .rotations import nearest_rotations
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,8 +71,8 @@ def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
         frames = np.empty(0)
     if frames.shape != (len(names), 4, 4):
         raise HandError(f"rest has shape {frames.shape}, expected ({len(names)}, 4, 4)")
-    rotations = frames[:, :3, :3]
-    excess = np.abs(rotations.transpose(0, 2, 1) @ rotations - np.eye(3)).max(axis=(1, 2))
+    # To the last digit, so that poses are rigid motions too.
+    rotations, excess = nearest_rotations(frames[:, :3, :3])
     good = (
         np.isfinite(frames).all(axis=(1, 2)) & (excess < _FRAME_TOLERANCE) & (np.linalg.det(rotations) > 0.0)
     )
@@ -79,9 +80,7 @@ def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
     if not good.all():
         joint = int(np.flatnonzero(~good)[0])
         raise HandError(f"rest[{joint}] ({names[joint]}) is no rigid motion: {frames[joint].tolist()}")
-    # To the last digit, so that poses are rigid motions too.
-    left, _, right = np.linalg.svd(rotations)
-    frames[:, :3, :3] = left @ right
+    frames[:, :3, :3] = rotations
     return frames
 
 

@@ -15,6 +15,7 @@ from .gltf import Gltf
 from .hand import Hand
 from .joints import PARENTS, lacking
 from .kinematics import inverse_motions
+from .rotations import nearest_rotations
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -148,14 +149,12 @@ def _bind_frames(file: Gltf, count: int) -> tuple[Floats, float]:
     # Column by column in the file.
     inverse = matrices.reshape(count, 4, 4).transpose(0, 2, 1)
     scale = np.cbrt(np.abs(np.linalg.det(inverse[:, :3, :3])))
-    turns = inverse[:, :3, :3] / scale[:, None, None]
-    excess = np.abs(turns.transpose(0, 2, 1) @ turns - np.eye(3)).max(axis=(1, 2))
+    turns, excess = nearest_rotations(inverse[:, :3, :3] / scale[:, None, None])
     if not (excess < _SCALE_TOLERANCE).all():
         joint = int(np.argmax(~(excess < _SCALE_TOLERANCE)))
         raise HandError(f"{path}: the bind matrix of joint {joint} shears or flattens")
-    left, _, right = np.linalg.svd(turns)
     frames = np.tile(np.eye(4), (count, 1, 1))
-    frames[:, :3, :3] = left @ right
+    frames[:, :3, :3] = turns
     frames[:, :3, 3] = inverse[:, :3, 3] / scale[:, None]
     scales = scale * [_scale_of(file, node) for node in _nodes(file)]
     if not np.ptp(scales) <= _SCALE_TOLERANCE * scales.mean():

@@ -1,4 +1,4 @@
-"""Rotations as unit quaternions (x, y, z, w), in rows."""
+"""Rotations as unit quaternions (x, y, z, w), in rows, and as matrices."""
 
 from __future__ import annotations
 
@@ -40,6 +40,16 @@ def to_matrices(turns: Floats) -> Floats:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     ).transpose(2, 0, 1)
+
+
+def nearest_rotations(matrices: Floats) -> tuple[Floats, Floats]:
+    """Return the orthogonal matrices (k, 3, 3) nearest to some, and the largest |R'R - I| (k,) of each given.
+
+    That is not finite where an entry is not; the identity stands there for the nearest.
+    """
+    excess: Floats = np.abs(matrices.transpose(0, 2, 1) @ matrices - np.eye(3)).max(axis=(1, 2))
+    left, _, right = np.linalg.svd(np.where(np.isfinite(excess)[:, None, None], matrices, np.eye(3)))
+    return left @ right, excess
 
 
 def between(first: Floats, second: Floats, share: float) -> Floats:
