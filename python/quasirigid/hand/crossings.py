@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 __all__ = ["crossing_parts", "in_words"]
 
+_NAMED = 3  # pairs that are told by name
+
 
 def crossing_parts(pairs: NDArray[np.int64], labels: NDArray[np.str_]) -> tuple[tuple[str, str], ...]:
     """Return the pairs of labels whose faces (k, 2, 3) cross, those with the most crossings first."""
@@ -22,8 +24,8 @@ def crossing_parts(pairs: NDArray[np.int64], labels: NDArray[np.str_]) -> tuple[
     return tuple((one, other) for (one, other), _ in counts.most_common())
 
 
-def in_words(pairs: tuple[tuple[str, str], ...], most: int = 3) -> str:
+def in_words(pairs: tuple[tuple[str, str], ...]) -> str:
     """Return pairs of labels as words, such as "index-distal-palmar and thenar"."""
     words = [f"{one} and {other}" if one != other else f"{one} and itself" for one, other in pairs]
-    rest = len(words) - most
-    return ", ".join(words[:most]) + (f", and {rest} more" if rest > 0 else "")
+    rest = len(words) - _NAMED
+    return ", ".join(words[:_NAMED]) + (f", and {rest} more" if rest > 0 else "")

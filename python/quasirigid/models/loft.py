@@ -19,6 +19,8 @@ ROW = 3.0**0.5 / 2.0
 # More than any product needs, and a second's work.
 MOST_VERTICES = 2_000_000
 
+_CHORDS = 720  # that measure the length of a closed curve
+
 
 def check_vertex_count(area: float, edge_length: float, refusal: type[QuasirigidError]) -> None:
     """Raise a `refusal` where a mesh of `area` (m²) would have more vertices than can be meant."""
@@ -40,9 +42,7 @@ def ring_size(perimeter: float, edge_length: float) -> int:
     return max(5, round(perimeter / edge_length))
 
 
-def spread_on_curve(
-    curve: Callable[[Floats], Floats], count: int, shifted: bool, samples: int = 720
-) -> Floats:
+def spread_on_curve(curve: Callable[[Floats], Floats], count: int, shifted: bool) -> Floats:
     """Return points at equal arc length on a closed curve.
 
     Parameters
@@ -53,23 +53,21 @@ def spread_on_curve(
         Number of points.
     shifted : bool
         Start half a spacing later, as every other row of a triangular grid does.
-    samples : int
-        Chords that measure the arc length.
 
     Returns
     -------
     (count, 3) float64
         The points (m), each on the curve itself.
     """
-    angles = np.linspace(0.0, 2.0 * np.pi, samples + 1)
+    angles = np.linspace(0.0, 2.0 * np.pi, _CHORDS + 1)
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(angles), axis=0), axis=1))])
     stations = (np.arange(count) + (0.5 if shifted else 0.0)) / count * way[-1]
     return curve(np.interp(stations, way, angles))
 
 
-def perimeter(curve: Callable[[Floats], Floats], samples: int = 720) -> float:
+def perimeter(curve: Callable[[Floats], Floats]) -> float:
     """Return the length (m) of a closed curve that maps angles (k,) in rad to points (k, 3) in m."""
-    points = curve(np.linspace(0.0, 2.0 * np.pi, samples + 1))
+    points = curve(np.linspace(0.0, 2.0 * np.pi, _CHORDS + 1))
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 

@@ -24,6 +24,7 @@ AFTER = "#b4533c"
 BONE = "#e8dcc4"
 PRODUCT = "#ccd1d9"
 PRODUCT_EDGE = "#7d8590"
+_MARGIN = 0.06  # around what is drawn, over its longer side
 
 
 def new_figure(size: tuple[float, float]) -> Figure:
@@ -66,10 +67,10 @@ def _color_range(name: str, low: float, high: float) -> Colormap:
     )
 
 
-def window_around(projected: Floats, margin: float = 0.06) -> Window:
+def window_around(projected: Floats) -> Window:
     """Return the picture's frame around projected points (n, 3)."""
     low, high = projected[:, :2].min(axis=0), projected[:, :2].max(axis=0)
-    rim = margin * float((high - low).max())
+    rim = _MARGIN * float((high - low).max())
     return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 1.6 * rim, float(high[1]) + rim
 
 

@@ -26,6 +26,7 @@ Form = Literal["collocation", "galerkin"]
 _UP, _DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 _DEPTH = 0.1e-3
 _BUMPS = 32
+_CELLS = 16  # of a side of a flat skin
 
 
 def touch_cases() -> Iterator[Case]:
@@ -64,8 +65,8 @@ def _skin(setting: Setting, response: Any) -> Skin:
     return Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=response)
 
 
-def _flat(setting: Setting, cells: int = 16) -> Surface:
-    points, faces = flat_skin(cells)
+def _flat(setting: Setting) -> Surface:
+    points, faces = flat_skin(_CELLS)
     return Surface(setting.placed(points), faces)
 
 
@@ -127,7 +128,7 @@ def _sphere_at(place: tuple[float, float], radius: float, setting: Setting) -> C
 
 def _one_node() -> Outcome:
     """One vertex that touches carries the depth over its own compliance."""
-    points, faces = flat_skin(16)
+    points, faces = flat_skin(_CELLS)
     middle = len(points) // 2
     points[middle, 2] += 2 * _DEPTH
     surface, skin = Surface(points, faces), _skin(Setting(), HalfSpace())
@@ -222,7 +223,7 @@ def _other_triangles(product: Any) -> Outcome:
 
 
 def _dome() -> tuple[Floats, Indices]:
-    points, faces = flat_skin(16)
+    points, faces = flat_skin(_CELLS)
     points[:, 2] -= (points[:, 0] ** 2 + points[:, 1] ** 2) / (2 * 40 * CELL)
     return points, faces
 

@@ -68,10 +68,10 @@ def refused(error: BaseException, **given: Any) -> dict[str, Any]:
     return make_row(**given, ok=False, note=f"{type(error).__name__}: {' '.join(str(error).split())}")
 
 
-def timed(make: Callable[[], Made], repeats: int = 3) -> tuple[Made, float]:
-    """Return what is made and the median time (s) of up to `repeats`; a slow one is made once."""
+def timed(make: Callable[[], Made]) -> tuple[Made, float]:
+    """Return what is made and the median time (s) of up to three times; what is slow is made once."""
     seconds = []
-    for _ in range(repeats):
+    for _ in range(3):
         started = time.perf_counter()
         made = make()
         seconds.append(time.perf_counter() - started)

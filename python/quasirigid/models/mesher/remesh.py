@@ -20,6 +20,8 @@ __all__ = ["CUT", "RIM", "SKIN", "remeshed"]
 SKIN, RIM, CUT = 0, 1, 2  # what a vertex lies on
 LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0  # edges beyond these are split or collapsed, over the edge length
 SHARP = 0.75  # cosine: angles wider than this are left as they are
+ROUNDS = 3
+SPLITS, COLLAPSES, FLIPS = 8, 14, 5  # passes at the most
 FEW = 1e-3  # of all edges: fewer changes end a pass
 Mask = NDArray[np.bool_]
 
@@ -89,15 +91,15 @@ class _Mesh:
 
 
 def remeshed(
-    vertices: Floats, faces: Indices, on_cut: Mask, body: Body, edge_length: float, rounds: int = 3
+    vertices: Floats, faces: Indices, on_cut: Mask, body: Body, edge_length: float
 ) -> tuple[Floats, Indices, Indices]:
     """Return vertices, faces and the vertices' kinds of a mesh with edges near `edge_length` (m)."""
     mesh = _Mesh(vertices, faces, on_cut, edges_of(faces, len(vertices)), np.zeros(0, dtype=np.int64))
     mesh.renew()
-    for number in range(rounds):
+    for number in range(ROUNDS):
         _collapse(mesh, SHORT * edge_length, LONG * edge_length)
         _split(mesh, LONG * edge_length, body)
-        _flip(mesh, by_valence=number < rounds - 1)
+        _flip(mesh, by_valence=number < ROUNDS - 1)
         for _ in range(2):
             _relax(mesh, body)
     # What is still short or sharp, most of it at the rim.
@@ -116,7 +118,7 @@ def normals_of(vertices: Floats, faces: Indices) -> Floats:
 
 
 def _split(mesh: _Mesh, longest: float, body: Body) -> None:
-    for _ in range(8):
+    for _ in range(SPLITS):
         lengths, edges = mesh.lengths(), mesh.edges
         chosen = np.flatnonzero(lengths > longest)
         if len(chosen) == 0:
@@ -140,8 +142,8 @@ def _split(mesh: _Mesh, longest: float, body: Body) -> None:
         mesh.vertices[number] = body.project(mesh.vertices[number], mesh.kinds[number])
 
 
-def _collapse(mesh: _Mesh, shortest: float, longest: float, tries: int = 14) -> None:
-    for _ in range(tries):
+def _collapse(mesh: _Mesh, shortest: float, longest: float) -> None:
+    for _ in range(COLLAPSES):
         lengths, edges, kinds = mesh.lengths(), mesh.edges, mesh.kinds
         starts, around = neighbours(edges)
         valence = np.diff(starts)
@@ -235,8 +237,8 @@ def _merge(mesh: _Mesh, ends: Indices, places: Floats) -> None:
     mesh.renew()
 
 
-def _flip(mesh: _Mesh, by_valence: bool, tries: int = 5) -> None:
-    for _ in range(tries):
+def _flip(mesh: _Mesh, by_valence: bool) -> None:
+    for _ in range(FLIPS):
         edges = mesh.edges
         a, b = edges.ends.T
         # c lies left of a -> b, d right.
