@@ -21,25 +21,25 @@ if TYPE_CHECKING:
 
     from ..surface import Surface
 
-__all__ = ["Material", "build_kernel", "build_prepared", "restore_prepared"]
+__all__ = ["ElasticConstants", "build_kernel", "build_prepared", "restore_prepared"]
 
-Material = tuple[float, float]  # Shear modulus (Pa) and Poisson's ratio.
+ElasticConstants = tuple[float, float]  # Shear modulus (Pa) and Poisson's ratio.
 
 
-def build_kernel(material: Material, response: Response) -> _core.Skin | None:
+def build_kernel(constants: ElasticConstants, response: Response) -> _core.Skin | None:
     """Return the kernel; None where the response depends on the surface."""
     match response:
         case HalfSpace():
-            return _core.Skin.half_space(*material, response.pressure, response.discretization)
+            return _core.Skin.half_space(*constants, response.pressure, response.discretization)
         case GaussianCorrected(height=height, width=width, cutoff=cutoff):
             if height is None:
-                height = _core.Skin.balanced_height(*material, width, cutoff)
-            return _core.Skin.gaussian_corrected(*material, height, width, cutoff, response.pressure)
+                height = _core.Skin.balanced_height(*constants, width, cutoff)
+            return _core.Skin.gaussian_corrected(*constants, height, width, cutoff, response.pressure)
         case Layer():
             words = (response.pressure, response.discretization)
-            return _core.Skin.layer(*material, response.thickness, *words)
+            return _core.Skin.layer(*constants, response.thickness, *words)
         case Body() | GivenMatrix():
-            _core.Skin.half_space(*material, "linear", None)  # checks the material
+            _core.Skin.half_space(*constants, "linear", None)  # checks the material
             return None
     kinds = get_args(Response)
     if isinstance(response, type) and response in kinds:
@@ -49,7 +49,7 @@ def build_kernel(material: Material, response: Response) -> _core.Skin | None:
 
 
 def build_prepared(
-    material: Material,
+    constants: ElasticConstants,
     response: Response,
     surface: Surface,
     *,
@@ -60,17 +60,17 @@ def build_prepared(
     """Return the response computed once at nodes; None: the skin mask, less what a body holds."""
     chosen = None if nodes is None else np.asarray(nodes)
     if isinstance(response, GivenMatrix):
-        return _build_given(material, response, surface, chosen)
+        return _build_given(constants, response, surface, chosen)
     if isinstance(response, Body):
-        return _build_body(material, response, surface, chosen, progress, num_threads)
-    kernel = build_kernel(material, response)
+        return _build_body(constants, response, surface, chosen, progress, num_threads)
+    kernel = build_kernel(constants, response)
     assert kernel is not None
     chosen = np.flatnonzero(surface.skin_mask) if chosen is None else chosen
     return kernel.prepare(surface, chosen, num_threads=num_threads)
 
 
 def _build_body(
-    material: Material,
+    constants: ElasticConstants,
     body: Body,
     surface: Surface,
     nodes: NDArray[np.int64] | None,
@@ -87,7 +87,7 @@ def _build_body(
         nodes = np.flatnonzero(surface.skin_mask & ~held)
     prepared = _core.Skin.body(
         surface,
-        *material,
+        *constants,
         body.bone,
         fixed,
         nodes,
@@ -115,7 +115,7 @@ def _held(fixed: NDArray[np.bool_], surface: Surface) -> NDArray[np.bool_]:
 
 
 def _build_given(
-    material: Material, given: GivenMatrix, surface: Surface, asked: NDArray[np.int64] | None
+    constants: ElasticConstants, given: GivenMatrix, surface: Surface, asked: NDArray[np.int64] | None
 ) -> _core.Skin:
     nodes = as_nodes("nodes", given.nodes, len(surface.vertices), ResponseError)
     compliance = np.asarray(given.compliance, dtype=np.float64)
@@ -137,7 +137,7 @@ def _build_given(
     displacement[nodes] = compliance.reshape(count, 3, 3 * count)
     return _core.restore_body(
         surface,
-        *material,
+        *constants,
         nodes,
         displacement.reshape(-1, 3 * count),
         np.eye(3),
@@ -149,12 +149,12 @@ def _build_given(
 
 
 def restore_prepared(
-    material: Material, response: Response, stored: Mapping[str, NDArray[Any]]
+    constants: ElasticConstants, response: Response, stored: Mapping[str, NDArray[Any]]
 ) -> _core.Skin:
     """Return the prepared skin whose numbers `_core.skin_parts` returned."""
     surface = _core.Surface(stored["vertices"], stored["faces"])
     nodes = stored["nodes"]
-    kernel = build_kernel(material, response)
+    kernel = build_kernel(constants, response)
     if kernel is not None:
         return kernel.restore(surface, nodes, stored["matrix"])
     if "matrix" in stored:
@@ -167,7 +167,7 @@ def restore_prepared(
         levels = tuple(stored[name] for name in names)
     restored = _core.restore_body(
         surface,
-        *material,
+        *constants,
         nodes,
         stored["displacement"],
         stored["rotation"],

@@ -108,7 +108,7 @@ class PreparedSkin:
         OSError
             If the folder does not exist or cannot be written to.
         """
-        write_prepared(path, _core.skin_parts(self._response), self.skin._material, self.skin.response)
+        write_prepared(path, _core.skin_parts(self._response), self.skin._constants, self.skin.response)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the numbers, as `save` does, beside the skin as it is."""
@@ -142,4 +142,4 @@ def bone_pressures_of(
 
 def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:
     """Return the prepared skin of a skin and the numbers that `_core.skin_parts` returned."""
-    return PreparedSkin(skin=skin, _response=restore_prepared(skin._material, skin.response, stored))
+    return PreparedSkin(skin=skin, _response=restore_prepared(skin._constants, skin.response, stored))

@@ -9,8 +9,7 @@ import numpy as np
 
 from .. import _core
 from ..errors import ResponseError, ResponseRangeWarning
-from .core import Material as Constants
-from .core import build_kernel
+from .core import ElasticConstants, build_kernel
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, PressureBasis, Response
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ class Material(NamedTuple):
 
 
 def product_skin(
-    constants: Constants, response: Response | None, is_new: bool
+    constants: ElasticConstants, response: Response | None, is_new: bool
 ) -> tuple[_core.Skin, tuple[NDArray[Any], NDArray[np.float64]] | None]:
     """Return the kernel of a product's response, and nodes and compliance of a given matrix.
 

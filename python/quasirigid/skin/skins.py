@@ -14,7 +14,7 @@ from .._check import as_float, as_integer_or_none
 from .._frozen import Frozen
 from ..errors import ResponseError, ResponseRangeWarning
 from ..scene import as_surface
-from .core import Material, build_kernel, build_prepared
+from .core import ElasticConstants, build_kernel, build_prepared
 from .cut_out import CutOut
 from .given_mesh import forces_on_given_mesh
 from .prepared import PreparedSkin, bone_pressures_of
@@ -79,7 +79,7 @@ class Skin:
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Build the kernel, without a warning: whoever made the skin has seen it."""
         vars(self).update(state)
-        vars(self)["_kernel"] = build_kernel(self._material, self.response)
+        vars(self)["_kernel"] = build_kernel(self._constants, self.response)
 
     def prepared(
         self,
@@ -120,7 +120,7 @@ class Skin:
         """
         surface = as_surface("surface", surface)
         response = build_prepared(
-            self._material,
+            self._constants,
             self.response,
             surface,
             nodes=nodes,
@@ -162,7 +162,7 @@ class Skin:
         return _combine(self, surface, parts)
 
     @property
-    def _material(self) -> Material:
+    def _constants(self) -> ElasticConstants:
         return as_float("shear_modulus", self.shear_modulus), as_float("poisson_ratio", self.poisson_ratio)
 
     @property
@@ -187,7 +187,7 @@ class Skin:
     def _core_on(self, surface: Surface, num_threads: int | None) -> _core.Skin:
         if self._kernel is not None:
             return self._kernel
-        return build_prepared(self._material, self.response, surface, num_threads=num_threads)
+        return build_prepared(self._constants, self.response, surface, num_threads=num_threads)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from .core import ElasticConstants
+
 __all__ = ["read_prepared", "restored_response", "write_prepared"]
 
 _FORMAT = "quasirigid prepared skin"
@@ -31,7 +33,7 @@ _VERSION = 2
 def write_prepared(
     path: str | PathLike[str],
     parts: Mapping[str, NDArray[Any]],
-    material: tuple[float, float],
+    constants: ElasticConstants,
     response: Response,
 ) -> None:
     """Write the numbers of a prepared response and the material, whole or not at all.
@@ -42,7 +44,7 @@ def write_prepared(
         The file.
     parts : mapping of str to array
         As `_core.skin_parts` returns them.
-    material, response
+    constants, response
         Shear modulus (Pa) and Poisson's ratio of the `Skin` that was prepared, and its response.
 
     Raises
@@ -54,8 +56,8 @@ def write_prepared(
     header = {
         "format": _FORMAT,
         "version": _VERSION,
-        "shear_modulus": float(material[0]),
-        "poisson_ratio": float(material[1]),
+        "shear_modulus": float(constants[0]),
+        "poisson_ratio": float(constants[1]),
         "response": type(response).__name__,
         "numbers": _numbers(response),
         "parts": sorted(arrays),
