@@ -125,6 +125,8 @@ pub enum RefinementEnd {
     MemoryLimit,
     /// The contact is on a sharp edge, and as fine as it gets there.
     SharpEdge,
+    /// A finer mesh would have triangles smaller than those that the product's matrix is given on.
+    ProductMesh,
     /// Force or area goes on changing.
     Unsettled,
     /// Gaps go on changing from one linear problem to the next.
@@ -151,6 +153,7 @@ impl RefinementEnd {
             Self::MaxNodes => "max_nodes",
             Self::MemoryLimit => "memory_limit",
             Self::SharpEdge => "a sharp edge",
+            Self::ProductMesh => "the mesh of the product's matrix",
             Self::Unsettled => "force or area does not settle",
             Self::UnsettledGaps => "gaps that do not settle",
             Self::NoForce => "nothing carries force",

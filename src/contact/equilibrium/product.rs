@@ -15,7 +15,9 @@ use faer::Mat;
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
+use crate::contact::figures::cells::mean_edge;
 use crate::contact::gap::initial::Gaps;
+use crate::contact::outcome::Contact;
 use crate::obstacle::material::{Answer, Material};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::{BodyDoubt, lost_displacement};
@@ -40,8 +42,14 @@ const AREA_PER_FORCE: f64 = 2.5;
 const PEAK_PER_FORCE: f64 = 6.5;
 
 /// Estimated errors of area and peak pressure, over them, where a given matrix leaves the force in doubt.
-pub(crate) fn errors_of_area_and_peak(doubt: &BodyDoubt) -> [f64; 2] {
-    [AREA_PER_FORCE, PEAK_PER_FORCE].map(|factor| factor * doubt.force_error)
+///
+/// On a skin with finer triangles than the product's a contact draws together around the product's vertices, as these alone
+/// give way by themselves: the more, the more of the give is the product's.
+pub(crate) fn errors_of_area_and_peak(contact: &Contact) -> [f64; 2] {
+    let Some(doubt) = contact.clues.product else { return [0.0; 2] };
+    let finer = doubt.edge_length / mean_edge(contact.surface(), &contact.active);
+    let drawn_together = (contact.obstacle_share.unwrap_or(0.0) * finer).max(1.0);
+    [AREA_PER_FORCE, PEAK_PER_FORCE].map(|factor| factor * drawn_together * doubt.force_error)
 }
 
 /// The response of a product as if it were a skin with the mesh of `gaps`.

@@ -113,7 +113,7 @@ impl Contact {
         }
         self.refinements.last_mut().expect("a round was noted").end = Some(end);
         // No round makes these less. The estimate of a mesh that was taken as it is knows of penetration.
-        let [area, peak] = self.clues.product.as_ref().map_or([0.0; 2], errors_of_area_and_peak);
+        let [area, peak] = errors_of_area_and_peak(&self);
         let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
         let (of_area, of_peak) = (area + AREA_PER_BODY * body, peak + body);
         let left = if end == RefinementEnd::NoTarget { 0.0 } else { self.unresolved_penetration() };
@@ -131,7 +131,7 @@ impl Contact {
     }
 
     /// Penetration left on a mesh that is not fine enough for it, as a share of that before.
-    fn unresolved_penetration(&self) -> f64 {
+    pub(crate) fn unresolved_penetration(&self) -> f64 {
         if self.is_free_of_penetration() {
             0.0
         } else {

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
 use crate::contact::error::ContactError;
+use crate::contact::figures::cells::mean_edge;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Clues, Contact, ContactStatus, RefinementEnd};
@@ -32,8 +33,10 @@ const FEW_UNDER_FORCE: usize = 100;
 pub(crate) const FEW_NODES: usize = 300;
 /// A figure that keeps more than this share from one round to the next does not settle.
 const SETTLING: f64 = 0.8;
-/// Rounds at the most: each halves the edges.
+/// Rounds at the most.
 const MAX_ROUNDS: usize = 12;
+/// What a round leaves of the edges.
+const HALVED: f64 = 0.5;
 
 /// What is to be done about the mesh of a contact.
 pub(crate) enum Begun<'a> {
@@ -198,6 +201,12 @@ impl Rounds<'_> {
 
     /// The mesh of the next round, or why there is none.
     fn finer(&self, next: Finer) -> Result<ControlFlow<RefinementEnd, MeshRefinement>, ContactError> {
+        let finest = self.meshes.finest();
+        if let Some(product) = finest.clues.product
+            && HALVED * mean_edge(finest.surface(), &finest.active) < product.edge_length
+        {
+            return Ok(Break(RefinementEnd::ProductMesh));
+        }
         let wanting = self.wanting(next);
         let marked = self.marked(&wanting, next)?;
         if !marked.contains(&true) {

@@ -167,10 +167,11 @@ impl Contact {
         let reason = end.as_str();
         let percent = |share: f64| format!("{:.2} %", 100.0 * share);
         let mut short = Vec::new();
+        let left = self.unresolved_penetration();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
-            && force.max(area) > target
+            && force.max(area) + left > target
         {
-            let (force, area) = (percent(force), percent(area));
+            let (force, area) = (percent(force + left), percent(area + left));
             short.push(format!(
                 "the mesh around the contact costs about {force} of the force and {area} of the area: the refinement ended by {reason}"
             ));
@@ -189,7 +190,7 @@ impl Contact {
             ));
         }
         if let Some(doubt) = self.clues.product
-            && let [of_area, _] = errors_of_area_and_peak(&doubt)
+            && let [of_area, _] = errors_of_area_and_peak(self)
             && of_area > target
         {
             let (force, area) = (percent(doubt.force_error), percent(of_area));
