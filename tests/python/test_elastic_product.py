@@ -204,23 +204,37 @@ def test_two_fingers_on_one_matrix_push_each_other_through_the_product() -> None
     assert "joined by the product alone" in why
 
 
-def test_two_fingers_on_a_kernel_do_not_push_each_other() -> None:
+def test_two_fingers_on_a_kernel_push_each_other_through_the_product() -> None:
     lower, faces = ball(8e-3, 3)
-    one = qr.Surface(lower, faces)
+    pitch, depth = 40e-3, 5e-4
     both = qr.Surface(
-        np.concatenate([lower, lower + np.array([40e-3, 0, 0])]), np.concatenate([faces, faces + len(lower)])
+        np.concatenate([lower, lower + np.array([pitch, 0, 0])]), np.concatenate([faces, faces + len(lower)])
     )
-    single, double, coupled = (
-        qr.press(surface, soft(PLATE), SKIN, UP, depth=5e-4, options=options)
-        for surface, options in (
-            (one, AS_GIVEN),
-            (both, AS_GIVEN),
-            (both, qr.ContactOptions(target_error=None, couple_fingers=True)),
-        )
+    product = soft(PLATE)
+    together = qr.press(both, product, SKIN, UP, depth=depth, options=AS_GIVEN)
+    # What one finger presses the half-space down by under the other, far from both: K F / r.
+    assert product.material is not None
+    softness = (1.0 - product.material.poisson_ratio) / (2.0 * np.pi * product.material.shear_modulus)
+    sunk = softness * together.force[2] / 2.0 / pitch
+    alone = qr.press(qr.Surface(lower, faces), product, SKIN, UP, depth=depth - sunk, options=AS_GIVEN)
+    assert together.force[2] == pytest.approx(2 * alone.force[2], rel=1e-3)
+    assert "joined by the product alone" in dict(together.left_out)["coupling between fingers"]
+
+
+def test_fingers_on_two_sides_of_a_kernel_do_not_push_each_other() -> None:
+    finger, faces = ball(8e-3, 3)
+    slab = soft(slab_of(4e-3)[0])
+    # 0.5 mm deep from above and from below.
+    above, below = (finger + np.array([1.3e-3, 0.7e-3, z]) for z in (-0.5e-3, -19.5e-3))
+    pinched = qr.solve_contact(
+        qr.Surface(np.concatenate([above, below]), np.concatenate([faces, faces + len(finger)])),
+        slab,
+        SKIN,
+        options=AS_GIVEN,
     )
-    assert double.force[2] == pytest.approx(2 * single.force[2], rel=1e-9)
-    assert "nothing passed on by the product either" in dict(double.left_out)["coupling between fingers"]
-    assert coupled.force[2] < 0.99 * double.force[2]
+    alone = qr.solve_contact(qr.Surface(above, faces), slab, SKIN, options=AS_GIVEN)
+    assert pinched.patches[0].force[2] == pytest.approx(alone.force[2], rel=1e-9)
+    assert "face away from each other" in dict(pinched.left_out)["coupling between fingers"]
 
 
 def test_a_combined_skin_meets_an_elastic_product() -> None:

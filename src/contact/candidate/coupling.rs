@@ -19,6 +19,11 @@ impl Coupling {
         Self { shares }
     }
 
+    /// Of fingers that all feel each other.
+    pub fn whole(count: usize) -> Self {
+        Self { shares: vec![vec![1.0; count]; count] }
+    }
+
     /// Of one finger.
     pub fn one() -> Self {
         Self::new(1, [])
@@ -52,6 +57,11 @@ impl Coupling {
         }
         let members = |first: usize| (0..count).filter(|&finger| group[finger] == first).collect();
         (0..count).filter(|&finger| group[finger] == finger).map(members).collect()
+    }
+
+    /// Whether a finger feels another one.
+    pub fn joins_some(&self) -> bool {
+        self.extremes()[1] > 0.0
     }
 
     /// The least share of two fingers, and the largest.

@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use faer::Mat;
+use nalgebra::Vector3;
 
 use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::ways::{Way, joined_inside, middle, shortest_ways, ways_between};
@@ -175,8 +176,26 @@ impl Fingers {
         self.coupling.groups().into_iter().map(candidates).collect()
     }
 
-    /// Leaves of the response of `nodes` to each other what their fingers feel.
-    pub fn weaken(&self, nodes: &[usize], matrix: &mut Mat<f64>) {
+    /// What the fingers feel of each other through one solid that they press: all where they press it from sides that face
+    /// one way, nothing else, as a half-space has one side.
+    ///
+    /// * `candidates`: all of them
+    /// * `normals`: of the solid at these
+    pub fn through_one_solid(&self, candidates: &[usize], normals: &[Vector3<f64>]) -> Coupling {
+        let count = self.candidates.len();
+        let mut facing = vec![Vector3::zeros(); count];
+        if count > 1 {
+            for (&vertex, normal) in candidates.iter().zip(normals) {
+                facing[self.of_candidate[vertex]] += normal;
+            }
+        }
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+        let face_one_way = pairs.filter(|&[a, b]| facing[a].dot(&facing[b]) > 0.0);
+        Coupling::new(count, face_one_way.map(|pair| (pair, 1.0)))
+    }
+
+    /// Leaves of the response of `nodes` to each other what their fingers feel by `coupling`.
+    pub fn weaken(&self, coupling: &Coupling, nodes: &[usize], matrix: &mut Mat<f64>) {
         if self.candidates.len() < 2 {
             return;
         }
@@ -184,7 +203,7 @@ impl Fingers {
         for (column, &finger) in of_node.iter().enumerate() {
             for (entry, &other) in matrix.col_as_slice_mut(column).iter_mut().zip(&of_node) {
                 if other != finger {
-                    *entry *= self.coupling.between(finger, other);
+                    *entry *= coupling.between(finger, other);
                 }
             }
         }
@@ -218,8 +237,6 @@ fn felt(surface: &Surface, way: &Way) -> f64 {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
-
-    use nalgebra::Vector3;
 
     use super::*;
     use crate::sample::grid;

@@ -7,8 +7,9 @@ use faer::{Mat, MatMut};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::fingers::Fingers;
-use crate::contact::equilibrium::forces::AppliedForces;
+use crate::contact::equilibrium::forces::{AppliedForces, NodeForces};
 use crate::contact::equilibrium::product::product_response;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
@@ -39,8 +40,8 @@ pub(crate) struct Compliance<'a> {
 /// The response of a product, as if it were a skin.
 struct Product<'a> {
     response: Box<dyn ElasticSkin + 'a>,
-    /// Whether it knows what passes from one finger to another.
-    joins_fingers: bool,
+    /// Whether it knows what passes from one side to another.
+    has_all_sides: bool,
 }
 
 impl<'a> Compliance<'a> {
@@ -65,7 +66,7 @@ impl<'a> Compliance<'a> {
         self.traits.negative_entries |= are_opposed(&gaps.at(&gaps.penetrating)?.normal);
         if let Some(material) = gaps.scene.obstacle.material() {
             let response = product_response(material, gaps, &self.traits)?;
-            self.product = Some(Rc::new(Product { response, joins_fingers: material.kernel().is_none() }));
+            self.product = Some(Rc::new(Product { response, has_all_sides: material.kernel().is_none() }));
             self.traits = self.traits.with_product(Some(material));
         }
         Ok(self)
@@ -85,9 +86,22 @@ impl<'a> Compliance<'a> {
         self.product.is_some()
     }
 
-    /// Whether forces on one finger are felt by the others, through the product.
-    pub fn joins_fingers(&self) -> bool {
-        self.product.as_ref().is_some_and(|product| product.joins_fingers)
+    /// What fingers feel of each other through the product.
+    ///
+    /// * `candidates`: all of them
+    /// * `normals`: of the product at these
+    pub fn through_product(
+        &self,
+        fingers: &Fingers,
+        candidates: &[usize],
+        normals: &[Vector3<f64>],
+    ) -> Coupling {
+        let count = fingers.candidates.len();
+        match &self.product {
+            None => Coupling::new(count, []),
+            Some(product) if product.has_all_sides => Coupling::whole(count),
+            Some(_) => fingers.through_one_solid(candidates, normals),
+        }
     }
 
     /// Whether the response to a force at `vertex` is known.
@@ -98,23 +112,21 @@ impl<'a> Compliance<'a> {
 
     /// R over `nodes` along the obstacle's normals there (k × k, m/N).
     ///
-    /// * `fingers`: between which the skin passes less on, or nothing
+    /// * `forces`: with the fingers between which skin and product pass less on, or nothing
     pub fn matrix(
         &self,
         nodes: &[usize],
         normals: &[Vector3<f64>],
-        fingers: &Fingers,
+        forces: &NodeForces,
     ) -> Result<Mat<f64>, ContactError> {
+        let fingers = &forces.fingers;
         let asked = Request { surface: self.surface, nodes, options: &self.options };
         let mut matrix = along(self.skin, &asked, normals)?;
-        if self.joins_fingers() {
-            fingers.weaken(nodes, &mut matrix);
-        }
+        fingers.weaken(&fingers.coupling, nodes, &mut matrix);
         if let Some(product) = &self.product {
-            matrix += along(&*product.response, &asked, normals)?;
-        }
-        if !self.joins_fingers() {
-            fingers.weaken(nodes, &mut matrix);
+            let mut of_product = along(&*product.response, &asked, normals)?;
+            fingers.weaken(&forces.through_product, nodes, &mut of_product);
+            matrix += of_product;
         }
         Ok(matrix)
     }
@@ -182,7 +194,7 @@ impl<'a> Compliance<'a> {
         forces: AppliedForces,
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
-        let mut moved = self.under(self.skin, options, forces, vertices)?;
+        let mut moved = self.under(self.skin, &forces.fingers.coupling, options, forces, vertices)?;
         if let Some(product) = &self.product {
             let of_product = self.product_under(product, options, forces, vertices)?;
             moved.iter_mut().zip(of_product).for_each(|(moved, product)| *moved += product);
@@ -197,14 +209,13 @@ impl<'a> Compliance<'a> {
         forces: AppliedForces,
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
-        let together = Fingers::one(forces.active);
-        let fingers = if product.joins_fingers { &together } else { forces.fingers };
-        self.under(&*product.response, options, AppliedForces { fingers, ..forces }, vertices)
+        self.under(&*product.response, forces.through_product, options, forces, vertices)
     }
 
     fn under(
         &self,
         moving: &dyn ElasticSkin,
+        coupling: &Coupling,
         options: &AssemblyOptions,
         forces: AppliedForces,
         vertices: &[usize],
@@ -225,7 +236,7 @@ impl<'a> Compliance<'a> {
             let rows: Vec<usize> = (0..vertices.len()).filter(|&row| is_own(vertices[row])).collect();
             let own: Vec<usize> = rows.iter().map(|&row| vertices[row]).collect();
             let felt = |vertex: usize| {
-                fingers.finger_of(vertex).map_or(0.0, |other| fingers.coupling.between(finger, other))
+                fingers.finger_of(vertex).map_or(0.0, |other| coupling.between(finger, other))
             };
             let (active, pushed): (Vec<usize>, Vec<Vector3<f64>>) = (forces.active.iter())
                 .map(|&vertex| (vertex, felt(vertex) * forces.vectors[vertex]))

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use nalgebra::Vector3;
 
+use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::error::ContactError;
@@ -17,6 +18,8 @@ use crate::linalg::definiteness::Spectrum;
 pub(crate) struct AppliedForces<'a> {
     /// Each moves the vertices nearest to it along the skin.
     pub fingers: &'a Fingers,
+    /// What the fingers feel of each other through the product.
+    pub through_product: &'a Coupling,
     /// Vertices with a force, ascending.
     pub active: &'a [usize],
     /// Force on the skin at every vertex (n, N).
@@ -30,6 +33,8 @@ pub(crate) struct NodeForces {
     pub candidates: Vec<usize>,
     /// Which of them feel each other.
     pub fingers: Fingers,
+    /// What the fingers feel of each other through the product.
+    pub through_product: Coupling,
     /// Vertices with f > 0, ascending.
     pub active: Vec<usize>,
     /// f (n, N), zero outside the candidates; NaN on candidates of a problem that did not solve.
@@ -52,10 +57,17 @@ pub(crate) struct NodeForces {
 
 impl NodeForces {
     /// No forces yet on `candidates`, whose gaps are `at_candidates`.
-    pub fn none(gaps: &Gaps, candidates: Vec<usize>, fingers: Fingers, at_candidates: Measured) -> Self {
+    pub fn none(
+        gaps: &Gaps,
+        candidates: Vec<usize>,
+        fingers: Fingers,
+        through_product: Coupling,
+        at_candidates: Measured,
+    ) -> Self {
         let vertex_count = gaps.surface.vertices().len();
         Self {
             fingers,
+            through_product,
             active: Vec::new(),
             force: vec![0.0; vertex_count],
             gap: gaps.undeformed(),
@@ -72,12 +84,17 @@ impl NodeForces {
     /// Skin and obstacle are apart.
     pub fn apart(gaps: &Gaps) -> Self {
         let nothing = Measured { distance: Vec::new(), normal: Vec::new() };
-        Self::none(gaps, Vec::new(), Fingers::one(&[]), nothing)
+        Self::none(gaps, Vec::new(), Fingers::one(&[]), Coupling::one(), nothing)
     }
 
     /// The forces as a response sees them.
     pub fn applied(&self) -> AppliedForces<'_> {
-        AppliedForces { fingers: &self.fingers, active: &self.active, vectors: &self.vectors }
+        AppliedForces {
+            fingers: &self.fingers,
+            through_product: &self.through_product,
+            active: &self.active,
+            vectors: &self.vectors,
+        }
     }
 
     /// Forces on the skin at the active vertices (N).

@@ -105,8 +105,9 @@ fn solve_on(
         }
     };
     let at_candidates = gaps.at(&candidates)?;
-    let mut forces = NodeForces::none(gaps, candidates, fingers, at_candidates);
-    let groups = match response.joins_fingers() {
+    let through_product = response.through_product(&fingers, &candidates, &at_candidates.normal);
+    let mut forces = NodeForces::none(gaps, candidates, fingers, through_product, at_candidates);
+    let groups = match forces.through_product.joins_some() {
         true => vec![forces.candidates.clone()],
         false => uncoupled_groups(gaps.surface, &forces.fingers, traits.reach),
     };

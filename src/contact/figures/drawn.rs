@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::AppliedForces;
@@ -103,7 +104,12 @@ impl Contact {
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let surface = self.surface();
         let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
-        let forces = AppliedForces { fingers, active: &self.active, vectors: &self.force_vectors };
+        let forces = AppliedForces {
+            fingers,
+            through_product: &Coupling::one(),
+            active: &self.active,
+            vectors: &self.force_vectors,
+        };
         response.displace_coarsely(forces, vertices)
     }
 }

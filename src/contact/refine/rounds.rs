@@ -7,6 +7,7 @@ use std::time::Instant;
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
+use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::error::ContactError;
 use crate::contact::figures::cells::mean_edge;
 use crate::contact::in_place::{InPlace, Known};
@@ -203,6 +204,7 @@ impl Rounds<'_> {
     fn finer(&self, next: Finer) -> Result<ControlFlow<RefinementEnd, MeshRefinement>, ContactError> {
         let finest = self.meshes.finest();
         if let Some(product) = finest.clues.product
+            && errors_of_area_and_peak(finest)[0] > self.target
             && HALVED * mean_edge(finest.surface(), &finest.active) < product.edge_length
         {
             return Ok(Break(RefinementEnd::ProductMesh));

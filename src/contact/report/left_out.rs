@@ -1,6 +1,5 @@
 //! What a scene did not need, and why.
 
-use crate::contact::candidate::fingers::Fingers;
 use crate::contact::candidate::ways::Way;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
@@ -66,7 +65,7 @@ impl Report {
         }
         let fingers = forces.fingers.candidates.len();
         if fingers > 1 {
-            self.leave_out(FINGER_COUPLING, apart(&forces.fingers, response));
+            self.leave_out(FINGER_COUPLING, apart(forces, response));
         }
         if forces.solutions.len() > forces.fingers.coupling.groups().len() {
             let why = format!(
@@ -83,7 +82,8 @@ impl Report {
 }
 
 /// Why the fingers do not feel all of each other.
-fn apart(fingers: &Fingers, response: &Compliance) -> String {
+fn apart(forces: &NodeForces, response: &Compliance) -> String {
+    let fingers = &forces.fingers;
     let [least, largest] = fingers.coupling.extremes();
     let way = match fingers.parting {
         None => String::new(),
@@ -97,15 +97,15 @@ fn apart(fingers: &Fingers, response: &Compliance) -> String {
             )
         }
     };
-    let how = match (response.joins_fingers(), response.has_product()) {
+    let through_product = forces.through_product.extremes();
+    let how = match (through_product[1] > 0.0, response.has_product()) {
         _ if largest > 0.0 => {
             let [least, largest] = [least, largest].map(|share| 100.0 * share);
             format!("part of their tissue and pass on {least:.0} to {largest:.0} % of the response")
         }
-        (true, _) => "no tissue, joined by the product alone".into(),
-        (_, true) => {
-            "no tissue, each a problem of its own, with nothing passed on by the product either".into()
-        }
+        (true, _) if through_product[0] > 0.0 => "no tissue, joined by the product alone".into(),
+        (true, _) => "no tissue, joined by the product alone where they press it from sides that face one way".into(),
+        (_, true) => "no tissue, each a problem of its own: the product passes nothing on between sides that face away from each other".into(),
         _ => "no tissue, each a problem of its own".into(),
     };
     format!(
