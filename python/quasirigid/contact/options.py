@@ -35,7 +35,8 @@ class ContactOptions:
         entry (0 to 0.1); 0 for all that double precision gives.
     target_error : float or None
         Relative error that the mesh may leave in force and area, as far as it is estimated (0 < target < 1):
-        the mesh is refined around the contact until then. On a sharp edge of the product, where force and
+        the mesh is refined around the contact until then. Of several patches the force is what they carry
+        each by itself, as in a grasp they balance and little is left in all. On a sharp edge of the product, where force and
         area settle slowly, it ends with a warning once the skin held on the edge is no broader than 2.2 times
         the depth times the root of the target. None: the mesh is taken as it is.
     max_nodes : int

@@ -205,15 +205,11 @@ impl ErrorEstimate {
     }
 
     /// How many times coarser the cells may be until the force misses the target, and those at the rim until the area does.
-    pub fn room(known: &Accuracy, target: f64) -> Option<[f64; 2]> {
+    pub fn room(contact: &Contact, target: f64) -> Option<[f64; 2]> {
+        let known = &contact.accuracy;
         let [(_, force), (_, area), _] = powers(known.discretization);
         let room = |error: f64, power: f64| (target / error).powf(1.0 / power);
-        Some([room(known.mesh_error?, force), room(known.area_error?, area)])
-    }
-
-    /// The larger of what force and area leave.
-    pub fn worst(&self) -> f64 {
-        self.force.max(self.area)
+        Some([room(contact.unbalanced() * known.mesh_error?, force), room(known.area_error?, area)])
     }
 }
 

@@ -108,13 +108,6 @@ impl Meshes {
         self.last.as_ref().map_or(&self.given, |(_, contact)| contact)
     }
 
-    /// The last contact on a refined mesh, with the larger of what force and area leave.
-    fn last_figures(&self) -> Option<(&Contact, f64)> {
-        let (_, contact) = self.last.as_ref()?;
-        let accuracy = &contact.accuracy;
-        Some((contact, accuracy.mesh_error?.max(accuracy.area_error?)))
-    }
-
     /// The contact that a search found on the mesh refined last, where it asks for one of its own.
     ///
     /// * `target`: of the relative error where that mesh met it
@@ -127,7 +120,8 @@ impl Meshes {
         has_gone_farther: impl FnOnce(&Contact) -> bool,
     ) -> Option<&Contact> {
         // Without figures (an overlap whose contact did not end solved) there is no error to mend.
-        let (found, error) = self.last_figures()?;
+        let (_, found) = self.last.as_ref()?;
+        let error = found.mesh_share()?;
         let is_too_coarse = |target| error > target || found.clues.touched_between > 0;
         let is_to_mend = target.is_some_and(|target| is_too_coarse(target) || has_gone_farther(found));
         (is_to_mend || is_of_another_size(found.resultant.contact_area, refined_for)).then_some(found)

@@ -104,6 +104,25 @@ impl Contact {
         });
     }
 
+    /// What the mesh costs, to be held against a target: the larger of the error of the area, over the area, and that of the
+    /// force, over what the patches carry, each by itself. In a grasp these balance each other, and next to nothing is left in
+    /// all that an error could be a share of.
+    pub(crate) fn mesh_share(&self) -> Option<f64> {
+        let Accuracy { mesh_error, area_error, .. } = self.accuracy;
+        Some((mesh_error? * self.unbalanced()).max(area_error?))
+    }
+
+    /// Share of what the patches carry, each by itself, that is left in all.
+    pub(crate) fn unbalanced(&self) -> f64 {
+        match &self.patches[..] {
+            [] | [_] => 1.0,
+            all => {
+                let carried: f64 = all.iter().map(|patch| patch.resultant.force.norm()).sum();
+                self.resultant.force.norm() / carried
+            }
+        }
+    }
+
     /// Says why no further round followed.
     ///
     /// * `at_facets`: [`growth_at_facets`](Self::growth_at_facets)

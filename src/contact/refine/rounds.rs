@@ -189,8 +189,8 @@ impl Rounds<'_> {
             let end = if has_failed {
                 Some(RefinementEnd::NotSolved)
             } else {
-                self.touches_elsewhere_alone = self.is_met(error) && self.touches_elsewhere(&contact);
-                self.ending(&contact, error, &mut so_far)
+                self.touches_elsewhere_alone = self.is_met(&contact) && self.touches_elsewhere(&contact);
+                self.ending(&contact, &mut so_far)
             };
             self.meshes.last = Some((part, contact));
             if let Some(end) = end {
@@ -251,8 +251,8 @@ impl Rounds<'_> {
         Ok(Continue(contact))
     }
 
-    fn is_met(&self, error: Option<ErrorEstimate>) -> bool {
-        error.is_some_and(|error| error.worst() <= self.target)
+    fn is_met(&self, contact: &Contact) -> bool {
+        contact.mesh_share().is_some_and(|share| share <= self.target)
     }
 
     fn touches_elsewhere(&self, contact: &Contact) -> bool {
@@ -260,15 +260,10 @@ impl Rounds<'_> {
     }
 
     /// Why no further round follows, if none does.
-    fn ending(
-        &self,
-        contact: &Contact,
-        error: Option<ErrorEstimate>,
-        so_far: &mut SoFar,
-    ) -> Option<RefinementEnd> {
+    fn ending(&self, contact: &Contact, so_far: &mut SoFar) -> Option<RefinementEnd> {
         let left_before = std::mem::replace(&mut so_far.left, contact.max_penetration_after);
-        let error = error?;
-        let is_met = self.is_met(Some(error));
+        let share = contact.mesh_share()?;
+        let is_met = self.is_met(contact);
         let is_resolved = !self.touches_elsewhere(contact)
             && (contact.is_free_of_penetration()
                 || so_far.left > SETTLING * left_before
@@ -277,9 +272,9 @@ impl Rounds<'_> {
             return Some(RefinementEnd::Target);
         }
         let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_UNDER_FORCE;
-        let is_unsettled = !is_met && error.worst() > SETTLING * so_far.worst && may_settle;
+        let is_unsettled = !is_met && share > SETTLING * so_far.worst && may_settle;
         so_far.unsettled = if is_unsettled { so_far.unsettled + 1 } else { 0 };
-        so_far.worst = error.worst();
+        so_far.worst = share;
         (so_far.unsettled >= UNSETTLED_ROUNDS).then_some(RefinementEnd::Unsettled)
     }
 

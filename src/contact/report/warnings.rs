@@ -169,7 +169,7 @@ impl Contact {
         let mut short = Vec::new();
         let left = self.unresolved_penetration();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
-            && force.max(area) + left > target
+            && (self.unbalanced() * force).max(area) + left > target
         {
             let (force, area) = (percent(force + left), percent(area + left));
             short.push(format!(

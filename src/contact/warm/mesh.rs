@@ -54,7 +54,7 @@ impl RefinedFor {
     ///
     /// * `target`: of the relative error
     pub fn new(surface: &Surface, contact: &Contact, target: f64, max_nodes: usize) -> Option<Self> {
-        let [of_force, of_area] = ErrorEstimate::room(&contact.accuracy, target)?;
+        let [of_force, of_area] = ErrorEstimate::room(contact, target)?;
         let (edge, rim_edge) = (mean_edge(surface, &contact.active), rim_edge(surface, contact));
         let nodes = contact.candidates.len();
         (MORE_NODES * nodes as f64 <= max_nodes as f64).then(|| Self {
