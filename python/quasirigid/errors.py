@@ -48,7 +48,7 @@ class DepthWarning(QuasirigidWarning):
 
 
 class ModulusWarning(QuasirigidWarning):
-    """The shear modulus lies outside the range of soft tissue."""
+    """The shear modulus lies outside the range of soft tissue, or that of a product outside those of materials."""
 
 
 class CoarseMeshWarning(QuasirigidWarning):

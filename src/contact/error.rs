@@ -1,6 +1,7 @@
 //! Why a contact could not be posed or carried through.
 
 use crate::contact::outcome::Contact;
+use crate::contact::report::digits::Digits;
 use crate::lcp::problem::LcpError;
 use crate::obstacle::error::ObstacleError;
 use crate::response::error::ResponseError;
@@ -44,10 +45,12 @@ pub enum ContactError {
     },
     /// A press cannot reach the force or the overlap asked for.
     #[error(
-        "a{} {goal} of {asked:.6e} {unit} is not reached: the {} {goal} found is {largest:.6e} {unit} at a depth of {depth:.6e} m; {why}",
+        "a{} {goal} of {asked} {unit} is not reached: the {} {goal} found is {} {unit} at a depth of {} m; {why}",
         if *goal == "overlap" { "n" } else { "" },
         // Where contacts do not settle, the one found last can lie above.
-        if largest < asked { "largest" } else { "nearest" }
+        if largest < asked { "largest" } else { "nearest" },
+        Digits(*largest, 4),
+        Digits(*depth, 4)
     )]
     NotReached {
         /// `force` or `overlap`.
@@ -87,10 +90,10 @@ pub enum ContactError {
     ParallelAxes,
     /// An obstacle that turns finds no balance.
     #[error(
-        "the obstacle finds no balance about ({0:.4}, {1:.4}, {2:.4}) m: a moment of {moment:.6e} N m is left about \
-         the tilt axes under {force:.6e} N, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
+        "the obstacle finds no balance about ({x:.4}, {y:.4}, {z:.4}) m: a moment of {} N m is left about \
+         the tilt axes under {} N, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
          skin that are to carry it, or press deeper",
-        point[0], point[1], point[2]
+        Digits(*moment, 4), Digits(*force, 4), x = point[0], y = point[1], z = point[2]
     )]
     NotBalanced {
         /// The point that it turns about, where it stands now (m).

@@ -1,5 +1,7 @@
 //! The argument at which a rising function takes a value: a bracketed secant in logarithms.
 
+use crate::contact::report::digits::Digits;
+
 /// Trials at the most.
 const MAX_TRIALS: usize = 12;
 /// Largest step outwards, as a factor.
@@ -114,7 +116,8 @@ impl Search {
         match bracket.above {
             Some((_, Some(above))) => {
                 let above = self.value * above.exp();
-                bracket.why = format!("it jumps to {above:.4e} beyond: {MAX_TRIALS} depths were tried");
+                bracket.why =
+                    format!("it jumps to {} beyond: {MAX_TRIALS} depths were tried", Digits(above, 4));
             }
             None => bracket.why = format!("no more than {MAX_TRIALS} depths are tried"),
             Some((_, None)) => {}

@@ -19,6 +19,8 @@ const SKIN_EXTENTS: [f64; 2] = [5e-3, 1.0];
 const PRODUCT_EXTENTS: [f64; 2] = [1e-3, 3.0];
 /// Shear moduli that tissue has (Pa).
 const MODULI: [f64; 2] = [1e3, 10e6];
+/// Shear moduli that products have (Pa): from gels to diamond.
+const PRODUCT_MODULI: [f64; 2] = [100.0, 1e12];
 /// Share of the tissue over a bone that may be pressed in.
 const TISSUE_SHARE: f64 = 2.0 / 3.0;
 /// Share of a part's breadth that may be, where no bone is known.
@@ -49,9 +51,17 @@ impl Guarded<'_> {
         match &mut answer {
             Ok(contact) => self.warn(contact),
             Err(
-                ContactError::NotReached { contact: LargestContact(contact), .. }
-                | ContactError::NotBalanced { contact: LargestContact(contact), .. },
-            ) => self.warn(contact),
+                ContactError::NotReached { contact: LargestContact(contact), why, .. }
+                | ContactError::NotBalanced { contact: LargestContact(contact), why, .. },
+            ) => {
+                self.warn(contact);
+                let is_of_unit =
+                    |warning: &&Warning| matches!(warning.kind, WarningKind::Size | WarningKind::Modulus);
+                for doubt in contact.warnings.iter().filter(is_of_unit) {
+                    why.push_str("; ");
+                    why.push_str(&doubt.message);
+                }
+            }
             Err(_) => {}
         }
         answer
@@ -63,9 +73,11 @@ impl Guarded<'_> {
             skin_size(self.surface),
             product_size(self.obstacle),
             self.modulus(contact),
+            product_modulus(self.obstacle),
             self.mask(),
             self.depth(contact, deepest),
             self.response_range(contact, deepest),
+            product_range(contact),
             coarse_mesh(contact),
         ];
         contact.warnings.splice(0..0, found.into_iter().flatten());
@@ -75,13 +87,7 @@ impl Guarded<'_> {
         let given =
             contact.candidates.iter().copied().filter(|&vertex| vertex < contact.given_vertex_count());
         let modulus = given.chain([0]).find_map(|vertex| self.skin.shear_modulus_at(vertex))?;
-        (!is_within(modulus, MODULI)).then(|| Warning {
-            kind: WarningKind::Modulus,
-            message: format!(
-                "the shear modulus is {modulus:.4e} Pa, outside the {:.0e} to {:.0e} Pa of tissue: is it in another unit? 60 kPa is 60e3",
-                MODULI[0], MODULI[1]
-            ),
-        })
+        unit_of_modulus("shear modulus", modulus, MODULI, "tissue")
     }
 
     fn mask(&self) -> Option<Warning> {
@@ -158,6 +164,37 @@ impl Guarded<'_> {
             ),
         })
     }
+}
+
+/// Of a product that is a layer.
+fn product_range(contact: &Contact) -> Option<Warning> {
+    let thickness = contact.obstacle.material()?.kernel()?.layer_at(0)?;
+    let deepest = contact.drawing.motion.product.iter().map(|moved| moved.norm()).fold(0.0, f64::max);
+    (deepest > LAYER_SHARE * thickness).then(|| Warning {
+        kind: WarningKind::ResponseRange,
+        message: format!(
+            "the product is pressed in by {deepest:.4e} m, more than half of the {thickness:.4e} m of its layer: so thin it is stiffer than the linear layer; press less deep"
+        ),
+    })
+}
+
+fn product_modulus(obstacle: &Obstacle) -> Option<Warning> {
+    unit_of_modulus(
+        "product's shear modulus",
+        obstacle.material()?.shear_modulus(),
+        PRODUCT_MODULI,
+        "products",
+    )
+}
+
+fn unit_of_modulus(what: &str, modulus: f64, usual: [f64; 2], of: &str) -> Option<Warning> {
+    let [least, most] = usual;
+    (!is_within(modulus, usual)).then(|| Warning {
+        kind: WarningKind::Modulus,
+        message: format!(
+            "the {what} is {modulus:.4e} Pa, outside the {least:.0e} to {most:.0e} Pa of {of}: is it in another unit? 60 kPa is 60e3"
+        ),
+    })
 }
 
 fn skin_size(surface: &Surface) -> Option<Warning> {

@@ -1,6 +1,7 @@
 //! What the user is told beside the figures: seconds per stage, what the scene did not need, warnings.
 
 pub(crate) mod cuts;
+pub(crate) mod digits;
 pub(crate) mod guards;
 pub(crate) mod left_out;
 pub(crate) mod record;
