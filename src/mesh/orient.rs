@@ -8,27 +8,21 @@ pub(super) struct Orientation {
     pub flip: Vec<bool>,
     /// First edge that stays in conflict (the surface is one-sided), and how many do.
     pub conflict: Option<(EdgeFault, usize)>,
-    /// Component of each face, numbered by their first faces.
-    pub component: Vec<u32>,
-    /// Number of components.
-    pub component_count: usize,
 }
 
 /// Spreads the orientation of each component's first face over `across`, breadth first.
 pub(super) fn orient(faces: &[[u32; 3]], across: &[[u32; 3]]) -> Orientation {
-    let unseen = u32::MAX;
-    let mut component = vec![unseen; faces.len()];
+    let mut seen = vec![false; faces.len()];
     let mut flip = vec![false; faces.len()];
     let mut members: Vec<u32> = Vec::new();
     let mut conflict: Option<(EdgeFault, usize)> = None;
-    let mut component_count = 0;
     for seed in 0..faces.len() {
-        if component[seed] != unseen {
+        if seen[seed] {
             continue;
         }
         members.clear();
         members.push(seed as u32);
-        component[seed] = component_count;
+        seen[seed] = true;
         let mut head = 0;
         while head < members.len() {
             let face = members[head] as usize;
@@ -41,8 +35,8 @@ pub(super) fn orient(faces: &[[u32; 3]], across: &[[u32; 3]]) -> Orientation {
                 let other = other as usize;
                 let (a, b) = (faces[face][k], faces[face][(k + 1) % 3]);
                 let wanted = flip[face] ^ traverses(&faces[other], a, b);
-                if component[other] == unseen {
-                    component[other] = component_count;
+                if !seen[other] {
+                    seen[other] = true;
                     flip[other] = wanted;
                     members.push(other as u32);
                 } else if flip[other] != wanted && face < other {
@@ -61,9 +55,8 @@ pub(super) fn orient(faces: &[[u32; 3]], across: &[[u32; 3]]) -> Orientation {
                 flip[*face as usize] ^= true;
             }
         }
-        component_count += 1;
     }
-    Orientation { flip, conflict, component, component_count: component_count as usize }
+    Orientation { flip, conflict }
 }
 
 /// Whether the face runs from `a` to `b` along an edge.

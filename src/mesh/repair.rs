@@ -4,13 +4,14 @@ use std::fmt;
 
 use nalgebra::Vector3;
 
-use crate::mesh::adjacency::{NO_FACE, pair_edges};
+use crate::mesh::adjacency::pair_edges;
 use crate::mesh::check::{check_elements, for_each_duplicate, is_degenerate, repeated_vertex};
 use crate::mesh::component::split_closed;
 use crate::mesh::csr::Csr;
 use crate::mesh::error::MeshError;
 use crate::mesh::nesting::components_to_turn;
 use crate::mesh::orient::orient;
+use crate::mesh::topology::label_components;
 use crate::mesh::weld::weld;
 
 /// Parameters of [`repair`].
@@ -216,20 +217,17 @@ fn turn_faces(
     for (corners, _) in faces.iter_mut().zip(&flip).filter(|(_, flip)| **flip) {
         corners.swap(1, 2);
     }
-    let mut is_closed = vec![true; orientation.component_count];
+    let (component, is_closed) = label_components(&pairs.across);
     let mut total = 0.0;
-    for (face, corners) in faces.iter().enumerate() {
-        if pairs.across[face].contains(&NO_FACE) {
-            is_closed[orientation.component[face] as usize] = false;
-        }
+    for corners in faces.iter() {
         total += (vertices[corners[1] as usize] - vertices[corners[0] as usize]).norm();
     }
-    let components = split_closed(vertices, faces, &orientation.component, &is_closed);
+    let components = split_closed(vertices, faces, &component, &is_closed);
     let turned = components_to_turn(vertices, &components, total / faces.len() as f64);
-    let mut turn = vec![false; orientation.component_count];
+    let mut turn = vec![false; is_closed.len()];
     turned.iter().for_each(|label| turn[*label] = true);
     for (face, corners) in faces.iter_mut().enumerate() {
-        if turn[orientation.component[face] as usize] {
+        if turn[component[face] as usize] {
             corners.swap(1, 2);
             flip[face] ^= true;
         }
