@@ -56,7 +56,7 @@ impl Corrected {
         pulp::Arch::new().dispatch(GaussianSums { targets, loads, falloff: self.falloff(), sums });
         for (i, value) in values[..targets.rows.len()].iter_mut().enumerate() {
             let x = targets.point(i);
-            if faces.iter().all(|face| (x - face.center).norm() + face.radius <= self.cutoff) {
+            if faces.iter().all(|face| (x - face.frame.center).norm() + face.frame.radius <= self.cutoff) {
                 let exact = load.iter().filter(|(_, forces)| forces.is_none());
                 let taken = sums[i] + exact.map(|(face, _)| self.exact_gaussian(face, &x)).sum::<f64>();
                 *value -= self.height * taken;
@@ -73,9 +73,9 @@ impl Corrected {
     /// the best polynomial of degree m - 1 = 2n - 2 leaves of the kernel, `2 |f⁽ᵐ⁾| / m! (radius / 2)ᵐ`. Derivatives of 1/r
     /// are at most `m! / rᵐ⁺¹`, those of exp(-t²/2c²) at most `1.09 √m! / cᵐ` (Cramér's bound of the Hermite functions).
     fn point_forces(&self, face: &LoadedFace, tolerance: f64) -> Option<Vec<(Vector3<f64>, f64)>> {
-        let closest = FAR_SHARE * self.cutoff - face.radius;
-        let inverse_ratio = 0.5 * face.radius / closest;
-        let gaussian_ratio = 0.5 * face.radius / self.width;
+        let closest = FAR_SHARE * self.cutoff - face.frame.radius;
+        let inverse_ratio = 0.5 * face.frame.radius / closest;
+        let gaussian_ratio = 0.5 * face.frame.radius / self.width;
         // the Gaussian as a multiple of K/r
         let share = self.height * self.cutoff.min(SILENT_WIDTHS * self.width) / self.constant;
         let keeps = |n: &usize| {
@@ -99,7 +99,7 @@ impl Corrected {
 
     /// `∫ p(y) exp(-r²/2c²) dA` over one face that lies within the cutoff, in closed form.
     fn exact_gaussian(&self, face: &LoadedFace, x: &Vector3<f64>) -> f64 {
-        if (x - face.center).norm() > face.radius + SILENT_WIDTHS * self.width {
+        if (x - face.frame.center).norm() > face.frame.radius + SILENT_WIDTHS * self.width {
             return 0.0;
         }
         weighted(&face.density, &hats_within(&face.frame, x, &Gaussian { width: self.width }, self.cutoff))
@@ -107,8 +107,8 @@ impl Corrected {
 
     /// One face's share of the displacement at x.
     fn share(&self, face: &LoadedFace, forces: Option<&[(Vector3<f64>, f64)]>, x: &Vector3<f64>) -> f64 {
-        let distance = (x - face.center).norm();
-        let is_far = distance >= FAR_SHARE * self.cutoff && distance + face.radius <= self.cutoff;
+        let distance = (x - face.frame.center).norm();
+        let is_far = distance >= FAR_SHARE * self.cutoff && distance + face.frame.radius <= self.cutoff;
         match forces {
             Some(forces) if is_far => {
                 let kernel = |squared: f64| {
@@ -122,11 +122,11 @@ impl Corrected {
 
     /// One face's share of the displacement at x, in closed form.
     fn exact(&self, face: &LoadedFace, x: &Vector3<f64>) -> f64 {
-        let distance = (x - face.center).norm();
-        if distance - face.radius >= self.cutoff {
+        let distance = (x - face.frame.center).norm();
+        if distance - face.frame.radius >= self.cutoff {
             return 0.0;
         }
-        let inverse = if distance + face.radius > self.cutoff {
+        let inverse = if distance + face.frame.radius > self.cutoff {
             hats_within(&face.frame, x, &Inverse, self.cutoff)
         } else {
             hat_integrals(x, &face.frame.vertices)

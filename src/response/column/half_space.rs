@@ -191,7 +191,7 @@ impl HalfSpaceColumn<'_> {
                     near.values[k] += amplitude * weighted(&face.density, &hats);
                 }
             } else {
-                NearFace::new(face).add(simd, amplitude, near);
+                NearFace::new(&face.frame, face.density).add(simd, amplitude, near);
             }
         }
         for (&i, &value) in near.index.iter().zip(&near.values) {

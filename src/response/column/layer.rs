@@ -239,7 +239,8 @@ impl Pairs<'_> {
         near.index.sort_unstable_by(|&a, &b| distance(a).total_cmp(&distance(b)));
         near.gather(targets);
         gather(&near.index, self.inverse, thicknesses);
-        let faces: Vec<NearFace> = faces.iter().map(NearFace::new).collect();
+        let faces: Vec<NearFace> =
+            faces.iter().map(|face| NearFace::new(&face.frame, face.density)).collect();
         for i in (0..near.index.len()).step_by(S::F64_LANES) {
             let last = near.index[near.index.len().min(i + S::F64_LANES) - 1];
             // from the triangles, in thicknesses

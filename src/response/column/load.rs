@@ -1,7 +1,5 @@
 //! A unit force at one node, spread over the triangles around it.
 
-use nalgebra::Vector3;
-
 use crate::response::integral::frame::TriangleFrame;
 use crate::response::kernel::basis::PressureBasis;
 use crate::surface::checked::Surface;
@@ -13,10 +11,6 @@ pub(crate) struct LoadedFace {
     pub(crate) frame: TriangleFrame,
     /// Pressure at the corners per newton (1/m²).
     pub(crate) density: [f64; 3],
-    /// Center of a ball around the triangle (m).
-    pub(crate) center: Vector3<f64>,
-    /// Radius of that ball (m).
-    pub(crate) radius: f64,
 }
 
 impl LoadedFace {
@@ -48,7 +42,6 @@ pub(crate) fn loaded_faces(
     for &face in surface.faces_around(vertex) {
         let corners = triangles[face as usize];
         let vertices = corners.map(|v| points[v as usize]);
-        let center = (vertices[0] + vertices[1] + vertices[2]) / 3.0;
         let density = match pressure {
             PressureBasis::Linear => {
                 corners.map(|v| if v as usize == vertex { 1.0 / vertex_area } else { 0.0 })
@@ -56,8 +49,7 @@ pub(crate) fn loaded_faces(
             // the area of the one-ring is three vertex areas
             PressureBasis::OneRing => [1.0 / (3.0 * vertex_area); 3],
         };
-        let radius = vertices.iter().map(|v| (v - center).norm()).fold(0.0, f64::max);
-        faces.push(LoadedFace { frame: TriangleFrame::new(vertices), density, center, radius });
+        faces.push(LoadedFace { frame: TriangleFrame::new(vertices), density });
     }
 }
 

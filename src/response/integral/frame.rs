@@ -17,6 +17,10 @@ pub(crate) struct TriangleFrame {
     pub(crate) heights: [f64; 3],
     /// Area (m²).
     pub(crate) area: f64,
+    /// Center of a ball around the triangle (m).
+    pub(crate) center: Vector3<f64>,
+    /// Radius of that ball (m).
+    pub(crate) radius: f64,
 }
 
 /// A point seen from one edge: in-plane distance `d` from the edge's line, positive inside, and the ends
@@ -26,6 +30,12 @@ pub(crate) struct EdgeView {
     pub(crate) d: f64,
     pub(crate) s0: f64,
     pub(crate) s1: f64,
+}
+
+/// A triangle's centroid and the largest distance of a corner from it (m).
+pub(crate) fn ball_around(corners: &[Vector3<f64>; 3]) -> (Vector3<f64>, f64) {
+    let center = (corners[0] + corners[1] + corners[2]) / 3.0;
+    (center, corners.iter().map(|corner| (corner - center).norm()).fold(0.0, f64::max))
 }
 
 impl TriangleFrame {
@@ -41,6 +51,7 @@ impl TriangleFrame {
         let normal = cross / double_area;
         let lengths = edges.map(|e| e.norm());
         let tangents = edges.map(|e| e.normalize());
+        let (center, radius) = ball_around(&vertices);
         Self {
             vertices,
             normal,
@@ -48,6 +59,8 @@ impl TriangleFrame {
             outward: tangents.map(|t| t.cross(&normal)),
             heights: lengths.map(|l| double_area / l),
             area: 0.5 * double_area,
+            center,
+            radius,
         }
     }
 

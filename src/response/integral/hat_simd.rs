@@ -3,12 +3,12 @@
 use nalgebra::Vector3;
 use pulp::Simd;
 
-use crate::response::column::load::LoadedFace;
+use crate::response::integral::frame::TriangleFrame;
 use crate::response::simd::functions::{angle, ln_ratio};
 use crate::response::simd::lanes::{Lanes, dot};
 use crate::response::simd::points::Selection;
 
-/// A loaded triangle with everything that does not depend on the point.
+/// A triangle under a linear density, with everything that does not depend on the point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NearFace {
     pub(crate) corners: [[f64; 3]; 3],
@@ -29,13 +29,13 @@ fn array(v: &Vector3<f64>) -> [f64; 3] {
 }
 
 impl NearFace {
-    pub(crate) fn new(face: &LoadedFace) -> Self {
-        let frame = &face.frame;
+    /// * `density`: at the corners
+    pub(crate) fn new(frame: &TriangleFrame, density: [f64; 3]) -> Self {
         let mut gradient = Vector3::zeros();
-        let even = face.density[0] == face.density[1] && face.density[0] == face.density[2];
+        let even = density[0] == density[1] && density[0] == density[2];
         if !even {
-            for k in 0..3 {
-                gradient += frame.outward[k] * (face.density[k] / frame.heights[k]);
+            for ((outward, value), height) in frame.outward.iter().zip(density).zip(frame.heights) {
+                gradient += outward * (value / height);
             }
         }
         Self {
@@ -45,7 +45,7 @@ impl NearFace {
             outward: std::array::from_fn(|k| array(&frame.outward[k])),
             lengths: frame.heights.map(|h| 2.0 * frame.area / h),
             double_area: 2.0 * frame.area,
-            at_corner: face.density[0],
+            at_corner: density[0],
             gradient: array(&gradient),
             edge: std::array::from_fn(|k| 0.5 * gradient.dot(&frame.outward[k])),
         }
@@ -130,12 +130,11 @@ pub(crate) struct NearHats {
 }
 
 impl NearHats {
-    pub(crate) fn new(face: &LoadedFace) -> Self {
-        let frame = &face.frame;
+    pub(crate) fn new(frame: &TriangleFrame) -> Self {
         let slopes = frame.heights.map(|height| 1.0 / height);
         let edge = |k: usize, e: usize| 0.5 * slopes[k] * frame.outward[k].dot(&frame.outward[e]);
         let edges = std::array::from_fn(|k| std::array::from_fn(|e| edge(k, e)));
-        Self { face: NearFace::new(face), slopes, edges }
+        Self { face: NearFace::new(frame, [1.0; 3]), slopes, edges }
     }
 
     /// `∫ hat(y) / |x - y| dA` (m) of each hat.
@@ -169,7 +168,6 @@ pub(crate) fn along<S: Simd>(a: &[Lanes<S>; 3], v: &[f64; 3]) -> Lanes<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::response::integral::frame::TriangleFrame;
     use crate::sample::reference_integrals;
 
     #[test]
@@ -183,10 +181,9 @@ mod tests {
             for k in 0..3 {
                 let mut density = [0.0; 3];
                 density[k] = 1.0;
-                let face = LoadedFace { frame, density, center: Vector3::zeros(), radius: length };
                 let [x, y, z] = [point.x, point.y, point.z].map(|c| vec![c]);
                 let mut here = Selection { index: vec![0], x, y, z, values: vec![0.0] };
-                NearFace::new(&face).add(pulp::Scalar, 1.0, &mut here);
+                NearFace::new(&frame, density).add(pulp::Scalar, 1.0, &mut here);
                 let error = (here.values[0] / case.inverse[k] - 1.0).abs();
                 assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");
             }

@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 
 use crate::response::column::load::LoadedFace;
 use crate::response::error::ResponseError;
-use crate::response::integral::frame::TriangleFrame;
+use crate::response::integral::frame::{TriangleFrame, ball_around};
 use crate::response::integral::hat::hat_integrals_within;
 use crate::response::integral::hat_simd::NearHats;
 use crate::response::integral::rule_lists::RuleLists;
@@ -43,8 +43,7 @@ impl NodeFace {
                 return None;
             }
             let corners = vertices.map(|v| surface.vertices()[v as usize]);
-            let center = (corners[0] + corners[1] + corners[2]) / 3.0;
-            let radius = corners.iter().map(|c| (c - center).norm()).fold(0.0, f64::max);
+            let (center, radius) = ball_around(&corners);
             Some(Self { corners, vertices, rows, columns, center, radius, area })
         };
         surface.faces().iter().zip(surface.face_areas()).filter_map(face).collect()
@@ -208,9 +207,8 @@ impl Hats {
     fn new(surface: &Surface, face: &NodeFace, tolerance: f64) -> Self {
         let share = |&v: &u32| 1.0 / surface.vertex_areas()[v as usize];
         let density = [face.vertices.iter().map(share).fold(0.0, f64::max); 3];
-        let frame = TriangleFrame::new(face.corners);
-        let loaded = LoadedFace { frame, density, center: face.center, radius: face.radius };
-        Self { vertices: face.corners, near: NearHats::new(&loaded), loaded, tolerance }
+        let loaded = LoadedFace { frame: TriangleFrame::new(face.corners), density };
+        Self { vertices: face.corners, near: NearHats::new(&loaded.frame), loaded, tolerance }
     }
 
     /// Averages over `outer` (m) of its hats, the rows, times the potentials of these.

@@ -17,6 +17,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::response::integral::frame::ball_around;
+
 /// A flat triangle with what the integrals need of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Triangle {
@@ -32,8 +34,7 @@ impl Triangle {
     pub fn new(corners: [Vector3<f64>; 3]) -> Self {
         let cross = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
         let twice_area = cross.norm();
-        let centroid = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let radius = corners.iter().map(|c| (c - centroid).norm()).fold(0.0, f64::max);
+        let (centroid, radius) = ball_around(&corners);
         Triangle { corners, normal: cross / twice_area, area: 0.5 * twice_area, centroid, radius }
     }
 }
