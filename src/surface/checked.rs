@@ -182,6 +182,15 @@ impl Surface {
         self.topology.faces_around(vertex)
     }
 
+    /// Faces around any of some vertices, ascending, each once.
+    pub(crate) fn faces_at(&self, vertices: &[usize]) -> Vec<u32> {
+        let mut faces: Vec<u32> =
+            vertices.iter().flat_map(|&vertex| self.faces_around(vertex)).copied().collect();
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
     /// The box around the vertices.
     pub fn bounding_box(&self) -> Bounds {
         self.measures.bounding_box

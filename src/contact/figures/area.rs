@@ -56,11 +56,7 @@ pub(crate) fn contact_areas(
         depth[vertex] = depth_inside(surface, touches, &depth, vertex);
     }
     let mut areas = vec![0.0; gap.len()];
-    let mut faces: Vec<u32> =
-        active.iter().flat_map(|&vertex| surface.faces_around(vertex)).copied().collect();
-    faces.sort_unstable();
-    faces.dedup();
-    for face in faces {
+    for face in surface.faces_at(active) {
         let corners = surface.faces()[face as usize].map(|corner| corner as usize);
         let loaded = corners.iter().filter(|&&corner| node_force[corner] > 0.0).count() as f64;
         let within = share_within(corners.map(|corner| (touches[corner], depth[corner].abs())));

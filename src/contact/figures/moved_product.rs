@@ -155,12 +155,8 @@ impl Contact {
             };
             surface.vertices()[vertex] + apart(vertex).unwrap_or_else(mean)
         };
-        let mut faces: Vec<u32> =
-            active.iter().flat_map(|&vertex| surface.faces_around(vertex)).copied().collect();
-        faces.sort_unstable();
-        faces.dedup();
-        let faces =
-            faces.into_iter().map(|face| surface.faces()[face as usize].map(|v| row(v as usize) as u32));
+        let faces = surface.faces_at(active).into_iter();
+        let faces = faces.map(|face| surface.faces()[face as usize].map(|v| row(v as usize) as u32));
         let nodes = active.iter().map(|&vertex| row(vertex)).collect();
         (corners.iter().map(point).collect(), faces.collect(), nodes)
     }

@@ -306,13 +306,9 @@ fn take_edges(
 /// Triangles of the skin whose corners are all among `vertices`, as positions in that list.
 pub(crate) fn triangles_among(surface: &Surface, vertices: &[usize]) -> Vec<[u32; 3]> {
     let row_of: HashMap<usize, u32> = vertices.iter().copied().zip(0..).collect();
-    let mut faces: Vec<u32> =
-        vertices.iter().flat_map(|&vertex| surface.faces_around(vertex)).copied().collect();
-    faces.sort_unstable();
-    faces.dedup();
     let corners = |face: u32| {
         let [a, b, c] = surface.faces()[face as usize].map(|vertex| row_of.get(&(vertex as usize)).copied());
         Some([a?, b?, c?])
     };
-    faces.into_iter().filter_map(corners).collect()
+    surface.faces_at(vertices).into_iter().filter_map(corners).collect()
 }
