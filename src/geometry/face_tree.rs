@@ -26,6 +26,15 @@ pub(crate) struct Faces<'a> {
     pub normals: &'a [Vector3<f64>],
 }
 
+/// Unit normal of each face; zero of one without area.
+pub(crate) fn face_normals(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Vec<Vector3<f64>> {
+    let normal = |face: &[u32; 3]| {
+        let [a, b, c] = face.map(|vertex| vertices[vertex as usize]);
+        (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+    };
+    faces.iter().map(normal).collect()
+}
+
 /// Tree of the boxes around faces.
 pub(crate) fn face_tree(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Bvh {
     box_tree(faces.iter().map(|face| Bounds::around(face.map(|v| &vertices[v as usize]))))
@@ -185,14 +194,6 @@ mod tests {
         ((0..8).map(corner).collect(), faces)
     }
 
-    fn normals((vertices, faces): &Mesh) -> Vec<Vector3<f64>> {
-        let normal = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(|vertex| vertices[vertex as usize]);
-            (b - a).cross(&(c - a)).normalize()
-        };
-        faces.iter().map(normal).collect()
-    }
-
     proptest::proptest! {
         #[test]
         fn windings_along_every_axis_equal_those_of_the_solid_angle(
@@ -205,7 +206,7 @@ mod tests {
             }
             let point = Vector3::from(point);
             let expected = winding_number(&point, &mesh.0, mesh.1.iter().copied()).round() as i32;
-            let faces = Faces { vertices: &mesh.0, corners: &mesh.1, normals: &normals(&mesh) };
+            let faces = Faces { vertices: &mesh.0, corners: &mesh.1, normals: &face_normals(&mesh.0, &mesh.1) };
             let tree = face_tree(&mesh.0, &mesh.1);
             for axis in 0..3 {
                 proptest::prop_assert_eq!(faces.winding_along(&tree, &point, axis), Some(expected));
@@ -221,7 +222,7 @@ mod tests {
             let turn = nalgebra::Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
             let other: Mesh =
                 (one.0.iter().map(|v| turn * v + Vector3::from(shift)).collect(), one.1.clone());
-            let normals = [normals(&one), normals(&other)];
+            let normals = [&one, &other].map(|(vertices, faces)| face_normals(vertices, faces));
             let first = Faces { vertices: &one.0, corners: &one.1, normals: &normals[0] };
             let second = Faces { vertices: &other.0, corners: &other.1, normals: &normals[1] };
             let trees = [face_tree(&one.0, &one.1), face_tree(&other.0, &other.1)];
@@ -244,7 +245,7 @@ mod tests {
     fn rounding_does_not_choose_between_equally_close_faces() {
         let roof = [[-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], [0.0, 2.0, 1.0], [1.0, 0.0, 0.0]].map(Vector3::from);
         let mesh = (roof.to_vec(), vec![[0, 1, 2], [1, 3, 2]]);
-        let faces = Faces { vertices: &mesh.0, corners: &mesh.1, normals: &normals(&mesh) };
+        let faces = Faces { vertices: &mesh.0, corners: &mesh.1, normals: &face_normals(&mesh.0, &mesh.1) };
         let tree = face_tree(&mesh.0, &mesh.1);
         for x in [-1e-9, -1e-16, 0.0, 1e-16, 1e-9] {
             let below = Vector3::new(x, 0.0, 0.8);
@@ -259,7 +260,7 @@ mod tests {
     #[test]
     fn a_ray_through_an_edge_has_no_winding() {
         let mesh = box_with_slanted_lid();
-        let faces = Faces { vertices: &mesh.0, corners: &mesh.1, normals: &normals(&mesh) };
+        let faces = Faces { vertices: &mesh.0, corners: &mesh.1, normals: &face_normals(&mesh.0, &mesh.1) };
         let tree = face_tree(&mesh.0, &mesh.1);
         let on_a_diagonal = Vector3::new(0.25, 0.25, 0.5);
         assert_eq!(faces.winding_along(&tree, &on_a_diagonal, 2), None);

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use parry3d_f64::partitioning::Bvh;
 use rayon::prelude::*;
 
-use crate::geometry::face_tree::{Faces, face_tree};
+use crate::geometry::face_tree::{Faces, face_normals, face_tree};
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::{first_and_count, mean_edge_length};
 use crate::mesh::component::{ClosedComponent, closed_components};
@@ -167,11 +167,7 @@ struct Shell<'a> {
 
 impl<'a> Shell<'a> {
     fn new(vertices: &'a [Vector3<f64>], corners: &'a [[u32; 3]]) -> Shell<'a> {
-        let normal = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(|vertex| vertices[vertex as usize]);
-            (b - a).cross(&(c - a)).normalize()
-        };
-        let normals = corners.iter().map(normal).collect();
+        let normals = face_normals(vertices, corners);
         Shell { vertices, corners, normals, tree: face_tree(vertices, corners) }
     }
 

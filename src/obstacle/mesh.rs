@@ -9,7 +9,7 @@ use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::closest_point::{Closest, Feature};
-use crate::geometry::face_tree::{Faces, crossings_within, node_bounds};
+use crate::geometry::face_tree::{Faces, crossings_within, face_normals, node_bounds};
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::check;
 use crate::mesh::nesting::check_nesting;
@@ -74,13 +74,7 @@ impl MeshShape {
     }
 
     fn unchecked(vertices: Vec<Vector3<f64>>, faces: Vec<[u32; 3]>) -> MeshShape {
-        let normals = faces
-            .iter()
-            .map(|face| {
-                let [a, b, c] = face.map(|v| vertices[v as usize]);
-                (b - a).cross(&(c - a)).normalize()
-            })
-            .collect();
+        let normals = face_normals(&vertices, &faces);
         let corners = vertices.iter().map(|v| Vector::new(v.x, v.y, v.z)).collect();
         let mut tree = TriMesh::new(corners, faces.clone()).expect("a checked mesh has faces");
         tree.set_flags(TriMeshFlags::ORIENTED).expect("a checked mesh has a sound topology");

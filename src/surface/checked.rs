@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::face_tree::Faces;
 use crate::mesh::check::{check, sound_topology};
 use crate::mesh::error::MeshError;
 use crate::mesh::nesting::check_nesting;
@@ -117,6 +118,11 @@ impl Surface {
     /// Vertex indices of each face, counter-clockwise seen from outside.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
+    }
+
+    /// The faces, to be searched.
+    pub(crate) fn as_faces(&self) -> Faces<'_> {
+        Faces { vertices: &self.vertices, corners: &self.faces, normals: self.face_normals() }
     }
 
     /// Neighbourhoods, borders and components.

@@ -136,8 +136,7 @@ fn means_around(fine_vertices: &[usize], places: &[CoarsePlace], values: &[f64])
 ///
 /// * `edge_length`: at each vertex (n, m)
 fn on_surface(skin: &Surface, edge_length: &[f64]) -> impl Fn(&Vector3<f64>) -> SurfacePoint {
-    let faces = Faces { vertices: skin.vertices(), corners: skin.faces(), normals: skin.face_normals() };
-    let tree = face_tree(skin.vertices(), skin.faces());
+    let (faces, tree) = (skin.as_faces(), face_tree(skin.vertices(), skin.faces()));
     move |point| {
         let (face, weights, closest) = barycentric(&faces, &tree, point);
         let corners = faces.corners[face].map(|vertex| vertex as usize);
@@ -166,13 +165,12 @@ pub(crate) fn barycentric(faces: &Faces, tree: &Bvh, point: &Vector3<f64>) -> (u
 
 /// The place of every point on a coarse mesh, and its height over it along the normal there (m).
 fn place(points: &[Vector3<f64>], coarse: &Surface, fine_vertices: &[usize]) -> (Vec<CoarsePlace>, Vec<f64>) {
-    let (vertices, corners) = (coarse.vertices(), coarse.faces());
-    let faces = Faces { vertices, corners, normals: coarse.face_normals() };
-    let tree = face_tree(vertices, corners);
+    let vertices = coarse.vertices();
+    let (faces, tree) = (coarse.as_faces(), face_tree(vertices, coarse.faces()));
     let on_coarse = |point: &Vector3<f64>| {
         let (face, weights, closest) = barycentric(&faces, &tree, point);
         let height = (point - closest.point).dot(&faces.normals[face]);
-        let place = CoarsePlace { corners: corners[face], weights };
+        let place = CoarsePlace { corners: faces.corners[face], weights };
         (place, closest.distance_squared.sqrt().copysign(height))
     };
     let (mut places, mut heights): (Vec<_>, Vec<_>) = points.par_iter().map(on_coarse).unzip();

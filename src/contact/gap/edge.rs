@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::under::{Under, depth_along};
 use crate::geometry::bounds::Bounds;
-use crate::geometry::face_tree::{Faces, box_tree, face_tree, node_bounds};
+use crate::geometry::face_tree::{Faces, box_tree, face_normals, face_tree, node_bounds};
 use crate::obstacle::edges::ConvexEdge;
 use crate::obstacle::posed::Obstacle;
 
@@ -169,11 +169,7 @@ impl SkinPart<'_> {
             return least;
         }
         let tree = face_tree(self.points, self.triangles);
-        let normal = |face: &[u32; 3]| {
-            let [a, b, c] = face.map(|corner| self.points[corner as usize]);
-            (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
-        };
-        let normals: Vec<Vector3<f64>> = self.triangles.iter().map(normal).collect();
+        let normals = face_normals(self.points, self.triangles);
         let faces = Faces { vertices: self.points, corners: self.triangles, normals: &normals };
         let mut depth = least;
         for under in met {

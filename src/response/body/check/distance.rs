@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::geometry::crossing::triangles_meet;
-use crate::geometry::face_tree::{Faces, close_pairs, face_tree};
+use crate::geometry::face_tree::{close_pairs, face_tree};
 use crate::surface::checked::Surface;
 
 /// Two faces and their distance (m).
@@ -14,15 +14,11 @@ pub(crate) struct FacePair {
     pub distance: f64,
 }
 
-fn faces_of(surface: &Surface) -> Faces<'_> {
-    Faces { vertices: surface.vertices(), corners: surface.faces(), normals: surface.face_normals() }
-}
-
 /// The two closest faces of surfaces that do not cross.
 pub(crate) fn closest_faces(first: &Surface, second: &Surface) -> FacePair {
     let tree = face_tree(second.vertices(), second.faces());
     let closest = |face| {
-        let (closest, distance) = faces_of(second).closest_to_face(&tree, faces_of(first), face);
+        let (closest, distance) = second.as_faces().closest_to_face(&tree, first.as_faces(), face);
         FacePair { first: face, second: closest, distance }
     };
     (0..first.faces().len())
@@ -36,7 +32,7 @@ pub(crate) fn closest_faces(first: &Surface, second: &Surface) -> FacePair {
 pub(crate) fn crossings(first: &Surface, second: &Surface) -> Vec<[usize; 2]> {
     let trees = [first, second].map(|surface| face_tree(surface.vertices(), surface.faces()));
     let mut pairs = close_pairs(trees.each_ref(), 0.0);
-    let (first, second) = (faces_of(first), faces_of(second));
+    let (first, second) = (first.as_faces(), second.as_faces());
     pairs.retain(|&[i, j]| triangles_meet(first.triangle(i), second.triangle(j)));
     pairs.sort_unstable();
     pairs
@@ -48,7 +44,7 @@ pub(crate) fn closest_between_components(
     component: impl Fn(usize) -> usize,
     limit: f64,
 ) -> Option<FacePair> {
-    let faces = faces_of(surface);
+    let faces = surface.as_faces();
     let tree = face_tree(surface.vertices(), surface.faces());
     close_pairs([&tree, &tree], limit)
         .into_iter()

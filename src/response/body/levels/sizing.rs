@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use crate::geometry::face_tree::{Faces, face_tree, find_crossings};
+use crate::geometry::face_tree::{face_tree, find_crossings};
 use crate::response::body::check::distance::crossings;
 use crate::response::body::check::tissue::{check_nodes, check_uncrossed};
 use crate::response::body::error::BodyError;
@@ -47,9 +47,7 @@ const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
 /// Thickness of the tissue (n, m): distance of each vertex of the skin from the bone, or of the bone from the skin. It
 /// varies no faster than the surface runs, so it needs no smoothing.
 pub(crate) fn tissue_thickness(skin: &Surface, bone: &Surface) -> Vec<f64> {
-    let (vertices, corners) = (bone.vertices(), bone.faces());
-    let faces = Faces { vertices, corners, normals: bone.face_normals() };
-    let tree = face_tree(vertices, corners);
+    let (faces, tree) = (bone.as_faces(), face_tree(bone.vertices(), bone.faces()));
     let distance = |point| {
         let (_, closest) = faces.closest_to_point(&tree, point, f64::INFINITY).expect("a bone has faces");
         closest.distance_squared.sqrt()
