@@ -1,4 +1,4 @@
-//! Points and triangles: bounds, closest point, crossing, direction, ray, solid angle, rigid motion. No mesh, no physics.
+//! Points and triangles: bounds, closest point, crossing, segment, direction, ray, solid angle, rigid motion. No mesh, no physics.
 
 pub(crate) mod bounds;
 pub(crate) mod closest_point;
@@ -7,6 +7,7 @@ pub(crate) mod direction;
 pub(crate) mod face_tree;
 pub(crate) mod ray;
 pub(crate) mod rigid_motion;
+pub(crate) mod segment;
 pub(crate) mod solid_angle;
 
 pub use bounds::Bounds;

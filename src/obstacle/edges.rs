@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::node_bounds;
+use crate::geometry::segment::share_along;
 use crate::obstacle::posed::{Obstacle, PoseMatrix, Shape};
 use crate::obstacle::primitive::Primitive;
 
@@ -63,9 +64,8 @@ impl ConvexEdge {
 
     /// Distance of a point (m).
     pub fn distance(&self, point: &Vector3<f64>) -> f64 {
-        let [from, way] = [point - self.ends[0], self.ends[1] - self.ends[0]];
-        let share = (from.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
-        (from - share * way).norm()
+        let [a, b] = &self.ends;
+        ((point - a) - share_along(point, a, b) * (b - a)).norm()
     }
 }
 

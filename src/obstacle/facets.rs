@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 
+use crate::geometry::segment::share_along;
 use crate::obstacle::mesh::MeshShape;
 use crate::obstacle::posed::{Obstacle, Shape};
 
@@ -34,8 +35,7 @@ impl MeshShape {
         };
         let growth = |side: usize| {
             let [from, to] = [side, side + 1].map(|k| corners[k % 3]);
-            let (along, offset) = (to - from, closest.point - from);
-            let nearest = from + (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0) * along;
+            let nearest = from + share_along(&closest.point, &from, &to) * (to - from);
             let is_near = |place: &Vector3<f64>| (closest.point - place).norm() <= reach;
             let [ridge, tip] =
                 [known.edges_pseudo_normal[face][side], known.vertices_pseudo_normal[numbers[side]]]

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::direction::perpendicular;
+use crate::geometry::segment::share_along;
 use crate::obstacle::nearest::Nearest;
 
 /// Within this share of the primitive's size from its surface, a direction `p - c` is rounding noise and the
@@ -41,8 +42,7 @@ impl Primitive {
             Primitive::Cuboid { half_extents } => nearest_on_cuboid(p, half_extents),
             Primitive::Capsule { a, b, radius } => {
                 let axis = b - a;
-                let along = ((p - a).dot(&axis) / axis.norm_squared()).clamp(0.0, 1.0);
-                around(p, &(a + axis * along), *radius, perpendicular(&axis))
+                around(p, &(a + axis * share_along(p, a, b)), *radius, perpendicular(&axis))
             }
             Primitive::Cylinder { half_height, radius } => nearest_on_cylinder(p, *half_height, *radius),
         }
