@@ -141,14 +141,13 @@ impl PreparedBody {
         own: impl Fn(usize) -> Option<usize>,
     ) -> Result<Option<BodyOnMesh>, ResponseError> {
         let Some(coarseness) = &self.coarseness else { return Ok(None) };
+        let response = match &self.levels {
+            Levels::Given(_) => return Ok(None),
+            Levels::One(one) => one.near_and_far(&self.surface, self.discretization)?,
+            Levels::Two(two) => two.near_and_far(self.discretization),
+        };
         let coarseness = coarseness.on_refined(mesh, &own);
-        match &self.levels {
-            Levels::Given(_) => Ok(None),
-            Levels::One(one) => {
-                one.on_refined(&self.surface, mesh, own, self.discretization, coarseness).map(Some)
-            }
-            Levels::Two(two) => two.on_refined(mesh, own, self.discretization, coarseness).map(Some),
-        }
+        Ok(Some(BodyOnMesh { response: response.on_refined(mesh, own)?, coarseness }))
     }
 
     /// Pressure (Pa) on every vertex of the bone under a force (N) at every vertex of the surface; `None` if the

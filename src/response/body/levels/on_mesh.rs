@@ -15,6 +15,7 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::skin::elastic::Request;
+use crate::surface::refined::RefinedSurface;
 
 /// Rows of scalars at a time, so that memory stays small.
 const ROWS_AT_ONCE: usize = 4096;
@@ -23,7 +24,7 @@ const ROWS_AT_ONCE: usize = 4096;
 pub(crate) type Weights = Vec<(u32, f64)>;
 
 /// Weights at the middle of an edge from those at its ends.
-pub(crate) fn joined(a: &Option<Weights>, b: &Option<Weights>) -> Option<Weights> {
+fn joined(a: &Option<Weights>, b: &Option<Weights>) -> Option<Weights> {
     let (a, b) = (a.as_ref()?, b.as_ref()?);
     let mut both: Weights = a.iter().chain(b).map(|&(coarse, weight)| (coarse, 0.5 * weight)).collect();
     both.sort_unstable_by_key(|&(coarse, _)| coarse);
@@ -60,6 +61,33 @@ pub(crate) struct NearAndFar {
 }
 
 impl NearAndFar {
+    /// Nothing is known of the near kernel yet.
+    pub fn new(
+        remainder: Remainder,
+        weights: Arc<[Option<Weights>]>,
+        fixed: Arc<[bool]>,
+        near: NearKernel,
+        discretization: Discretization,
+    ) -> Self {
+        let (kept, averaged) = (KeptBlock::default(), KeptBlock::default());
+        Self { remainder, weights, fixed, near, discretization, kept, averaged }
+    }
+
+    /// On a refinement of its mesh, or of a mesh that its own is a part of.
+    ///
+    /// * `own`: vertex of its mesh for a given vertex
+    pub fn on_refined(
+        &self,
+        mesh: &RefinedSurface,
+        own: impl Fn(usize) -> Option<usize>,
+    ) -> Result<Self, ResponseError> {
+        let weights = mesh.inherit(|vertex| self.weights[own(vertex)?].clone(), joined).into();
+        let is_fixed = |vertex| own(vertex).is_none_or(|own| self.fixed[own]);
+        let fixed = mesh.inherit(is_fixed, |a, b| *a && *b).into();
+        let near = self.near.on_refined(mesh, own)?;
+        Ok(Self::new(self.remainder.clone(), weights, fixed, near, self.discretization))
+    }
+
     /// Whether the response to a force at `vertex` is known.
     pub fn is_prepared(&self, vertex: usize) -> bool {
         let known = |weights: &Weights| weights.iter().all(|&(coarse, _)| self.remainder.is_loaded(coarse));

@@ -6,17 +6,15 @@ use faer::Mat;
 use nalgebra::Vector3;
 
 use crate::response::body::compliance::BodyCompliance;
-use crate::response::body::levels::coarseness::Coarseness;
 use crate::response::body::levels::gathered::Gathered;
 use crate::response::body::levels::near::NearKernel;
-use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, joined};
+use crate::response::body::levels::on_mesh::NearAndFar;
 use crate::response::body::levels::remainder::Remainder;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::skin::elastic::Request;
 use crate::surface::checked::Surface;
-use crate::surface::refined::RefinedSurface;
 
 /// A body solved on the skin's own mesh, and what a refinement of that mesh needs beside it.
 #[derive(Debug, Clone)]
@@ -50,31 +48,20 @@ impl OneLevel {
         Ok(along(Discretization::Galerkin)? - along(Discretization::Collocation)?)
     }
 
-    /// On a refinement of the skin, or of a skin that this one is a part of: the skin itself is the coarse mesh.
+    /// On the skin's own mesh, which is the coarse mesh as well.
     ///
     /// * `skin`: the skin where it stands now
-    /// * `own`: its vertex for a given vertex
-    pub(crate) fn on_refined(
+    pub(crate) fn near_and_far(
         &self,
         skin: &Surface,
-        mesh: &RefinedSurface,
-        own: impl Fn(usize) -> Option<usize>,
         discretization: Discretization,
-        coarseness: Coarseness,
-    ) -> Result<BodyOnMesh, ResponseError> {
+    ) -> Result<NearAndFar, ResponseError> {
         let near = self.near()?;
-        let weights = |vertex| own(vertex).map(|own| vec![(own as u32, 1.0)]);
-        let response = NearAndFar {
-            weights: mesh.inherit(weights, joined).into(),
-            fixed: mesh
-                .inherit(|vertex| own(vertex).is_none_or(|own| self.is_still(own)), |a, b| *a && *b)
-                .into(),
-            near: near.on_refined(mesh, own)?,
-            discretization,
-            kept: KeptBlock::default(),
-            averaged: KeptBlock::default(),
-            remainder: Remainder::new(&self.compliance, Some((skin.clone(), near)), Gathered::default()),
-        };
-        Ok(BodyOnMesh { response, coarseness })
+        let vertices = 0..skin.vertices().len();
+        let weights = vertices.clone().map(|vertex| Some(vec![(vertex as u32, 1.0)])).collect();
+        let fixed = vertices.map(|vertex| self.is_still(vertex)).collect();
+        let to_take_off = Some((skin.clone(), near.clone()));
+        let remainder = Remainder::new(&self.compliance, to_take_off, Gathered::default());
+        Ok(NearAndFar::new(remainder, weights, fixed, near, discretization))
     }
 }

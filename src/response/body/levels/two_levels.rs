@@ -9,20 +9,17 @@ use rayon::prelude::*;
 use crate::response::body::check::parts::{Range, check_counts, check_numbers, check_order, components};
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::error::BodyError;
-use crate::response::body::levels::coarseness::Coarseness;
 use crate::response::body::levels::gathered::Gathered;
 use crate::response::body::levels::near::NearKernel;
-use crate::response::body::levels::on_mesh::{BodyOnMesh, NearAndFar, Weights, joined};
+use crate::response::body::levels::on_mesh::{NearAndFar, Weights};
 use crate::response::body::levels::remainder::Remainder;
 use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
 use crate::response::body::solve::{Body, BodyOptions};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
-use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::{CoarsePlace, CoarseSkin};
-use crate::surface::refined::RefinedSurface;
 
 /// Least relative error of the integral over one face of the coarse mesh: it changes a force by some 5e-6 of it, far less
 /// than that mesh does.
@@ -173,39 +170,9 @@ impl TwoLevels {
 
     /// On the skin's own mesh.
     pub(crate) fn near_and_far(&self, discretization: Discretization) -> NearAndFar {
-        NearAndFar {
-            remainder: Remainder::new(&self.remainder, None, self.gathered.clone()),
-            weights: Arc::clone(&self.weights),
-            fixed: Arc::clone(&self.fixed),
-            near: self.near.clone(),
-            discretization,
-            kept: KeptBlock::default(),
-            averaged: KeptBlock::default(),
-        }
-    }
-
-    /// On a refinement of the skin, or of a skin that this one is a part of.
-    ///
-    /// * `own`: vertex of this skin for a given vertex
-    pub(crate) fn on_refined(
-        &self,
-        mesh: &RefinedSurface,
-        own: impl Fn(usize) -> Option<usize>,
-        discretization: Discretization,
-        coarseness: Coarseness,
-    ) -> Result<BodyOnMesh, ResponseError> {
-        let weights = |vertex| own(vertex).and_then(|own| self.weights[own].clone());
-        let is_fixed = |vertex| own(vertex).is_none_or(|own| self.fixed[own]);
-        let response = NearAndFar {
-            remainder: Remainder::new(&self.remainder, None, self.gathered.clone()),
-            weights: mesh.inherit(weights, joined).into(),
-            fixed: mesh.inherit(is_fixed, |a, b| *a && *b).into(),
-            near: self.near.on_refined(mesh, own)?,
-            discretization,
-            kept: KeptBlock::default(),
-            averaged: KeptBlock::default(),
-        };
-        Ok(BodyOnMesh { response, coarseness })
+        let remainder = Remainder::new(&self.remainder, None, self.gathered.clone());
+        let (weights, fixed) = (Arc::clone(&self.weights), Arc::clone(&self.fixed));
+        NearAndFar::new(remainder, weights, fixed, self.near.clone(), discretization)
     }
 
     /// Whether forces at `nodes` are answered.
