@@ -20,13 +20,9 @@ impl<'a> PointGrid<'a> {
     /// * `points`: finite
     /// * `radius`: search distance, >= 0
     pub(super) fn new(points: &'a [Vector3<f64>], radius: f64) -> PointGrid<'a> {
-        let Bounds { low, high } = Bounds::around(points);
-        let extent = if points.is_empty() { 0.0 } else { (high - low).max() };
-        // Cells no finer than 1e-12 of the extent keep their numbers far from the limits of i64.
-        let cell = radius.max(1e-12 * extent).max(f64::MIN_POSITIVE);
-        let mut keyed: Vec<([i64; 3], u32)> =
-            points.iter().enumerate().map(|(i, point)| (key(point, &low, cell), i as u32)).collect();
-        keyed.sort_unstable();
+        let bounds = Bounds::around(points);
+        let cell = radius.max(finest_cell(&bounds));
+        let keyed = sorted_by_cell(points, &bounds.low, cell);
         let mut cells = HashMap::with_capacity(keyed.len());
         let mut start = 0;
         for run in keyed.chunk_by(|a, b| a.0 == b.0) {
@@ -34,7 +30,7 @@ impl<'a> PointGrid<'a> {
             start += run.len() as u32;
         }
         let order = keyed.into_iter().map(|(_, i)| i).collect();
-        PointGrid { points, radius, cell, origin: low, cells, order }
+        PointGrid { points, radius, cell, origin: bounds.low, cells, order }
     }
 
     /// Calls `visit(index, distance)` for every point within the radius of `point`.
@@ -55,6 +51,23 @@ impl<'a> PointGrid<'a> {
             }
         }
     }
+}
+
+/// Edge of the finest cells (m): at 1e-12 of the extent their numbers stay far from the limits of i64.
+pub(super) fn finest_cell(bounds: &Bounds) -> f64 {
+    (1e-12 * (bounds.high - bounds.low).max()).max(f64::MIN_POSITIVE)
+}
+
+/// The cell and the index of each point, sorted.
+pub(super) fn sorted_by_cell(
+    points: &[Vector3<f64>],
+    origin: &Vector3<f64>,
+    cell: f64,
+) -> Vec<([i64; 3], u32)> {
+    let mut keyed: Vec<([i64; 3], u32)> =
+        points.iter().enumerate().map(|(i, point)| (key(point, origin, cell), i as u32)).collect();
+    keyed.sort_unstable();
+    keyed
 }
 
 fn key(point: &Vector3<f64>, origin: &Vector3<f64>, cell: f64) -> [i64; 3] {

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 
 use crate::geometry::bounds::Bounds;
+use crate::mesh::grid::{finest_cell, sorted_by_cell};
 
 /// Cells on either side of a cell that may hold points within the tolerance of its own.
 const REACH: i64 = 2;
@@ -14,18 +15,10 @@ const REACH: i64 = 2;
 /// The diagonal of a cell is the tolerance, so that all points of a cell are one cluster and the work stays near
 /// the number of points, however wide the tolerance.
 pub(super) fn weld(vertices: &[Vector3<f64>], tolerance: f64) -> Vec<u32> {
-    let Bounds { low, high } = Bounds::around(vertices);
-    // Cells no finer than 1e-12 of the extent keep their numbers far from the limits of i64.
-    let finest = (1e-12 * (high - low).max()).max(f64::MIN_POSITIVE);
-    let cell = (tolerance / 3f64.sqrt() * (1.0 - 1e-12)).max(finest);
+    let bounds = Bounds::around(vertices);
+    let cell = (tolerance / 3f64.sqrt() * (1.0 - 1e-12)).max(finest_cell(&bounds));
     let is_one_cluster = tolerance >= 3f64.sqrt() * cell;
-    let key = |point: &Vector3<f64>| {
-        let scaled = (point - low) / cell;
-        [scaled.x.floor() as i64, scaled.y.floor() as i64, scaled.z.floor() as i64]
-    };
-    let mut keyed: Vec<([i64; 3], u32)> =
-        vertices.iter().enumerate().map(|(i, point)| (key(point), i as u32)).collect();
-    keyed.sort_unstable();
+    let keyed = sorted_by_cell(vertices, &bounds.low, cell);
     let groups: Vec<&[([i64; 3], u32)]> = keyed.chunk_by(|a, b| a.0 == b.0).collect();
     let numbers: HashMap<[i64; 3], usize> =
         groups.iter().enumerate().map(|(number, group)| (group[0].0, number)).collect();

@@ -82,8 +82,7 @@ impl Obstacle {
 
 /// From the tetrahedra between the faces and the middle of the box around them.
 fn mass_of_mesh(vertices: &[Vector3<f64>], faces: &[[u32; 3]]) -> Mass {
-    let bounds = Bounds::around(vertices);
-    let origin = 0.5 * (bounds.low + bounds.high);
+    let origin = Bounds::around(vertices).center();
     let (mut volume, mut first, mut second) = (0.0, Vector3::zeros(), Matrix3::zeros());
     for face in faces {
         let [a, b, c] = face.map(|at| vertices[at as usize] - origin);
