@@ -7,10 +7,9 @@
 
 use crate::lcp::block_factor::{BlockFactor, Factor};
 use crate::lcp::certificate::nan_max;
-use crate::lcp::lemke::run::LemkeOptions;
 use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
-use crate::lcp::problem::LcpProblem;
+use crate::lcp::problem::{LcpProblem, deficit};
 use crate::lcp::reduced::ReducedProblem;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
@@ -30,20 +29,8 @@ const LARGEST_ASYMMETRY: f64 = 1e-13;
 /// Lemke's path makes many pivots.
 const FEW_IN_VAIN: usize = 64;
 
-/// Parameters of block principal pivoting.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BlockPivotingOptions {
-    /// Block exchanges without progress that are borne (Júdice and Pires advise at most ten).
-    pub patience: usize,
-    /// Lemke's method, which follows where exchanges find no answer; its `crash` is not read.
-    pub lemke: LemkeOptions,
-}
-
-impl Default for BlockPivotingOptions {
-    fn default() -> Self {
-        Self { patience: 10, lemke: LemkeOptions::default() }
-    }
-}
+/// Block exchanges without progress that are borne: Júdice and Pires advise at most ten.
+pub(super) const PATIENCE: usize = 10;
 
 /// What to do where block exchanges do not get on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -209,7 +196,7 @@ impl<'a> Bases<'a> {
     /// z, in `outcome`, and w of the complementary basis of `set`; the largest of their values in units of w, and
     /// how far w is from zero on the set.
     fn values(&self, set: &[usize], factor: &BlockFactor, outcome: &mut Outcome) -> (Vec<f64>, f64, f64) {
-        let deficit = self.reduced.q.iter().fold(0.0, |deficit: f64, q| deficit.max(-q));
+        let deficit = deficit(&self.reduced.q);
         let z = &mut outcome.z;
         z.fill(0.0);
         let mut w = self.reduced.q.clone();

@@ -1,10 +1,10 @@
 //! What each method does with a problem, and what follows where it fails.
 
-use crate::lcp::block_pivoting::{self, BlockPivotingOptions, Fallback, ZERO_TOLERANCE, first_guess};
+use crate::lcp::block_pivoting::{self, Fallback, PATIENCE, ZERO_TOLERANCE, first_guess};
 use crate::lcp::lemke::path::draw;
 use crate::lcp::lemke::run::{self, LemkeOptions};
 use crate::lcp::problem::{Halt, LcpError};
-use crate::lcp::projected_cg::{self, ProjectedCgOptions};
+use crate::lcp::projected_cg;
 use crate::lcp::ray::{LcpRay, RayConclusion};
 use crate::lcp::reduced::{ReducedProblem, power_of_two, rows_that_matter};
 use crate::lcp::session::{Answer, Session, StartingBasis};
@@ -29,27 +29,17 @@ const FEW_UNKNOWNS: usize = 16;
 /// So often rows that an answer leaves open are added before all of M is looked at for those that may matter.
 const ROW_GROWTHS: usize = 4;
 
-/// Parameters of [`LcpMethod::Auto`](crate::lcp::LcpMethod::Auto).
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct AutoOptions {
-    /// Block exchanges and, in their [`lemke`](BlockPivotingOptions::lemke), the path that follows.
-    pub block_pivoting: BlockPivotingOptions,
-    /// Conjugate gradients, where all else has failed.
-    pub projected_cg: ProjectedCgOptions,
-}
-
 impl Session<'_> {
-    pub(super) fn auto(&mut self, options: &AutoOptions) -> Result<Answer, Halt> {
-        let patience = options.block_pivoting.patience;
+    pub(super) fn auto(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
         let guessed = self.options.initial_active.is_some();
         if guessed || self.problem.known_p_matrix || self.rows_to_begin_with().len() > FEW_UNKNOWNS {
-            let answer = self.exchange(LcpMethodName::BlockPivoting, Fallback::None, patience)?;
+            let answer = self.exchange(LcpMethodName::BlockPivoting, Fallback::None, PATIENCE)?;
             if answer.is_conclusive() || self.options.exchanges_only {
                 return Ok(answer);
             }
         }
         let reduced = self.reduce()?;
-        let lemke = self.lemke_on(&reduced, &options.block_pivoting.lemke);
+        let lemke = self.lemke_on(&reduced, options);
         let conclusion = lemke.solution.ray.as_ref().map(|ray| ray.conclusion);
         if lemke.is_conclusive() || conclusion == Some(RayConclusion::Infeasible) {
             return Ok(lemke);
@@ -58,9 +48,9 @@ impl Session<'_> {
         let has_ray = lemke.solution.status == LcpStatus::Ray;
         let is_finite = !has_ray || reduced.size() <= FEW_UNKNOWNS;
         let fallback = if is_finite { Fallback::Finite } else { Fallback::None };
-        let mut others = vec![self.exchange(LcpMethodName::BlockPivoting, fallback, patience)?];
+        let mut others = vec![self.exchange(LcpMethodName::BlockPivoting, fallback, PATIENCE)?];
         if !has_ray && !others[0].is_conclusive() {
-            match self.projected_cg(&options.projected_cg) {
+            match self.projected_cg() {
                 Err(Halt::Interrupted) => return Err(Halt::Interrupted),
                 Err(Halt::Rejected(_)) => {}
                 Ok(answer) => others.push(answer),
@@ -155,14 +145,14 @@ impl Session<'_> {
 
     /// Block pivoting to its end; where single exchanges take too long, Lemke's method unless the caller set a
     /// budget.
-    pub(super) fn block_pivoting_or_lemke(&mut self, options: &BlockPivotingOptions) -> Result<Answer, Halt> {
+    pub(super) fn block_pivoting_or_lemke(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
         let fallback = if self.options.exchanges_only { Fallback::None } else { Fallback::Finite };
-        let answer = self.exchange(LcpMethodName::BlockPivoting, fallback, options.patience)?;
+        let answer = self.exchange(LcpMethodName::BlockPivoting, fallback, PATIENCE)?;
         if answer.solution.status != LcpStatus::PivotLimit || self.options.max_pivots.is_some() {
             return Ok(answer);
         }
         let reduced = self.reduce()?;
-        let path = self.lemke_on(&reduced, &options.lemke);
+        let path = self.lemke_on(&reduced, options);
         Ok(Answer { work: answer.work + path.work, ..path })
     }
 
@@ -220,12 +210,11 @@ impl Session<'_> {
 
     /// Rows left out that the answer presses below zero.
     fn open_rows(&self, solution: &LcpSolution, is_kept: &[bool]) -> Vec<usize> {
-        let scaled = |(i, &z): (usize, &f64)| if z > 0.0 { self.problem.diagonal_scale(i) * z } else { 0.0 };
-        let size = solution.z.iter().enumerate().map(scaled).fold(self.problem.deficit(), f64::max);
+        let size = self.largest_force(&solution.z);
         (0..is_kept.len()).filter(|&i| !is_kept[i] && solution.w[i] < -ZERO_TOLERANCE * size).collect()
     }
 
-    pub(super) fn projected_cg(&mut self, options: &ProjectedCgOptions) -> Result<Answer, Halt> {
+    pub(super) fn projected_cg(&mut self) -> Result<Answer, Halt> {
         let reduced = self.reduce()?;
         let columns = TouchedColumns::symmetric(&reduced);
         let (row, column, difference) = asymmetry(&columns, LARGEST_ASYMMETRY);
@@ -241,7 +230,7 @@ impl Session<'_> {
         let active = guess.unwrap_or_else(|| first_guess(&reduced.q));
         let tolerance = CG_MARGIN * self.options.tolerance;
         let budget = self.options.pivot_budget(reduced.size());
-        let outcome = projected_cg::solve(&columns, &active, tolerance, options, budget);
+        let outcome = projected_cg::solve(&columns, &active, tolerance, budget);
         let solution = self.certify(LcpMethodName::ProjectedCg, &outcome, &reduced);
         Ok(Answer { solution: self.record(solution, start), work: outcome.work })
     }

@@ -63,13 +63,10 @@ pub(crate) mod symmetry;
 pub(crate) mod touched_columns;
 
 pub use crate::linalg::definiteness::Definiteness;
-pub use block_pivoting::BlockPivotingOptions;
 pub use certificate::Certificate;
 pub use lemke::run::LemkeOptions;
-pub use methods::AutoOptions;
 pub use options::{DefinitenessCheck, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
-pub use projected_cg::ProjectedCgOptions;
 pub use ray::{LcpRay, RayConclusion};
 pub use solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus};
 pub use solve::{LcpMethod, solve};

@@ -196,7 +196,7 @@ impl<'a> LcpProblem<'a> {
 
     /// `max(-q, 0)`, the length by which residuals are divided.
     pub fn deficit(&self) -> f64 {
-        self.q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q))
+        deficit(self.q)
     }
 
     /// Smallest entry and largest magnitude of each row; the first call looks at every entry of M.
@@ -242,6 +242,11 @@ impl<'a> LcpProblem<'a> {
             None => (0..self.size()).fold(0.0, |largest: f64, j| largest.max(self.m[(row, j)].abs())),
         }
     }
+}
+
+/// `max(-q, 0)`.
+pub(super) fn deficit(q: &[f64]) -> f64 {
+    q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q))
 }
 
 /// Checks the length of a vector and that its entries are finite.

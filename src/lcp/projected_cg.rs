@@ -5,40 +5,24 @@
 
 use crate::lcp::certificate::nan_max;
 use crate::lcp::outcome::Outcome;
+use crate::lcp::problem::deficit;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
 
 /// Steps after which w is formed anew from z.
 const REFRESH_STEPS: usize = 50;
-
-/// Parameters of projected conjugate gradients.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ProjectedCgOptions {
-    /// Iterations without a smaller residual before the run is given up.
-    pub patience: usize,
-}
-
-impl Default for ProjectedCgOptions {
-    fn default() -> Self {
-        Self { patience: 500 }
-    }
-}
+/// Iterations without a smaller residual before the run is given up.
+const PATIENCE: usize = 500;
 
 /// Solves on `m`, all its columns touched, from the guess `active`.
-pub(super) fn solve(
-    m: &TouchedColumns,
-    active: &[usize],
-    tolerance: f64,
-    options: &ProjectedCgOptions,
-    budget: usize,
-) -> Outcome {
+pub(super) fn solve(m: &TouchedColumns, active: &[usize], tolerance: f64, budget: usize) -> Outcome {
     let (q, n) = (&m.reduced.q, m.reduced.size());
     let diagonal: Vec<f64> = (0..n).map(|i| m.column(i)[i]).collect();
     let mut outcome = Outcome::zero(LcpStatus::Breakdown, n);
     if diagonal.iter().any(|&m| m <= 0.0) {
         return outcome;
     }
-    let deficit = q.iter().fold(0.0, |deficit: f64, &q| deficit.max(-q));
+    let deficit = deficit(q);
     let mut iterate = Iterate::new(m, diagonal, active);
     let (mut best, mut best_at) = (f64::INFINITY, 0);
     loop {
@@ -59,7 +43,7 @@ pub(super) fn solve(
             Some(LcpStatus::Interrupted)
         } else if outcome.pivots >= budget {
             Some(LcpStatus::PivotLimit)
-        } else if !residual.is_finite() || outcome.pivots > best_at + options.patience {
+        } else if !residual.is_finite() || outcome.pivots > best_at + PATIENCE {
             Some(LcpStatus::Breakdown)
         } else {
             outcome.pivots += 1;

@@ -118,17 +118,25 @@ impl<'a> Session<'a> {
 
     /// z >= 0 without what is zero to rounding, which would count as active.
     fn without_rounding(&self, mut z: Vec<f64>) -> Vec<f64> {
-        let deficit = self.problem.deficit();
-        let scaled = |(i, &z): (usize, &f64)| if z > 0.0 { self.problem.diagonal_scale(i) * z } else { 0.0 };
-        let size = z.iter().enumerate().map(scaled).fold(deficit, f64::max);
         // Far below what the certificate bears.
-        let zero = (ZERO_TOLERANCE * size).min(ROUNDING_SHARE * self.options.tolerance * deficit);
+        let bearable = ROUNDING_SHARE * self.options.tolerance * self.problem.deficit();
+        let zero = (ZERO_TOLERANCE * self.largest_force(&z)).min(bearable);
         for (i, z) in z.iter_mut().enumerate() {
-            if scaled((i, z)) <= zero {
+            if self.scaled(i, *z) <= zero {
                 *z = 0.0;
             }
         }
         z
+    }
+
+    /// An unknown in units of w; 0 of one below zero.
+    fn scaled(&self, i: usize, z: f64) -> f64 {
+        if z > 0.0 { self.problem.diagonal_scale(i) * z } else { 0.0 }
+    }
+
+    /// The largest of all z in units of w, or `max(-q)` if that is larger.
+    pub(super) fn largest_force(&self, z: &[f64]) -> f64 {
+        z.iter().enumerate().map(|(i, &z)| self.scaled(i, z)).fold(self.problem.deficit(), f64::max)
     }
 
     /// Notes a run that has ended.

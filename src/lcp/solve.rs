@@ -1,11 +1,8 @@
 //! One entry for every method: look at what must be looked at, run, check against the problem as given.
 
-use crate::lcp::block_pivoting::BlockPivotingOptions;
 use crate::lcp::lemke::run::LemkeOptions;
-use crate::lcp::methods::AutoOptions;
 use crate::lcp::options::{DefinitenessCheck, LcpOptions};
 use crate::lcp::problem::{Halt, LcpError, LcpProblem};
-use crate::lcp::projected_cg::ProjectedCgOptions;
 use crate::lcp::session::{Answer, Session};
 use crate::lcp::solution::{LcpMethodName, LcpSolution, LcpStatus};
 
@@ -18,12 +15,13 @@ const FEW_ROWS: usize = 64;
 pub enum LcpMethod {
     /// Lemke's complementary pivoting; any M.
     Lemke(LemkeOptions),
-    /// Block principal pivoting; M with positive principal minors (a P-matrix).
-    BlockPivoting(BlockPivotingOptions),
+    /// Block principal pivoting; M with positive principal minors (a P-matrix). Lemke's method follows where exchanges find
+    /// no answer; its [`crash`](LemkeOptions::crash) is not read.
+    BlockPivoting(LemkeOptions),
     /// Projected conjugate gradients; M symmetric (within 1e-10 of its largest entry) and positive definite.
-    ProjectedCg(ProjectedCgOptions),
-    /// Whatever suits the problem; [`LcpSolution::attempts`] says what ran.
-    Auto(AutoOptions),
+    ProjectedCg,
+    /// Whatever suits the problem, with options as of block pivoting; [`LcpSolution::attempts`] says what ran.
+    Auto(LemkeOptions),
 }
 
 impl Default for LcpMethod {
@@ -37,9 +35,9 @@ impl From<LcpMethodName> for LcpMethod {
     fn from(name: LcpMethodName) -> Self {
         match name {
             LcpMethodName::Lemke => Self::Lemke(LemkeOptions::default()),
-            LcpMethodName::BlockPivoting => Self::BlockPivoting(BlockPivotingOptions::default()),
-            LcpMethodName::ProjectedCg => Self::ProjectedCg(ProjectedCgOptions::default()),
-            LcpMethodName::Auto => Self::Auto(AutoOptions::default()),
+            LcpMethodName::BlockPivoting => Self::BlockPivoting(LemkeOptions::default()),
+            LcpMethodName::ProjectedCg => Self::ProjectedCg,
+            LcpMethodName::Auto => Self::Auto(LemkeOptions::default()),
         }
     }
 }
@@ -50,7 +48,7 @@ impl LcpMethod {
         match self {
             Self::Lemke(_) => LcpMethodName::Lemke,
             Self::BlockPivoting(_) => LcpMethodName::BlockPivoting,
-            Self::ProjectedCg(_) => LcpMethodName::ProjectedCg,
+            Self::ProjectedCg => LcpMethodName::ProjectedCg,
             Self::Auto(_) => LcpMethodName::Auto,
         }
     }
@@ -62,10 +60,8 @@ impl LcpMethod {
 
     fn validate(&self, size: usize) -> Result<(), LcpError> {
         match self {
-            Self::Lemke(options) => options.validate(size),
-            Self::BlockPivoting(options) => options.lemke.validate(size),
-            Self::Auto(options) => options.block_pivoting.lemke.validate(size),
-            Self::ProjectedCg(_) => Ok(()),
+            Self::Lemke(lemke) | Self::BlockPivoting(lemke) | Self::Auto(lemke) => lemke.validate(size),
+            Self::ProjectedCg => Ok(()),
         }
     }
 }
@@ -121,7 +117,7 @@ fn run(session: &mut Session, method: &LcpMethod) -> Result<LcpSolution, Halt> {
     let Answer { mut solution, work } = match method {
         LcpMethod::Lemke(options) => session.lemke(options)?,
         LcpMethod::BlockPivoting(options) => session.block_pivoting_or_lemke(options)?,
-        LcpMethod::ProjectedCg(options) => session.projected_cg(options)?,
+        LcpMethod::ProjectedCg => session.projected_cg()?,
         LcpMethod::Auto(options) => session.auto(options)?,
     };
     if solution.status == LcpStatus::Interrupted {

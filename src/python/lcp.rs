@@ -5,8 +5,8 @@ use super::convert::{MatrixArgument, named, scalars};
 use super::errors::{IntoPyErr, LcpError};
 use super::interrupt::detached;
 use crate::lcp::{
-    self, AutoOptions, BlockPivotingOptions, DefinitenessCheck, LcpMethod, LcpMethodName, LcpOptions,
-    LcpProblem, LcpSolution, LemkeOptions, RayConclusion,
+    self, DefinitenessCheck, LcpMethod, LcpMethodName, LcpOptions, LcpProblem, LcpSolution, LemkeOptions,
+    RayConclusion,
 };
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -80,14 +80,9 @@ impl PyLcpOptions {
         let lemke = self.lemke.clone();
         match method {
             LcpMethod::Lemke(_) => LcpMethod::Lemke(lemke),
-            LcpMethod::BlockPivoting(options) => {
-                LcpMethod::BlockPivoting(BlockPivotingOptions { lemke, ..options })
-            }
-            LcpMethod::Auto(AutoOptions { block_pivoting, projected_cg }) => {
-                let block_pivoting = BlockPivotingOptions { lemke, ..block_pivoting };
-                LcpMethod::Auto(AutoOptions { block_pivoting, projected_cg })
-            }
-            method => method,
+            LcpMethod::BlockPivoting(_) => LcpMethod::BlockPivoting(lemke),
+            LcpMethod::Auto(_) => LcpMethod::Auto(lemke),
+            LcpMethod::ProjectedCg => LcpMethod::ProjectedCg,
         }
     }
 }
