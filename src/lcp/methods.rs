@@ -7,8 +7,8 @@ use crate::lcp::problem::{Halt, LcpError};
 use crate::lcp::projected_cg;
 use crate::lcp::ray::{LcpRay, RayConclusion};
 use crate::lcp::reduced::{ReducedProblem, power_of_two, rows_that_matter};
-use crate::lcp::session::{Answer, Session, StartingBasis};
-use crate::lcp::solution::{LcpMethodName, LcpSolution, LcpStatus};
+use crate::lcp::session::{Answer, Session};
+use crate::lcp::solution::{LcpMethodName, LcpSolution, LcpStatus, StartingBasis};
 use crate::lcp::symmetry::asymmetry;
 use crate::lcp::touched_columns::TouchedColumns;
 

@@ -68,5 +68,5 @@ pub use lemke::run::LemkeOptions;
 pub use options::{DefinitenessCheck, LcpOptions};
 pub use problem::{LcpError, LcpProblem};
 pub use ray::{LcpRay, RayConclusion};
-pub use solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus};
+pub use solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus, StartingBasis};
 pub use solve::{LcpMethod, solve};

@@ -6,7 +6,7 @@ use crate::lcp::options::{DefinitenessCheck, LcpOptions};
 use crate::lcp::outcome::Outcome;
 use crate::lcp::problem::{Halt, LcpProblem};
 use crate::lcp::reduced::{ReducedProblem, rows_that_matter};
-use crate::lcp::solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus};
+use crate::lcp::solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus, StartingBasis};
 use crate::linalg::definiteness::{Definiteness, examine};
 
 /// Share of the tolerance that unknowns may have which count as zero.
@@ -31,17 +31,6 @@ impl Answer {
     pub(super) fn is_conclusive(&self) -> bool {
         matches!(self.solution.status, LcpStatus::Solved | LcpStatus::Interrupted)
     }
-}
-
-/// Where a run began.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum StartingBasis {
-    /// Nothing, or a guess of the method's own.
-    Cold,
-    /// The caller's guess.
-    Guess,
-    /// A crash basis.
-    Crash,
 }
 
 impl<'a> Session<'a> {
@@ -145,8 +134,7 @@ impl<'a> Session<'a> {
             method: solution.method,
             status: solution.status,
             pivots: solution.pivots,
-            warm: start == StartingBasis::Guess,
-            crash: start == StartingBasis::Crash,
+            start,
         });
         self.with_attempts(solution)
     }

@@ -81,10 +81,19 @@ pub struct LcpAttempt {
     pub status: LcpStatus,
     /// Basis exchanges of this run (iterations for projected_cg).
     pub pivots: usize,
-    /// Whether it began from the caller's guess of the active set.
-    pub warm: bool,
-    /// Whether block exchanges looked for a crash basis; only a run that they did not solve is followed by others.
-    pub crash: bool,
+    /// Where it began.
+    pub start: StartingBasis,
+}
+
+/// Where a run began.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum StartingBasis {
+    /// Nothing, or a guess of the method's own.
+    Cold,
+    /// The caller's guess of the active set.
+    Guess,
+    /// A crash basis that block exchanges look for; only a run that they do not solve is followed by others.
+    Crash,
 }
 
 /// What a solve found; z and w are an answer only where the status is [`LcpStatus::Solved`].

@@ -6,7 +6,7 @@ use super::errors::{IntoPyErr, LcpError};
 use super::interrupt::detached;
 use crate::lcp::{
     self, DefinitenessCheck, LcpMethod, LcpMethodName, LcpOptions, LcpProblem, LcpSolution, LemkeOptions,
-    RayConclusion,
+    RayConclusion, StartingBasis,
 };
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -134,7 +134,8 @@ impl PyLcpSolution {
     pub(super) fn new(py: Python<'_>, solution: &LcpSolution) -> PyResult<Py<Self>> {
         let attempt = |attempt: &lcp::LcpAttempt| {
             let (method, status) = (attempt.method.as_str(), attempt.status.as_str());
-            (method, status, attempt.pivots, attempt.warm, attempt.crash)
+            let is = |start| attempt.start == start;
+            (method, status, attempt.pivots, is(StartingBasis::Guess), is(StartingBasis::Crash))
         };
         let values = Self {
             status: solution.status.as_str(),

@@ -1,7 +1,9 @@
 //! Lemke's method from a crash basis.
 
 use faer::Mat;
-use quasirigid::lcp::{LcpMethod, LcpMethodName, LcpOptions, LcpStatus, LemkeOptions, RayConclusion};
+use quasirigid::lcp::{
+    LcpMethod, LcpMethodName, LcpOptions, LcpStatus, LemkeOptions, RayConclusion, StartingBasis,
+};
 
 use crate::problems::{Noise, grid_contact};
 use crate::{assert_solves, run, run_path, run_with};
@@ -41,13 +43,13 @@ fn a_crash_basis_changes_no_ending() {
         let crashed = run(&m, &q);
         let plain = run_path(&m, &q);
         let context = format!("case {case}, {kind}: {} / {}", crashed.advice(), plain.advice());
-        assert!(plain.attempts.iter().all(|attempt| !attempt.crash));
-        assert!(crashed.attempts.iter().skip(1).all(|attempt| !attempt.crash));
+        assert!(plain.attempts.iter().all(|attempt| attempt.start != StartingBasis::Crash));
+        assert!(crashed.attempts.iter().skip(1).all(|attempt| attempt.start != StartingBasis::Crash));
         assert_eq!(crashed.pivots, crashed.attempts.iter().map(|attempt| attempt.pivots).sum::<usize>());
         if crashed.status == LcpStatus::Solved {
             assert_solves(&m, &q, &crashed, 1e-9);
         }
-        let by_crash = crashed.attempts.len() == 1 && crashed.attempts[0].crash;
+        let by_crash = crashed.attempts.len() == 1 && crashed.attempts[0].start == StartingBasis::Crash;
         used += usize::from(by_crash);
         if by_crash {
             assert_eq!(crashed.status, LcpStatus::Solved, "{context}");
@@ -84,7 +86,7 @@ fn a_crash_that_finds_nothing_takes_nothing_from_the_path() {
         let crashed = run_with(&m, &q, LcpMethodName::Lemke, &options);
         assert_eq!(crashed.status, LcpStatus::Solved, "case {case}, {kind}: {}", crashed.advice());
         if let [crash, path] = crashed.attempts[..] {
-            assert!(crash.crash && path.pivots == plain.pivots);
+            assert!(crash.start == StartingBasis::Crash && path.pivots == plain.pivots);
             assert_eq!(crashed.pivots, crash.pivots + path.pivots);
             seen += usize::from(crash.pivots > 0);
         }
@@ -102,7 +104,7 @@ fn a_contact_costs_as_many_pivots_as_nodes_and_says_how() {
     assert!(crashed.pivots >= contacts && 10 * crashed.pivots <= 12 * contacts, "{}", crashed.pivots);
     assert!(plain.pivots > contacts);
     assert_eq!(crashed.method, LcpMethodName::Lemke);
-    assert!(crashed.attempts[0].crash && !crashed.attempts[0].warm);
+    assert_eq!(crashed.attempts[0].start, StartingBasis::Crash);
     // A budget below what the guess alone needs leaves all of it to the path.
     let tight = LcpOptions { max_pivots: Some(30), ..LcpOptions::default() };
     let tight = run_with(&contact.m, &contact.q, LcpMethodName::Lemke, &tight);
@@ -110,7 +112,7 @@ fn a_contact_costs_as_many_pivots_as_nodes_and_says_how() {
     // The caller's own covering vector is what the path follows.
     let covering = LemkeOptions { covering: Some(vec![2.0; contact.q.len()]), ..LemkeOptions::default() };
     let covered = run_with(&contact.m, &contact.q, LcpMethod::Lemke(covering), &LcpOptions::default());
-    assert!(covered.attempts.iter().all(|attempt| !attempt.crash));
+    assert!(covered.attempts.iter().all(|attempt| attempt.start != StartingBasis::Crash));
     assert_eq!(covered.active(), crashed.active());
 }
 
