@@ -5,7 +5,6 @@
 //! when it does not, one unknown at a time changes (Murty's least-index rule), which ends for P-matrices, if
 //! not always soon.
 
-use crate::lcp::block_factor::{BlockFactor, Factor};
 use crate::lcp::certificate::nan_max;
 use crate::lcp::options::LcpOptions;
 use crate::lcp::outcome::Outcome;
@@ -13,6 +12,7 @@ use crate::lcp::problem::{LcpProblem, deficit};
 use crate::lcp::reduced::ReducedProblem;
 use crate::lcp::solution::LcpStatus;
 use crate::lcp::touched_columns::TouchedColumns;
+use crate::linalg::block_factor::{BlockFactor, Factor};
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::NoFactor;
@@ -170,8 +170,9 @@ impl<'a> Bases<'a> {
         let k = set.len() as f64;
         self.columns.touch(set);
         let names: Vec<usize> = set.iter().map(|&place| self.names[place]).collect();
+        let block = |rows: &[usize], columns: &[usize]| self.columns.block(rows, columns);
         if let Some(mut known) = self.factor.take()
-            && known.change_to(set, &names, &self.columns, work, self.reduced.interrupted)?
+            && known.change_to(set, &names, block, work, self.reduced.interrupted)?
         {
             return Ok(known);
         }
@@ -238,4 +239,42 @@ fn looks_symmetric(block: &Dense) -> bool {
 pub(super) fn first_guess(q: &[f64]) -> Vec<usize> {
     let lowest = q.iter().copied().fold(0.0, f64::min);
     (0..q.len()).filter(|&i| q[i] < 0.5 * lowest).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+    use crate::lcp::{LcpMethod, solve};
+    use crate::linalg::block_factor::KeptFactors;
+    use crate::sample::Random;
+
+    #[test]
+    fn a_factor_from_another_problem_helps_where_it_holds_and_harms_nowhere() {
+        let n = 500;
+        let mut random = Random(7);
+        let whole = Mat::from_fn(n, n, |i, j| random.signed() + if i == j { (2 * n) as f64 } else { 0.0 });
+        let other = &whole + Mat::from_fn(n, n, |i, j| if i == j { 1e-6 * n as f64 } else { 0.0 });
+        let kept = KeptFactors::default();
+        // The matrix changes under the factor in the third problem, and the unknowns in all.
+        for (turn, m) in [&whole, &whole, &other, &other].into_iter().enumerate() {
+            let names: Vec<usize> = (0..n).filter(|name| name % 50 != turn).collect();
+            let m = Mat::from_fn(names.len(), names.len(), |i, j| m[(names[i], names[j])]);
+            let q: Vec<f64> =
+                names.iter().map(|&name| if name < 400 { -1.0 } else { 1.0 } + 0.1 * random.next()).collect();
+            let problem = LcpProblem::new(m.as_ref(), &q).expect("a valid problem");
+            let cold = solve(&problem, &LcpMethod::default(), &LcpOptions::default()).expect("valid options");
+            let known = kept.take(&names);
+            assert_eq!(known.is_some(), turn > 0);
+            known.into_iter().for_each(|factor| kept.put(factor));
+            let problem = problem.with_kept_factors(Some(&kept), &names);
+            let warm = solve(&problem, &LcpMethod::default(), &LcpOptions::default()).expect("valid options");
+            assert_eq!((warm.status, warm.active()), (LcpStatus::Solved, cold.active()));
+            let largest = cold.z.iter().copied().fold(0.0, f64::max);
+            for (warm, cold) in warm.z.iter().zip(&cold.z) {
+                assert!((warm - cold).abs() <= 1e-12 * largest, "problem {turn}: {warm} is not {cold}");
+            }
+        }
+    }
 }

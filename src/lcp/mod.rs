@@ -43,7 +43,6 @@
 //! complementarity problems", in "Complementarity and Variational Problems: State of the Art", SIAM).
 
 pub(crate) mod basis;
-pub(crate) mod block_factor;
 pub(crate) mod block_pivoting;
 pub(crate) mod certificate;
 pub(crate) mod lemke;

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use faer::MatRef;
 
-use crate::lcp::block_factor::KeptFactors;
 use crate::lcp::row_extremes::row_extremes;
+use crate::linalg::block_factor::KeptFactors;
 use crate::linalg::definiteness::Definiteness;
 use crate::linalg::factor::Interrupt;
 use crate::linalg::kernels::Extremes;

@@ -1,6 +1,7 @@
 //! Dense linear algebra that faer has not: vector loops chosen at run time, factors in panels that can be interrupted,
-//! definiteness beyond rounding.
+//! factors of blocks kept for others like them, definiteness beyond rounding.
 
+pub(crate) mod block_factor;
 pub(crate) mod cholesky;
 pub(crate) mod definiteness;
 pub(crate) mod dense;

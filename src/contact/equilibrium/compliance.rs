@@ -15,7 +15,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::geometry::direction::are_one;
-use crate::lcp::block_factor::KeptFactors;
+use crate::linalg::block_factor::KeptFactors;
 use crate::linalg::threads::columns_per_task;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;

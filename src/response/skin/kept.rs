@@ -6,7 +6,7 @@ use faer::Mat;
 use nalgebra::Vector3;
 
 use crate::geometry::direction::{are_one, is_same};
-use crate::lcp::block_factor::KeptFactors;
+use crate::linalg::block_factor::KeptFactors;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;

@@ -1,12 +1,11 @@
-//! The factor of a principal block of M, kept for sets that differ from its own by a few unknowns: also from problem to
-//! problem, where their matrices are blocks of one.
+//! The factor of a principal block of a matrix M, kept for sets that differ from its own by a few unknowns: also from matrix
+//! to matrix, where they are blocks of one.
 
 use std::sync::{Mutex, MutexGuard};
 
 use faer::linalg::matmul;
 use faer::{Accum, MatMut, Par};
 
-use crate::lcp::touched_columns::TouchedColumns;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{Interrupt, NoFactor};
@@ -19,14 +18,14 @@ const FEW_UNKNOWNS: usize = 256;
 const MOST_CHANGED: f64 = 0.125;
 
 /// Factor of the principal block of a set.
-pub(super) struct BlockFactor {
+pub(crate) struct BlockFactor {
     /// Names of the unknowns whose block was factored, ascending.
     set: Vec<usize>,
     factor: Factor,
     border: Option<Bordering>,
 }
 
-/// Factors kept from problem to problem, of sets that share no unknown.
+/// Factors kept from matrix to matrix, of sets that share no unknown.
 #[derive(Default)]
 pub struct KeptFactors(Mutex<Vec<BlockFactor>>);
 
@@ -38,14 +37,14 @@ impl std::fmt::Debug for KeptFactors {
 
 impl KeptFactors {
     /// The one of a set that shares unknowns with some others (names, ascending).
-    pub(super) fn take(&self, names: &[usize]) -> Option<BlockFactor> {
+    pub(crate) fn take(&self, names: &[usize]) -> Option<BlockFactor> {
         let mut kept = self.lock();
         let shares = |known: &BlockFactor| known.set.iter().any(|name| names.binary_search(name).is_ok());
         let at = kept.iter().position(shares)?;
         Some(kept.swap_remove(at))
     }
 
-    pub(super) fn put(&self, factor: BlockFactor) {
+    pub(crate) fn put(&self, factor: BlockFactor) {
         self.lock().push(BlockFactor { border: None, ..factor });
     }
 
@@ -54,7 +53,7 @@ impl KeptFactors {
     }
 }
 
-pub(super) enum Factor {
+pub(crate) enum Factor {
     /// Stands for the lower triangle alone.
     Cholesky(Cholesky),
     Lu(Lu),
@@ -126,15 +125,16 @@ impl BlockFactor {
         whole == border
     }
 
-    /// Lets the factor stand for the block of `set` (places of the columns, all touched) where that costs far less than a
-    /// new one; says whether it does. `work` counts multiplications.
+    /// Lets the factor stand for the block of `set` (places in M) where that costs far less than a new one; says whether it
+    /// does. `work` counts multiplications.
     ///
     /// * `names`: of the unknowns in `set`, ascending
+    /// * `block`: of M on some of `set`, rows and columns
     pub fn change_to(
         &mut self,
         set: &[usize],
         names: &[usize],
-        columns: &TouchedColumns,
+        block: impl Fn(&[usize], &[usize]) -> Dense,
         work: &mut f64,
         interrupted: Interrupt,
     ) -> Result<bool, NoFactor> {
@@ -156,13 +156,13 @@ impl BlockFactor {
         if size < FEW_UNKNOWNS || changed as f64 > MOST_CHANGED * size as f64 {
             return Ok(false);
         }
-        let of_kept = columns.block(&joining, &kept_unknowns);
+        let of_kept = block(&joining, &kept_unknowns);
         let mut rows = Dense::zeros(added.len(), size);
         for (j, &place) in kept.iter().enumerate() {
             rows.column_mut(place).copy_from_slice(of_kept.column(j));
         }
-        let corner = columns.block(&joining, &joining);
-        let joined = columns.block(&kept_unknowns, &joining);
+        let corner = block(&joining, &joining);
+        let joined = block(&kept_unknowns, &joining);
         let mut solved = Dense::zeros(size, changed);
         for j in 0..added.len() {
             let column = solved.column_mut(j);
@@ -218,9 +218,6 @@ mod tests {
     use faer::Mat;
 
     use super::*;
-    use crate::lcp::problem::LcpProblem;
-    use crate::lcp::reduced::ReducedProblem;
-    use crate::lcp::{LcpMethod, LcpOptions, LcpStatus, solve};
     use crate::sample::Random;
 
     /// A matrix with a dominant diagonal, symmetric where asked for.
@@ -238,21 +235,18 @@ mod tests {
         for (is_symmetric, sign) in [(true, 1.0), (false, 1.0), (false, -1.0)] {
             let mut m = dominant(n, is_symmetric);
             m[(450, 450)] *= sign;
-            let q = vec![-1.0; n];
-            let problem = LcpProblem::new(m.as_ref(), &q).expect("a valid problem");
-            let reduced = ReducedProblem::on(&problem, (0..n).collect(), &|| false);
-            let mut columns = TouchedColumns::new(&reduced);
-            columns.touch(&(0..n).collect::<Vec<_>>());
+            let block =
+                |rows: &[usize], columns: &[usize]| Dense::gather(m.as_ref(), rows, columns, &|| false);
             let set: Vec<usize> = (0..400).collect();
-            let block = columns.principal(&set, false);
+            let own = block(&set, &set);
             let factor = match is_symmetric {
-                true => Factor::Cholesky(Cholesky::new(block, &|| false).expect("definite")),
-                false => Factor::Lu(Lu::new(block, &|| false).expect("regular")),
+                true => Factor::Cholesky(Cholesky::new(own, &|| false).expect("definite")),
+                false => Factor::Lu(Lu::new(own, &|| false).expect("regular")),
             };
             let mut factor = BlockFactor::new(&set, factor);
             let wanted = |i: &usize| i % 17 != 3 && *i < 400 || (440..455).contains(i);
             let near: Vec<usize> = (0..n).filter(wanted).collect();
-            assert!(factor.change_to(&near, &near, &columns, &mut 0.0, &|| false).expect("not interrupted"));
+            assert!(factor.change_to(&near, &near, block, &mut 0.0, &|| false).expect("not interrupted"));
             assert!(factor.is_bordered());
             assert_eq!(factor.has_positive_determinant(), sign > 0.0);
             let b: Vec<f64> = near.iter().map(|&i| (i % 5) as f64 - 2.0).collect();
@@ -262,35 +256,7 @@ mod tests {
                 assert!((product - b).abs() < 1e-11, "row {i}: {product} is not {b}");
             }
             let far: Vec<usize> = (0..300).collect();
-            assert!(!factor.change_to(&far, &far, &columns, &mut 0.0, &|| false).expect("not interrupted"));
-        }
-    }
-
-    #[test]
-    fn a_factor_from_another_problem_helps_where_it_holds_and_harms_nowhere() {
-        let n = 500;
-        let whole = dominant(n, false);
-        let other = &whole + Mat::from_fn(n, n, |i, j| if i == j { 1e-6 * n as f64 } else { 0.0 });
-        let kept = KeptFactors::default();
-        let mut random = Random(3);
-        // The matrix changes under the factor in the third problem, and the unknowns in all.
-        for (turn, m) in [&whole, &whole, &other, &other].into_iter().enumerate() {
-            let names: Vec<usize> = (0..n).filter(|name| name % 50 != turn).collect();
-            let m = Mat::from_fn(names.len(), names.len(), |i, j| m[(names[i], names[j])]);
-            let q: Vec<f64> =
-                names.iter().map(|&name| if name < 400 { -1.0 } else { 1.0 } + 0.1 * random.next()).collect();
-            let problem = LcpProblem::new(m.as_ref(), &q).expect("a valid problem");
-            let cold = solve(&problem, &LcpMethod::default(), &LcpOptions::default()).expect("valid options");
-            let known = kept.take(&names);
-            assert_eq!(known.is_some(), turn > 0);
-            known.into_iter().for_each(|factor| kept.put(factor));
-            let problem = problem.with_kept_factors(Some(&kept), &names);
-            let warm = solve(&problem, &LcpMethod::default(), &LcpOptions::default()).expect("valid options");
-            assert_eq!((warm.status, warm.active()), (LcpStatus::Solved, cold.active()));
-            let largest = cold.z.iter().copied().fold(0.0, f64::max);
-            for (warm, cold) in warm.z.iter().zip(&cold.z) {
-                assert!((warm - cold).abs() <= 1e-12 * largest, "problem {turn}: {warm} is not {cold}");
-            }
+            assert!(!factor.change_to(&far, &far, block, &mut 0.0, &|| false).expect("not interrupted"));
         }
     }
 }
