@@ -10,7 +10,7 @@ use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::InverseThickness;
 use crate::response::matrix::fill::{fill_items, filled_columns};
-use crate::response::matrix::galerkin::galerkin_block;
+use crate::response::matrix::galerkin::block::galerkin_block;
 use crate::response::matrix::options::{AssemblyOptions, check_memory};
 use crate::response::rows::rows_of_vertices;
 use crate::response::simd::points::{Targets, gather};

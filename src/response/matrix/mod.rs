@@ -8,7 +8,5 @@ pub(crate) mod fill;
 pub(crate) mod galerkin;
 pub(crate) mod kept_block;
 pub(crate) mod missing;
-pub(crate) mod near_faces;
 pub(crate) mod net_volume;
 pub(crate) mod options;
-pub(crate) mod outer_rule;

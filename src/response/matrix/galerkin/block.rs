@@ -13,11 +13,11 @@ use crate::response::kernel::basis::PressureBasis;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::{InverseThickness, Thickness};
 use crate::response::matrix::fill::filled_columns;
-use crate::response::matrix::near_faces::{NearFaces, NodeFace};
+use crate::response::matrix::galerkin::hat_pairs::LoadMoments;
+use crate::response::matrix::galerkin::near_faces::{NearFaces, NodeFace};
+use crate::response::matrix::galerkin::outer_rule::OuterRules;
 use crate::response::matrix::options::AssemblyOptions;
-use crate::response::matrix::outer_rule::OuterRules;
 use crate::response::rows::{NO_ROW, rows_of_vertices};
-use crate::response::series::hat_pairs::LoadMoments;
 use crate::response::simd::points::{POINTS_PER_BLOCK, Targets};
 use crate::surface::checked::Surface;
 
