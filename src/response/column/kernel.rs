@@ -6,7 +6,6 @@ use crate::response::column::layer::PreparedLayer;
 use crate::response::column::load::loaded_faces;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::{InverseThickness, Thickness};
-use crate::response::matrix::options::AssemblyOptions;
 use crate::response::simd::points::Targets;
 use crate::surface::checked::Surface;
 
@@ -19,12 +18,12 @@ pub(crate) struct KernelColumns<'a> {
 }
 
 impl<'a> KernelColumns<'a> {
-    pub(crate) fn new(surface: &'a Surface, skin: &'a KernelSkin, options: &AssemblyOptions) -> Self {
+    pub(crate) fn new(surface: &'a Surface, skin: &'a KernelSkin, tolerance: f64) -> Self {
         let layer = match skin.kernel() {
-            Kernel::Layer { thickness } => Some((PreparedLayer::new(skin, options), thickness)),
+            Kernel::Layer { thickness } => Some((PreparedLayer::new(skin, tolerance), thickness)),
             _ => None,
         };
-        Self { surface, skin, tolerance: options.tolerance, layer }
+        Self { surface, skin, tolerance, layer }
     }
 
     /// Sets `scratch.values` to the displacement (m) of the targets per newton at `vertex`.

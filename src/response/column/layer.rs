@@ -15,7 +15,6 @@ use crate::response::kernel::layer::LayerKernel;
 use crate::response::kernel::layer_table::{LayerTable, SINGULARITY};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::kernel::thickness::InverseThickness;
-use crate::response::matrix::options::AssemblyOptions;
 use crate::response::series::point_loads::VECTORS_AT_ONCE;
 use crate::response::series::taylor::{DEGREES, TaylorSeries};
 use crate::response::simd::lanes::{Lanes, dot};
@@ -43,12 +42,12 @@ pub(crate) struct PreparedLayer {
 }
 
 impl PreparedLayer {
-    pub(crate) fn new(skin: &KernelSkin, options: &AssemblyOptions) -> Self {
+    pub(crate) fn new(skin: &KernelSkin, tolerance: f64) -> Self {
         let kernel = LayerKernel::new(skin.poisson_ratio()).expect("a skin's ratio is checked");
         Self {
-            reach: kernel.reach(SKIPPED_KERNEL * options.tolerance),
+            reach: kernel.reach(SKIPPED_KERNEL * tolerance),
             constant: skin.kernel_constant(),
-            tolerance: options.tolerance.max(LEAST_TOLERANCE),
+            tolerance: tolerance.max(LEAST_TOLERANCE),
             kernel,
         }
     }

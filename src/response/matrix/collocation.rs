@@ -110,7 +110,7 @@ struct AtRows<'a> {
 
 impl<'a> AtRows<'a> {
     fn new(surface: &'a Surface, skin: &'a KernelSkin, rows: &[usize], options: &AssemblyOptions) -> Self {
-        let kernel = KernelColumns::new(surface, skin, options);
+        let kernel = KernelColumns::new(surface, skin, options.tolerance);
         let point = |&v: &usize| match &kernel.layer {
             Some((_, thickness)) => displacement_point(surface, v, thickness.at(v)),
             None => surface.vertices()[v],

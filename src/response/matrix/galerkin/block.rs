@@ -101,7 +101,7 @@ pub(crate) fn galerkin_block(
     let of_columns = (is_half_space && !is_symmetric).then(|| moments_of(columns)).transpose()?;
     let shared = GalerkinColumns {
         surface,
-        kernel: KernelColumns::new(surface, skin, options),
+        kernel: KernelColumns::new(surface, skin, options.tolerance),
         constant: skin.kernel_constant(),
         pressure,
         rules: &rules,
