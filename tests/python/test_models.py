@@ -199,7 +199,7 @@ def test_a_product_that_cannot_be_is_refused() -> None:
 
 
 def test_lengths_in_millimetres_ask_for_no_memory() -> None:
-    with pytest.raises(qr.ObstacleError, match=r"edge_length is 0\.0025 m, which makes some .* vertices"):
+    with pytest.raises(qr.ObstacleError, match=r"edge_length is 0\.0015 m, which makes some .* vertices"):
         qr.models.rounded_box(size=(75, 150, 9))
     with pytest.raises(qr.ObstacleError, match="check that every length is in m"):
         qr.models.cylinder_handle(radius=16, length=110)

@@ -130,7 +130,7 @@ class Hold:
             elif search.error() > _MISSED:
                 why = "there it jumps from pose to pose, as at an edge or a thin wall"
                 if not search.is_stuck:
-                    why = f"its trials ended before it was there, or {why}; start once more from this pose"
+                    why = f"its trials ended before it was there, or {why}; move the hand a little"
                 reason = f"stands at {value} of {wanted} {unit}: {why}"
             else:
                 continue
