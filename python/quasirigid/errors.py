@@ -48,7 +48,7 @@ class DepthWarning(QuasirigidWarning):
 
 
 class ModulusWarning(QuasirigidWarning):
-    """The shear modulus lies outside the range of soft tissue, or that of a product outside those of materials."""
+    """The shear modulus of the skin is none of soft tissue, or that of a product none of a material."""
 
 
 class CoarseMeshWarning(QuasirigidWarning):

@@ -452,6 +452,18 @@ def test_a_grasp_is_told_drawn_and_written(held, tmp_path):
     assert "thumb 8" in repr(held)
 
 
+def test_a_grasp_is_a_table_of_pandas(held):
+    pytest.importorskip("pandas")
+    frame = held.to_dataframe()
+    assert list(frame.index) == ["thumb", *FINGERS, "palm"]
+    for name, part in [*held.digits.items(), ("palm", held.palm)]:
+        row = frame.loc[name]
+        assert [row[f"force_{axis} (N)"] for axis in "xyz"] == list(part.force)
+        assert row["contact_area (m^2)"] == part.contact_area
+        assert row["missed"] == ""
+    assert list(frame["closed"][:5]) == list(held.shares.values())
+
+
 def test_progress_is_told(hand, handle):
     told = []
     qr.close_hand(

@@ -36,9 +36,9 @@ class ContactOptions:
     target_error : float or None
         Relative error that the mesh may leave in force and area, as far as it is estimated (0 < target < 1):
         the mesh is refined around the contact until then. Of several patches the force is what they carry
-        each by itself, as in a grasp they balance and little is left in all. On a sharp edge of the product, where force and
-        area settle slowly, it ends with a warning once the skin held on the edge is no broader than 2.2 times
-        the depth times the root of the target. None: the mesh is taken as it is.
+        each by itself, as in a grasp they balance and little is left in all. On a sharp edge of the product,
+        where force and area settle slowly, it ends with a warning once the skin held on the edge is no
+        broader than 2.2 times the depth times the root of the target. None: the mesh is taken as it is.
     max_nodes : int
         Most contact nodes of a refined mesh.
     gap_tolerance : float
@@ -67,7 +67,8 @@ class ContactOptions:
         Let a kernel couple patches on different fingers too, through the air between them, that beside the
         parts of a `CombinedSkin` included. False: patches more than 1.5 times as far apart along the skin as
         in a straight line feel less of each other, and from twice as far on nothing, unless that line runs
-        inside the skin.
+        inside one body of the skin. An elastic product couples all that press it from sides that face one
+        way, a matrix of it all that press it.
     max_growths : int
         How often candidates may be added before the solve gives up.
     """

@@ -115,6 +115,12 @@ class Grasp(Frozen):
 
         return save_grasp(self, folder, inputs=inputs, pictures=pictures)
 
+    def to_dataframe(self) -> Any:
+        """Return a pandas DataFrame with one row for each digit and the palm, columns as in grasp.json."""
+        from ..io.frame import grasp_dataframe
+
+        return grasp_dataframe(self)
+
     def plot(self) -> Figure:
         """Return a matplotlib figure: hand and product from two sides, and the pressure (extra `plot`)."""
         from ..plot.grasps import grasp_figure

@@ -8,15 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._extras import import_extra
+from .record import PATCH_UNITS
 
 if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..contact.swept import Sweep
+    from ..hand import Grasp
 
 __all__ = [
     "contact_dataframe",
     "contact_pyvista",
     "contact_trimesh",
+    "grasp_dataframe",
     "sweep_columns",
     "sweep_dataframe",
     "vertex_data",
@@ -91,12 +94,17 @@ def contact_dataframe(contact: Contact) -> Any:
         f"{axis} (m)": contact.deformed.vertices[:, at] for at, axis in enumerate("xyz")
     }
     for name, values in vertex_data(contact).items():
-        unit = _UNITS.get(name)
-        if values.ndim == 2:
-            columns |= {f"{name}_{axis} ({unit})": values[:, at] for at, axis in enumerate("xyz")}
-        else:
-            columns |= {name: values.astype(bool)} if unit is None else {f"{name} ({unit})": values}
+        unit = _UNITS.get(name, "")
+        columns |= _named(name, unit, values) if unit else {name: values.astype(bool)}
     return pandas.DataFrame(columns).rename_axis(index="vertex")
+
+
+def _named(name: str, unit: str, values: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Return values by their name and unit, vectors as a column a component."""
+    in_unit = f" ({unit})" if unit else ""
+    if values.ndim == 1:
+        return {f"{name}{in_unit}": values}
+    return {f"{name}_{axis}{in_unit}": values[:, at] for at, axis in enumerate("xyz")}
 
 
 def sweep_columns(sweep: Sweep) -> dict[str, Any]:
@@ -116,11 +124,7 @@ def sweep_columns(sweep: Sweep) -> dict[str, Any]:
     # A depth that was asked for stands in the column of depths, whatever became of it.
     columns: dict[str, Any] = {"asked_force (N)": sweep.asked} if sweep._question.goal == "force" else {}
     for name, unit in _SWEEP_UNITS.items():
-        values = getattr(sweep, name)
-        if values.ndim == 2:
-            columns |= {f"{name}_{axis} ({unit})": values[:, at] for at, axis in enumerate("xyz")}
-        else:
-            columns[f"{name} ({unit})" if unit else name] = values
+        columns |= _named(name, unit, getattr(sweep, name))
     return columns | {"status": list(sweep.status), "message": list(sweep.messages)}
 
 
@@ -144,6 +148,36 @@ def sweep_dataframe(sweep: Sweep) -> Any:
     """
     pandas = import_extra("pandas", "data frames", "pandas")
     return pandas.DataFrame(sweep_columns(sweep)).rename_axis(index="step")
+
+
+def grasp_dataframe(grasp: Grasp) -> Any:
+    """Return what a grasp holds as a table with one row for each digit and the palm.
+
+    Parameters
+    ----------
+    grasp : Grasp
+        The grasp.
+
+    Returns
+    -------
+    pandas.DataFrame
+        `closed` (share of the way, nan of the palm), then the figures of each part, vectors as a column a
+        component, with their units; `missed` says why a digit does not hold what was asked. The index names
+        the digits.
+
+    Raises
+    ------
+    MissingExtraError
+        If pandas is not installed.
+    """
+    pandas = import_extra("pandas", "data frames", "pandas")
+    parts = dict(grasp.digits) | {"palm": grasp.palm}
+    columns: dict[str, Any] = {"closed": [grasp.shares.get(name, np.nan) for name in parts]}
+    for name, unit in PATCH_UNITS.items():
+        values = np.array([getattr(part, name) for part in parts.values()])
+        columns |= _named(name, unit, values)
+    columns["missed"] = [grasp.missed.get(name, "") for name in parts]
+    return pandas.DataFrame(columns, index=pandas.Index(parts, name="digit"))
 
 
 def contact_pyvista(contact: Contact) -> Any:

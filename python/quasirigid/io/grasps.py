@@ -71,14 +71,14 @@ def digit_table(grasp: Grasp) -> str:
     line = f"hand on product: {net:.4g} N, {moment:.4g} N m about its center of mass"
     if net > _ONE_WAY * sum(forces):
         line += (
-            ": the digits push it away more than against each other; turn the hand so that the thumb comes from"
-            ' the other side, as from start = "opposed"'
+            ": the digits push it away more than against each other; turn the hand so that the thumb comes"
+            ' from the other side, as from start = "opposed"'
         )
     lines.append(line)
     if (digits := sum(forces[:-1])) < forces[-1]:
         lines.append(
-            f"the palm carries {forces[-1]:.4g} N beside the {digits:.4g} N of the digits, which alone were asked"
-            " for: move the product away from it"
+            f"the palm carries {forces[-1]:.4g} N beside the {digits:.4g} N of the digits, which alone were"
+            " asked for: move the product away from it"
         )
     if grasp.unbalanced_force is not None and grasp.unbalanced_moment is not None:
         force, moment = _length(grasp.unbalanced_force), _length(grasp.unbalanced_moment)

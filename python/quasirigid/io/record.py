@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ..obstacle import Obstacle
 
 __all__ = [
+    "PATCH_UNITS",
     "as_plain",
     "contact_record",
     "figure",
@@ -66,7 +67,8 @@ _ACCURACY = dict.fromkeys(
     ),
     "1",
 )
-_PATCH = {
+# Of patches and parts.
+PATCH_UNITS = {
     name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
 } | {"mean_pressure": "Pa"}
 # Areas (m²) of the discs over which the whole contact has its mean pressures.
@@ -163,7 +165,7 @@ def figures(source: Any, units: Mapping[str, str]) -> dict[str, Any]:
 
 def patch_figures(patch: Part | Patch) -> dict[str, Any]:
     """Return what a patch or a part of the skin holds, ready for JSON."""
-    return figures(patch, _PATCH)
+    return figures(patch, PATCH_UNITS)
 
 
 def _product(contact: Contact) -> dict[str, Any]:
