@@ -71,6 +71,22 @@ fn malformed_requests_say_what_is_wrong_and_where() {
 }
 
 #[test]
+fn displacements_need_no_more_memory_than_the_matrix_had() {
+    let surface = grid(14, 14e-3, 0.0, 0.0);
+    let (nodes, everywhere) = ([100, 101, 116], all(&surface));
+    let forces = [Vector3::z(); 3];
+    let displaced = |memory_limit| {
+        let options = AssemblyOptions { memory_limit, ..AssemblyOptions::default() };
+        let asked = Request { surface: &surface, nodes: &nodes, options: &options };
+        skin(layer(2e-3)).displace(&asked, &forces, &everywhere).expect("room for three rows")
+    };
+    let (at_once, in_strips) = (displaced(None), displaced(Some(3 * 3 * size_of::<f64>())));
+    for (one, other) in at_once.iter().zip(&in_strips) {
+        assert!((one - other).norm() <= 1e-6 * at_once[100].norm());
+    }
+}
+
+#[test]
 fn an_interrupted_assembly_says_how_far_it_came() {
     let surface = grid(14, 14e-3, 0.0, 0.0);
     let asked = AtomicUsize::new(0);

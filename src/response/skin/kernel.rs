@@ -63,7 +63,10 @@ impl ElasticSkin for KernelSkin {
         // Displacements are those of the vertices, in either discretization.
         let at_vertices = self.clone().with_discretization(Discretization::Collocation)?;
         let mut moved = Vec::with_capacity(vertices.len());
-        for rows in vertices.chunks(ROWS_AT_ONCE) {
+        // A contact whose matrix there was room for can be drawn.
+        let row = asked.nodes.len().max(1) * size_of::<f64>();
+        let affordable = asked.options.memory_limit.map_or(ROWS_AT_ONCE, |limit| limit / row);
+        for rows in vertices.chunks(affordable.clamp(1, ROWS_AT_ONCE)) {
             let block = assemble_block(asked.surface, &at_vertices, rows, asked.nodes, asked.options)?;
             moved.extend(displaced(block.nrows(), |column| block.col_as_slice(column), forces));
         }
