@@ -138,7 +138,8 @@ def _read_file(path: Path) -> tuple[Floats, Indices]:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         found = f"the ending is '{path.suffix}'" if path.suffix else "has no ending"
-        raise MeshFileError(f"{path}: {found}, expected .ply, .stl or .obj")
+        hint = "; `read_hand` reads hands" if path.suffix.lower() in {".glb", ".gltf"} else ""
+        raise MeshFileError(f"{path}: {found}, expected .ply, .stl or .obj{hint}")
     try:
         data = path.read_bytes()
     except OSError as error:
