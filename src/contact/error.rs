@@ -93,7 +93,7 @@ pub enum ContactError {
         "the obstacle finds no balance about ({x:.4}, {y:.4}, {z:.4}) m: a moment of {} N m is left about \
          the tilt axes under {} N, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
          skin that are to carry it, or press deeper",
-        Digits(*moment, 4), Digits(*force, 4), x = point[0], y = point[1], z = point[2]
+        Digits(*moment, 7), Digits(*force, 7), x = point[0], y = point[1], z = point[2]
     )]
     NotBalanced {
         /// The point that it turns about, where it stands now (m).

@@ -134,7 +134,11 @@ pub(super) fn rotation_and_translation(
             let turn = Matrix3::from_fn(|i, j| row(i)[j]);
             Ok((turn, Vector3::from_fn(|i, _| row(i)[3])))
         }
-        shape => Err(shape_error("rotation", "(3, 3), or (4, 4) with the translation; a translation alone is `translation=`", shape)),
+        shape => Err(shape_error(
+            "rotation",
+            "(3, 3), or (4, 4) with the translation; a translation alone is `translation=`",
+            shape,
+        )),
     }
 }
 

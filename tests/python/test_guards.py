@@ -31,6 +31,10 @@ def pressed(surface: qr.Surface, skin: qr.Skin = SKIN, depth: float = 1e-3, **as
     return qr.press(surface, PLATE, skin, [0, 0, 1], depth=depth, **asked)  # type: ignore[arg-type]
 
 
+def pressed_on(product: qr.Obstacle, depth: float) -> qr.Contact:
+    return qr.press(qr.Surface(*ball(8e-3, 3)), product, SKIN, [0, 0, 1], depth=depth)
+
+
 def kernel(response: qr.Response, shear_modulus: float = 60e3) -> qr.Skin:
     return qr.Skin(shear_modulus=shear_modulus, poisson_ratio=0.5, response=response)
 
@@ -74,11 +78,33 @@ def pressed_on_cut(pitch: float) -> qr.Contact:
 
 CASES = {
     "a ball of metres": ("SizeWarning", "1.6000e1 m", lambda: pressed(huge(), depth=0.08)),
-    "a metre deep": ("DepthWarning", "1.1200e0 m", lambda: pressed(qr.Surface(*ball(8e-3, 3)), depth=1.12)),
+    "deeper than broad": (
+        "DepthWarning",
+        "8.1000e-3 m",
+        lambda: pressed(qr.Surface(*ball(8e-3, 3)), depth=8.1e-3),
+    ),
     "a modulus in kPa": (
         "ModulusWarning",
         "6.0000e1 Pa",
         lambda: pressed(qr.Surface(*ball(8e-3, 3)), kernel(qr.HalfSpace(), 60.0)),
+    ),
+    "a ball deeper than its radius": (
+        "DepthWarning",
+        "steeper than 60 degrees",
+        lambda: pressed_on(qr.Obstacle.sphere([0, 0, -0.05], 2e-3), 2.2e-3),
+    ),
+    "a product's modulus in kPa": (
+        "ModulusWarning",
+        "product's shear modulus is 6.0000e1 Pa",
+        lambda: pressed_on(PLATE.with_material(shear_modulus=60.0, poisson_ratio=0.3), 1e-3),
+    ),
+    "through the layer of a product": (
+        "ResponseRangeWarning",
+        "half of the 1.0000e-3 m of its layer",
+        lambda: pressed_on(
+            PLATE.with_material(shear_modulus=2e3, poisson_ratio=0.3, response=qr.Layer(thickness=1e-3)),
+            1.2e-3,
+        ),
     ),
     "a mesh too coarse": (
         "CoarseMeshWarning",

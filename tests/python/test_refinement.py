@@ -518,6 +518,7 @@ def test_the_force_on_a_sharp_edge_grows_steadily() -> None:
 
 @pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
 @pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+@pytest.mark.filterwarnings("ignore:.*steeper than 60 degrees:quasirigid.DepthWarning")
 def test_gaps_at_the_shoulders_of_a_blunt_blade_vanish_by_shorter_steps() -> None:
     tip = qr.models.fingertip(edge_length=1.5e-3)
     lowest = tip.vertices[np.argmin(tip.vertices[:, 2])]

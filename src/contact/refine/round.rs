@@ -150,7 +150,7 @@ impl Contact {
     }
 
     /// Penetration left on a mesh that is not fine enough for it, as a share of that before.
-    pub(crate) fn unresolved_penetration(&self) -> f64 {
+    fn unresolved_penetration(&self) -> f64 {
         if self.is_free_of_penetration() {
             0.0
         } else {

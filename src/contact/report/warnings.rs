@@ -171,11 +171,10 @@ impl Contact {
         let reason = end.as_str();
         let percent = |share: f64| format!("{:.2} %", 100.0 * share);
         let mut short = Vec::new();
-        let left = self.unresolved_penetration();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
-            && (self.unbalanced() * force).max(area) + left > target
+            && (self.unbalanced() * force).max(area) > target
         {
-            let (force, area) = (percent(force + left), percent(area + left));
+            let (force, area) = (percent(force), percent(area));
             short.push(format!(
                 "the mesh around the contact costs about {force} of the force and {area} of the area: the refinement ended by {reason}"
             ));
