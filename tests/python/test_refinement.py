@@ -544,7 +544,9 @@ def test_a_refined_contact_without_answer_keeps_its_rounds() -> None:
     # Between the vertices of the given mesh, with a kernel that draws a lone vertex in.
     near = np.array([[0.4313, -0.3891, -0.8140], [-0.5482, 0.6036, -0.5790], [0.7166, 0.6959, 0.0470]])
     left, _, right = np.linalg.svd(near)
-    box = qr.models.rounded_box(size=(0.04, 0.03, 0.008)).moved(left @ right, [0.1923, -0.1022, 0.2994])
+    box = qr.models.rounded_box(size=(0.04, 0.03, 0.008), edge_length=2.5e-3).moved(
+        left @ right, [0.1923, -0.1022, 0.2994]
+    )
     skin = qr.Skin(
         shear_modulus=1e5,
         poisson_ratio=0.0,
