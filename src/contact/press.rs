@@ -33,7 +33,7 @@ use crate::surface::checked::Surface;
 ///
 /// Vertices that came in through another side of the obstacle than their closest one (beside an edge, through the rim
 /// of a can) get the way back along the travel for their gap, which `left_out` counts; a warning counts those
-/// that went through a wall thinner than their depth.
+/// that went through a wall thinner than twice their depth.
 ///
 /// # Errors
 /// [`ContactError`] by variant; among them a direction that cannot be normalised, a negative depth, a force or an

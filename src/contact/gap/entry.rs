@@ -106,7 +106,7 @@ pub(crate) const FACING_BACK: f64 = -1e-3;
 pub(crate) struct EntryGap {
     /// All of them.
     pub vertices: usize,
-    /// Those that went through a wall thinner than their depth: they left the obstacle again, or their closest
+    /// Those that went through a wall thinner than twice their depth: they left the obstacle again, or their closest
     /// surface faces against the travel, or lies on a wall thinner than twice the way back.
     pub through_walls: usize,
 }

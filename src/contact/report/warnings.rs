@@ -51,7 +51,7 @@ impl Report {
                 }
             };
             let message = format!(
-                "{went_through} vertices went through a wall thinner than their depth: their gaps are measured back the way they came, to where they met it, as gaps along the closest normal would push them out at its sides{of_way}"
+                "{went_through} vertices went through a wall thinner than twice their depth: their gaps are measured back the way they came, to where they met it, as gaps along the closest normal would push them out at its sides{of_way}"
             );
             self.warn(WarningKind::Penetration, message);
         }
