@@ -24,18 +24,14 @@ __all__ = ["grasp_figure"]
 _THUMB_SIDE = (-0.85, 0.15, -0.55)
 _FINGER_SIDE = (0.35, -0.75, -0.55)
 _PALM_SIDE = (0.0, 0.6, -0.8)
-# Panels: title, line of sight in the palm's frame, whether the product is drawn.
-_PANELS = (
-    ("from the thumb's side", _THUMB_SIDE, True),
-    ("from the fingertips", _FINGER_SIDE, True),
-    ("without the product", _PALM_SIDE, False),
-)
-_SIZE = (12.0, 5.2)  # inches
+# Panels with the product: title, and the line of sight in the palm's frame.
+_HELD = (("from the thumb's side", _THUMB_SIDE), ("from the fingertips", _FINGER_SIDE))
+_SIZE = (15.0, 5.2)  # inches
 _PIXELS = 560  # height of a panel
 
 
 def grasp_figure(grasp: Grasp) -> Figure:
-    """Return pictures of a grasp (extra `plot`): hand and product from two sides, and the hand's pressure.
+    """Return pictures of a grasp (extra `plot`): hand and product from two sides, and all that is pressed.
 
     Parameters
     ----------
@@ -54,9 +50,11 @@ def grasp_figure(grasp: Grasp) -> Figure:
     inside = contact_side(vertices, faces, pressure, contact.gap)
     product = contact.obstacle.triangles()
     figure = new_figure(_SIZE)
-    panels = figure.subplots(1, len(_PANELS))
-    for ax, (title, sight, with_product) in zip(panels, _PANELS, strict=True):
-        view = View.along(_mirrored(grasp, sight) @ palm[:3, :3].T, palm[:3, 1])
+    held = [(title, _mirrored(grasp, sight) @ palm[:3, :3].T, True) for title, sight in _HELD]
+    views = held + [(title, sight, False) for title, sight in _pressed_sights(grasp)]
+    panels = figure.subplots(1, len(views))
+    for ax, (title, sight, with_product) in zip(panels, views, strict=True):
+        view = View.along(sight, palm[:3, 1])
         points, corners, values, colored = vertices, faces, pressure * KPA, inside
         base = np.broadcast_to(SKIN, vertices.shape)
         if with_product and product is not None:
@@ -78,6 +76,27 @@ def grasp_figure(grasp: Grasp) -> Figure:
     if pressure.max(initial=0.0) > 0.0:
         color_bar(panels[-1], pressure_colors(), float(pressure.max()) * KPA, "pressure (kPa)")
     return figure
+
+
+def _pressed_sights(grasp: Grasp) -> list[tuple[str, Floats]]:
+    """Return titles, and sights on what is pressed: the fingers from the palm's side, and thumb and palm.
+
+    Between that side and along the force on the fingers, as along it the wrist may stand before them.
+    """
+    palm = np.array(grasp.posed.palm)[:3, :3]
+    from_palm = palm @ _mirrored(grasp, _PALM_SIDE)
+    on_fingers = _direction([part.force for name, part in grasp.digits.items() if name != "thumb"])
+    on_rest = _direction([grasp.digits["thumb"].force, grasp.palm.force])
+    return [
+        ("pressure on the fingers", from_palm + on_fingers),
+        ("pressure on thumb and palm", on_rest if on_rest.any() else from_palm),
+    ]
+
+
+def _direction(forces: list[Floats]) -> Floats:
+    """Return that of the sum of forces, zero of none."""
+    total: Floats = np.sum(forces, axis=0)
+    return total / (np.linalg.norm(total) or 1.0)
 
 
 def _mirrored(grasp: Grasp, sight: tuple[float, float, float]) -> Floats:
