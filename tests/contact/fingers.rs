@@ -198,7 +198,10 @@ fn both_sides_of_a_palm_are_one_piece_of_tissue() {
     // 85 x 100 x 25 mm between two balls: 60 mm apart along the skin, 23 mm in a straight line through the palm.
     let (vertices, faces) = icosphere(1.0, 5);
     let scaled = |x: &Vector3<f64>| Vector3::new(42.5e-3 * x.x, 50e-3 * x.y, 12.5e-3 * x.z);
-    let palm = Surface::new(vertices.iter().map(scaled).collect(), faces).unwrap();
+    let palm = (vertices.iter().map(scaled).collect(), faces);
+    // What lies in it as a piece of its own, as nails do, is not in the way.
+    let (vertices, faces) = joined(&palm, &icosphere(3e-3, 2));
+    let palm = Surface::new(vertices, faces).unwrap();
     let ball = |z: f64| {
         let (vertices, faces) = icosphere(60e-3, 4);
         (vertices.into_iter().map(|x| x + Vector3::new(0.0, 0.0, z)).collect(), faces)

@@ -234,7 +234,7 @@ def test_fingers_on_two_sides_of_a_kernel_do_not_push_each_other() -> None:
     )
     alone = qr.solve_contact(qr.Surface(above, faces), slab, SKIN, options=AS_GIVEN)
     assert pinched.patches[0].force[2] == pytest.approx(alone.force[2], rel=1e-9)
-    assert "face away from each other" in dict(pinched.left_out)["coupling between fingers"]
+    assert "face away from each other" in dict(pinched.left_out)["coupling through the product"]
 
 
 def test_a_combined_skin_meets_an_elastic_product() -> None:

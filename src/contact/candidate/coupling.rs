@@ -1,5 +1,7 @@
 //! How much fingers feel of each other through the tissue that they share.
 
+use nalgebra::Vector3;
+
 /// For each two fingers the share of what a kernel passes on from one to the other, from 0 to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Coupling {
@@ -19,9 +21,13 @@ impl Coupling {
         Self { shares }
     }
 
-    /// Of fingers that all feel each other.
-    pub fn whole(count: usize) -> Self {
-        Self { shares: vec![vec![1.0; count]; count] }
+    /// What patches feel of each other through one solid that they press along these ways: all where they press it from
+    /// sides that face one way, nothing else, as a half-space has one side.
+    pub fn through_solid(ways: &[Vector3<f64>]) -> Self {
+        let count = ways.len();
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+        let face_one_way = pairs.filter(|&[a, b]| ways[a].dot(&ways[b]) > 0.0);
+        Self::new(count, face_one_way.map(|pair| (pair, 1.0)))
     }
 
     /// Of one finger.
@@ -59,11 +65,6 @@ impl Coupling {
         (0..count).filter(|&finger| group[finger] == finger).map(members).collect()
     }
 
-    /// Whether a finger feels another one.
-    pub fn joins_some(&self) -> bool {
-        self.extremes()[1] > 0.0
-    }
-
     /// The least share of two fingers, and the largest.
     pub fn extremes(&self) -> [f64; 2] {
         let shares = self.shares.iter().enumerate().flat_map(|(a, row)| &row[a + 1..]).copied();
@@ -74,6 +75,17 @@ impl Coupling {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_solid_joins_what_presses_it_from_sides_that_face_one_way() {
+        let (up, side) = (Vector3::z(), Vector3::x());
+        let solid = Coupling::through_solid(&[up, -up, up + side, side]);
+        let felt = |a| [0, 1, 2, 3].map(|b| solid.between(a, b));
+        assert_eq!(felt(0), [1.0, 0.0, 1.0, 0.0]);
+        assert_eq!(felt(1), [0.0, 1.0, 0.0, 0.0]);
+        assert_eq!(felt(2), [1.0, 0.0, 1.0, 1.0]);
+        assert_eq!(solid.groups(), [vec![0, 2, 3], vec![1]]);
+    }
 
     #[test]
     fn fingers_are_one_where_all_others_feel_the_same_of_both() {

@@ -108,6 +108,23 @@ impl Fingers {
         Self { parting, ..Self::searched(surface, by_finger, &coupling) }
     }
 
+    /// Patches of candidates as one solid feels them that they all press.
+    ///
+    /// * `normals`: of the solid at the candidates
+    pub fn on_solid(surface: &Surface, candidates: &[usize], normals: &[Vector3<f64>]) -> Self {
+        let patches = surface.patches(candidates);
+        let pushed = |&vertex: &usize| {
+            let row = candidates.binary_search(&vertex).expect("a candidate");
+            surface.vertex_areas()[vertex] * normals[row]
+        };
+        let ways: Vec<Vector3<f64>> = patches.iter().map(|patch| patch.iter().map(pushed).sum()).collect();
+        let coupling = Coupling::through_solid(&ways);
+        if coupling.extremes()[0] == 1.0 {
+            return Self::one(candidates);
+        }
+        Self::known(surface, patches, &coupling)
+    }
+
     /// Fingers of which the candidates are known.
     pub fn known(surface: &Surface, fingers: Vec<Vec<usize>>, coupling: &Coupling) -> Self {
         Self::searched(surface, fingers.into_iter().enumerate().collect(), coupling)
@@ -176,26 +193,8 @@ impl Fingers {
         self.coupling.groups().into_iter().map(candidates).collect()
     }
 
-    /// What the fingers feel of each other through one solid that they press: all where they press it from sides that face
-    /// one way, nothing else, as a half-space has one side.
-    ///
-    /// * `candidates`: all of them
-    /// * `normals`: of the solid at these
-    pub fn through_one_solid(&self, candidates: &[usize], normals: &[Vector3<f64>]) -> Coupling {
-        let count = self.candidates.len();
-        let mut facing = vec![Vector3::zeros(); count];
-        if count > 1 {
-            for (&vertex, normal) in candidates.iter().zip(normals) {
-                facing[self.of_candidate[vertex]] += normal;
-            }
-        }
-        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
-        let face_one_way = pairs.filter(|&[a, b]| facing[a].dot(&facing[b]) > 0.0);
-        Coupling::new(count, face_one_way.map(|pair| (pair, 1.0)))
-    }
-
-    /// Leaves of the response of `nodes` to each other what their fingers feel by `coupling`.
-    pub fn weaken(&self, coupling: &Coupling, nodes: &[usize], matrix: &mut Mat<f64>) {
+    /// Leaves of the response of `nodes` to each other what their fingers feel.
+    pub fn weaken(&self, nodes: &[usize], matrix: &mut Mat<f64>) {
         if self.candidates.len() < 2 {
             return;
         }
@@ -203,7 +202,7 @@ impl Fingers {
         for (column, &finger) in of_node.iter().enumerate() {
             for (entry, &other) in matrix.col_as_slice_mut(column).iter_mut().zip(&of_node) {
                 if other != finger {
-                    *entry *= coupling.between(finger, other);
+                    *entry *= self.coupling.between(finger, other);
                 }
             }
         }

@@ -81,14 +81,20 @@ fn distance(surface: &Surface, [a, b]: [usize; 2]) -> f64 {
     (surface.vertices()[a] - surface.vertices()[b]).norm()
 }
 
-/// Whether the straight line between two vertices runs inside one body of the skin all the way: where two of them cross, as
-/// fingers that overlap a thin sheet from both sides do, it is inside both and in the tissue of neither.
+/// Whether the straight line between two vertices of one piece of the skin runs inside that all the way, and once: where it
+/// crosses itself, as fingers that overlap a thin sheet from both sides do, the line is in the tissue of neither.
 pub(crate) fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
+    let pieces = surface.topology().face_components();
+    let [piece, other] = ends.map(|end| surface.faces_around(end).first().map(|&face| pieces[face as usize]));
+    if piece != other {
+        return false;
+    }
     let [a, b] = ends.map(|end| surface.vertices()[end]);
     let inward = |end: usize, towards: Vector3<f64>| surface.vertex_normals()[end].dot(&towards) < 0.0;
     let inside = |k: usize| {
         let share = (k as f64 + 0.5) / LINE_POINTS as f64;
-        let turns = winding_number(&a.lerp(&b, share), surface.vertices(), surface.faces().iter().copied());
+        let own = surface.faces().iter().zip(pieces).filter(|(_, label)| Some(**label) == piece);
+        let turns = winding_number(&a.lerp(&b, share), surface.vertices(), own.map(|(face, _)| *face));
         (0.5..1.5).contains(&turns)
     };
     inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)

@@ -7,7 +7,6 @@ use faer::{Mat, MatMut};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::forces::{AppliedForces, NodeForces};
 use crate::contact::equilibrium::product::product_response;
@@ -86,21 +85,13 @@ impl<'a> Compliance<'a> {
         self.product.is_some()
     }
 
-    /// What fingers feel of each other through the product.
+    /// The parts of the candidates that feel each other through the product; all in one of a rigid product.
     ///
-    /// * `candidates`: all of them
-    /// * `normals`: of the product at these
-    pub fn through_product(
-        &self,
-        fingers: &Fingers,
-        candidates: &[usize],
-        normals: &[Vector3<f64>],
-    ) -> Coupling {
-        let count = fingers.candidates.len();
+    /// * `normals`: of the product at the candidates
+    pub fn on_product(&self, candidates: &[usize], normals: &[Vector3<f64>]) -> Fingers {
         match &self.product {
-            None => Coupling::new(count, []),
-            Some(product) if product.has_all_sides => Coupling::whole(count),
-            Some(_) => fingers.through_one_solid(candidates, normals),
+            Some(product) if !product.has_all_sides => Fingers::on_solid(self.surface, candidates, normals),
+            _ => Fingers::one(candidates),
         }
     }
 
@@ -112,20 +103,19 @@ impl<'a> Compliance<'a> {
 
     /// R over `nodes` along the obstacle's normals there (k × k, m/N).
     ///
-    /// * `forces`: with the fingers between which skin and product pass less on, or nothing
+    /// * `forces`: with the parts between which skin and product pass less on, or nothing
     pub fn matrix(
         &self,
         nodes: &[usize],
         normals: &[Vector3<f64>],
         forces: &NodeForces,
     ) -> Result<Mat<f64>, ContactError> {
-        let fingers = &forces.fingers;
         let asked = Request { surface: self.surface, nodes, options: &self.options };
         let mut matrix = along(self.skin, &asked, normals)?;
-        fingers.weaken(&fingers.coupling, nodes, &mut matrix);
+        forces.fingers.weaken(nodes, &mut matrix);
         if let Some(product) = &self.product {
             let mut of_product = along(&*product.response, &asked, normals)?;
-            fingers.weaken(&forces.through_product, nodes, &mut of_product);
+            forces.on_product.weaken(nodes, &mut of_product);
             matrix += of_product;
         }
         Ok(matrix)
@@ -194,7 +184,7 @@ impl<'a> Compliance<'a> {
         forces: AppliedForces,
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
-        let mut moved = self.under(self.skin, &forces.fingers.coupling, options, forces, vertices)?;
+        let mut moved = self.under(self.skin, forces.fingers, options, forces, vertices)?;
         if let Some(product) = &self.product {
             let of_product = self.product_under(product, options, forces, vertices)?;
             moved.iter_mut().zip(of_product).for_each(|(moved, product)| *moved += product);
@@ -209,13 +199,13 @@ impl<'a> Compliance<'a> {
         forces: AppliedForces,
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
-        self.under(&*product.response, forces.through_product, options, forces, vertices)
+        self.under(&*product.response, forces.on_product, options, forces, vertices)
     }
 
     fn under(
         &self,
         moving: &dyn ElasticSkin,
-        coupling: &Coupling,
+        fingers: &Fingers,
         options: &AssemblyOptions,
         forces: AppliedForces,
         vertices: &[usize],
@@ -224,7 +214,6 @@ impl<'a> Compliance<'a> {
             let asked = Request { surface: self.surface, nodes: active, options };
             moving.displace(&asked, pushed, vertices)
         };
-        let fingers = forces.fingers;
         if fingers.candidates.len() == 1 {
             let pushed: Vec<Vector3<f64>> =
                 forces.active.iter().map(|&vertex| forces.vectors[vertex]).collect();
@@ -236,7 +225,7 @@ impl<'a> Compliance<'a> {
             let rows: Vec<usize> = (0..vertices.len()).filter(|&row| is_own(vertices[row])).collect();
             let own: Vec<usize> = rows.iter().map(|&row| vertices[row]).collect();
             let felt = |vertex: usize| {
-                fingers.finger_of(vertex).map_or(0.0, |other| coupling.between(finger, other))
+                fingers.finger_of(vertex).map_or(0.0, |other| fingers.coupling.between(finger, other))
             };
             let (active, pushed): (Vec<usize>, Vec<Vector3<f64>>) = (forces.active.iter())
                 .map(|&vertex| (vertex, felt(vertex) * forces.vectors[vertex]))

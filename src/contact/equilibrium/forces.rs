@@ -4,7 +4,6 @@ use std::cell::OnceCell;
 
 use nalgebra::Vector3;
 
-use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::error::ContactError;
@@ -18,8 +17,8 @@ use crate::linalg::definiteness::Spectrum;
 pub(crate) struct AppliedForces<'a> {
     /// Each moves the vertices nearest to it along the skin.
     pub fingers: &'a Fingers,
-    /// What the fingers feel of each other through the product.
-    pub through_product: &'a Coupling,
+    /// The parts that feel each other through the product.
+    pub on_product: &'a Fingers,
     /// Vertices with a force, ascending.
     pub active: &'a [usize],
     /// Force on the skin at every vertex (n, N).
@@ -33,8 +32,8 @@ pub(crate) struct NodeForces {
     pub candidates: Vec<usize>,
     /// Which of them feel each other.
     pub fingers: Fingers,
-    /// What the fingers feel of each other through the product.
-    pub through_product: Coupling,
+    /// Which of them feel each other through the product.
+    pub on_product: Fingers,
     /// Vertices with f > 0, ascending.
     pub active: Vec<usize>,
     /// f (n, N), zero outside the candidates; NaN on candidates of a problem that did not solve.
@@ -61,13 +60,13 @@ impl NodeForces {
         gaps: &Gaps,
         candidates: Vec<usize>,
         fingers: Fingers,
-        through_product: Coupling,
+        on_product: Fingers,
         at_candidates: Measured,
     ) -> Self {
         let vertex_count = gaps.surface.vertices().len();
         Self {
             fingers,
-            through_product,
+            on_product,
             active: Vec::new(),
             force: vec![0.0; vertex_count],
             gap: gaps.undeformed(),
@@ -84,14 +83,14 @@ impl NodeForces {
     /// Skin and obstacle are apart.
     pub fn apart(gaps: &Gaps) -> Self {
         let nothing = Measured { distance: Vec::new(), normal: Vec::new() };
-        Self::none(gaps, Vec::new(), Fingers::one(&[]), Coupling::one(), nothing)
+        Self::none(gaps, Vec::new(), Fingers::one(&[]), Fingers::one(&[]), nothing)
     }
 
     /// The forces as a response sees them.
     pub fn applied(&self) -> AppliedForces<'_> {
         AppliedForces {
             fingers: &self.fingers,
-            through_product: &self.through_product,
+            on_product: &self.on_product,
             active: &self.active,
             vectors: &self.vectors,
         }

@@ -105,9 +105,9 @@ fn solve_on(
         }
     };
     let at_candidates = gaps.at(&candidates)?;
-    let through_product = response.through_product(&fingers, &candidates, &at_candidates.normal);
-    let mut forces = NodeForces::none(gaps, candidates, fingers, through_product, at_candidates);
-    let groups = match forces.through_product.joins_some() {
+    let on_product = response.on_product(&candidates, &at_candidates.normal);
+    let mut forces = NodeForces::none(gaps, candidates, fingers, on_product, at_candidates);
+    let groups = match response.has_product() {
         true => vec![forces.candidates.clone()],
         false => uncoupled_groups(gaps.surface, &forces.fingers, traits.reach),
     };

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::AppliedForces;
@@ -106,7 +105,7 @@ impl Contact {
         let response = Compliance::new(surface, skin, skin.traits(surface)?, options);
         let forces = AppliedForces {
             fingers,
-            through_product: &Coupling::one(),
+            on_product: fingers,
             active: &self.active,
             vectors: &self.force_vectors,
         };

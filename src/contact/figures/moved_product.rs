@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::candidate::coupling::Coupling;
 use crate::contact::error::ContactError;
 use crate::contact::figures::fade::{fade, fade_distance};
 use crate::contact::options::{ContactOptions, with_threads};
@@ -29,8 +30,9 @@ impl Contact {
     ///
     /// Under a kernel a vertex of the product moves as its kernel says of the contact's pressure, laid on the product where
     /// it acts, faded to zero at the distance at which the skin's displacement has
-    /// ([`DrawnSkin::fade_distance`](crate::contact::DrawnSkin)) with one finger, in a straight line from the contact. A
-    /// given matrix moves the vertices that it knows, against their normals. No figure is taken from it.
+    /// ([`DrawnSkin::fade_distance`](crate::contact::DrawnSkin)) with one finger, in a straight line from the contact; forces
+    /// on sides that face away from each other move their own side alone. A given matrix moves the vertices that it knows,
+    /// against their normals. No figure is taken from it.
     ///
     /// * `options`: those that the contact was solved with
     ///
@@ -59,12 +61,25 @@ impl Contact {
         match &material.answer {
             Answer::Matrix(given) => self.move_known(given, &mut vertices),
             Answer::Kernel(kernel) => {
-                for finger in &self.drawing.fingers.candidates {
-                    self.move_by_kernel(kernel, finger, mesh.vertices(), &mut vertices, options)?;
+                for side in self.sides() {
+                    self.move_by_kernel(kernel, &side, mesh.vertices(), &mut vertices, options)?;
                 }
             }
         }
         Ok(vertices)
+    }
+
+    /// Candidates that push the product from sides that face one way, or lie between such.
+    fn sides(&self) -> Vec<Vec<usize>> {
+        let patches = self.surface().patches(&self.candidates);
+        let way = |patch: &Vec<usize>| patch.iter().map(|&vertex| self.force_vectors[vertex]).sum();
+        let ways: Vec<Vector3<f64>> = patches.iter().map(way).collect();
+        let candidates = |group: Vec<usize>| {
+            let mut all: Vec<usize> = group.into_iter().flat_map(|patch| patches[patch].clone()).collect();
+            all.sort_unstable();
+            all
+        };
+        Coupling::through_solid(&ways).groups().into_iter().map(candidates).collect()
     }
 
     /// Moves the vertices that a given matrix knows.
@@ -84,9 +99,9 @@ impl Contact {
         }
     }
 
-    /// Moves the vertices around a finger by a kernel.
+    /// Moves the vertices around some candidates by a kernel, under the forces on these.
     ///
-    /// * `candidates`: of the finger
+    /// * `candidates`: ascending
     /// * `at_rest`: vertices of the product (m)
     fn move_by_kernel(
         &self,

@@ -204,7 +204,7 @@ impl Rounds<'_> {
     fn finer(&self, next: Finer) -> Result<ControlFlow<RefinementEnd, MeshRefinement>, ContactError> {
         let finest = self.meshes.finest();
         if let Some(product) = finest.clues.product
-            && errors_of_area_and_peak(finest)[0] > self.target
+            && errors_of_area_and_peak(finest)[0] > finest.accuracy.area_error.unwrap_or(0.0).max(self.target)
             && HALVED * mean_edge(finest.surface(), &finest.active) < product.edge_length
         {
             return Ok(Break(RefinementEnd::ProductMesh));

@@ -1,5 +1,6 @@
 //! What a scene did not need, and why.
 
+use crate::contact::candidate::fingers::Fingers;
 use crate::contact::candidate::ways::Way;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
@@ -65,7 +66,11 @@ impl Report {
         }
         let fingers = forces.fingers.candidates.len();
         if fingers > 1 {
-            self.leave_out(FINGER_COUPLING, apart(forces, response));
+            self.leave_out(FINGER_COUPLING, apart(&forces.fingers, response));
+        }
+        if forces.on_product.candidates.len() > 1 {
+            let why = "patches on sides of the product that face away from each other feel nothing of each other through it, as a half-space has one side";
+            self.leave_out("coupling through the product", why);
         }
         if forces.solutions.len() > forces.fingers.coupling.groups().len() {
             let why = format!(
@@ -82,8 +87,7 @@ impl Report {
 }
 
 /// Why the fingers do not feel all of each other.
-fn apart(forces: &NodeForces, response: &Compliance) -> String {
-    let fingers = &forces.fingers;
+fn apart(fingers: &Fingers, response: &Compliance) -> String {
     let [least, largest] = fingers.coupling.extremes();
     let way = match fingers.parting {
         None => String::new(),
@@ -97,15 +101,12 @@ fn apart(forces: &NodeForces, response: &Compliance) -> String {
             )
         }
     };
-    let through_product = forces.through_product.extremes();
-    let how = match (through_product[1] > 0.0, response.has_product()) {
+    let how = match response.has_product() {
         _ if largest > 0.0 => {
             let [least, largest] = [least, largest].map(|share| 100.0 * share);
             format!("part of their tissue and pass on {least:.0} to {largest:.0} % of the response")
         }
-        (true, _) if through_product[0] > 0.0 => "no tissue, joined by the product alone".into(),
-        (true, _) => "no tissue, joined by the product alone where they press it from sides that face one way".into(),
-        (_, true) => "no tissue, each a problem of its own: the product passes nothing on between sides that face away from each other".into(),
+        true => "no tissue, joined by the product alone".into(),
         _ => "no tissue, each a problem of its own".into(),
     };
     format!(

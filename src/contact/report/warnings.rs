@@ -35,8 +35,8 @@ const PULL: f64 = 0.5;
 
 /// Cosine between force and inward normal of the skin below which the obstacle stands steep there, at 60 degrees.
 const STEEP: f64 = 0.5;
-/// Share of the force that steep sides may carry. Between that of a ball at a depth of its radius (8 %, its force rising with
-/// the depth as it should) and at 1.2 of it (29 %, its force about to fall).
+/// Share of the force that steep sides may carry. A ball at a depth of its radius has 8 to 28 % on them, and a force that rises
+/// with the depth as it should; at 1.25 radii it has 40 to 50 %, and its force is about to fall.
 const STEEP_SHARE: f64 = 0.15;
 
 impl Report {
@@ -118,7 +118,9 @@ impl Report {
         for &vertex in &forces.active {
             let force = forces.vectors[vertex];
             all += force.norm();
-            if -force.dot(&outward[vertex]) < STEEP * force.norm() {
+            // Beyond it is pulled.
+            let cosine = -force.dot(&outward[vertex]) / force.norm();
+            if (-PULL..STEEP).contains(&cosine) {
                 steep += force.norm();
             }
         }
@@ -174,9 +176,10 @@ impl Contact {
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
             && (self.unbalanced() * force).max(area) > target
         {
-            let (force, area) = (percent(force), percent(area));
+            let carried = if self.patches.len() > 1 { " that the patches carry" } else { "" };
+            let (force, area) = (percent(self.unbalanced() * force), percent(area));
             short.push(format!(
-                "the mesh around the contact costs about {force} of the force and {area} of the area: the refinement ended by {reason}"
+                "the mesh around the contact costs about {force} of the force{carried} and {area} of the area: the refinement ended by {reason}"
             ));
         }
         let places = self.clues.touched_between + self.clues.unfelt.len();
