@@ -199,8 +199,10 @@ fn both_sides_of_a_palm_are_one_piece_of_tissue() {
     let (vertices, faces) = icosphere(1.0, 5);
     let scaled = |x: &Vector3<f64>| Vector3::new(42.5e-3 * x.x, 50e-3 * x.y, 12.5e-3 * x.z);
     let palm = (vertices.iter().map(scaled).collect(), faces);
-    // What lies in it as a piece of its own, as nails do, is not in the way.
-    let (vertices, faces) = joined(&palm, &icosphere(3e-3, 2));
+    // What stands in it as a piece of its own, as nails do, is not in the way.
+    let (vertices, faces) = icosphere(3e-3, 3);
+    let rod = (vertices.iter().map(|x| Vector3::new(16.0 * x.x, x.y, x.z)).collect(), faces);
+    let (vertices, faces) = joined(&palm, &rod);
     let palm = Surface::new(vertices, faces).unwrap();
     let ball = |z: f64| {
         let (vertices, faces) = icosphere(60e-3, 4);
