@@ -38,8 +38,8 @@ def product_under(surface: qr.Surface, name: str) -> Mesh:
     return vertices + (tip - center) * [1, 1, 0], faces
 
 
-# A can's rim is thinner than the depth and wants many cells, phone and mug reach the finger's cut, a mug's side
-# stands steep to the skin beside it: the contact says so, and is solved all the same.
+# A can's rim is thinner than the depth and wants many cells, phone and mug reach the finger's cut, beside
+# which a mug stands steep to the skin: the contact says so, and is solved all the same.
 @pytest.mark.filterwarnings("ignore:.*steeper than 60 degrees:quasirigid.DepthWarning")
 @pytest.mark.filterwarnings("ignore:the contact reaches:quasirigid.QuasirigidWarning")
 @pytest.mark.filterwarnings("ignore:the target of .*mesh around:quasirigid.RefinementWarning")
