@@ -18,7 +18,8 @@ pub struct ContactOptions<'a> {
     pub target_error: Option<f64>,
     /// Most contact nodes of a refined mesh.
     pub max_nodes: usize,
-    /// Gap (between 0 and 1) that may be left at the deformed skin where it touches, as a share of the deepest penetration before.
+    /// Gap that may be left at the deformed skin where it touches, as a share of the deepest penetration before (between 0 and
+    /// 1).
     pub gap_tolerance: f64,
     /// Most linear problems that a contact is solved with (≥ 1), each with gaps and normals taken at the skin as the one
     /// before deformed it; 1 takes them at the undeformed skin alone.

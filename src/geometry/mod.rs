@@ -1,4 +1,5 @@
-//! Points and triangles: bounds, closest point, crossing, segment, direction, ray, solid angle, rigid motion. No mesh, no physics.
+//! Points and triangles: bounds, closest point, crossing, segment, direction, ray, solid angle, rigid motion. No mesh, no
+//! physics.
 
 pub(crate) mod bounds;
 pub(crate) mod closest_point;

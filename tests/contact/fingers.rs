@@ -203,7 +203,7 @@ fn both_sides_of_a_palm_are_one_piece_of_tissue() {
     let (vertices, faces) = icosphere(3e-3, 3);
     let rod = (vertices.iter().map(|x| Vector3::new(16.0 * x.x, x.y, x.z)).collect(), faces);
     let (vertices, faces) = joined(&palm, &rod);
-    let palm = Surface::new(vertices, faces).unwrap();
+    let palm = Surface::new(vertices, faces).expect("a palm and a rod in it");
     let ball = |z: f64| {
         let (vertices, faces) = icosphere(60e-3, 4);
         (vertices.into_iter().map(|x| x + Vector3::new(0.0, 0.0, z)).collect(), faces)
@@ -235,16 +235,17 @@ fn fingers_that_cross_through_a_thin_sheet_press_it_as_alone() {
     let (half, depth) = (0.25e-3, 0.3e-3);
     let off = half - depth + 8e-3;
     let (both, both_faces) = joined(&at(off), &at(-off));
-    let fingers = Surface::new(both, both_faces).unwrap();
-    let sheet = Obstacle::cuboid(Vector3::new(0.03, 0.03, half)).unwrap();
+    let fingers = Surface::new(both, both_faces).expect("two balls that cross");
+    let sheet = Obstacle::cuboid(Vector3::new(0.03, 0.03, half)).expect("a sheet");
     let squeezed = solve(&fingers, &sheet, &half_space(), false);
     assert_eq!(squeezed.lcp_solutions.len(), 2);
 
     let (vertices, faces) = at(off);
-    let alone = solve(&Surface::new(vertices, faces).unwrap(), &sheet, &half_space(), false);
+    let upper = Surface::new(vertices, faces).expect("a ball");
+    let alone = solve(&upper, &sheet, &half_space(), false);
     let of_upper = |vertex: &&usize| **vertex < alone.surface().vertices().len();
-    let upper = squeezed.active.iter().filter(of_upper).map(|&vertex| squeezed.force_vectors[vertex].z);
-    let upwards: f64 = upper.sum();
+    let forces = squeezed.active.iter().filter(of_upper).map(|&vertex| squeezed.force_vectors[vertex].z);
+    let upwards: f64 = forces.sum();
     assert_relative_eq!(upwards, alone.resultant.force.z, max_relative = 1e-9);
 }
 
