@@ -44,6 +44,37 @@ impl NearestAlongSkin {
     pub fn source(&self, vertex: usize) -> Option<usize> {
         Some(self.source[vertex]).filter(|source| *source != u32::MAX).map(|source| source as usize)
     }
+
+    /// Adds sources on the skin that was searched: only what they are nearest to is searched again.
+    ///
+    /// * `reach`: that of the search before (m)
+    ///
+    /// # Panics
+    /// If a source is no vertex of the surface.
+    pub fn add_sources(&mut self, surface: &Surface, sources: &[usize], reach: f64) {
+        let mut queue = BinaryHeap::new();
+        for &vertex in sources {
+            self.distance[vertex] = 0.0;
+            self.source[vertex] = vertex as u32;
+            queue.push(Reverse(Front(0.0, vertex as u32)));
+        }
+        while let Some(Reverse(Front(way, vertex))) = queue.pop() {
+            let vertex = vertex as usize;
+            if way > self.distance[vertex] {
+                continue;
+            }
+            let here = surface.vertices()[vertex];
+            for &neighbour in surface.neighbours(vertex) {
+                let next = neighbour as usize;
+                let further = way + (surface.vertices()[next] - here).norm();
+                if further < self.distance[next] && further <= reach {
+                    self.distance[next] = further;
+                    self.source[next] = self.source[vertex];
+                    queue.push(Reverse(Front(further, neighbour)));
+                }
+            }
+        }
+    }
 }
 
 /// A distance (m) and the vertex at it, ordered by distance.
@@ -76,31 +107,10 @@ impl Surface {
     /// If a source is no vertex of the surface.
     pub fn nearest_along_skin(&self, sources: &[usize], reach: f64) -> NearestAlongSkin {
         let count = self.vertices().len();
-        let mut distance = vec![f64::INFINITY; count];
-        let mut source = vec![u32::MAX; count];
-        let mut queue = BinaryHeap::new();
-        for &vertex in sources {
-            distance[vertex] = 0.0;
-            source[vertex] = vertex as u32;
-            queue.push(Reverse(Front(0.0, vertex as u32)));
-        }
-        while let Some(Reverse(Front(way, vertex))) = queue.pop() {
-            let vertex = vertex as usize;
-            if way > distance[vertex] {
-                continue;
-            }
-            let here = self.vertices()[vertex];
-            for &neighbour in self.neighbours(vertex) {
-                let next = neighbour as usize;
-                let further = way + (self.vertices()[next] - here).norm();
-                if further < distance[next] && further <= reach {
-                    distance[next] = further;
-                    source[next] = source[vertex];
-                    queue.push(Reverse(Front(further, neighbour)));
-                }
-            }
-        }
-        NearestAlongSkin { distance, source }
+        let mut nearest =
+            NearestAlongSkin { distance: vec![f64::INFINITY; count], source: vec![u32::MAX; count] };
+        nearest.add_sources(self, sources, reach);
+        nearest
     }
 
     /// Length of the shortest path of edges from the sources to every vertex within reach, as (vertex, distance (m)) sorted

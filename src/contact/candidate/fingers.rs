@@ -6,12 +6,14 @@
 
 use std::collections::BTreeMap;
 
-use faer::Mat;
+use faer::{Mat, MatMut};
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::ways::{Way, joined_inside, middle, shortest_ways, ways_between};
 use crate::geometry::bounds::Bounds;
+use crate::linalg::threads::columns_per_task;
 use crate::surface::checked::Surface;
 use crate::surface::shortest_paths::{NearestAlongSkin, shared_tissue};
 
@@ -27,8 +29,6 @@ pub(crate) struct Fingers {
     pub coupling: Coupling,
     /// The way between the two that feel least of each other, where that was looked for.
     pub parting: Option<Way>,
-    /// Shortest way from each to the next (m).
-    to_next: Vec<f64>,
     /// What is known of every vertex; `None` with one finger.
     vertices: Option<NearestAlongSkin>,
     /// Finger of each candidate (n); `usize::MAX` elsewhere. Empty with one finger.
@@ -42,7 +42,6 @@ impl Fingers {
             candidates: vec![candidates.to_vec()],
             coupling: Coupling::one(),
             parting: None,
-            to_next: vec![f64::INFINITY],
             vertices: None,
             of_candidate: Vec::new(),
         }
@@ -50,14 +49,7 @@ impl Fingers {
 
     /// Fingers that only their candidates are asked of.
     pub fn listed(candidates: Vec<Vec<usize>>, coupling: Coupling) -> Self {
-        Self {
-            candidates,
-            coupling,
-            parting: None,
-            to_next: Vec::new(),
-            vertices: None,
-            of_candidate: Vec::new(),
-        }
+        Self { candidates, coupling, parting: None, vertices: None, of_candidate: Vec::new() }
     }
 
     /// Splits candidates into fingers: patches that do not feel the same of all others. What a body or a matrix passes on
@@ -105,7 +97,7 @@ impl Fingers {
         for (index, patch) in patches.into_iter().enumerate() {
             by_finger.entry(coupling.same_as(index)).or_default().extend(patch);
         }
-        Self { parting, ..Self::searched(surface, by_finger, &coupling) }
+        Self { parting, ..Self::searched(surface, by_finger, &coupling, None) }
     }
 
     /// Patches of candidates as one solid feels them that they all press.
@@ -127,11 +119,17 @@ impl Fingers {
 
     /// Fingers of which the candidates are known.
     pub fn known(surface: &Surface, fingers: Vec<Vec<usize>>, coupling: &Coupling) -> Self {
-        Self::searched(surface, fingers.into_iter().enumerate().collect(), coupling)
+        Self::searched(surface, fingers.into_iter().enumerate().collect(), coupling, None)
     }
 
     /// * `fingers`: candidates by their numbers in `coupling`
-    fn searched(surface: &Surface, fingers: BTreeMap<usize, Vec<usize>>, coupling: &Coupling) -> Self {
+    /// * `known`: a search from some of them
+    fn searched(
+        surface: &Surface,
+        fingers: BTreeMap<usize, Vec<usize>>,
+        coupling: &Coupling,
+        known: Option<NearestAlongSkin>,
+    ) -> Self {
         let mut fingers = Vec::from_iter(fingers);
         let candidates: Vec<usize> = fingers.iter().flat_map(|(_, finger)| finger).copied().collect();
         if fingers.len() < 2 {
@@ -144,16 +142,14 @@ impl Fingers {
         for (index, finger) in fingers.iter().enumerate() {
             finger.iter().for_each(|&vertex| label[vertex] = index);
         }
-        let vertices = surface.nearest_along_skin(&candidates, f64::INFINITY);
-        let mut to_next = vec![f64::INFINITY; fingers.len()];
-        for (pair, length) in shortest_ways(surface, &vertices, &label) {
-            pair.into_iter().for_each(|finger| to_next[finger] = to_next[finger].min(length));
-        }
+        let mut vertices = known.unwrap_or_else(|| surface.nearest_along_skin(&[], f64::INFINITY));
+        let added: Vec<usize> =
+            candidates.iter().copied().filter(|&vertex| vertices.source(vertex) != Some(vertex)).collect();
+        vertices.add_sources(surface, &added, f64::INFINITY);
         Self {
             candidates: fingers,
             coupling: coupling.among(&numbers),
             parting: None,
-            to_next,
             vertices: Some(vertices),
             of_candidate: label,
         }
@@ -170,16 +166,37 @@ impl Fingers {
         for &vertex in candidates {
             by_finger.entry(finger_of[vertex].unwrap_or(usize::MAX)).or_default().push(vertex);
         }
-        Self::searched(surface, by_finger, coupling)
+        Self::searched(surface, by_finger, coupling, None)
     }
 
-    /// Whether these are all their candidates.
+    /// These with the candidates that joined their patches since; `None` where a patch is new or gone, or is of two fingers.
     ///
     /// * `candidates`: ascending
-    pub fn are_of(&self, candidates: &[usize]) -> bool {
+    pub fn grown_to(&self, surface: &Surface, candidates: &[usize]) -> Option<Self> {
         let mut own: Vec<usize> = self.candidates.iter().flatten().copied().collect();
         own.sort_unstable();
-        own == candidates
+        if own == candidates {
+            return Some(self.clone());
+        }
+        let is_gone = |vertex: &usize| candidates.binary_search(vertex).is_err();
+        let patches = surface.patches(candidates);
+        if own.iter().any(is_gone) || patches.len() != surface.patches(&own).len() {
+            return None;
+        }
+        let mut by_finger: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for patch in patches {
+            let known = patch.iter().filter(|vertex| own.binary_search(vertex).is_ok());
+            let mut fingers = known.map(|&vertex| self.of_candidate.get(vertex).copied().unwrap_or(0));
+            let finger = fingers.next()?;
+            if fingers.any(|other| other != finger) {
+                return None;
+            }
+            by_finger.entry(finger).or_default().extend(patch);
+        }
+        Some(Self {
+            parting: self.parting,
+            ..Self::searched(surface, by_finger, &self.coupling, self.vertices.clone())
+        })
     }
 
     /// Candidates of fingers that feel each other, each ascending; ordered by the first.
@@ -199,13 +216,16 @@ impl Fingers {
             return;
         }
         let of_node: Vec<usize> = nodes.iter().map(|&node| self.of_candidate[node]).collect();
-        for (column, &finger) in of_node.iter().enumerate() {
-            for (entry, &other) in matrix.col_as_slice_mut(column).iter_mut().zip(&of_node) {
-                if other != finger {
-                    *entry *= self.coupling.between(finger, other);
-                }
-            }
-        }
+        let count = self.candidates.len();
+        let felt = |finger: usize| (0..count).map(|other| self.coupling.between(finger, other)).collect();
+        let felt: Vec<Vec<f64>> = (0..count).map(felt).collect();
+        let weaken = |(column, &finger): (MatMut<f64>, &usize)| {
+            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+            let entries = entries.as_slice_mut().iter_mut().zip(&of_node);
+            entries.for_each(|(entry, &other)| *entry *= felt[finger][other]);
+        };
+        let columns = matrix.par_col_chunks_mut(1).zip(&of_node);
+        columns.with_min_len(columns_per_task(nodes.len())).for_each(weaken);
     }
 
     /// Finger nearest to a vertex along the skin, whose forces move it; `None` where the skin leads to none.
@@ -221,9 +241,14 @@ impl Fingers {
         self.vertices.as_ref().map(|nearest| nearest.distance[vertex])
     }
 
-    /// Way along the skin from a finger to the next one (m); infinite where the skin leads to none.
-    pub fn distance_to_next(&self, finger: usize) -> f64 {
-        self.to_next[finger]
+    /// Way along the skin from each to the next one (m); infinite where the skin leads to none.
+    pub fn distances_to_next(&self, surface: &Surface) -> Vec<f64> {
+        let mut to_next = vec![f64::INFINITY; self.candidates.len()];
+        let ways = self.vertices.iter().flat_map(|near| shortest_ways(surface, near, &self.of_candidate));
+        for (pair, length) in ways {
+            pair.into_iter().for_each(|finger| to_next[finger] = to_next[finger].min(length));
+        }
+        to_next
     }
 }
 

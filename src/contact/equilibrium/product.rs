@@ -183,6 +183,6 @@ impl ElasticSkin for GivenProduct<'_> {
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let block = self.block(vertices, asked.nodes);
-        Ok(displaced(block.nrows(), |column| block.col_as_slice(column), forces))
+        Ok(displaced(&block, forces))
     }
 }

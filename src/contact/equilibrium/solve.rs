@@ -40,8 +40,9 @@ pub(crate) fn solve(
     if is_first {
         check_free(&candidates, response)?;
     }
+    let mut before = guess.and_then(|guess| guess.fingers).cloned();
     for growth in 0.. {
-        let forces = solve_on(candidates, gaps, response, guess, options, report)?;
+        let forces = solve_on(candidates, before, gaps, response, guess, options, report)?;
         if forces.failure.is_some() || rings == 0 && !traits.negative_entries {
             return Ok(forces);
         }
@@ -65,6 +66,7 @@ pub(crate) fn solve(
             return Err(ContactError::Growth { growths: growth, candidates, skin_vertices });
         }
         candidates = grown;
+        before = Some(forces.fingers);
         if options.is_interrupted() {
             return Err(ContactError::Interrupted { stage: "candidates" });
         }
@@ -83,8 +85,11 @@ fn check_free(candidates: &[usize], response: &Compliance) -> Result<(), Contact
 }
 
 /// Solves the complementarity problems of `candidates`, one for each group that feels no other.
+///
+/// * `before`: fingers of a contact of the same undeformed skin
 fn solve_on(
     candidates: Vec<usize>,
+    before: Option<Fingers>,
     gaps: &Gaps,
     response: &Compliance,
     guess: Option<Guess>,
@@ -92,10 +97,10 @@ fn solve_on(
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
     let traits = &response.traits;
-    let before = guess.and_then(|guess| guess.fingers).filter(|fingers| fingers.are_of(&candidates));
-    let fingers = match (before, &gaps.scene.inherited) {
+    let grown = before.and_then(|fingers| fingers.grown_to(gaps.surface, &candidates));
+    let fingers = match (grown, &gaps.scene.inherited) {
         _ if options.couple_fingers => Fingers::one(&candidates),
-        (Some(before), _) => before.clone(),
+        (Some(grown), _) => grown,
         (None, Some(known)) => {
             Fingers::as_before(gaps.surface, &candidates, &known.finger_of, &known.coupling)
         }

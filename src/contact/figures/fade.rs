@@ -53,8 +53,8 @@ impl Fade {
 
     fn on_fingers(surface: &Surface, fingers: &Fingers) -> Self {
         // Half-way to the next finger another one's displacement begins, so this one's ends there.
-        let distances: Vec<f64> = (fingers.candidates.iter().enumerate())
-            .map(|(index, finger)| fade_distance(surface, finger).min(0.5 * fingers.distance_to_next(index)))
+        let distances: Vec<f64> = (fingers.candidates.iter().zip(fingers.distances_to_next(surface)))
+            .map(|(finger, to_next)| fade_distance(surface, finger).min(0.5 * to_next))
             .collect();
         let share = |vertex| match (fingers.finger_of(vertex), fingers.distance(vertex)) {
             (Some(finger), Some(way)) => fade(way / distances[finger]),

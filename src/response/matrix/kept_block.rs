@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::linalg::threads::columns_per_task;
 use crate::response::error::ResponseError;
-use crate::response::matrix::displaced::displaced;
+use crate::response::matrix::displaced::{displaced, displaced_at};
 use crate::response::matrix::missing::{Missing, missing};
 use crate::response::matrix::options::{AssemblyOptions, check_memory};
 
@@ -123,7 +123,7 @@ impl KeptBlock {
             return Ok(moved);
         }
         let block = self.entries(rows, vertices, options, assemble)?;
-        Ok(displaced(block.nrows(), |column| block.col_as_slice(column), forces))
+        Ok(displaced(&block, forces))
     }
 
     fn lock(&self) -> MutexGuard<'_, KnownEntries> {
@@ -175,10 +175,8 @@ impl KnownEntries {
         let count = places.iter().max().map_or(0, |last| last + 1);
         let entries = |vertex: &usize| self.columns.get(vertex)?.get(..count);
         let entries: Vec<&[f64]> = columns.iter().map(entries).collect::<Option<_>>()?;
-        // The sums of all rows, as the entries lie.
-        let moved = displaced(count, |column| entries[column], forces);
-        let own: Vec<Vector3<f64>> = places.into_iter().map(|place| moved[place]).collect();
-        own.iter().all(|vector| !vector.sum().is_nan()).then_some(own)
+        let moved = displaced_at(&places, |column| entries[column], forces);
+        moved.iter().all(|vector| !vector.sum().is_nan()).then_some(moved)
     }
 
     /// The entries at some places of columns, NaN where they are not known; and the columns that have such, by their

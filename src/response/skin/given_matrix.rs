@@ -102,6 +102,6 @@ impl ElasticSkin for GivenMatrix {
             self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
         };
         let block = Mat::from_fn(vertices.len(), columns.len(), |i, j| entry(vertices[i], columns[j]));
-        Ok(displaced(block.nrows(), |column| block.col_as_slice(column), forces))
+        Ok(displaced(&block, forces))
     }
 }

@@ -68,7 +68,7 @@ impl ElasticSkin for KernelSkin {
         let affordable = asked.options.memory_limit.map_or(ROWS_AT_ONCE, |limit| limit / row);
         for rows in vertices.chunks(affordable.clamp(1, ROWS_AT_ONCE)) {
             let block = assemble_block(asked.surface, &at_vertices, rows, asked.nodes, asked.options)?;
-            moved.extend(displaced(block.nrows(), |column| block.col_as_slice(column), forces));
+            moved.extend(displaced(&block, forces));
         }
         Ok(moved)
     }
