@@ -131,12 +131,12 @@ impl Fingers {
         known: Option<NearestAlongSkin>,
     ) -> Self {
         let mut fingers = Vec::from_iter(fingers);
+        fingers.iter_mut().for_each(|(_, finger)| finger.sort_unstable());
         let candidates: Vec<usize> = fingers.iter().flat_map(|(_, finger)| finger).copied().collect();
         if fingers.len() < 2 {
             return Self::one(&candidates);
         }
         let mut label = vec![usize::MAX; surface.vertices().len()];
-        fingers.iter_mut().for_each(|(_, finger)| finger.sort_unstable());
         fingers.sort_unstable_by_key(|(_, finger)| finger[0]);
         let (numbers, fingers): (Vec<usize>, Vec<Vec<usize>>) = fingers.into_iter().unzip();
         for (index, finger) in fingers.iter().enumerate() {
@@ -291,6 +291,33 @@ mod tests {
             assert_eq!(Fingers { parting: None, ..fingers.clone() }, known);
             assert!(fingers.parting.is_some_and(|way| way.along_skin.is_finite()));
             assert!(fingers.finger_of(surface.vertices().len() - 1).is_some());
+        }
+    }
+
+    #[test]
+    fn fingers_that_grow_are_those_that_a_search_over_the_whole_skin_finds() {
+        let (surface, crests) = two_ridges(0);
+        let gap = vec![0.0; surface.vertices().len()];
+        let split = |candidates: &[usize]| Fingers::split_by_tissue(&surface, candidates, &gap, |_| true);
+        let fingers = split(&crests);
+        let wider = surface.k_ring(&crests, 2);
+        let (grown, expected) = (fingers.grown_to(&surface, &wider).expect("no patch is new"), split(&wider));
+        assert_eq!((&grown.candidates, &grown.coupling), (&expected.candidates, &expected.coupling));
+        assert_eq!(grown.distances_to_next(&surface), expected.distances_to_next(&surface));
+        for vertex in 0..gap.len() {
+            assert_eq!(grown.distance(vertex), expected.distance(vertex));
+            assert_eq!(grown.finger_of(vertex), expected.finger_of(vertex));
+        }
+        assert_eq!(fingers.grown_to(&surface, &crests), Some(fingers.clone()));
+        let between = (0..gap.len()).find(|vertex| !wider.contains(vertex)).expect("skin beside the ridges");
+        let with_another: Vec<usize> = [between].into_iter().chain(crests.clone()).collect();
+        let all = Vec::from_iter(0..gap.len());
+        let one = Fingers::one(&crests);
+        assert_eq!(one.grown_to(&surface, &wider), Some(Fingers::one(&wider)));
+        for other in [&with_another, &all, &crests[1..].to_vec()] {
+            let mut other = other.clone();
+            other.sort_unstable();
+            assert_eq!(fingers.grown_to(&surface, &other), None);
         }
     }
 }
