@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use faer::{Mat, MatMut};
 use nalgebra::Vector3;
@@ -20,6 +21,7 @@ use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
+use crate::response::skin::kept::{KeptMatrices, KeptSkin};
 use crate::surface::checked::Surface;
 
 /// Relative quadrature tolerance of displacements that are drawn and summed to a volume but enter no complementarity.
@@ -39,8 +41,18 @@ pub(crate) struct Compliance<'a> {
 /// The response of a product, as if it were a skin.
 struct Product<'a> {
     response: Box<dyn ElasticSkin + 'a>,
-    /// Whether it knows what passes from one side to another.
-    has_all_sides: bool,
+    /// What is kept of a kernel; `None` of a matrix, which knows what passes from one side to another.
+    kept: Option<Arc<KeptMatrices>>,
+}
+
+impl Product<'_> {
+    /// Asks the response, or what is kept of it.
+    fn ask<T>(&self, ask: impl FnOnce(&dyn ElasticSkin) -> T) -> T {
+        match &self.kept {
+            Some(kept) => ask(&KeptSkin::with(&*self.response, Arc::clone(kept))),
+            None => ask(&*self.response),
+        }
+    }
 }
 
 impl<'a> Compliance<'a> {
@@ -65,7 +77,8 @@ impl<'a> Compliance<'a> {
         self.traits.negative_entries |= are_opposed(&gaps.at(&gaps.penetrating)?.normal);
         if let Some(material) = gaps.scene.obstacle.material() {
             let response = product_response(material, gaps, &self.traits)?;
-            self.product = Some(Rc::new(Product { response, has_all_sides: material.kernel().is_none() }));
+            let kept = material.kernel().map(|_| Arc::default());
+            self.product = Some(Rc::new(Product { response, kept }));
             self.traits = self.traits.with_product(Some(material));
         }
         Ok(self)
@@ -90,7 +103,7 @@ impl<'a> Compliance<'a> {
     /// * `normals`: of the product at the candidates
     pub fn on_product(&self, candidates: &[usize], normals: &[Vector3<f64>]) -> Fingers {
         match &self.product {
-            Some(product) if !product.has_all_sides => Fingers::on_solid(self.surface, candidates, normals),
+            Some(product) if product.kept.is_some() => Fingers::on_solid(self.surface, candidates, normals),
             _ => Fingers::one(candidates),
         }
     }
@@ -114,7 +127,7 @@ impl<'a> Compliance<'a> {
         let mut matrix = along(self.skin, &asked, normals)?;
         forces.fingers.weaken(nodes, &mut matrix);
         if let Some(product) = &self.product {
-            let mut of_product = along(&*product.response, &asked, normals)?;
+            let mut of_product = product.ask(|response| along(response, &asked, normals))?;
             forces.on_product.weaken(nodes, &mut of_product);
             matrix += of_product;
         }
@@ -199,7 +212,7 @@ impl<'a> Compliance<'a> {
         forces: AppliedForces,
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
-        self.under(&*product.response, forces.on_product, options, forces, vertices)
+        product.ask(|response| self.under(response, forces.on_product, options, forces, vertices))
     }
 
     fn under(
