@@ -1,8 +1,10 @@
 //! Where the obstacle stands, and how it came there.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
-use crate::contact::candidate::coupling::Coupling;
+use crate::contact::candidate::on_refined::KnownFingers;
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
@@ -94,10 +96,8 @@ pub(crate) struct Scene {
 /// What a refined mesh takes over from the given one.
 #[derive(Debug, Clone)]
 pub(crate) struct Inherited {
-    /// The finger of each vertex.
-    pub finger_of: Vec<Option<usize>>,
-    /// What fingers feel of each other.
-    pub coupling: Coupling,
+    /// The fingers of the given mesh.
+    pub fingers: Arc<KnownFingers>,
     /// Where the skin ends.
     pub cuts: Cuts,
     /// How far skin in overlap looks for the way that it came in (m): no shorter on finer edges.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::{
@@ -13,7 +13,7 @@ use quasirigid::surface::{LONGEST_DETOUR, Surface};
 
 use crate::combined::lower_part;
 use crate::common::{data_dir, flipped, grid, icosphere, joined, read_ply};
-use crate::{UP, galerkin, half_space, skin};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, galerkin, half_space, skin};
 
 /// Distance between the two fingertips (m).
 const PITCH: f64 = 20e-3;
@@ -225,6 +225,33 @@ fn parts_of_the_skin_that_nothing_joins_do_not_couple() {
     let contact = solve(&surface, &rod.unwrap(), &half_space(), false);
     assert_eq!(contact.lcp_solutions.len(), 2);
     assert!(note(&contact, APART).unwrap().contains("no way along the skin"));
+}
+
+#[test]
+fn a_finger_that_touches_between_its_vertices_is_apart_too() {
+    // Two balls of skin on either side of a plate; the second one's nearest vertices stay outside, its smooth skin does not.
+    let (radius, thickness) = (8e-3, 10e-3);
+    let (ball, faces) = icosphere(radius, 3);
+    // The middle of a face to -x.
+    let middle: Vector3<f64> = faces[0].iter().map(|&corner| ball[corner as usize]).sum();
+    let turn = Rotation3::rotation_between(&middle, &-Vector3::x()).unwrap();
+    let turned: Vec<Vector3<f64>> = ball.iter().map(|x| turn * x).collect();
+    let farthest = turned.iter().map(|x| -x.x).fold(0.0, f64::max);
+    let depth = 0.8 * (radius - farthest);
+    let moved = |list: &[Vector3<f64>], x: f64| list.iter().map(|at| at + Vector3::x() * x).collect();
+    let left = (moved(&ball, -(radius + 0.5 * thickness - 1e-3)), faces.clone());
+    let (vertices, faces) = joined(&left, &(moved(&turned, radius + 0.5 * thickness - depth), faces));
+    let surface = Surface::new(vertices, faces).unwrap();
+    let plate = Obstacle::cuboid(Vector3::new(0.5 * thickness, 20e-3, 20e-3)).unwrap();
+    for skin in [half_space(), galerkin()] {
+        let contact = solve_contact(&surface, &plate, &skin, &ContactOptions::default()).unwrap();
+        assert!(note(&contact, APART).is_some());
+        let on_right = contact.force_vectors.iter().zip(contact.surface().vertices());
+        let on_right: f64 = on_right.filter(|(_, x)| x.x > 0.0).map(|(force, _)| force.norm()).sum();
+        let modulus = 2.0 * SHEAR_MODULUS / (1.0 - POISSON_RATIO);
+        let hertz = 4.0 / 3.0 * modulus * radius.sqrt() * depth.powf(1.5);
+        assert!((on_right / hertz - 1.0).abs() < 0.1, "{on_right} N, alone {hertz}");
+    }
 }
 
 #[test]

@@ -155,18 +155,22 @@ impl Fingers {
         }
     }
 
-    /// Candidates by the finger that each vertex of the skin was found to belong to before.
-    pub fn as_before(
-        surface: &Surface,
-        candidates: &[usize],
-        finger_of: &[Option<usize>],
-        coupling: &Coupling,
-    ) -> Self {
+    /// These on a mesh refined from that of theirs: each candidate belongs to the finger that the vertex nearest to it does.
+    ///
+    /// * `candidates`: of that mesh, ascending
+    /// * `nearest`: vertex of the mesh of these nearest to each of the refined one
+    pub fn on_refined(&self, refined: &Surface, candidates: &[usize], nearest: &[usize]) -> Self {
         let mut by_finger: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for &vertex in candidates {
-            by_finger.entry(finger_of[vertex].unwrap_or(usize::MAX)).or_default().push(vertex);
+            let finger = self.finger_of(nearest[vertex]).unwrap_or(usize::MAX);
+            by_finger.entry(finger).or_default().push(vertex);
         }
-        Self::searched(surface, by_finger, coupling, None)
+        Self { parting: self.parting, ..Self::searched(refined, by_finger, &self.coupling, None) }
+    }
+
+    /// Whether a vertex is a candidate of these.
+    pub fn has(&self, vertex: usize) -> bool {
+        self.candidates.iter().any(|finger| finger.binary_search(&vertex).is_ok())
     }
 
     /// These with the candidates that joined their patches since; `None` where a patch is new or gone, or is of two fingers.

@@ -15,10 +15,10 @@ pub(crate) fn watched(gaps: &Gaps) -> Vec<Vec<usize>> {
     near.extend(gaps.distances().iter().enumerate().filter(is_near).map(|(vertex, _)| vertex));
     near.sort_unstable();
     near.dedup();
-    let finger_of = gaps.scene.inherited.as_ref().map(|inherited| &inherited.finger_of);
+    let known = gaps.scene.inherited.as_ref().map(|inherited| &inherited.fingers);
     let mut by_finger: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
     for vertex in near {
-        by_finger.entry(finger_of.and_then(|finger_of| finger_of[vertex])).or_default().push(vertex);
+        by_finger.entry(known.and_then(|fingers| fingers.finger_of(vertex))).or_default().push(vertex);
     }
     by_finger.into_values().collect()
 }

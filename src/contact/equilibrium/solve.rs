@@ -101,9 +101,7 @@ fn solve_on(
     let fingers = match (grown, &gaps.scene.inherited) {
         _ if options.couple_fingers => Fingers::one(&candidates),
         (Some(grown), _) => grown,
-        (None, Some(known)) => {
-            Fingers::as_before(gaps.surface, &candidates, &known.finger_of, &known.coupling)
-        }
+        (None, Some(inherited)) => inherited.fingers.among(gaps.surface, &candidates),
         (None, None) => {
             let is_under_kernel = |vertex| response.skin.kernel_at(vertex).is_some();
             Fingers::split_by_tissue(gaps.surface, &candidates, &gaps.undeformed(), is_under_kernel)

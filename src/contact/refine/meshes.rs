@@ -1,8 +1,10 @@
 //! The meshes that a contact was solved on: the given one, and the finest around it so far.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 use std::time::Instant;
 
+use crate::contact::candidate::on_refined::KnownFingers;
 use crate::contact::error::ContactError;
 use crate::contact::figures::resultant::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
@@ -65,10 +67,8 @@ impl Meshes {
 
     /// What a refined part takes over from the given mesh.
     pub fn inherited_by(&self, part: &RefinedSurface, skin: &dyn ElasticSkin) -> Inherited {
-        let fingers = &self.given.drawing.fingers;
         Inherited {
-            finger_of: part.inherit(|vertex| fingers.finger_of(vertex), |a, b| a.or(*b)),
-            coupling: fingers.coupling.clone(),
+            fingers: Arc::new(KnownFingers::of(&self.given, skin, part)),
             cuts: Cuts::on_refined(self.given.surface(), skin, part),
             search_distance: search_distance_in_overlap(self.given.surface()),
         }

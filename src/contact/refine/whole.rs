@@ -7,7 +7,7 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
 use crate::contact::gap::initial::DeepestVertex;
 use crate::contact::outcome::{Clues, Contact, ContactMesh, LeftOut, Patch};
-use crate::contact::report::left_out::{FAR_VERTICES, FINGER_COUPLING, MASKED_VERTICES};
+use crate::contact::report::left_out::{FAR_VERTICES, MASKED_VERTICES};
 use crate::contact::report::record::add_timings;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
@@ -61,10 +61,7 @@ pub(crate) fn into_whole(
 fn left_out(given: &[LeftOut], part: &[LeftOut]) -> Vec<LeftOut> {
     let is_of_whole = |one: &&LeftOut| [FAR_VERTICES, MASKED_VERTICES].contains(&one.what);
     let mut all: Vec<LeftOut> = given.iter().filter(is_of_whole).cloned().collect();
-    for one in part.iter().filter(|one| !is_of_whole(one)) {
-        let on_whole = given.iter().find(|whole| whole.what == one.what && one.what == FINGER_COUPLING);
-        all.push(on_whole.unwrap_or(one).clone());
-    }
+    all.extend(part.iter().filter(|one| !is_of_whole(one)).cloned());
     all
 }
 

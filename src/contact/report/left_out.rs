@@ -11,7 +11,7 @@ use crate::surface::shortest_paths::{LONGEST_DETOUR, SHORT_DETOUR};
 
 pub(crate) const FAR_VERTICES: &str = "exact distance of far vertices";
 pub(crate) const MASKED_VERTICES: &str = "masked vertices";
-pub(crate) const FINGER_COUPLING: &str = "coupling between fingers";
+const FINGER_COUPLING: &str = "coupling between fingers";
 
 impl Report {
     /// What the measurement of gaps left out.
