@@ -40,12 +40,20 @@ pub(crate) struct Compliance<'a> {
 
 /// The response of a product, as if it were a skin.
 struct Product<'a> {
-    response: Box<dyn ElasticSkin + 'a>,
-    /// What is kept of a kernel; `None` of a matrix, which knows what passes from one side to another.
+    response: Rc<dyn ElasticSkin + 'a>,
+    /// Whether it knows what passes from one side to another, as a matrix does.
+    has_all_sides: bool,
+    /// What is kept of a kernel where that of the skin is.
     kept: Option<Arc<KeptMatrices>>,
 }
 
-impl Product<'_> {
+impl<'a> Product<'a> {
+    /// A product that meets a skin.
+    fn of(response: Rc<dyn ElasticSkin + 'a>, has_all_sides: bool, skin: &dyn ElasticSkin) -> Rc<Self> {
+        let is_kept = !has_all_sides && skin.kept_factors().is_some();
+        Rc::new(Self { response, has_all_sides, kept: is_kept.then(Arc::default) })
+    }
+
     /// Asks the response, or what is kept of it.
     fn ask<T>(&self, ask: impl FnOnce(&dyn ElasticSkin) -> T) -> T {
         match &self.kept {
@@ -77,8 +85,7 @@ impl<'a> Compliance<'a> {
         self.traits.negative_entries |= are_opposed(&gaps.at(&gaps.penetrating)?.normal);
         if let Some(material) = gaps.scene.obstacle.material() {
             let response = product_response(material, gaps, &self.traits)?;
-            let kept = material.kernel().map(|_| Arc::default());
-            self.product = Some(Rc::new(Product { response, kept }));
+            self.product = Some(Product::of(response.into(), material.kernel().is_none(), self.skin));
             self.traits = self.traits.with_product(Some(material));
         }
         Ok(self)
@@ -90,7 +97,16 @@ impl<'a> Compliance<'a> {
         'a: 'b,
     {
         let Self { surface, product, traits, options, .. } = self;
-        Compliance { surface, skin, product: product.clone(), traits: *traits, options: *options }
+        let of_skin = |product: &Rc<Product<'b>>| {
+            Product::of(Rc::clone(&product.response), product.has_all_sides, skin)
+        };
+        Compliance {
+            surface,
+            skin,
+            product: product.as_ref().map(of_skin),
+            traits: *traits,
+            options: *options,
+        }
     }
 
     /// Whether the product gives way.
@@ -103,7 +119,7 @@ impl<'a> Compliance<'a> {
     /// * `normals`: of the product at the candidates
     pub fn on_product(&self, candidates: &[usize], normals: &[Vector3<f64>]) -> Fingers {
         match &self.product {
-            Some(product) if product.kept.is_some() => Fingers::on_solid(self.surface, candidates, normals),
+            Some(product) if !product.has_all_sides => Fingers::on_solid(self.surface, candidates, normals),
             _ => Fingers::one(candidates),
         }
     }
