@@ -107,10 +107,10 @@ impl RedGreen {
             let corners = mesh.faces[face as usize];
             self.add_leaf(Leaf { corners, face });
             for side in (0..3).filter(|&side| mesh.is_sharp(face, side)) {
-                let ends = [corners[side], corners[(side + 1) % 3]];
-                self.side(edge(ends[0], ends[1])).is_sharp = true;
-                self.sharp_vertices.extend(ends);
+                self.side(edge(corners[side], corners[(side + 1) % 3])).is_sharp = true;
             }
+            // Faces that are not taken in may be sharp at a corner.
+            self.sharp_vertices.extend(corners.into_iter().filter(|&corner| mesh.is_on_sharp_edge(corner)));
         }
     }
 
@@ -238,8 +238,14 @@ impl RedGreen {
     }
 
     fn curved_middle(&self, mesh: &SmoothMesh, ends: [u32; 2]) -> (Vector3<f64>, Vector3<f64>) {
-        let end = |end| (self.point(mesh, end), self.normal(mesh, end));
-        curved_middle(ends.map(end), ends.map(|end| self.sharp_vertices.contains(&end)))
+        let is_smooth = |end: &u32| !self.sharp_vertices.contains(end);
+        let normal = |end| Some(end).filter(is_smooth).map(|end| self.normal(mesh, end));
+        let of_faces = || {
+            let side = self.sides.get(&edge(ends[0], ends[1]));
+            let leaves = side.into_iter().flat_map(|side| side.leaves).filter(|&leaf| leaf != NONE);
+            leaves.map(|leaf| mesh.face_normals[self.leaves[leaf as usize].face as usize]).sum()
+        };
+        curved_middle(ends.map(|end| (self.point(mesh, end), normal(end))), of_faces)
     }
 
     /// What becomes of a leaf with the halved edges that it has.

@@ -23,6 +23,15 @@ pub(crate) struct SmoothMesh<'a> {
 }
 
 impl SmoothMesh<'_> {
+    /// Whether a vertex lies on a sharp edge.
+    pub fn is_on_sharp_edge(&self, vertex: u32) -> bool {
+        self.topology.faces_around(vertex as usize).iter().any(|&face| {
+            let corners = self.faces[face as usize];
+            let at = corners.iter().position(|&corner| corner == vertex);
+            at.is_some_and(|at| self.is_sharp(face, at) || self.is_sharp(face, (at + 2) % 3))
+        })
+    }
+
     /// Whether the faces at an edge meet at more than [`CREASE_COSINE`] allows.
     pub fn is_sharp(&self, face: u32, side: usize) -> bool {
         let normal = |face: usize| self.face_normals[face];
@@ -31,24 +40,23 @@ impl SmoothMesh<'_> {
     }
 }
 
-/// Middle of an edge on the curved triangles at it, and the normal there; a sharp end tells nothing of the bend, and with two of
-/// them the edge is straight.
+/// Middle of an edge on the curved triangles at it, and the unit normal there. An end on a sharp edge tells nothing of the bend,
+/// and with two of them the edge is straight.
 ///
-/// * `ends`: position (m) and unit normal
-/// * `is_sharp`: whether they lie on a sharp edge
+/// * `ends`: position (m), and unit normal where that is not on a sharp edge
+/// * `of_faces`: normal of the faces at the edge
 pub(crate) fn curved_middle(
-    [(a, at_a), (b, at_b)]: [(Vector3<f64>, Vector3<f64>); 2],
-    is_sharp: [bool; 2],
+    [(a, at_a), (b, at_b)]: [(Vector3<f64>, Option<Vector3<f64>>); 2],
+    of_faces: impl FnOnce() -> Vector3<f64>,
 ) -> (Vector3<f64>, Vector3<f64>) {
     let edge = b - a;
-    let [bend_a, bend_b] = [edge.dot(&at_a) * at_a, -edge.dot(&at_b) * at_b];
-    let bend = match is_sharp {
-        [false, false] => bend_a + bend_b,
-        [false, true] => 2.0 * bend_a,
-        [true, false] => 2.0 * bend_b,
-        [true, true] => Vector3::zeros(),
+    let bend = |along: &Vector3<f64>, normal: &Vector3<f64>| along.dot(normal) * normal;
+    let (bend, normal, mirrored) = match (at_a, at_b) {
+        (Some(at_a), Some(at_b)) => (bend(&edge, &at_a) + bend(&-edge, &at_b), at_a + at_b, 2.0),
+        (Some(at_a), None) => (2.0 * bend(&edge, &at_a), at_a, 1.0),
+        (None, Some(at_b)) => (2.0 * bend(&-edge, &at_b), at_b, 1.0),
+        (None, None) => (Vector3::zeros(), of_faces(), 1.0),
     };
-    let sum = at_a + at_b;
-    let normal = sum - (2.0 * edge.dot(&sum) / edge.norm_squared()) * edge;
-    (0.5 * (a + b) - bend / 8.0, normal.try_normalize(0.0).unwrap_or(at_a))
+    let turned = normal - (mirrored * edge.dot(&normal) / edge.norm_squared()) * edge;
+    (0.5 * (a + b) - bend / 8.0, turned.try_normalize(0.0).unwrap_or(normal))
 }

@@ -188,6 +188,27 @@ fn a_contact_that_ends_at_an_edge_knows_its_area_and_that_the_peak_is_infinite_o
 }
 
 #[test]
+fn flat_skin_beside_a_sharp_edge_of_its_own_stays_flat() {
+    // Two sheets at a right angle, the lower one pressed half a cell from the edge.
+    let sheet = flat(8, 2e-3);
+    let edge = sheet.vertices().iter().map(|x| x.x).fold(f64::INFINITY, f64::min) + 8e-3;
+    let up = |x: &Vector3<f64>| match x.x - edge {
+        beyond if beyond > 0.0 => Vector3::new(edge, x.y, beyond),
+        _ => *x,
+    };
+    let bent = Surface::new(sheet.vertices().iter().map(up).collect(), sheet.faces().to_vec()).unwrap();
+    for off in [1.0e-3, 1.4e-3, 2.0e-3] {
+        let ball = Obstacle::sphere(BELOW + Vector3::x() * (edge - off), 4e-3).unwrap();
+        let [beside, alone] = [&bent, &sheet].map(|skin| pressed(skin, &ball, 0.1e-3));
+        let is_on_sheets = |x: &Vector3<f64>| x.z == 0.0 || (x.x - edge).abs() < 1e-12;
+        assert!(beside.surface().vertices().iter().all(is_on_sheets));
+        let doubt = [&beside, &alone].map(|contact| contact.accuracy.force_error.unwrap());
+        let [force, expected] = [&beside, &alone].map(|contact| contact.resultant.force.z);
+        assert_relative_eq!(force, expected, max_relative = doubt[0] + doubt[1]);
+    }
+}
+
+#[test]
 fn an_edge_left_in_the_triangles_of_a_mesh_taken_as_it_is_is_said() {
     // The edges of a block between the columns of vertices: the skin hangs over them.
     let block = Obstacle::cuboid(Vector3::new(2.6e-3, 2.6e-3, 5e-3)).unwrap();
