@@ -29,14 +29,34 @@ use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::Traits;
 use crate::response::skin::kept::KeptSkin;
 
-/// Share of the error that a linearization at a full step leaves at the most; more, and one of half the step follows. A shorter
+/// Share of the gaps that a linearization at a full step leaves at the most; more, and one of half the step follows. A shorter
 /// step takes away as much less.
 const SETTLING: f64 = 0.7;
+/// How much longer the step after one that left less is.
+const LONGER: f64 = 1.5;
 /// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
 /// twice.
 const MOST_IN_VAIN: usize = 3;
 /// Least step from one linearization to the next.
 const LEAST_STEP: f64 = 0.125;
+
+/// Gaps of vertices under force and penetration of others after a linearization (m).
+#[derive(Debug, Clone, Copy)]
+struct Left {
+    largest: f64,
+    /// Root of the mean square, over those that are not nothing: it falls steadily where single vertices come and go.
+    mean: f64,
+}
+
+impl Left {
+    fn of(gaps: impl Iterator<Item = f64>) -> Self {
+        let (mut largest, mut squares, mut count) = (0.0_f64, 0.0, 0_usize);
+        for gap in gaps.filter(|gap| *gap > 0.0) {
+            (largest, squares, count) = (largest.max(gap), squares + gap * gap, count + 1);
+        }
+        Self { largest, mean: (squares / count.max(1) as f64).sqrt() }
+    }
+}
 
 /// The skin around a contact where its forces put it.
 struct Deformed {
@@ -70,22 +90,22 @@ impl Deformed {
         Ok(Self { vertices, displacement, measured })
     }
 
-    /// Largest gap of a vertex under force, and penetration of any (m); in Galerkin form the largest change of the
-    /// averaged gap of a node under force.
-    fn error(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<f64, ContactError> {
+    /// The gaps that forces leave; in Galerkin form how far the averaged gaps of nodes under force are from those solved
+    /// with.
+    fn left(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<Left, ContactError> {
         if traits.discretization == Discretization::Galerkin {
             // Solved, the gap is as far from nothing as another linearization changes it.
             let mut anew = gaps.clone();
             anew.linearize(&self.vertices, &self.displacement, &self.measured);
             let [before, after] = [gaps, &anew].map(|gaps| gaps.averaged(traits.basis, &forces.active));
             let changes = before?.into_iter().zip(after?).map(|(before, after)| (after - before).abs());
-            return Ok(changes.fold(0.0, f64::max));
+            return Ok(Left::of(changes));
         }
         let rows = self.vertices.iter().zip(&self.measured.distance);
         let off = |(&vertex, &distance): (&usize, &f64)| {
             if forces.force[vertex] > 0.0 { distance.abs() } else { (-distance).max(0.0) }
         };
-        Ok(rows.map(off).fold(0.0, f64::max))
+        Ok(Left::of(rows.map(off)))
     }
 }
 
@@ -110,8 +130,8 @@ pub(crate) fn solve_to_the_end<'a>(
     }
     let allowed = options.gap_tolerance * gaps.deepest();
     let deformed = Deformed::new(gaps, response, &forces)?;
-    let least = deformed.error(gaps, &traits, &forces)?;
-    if least <= allowed {
+    let least = deformed.left(gaps, &traits, &forces)?;
+    if least.largest <= allowed {
         return Ok(forces);
     }
     // A kernel's matrix holds in every round; that of a body hangs on the normals.
@@ -127,13 +147,13 @@ pub(crate) fn solve_to_the_end<'a>(
         deformed,
         active: forces.active.clone(),
         force: forces.vectors.iter().sum(),
-        best: (least, forces, gaps.clone()),
+        best: (least.mean, forces, gaps.clone()),
         before: least,
         step: 1.0,
         in_vain: if was_vain { MOST_IN_VAIN - 1 } else { 0 },
     };
     for _ in 1..options.max_linearizations {
-        if rounds.before <= allowed || rounds.in_vain >= MOST_IN_VAIN {
+        if rounds.before.largest <= allowed || rounds.in_vain >= MOST_IN_VAIN {
             break;
         }
         rounds.add(gaps, report)?;
@@ -155,10 +175,10 @@ struct Linearizations<'a, 'b> {
     deformed: Deformed,
     active: Vec<usize>,
     force: Vector3<f64>,
-    /// The least gap left (m), with its forces and the gaps that they were solved with.
+    /// The least mean gap left (m), with its forces and the gaps that they were solved with.
     best: (f64, NodeForces, Gaps<'a>),
-    /// The gap that the last round left (m).
-    before: f64,
+    /// What the last round left.
+    before: Left,
     /// Share of the way from the place of one linearization to the next.
     step: f64,
     in_vain: usize,
@@ -199,21 +219,23 @@ impl<'a> Linearizations<'a, '_> {
     ) -> Result<(), ContactError> {
         self.active.clone_from(&forces.active);
         self.deformed = Deformed::new(gaps, self.response, &forces)?;
-        let error = self.deformed.error(gaps, &self.response.traits, &forces)?;
+        let left = self.deformed.left(gaps, &self.response.traits, &forces)?;
         let total: Vector3<f64> = forces.vectors.iter().sum();
         let is_same_force = (total - self.force).norm() <= self.options.gap_tolerance * total.norm();
         self.force = total;
-        report.linearizations.push(round(total, &forces, error, started));
+        report.linearizations.push(round(total, &forces, left.largest, started));
         let settling = 1.0 - (1.0 - SETTLING) * self.step;
-        if error > settling * self.before {
+        if left.mean > settling * self.before.mean {
             self.shorten();
+        } else {
+            self.step = (LONGER * self.step).min(1.0);
         }
-        self.before = error;
+        self.before = left;
         let least = self.best.0;
         let vain = if is_same_force { 2 } else { 1 };
-        self.in_vain = if error < settling * least { 0 } else { self.in_vain + vain };
-        if error < least {
-            self.best = (error, forces, gaps.clone());
+        self.in_vain = if left.mean < settling * least { 0 } else { self.in_vain + vain };
+        if left.mean < least {
+            self.best = (left.mean, forces, gaps.clone());
             report.is_unsettled = false;
         }
         Ok(())

@@ -12,7 +12,7 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::cells::mean_edge;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Clues, Contact, ContactStatus, RefinementEnd};
+use crate::contact::outcome::{Clues, Contact, ContactStatus, RefinementEnd, RefinementKind};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;
@@ -88,12 +88,15 @@ pub(crate) fn begin<'a>(
     let deepest = given.max_penetration_before;
     let near = faces_near(&given.gap, &given.candidates, deepest, given.surface(), &traits);
     let mesh = MeshRefinement::new(given.surface(), near);
+    let was_linearized = given.refinements.iter().any(|round| round.kind == RefinementKind::Linearization);
+    let moved = given.candidates.iter().copied().zip(given.drawing.motion.displacement.iter().copied());
+    let linearized_at = moved.filter(|_| was_linearized).collect();
     let meshes = Meshes { given, mesh, last: None };
     Ok(Begun::Rounds(Box::new(Rounds {
         meshes,
         between: Vec::new(),
         touches_elsewhere_alone: false,
-        linearized_at: HashMap::new(),
+        linearized_at,
         placement,
         skin,
         options,
