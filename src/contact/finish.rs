@@ -77,7 +77,11 @@ impl Contact {
         report.warn_of_pull(gaps, &forces);
         report.warn_of_steep_sides(gaps, &forces);
         let beside = Beside::new(gaps, response, &forces, &motion)?;
-        let left = penetration_after(gaps, &forces, response.skin, &motion, &beside)?;
+        let mut left = penetration_after(gaps, &forces, response.skin, &motion, &beside)?;
+        if discretization == Discretization::Galerkin {
+            // Averaged gaps of nodes are closed, not those of vertices.
+            left.apart = 0.0;
+        }
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
         let known = gaps.scene.inherited.as_ref().map(|inherited| &inherited.cuts);
         let at_cuts = report.warn_of_cuts(surface, response.skin, known, &forces);
@@ -102,6 +106,7 @@ impl Contact {
             skin_edge,
             ends_at_edges: on_edges.share,
             is_unsettled: report.is_unsettled,
+            apart: left.apart / gaps.deepest(),
             unfelt: left.unfelt,
             touched_between: 0,
         };

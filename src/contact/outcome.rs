@@ -289,6 +289,8 @@ pub(crate) struct Clues {
     pub ends_at_edges: f64,
     /// Whether gaps taken anew at the deformed skin led to no better answer.
     pub is_unsettled: bool,
+    /// How far off the obstacle the force acts in the mean, as a share of the penetration before.
+    pub apart: f64,
     /// Vertices that penetrate away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
     /// Number of triangles away from all force that the obstacle touches between their vertices.

@@ -1,10 +1,12 @@
 //! Questions that are probably not meant are answered, with a warning that names the number and the remedy.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use nalgebra::Vector3;
 use quasirigid::contact::{
     Balance, Contact, ContactOptions, ContactStatus, Goal, Press, Start, WarningKind, press, solve_contact,
 };
-use quasirigid::obstacle::Obstacle;
+use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::response::{Discretization, ElasticSkin, Kernel, KernelSkin, PreparedBody};
 use quasirigid::surface::Surface;
@@ -213,4 +215,52 @@ fn an_obstacle_behind_open_skin_is_no_quiet_miss() {
         let is_told = contact.warnings.iter().any(|one| one.message.contains("inside the skin"));
         assert_eq!((contact.status, is_told), (ContactStatus::NoContact, is_behind), "{height}");
     }
+}
+
+/// A plate with its top at z = 0 and a round hole of 7 mm along z, its rim rounded by 0.5 mm.
+fn plate_with_hole() -> Obstacle {
+    let (hole, rounding, around) = (7e-3, 0.5e-3, 128_u32);
+    let on_rim = |step: u32| {
+        let (sin, cos) = (f64::from(step) * FRAC_PI_2 / 8.0).sin_cos();
+        (hole + rounding * (1.0 - cos), rounding * (sin - 1.0))
+    };
+    // (radius, z) around the section, counter-clockwise seen from outside.
+    let section: Vec<(f64, f64)> = [(hole, -6e-3)]
+        .into_iter()
+        .chain((0..=8).map(on_rim))
+        .chain([(20e-3, 0.0), (20e-3, -6e-3)])
+        .collect();
+    let rings = section.len() as u32;
+    let place = |at: u32| {
+        let (radius, z) = section[(at / around) as usize];
+        let (sin, cos) = (TAU * f64::from(at % around) / f64::from(around)).sin_cos();
+        Vector3::new(radius * cos, radius * sin, z)
+    };
+    let faces = (0..rings * around).flat_map(|at| {
+        let (ring, step) = (at / around, at % around);
+        let number = |ring: u32, step: u32| ring % rings * around + step % around;
+        let [a, b, c, d] = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(i, j)| number(ring + i, step + j));
+        [[a, c, b], [a, d, c]]
+    });
+    let vertices = (0..rings * around).map(place).collect();
+    Obstacle::mesh(vertices, faces.collect(), &MeshObstacleOptions::default()).expect("a closed mesh")
+}
+
+#[test]
+fn gaps_on_a_rounded_rim_settle_and_a_press_that_ends_before_is_told() {
+    let plate = plate_with_hole().translated(&(-0.05 * UP));
+    let on_rim = |max_linearizations: usize| {
+        let options = ContactOptions { max_linearizations, ..ContactOptions::on_given_mesh() };
+        let upwards =
+            Press { direction: UP, goal: Goal::Depth(2e-3), start: Start::Infinity, balance: Balance::None };
+        let contact =
+            press(&ball(8e-3, 4), &plate, &half_space(), &upwards, &options).expect("a valid request");
+        let off = "off the obstacle in the mean";
+        let is_told = told(&contact, WarningKind::Penetration).iter().any(|message| message.contains(off));
+        (contact.resultant.force.z, contact.accuracy.force_error.expect("a contact"), is_told)
+    };
+    let (settled, _, is_told) = on_rim(20);
+    assert!(!is_told);
+    let (early, error, is_told) = on_rim(3);
+    assert!(is_told && early > 1.5 * settled && early - settled < error * early, "{early} {settled} {error}");
 }

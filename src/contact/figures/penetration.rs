@@ -22,6 +22,8 @@ pub(crate) const SMALL_PENETRATION: f64 = 0.02;
 pub(crate) struct Penetration {
     /// The deepest (m, ≥ 0).
     pub depth: f64,
+    /// How far off the obstacle the force acts in the mean (m), where gaps that are zero at vertices did not settle.
+    pub apart: f64,
     /// Whether a vertex of the skin is that deep, not only a point between vertices.
     pub is_at_vertex: bool,
     /// Vertices that penetrate by more than a little away from all force, as averages over their triangles feel nothing of it.
@@ -40,7 +42,7 @@ pub(crate) fn penetration_after(
         // Nothing has moved.
         let (depth, of_vertices) = (gaps.deepest(), gaps.undeformed());
         let is_at_vertex = of_vertices.into_iter().any(|gap| -gap >= depth);
-        return Ok(Penetration { depth, is_at_vertex, unfelt: gaps.penetrating.clone() });
+        return Ok(Penetration { depth, apart: 0.0, is_at_vertex, unfelt: gaps.penetrating.clone() });
     }
     let surface = gaps.surface;
     let mut vertices = forces.candidates.clone();
@@ -74,8 +76,15 @@ pub(crate) fn penetration_after(
         let mut beside = surface.neighbours(vertex).iter().map(|&other| other as usize);
         (depth > SMALL_PENETRATION * reach && is_free(vertex) && beside.all(is_free)).then_some(vertex)
     };
+    // The skin that drapes over an edge stands off it.
+    let apart = |(&vertex, &distance): (&usize, &f64)| match gaps.line_at(vertex) {
+        None => forces.force[vertex] * distance.clamp(0.0, reach),
+        Some(_) => 0.0,
+    };
+    let work: f64 = vertices.iter().zip(&measured.distance).map(apart).sum();
+    let apart = work / forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
-    Ok(Penetration { depth, is_at_vertex, unfelt })
+    Ok(Penetration { depth, apart, is_at_vertex, unfelt })
 }
 
 /// Deepest penetration (m, ≥ 0) of skin and obstacle into one another at rest, where no vertex of the skin penetrates.

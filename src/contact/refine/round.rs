@@ -9,6 +9,7 @@ use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement, Refinem
 use crate::contact::refine::estimate::{ErrorEstimate, KEPT_ON_EDGE};
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::refine::wanting::Finer;
+use crate::contact::report::warnings::MOST_APART;
 use crate::response::kernel::basis::Discretization;
 
 /// Shares of the errors of force and area that a finer rim leaves. In collocation the force keeps a quarter in the median of 230
@@ -20,6 +21,9 @@ const LEFT_BY_RIM_IN_GALERKIN: [f64; 2] = [1.0, 0.45];
 /// What the area errs over what the force does, where that is for the body's mesh, as between two and one level on a finger; the
 /// peak errs as much as the force.
 const AREA_PER_BODY: f64 = 0.6;
+/// What the figures err per share of the depth that the force acts off the obstacle: 20 to 60 in balls pressed into rounded holes
+/// whose gaps had not settled.
+const PER_SHARE_APART: f64 = 50.0;
 
 impl Contact {
     /// Vertices under force, and those that penetrate where averages over their triangles feel nothing of it, ascending.
@@ -135,7 +139,9 @@ impl Contact {
         let [area, peak] = errors_of_area_and_peak(&self);
         let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
         let (of_area, of_peak) = (area + AREA_PER_BODY * body, peak + body);
-        let left = if end == RefinementEnd::NoTarget { 0.0 } else { self.unresolved_penetration() };
+        let penetration = if end == RefinementEnd::NoTarget { 0.0 } else { self.unresolved_penetration() };
+        let apart = if self.clues.apart > MOST_APART { PER_SHARE_APART * self.clues.apart } else { 0.0 };
+        let left = penetration + apart;
         let Accuracy { force_error, mesh_error, area_error, max_pressure_error, .. } = &mut self.accuracy;
         let more = [
             (force_error, left),

@@ -17,6 +17,9 @@ use crate::surface::checked::Surface;
 
 /// Penetration left at the deformed skin, as a share of that before, from which the user is warned.
 const UNRESOLVED_SHARE: f64 = 0.05;
+/// How far off the obstacle the force may act in the mean, as a share of the penetration before: contacts that settled are below a
+/// tenth of it.
+pub(crate) const MOST_APART: f64 = 5e-3;
 /// Penetration over the mean edge of the skin up to which they touch.
 const TOUCHING: f64 = 1e-6;
 
@@ -147,6 +150,13 @@ impl Report {
     /// Warns where the obstacle is too finely shaped for gaps linearized at this depth, or the mesh too coarse for
     /// averaged ones.
     pub fn warn_of_penetration(&mut self, discretization: Discretization, before: f64, left: &Penetration) {
+        if left.apart > MOST_APART * before {
+            let message = format!(
+                "the force acts {:.3e} m off the obstacle in the mean, of a depth of {before:.3e} m: on flanks and rims as steep and fine as these the gaps did not settle, and the force may be several times too large; press less deep, or allow more `max_linearizations`",
+                left.apart
+            );
+            self.warn(WarningKind::Penetration, message);
+        }
         if left.depth <= UNRESOLVED_SHARE * before {
             return;
         }
