@@ -1,6 +1,7 @@
 //! Whether the symmetric part of a matrix is positive definite, and how well it is conditioned.
 
-use faer::{Mat, MatRef, Side};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par, Side};
 
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
@@ -88,7 +89,7 @@ pub(crate) fn spectrum_until(matrix: MatRef<f64>, interrupted: Interrupt) -> Spe
         let values = symmetric.as_ref().self_adjoint_eigenvalues(Side::Lower);
         values.map_or((f64::NAN, f64::NAN), |values| (values[0], values[n - 1]))
     } else {
-        let (low, high) = ritz_values(n, LANCZOS_STEPS, interrupted, |v| symmetric.as_ref() * v);
+        let (low, high) = ritz_values(n, LANCZOS_STEPS, interrupted, |v| times(symmetric.as_ref(), v));
         let inverse = |factor: &Cholesky, v: &Mat<f64>| {
             let x = factor.solve(v.col_as_slice(0));
             Mat::from_fn(n, 1, |i, _| x[i])
@@ -104,6 +105,13 @@ pub(crate) fn spectrum_until(matrix: MatRef<f64>, interrupted: Interrupt) -> Spe
         _ => f64::INFINITY,
     };
     Spectrum { definiteness, smallest, largest, condition, estimated: n > EXACT_ORDER }
+}
+
+/// A product whose sums hang on no number of threads.
+fn times(matrix: MatRef<f64>, v: &Mat<f64>) -> Mat<f64> {
+    let mut product = Mat::zeros(matrix.nrows(), v.ncols());
+    matmul(product.as_mut(), Accum::Replace, matrix, v.as_ref(), 1.0, Par::Seq);
+    product
 }
 
 /// What a Cholesky factor proves of the symmetric part of `m` on the rows and columns `kept`, unknown where that is

@@ -49,8 +49,9 @@ impl Contact {
         with_threads(options, || match self.refined_surface() {
             None => self.draw(skin, options),
             Some(mesh) => {
-                let finer = skin.refined(mesh)?.expect("a skin that was refined before");
-                self.draw(&*finer, options)
+                // Another skin than that of the contact may not refine, and says that this is not its surface.
+                let finer = skin.refined(mesh)?;
+                self.draw(finer.as_deref().unwrap_or(skin), options)
             }
         })
     }

@@ -70,8 +70,10 @@ impl OnMesh<'_> {
         known: Option<Known>,
         last: Option<&Contact>,
     ) -> Result<Reached, ContactError> {
-        let kept = KeptSkin::new(self.setup.skin);
-        let mut trials = Trials::new(&kept, known);
+        let is_kept = self.setup.skin.kept_factors().is_some();
+        let kept = (!is_kept).then(|| KeptSkin::new(self.setup.skin));
+        let skin = kept.as_ref().map_or(self.setup.skin, |kept| kept);
+        let mut trials = Trials::new(skin, known);
         let found = search.run(|past| self.trial(quantity, past, &mut trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),

@@ -140,7 +140,11 @@ impl Setup<'_> {
             if self.options.is_interrupted() {
                 return Err(ContactError::Interrupted { stage: "refinement" });
             }
-            let Some(contact) = self.solve_on(&mut warm, aim)? else { return Ok(None) };
+            let contact = match self.solve_on(&mut warm, aim) {
+                Err(error) if error.is_of_deeper() => return Ok(None),
+                other => other?,
+            };
+            let Some(contact) = contact else { return Ok(None) };
             if !warm.serves(&contact) {
                 return Ok(None);
             }

@@ -76,8 +76,12 @@ impl KeptBlock {
             [known.places.len() + wanted.len() + rows.len(), known.columns.len() + columns.len()];
         if check_memory(all_rows, all_columns, options).is_err() {
             known.forget();
-            let found = assemble(rows, columns, options)?;
-            return Ok(Mat::from_fn(rows.len(), columns.len(), |row, column| found[column][row]));
+            let mut block = Mat::zeros(rows.len(), columns.len());
+            // Each column goes once it is copied.
+            for (column, entries) in assemble(rows, columns, options)?.into_iter().enumerate() {
+                block.col_as_slice_mut(column).copy_from_slice(&entries);
+            }
+            return Ok(block);
         }
         let options = AssemblyOptions { tolerance: known.tolerance.unwrap_or(options.tolerance), ..*options };
         let is_first = known.places.is_empty();

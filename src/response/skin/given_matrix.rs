@@ -19,6 +19,7 @@ use crate::surface::refined::RefinedSurface;
 pub struct GivenMatrix {
     matrix: Arc<Mat<f64>>,
     nodes: PreparedNodes,
+    has_negative_entries: bool,
 }
 
 impl GivenMatrix {
@@ -39,7 +40,8 @@ impl GivenMatrix {
                 return Err(ResponseError::MatrixEntry { row, column, value });
             }
         }
-        Ok(Self { matrix: Arc::new(matrix), nodes })
+        let has_negative_entries = matrix.col_iter().any(|column| column.iter().any(|&entry| entry < 0.0));
+        Ok(Self { matrix: Arc::new(matrix), nodes, has_negative_entries })
     }
 
     /// Displacement along the force per newton (k × k, m/N).
@@ -53,7 +55,7 @@ impl GivenMatrix {
     }
 
     pub(crate) fn has_negative_entries(&self) -> bool {
-        self.matrix.col_iter().any(|column| column.iter().any(|&entry| entry < 0.0))
+        self.has_negative_entries
     }
 
     /// Rows that a place on the surface depends on, with their weights; vertices that are no nodes stay where they are.
