@@ -110,7 +110,7 @@ def sweep(
     >>> tip = qr.models.fingertip(edge_length=2e-3)
     >>> skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
     >>> plate = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
-    >>> curve = qr.sweep(tip, plate, skin, [0, 0, 1], depths=[0.5e-3, 1e-3, 1.5e-3])
+    >>> curve = qr.sweep(tip, plate, skin, [0, 0, 1], depths=[0.4e-3, 0.8e-3, 1.2e-3])
     >>> curve.status
     ('solved', 'solved', 'solved')
     >>> bool((np.diff(curve.normal_force) > 0).all())
