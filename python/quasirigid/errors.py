@@ -68,7 +68,7 @@ class MaskWarning(QuasirigidWarning):
 
 
 class PenetrationWarning(QuasirigidWarning):
-    """Skin and product overlap after the contact, press across a gap or pull, or passed through each other."""
+    """Skin and product overlap after the contact, press across a gap, pull, or went through each other."""
 
 
 class RefinementWarning(QuasirigidWarning):
