@@ -25,6 +25,9 @@ __all__ = ["Part", "Patch", "part_of", "parts_by_label", "patches_of"]
 class Patch(Frozen):
     """A connected part of the contact.
 
+    The errors of `Contact.accuracy` are shares of the whole: a small patch beside a large one may be off by
+    more of its own.
+
     Attributes
     ----------
     vertices : (k,) int64
@@ -59,6 +62,9 @@ class Patch(Frozen):
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part(Frozen):
     """What a part of the skin carries of a contact; made by `Contact.part` and `Contact.by_label`.
+
+    The errors of `Contact.accuracy` are shares of the whole: a part that carries little may be off by more of
+    its own.
 
     Attributes
     ----------
