@@ -14,6 +14,7 @@ pub(crate) mod check;
 pub(crate) mod coarsen;
 pub(crate) mod component;
 pub(crate) mod csr;
+pub(crate) mod edge_map;
 pub(crate) mod error;
 pub(crate) mod even_out;
 pub(crate) mod fan;

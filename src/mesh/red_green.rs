@@ -5,11 +5,11 @@
 //! Green cuts are undone before the next round, so that shapes stay what they were, and no choice hangs on the numbering or
 //! on rounding.
 
-use std::collections::{HashMap, HashSet};
-use std::hash::{BuildHasherDefault, Hasher};
+use std::collections::HashSet;
 
 use nalgebra::Vector3;
 
+use crate::mesh::edge_map::{EdgeMap, edge};
 use crate::mesh::smooth::{SmoothMesh, curved_middle};
 
 /// Least share of its smallest angle that a green cut leaves a triangle.
@@ -43,7 +43,7 @@ pub(crate) struct RedGreen {
     /// Vertices added, in the order of their numbers.
     pub middles: Vec<Middle>,
     given_count: u32,
-    sides: HashMap<u64, Side, BuildHasherDefault<EdgeHasher>>,
+    sides: EdgeMap<Side>,
     taken: HashSet<u32>,
     sharp_vertices: HashSet<u32>,
 }
@@ -63,31 +63,6 @@ struct Side {
     is_sharp: bool,
 }
 
-/// An edge, whichever way it is run.
-fn edge(a: u32, b: u32) -> u64 {
-    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
-}
-
-/// Spreads edges, which are unlike enough, over a table.
-#[derive(Debug, Clone, Default)]
-struct EdgeHasher(u64);
-
-impl Hasher for EdgeHasher {
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_u64(u64::from(byte)));
-    }
-
-    fn write_u64(&mut self, value: u64) {
-        // The golden ratio (Knuth 1998, volume 3, section 6.4).
-        let product = (self.0 ^ value).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        self.0 = product ^ product >> 32;
-    }
-
-    fn finish(&self) -> u64 {
-        self.0
-    }
-}
-
 impl RedGreen {
     /// No face yet.
     pub fn new(mesh: &SmoothMesh) -> Self {
@@ -95,7 +70,7 @@ impl RedGreen {
             leaves: Vec::new(),
             middles: Vec::new(),
             given_count: mesh.vertices.len() as u32,
-            sides: HashMap::default(),
+            sides: EdgeMap::default(),
             taken: HashSet::new(),
             sharp_vertices: HashSet::new(),
         }

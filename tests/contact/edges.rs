@@ -196,13 +196,14 @@ fn flat_skin_beside_a_sharp_edge_of_its_own_stays_flat() {
         beyond if beyond > 0.0 => Vector3::new(edge, x.y, beyond),
         _ => *x,
     };
-    let bent = Surface::new(sheet.vertices().iter().map(up).collect(), sheet.faces().to_vec()).unwrap();
+    let bent = Surface::new(sheet.vertices().iter().map(up).collect(), sheet.faces().to_vec())
+        .expect("a bent sheet");
     for off in [1.0e-3, 1.4e-3, 2.0e-3] {
-        let ball = Obstacle::sphere(BELOW + Vector3::x() * (edge - off), 4e-3).unwrap();
+        let ball = Obstacle::sphere(BELOW + Vector3::x() * (edge - off), 4e-3).expect("a ball");
         let [beside, alone] = [&bent, &sheet].map(|skin| pressed(skin, &ball, 0.1e-3));
         let is_on_sheets = |x: &Vector3<f64>| x.z == 0.0 || (x.x - edge).abs() < 1e-12;
         assert!(beside.surface().vertices().iter().all(is_on_sheets));
-        let doubt = [&beside, &alone].map(|contact| contact.accuracy.force_error.unwrap());
+        let doubt = [&beside, &alone].map(|contact| contact.accuracy.force_error.expect("a contact"));
         let [force, expected] = [&beside, &alone].map(|contact| contact.resultant.force.z);
         assert_relative_eq!(force, expected, max_relative = doubt[0] + doubt[1]);
     }

@@ -234,17 +234,18 @@ fn a_finger_that_touches_between_its_vertices_is_apart_too() {
     let (ball, faces) = icosphere(radius, 3);
     // The middle of a face to -x.
     let middle: Vector3<f64> = faces[0].iter().map(|&corner| ball[corner as usize]).sum();
-    let turn = Rotation3::rotation_between(&middle, &-Vector3::x()).unwrap();
+    let turn = Rotation3::rotation_between(&middle, &-Vector3::x()).expect("not opposite");
     let turned: Vec<Vector3<f64>> = ball.iter().map(|x| turn * x).collect();
     let farthest = turned.iter().map(|x| -x.x).fold(0.0, f64::max);
     let depth = 0.8 * (radius - farthest);
     let moved = |list: &[Vector3<f64>], x: f64| list.iter().map(|at| at + Vector3::x() * x).collect();
     let left = (moved(&ball, -(radius + 0.5 * thickness - 1e-3)), faces.clone());
     let (vertices, faces) = joined(&left, &(moved(&turned, radius + 0.5 * thickness - depth), faces));
-    let surface = Surface::new(vertices, faces).unwrap();
-    let plate = Obstacle::cuboid(Vector3::new(0.5 * thickness, 20e-3, 20e-3)).unwrap();
+    let surface = Surface::new(vertices, faces).expect("two balls");
+    let plate = Obstacle::cuboid(Vector3::new(0.5 * thickness, 20e-3, 20e-3)).expect("a plate");
     for skin in [half_space(), galerkin()] {
-        let contact = solve_contact(&surface, &plate, &skin, &ContactOptions::default()).unwrap();
+        let contact =
+            solve_contact(&surface, &plate, &skin, &ContactOptions::default()).expect("a valid request");
         assert!(note(&contact, APART).is_some());
         let on_right = contact.force_vectors.iter().zip(contact.surface().vertices());
         let on_right: f64 = on_right.filter(|(_, x)| x.x > 0.0).map(|(force, _)| force.norm()).sum();

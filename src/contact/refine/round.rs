@@ -21,8 +21,8 @@ const LEFT_BY_RIM_IN_GALERKIN: [f64; 2] = [1.0, 0.45];
 /// What the area errs over what the force does, where that is for the body's mesh, as between two and one level on a finger; the
 /// peak errs as much as the force.
 const AREA_PER_BODY: f64 = 0.6;
-/// What the figures err per share of the depth that the force acts off the obstacle: 20 to 60 in balls pressed into rounded holes
-/// whose gaps had not settled.
+/// What the figures err per share of the depth that the force acts off the obstacle: 7 to 75 times it, against settled gaps, in
+/// balls of skin on rounded holes.
 const PER_SHARE_APART: f64 = 50.0;
 
 impl Contact {
