@@ -1,9 +1,9 @@
 //! Bodies prepared for some vertices: those beside them end no press that they do not touch.
 
 use quasirigid::contact::{Contact, ContactError, ContactOptions, ContactStatus, solve_contact};
-use quasirigid::obstacle::Obstacle;
+use quasirigid::obstacle::{Obstacle, ProductResponse};
 use quasirigid::response::body::{Body, BodyOptions};
-use quasirigid::response::{ElasticSkin, PreparedBody, PressureBasis, ResponseError};
+use quasirigid::response::{ElasticSkin, Kernel, PreparedBody, PressureBasis, ResponseError};
 use quasirigid::surface::Surface;
 
 use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, press_up};
@@ -91,5 +91,24 @@ fn the_largest_pressure_of_one_rings_is_no_smaller_than_the_mean() {
                 assert!(largest >= mean * (1.0 - 1e-12), "{subdivisions} {depth}: {largest} {mean}");
             }
         }
+    }
+}
+
+#[test]
+fn the_memory_limit_holds_whatever_answers_for_the_skin_and_counts_the_product() {
+    let (surface, skin) = held_ball(1.0);
+    let depth = 2.5e-3;
+    let below = Obstacle::half_space(depth * UP, UP).expect("a valid obstacle");
+    let soft = below.with_material(SHEAR_MODULUS, POISSON_RATIO, ProductResponse::Kernel(Kernel::HalfSpace));
+    for (obstacle, side_by_side) in [(below.clone(), 1), (soft.expect("valid constants"), 2)] {
+        let solve = |memory_limit: Option<usize>| {
+            let options = ContactOptions { memory_limit, ..ContactOptions::on_given_mesh() };
+            solve_contact(&surface, &obstacle, &skin, &options)
+        };
+        let nodes = solve(None).expect("no limit").candidates.len();
+        let bytes = 8 * side_by_side * nodes * nodes;
+        let refused = solve(Some(bytes - 1)).unwrap_err();
+        assert_eq!(refused, ContactError::Response(ResponseError::TooLarge { nodes, bytes, limit: bytes - 1 }));
+        assert_eq!(solve(Some(bytes)).expect("within the limit").status, ContactStatus::Solved);
     }
 }

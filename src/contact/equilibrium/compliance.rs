@@ -19,7 +19,7 @@ use crate::linalg::block_factor::KeptFactors;
 use crate::linalg::threads::columns_per_task;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
-use crate::response::matrix::options::AssemblyOptions;
+use crate::response::matrix::options::{AssemblyOptions, check_memory};
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::kept::{KeptMatrices, KeptSkin};
 use crate::surface::checked::Surface;
@@ -139,6 +139,9 @@ impl<'a> Compliance<'a> {
         normals: &[Vector3<f64>],
         forces: &NodeForces,
     ) -> Result<Mat<f64>, ContactError> {
+        // R of the skin and of the product stand beside each other.
+        let side_by_side = if self.has_product() { 2 } else { 1 };
+        check_memory(nodes.len(), side_by_side * nodes.len(), &self.options)?;
         let asked = Request { surface: self.surface, nodes, options: &self.options };
         let mut matrix = along(self.skin, &asked, normals)?;
         forces.fingers.weaken(nodes, &mut matrix);

@@ -7,6 +7,8 @@ use crate::response::kernel::layer_table::{LARGEST_RHO, LayerTable};
 
 /// Steps per unit of r/h at which it is known how large the kernel still gets.
 const ENVELOPE_STEPS: usize = 16;
+/// Kernels that are kept at the most: a study may ask for any number of Poisson's ratios.
+const MOST_KEPT: usize = 64;
 
 /// Kernel of a flat elastic layer, thickness h, bonded to rigid ground.
 ///
@@ -36,7 +38,7 @@ fn one_minus_w(t: f64, nu: f64) -> f64 {
 }
 
 impl LayerKernel {
-    /// The kernel for a Poisson's ratio in 0 ..= 0.5, made once (some 20 ms) and kept.
+    /// The kernel for a Poisson's ratio in 0 ..= 0.5, made once (some 20 ms) and kept until [`MOST_KEPT`] others were.
     ///
     /// # Errors
     /// [`ResponseError::Constant`] for a ratio out of range.
@@ -51,6 +53,9 @@ impl LayerKernel {
             return Ok(kernel.clone());
         }
         let kernel = Arc::new(Self::tabulate(poisson_ratio));
+        if kept.len() == MOST_KEPT {
+            kept.remove(0);
+        }
         kept.push(kernel.clone());
         Ok(kernel)
     }

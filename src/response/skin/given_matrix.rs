@@ -6,7 +6,7 @@ use faer::Mat;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
-use crate::response::matrix::displaced::displaced;
+use crate::response::matrix::displaced::displaced_at;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
@@ -100,10 +100,11 @@ impl ElasticSkin for GivenMatrix {
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let columns = self.nodes.rows(asked.nodes)?;
-        let entry = |vertex: usize, column: usize| {
-            self.nodes.row(vertex).map_or(0.0, |row| self.matrix[(row, column)])
-        };
-        let block = Mat::from_fn(vertices.len(), columns.len(), |i, j| entry(vertices[i], columns[j]));
-        Ok(displaced(&block, forces))
+        let known: Vec<Option<usize>> = vertices.iter().map(|&vertex| self.nodes.row(vertex)).collect();
+        let rows: Vec<usize> = known.iter().copied().flatten().collect();
+        let mut moved =
+            displaced_at(&rows, |column| self.matrix.col_as_slice(columns[column]), forces).into_iter();
+        let of_row = |row: Option<usize>| row.and_then(|_| moved.next()).unwrap_or_default();
+        Ok(known.into_iter().map(of_row).collect())
     }
 }
