@@ -5,7 +5,7 @@ use crate::lcp::solution::LcpMethodName;
 use crate::lcp::solve::LcpMethod;
 use crate::linalg::threads;
 use crate::response::error::ResponseError;
-use crate::response::matrix::options::TOLERANCES;
+use crate::response::matrix::options::{AssemblyOptions, TOLERANCES};
 
 /// Options of [`solve_contact`](crate::contact::solve_contact) and [`press`](crate::contact::press::press).
 #[derive(Clone)]
@@ -90,7 +90,7 @@ impl std::fmt::Debug for ContactOptions<'_> {
     }
 }
 
-impl ContactOptions<'_> {
+impl<'a> ContactOptions<'a> {
     /// The defaults, but for the mesh, which is taken as it is.
     pub fn on_given_mesh() -> Self {
         Self::default().unrefined()
@@ -101,8 +101,24 @@ impl ContactOptions<'_> {
         Self { target_error: None, ..self.clone() }
     }
 
+    /// How response matrices are assembled.
+    pub(in crate::contact) fn assembly(&self) -> AssemblyOptions<'a> {
+        AssemblyOptions {
+            tolerance: self.tolerance,
+            num_threads: None,
+            memory_limit: self.memory_limit,
+            interrupt: self.interrupt,
+        }
+    }
+
     pub(in crate::contact) fn is_interrupted(&self) -> bool {
         self.interrupt.is_some_and(|interrupt| interrupt())
+    }
+
+    /// # Errors
+    /// [`ContactError::Interrupted`] if the caller wants the work to end, at `stage`.
+    pub(in crate::contact) fn check_interrupt(&self, stage: &'static str) -> Result<(), ContactError> {
+        if self.is_interrupted() { Err(ContactError::Interrupted { stage }) } else { Ok(()) }
     }
 
     /// # Errors

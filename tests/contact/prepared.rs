@@ -108,7 +108,10 @@ fn the_memory_limit_holds_whatever_answers_for_the_skin_and_counts_the_product()
         let nodes = solve(None).expect("no limit").candidates.len();
         let bytes = 8 * side_by_side * nodes * nodes;
         let refused = solve(Some(bytes - 1)).unwrap_err();
-        assert_eq!(refused, ContactError::Response(ResponseError::TooLarge { nodes, bytes, limit: bytes - 1 }));
+        assert_eq!(
+            refused,
+            ContactError::Response(ResponseError::TooLarge { nodes, bytes, limit: bytes - 1 })
+        );
         assert_eq!(solve(Some(bytes)).expect("within the limit").status, ContactStatus::Solved);
     }
 }

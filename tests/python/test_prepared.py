@@ -213,6 +213,9 @@ def test_another_surface_is_refused_with_what_differs(surface: qr.Surface) -> No
     flipped = qr.Surface(surface.vertices, np.roll(surface.faces, 1, axis=1))
     with pytest.raises(qr.ResponseError, match="faces that differ: 1280"):
         qr.solve_contact(flipped, PLATE, prepared)
+    kernel_alone = skin_of(qr.HalfSpace()).combined(surface, {})
+    with pytest.raises(qr.ResponseError, match="number of vertices: 162, expected 642"):
+        qr.press(qr.Surface(*ball(8e-3, 2)), PLATE, kernel_alone, [0, 0, 1], depth=0.4e-3)
     with pytest.raises(qr.ResponseError, match="prepared for 20 other vertices"):
         qr.press(surface, PLATE, prepared, [0, 0, 1], depth=0.5e-3)
 

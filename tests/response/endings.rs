@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Vector3;
 use quasirigid::response::{
-    AssemblyOptions, ElasticSkin, Kernel, KernelSkin, NodesError, Request, ResponseError, Thickness, assemble,
+    AssemblyOptions, ElasticSkin, Kernel, KernelSkin, NodesError, PreparedKernel, Request, ResponseError,
+    Thickness, assemble,
 };
 
 use super::*;
@@ -40,9 +41,14 @@ fn malformed_requests_say_what_is_wrong_and_where() {
     let ask = |nodes: &[usize], options: AssemblyOptions| {
         assemble(&surface, &skin(HALF_SPACE), nodes, &options).expect_err("malformed")
     };
+    let kernel = skin(HALF_SPACE);
+    let prepared = PreparedKernel::new(&surface, &kernel, &[2, 4], &AssemblyOptions::default());
+    let prepared = prepared.expect("known nodes");
     let along = |nodes: &[usize], directions: &[Vector3<f64>]| {
         let asked = Request { surface: &surface, nodes, options: &AssemblyOptions::default() };
-        skin(HALF_SPACE).matrix(&asked, directions).expect_err("malformed")
+        let of = |skin: &dyn ElasticSkin| skin.matrix(&asked, directions).expect_err("malformed");
+        assert_eq!(of(&kernel), of(&prepared));
+        of(&kernel)
     };
     let plain = AssemblyOptions::default();
     assert_eq!(

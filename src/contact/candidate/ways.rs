@@ -91,13 +91,16 @@ pub(crate) fn joined_inside(surface: &Surface, ends: [usize; 2]) -> bool {
     }
     let [a, b] = ends.map(|end| surface.vertices()[end]);
     let inward = |end: usize, towards: Vector3<f64>| surface.vertex_normals()[end].dot(&towards) < 0.0;
-    let inside = |k: usize| {
+    if !inward(ends[0], b - a) || !inward(ends[1], a - b) {
+        return false;
+    }
+    let own = surface.faces().iter().zip(pieces).filter(|(_, label)| Some(**label) == piece);
+    let own: Vec<[u32; 3]> = own.map(|(face, _)| *face).collect();
+    (0..LINE_POINTS).all(|k| {
         let share = (k as f64 + 0.5) / LINE_POINTS as f64;
-        let own = surface.faces().iter().zip(pieces).filter(|(_, label)| Some(**label) == piece);
-        let turns = winding_number(&a.lerp(&b, share), surface.vertices(), own.map(|(face, _)| *face));
+        let turns = winding_number(&a.lerp(&b, share), surface.vertices(), own.iter().copied());
         (0.5..1.5).contains(&turns)
-    };
-    inward(ends[0], b - a) && inward(ends[1], a - b) && (0..LINE_POINTS).all(inside)
+    })
 }
 
 /// Length (m) of the shortest path of edges found between any two sets of sources, by their `label`: where the searches from

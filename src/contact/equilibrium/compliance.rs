@@ -71,13 +71,7 @@ impl<'a> Compliance<'a> {
         traits: Traits,
         options: &ContactOptions<'a>,
     ) -> Self {
-        let options = AssemblyOptions {
-            tolerance: options.tolerance,
-            memory_limit: options.memory_limit,
-            interrupt: options.interrupt,
-            ..AssemblyOptions::default()
-        };
-        Self { surface, skin, product: None, traits, options }
+        Self { surface, skin, product: None, traits, options: options.assembly() }
     }
 
     /// The same against the product of `gaps`.

@@ -157,9 +157,7 @@ pub(crate) fn solve_to_the_end<'a>(
             break;
         }
         rounds.add(gaps, report)?;
-        if options.is_interrupted() {
-            return Err(ContactError::Interrupted { stage: "linearization" });
-        }
+        options.check_interrupt("linearization")?;
     }
     let (_, forces, of_best) = rounds.best;
     *gaps = of_best;

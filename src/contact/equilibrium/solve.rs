@@ -67,9 +67,7 @@ pub(crate) fn solve(
         }
         candidates = grown;
         before = Some(forces.fingers);
-        if options.is_interrupted() {
-            return Err(ContactError::Interrupted { stage: "candidates" });
-        }
+        options.check_interrupt("candidates")?;
     }
     unreachable!("the loop ends by a return")
 }

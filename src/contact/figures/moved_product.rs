@@ -1,6 +1,7 @@
 //! The product as it looks under the solved forces: computed when somebody asks.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::contact::candidate::coupling::Coupling;
 use crate::contact::error::ContactError;
@@ -10,7 +11,6 @@ use crate::contact::outcome::{Contact, ContactStatus};
 use crate::geometry::bounds::Bounds;
 use crate::obstacle::material::{Answer, Material};
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{ElasticSkin, Request};
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::surface::checked::Surface;
@@ -129,18 +129,13 @@ impl Contact {
             let squares = points[..first].iter().map(|load| (load - point).norm_squared());
             fade((squares.fold(f64::INFINITY, f64::min).sqrt() - cell) / distance)
         };
-        let shares: Vec<f64> = points[first..].iter().map(share).collect();
+        let shares: Vec<f64> = points[first..].par_iter().map(share).collect();
         // The product's vertices belong to no triangle of it: the pressure alone is the kernel's to see.
         let mask = vec![true; points.len()];
         let targets: Vec<usize> = (first..points.len()).collect();
         let surface = Surface::from_sound_mesh(points, faces, mask);
-        let assembly = AssemblyOptions {
-            tolerance: options.tolerance,
-            interrupt: options.interrupt,
-            ..AssemblyOptions::default()
-        };
         let forces: Vec<Vector3<f64>> = active.iter().map(|&vertex| self.force_vectors[vertex]).collect();
-        let asked = Request { surface: &surface, nodes: &nodes, options: &assembly };
+        let asked = Request { surface: &surface, nodes: &nodes, options: &options.assembly() };
         let moved = kernel.displace(&asked, &forces, &targets)?;
         for ((&vertex, share), moved) in near.iter().zip(shares).zip(moved) {
             vertices[vertex] -= share * moved;

@@ -148,9 +148,7 @@ impl OnMesh<'_> {
 
     /// The quantity so far past the touch.
     fn trial(&self, quantity: Quantity, past: f64, trials: &mut Trials) -> Result<Trial, ContactError> {
-        if self.setup.options.is_interrupted() {
-            return Err(ContactError::Interrupted { stage: "search for the depth" });
-        }
+        self.setup.options.check_interrupt("search for the depth")?;
         let tried = match quantity {
             Quantity::Force => self.force(past, trials),
             Quantity::Overlap => self.overlap(past).map(Trial::Value),

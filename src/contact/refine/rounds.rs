@@ -302,9 +302,7 @@ impl Rounds<'_> {
         finer: &MeshRefinement,
         part: &RefinedSurface,
     ) -> Result<Option<Contact>, ContactError> {
-        if self.options.is_interrupted() {
-            return Err(ContactError::Interrupted { stage: "refinement" });
-        }
+        self.options.check_interrupt("refinement")?;
         let started = Instant::now();
         let mut scene = self.placement.scene(&part.surface)?;
         scene.inherited = Some(self.meshes.inherited_by(part, self.skin));

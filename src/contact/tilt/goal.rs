@@ -167,9 +167,7 @@ impl Tilted<'_> {
             self.room(&angles_at(at), &end)
         };
         let ended = find(started, first, room, |at| -> Result<_, ContactError> {
-            if self.setup.options.is_interrupted() {
-                return Err(ContactError::Interrupted { stage: "search for the balance" });
-            }
+            self.setup.options.check_interrupt("search for the balance")?;
             let turned = on.turned(self.turn(&angles_at(at)));
             let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.depth), past)? else {
                 return Ok(None);

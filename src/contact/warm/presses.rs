@@ -137,9 +137,7 @@ impl Setup<'_> {
             return Ok(None);
         }
         for _ in 0..MOST_CHANGES {
-            if self.options.is_interrupted() {
-                return Err(ContactError::Interrupted { stage: "refinement" });
-            }
+            self.options.check_interrupt("refinement")?;
             let contact = match self.solve_on(&mut warm, aim) {
                 Err(error) if error.is_of_deeper() => return Ok(None),
                 other => other?,

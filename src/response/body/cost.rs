@@ -43,9 +43,9 @@ impl BodyCost {
         let right_hand_sides = 3 * node_count;
         let (n, skin, k) = (unknowns as f64, 3.0 * skin_count as f64, right_hand_sides as f64);
         let kept = 8 * 3 * skin_count * right_hand_sides;
-        // matrix, right-hand sides, one block of them twice, result, faces with their geometry
-        let working =
-            size_of::<T>() * unknowns * (unknowns + right_hand_sides + 2 * solve_width(right_hand_sides));
+        // matrix, right-hand sides, the blocks of them at work, result, faces with their geometry
+        let at_work = BLOCKS_AT_ONCE * solve_width(right_hand_sides);
+        let working = size_of::<T>() * unknowns * (unknowns + right_hand_sides + at_work);
         let faces = 2 * (skin_count + bone_count) * size_of::<Element>();
         BodyCost {
             counts: [skin_count, bone_count, node_count],

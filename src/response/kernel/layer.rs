@@ -1,6 +1,6 @@
 //! The response kernel of an elastic layer bonded to rigid bone.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::response::error::ResponseError;
 use crate::response::kernel::layer_table::{LARGEST_RHO, LayerTable};
@@ -48,7 +48,7 @@ impl LayerKernel {
             let (name, value, expected) = ("poisson_ratio", poisson_ratio, "from 0 to 0.5");
             return Err(ResponseError::Constant { name, value, expected });
         }
-        let mut kept = KEPT_KERNELS.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut kept = KEPT_KERNELS.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(kernel) = kept.iter().find(|k| k.poisson_ratio == poisson_ratio) {
             return Ok(kernel.clone());
         }

@@ -96,6 +96,10 @@ impl<P: BodyPart> Combination<P> {
 
 impl<P: BodyPart> ElasticSkin for Combination<P> {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
+        let (found, expected) = (surface.vertices().len(), self.owner.len());
+        if found != expected {
+            return Err(ResponseError::OtherSurface { what: "number of vertices", found, expected });
+        }
         let background = self.background.traits(surface)?;
         self.parts.iter().try_for_each(|part| part.check(surface))?;
         let refines = self.parts.iter().all(P::refines);

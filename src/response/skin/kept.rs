@@ -13,7 +13,7 @@ use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::matrix::collocation::assemble_columns;
 use crate::response::matrix::kept_block::{Assemble, KeptBlock};
-use crate::response::matrix::options::AssemblyOptions;
+use crate::response::matrix::options::{AssemblyOptions, check_memory};
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::kernel::ROWS_AT_ONCE;
 use crate::surface::checked::Surface;
@@ -163,8 +163,11 @@ impl ElasticSkin for KeptSkin<'_> {
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
-        // A second copy would not be within the limit.
-        if asked.options.memory_limit.is_some() || asked.nodes.is_empty() {
+        // A second copy would not be within the limit, or what is free.
+        let count = asked.nodes.len();
+        let is_scarce =
+            asked.options.memory_limit.is_some() || check_memory(2 * count, count, asked.options).is_err();
+        if is_scarce || asked.nodes.is_empty() {
             return self.skin.matrix(asked, directions);
         }
         if let Some(assemble) = self.assembly(asked.surface) {

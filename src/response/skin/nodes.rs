@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::response::error::ResponseError;
+use crate::response::matrix::options::check_directions;
 use crate::response::rows::{NO_ROW, rows_of_vertices};
 use crate::surface::checked::Surface;
 
@@ -93,16 +94,14 @@ impl PreparedNodes {
     /// Rows of `nodes`, with one direction each.
     ///
     /// # Errors
-    /// [`ResponseError::NotPrepared`], [`ResponseError::DirectionCount`].
+    /// [`ResponseError::NotPrepared`], [`ResponseError::DirectionCount`], [`ResponseError::Direction`].
     pub(crate) fn checked_rows(
         &self,
         nodes: &[usize],
         directions: &[Vector3<f64>],
     ) -> Result<Vec<usize>, ResponseError> {
         let rows = self.rows(nodes)?;
-        if directions.len() != nodes.len() {
-            return Err(ResponseError::DirectionCount { directions: directions.len(), nodes: nodes.len() });
-        }
+        check_directions(directions, nodes.len())?;
         Ok(rows)
     }
 }

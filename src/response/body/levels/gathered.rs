@@ -1,6 +1,6 @@
 //! Blocks of a large compliance between the few vertices that a contact asks of, close together in memory.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -77,18 +77,21 @@ impl Gathered {
         columns: &[usize],
         gather: impl Fn(&[usize], &[usize]) -> Result<Mat<f64>, ResponseError>,
     ) -> Result<Arc<Blocks>, ResponseError> {
-        let mut kept = self.0.lock().expect("no thread panics while it holds the lock");
-        let [known_rows, known_columns] = match &*kept {
-            Some(known) if known.rows.hold(rows) && known.columns.hold(columns) => {
-                return Ok(Arc::clone(known));
-            }
+        // No lock is held while blocks are gathered, which may take other work of the same threads in between.
+        let known = self.lock().clone();
+        let [known_rows, known_columns] = match known {
+            Some(known) if known.rows.hold(rows) && known.columns.hold(columns) => return Ok(known),
             Some(known) => [known.rows.with(rows), known.columns.with(columns)],
             None => [rows, columns].map(|vertices| Places::new(vertices.to_vec())),
         };
         let entries = gather(&known_rows.vertices, &known_columns.vertices)?;
         let blocks = Arc::new(Blocks { rows: known_rows, columns: known_columns, entries });
-        *kept = Some(Arc::clone(&blocks));
+        *self.lock() = Some(Arc::clone(&blocks));
         Ok(blocks)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<Arc<Blocks>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -139,16 +139,19 @@ impl TwoLevels {
             ..AssemblyOptions::default()
         };
         let displacement = less_near_kernel(&coarse.surface, &columns, &solved, &near, &assembly)?;
+        let &BodyParts { rotation, ref bone_pressure, .. } = solved.parts();
         let parts = BodyParts {
             displacement,
-            bone_pressure: solved.parts().bone_pressure.as_ref().map(|kept| {
+            bone_pressure: bone_pressure.as_ref().map(|kept| {
                 let column = |column: usize| loaded.binary_search(&columns[column]).ok();
                 Mat::from_fn(kept.nrows(), 3 * columns.len(), |row, j| {
                     column(j / 3).map_or(0.0, |own| kept[(row, 3 * own + j % 3)])
                 })
             }),
             nodes: columns,
-            ..solved.parts().clone()
+            rotation,
+            shear_modulus,
+            poisson_ratio,
         };
         let remainder = BodyCompliance::new(parts);
         let edges = coarse.surface.mean_edges();
