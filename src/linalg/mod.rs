@@ -3,6 +3,7 @@
 
 pub(crate) mod block_factor;
 pub(crate) mod cholesky;
+pub(crate) mod columns;
 pub(crate) mod definiteness;
 pub(crate) mod dense;
 pub(crate) mod factor;

@@ -7,14 +7,6 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 /// Threads for each processor beyond which more only cost time and memory.
 const MOST_PER_PROCESSOR: usize = 4;
 
-/// Entries of a matrix that are worth a task of their own.
-const ENTRIES_PER_TASK: usize = 1 << 15;
-
-/// Fewest columns of so many rows that are worth a task of their own.
-pub(crate) fn columns_per_task(rows: usize) -> usize {
-    (ENTRIES_PER_TASK / rows.max(1)).max(1)
-}
-
 /// The worker threads could not be started.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("could not start {threads} threads: {reason}")]

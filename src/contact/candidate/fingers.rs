@@ -6,14 +6,14 @@
 
 use std::collections::BTreeMap;
 
-use faer::{Mat, MatMut};
+use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::contact::candidate::coupling::Coupling;
 use crate::contact::candidate::ways::{Way, joined_inside, middle, shortest_ways, ways_between};
 use crate::geometry::bounds::Bounds;
-use crate::linalg::threads::columns_per_task;
+use crate::linalg::columns::par_columns;
 use crate::surface::checked::Surface;
 use crate::surface::shortest_paths::{NearestAlongSkin, shared_tissue};
 
@@ -223,13 +223,10 @@ impl Fingers {
         let count = self.candidates.len();
         let felt = |finger: usize| (0..count).map(|other| self.coupling.between(finger, other)).collect();
         let felt: Vec<Vec<f64>> = (0..count).map(felt).collect();
-        let weaken = |(column, &finger): (MatMut<f64>, &usize)| {
-            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            let entries = entries.as_slice_mut().iter_mut().zip(&of_node);
+        par_columns(matrix).zip(&of_node).for_each(|(column, &finger)| {
+            let entries = column.iter_mut().zip(&of_node);
             entries.for_each(|(entry, &other)| *entry *= felt[finger][other]);
-        };
-        let columns = matrix.par_col_chunks_mut(1).zip(&of_node);
-        columns.with_min_len(columns_per_task(nodes.len())).for_each(weaken);
+        });
     }
 
     /// Finger nearest to a vertex along the skin, whose forces move it; `None` where the skin leads to none.

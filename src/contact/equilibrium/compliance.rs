@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use faer::{Mat, MatMut};
+use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::geometry::direction::are_one;
 use crate::linalg::block_factor::KeptFactors;
-use crate::linalg::threads::columns_per_task;
+use crate::linalg::columns::par_columns;
 use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::{AssemblyOptions, check_memory};
@@ -280,17 +280,15 @@ fn along(
 ) -> Result<Mat<f64>, ResponseError> {
     let mut matrix = skin.matrix(asked, normals)?;
     let is_scalar: Vec<bool> = asked.nodes.iter().map(|&vertex| skin.is_scalar(vertex)).collect();
-    let scale = |((column, normal), is_own_scalar): ((MatMut<f64>, &Vector3<f64>), &bool)| {
+    let scale = |((column, normal), is_own_scalar): ((&mut [f64], &Vector3<f64>), &bool)| {
         if !is_own_scalar {
             return;
         }
-        let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-        let rows = entries.as_slice_mut().iter_mut().zip(normals).zip(&is_scalar);
+        let rows = column.iter_mut().zip(normals).zip(&is_scalar);
         rows.for_each(|((entry, other), is_scalar)| {
             *entry *= if *is_scalar { other.dot(normal) } else { 1.0 }
         });
     };
-    let columns = matrix.par_col_chunks_mut(1).zip(normals).zip(&is_scalar);
-    columns.with_min_len(columns_per_task(normals.len())).for_each(scale);
+    par_columns(&mut matrix).zip(normals).zip(&is_scalar).for_each(scale);
     Ok(matrix)
 }

@@ -6,11 +6,11 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use faer::{Mat, MatMut};
+use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::linalg::threads::columns_per_task;
+use crate::linalg::columns::par_columns;
 use crate::response::error::ResponseError;
 use crate::response::matrix::displaced::{displaced, displaced_at};
 use crate::response::matrix::missing::{Missing, missing};
@@ -188,10 +188,8 @@ impl KnownEntries {
     fn gathered(&self, places: &[usize], columns: &[usize]) -> (Mat<f64>, Vec<usize>) {
         let mut block = Mat::zeros(places.len(), columns.len());
         let is_prefix = places.iter().enumerate().all(|(row, &place)| row == place);
-        let gather = |(number, (column, vertex)): (usize, (MatMut<f64>, &usize))| {
-            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
+        let gather = |(number, (entries, vertex)): (usize, (&mut [f64], &usize))| {
             let kept = self.columns.get(vertex).map_or(&[][..], |kept| kept);
-            let entries = entries.as_slice_mut();
             match kept.get(..places.len()).filter(|_| is_prefix) {
                 Some(first) => entries.copy_from_slice(first),
                 None => entries.iter_mut().zip(places).for_each(|(entry, &place)| {
@@ -202,8 +200,7 @@ impl KnownEntries {
             let is_open = entries.iter().fold(false, |is_open, entry| is_open | entry.is_nan());
             is_open.then_some(number)
         };
-        let chunks = block.par_col_chunks_mut(1).zip(columns).enumerate();
-        let open = chunks.with_min_len(columns_per_task(places.len())).filter_map(gather).collect();
+        let open = par_columns(&mut block).zip(columns).enumerate().filter_map(gather).collect();
         (block, open)
     }
 }

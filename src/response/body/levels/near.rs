@@ -17,7 +17,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use crate::linalg::threads::columns_per_task;
+use crate::linalg::columns::par_columns;
 use crate::linalg::vectorized::vectorized;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
@@ -96,10 +96,7 @@ impl NearKernel {
         let normals = asked.nodes.iter().map(|&vertex| &asked.surface.vertex_normals()[vertex]);
         let [normal_x, normal_y, normal_z] = coordinates(normals);
         let (factor, skew) = (self.outer_factor(), 0.5 * self.skew_factor());
-        let at_once = columns_per_task(asked.nodes.len());
-        response.par_col_chunks_mut(1).enumerate().with_min_len(at_once).for_each(|(j, column)| {
-            let entries = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            let entries = entries.as_slice_mut();
+        par_columns(&mut response).enumerate().for_each(|(j, entries)| {
             let count = entries.len();
             let [x, y, z] = [&x[..count], &y[..count], &z[..count]];
             let [along_x, along_y, along_z] = [&along_x[..count], &along_y[..count], &along_z[..count]];

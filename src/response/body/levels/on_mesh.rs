@@ -6,8 +6,8 @@ use faer::Mat;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::linalg::columns::par_columns;
 use crate::linalg::kernels;
-use crate::linalg::threads::columns_per_task;
 use crate::response::body::levels::coarseness::{Coarseness, lost_displacement};
 use crate::response::body::levels::near::NearKernel;
 use crate::response::body::levels::remainder::Remainder;
@@ -159,25 +159,20 @@ impl NearAndFar {
         let in_rows = spread(&|coarse| blocks.rows.of(coarse));
         let in_support = spread(&|coarse| support.binary_search(&coarse).expect("a vertex of the support"));
         let mut half = Mat::<f64>::zeros(nodes.len(), 3 * support.len());
-        let at_once = columns_per_task(nodes.len());
-        half.par_col_chunks_mut(1).enumerate().with_min_len(at_once).for_each(|(column, half)| {
+        par_columns(&mut half).enumerate().for_each(|(column, half)| {
             let column_there = 3 * blocks.columns.of(support[column / 3]) + column % 3;
             let moved = blocks.entries.col_as_slice(column_there);
             let along =
                 |terms: &Vec<(usize, f64)>| terms.iter().map(|&(row, share)| share * moved[row]).sum();
-            let half = half.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            half.as_slice_mut().iter_mut().zip(&in_rows).for_each(|(entry, terms)| *entry = along(terms));
+            half.iter_mut().zip(&in_rows).for_each(|(entry, terms)| *entry = along(terms));
         });
         let kept = match self.discretization {
             Discretization::Collocation => &self.kept,
             Discretization::Galerkin => &self.averaged,
         };
         let mut response = self.near.along(asked, directions, self.discretization, kept)?;
-        response.par_col_chunks_mut(1).zip(&in_support).with_min_len(at_once).for_each(|(column, terms)| {
-            let column = column.col_mut(0).try_as_col_major_mut().expect("a column is contiguous");
-            kernels::add_terms(column.as_slice_mut(), terms.len(), |k| {
-                (half.col_as_slice(terms[k].0), terms[k].1)
-            });
+        par_columns(&mut response).zip(&in_support).for_each(|(column, terms)| {
+            kernels::add_terms(column, terms.len(), |k| (half.col_as_slice(terms[k].0), terms[k].1));
         });
         Ok(response)
     }
