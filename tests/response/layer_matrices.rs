@@ -146,7 +146,7 @@ fn a_sphere_on_an_incompressible_layer_needs_the_known_force_through_the_pipelin
 }
 
 #[test]
-fn a_pad_bent_within_the_layers_reach_is_found_indefinite_and_the_advice_names_what_to_change() {
+fn a_pad_bent_within_the_layers_reach_is_found_indefinite() {
     let Some(data) = common::data_dir() else { return };
     let (vertices, faces) = common::read_ply(&data.join("hands/libhand_right_middle_1500.ply"));
     let surface = Surface::new(vertices, faces).expect("a good mesh");
@@ -157,17 +157,11 @@ fn a_pad_bent_within_the_layers_reach_is_found_indefinite_and_the_advice_names_w
     let check = |count: usize, poisson_ratio: f64| {
         let skin = skin(poisson_ratio, 1e-3, Discretization::Collocation);
         let r = assemble(&surface, &skin, &nodes[..count], &AssemblyOptions::default()).expect("valid");
-        let found = spectrum(r.as_ref());
-        (found, found.advice(&skin))
+        spectrum(r.as_ref())
     };
-    let (_, advice) = check(800, 0.5);
-    let advice = advice.expect("around the finger the flat kernel is no energy");
-    for word in ["layer", "thickness", "poisson_ratio", "galerkin"] {
-        assert!(advice.contains(word), "{advice}");
-    }
-    // a pad alone, or a compressible layer, is well posed
-    for (count, poisson_ratio) in [(200, 0.5), (800, 0.3)] {
-        let (found, advice) = check(count, poisson_ratio);
-        assert!(found.is_positive_definite() && advice.is_none(), "{found:?}");
+    // Around the finger the flat kernel is no energy; of a pad alone, or of a compressible layer, it is.
+    for (count, poisson_ratio, expected) in [(800, 0.5, false), (200, 0.5, true), (800, 0.3, true)] {
+        let found = check(count, poisson_ratio);
+        assert_eq!(found.is_positive_definite(), expected, "{found:?}");
     }
 }

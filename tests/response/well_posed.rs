@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use quasirigid::response::{Kernel, KernelSkin, PressureBasis, ResponseError, balanced_height, spectrum};
+use quasirigid::response::{Kernel, KernelSkin, ResponseError, balanced_height};
 
 use super::*;
 
@@ -62,14 +62,4 @@ fn a_layer_moves_the_volume_of_confined_compression() {
         let long_wave = skin(nu).symbol(1e-2);
         assert!((long_wave / skin(nu).net_volume() - 1.0).abs() < 1e-4, "{nu}");
     }
-}
-
-#[test]
-fn the_advice_names_what_to_change_and_is_none_where_all_is_well() {
-    let skin = |basis: PressureBasis| skin(HALF_SPACE).with_basis(basis);
-    let definite = spectrum(faer::mat![[2.0, 0.5], [1.5, 2.0]].as_ref());
-    assert_eq!(definite.advice(&skin(PressureBasis::Linear)), None);
-    let indefinite = spectrum(faer::mat![[1.0, 2.0], [2.0, 1.0]].as_ref());
-    assert!(indefinite.advice(&skin(PressureBasis::Linear)).expect("advice").contains("galerkin"));
-    assert!(indefinite.advice(&skin(PressureBasis::OneRing)).expect("advice").contains("one_ring"));
 }

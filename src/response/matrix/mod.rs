@@ -1,6 +1,5 @@
 //! Response matrices from their columns, in collocation and Galerkin form, and what is known of them.
 
-pub(crate) mod advice;
 pub(crate) mod average;
 pub(crate) mod collocation;
 pub(crate) mod displaced;
