@@ -7,6 +7,7 @@ use super::interrupt::detached_with;
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::linalg::definiteness::spectrum_until;
+use crate::response::matrix::options::check_memory;
 use crate::response::{AssemblyOptions, Request};
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -35,6 +36,8 @@ pub(super) fn response_matrix<'py>(
             ..AssemblyOptions::default()
         };
         skin.elastic().traits(&surface.inner)?;
+        // The array that is handed over is a copy by rows.
+        check_memory(nodes.len(), 2 * nodes.len(), &options)?;
         let asked = Request { surface: &surface.inner, nodes: &nodes, options: &options };
         skin.elastic().matrix(&asked, &directions)
     };

@@ -139,7 +139,8 @@ impl Body {
         nodes: &[usize],
         options: &BodyOptions,
     ) -> Result<BodyCompliance, BodyError> {
-        self.prepare_in::<f64>(skin, [shear_modulus, poisson_ratio], nodes, options)
+        let parts = self.prepare_in::<f64>(skin, [shear_modulus, poisson_ratio], nodes, options)?;
+        Ok(BodyCompliance::new(parts))
     }
 
     /// The same, with the equations solved to a precision.
@@ -149,7 +150,7 @@ impl Body {
         [shear_modulus, poisson_ratio]: [f64; 2],
         nodes: &[usize],
         options: &BodyOptions,
-    ) -> Result<BodyCompliance, BodyError> {
+    ) -> Result<BodyParts, BodyError> {
         if !SHEAR_MODULI.contains(&shear_modulus) {
             return Err(BodyError::ShearModulus { value: shear_modulus });
         }
@@ -164,8 +165,7 @@ impl Body {
         check_nodes(skin.vertices().len(), &fixed, nodes)?;
         check_uncrossed(skin)?;
         options.with_threads(|options| {
-            let parts = self.solve::<T>(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)?;
-            Ok(BodyCompliance::new(parts))
+            self.solve::<T>(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)
         })
     }
 

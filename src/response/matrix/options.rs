@@ -59,7 +59,7 @@ pub(crate) fn check_directions(directions: &[Vector3<f64>], nodes: usize) -> Res
 }
 
 /// Bytes up to which nobody asks what the system has free.
-const FEW_BYTES: usize = 1 << 28;
+const FEW_BYTES: usize = 1 << 26;
 
 /// Checks the size (bytes) of a matrix, without a limit against what the system has free; scratch memory is small beside
 /// it.

@@ -138,21 +138,11 @@ impl TwoLevels {
             interrupt: options.interrupt,
             ..AssemblyOptions::default()
         };
-        let displacement = less_near_kernel(&coarse.surface, &columns, &solved, &near, &assembly)?;
-        let &BodyParts { rotation, ref bone_pressure, .. } = solved.parts();
-        let parts = BodyParts {
-            displacement,
-            bone_pressure: bone_pressure.as_ref().map(|kept| {
-                let column = |column: usize| loaded.binary_search(&columns[column]).ok();
-                Mat::from_fn(kept.nrows(), 3 * columns.len(), |row, j| {
-                    column(j / 3).map_or(0.0, |own| kept[(row, 3 * own + j % 3)])
-                })
-            }),
-            nodes: columns,
-            rotation,
-            shear_modulus,
-            poisson_ratio,
-        };
+        let among_all = |matrix| with_held(matrix, &loaded, &columns);
+        let mut displacement = among_all(solved.displacement);
+        let bone_pressure = solved.bone_pressure.map(among_all);
+        take_off(&mut displacement, &near, &coarse.surface, &columns, &assembly)?;
+        let parts = BodyParts { nodes: columns, displacement, bone_pressure, ..solved };
         let remainder = BodyCompliance::new(parts);
         let edges = coarse.surface.mean_edges();
         let edge = |place: &CoarsePlace| -> f64 {
@@ -212,34 +202,44 @@ impl TwoLevels {
     }
 }
 
-/// `B - N` (3 n × 3 k, m/N) at every vertex of the coarse skin per newton at its vertices `columns`.
+/// Columns of three for each of some vertices among those of more, at which a force moves nothing.
 ///
-/// * `solved`: B at those of the columns that move; a force on any other moves nothing
-fn less_near_kernel(
+/// * `loaded`: of the columns, ascending
+/// * `all`: them and others, ascending
+fn with_held(mut matrix: Mat<f64>, loaded: &[usize], all: &[usize]) -> Mat<f64> {
+    matrix.resize_with(matrix.nrows(), 3 * all.len(), |_, _| 0.0);
+    // From behind, so that none is written over before it has moved.
+    for (place, vertex) in all.iter().enumerate().rev() {
+        let (before, behind) = matrix.as_mut().split_at_col_mut(3 * place);
+        let mut columns = behind.subcols_mut(0, 3);
+        match loaded.binary_search(vertex) {
+            Ok(own) if own == place => break,
+            Ok(own) => columns.copy_from(before.subcols(3 * own, 3)),
+            Err(_) => columns.fill(0.0),
+        }
+    }
+    matrix
+}
+
+/// Takes N off B (3 n × 3 k, m/N) at every vertex of the coarse skin per newton at its vertices `columns`.
+fn take_off(
+    displacement: &mut Mat<f64>,
+    near: &NearKernel,
     coarse: &Surface,
     columns: &[usize],
-    solved: &BodyCompliance,
-    near: &NearKernel,
     options: &AssemblyOptions,
-) -> Result<Mat<f64>, ResponseError> {
+) -> Result<(), ResponseError> {
     let everywhere: Vec<usize> = (0..coarse.vertices().len()).collect();
     let near = near.blocks(coarse, &everywhere, columns, options)?;
-    let stored = &solved.parts().displacement;
-    let mut remainder = Mat::zeros(3 * everywhere.len(), 3 * columns.len());
-    remainder.par_col_chunks_mut(3).zip(columns).enumerate().for_each(|(column, (block, vertex))| {
-        let own = solved.nodes().binary_search(vertex).ok();
-        for (b, entries) in block.col_iter_mut().enumerate() {
-            let entries = entries.try_as_col_major_mut().expect("a column is contiguous").as_slice_mut();
-            if let Some(own) = own {
-                entries.copy_from_slice(stored.col_as_slice(3 * own + b));
-            }
-            for (row, entries) in entries.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                let block = near.block(row, column);
-                (0..3).for_each(|a| entries[a] -= block[(a, b)]);
+    displacement.par_col_chunks_mut(3).enumerate().for_each(|(column, mut entries)| {
+        for row in 0..everywhere.len() {
+            let block = near.block(row, column);
+            for (a, b) in (0..3).flat_map(|b| (0..3).map(move |a| (a, b))) {
+                entries[(3 * row + a, b)] -= block[(a, b)];
             }
         }
     });
-    Ok(remainder)
+    Ok(())
 }
 
 /// Vertices of the coarse skin that forces at some vertices of the fine one are passed on to, ascending.
@@ -269,7 +269,6 @@ mod tests {
             let options = BodyOptions { bone_pressure: true, ..BodyOptions::default() };
             let double = body.prepare_in::<f64>(&skin, constants, &[3, 40, 100], &options).expect("a body");
             let single = body.prepare_in::<f32>(&skin, constants, &[3, 40, 100], &options).expect("a body");
-            let [double, single] = [double, single].map(|body| body.parts().clone());
             let pressures = [&double, &single].map(|parts| parts.bone_pressure.as_ref().expect("asked for"));
             for [double, single] in [[&double.displacement, &single.displacement], pressures] {
                 let error = (single - double).norm_max() / double.norm_max();
