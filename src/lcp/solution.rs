@@ -149,16 +149,20 @@ impl LcpSolution {
                     }
                     Some(RayConclusion::NotCopositive) => {
                         "it shows a z >= 0 with z·Mz < 0, so M is not copositive: there may be no solution, one or \
-                         several, and Lemke's method cannot tell. For a response matrix this means that the kernel is \
-                         not well posed on a patch this wide: use a well-posed response (half-space, layer, body; a body \
-                         with a shorter coarse_edge_length), a smaller depth or a coarser mesh, or try method auto"
+                         several, and Lemke's method cannot tell"
                     }
                     _ => {
                         "it proves nothing about M beyond that Lemke's method cannot process it with this covering \
                          vector: try method auto, another covering vector or an initial active set"
                     }
                 };
-                format!("ray: after {} pivots the path left for infinity; {meaning}", self.pivots)
+                format!(
+                    "ray: after {} pivots the path left for infinity; {meaning}. Where M is the response matrix of a \
+                     contact, its kernel is not well posed on a patch this wide: use a well-posed response (half-space, \
+                     layer, body; a body with a shorter coarse_edge_length), a smaller depth or a coarser mesh, or try \
+                     method auto",
+                    self.pivots
+                )
             }
             LcpStatus::PivotLimit => format!(
                 "pivot_limit: {} pivots were not enough; usual are about as many as unknowns above zero. Raise \
