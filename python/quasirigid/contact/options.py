@@ -55,8 +55,9 @@ class ContactOptions:
     num_threads : int or None
         Threads, at most four for each processor; None for all. Results are equal to the bit for any number.
     memory_limit : int or None
-        Largest memory for response matrices (bytes); None for what the system has free, where it says so. A
-        body that is prepared on the way has a limit of its own.
+        Largest memory for response matrices (bytes); None for what the system, a container's limit and the
+        process's own (``ulimit -v``) leave free, where they say so. A body that is prepared on the way has
+        a limit of its own.
     search_distance : float or None
         Gaps are measured up to this distance from the obstacle (m), of a press up to its depth at least;
         None: depth plus two mean edge lengths, in overlap more where skin stands deeper.
