@@ -76,12 +76,48 @@ def as_length(name: str, value: Any, refusal: Refusal) -> float:
         raise refusal(f"{name} is {short(value)} m, expected a length above 0") from None
 
 
+def as_array(name: str, value: Any) -> NDArray[Any]:
+    """Return what NumPy makes of a value.
+
+    Raises
+    ------
+    TypeError
+        If it makes none, as of rows of different lengths, or a masked array hides an entry.
+    """
+    # Masked arrays alone have a mask; one that hides nothing is like any other.
+    mask = getattr(value, "mask", False) if isinstance(value, np.ndarray) else False
+    if np.any(mask):
+        hidden = f"{np.count_nonzero(mask)} of its {value.size} entries"
+        raise TypeError(f"`{name}` is a masked array that hides {hidden}: fill them or leave them out")
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"`{name}` cannot be read as an array of numbers: {error}") from None
+
+
+def as_reals(name: str, value: Any) -> NDArray[np.float64]:
+    """Return real numbers; a TypeError of others, as words, booleans and complex numbers are none."""
+    array = as_array(name, value)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"`{name}` has dtype {array.dtype}, expected real numbers")
+    return array.astype(np.float64, copy=False)
+
+
+def reals_or_empty(value: Any) -> NDArray[np.float64]:
+    """Return a copy of real numbers; an empty row where some are none, as for `as_reals`."""
+    try:
+        reals = as_reals("", value)
+    except TypeError:
+        return np.empty(0)
+    # NumPy would take True among numbers for 1.
+    entries = () if isinstance(value, np.ndarray) else np.array(value, dtype=object).flat
+    has_boolean = any(isinstance(entry, (bool, np.bool_)) for entry in entries)
+    return np.empty(0) if has_boolean else np.array(reals)
+
+
 def as_vector(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]:
     """Return three finite numbers."""
-    try:
-        vector = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        vector = np.empty(0)
+    vector = reals_or_empty(value)
     if vector.shape != (3,) or not np.isfinite(vector).all():
         raise refusal(f"{name} is {short(value)}, expected three finite numbers")
     return vector
@@ -105,10 +141,7 @@ def as_mask(name: str, value: Any, count: int | tuple[int, int], refusal: Refusa
     TypeError
         If they are no booleans; a `refusal` if there are more or fewer.
     """
-    try:
-        mask = np.asarray(value)
-    except ValueError:
-        raise TypeError(f"`{name}` is {short(value)}, expected an array of booleans") from None
+    mask = as_array(name, value)
     if mask.dtype != np.bool_:
         first = count if isinstance(count, int) else count[0]
         remedy = f": np.isin(np.arange({first}), numbers) makes them of vertex numbers"
@@ -130,7 +163,7 @@ def as_vertex_labels(name: str, value: Any, counts: tuple[int, int], refusal: Re
         integers of more than 64 bits.
     """
     # Of a list as its members are: NumPy would make words of a mixture.
-    entries = value if isinstance(value, np.ndarray) else np.asarray(value, dtype=object)
+    entries = as_array(name, value) if isinstance(value, np.ndarray) else np.asarray(value, dtype=object)
     _check_length(name, entries, counts, refusal)
     if entries.dtype.kind in "iuU":
         return entries
@@ -249,7 +282,7 @@ def as_nodes(name: str, value: Any, count: int, refusal: Refusal) -> NDArray[np.
     TypeError
         If they are no integers; a `refusal` if they are no row, or there is no such vertex.
     """
-    nodes = np.asarray(value)
+    nodes = as_array(name, value)
     if nodes.size > 0 and nodes.dtype.kind not in "iu":
         hint = ": of a mask take np.flatnonzero(mask)" if nodes.dtype.kind == "b" else ""
         raise TypeError(f"`{name}` has dtype {nodes.dtype}, expected integers{hint}")
@@ -291,8 +324,10 @@ def _with_article(name: str) -> str:
 def short(value: Any) -> str:
     """Return what a value is on one short line."""
     if isinstance(value, np.ndarray):
-        if value.size > 6:
-            return f"an array of shape {value.shape}"
+        kind = "a masked array" if np.any(getattr(value, "mask", False)) else "an array"
+        dtype = "" if value.dtype.kind in "iuf" else f" and dtype {value.dtype}"
+        if value.size > 6 or dtype or kind == "a masked array":
+            return f"{kind} of shape {value.shape}{dtype}"
         value = value.tolist()
     text = repr(str(value) if isinstance(value, StrEnum) else value)
     return text if len(text) <= 80 else text[:77] + "..."

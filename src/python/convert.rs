@@ -11,15 +11,24 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyFloat, PyType};
 
-/// `numpy.require(value, dtype)`, in C order and aligned, with the argument's name in the error.
-fn as_array<'py>(value: &Bound<'py, PyAny>, name: &str, dtype: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
-    let py = value.py();
-    py.import("numpy")?.call_method1("require", (value, dtype, ["C", "A", "E"])).map_err(|error| {
-        PyTypeError::new_err(format!(
-            "`{name}` cannot be read as an array of {}: {error}",
-            dtype.unwrap_or("numbers")
-        ))
-    })
+/// A check of the facade by its name.
+fn check<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("quasirigid._check")?.getattr(name)
+}
+
+/// What the facade's `as_array` makes of a value, which says why it is no array.
+fn as_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    check(value.py(), "as_array")?.call1((name, value))
+}
+
+/// `numpy.require(array, dtype)`, in C order and aligned.
+fn in_order<'py>(array: &Bound<'py, PyAny>, dtype: Option<&str>) -> PyResult<Bound<'py, PyAny>> {
+    array.py().import("numpy")?.call_method1("require", (array, dtype, ["C", "A", "E"]))
+}
+
+/// An entry as it was given, also where 64 bits do not hold it.
+fn entry<'py>(value: &Bound<'py, PyAny>, name: &str, place: usize) -> PyResult<Bound<'py, PyAny>> {
+    as_array(value, name)?.call_method1("item", (place,))
 }
 
 fn shape_message(name: &str, expected: &str, shape: &[usize]) -> String {
@@ -31,7 +40,7 @@ fn shape_error(name: &str, expected: &str, shape: &[usize]) -> PyErr {
 }
 
 fn float_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
-    let array = as_array(value, name, None)?;
+    let array = as_array(value, name)?;
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !"fiu".contains(&kind) {
         return Err(PyTypeError::new_err(format!(
@@ -39,7 +48,7 @@ fn float_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonl
             array.getattr("dtype")?
         )));
     }
-    Ok(as_array(&array, name, Some("float64"))?.cast_into::<PyArrayDyn<f64>>()?.readonly())
+    Ok(in_order(&array, Some("float64"))?.cast_into::<PyArrayDyn<f64>>()?.readonly())
 }
 
 /// The value of a name; the exception that `refuse` makes lists the names.
@@ -79,15 +88,13 @@ pub(super) fn mesh_arrays<'py>(
 pub(super) fn number(value: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
     match value.cast_exact::<PyFloat>() {
         Ok(number) => Ok(number.value()),
-        Err(_) => {
-            value.py().import("quasirigid._check")?.getattr("as_float")?.call1((name, value))?.extract()
-        }
+        Err(_) => check(value.py(), "as_float")?.call1((name, value))?.extract(),
     }
 }
 
 /// An integer >= 0; the facade's `as_integer` says what is wrong with what is none, out of range as a `refusal`.
 pub(super) fn integer(value: &Bound<'_, PyAny>, name: &str, refusal: Bound<'_, PyType>) -> PyResult<usize> {
-    value.py().import("quasirigid._check")?.getattr("as_integer")?.call1((name, value, refusal))?.extract()
+    check(value.py(), "as_integer")?.call1((name, value, refusal))?.extract()
 }
 
 /// (3,) vector.
@@ -117,40 +124,49 @@ pub(super) fn rotation_and_translation(
     let Some(rotation) = rotation else {
         return Ok((Matrix3::identity(), shift.unwrap_or_default()));
     };
-    let array = float_array(rotation, "rotation")?;
-    let numbers = array.as_slice()?;
-    match array.shape() {
-        [3, 3] => Ok((Matrix3::from_row_slice(numbers), shift.unwrap_or_default())),
-        [4, 4] if shift.is_some() => Err(PyTypeError::new_err(
+    let expected = "(3, 3), or (4, 4) with the translation; a translation alone is `translation=`";
+    match (motion(rotation, "rotation", expected)?, shift) {
+        ((_, Some(_)), Some(_)) => Err(PyTypeError::new_err(
             "`rotation` has shape [4, 4] and holds a translation: leave out `translation`",
         )),
+        ((turn, held), shift) => Ok((turn, held.or(shift).unwrap_or_default())),
+    }
+}
+
+/// Rotation of a (3, 3) matrix, and the translation too of a (4, 4) one.
+pub(super) fn motion(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    expected: &str,
+) -> PyResult<(Matrix3<f64>, Option<Vector3<f64>>)> {
+    let array = float_array(value, name)?;
+    let numbers = array.as_slice()?;
+    match array.shape() {
+        [3, 3] => Ok((Matrix3::from_row_slice(numbers), None)),
         [4, 4] if numbers[12..] != [0.0, 0.0, 0.0, 1.0] => Err(PyValueError::new_err(format!(
-            "`rotation` is a (4, 4) matrix with last row {:?}, expected [0, 0, 0, 1]: rotation and translation in its \
+            "`{name}` is a (4, 4) matrix with last row {:?}, expected [0, 0, 0, 1]: rotation and translation in its \
              columns",
             &numbers[12..]
         ))),
         [4, 4] => {
             let row = |row: usize| &numbers[4 * row..4 * row + 4];
             let turn = Matrix3::from_fn(|i, j| row(i)[j]);
-            Ok((turn, Vector3::from_fn(|i, _| row(i)[3])))
+            Ok((turn, Some(Vector3::from_fn(|i, _| row(i)[3]))))
         }
-        shape => Err(shape_error(
-            "rotation",
-            "(3, 3), or (4, 4) with the translation; a translation alone is `translation=`",
-            shape,
-        )),
+        shape => Err(shape_error(name, expected, shape)),
     }
 }
 
 /// (n,) numbers.
 pub(super) fn scalars(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     // What needs no conversion need not ask NumPy for one.
+    let value = as_array(value, name)?;
     if let Ok(array) = value.cast::<PyArray1<f64>>()
         && let Ok(numbers) = array.readonly().as_slice()
     {
         return Ok(numbers.to_vec());
     }
-    let array = float_array(value, name)?;
+    let array = float_array(&value, name)?;
     match array.shape() {
         [_] => Ok(array.as_slice()?.to_vec()),
         shape => Err(shape_error(name, "(n,)", shape)),
@@ -196,7 +212,7 @@ pub(super) fn motions(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Isom
 
 /// (n,) booleans.
 pub(super) fn mask(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<bool>> {
-    let array = as_array(value, name, None)?;
+    let array = in_order(&as_array(value, name)?, None)?;
     let Ok(flags) = array.cast::<PyArrayDyn<bool>>() else {
         let dtype = array.getattr("dtype")?;
         return Err(PyTypeError::new_err(format!(
@@ -210,7 +226,7 @@ pub(super) fn mask(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<bool>> 
 }
 
 fn integer_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReadonlyArrayDyn<'py, i64>> {
-    let array = as_array(value, name, None)?;
+    let array = as_array(value, name)?;
     let dtype = array.getattr("dtype")?;
     let kind: String = dtype.getattr("kind")?.extract()?;
     let empty = array.getattr("size")?.extract::<usize>()? == 0;
@@ -218,7 +234,7 @@ fn integer_array<'py>(value: &Bound<'py, PyAny>, name: &str) -> PyResult<PyReado
         let hint = if kind == "b" { ": of a mask take np.flatnonzero(mask)" } else { "" };
         return Err(PyTypeError::new_err(format!("`{name}` has dtype {dtype}, expected integers{hint}")));
     }
-    Ok(as_array(&array, name, Some("int64"))?.cast_into::<PyArrayDyn<i64>>()?.readonly())
+    Ok(in_order(&array, Some("int64"))?.cast_into::<PyArrayDyn<i64>>()?.readonly())
 }
 
 /// (m, 3) vertex indices; a negative one names no vertex, and is refused here with the face that has it, by the
@@ -239,7 +255,7 @@ pub(super) fn faces(
         return Err(refuse(format!(
             "face {} refers to vertex {}, which cannot exist ({count} such references): indices count from 0",
             first / 3,
-            flat[first]
+            entry(value, name, first)?
         )));
     }
     Ok(flat
@@ -265,7 +281,10 @@ pub(super) fn nodes(
         .enumerate()
         .map(|(row, &index)| match usize::try_from(index) {
             Ok(index) if index < count => Ok(index),
-            _ => Err(refuse(format!("`{name}[{row}]` is {index}, but there are {count} vertices"))),
+            _ => {
+                let given = entry(value, name, row)?;
+                Err(refuse(format!("`{name}[{row}]` is {given}, but there are {count} vertices")))
+            }
         })
         .collect()
 }
@@ -276,8 +295,9 @@ pub(super) struct MatrixArgument<'py>(PyReadonlyArray2<'py, f64>);
 
 impl<'py> MatrixArgument<'py> {
     pub fn new(value: &Bound<'py, PyAny>, name: &str, refuse: fn(String) -> PyErr) -> PyResult<Self> {
+        let value = as_array(value, name)?;
         let fits = value.cast::<PyArray2<f64>>().is_ok_and(|array| array.readonly().as_slice().is_ok());
-        let array = if fits { value.clone() } else { float_array(value, name)?.as_any().clone() };
+        let array = if fits { value } else { float_array(&value, name)?.as_any().clone() };
         let shape = array.cast::<PyArrayDyn<f64>>()?.shape().to_vec();
         match array.cast_into::<PyArray2<f64>>() {
             Ok(array) => Ok(Self(array.readonly())),

@@ -1,7 +1,9 @@
 //! `quasirigid.Obstacle`.
 
 use super::arrays_out::{faces_out, vector_out, vectors_out};
-use super::convert::{faces, matrix3, mesh_arrays, number, rotation_and_translation, vector, vectors};
+use super::convert::{
+    faces, matrix3, mesh_arrays, motion, number, rotation_and_translation, vector, vectors,
+};
 use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
 use super::interrupt::detached_with;
@@ -385,12 +387,12 @@ impl PyObstacle {
         surface: Option<&PySurface>,
         rotation: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let (axes, origin) = rotation_and_translation(Some(frame), None)?;
+        let (axes, origin) = motion(frame, "frame", "(4, 4)")?;
         let turn = rotation.map_or(Ok(Matrix3::identity()), |rotation| matrix3(rotation, "rotation"))?;
         let known = frame.getattr_opt("surface")?.filter(|known| !known.is_none());
         let known = known.as_ref().map(|known| known.cast::<PySurface>()).transpose()?;
         let skin = surface.or(known.map(|known| known.get())).map(|surface| &surface.inner);
-        made(released(py, || self.inner.placed(&axes, &origin, &turn, skin)))
+        made(released(py, || self.inner.placed(&axes, &origin.unwrap_or_default(), &turn, skin)))
     }
 
     /// Return vertices and faces of a mesh obstacle in the world, or None for a primitive.

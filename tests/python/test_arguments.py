@@ -17,6 +17,9 @@ SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 SHIFT = np.array([0.1, 0.2, 0.3])
 MESH = SimpleNamespace(vertices=SURFACE.vertices, faces=SURFACE.faces)
+HAND = qr.models.hand(edge_length=5e-3)
+BALL = qr.Obstacle.sphere([9.0, 0, 0], 0.03)
+FAR = PLATE.moved(translation=[0, 0, -1])
 CLOUD = SimpleNamespace(points=SURFACE.vertices, cells=[])
 
 CALLS = {
@@ -120,6 +123,10 @@ def test_a_motion_that_is_none_is_refused(
     for thing in (SURFACE, PLATE, SKIN.prepared(SURFACE)):
         with pytest.raises(error, match=message):
             thing.moved(*arguments)  # type: ignore[arg-type]
+
+
+def _answering(response: Any) -> qr.Skin:
+    return qr.Skin(shear_modulus=6e4, poisson_ratio=0.3, response=response)
 
 
 def _pressed(**given: Any) -> qr.Contact:
@@ -235,3 +242,97 @@ def test_a_mask_in_place_of_vertices_says_how_to_find_them() -> None:
             call(SURFACE, mask)
     with pytest.raises(TypeError, match=r"dtype int64, expected booleans; .* np\.isin"):
         SURFACE.with_skin_mask(np.flatnonzero(mask))
+
+
+def _hiding(values: Any) -> Any:
+    """Values of which the last is hidden."""
+    hidden = np.zeros(np.shape(values), dtype=bool)
+    hidden.flat[-1] = True
+    return np.ma.MaskedArray(values, hidden)
+
+
+ROW = np.full(len(SURFACE.vertices), 5e-3)
+ARRAYS = {
+    "vertices": lambda: qr.Surface(_hiding(SURFACE.vertices), SURFACE.faces),
+    "faces": lambda: qr.Surface(SURFACE.vertices, _hiding(SURFACE.faces)),
+    "faces of a mesh object": lambda: qr.Surface.from_mesh(
+        SimpleNamespace(vertices=SURFACE.vertices, faces=_hiding(SURFACE.faces))
+    ),
+    "skin_mask": lambda: SURFACE.with_skin_mask(_hiding(ROW > 0)),
+    "direction": lambda: qr.press(SURFACE, PLATE, SKIN, _hiding([0.0, 0, 1]), depth=1e-3),
+    "direction of a sweep": lambda: qr.sweep(SURFACE, PLATE, SKIN, _hiding([0.0, 0, 1]), depths=[1e-3]),
+    "depths": lambda: qr.sweep(SURFACE, PLATE, SKIN, [0, 0, 1], depths=_hiding([1e-3, 2e-3])),
+    "thickness": lambda: qr.Layer(thickness=_hiding(ROW)),
+    "M": lambda: qr.solve_lcp(_hiding([[2.0, 1], [1, 2]]), [-1, -1]),
+    "q": lambda: qr.solve_lcp([[2.0, 1], [1, 2]], _hiding([-1.0, -1])),
+    "nodes": lambda: SKIN.prepared(SURFACE, _hiding([1, 2])),
+    "forces": lambda: SKIN.prepared(SURFACE).bone_pressure(_hiding(SURFACE.vertices)),
+    "mask": lambda: qr.solve_contact(SURFACE, FAR, SKIN).part(_hiding(ROW > 0)),
+    "translation": lambda: HAND.posed("flat", translation=_hiding([0.0, 0, 1])),
+    "rotation": lambda: HAND.posed("flat", rotation=_hiding(np.eye(3))),
+}
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+def test_an_array_that_hides_an_entry_is_refused_by_name(name: str) -> None:
+    with pytest.raises((TypeError, qr.QuasirigidError), match=rf"^`?{name.split()[0]}`? is "):
+        ARRAYS[name]()
+
+
+def test_a_masked_array_that_hides_none_is_an_array() -> None:
+    matrix = np.ma.MaskedArray([[2.0, 1], [1, 2]], mask=False)
+    assert qr.solve_lcp(matrix, [-3, -3]).z.tolist() == [1.0, 1.0]
+
+
+ROWS = {
+    "direction": lambda row: qr.sweep(SURFACE, PLATE, SKIN, row, depths=[1e-4]),
+    "depths": lambda row: qr.sweep(SURFACE, PLATE, SKIN, [0, 0, 1], depths=row),
+    "translation": lambda row: HAND.posed("flat", translation=row),
+    "rotation": lambda row: HAND.posed("flat", rotation=[row] * 3),
+    "pose": lambda row: HAND.posed([row] * len(HAND.joint_names)),
+    "center_of_mass": lambda row: qr.close_hand(HAND, BALL, SKIN, force=2.0, center_of_mass=row),
+}
+
+
+@pytest.mark.parametrize("row", [["0", "0", "1"], [False, False, True], [0, 0, True], [0, 0, 1 + 0j]])
+@pytest.mark.parametrize("name", ROWS)
+def test_words_booleans_and_complex_numbers_are_no_vector(name: str, row: Any) -> None:
+    with pytest.raises(qr.QuasirigidError, match=rf"^{name} is .*, expected "):
+        ROWS[name](row)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: PLATE.placed([0, 0, 1, 0]), r"^`frame` has shape \[4\], expected \(4, 4\)$"),
+        (lambda: _answering(_given("")).prepared(SURFACE), "^`compliance` has dtype <U"),
+        (lambda: PLATE.with_material(**_material(_given([[1j]]))), "^`compliance` has dtype complex"),
+        (lambda: _given([[1, 2], [3]]), "^`compliance` cannot be read as an array"),
+        (lambda: _hand_of(joint_names=None), "^joint_names is None, expected a sequence of names$"),
+    ],
+)
+def test_what_is_of_another_kind_is_named(call: Any, message: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=message):
+        call()
+
+
+def _given(compliance: Any) -> qr.GivenMatrix:
+    return qr.GivenMatrix(nodes=[0], compliance=compliance)
+
+
+def _material(response: Any) -> dict[str, Any]:
+    return {"shear_modulus": 6e4, "poisson_ratio": 0.3, "response": response}
+
+
+def _hand_of(**changed: Any) -> qr.Hand:
+    names = ("joint_names", "parents", "rest", "joints", "weights")
+    known = {name: getattr(HAND, name) for name in names}
+    return qr.Hand(HAND.surface.vertices, HAND.surface.faces, **(known | changed))
+
+
+def test_a_number_beyond_64_bits_is_shown_as_given() -> None:
+    large = np.array([2**63 + 1], dtype=np.uint64)
+    with pytest.raises(qr.ResponseError, match=r"^`nodes\[0\]` is 9223372036854775809, but there are"):
+        SKIN.prepared(SURFACE, large)
+    with pytest.raises(qr.SurfaceError, match="refers to vertex 9223372036854775809, which cannot exist"):
+        qr.Surface(SURFACE.vertices, np.full((1, 3), large))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from .. import _core
-from .._check import as_choice, as_direction, short
+from .._check import as_choice, as_direction, reals_or_empty, short
 from .._progress import print_progress, reporter
 from ..errors import QuasirigidError, ResponseError
 from ..scene import check_scene
@@ -214,13 +214,7 @@ class _Rows:
 
 def _values(name: str, values: ArrayLike | None, *, zero: bool) -> NDArray[np.float64]:
     """Return a row of finite numbers above 0, or from 0 on."""
-    try:
-        row = np.array(values, dtype=np.float64)
-        # NumPy would take True for 1.
-        if any(isinstance(value, (bool, np.bool_)) for value in np.array(values, dtype=object).flat):
-            row = np.empty((0, 0))
-    except (TypeError, ValueError, OverflowError):
-        row = np.empty((0, 0))
+    row = reals_or_empty(values)
     wanted = "numbers >= 0" if zero else "numbers > 0"
     if row.ndim != 1 or len(row) == 0:
         raise ContactError(f"{name} is {short(values)}, expected a row of {wanted}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import as_vector, short
+from .._check import as_array, as_vector, reals_or_empty, short
 from ..errors import HandError
 from ..obstacle import Obstacle
 from .joints import REFERENCE_LENGTH, WEBXR_25, lacking, length_of
@@ -30,7 +30,10 @@ _CHECK = "check that skin and joints have the same unit and frame"
 
 def as_names(names: Sequence[str]) -> tuple[str, ...]:
     """Return the names of the joints, each once, WebXR's 25 among them."""
-    known = tuple(str(name) for name in names)
+    try:
+        known = tuple(str(name) for name in names)
+    except TypeError:
+        raise TypeError(f"joint_names is {short(names)}, expected a sequence of names") from None
     double = sorted({name for name in known if known.count(name) > 1})
     if double:
         raise HandError(f"joint_names holds {double[0]!r} {known.count(double[0])} times")
@@ -43,8 +46,8 @@ def as_names(names: Sequence[str]) -> tuple[str, ...]:
 def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
     """Return the joint that each joint hangs on; none hangs on itself."""
     try:
-        rows = np.array(parents)
-    except ValueError:
+        rows = as_array("parents", parents)
+    except TypeError:
         rows = np.empty(0)
     if rows.shape != (len(names),) or rows.dtype.kind not in "iu":
         raise HandError(f"parents is {short(parents)}, expected {len(names)} integers, -1 for the root")
@@ -65,10 +68,7 @@ def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
 
 def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
     """Return the frames (J, 4, 4) as rigid motions to the last digit."""
-    try:
-        frames = np.array(rest, dtype=np.float64)
-    except (TypeError, ValueError):
-        frames = np.empty(0)
+    frames = reals_or_empty(rest)
     if frames.shape != (len(names), 4, 4):
         raise HandError(f"rest has shape {frames.shape}, expected ({len(names)}, 4, 4)")
     # To the last digit, so that poses are rigid motions too.
@@ -86,7 +86,7 @@ def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
 
 def as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:
     """Return the label (n,) of each vertex."""
-    words = np.asarray(labels)
+    words = as_array("labels", labels)
     if words.shape != (count,) or words.dtype.kind not in "UO":
         raise HandError(f"labels is {short(labels)}, expected one word for each of {count} vertices")
     return words.astype(np.str_)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import Refusal, as_vector, short
+from .._check import Refusal, as_vector, reals_or_empty, short
 from .rotations import Floats, to_matrices
 
 if TYPE_CHECKING:
@@ -69,10 +69,7 @@ def moved_frames(
     """Return frames (k, 4, 4) after a rotation (3, 3), or a motion (4, 4), and a translation (3,) (m)."""
     motion = np.eye(4)
     if rotation is not None:
-        try:
-            matrix = np.array(rotation, dtype=np.float64)
-        except (TypeError, ValueError):
-            matrix = np.empty(0)
+        matrix = reals_or_empty(rotation)
         if matrix.shape == (4, 4) and (matrix[3] == [0.0, 0.0, 0.0, 1.0]).all():
             motion[:3, 3], matrix = as_vector("rotation[:3, 3]", matrix[:3, 3], refusal), matrix[:3, :3]
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all():

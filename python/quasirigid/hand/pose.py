@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._check import as_share, real_or_nan, short
+from .._check import as_share, real_or_nan, reals_or_empty, short
 from ..errors import HandError, QuasirigidWarning
 from .joints import DIGIT_OF, DIGITS, JOINTS_OF, index_of
 from .rotations import Floats, about, between, from_vectors, product
@@ -139,10 +139,7 @@ def turns_of(pose: Pose, hand: Hand) -> Floats:
 
 
 def _of_array(pose: ArrayLike, count: int) -> Floats:
-    try:
-        rows = np.array(pose, dtype=np.float64)
-    except (TypeError, ValueError):
-        rows = np.empty(0)
+    rows = reals_or_empty(pose)
     if rows.shape not in ((count, 3), (count, 4)):
         raise HandError(
             f"pose is {short(pose)}, expected a preset's name, a mapping of joint names to angles, or an "

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._check import as_array
 from ..errors import MeshFileError
 
 Floats = NDArray[np.float64]
@@ -39,7 +40,7 @@ def check_values(vertices: Floats, faces: Indices, name: str) -> None:
 
 def triangle_rows(faces: Any) -> Indices:
     """Return triangles (m, 3); a ValueError of what has no three whole numbers a row."""
-    rows = np.asarray(faces)
+    rows = as_array("faces", faces)
     if rows.ndim != 2 or rows.shape[1] != 3 or rows.dtype.kind not in "iu":
         raise ValueError(f"has faces of {rows.dtype} and shape {rows.shape}, expected whole numbers (m, 3)")
     return rows.astype(np.int64)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import as_array, as_reals
 from .._units import LengthUnit, metres_in
 from ..errors import QuasirigidError, SurfaceError
 from .check import triangle_rows
@@ -60,7 +61,7 @@ def mesh_arrays(
     scale = metres_in(unit, refusal)
     try:
         points, faces = _attributes(mesh)
-        vertices = np.asarray(points, dtype=np.float64)
+        vertices = as_reals("vertices", points)
     except ValueError as error:
         raise refusal(f"{type(mesh).__name__} {error}") from None
     return (vertices if unit == "m" else vertices * scale), faces
@@ -97,7 +98,7 @@ def _counted(mesh: Any) -> NDArray[np.int64]:
     """Return the faces of a flat array in which the number of corners stands before each face."""
     if getattr(mesh, "n_strips", 0):
         raise ValueError(f"has {mesh.n_strips} triangle strips, expected triangles: call `triangulate()`")
-    flat = np.asarray(mesh.faces)
+    flat = as_array("faces", mesh.faces)
     if flat.ndim != 1:
         return triangle_rows(flat)
     # Every fourth number, which is right up to the first face that is no triangle.

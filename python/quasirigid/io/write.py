@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import short
+from .._check import reals_or_empty, short
 from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
@@ -188,17 +188,14 @@ def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str],
 
 def _checked(vertices: Any, faces: Any, name: str) -> tuple[Floats, Indices]:
     """Return the arrays of a mesh, copied; a MeshFileError of what could not be read again."""
-    try:
-        points = np.array(vertices, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        points = np.empty(0)
+    points = reals_or_empty(vertices)
     if points.ndim != 2 or points.shape[1] != 3:
         raise MeshFileError(
             f"vertices is {short(vertices)}, expected numbers (n, 3): write_mesh(vertices, faces, path, ...)"
         )
     try:
         corners = triangle_rows(faces)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise MeshFileError(f"{name}: {error}") from None
     check_values(points, corners, name)
     return points, corners

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._check import as_direction, as_mask, as_number, as_vector, short
+from .._check import as_direction, as_mask, as_number, as_vector, reals_or_empty, short
 from .._sides import sides_of
 from ..errors import SurfaceError
 from ..obstacle import Obstacle
@@ -237,10 +237,7 @@ def _nothing_fits(frame: Frame) -> str:
 
 
 def _as_joints(joints: ArrayLike) -> Floats:
-    try:
-        places = np.array(joints, dtype=np.float64)
-    except (TypeError, ValueError):
-        places = np.empty(0)
+    places = reals_or_empty(joints)
     if places.ndim != 2 or places.shape[1] != 3 or len(places) < 2 or not np.isfinite(places).all():
         raise SurfaceError(
             f"joints is {short(joints)}, expected (k, 3) finite numbers of two or more joints, the tip last"

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from .. import _core
-from .._check import as_boolean, as_float_or_none, as_integer_or_none, as_mask, as_nodes, short
+from .._check import (
+    as_array,
+    as_boolean,
+    as_float_or_none,
+    as_integer_or_none,
+    as_mask,
+    as_nodes,
+    as_reals,
+    short,
+)
 from ..errors import CutWarning, ResponseError
 from ..scene import as_surface
 from .progress import Progress, stage_reporter
@@ -58,7 +67,7 @@ def build_prepared(
     num_threads: int | None = None,
 ) -> _core.Skin:
     """Return the response computed once at nodes; None: the skin mask, less what a body holds."""
-    chosen = None if nodes is None else np.asarray(nodes)
+    chosen = None if nodes is None else as_array("nodes", nodes)
     if isinstance(response, GivenMatrix):
         return _build_given(constants, response, surface, chosen)
     if isinstance(response, Body):
@@ -118,7 +127,7 @@ def _build_given(
     constants: ElasticConstants, given: GivenMatrix, surface: Surface, asked: NDArray[np.int64] | None
 ) -> _core.Skin:
     nodes = as_nodes("nodes", given.nodes, len(surface.vertices), ResponseError)
-    compliance = np.asarray(given.compliance, dtype=np.float64)
+    compliance = as_reals("compliance", given.compliance)
     if asked is not None and not np.array_equal(np.unique(asked), np.unique(nodes)):
         raise ResponseError(f"a GivenMatrix has its own {len(nodes)} nodes: leave out `nodes`")
     if compliance.ndim == 2:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import short
+from .._check import as_array, short
 from ..errors import ResponseError
 
 if TYPE_CHECKING:
@@ -36,10 +36,7 @@ def forces_on_given_mesh(load: Contact | ArrayLike) -> ArrayLike:
 
 
 def _check_finite(forces: ArrayLike) -> None:
-    try:
-        rows = np.asarray(forces)
-    except ValueError:
-        return
+    rows = as_array("forces", forces)
     if rows.dtype.kind != "f" or rows.ndim != 2:
         return
     wrong = np.flatnonzero(~np.isfinite(rows).all(axis=1))

@@ -129,10 +129,7 @@ def bone_pressures_of(
 
     The pressure is that of the forces at the prepared vertices alone.
     """
-    try:
-        rows = np.asarray(forces)
-    except ValueError:
-        rows = np.empty(0)
+    rows = np.asarray(forces)
     if rows.dtype.kind not in "fiu" or rows.ndim != 2:
         return response.bone_pressures(forces), np.empty(0, dtype=np.int64)
     other = ~np.isin(np.arange(len(rows)), response.nodes())

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .. import _core
+from .._check import as_array, as_reals
 from ..errors import ResponseError, ResponseRangeWarning
 from .core import ElasticConstants, build_kernel
 from .response import Body, GaussianCorrected, GivenMatrix, HalfSpace, Layer, PressureBasis, Response
@@ -62,7 +63,8 @@ def product_skin(
             "product's compliance as GivenMatrix"
         )
     assert isinstance(response, GivenMatrix)
-    nodes, compliance = np.asarray(response.nodes), np.asarray(response.compliance, dtype=np.float64)
+    nodes = as_array("nodes", response.nodes)
+    compliance = as_reals("compliance", response.compliance)
     if compliance.ndim != 2:
         raise ResponseError(
             f"no such response of a product: compliance has shape {compliance.shape}, expected (k, k), along "

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from .._check import as_choice
+from .._check import as_array, as_choice
 from .._core import Surface
 from .._frozen import Frozen
 from ..errors import ResponseError
@@ -58,7 +58,7 @@ class _Response(Frozen):
 
     def __post_init__(self) -> None:
         given = vars(self)
-        given |= {name: _kept(given[name]) for name in _ARRAYS if name in given}
+        given |= {name: _kept(name, given[name]) for name in _ARRAYS if name in given}
         if "pressure" in given:
             given["pressure"] = as_choice("pressure", given["pressure"], PressureBasis, ResponseError)
         if given.get("discretization") is not None:
@@ -84,12 +84,9 @@ class _Response(Frozen):
         return f"{type(self).__name__}({', '.join(given)})"
 
 
-def _kept(value: Any) -> Any:
+def _kept(name: str, value: Any) -> Any:
     """Return an array, or rows of numbers, as a copy; all else stays, for whoever refuses it."""
-    try:
-        array = np.array(value)
-    except ValueError:
-        return value
+    array = as_array(name, value).copy()
     has_rows = array.ndim > 0 and array.dtype.kind in "biuf"
     if not (has_rows or isinstance(value, np.ndarray)):
         return value

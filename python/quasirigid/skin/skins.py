@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import _core
-from .._check import as_float, as_integer_or_none
+from .._check import as_float, as_integer_or_none, as_reals
 from .._frozen import Frozen
 from ..errors import ResponseError, ResponseRangeWarning
 from ..scene import as_surface
@@ -247,7 +247,7 @@ class CombinedSkin(Frozen):
             If no part was asked for it (``Body(..., bone_pressure=True)``), or a force is not finite or at a
             vertex that its part is not prepared for.
         """
-        forces = np.asarray(forces_on_given_mesh(load), dtype=np.float64)
+        forces = as_reals("forces", forces_on_given_mesh(load))
         count = len(self._surface.vertices)
         if forces.shape != (count, 3):
             raise ResponseError(f"the forces have shape {forces.shape}, expected ({count}, 3)")
