@@ -214,10 +214,9 @@ def as_boolean(name: str, value: Any) -> bool:
 
 def as_place(name: str, value: Any, count: int, where: str) -> int:
     """Return the number of one of so many steps or the like; negative ones count from the end."""
-    try:
-        number = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} is {short(value)}, expected an integer") from None
+    number = _index_or_none(value)
+    if number is None:
+        raise TypeError(f"{name} is {short(value)}, expected an integer")
     if not -count <= number < count:
         raise IndexError(f"there is no {name} {number} in {where} of {count} {name}s")
     return number % count
@@ -231,16 +230,21 @@ def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError) ->
     TypeError
         If it is a boolean or would have to be rounded; a `refusal` if it is out of range.
     """
-    is_boolean = isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"
-    try:
-        number = None if is_boolean else operator.index(value)
-    except TypeError:
-        number = None
+    number = _index_or_none(value)
     if number is None:
         raise TypeError(f"{name} is {value!r}, expected an integer")
     if not 0 <= number <= sys.maxsize:
         raise refusal(f"{name} is {number}, expected an integer of at least 0 and at most {sys.maxsize}")
     return number
+
+
+def _index_or_none(value: Any) -> int | None:
+    """Return an integer; None of what would have to be rounded and of booleans."""
+    is_boolean = isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"
+    try:
+        return None if is_boolean else operator.index(value)
+    except TypeError:
+        return None
 
 
 def as_integer_or_none(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int | None:
@@ -265,10 +269,9 @@ def as_index(name: str, value: Any, count: int, refusal: Refusal) -> int:
     TypeError
         If it is no whole number; a `refusal` if there is no such vertex.
     """
-    try:
-        index = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} is {short(value)}, expected the number of a vertex") from None
+    index = _index_or_none(value)
+    if index is None:
+        raise TypeError(f"{name} is {short(value)}, expected the number of a vertex")
     if not 0 <= index < count:
         raise refusal(f"{name} vertex {index}: the skin has vertices 0 to {count - 1}")
     return index

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from . import _core
+from ._check import as_float
 from ._core import Surface as Surface
 from ._frozen import Frozen
 from .scene import as_surface
@@ -73,6 +74,7 @@ def repair(vertices: ArrayLike, faces: ArrayLike, *, weld_tolerance: float) -> R
     >>> len(fixed.vertices), fixed.vertex_map.tolist()
     (4, [0, 1, 2, 1, 3, 2])
     """
+    weld_tolerance = as_float("weld_tolerance", weld_tolerance)
     kept, corners, vertex_map, report = _core.repair(vertices, faces, weld_tolerance=weld_tolerance)
     return Repair(vertices=kept, faces=corners, vertex_map=vertex_map, report=report)
 

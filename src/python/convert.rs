@@ -97,6 +97,11 @@ pub(super) fn integer(value: &Bound<'_, PyAny>, name: &str, refusal: Bound<'_, P
     check(value.py(), "as_integer")?.call1((name, value, refusal))?.extract()
 }
 
+/// A boolean; the facade's `as_boolean` refuses what is none.
+pub(super) fn boolean(value: &Bound<'_, PyAny>, name: &str) -> PyResult<bool> {
+    check(value.py(), "as_boolean")?.call1((name, value))?.extract()
+}
+
 /// (3,) vector.
 pub(super) fn vector(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vector3<f64>> {
     let array = float_array(value, name)?;

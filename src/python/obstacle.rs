@@ -2,7 +2,7 @@
 
 use super::arrays_out::{faces_out, vector_out, vectors_out};
 use super::convert::{
-    faces, matrix3, mesh_arrays, motion, number, rotation_and_translation, vector, vectors,
+    boolean, faces, matrix3, mesh_arrays, motion, number, rotation_and_translation, vector, vectors,
 };
 use super::errors::{IntoPyErr, ObstacleError};
 use super::forked::released;
@@ -34,6 +34,10 @@ pub(super) struct PyObstacle {
 
 fn made(obstacle: Result<Obstacle, crate::obstacle::ObstacleError>) -> PyResult<PyObstacle> {
     obstacle.map(PyObstacle::from).map_err(IntoPyErr::into_py_err)
+}
+
+fn check_crossings(value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    boolean(value, "check_crossings")
 }
 
 impl From<Obstacle> for PyObstacle {
@@ -68,7 +72,7 @@ impl PyObstacle {
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
         faces: &Bound<'_, PyAny>,
-        check_crossings: bool,
+        #[pyo3(from_py_with = check_crossings)] check_crossings: bool,
     ) -> PyResult<Self> {
         let vertices = vectors(vertices, "vertices")?;
         let faces = self::faces(faces, "faces", ObstacleError::new_err)?;
@@ -96,7 +100,7 @@ impl PyObstacle {
         py: Python<'_>,
         mesh: &Bound<'_, PyAny>,
         unit: &str,
-        check_crossings: bool,
+        #[pyo3(from_py_with = check_crossings)] check_crossings: bool,
     ) -> PyResult<Self> {
         let (vertices, faces) = mesh_arrays(mesh, unit, py.get_type::<ObstacleError>())?;
         Self::mesh(py, &vertices, &faces, check_crossings)

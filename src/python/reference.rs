@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use super::convert::number;
 use crate::reference::{self, Cone, CoredSphere, FlatPunch, Hertz};
 
 fn out_of_range(name: &str, value: f64, expected: &str) -> PyErr {
@@ -12,12 +13,25 @@ fn out_of_range(name: &str, value: f64, expected: &str) -> PyErr {
 }
 
 /// The number, if it is finite and above 0.
-fn positive(name: &str, value: f64) -> PyResult<f64> {
+fn positive(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let value = number(value, name)?;
     if value.is_finite() && value > 0.0 {
         Ok(value)
     } else {
         Err(out_of_range(name, value, "a finite number above 0"))
     }
+}
+
+fn approach(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    number(value, "approach")
+}
+
+fn distance(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    number(value, "distance")
+}
+
+fn force(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    number(value, "force")
 }
 
 /// A rigid sphere pressed into an elastic half-space, in Hertz's parabolic approximation (Johnson 1985, section 4.2).
@@ -47,38 +61,42 @@ pub(super) struct PyHertz(Hertz);
 impl PyHertz {
     #[new]
     #[pyo3(signature = (*, radius, contact_modulus))]
-    fn new(radius: f64, contact_modulus: f64) -> PyResult<Self> {
+    fn new(radius: &Bound<'_, PyAny>, contact_modulus: &Bound<'_, PyAny>) -> PyResult<Self> {
         let radius = positive("radius", radius)?;
         Ok(Self(Hertz { radius, contact_modulus: positive("contact_modulus", contact_modulus)? }))
     }
 
     /// Return the force (N) at an approach (m).
-    fn force(&self, approach: f64) -> f64 {
+    fn force(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.force(approach)
     }
 
     /// Return the contact radius (m) at an approach (m).
-    fn contact_radius(&self, approach: f64) -> f64 {
+    fn contact_radius(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.contact_radius(approach)
     }
 
     /// Return the peak pressure (Pa) at an approach (m).
-    fn max_pressure(&self, approach: f64) -> f64 {
+    fn max_pressure(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.max_pressure(approach)
     }
 
     /// Return the pressure (Pa) at an approach (m) and a distance from the axis (m).
-    fn pressure(&self, approach: f64, distance: f64) -> f64 {
+    fn pressure(
+        &self,
+        #[pyo3(from_py_with = approach)] approach: f64,
+        #[pyo3(from_py_with = distance)] distance: f64,
+    ) -> f64 {
         self.0.pressure(approach, distance)
     }
 
     /// Return the stored elastic energy (J) at an approach (m).
-    fn energy(&self, approach: f64) -> f64 {
+    fn energy(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.energy(approach)
     }
 
     /// Return the approach (m) under a force (N).
-    fn approach(&self, force: f64) -> f64 {
+    fn approach(&self, #[pyo3(from_py_with = force)] force: f64) -> f64 {
         self.0.approach(force)
     }
 }
@@ -103,23 +121,31 @@ pub(super) struct PyFlatPunch(FlatPunch);
 impl PyFlatPunch {
     #[new]
     #[pyo3(signature = (*, radius, contact_modulus))]
-    fn new(radius: f64, contact_modulus: f64) -> PyResult<Self> {
+    fn new(radius: &Bound<'_, PyAny>, contact_modulus: &Bound<'_, PyAny>) -> PyResult<Self> {
         let radius = positive("radius", radius)?;
         Ok(Self(FlatPunch { radius, contact_modulus: positive("contact_modulus", contact_modulus)? }))
     }
 
     /// Return the force (N) at an approach (m).
-    fn force(&self, approach: f64) -> f64 {
+    fn force(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.force(approach)
     }
 
     /// Return the pressure (Pa) at an approach (m) and a distance from the axis (m); infinite at the rim.
-    fn pressure(&self, approach: f64, distance: f64) -> f64 {
+    fn pressure(
+        &self,
+        #[pyo3(from_py_with = approach)] approach: f64,
+        #[pyo3(from_py_with = distance)] distance: f64,
+    ) -> f64 {
         self.0.pressure(approach, distance)
     }
 
     /// Return the surface displacement along the punch's motion (m) at an approach (m) and a distance from the axis (m).
-    fn displacement(&self, approach: f64, distance: f64) -> f64 {
+    fn displacement(
+        &self,
+        #[pyo3(from_py_with = approach)] approach: f64,
+        #[pyo3(from_py_with = distance)] distance: f64,
+    ) -> f64 {
         self.0.displacement(approach, distance)
     }
 }
@@ -144,7 +170,8 @@ pub(super) struct PyCone(Cone);
 impl PyCone {
     #[new]
     #[pyo3(signature = (*, semi_angle, contact_modulus))]
-    fn new(semi_angle: f64, contact_modulus: f64) -> PyResult<Self> {
+    fn new(semi_angle: &Bound<'_, PyAny>, contact_modulus: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let semi_angle = number(semi_angle, "semi_angle")?;
         if !(semi_angle > 0.0 && semi_angle < FRAC_PI_2) {
             return Err(out_of_range("semi_angle", semi_angle, "an angle between 0 and pi/2 rad"));
         }
@@ -152,22 +179,26 @@ impl PyCone {
     }
 
     /// Return the force (N) at an approach (m).
-    fn force(&self, approach: f64) -> f64 {
+    fn force(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.force(approach)
     }
 
     /// Return the contact radius (m) at an approach (m).
-    fn contact_radius(&self, approach: f64) -> f64 {
+    fn contact_radius(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.contact_radius(approach)
     }
 
     /// Return the pressure (Pa) at an approach (m) and a distance from the axis (m); infinite at the tip.
-    fn pressure(&self, approach: f64, distance: f64) -> f64 {
+    fn pressure(
+        &self,
+        #[pyo3(from_py_with = approach)] approach: f64,
+        #[pyo3(from_py_with = distance)] distance: f64,
+    ) -> f64 {
         self.0.pressure(approach, distance)
     }
 
     /// Return the stored elastic energy (J) at an approach (m).
-    fn energy(&self, approach: f64) -> f64 {
+    fn energy(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.energy(approach)
     }
 }
@@ -187,8 +218,12 @@ impl PyCone {
 ///     If one is out of range.
 #[pyfunction]
 #[pyo3(signature = (*, shear_modulus, poisson_ratio))]
-pub(super) fn contact_modulus(shear_modulus: f64, poisson_ratio: f64) -> PyResult<f64> {
+pub(super) fn contact_modulus(
+    shear_modulus: &Bound<'_, PyAny>,
+    poisson_ratio: &Bound<'_, PyAny>,
+) -> PyResult<f64> {
     let shear_modulus = positive("shear_modulus", shear_modulus)?;
+    let poisson_ratio = number(poisson_ratio, "poisson_ratio")?;
     if !(0.0..=0.5).contains(&poisson_ratio) {
         return Err(out_of_range("poisson_ratio", poisson_ratio, "a number from 0 to 0.5"));
     }

@@ -1,7 +1,7 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
 use super::arrays_out::nodes_out;
-use super::convert::{MatrixArgument, mask, nodes, rotation_and_translation, scalars, vectors};
+use super::convert::{MatrixArgument, mask, nodes, number, rotation_and_translation, scalars, vectors};
 use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;
@@ -92,9 +92,9 @@ impl PySkin {
         pressure: &str,
         discretization: Option<&str>,
     ) -> PyResult<Self> {
-        let thickness = match thickness.extract::<f64>() {
-            Ok(uniform) => Thickness::Uniform(uniform),
-            Err(_) => Thickness::PerVertex(scalars(thickness, "thickness")?.into()),
+        let thickness = match thickness.len() {
+            Ok(_) => Thickness::PerVertex(scalars(thickness, "thickness")?.into()),
+            Err(_) => Thickness::Uniform(number(thickness, "thickness")?),
         };
         Ok(Elastic::of_kernel(
             shear_modulus,

@@ -125,6 +125,9 @@ def test_a_motion_that_is_none_is_refused(
             thing.moved(*arguments)  # type: ignore[arg-type]
 
 
+HERTZ = qr.reference.Hertz(radius=1e-2, contact_modulus=1e4)
+
+
 def _answering(response: Any) -> qr.Skin:
     return qr.Skin(shear_modulus=6e4, poisson_ratio=0.3, response=response)
 
@@ -146,6 +149,14 @@ NUMBERS = {
     "coarse_edge_length": lambda value: qr.Skin(
         shear_modulus=1e4, poisson_ratio=0.4, response=qr.Body(coarse_edge_length=value)
     ).prepared(SURFACE),
+    "height": lambda value: _answering(qr.GaussianCorrected(height=value, width=8e-3, cutoff=15e-3)),
+    "width": lambda value: _answering(qr.GaussianCorrected(height=None, width=value, cutoff=15e-3)),
+    "cutoff": lambda value: _answering(qr.GaussianCorrected(height=1e-4, width=8e-3, cutoff=value)),
+    "contact_modulus": lambda value: qr.reference.Hertz(radius=1e-2, contact_modulus=value),
+    "semi_angle": lambda value: qr.reference.Cone(semi_angle=value, contact_modulus=1e4),
+    "approach": HERTZ.energy,
+    "distance": lambda value: HERTZ.pressure(1e-3, value),
+    "weld_tolerance": lambda value: qr.repair(SURFACE.vertices, SURFACE.faces, weld_tolerance=value),
 }
 
 
@@ -156,7 +167,7 @@ NUMBERS = {
 )
 @pytest.mark.parametrize("name", NUMBERS)
 def test_what_is_no_number_is_named(name: str, value: Any) -> None:
-    with pytest.raises(TypeError, match=rf"^{name} is .*, expected a number$"):
+    with pytest.raises(TypeError, match=rf"(?m)^{name} is .*, expected a number$"):
         NUMBERS[name](value)
 
 
@@ -219,13 +230,20 @@ BOOLEANS = {
         poisson_ratio=0.4,
         response=qr.Body(fixed=SURFACE.vertices[:, 2] > 8e-3, bone_pressure=value),
     ).prepared(SURFACE),
+    "check_crossings": lambda value: qr.Obstacle.mesh(SURFACE.vertices, SURFACE.faces, check_crossings=value),
+    "linear": lambda value: HAND.posed("flat", linear=value),
+    "throw": lambda value: _pressed(depth=1e-4, throw=value),
+    "throw of a contact in place": lambda value: qr.solve_contact(SURFACE, PLATE, SKIN, throw=value),
+    "throw of a problem": lambda value: qr.solve_lcp([[1]], [-1], throw=value),
+    "throw of a grasp": lambda value: qr.close_hand(HAND, BALL, SKIN, force=2.0, throw=value),
+    "pictures": lambda value: qr.solve_contact(SURFACE, FAR, SKIN).save("unwritten", pictures=value),
 }
 
 
 @pytest.mark.parametrize("value", ["no", None, 1, [True]], ids=["word", "none", "one", "list"])
 @pytest.mark.parametrize("name", BOOLEANS)
 def test_what_is_no_boolean_is_named(name: str, value: Any) -> None:
-    with pytest.raises(TypeError, match=rf"^{name} is .*, expected True or False$"):
+    with pytest.raises(TypeError, match=rf"(?m)^{name.split()[0]} is .*, expected True or False$"):
         BOOLEANS[name](value)
 
 
@@ -290,6 +308,7 @@ ROWS = {
     "translation": lambda row: HAND.posed("flat", translation=row),
     "rotation": lambda row: HAND.posed("flat", rotation=[row] * 3),
     "pose": lambda row: HAND.posed([row] * len(HAND.joint_names)),
+    "gravity": lambda row: qr.close_hand(HAND, BALL, SKIN, force=2.0, gravity=row),
     "center_of_mass": lambda row: qr.close_hand(HAND, BALL, SKIN, force=2.0, center_of_mass=row),
 }
 
@@ -299,6 +318,25 @@ ROWS = {
 def test_words_booleans_and_complex_numbers_are_no_vector(name: str, row: Any) -> None:
     with pytest.raises(qr.QuasirigidError, match=rf"^{name} is .*, expected "):
         ROWS[name](row)
+
+
+PLACES = {
+    "node": lambda value: qr.net_volume(SURFACE, SKIN, value),
+    "step": lambda value: qr.sweep(SURFACE, FAR, SKIN, [0, 0, -1], depths=[1e-4], start="current")[value],
+}
+
+
+@pytest.mark.parametrize("value", [True, np.True_, "x", 1.0])
+@pytest.mark.parametrize("name", PLACES)
+def test_what_is_no_integer_is_named(name: str, value: Any) -> None:
+    with pytest.raises(TypeError, match=rf"^{name} is .*, expected (an integer|the number of a vertex)$"):
+        PLACES[name](value)
+
+
+@pytest.mark.parametrize("thickness", [True, np.True_, "1mm", None])
+def test_a_thickness_is_a_number_or_a_row_of_them(thickness: Any) -> None:
+    with pytest.raises(TypeError, match=r"^`?thickness`? "):
+        _answering(qr.Layer(thickness=thickness))
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal
 
 from .. import _core
-from .._check import as_choice
+from .._check import as_boolean, as_choice
 from .._from_core import from_core
 from ..lcp.solution import solution_from_core
 from ..scene import check_scene
@@ -104,6 +104,7 @@ def solve_contact(
     'no_contact'
     """
     check_scene(surface, obstacle)
+    throw = as_boolean("throw", throw)
     return end_of(solve_quietly(surface, obstacle, skin, options), throw=throw, stacklevel=2)
 
 
@@ -229,6 +230,7 @@ def press(
     >>> bool(held.center_of_pressure[0] > contact.center_of_pressure[0] + 0.4e-3)
     True
     """
+    throw = as_boolean("throw", throw)
     contact = press_quietly(
         surface,
         obstacle,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import as_number, as_vector
+from .._check import as_boolean, as_number, as_vector
 from ..contact.options import ContactOptions, options_to_core
 from ..contact.press import end_of
 from ..errors import HandError, QuasirigidWarning
@@ -145,7 +145,9 @@ def close_hand(
     if options is None:
         options = ContactOptions(target_error=TARGET_ERROR, max_nodes=MOST_NODES)
     options_to_core(options)
-    weight = None if product_mass is None else _weight_of(product_mass, gravity)
+    throw = as_boolean("throw", throw)
+    fall = as_vector("gravity", gravity, HandError)
+    weight = None if product_mass is None else as_number("product_mass", product_mass, HandError) * fall
     middle = _middle_of(obstacle, center_of_mass)
     hold = Hold(
         closing=Closing(hand, start, end, rotation, translation),
@@ -237,10 +239,6 @@ def _asked(
         return dict.fromkeys(range(len(DIGITS)), number)
     finger = (1.0 - _THUMB) / (len(DIGITS) - 1)
     return {at: number * (_THUMB if name == "thumb" else finger) for at, name in enumerate(DIGITS)}
-
-
-def _weight_of(mass: float, gravity: ArrayLike) -> Floats:
-    return as_number("product_mass", mass, HandError) * as_vector("gravity", gravity, HandError)
 
 
 def _middle_of(obstacle: Obstacle, center_of_mass: ArrayLike | None) -> Floats:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import _core
-from .._check import as_number
+from .._check import as_boolean, as_number
 from .._frozen import Frozen, read_only
 from ..errors import HandError
 from ..surface import Surface, skin_without_caps
@@ -232,7 +232,7 @@ class Hand(Frozen):
         """
         placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
         motions, frames = motions_of(self.rest, self._pivots, self.parents, turns_of(pose, self), placed)
-        surface = self._influence.posed(self.surface, motions, linear=linear)
+        surface = self._influence.posed(self.surface, motions, linear=as_boolean("linear", linear))
         return PosedHand(hand=self, surface=surface, joints=frames, motions=motions)
 
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Hand:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import as_boolean
 from .._extras import need_matplotlib
 from .._text import aligned
 from .._units import KPA, MM
@@ -117,7 +118,7 @@ def save_grasp(
 ) -> tuple[Path, ...]:
     """Write a grasp into a folder, as `Grasp.save` describes."""
     folder = Path(folder)
-    if pictures:
+    if as_boolean("pictures", pictures):
         need_matplotlib()
     files = save_contact(grasp.contact, folder, inputs=inputs)
     record = grasp_record(grasp) | {"inputs": inputs_record(inputs)}

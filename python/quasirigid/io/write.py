@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import reals_or_empty, short
+from .._check import as_boolean, reals_or_empty, short
 from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
@@ -92,7 +92,7 @@ def save_contact(
     OSError
         If the folder cannot be written to.
     """
-    if pictures:
+    if as_boolean("pictures", pictures):
         need_matplotlib()
     files = write_files(folder, dict(_files(contact, inputs_record(inputs))))
     return files + save_pictures(contact, folder, bone=bone) if pictures else files

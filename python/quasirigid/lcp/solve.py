@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .. import _core
-from .._check import as_choice, short
+from .._check import as_boolean, as_choice, short
 from .error import LcpError
 from .options import DEFAULTS, LcpMethod, LcpOptions, options_to_core
 from .solution import LcpStatus, solution_from_core
@@ -95,6 +95,7 @@ def solve_lcp(
     ('solved', [1.333333, 2.333333])
     """
     method = as_choice("method", method, LcpMethod, LcpError)
+    throw = as_boolean("throw", throw)
     solution = solution_from_core(_core.solve_lcp(M, q, method, _core_options(options, method)))
     if throw and solution.status is not LcpStatus.SOLVED:
         error = LcpError(f"the complementarity problem ended with status {solution.advice}")

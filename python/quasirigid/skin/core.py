@@ -11,6 +11,7 @@ from .. import _core
 from .._check import (
     as_array,
     as_boolean,
+    as_float,
     as_float_or_none,
     as_integer_or_none,
     as_mask,
@@ -40,7 +41,9 @@ def build_kernel(constants: ElasticConstants, response: Response) -> _core.Skin 
     match response:
         case HalfSpace():
             return _core.Skin.half_space(*constants, response.pressure, response.discretization)
-        case GaussianCorrected(height=height, width=width, cutoff=cutoff):
+        case GaussianCorrected():
+            height = as_float_or_none("height", response.height)
+            width, cutoff = as_float("width", response.width), as_float("cutoff", response.cutoff)
             if height is None:
                 height = _core.Skin.balanced_height(*constants, width, cutoff)
             return _core.Skin.gaussian_corrected(*constants, height, width, cutoff, response.pressure)
