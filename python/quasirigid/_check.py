@@ -5,7 +5,8 @@ from __future__ import annotations
 import operator
 import sys
 from enum import StrEnum
-from os import PathLike
+from os import PathLike, fspath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -113,6 +114,14 @@ def reals_or_empty(value: Any) -> NDArray[np.float64]:
     entries = () if isinstance(value, np.ndarray) else np.array(value, dtype=object).flat
     has_boolean = any(isinstance(entry, (bool, np.bool_)) for entry in entries)
     return np.empty(0) if has_boolean else np.array(reals)
+
+
+def as_path(name: str, value: Any) -> Path:
+    """Return a path; a TypeError of what is none, as the number of an open file."""
+    try:
+        return Path(fspath(value))
+    except TypeError:
+        raise TypeError(f"{name} is {short(value)}, expected a path") from None
 
 
 def as_vector(name: str, value: Any, refusal: Refusal) -> NDArray[np.float64]:

@@ -323,7 +323,9 @@ def test_words_booleans_and_complex_numbers_are_no_vector(name: str, row: Any) -
 PLACES = {
     "node": lambda value: qr.net_volume(SURFACE, SKIN, value),
     "step": lambda value: qr.sweep(SURFACE, FAR, SKIN, [0, 0, -1], depths=[1e-4], start="current")[value],
+    "num_threads": lambda value: HAND.posed("flat").skin(**ON_HALF_SPACE, num_threads=value),
 }
+ON_HALF_SPACE: dict[str, Any] = {"shear_modulus": 6e4, "poisson_ratio": 0.3, "response": qr.HalfSpace()}
 
 
 @pytest.mark.parametrize("value", [True, np.True_, "x", 1.0])
@@ -346,6 +348,8 @@ def test_a_thickness_is_a_number_or_a_row_of_them(thickness: Any) -> None:
         (lambda: _answering(_given("")).prepared(SURFACE), "^`compliance` has dtype <U"),
         (lambda: PLATE.with_material(**_material(_given([[1j]]))), "^`compliance` has dtype complex"),
         (lambda: _given([[1, 2], [3]]), "^`compliance` cannot be read as an array"),
+        (lambda: HAND.posed("flat").skin(**ON_HALF_SPACE, nodes=np.nan), "^`nodes` has dtype float64"),
+        (lambda: HAND.posed("flat").skin(**ON_HALF_SPACE, folder=3), "^folder is 3, expected a path$"),
         (lambda: _hand_of(joint_names=None), "^joint_names is None, expected a sequence of names$"),
     ],
 )
@@ -374,3 +378,20 @@ def test_a_number_beyond_64_bits_is_shown_as_given() -> None:
         SKIN.prepared(SURFACE, large)
     with pytest.raises(qr.SurfaceError, match="refers to vertex 9223372036854775809, which cannot exist"):
         qr.Surface(SURFACE.vertices, np.full((1, 3), large))
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        qr.load_prepared,
+        qr.hand.read_pose,
+        lambda path: qr.read_mesh(path, unit="m"),
+        qr.read_hand,
+    ],
+    ids=["load_prepared", "read_pose", "read_mesh", "read_hand"],
+)
+def test_the_number_of_an_open_file_is_no_path(read: Any) -> None:
+    with open(__file__, "rb") as file:
+        with pytest.raises(TypeError, match=r"^path is \d+, expected a path$"):
+            read(file.fileno())
+        assert file.read(1)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .._check import short
+from .._check import as_path, short
 from ..errors import HandError
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def read_pose(path: str | PathLike[str]) -> dict[str, dict[str, float]]:
     >>> round(pose["index-finger-phalanx-distal"]["flexion"], 4)
     1.5708
     """
-    file = Path(path)
+    file = as_path("path", path)
     try:
         known = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from .. import _core
+from .._check import as_integer_or_none, as_nodes, as_path
 from .._frozen import Frozen
-from ..errors import HandError
+from ..errors import HandError, ResponseError
 from ..skin import Body, Skin
 from ..surface import Surface
 from .bones import fitted, joined
@@ -203,6 +204,9 @@ class PosedHand(Frozen):
         OSError
             If the folder does not exist or cannot be written to.
         """
+        nodes = None if nodes is None else as_nodes("nodes", nodes, len(self.labels), ResponseError)
+        folder = None if folder is None else as_path("folder", folder)
+        num_threads = as_integer_or_none("num_threads", num_threads, ResponseError)
         response = Body() if response is None else response
         if not isinstance(response, Body):
             return Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)

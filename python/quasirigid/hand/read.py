@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import as_path
 from .._units import metres_in
 from ..errors import HandError, QuasirigidError, SizeWarning
 from ..io.read import read_mesh
@@ -72,7 +73,7 @@ def read_hand(
     the next joint, +x the axis of flexion as the file has it. Which hand it is shows in the place of the
     thumb. Scales of its bind matrices and nodes count.
     """
-    file = Path(path)
+    file = as_path("path", path)
     try:
         if file.suffix.lower() in (".glb", ".gltf"):
             if rig is not None:
@@ -80,7 +81,7 @@ def read_hand(
             with np.errstate(invalid="ignore"):  # signalling nan of single precision: refused as nan
                 hand = read_glb(file)
         else:
-            hand = _read_mesh_with_rig(file, None if rig is None else Path(rig), unit)
+            hand = _read_mesh_with_rig(file, None if rig is None else as_path("rig", rig), unit)
     except QuasirigidError as error:
         if str(file) in str(error):
             raise

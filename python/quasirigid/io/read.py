@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._check import as_path
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError, QuasirigidError
 from ..obstacle import Obstacle
@@ -66,7 +67,7 @@ def read_mesh(path: str | PathLike[str], *, unit: LengthUnit) -> tuple[Floats, I
     (array([0.02, 0.  , 0.  ]), array([[0, 1, 2]]))
     """
     scale = metres_in(unit, MeshFileError)
-    vertices, faces = _read_file(Path(path))
+    vertices, faces = _read_file(as_path("path", path))
     return (vertices if unit == "m" else vertices * scale), faces
 
 

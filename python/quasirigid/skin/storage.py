@@ -6,11 +6,11 @@ import io
 import json
 import math
 import zipfile
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._check import as_path
 from ..errors import ResponseError
 from ..io.atomic import atomic_write
 from ..surface import Surface
@@ -108,18 +108,19 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
     ResponseError
         If the file is no prepared skin, is damaged or from a later version.
     """
+    file_path = as_path("path", path)
     try:
-        with open(path, "rb") as file:
+        with file_path.open("rb") as file:
             if file.read(len(np.lib.format.MAGIC_PREFIX)) == np.lib.format.MAGIC_PREFIX:
                 raise ValueError("it holds a single array, expected a .npz file")
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(file_path) as archive:
             members = archive.infolist()
             names = [member.filename.removesuffix(".npy") for member in members]
             if "header" not in names:
                 raise ValueError("it holds no prepared skin")
             if len(set(names)) < len(names):
                 raise ValueError("it holds a part twice")
-            if sum(member.file_size for member in members) > Path(path).stat().st_size:
+            if sum(member.file_size for member in members) > file_path.stat().st_size:
                 raise ValueError("its parts are longer than itself")
             stored = {name: _array_of(archive, member) for name, member in zip(names, members, strict=True)}
         header = json.loads(str(stored["header"]))
