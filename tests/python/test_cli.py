@@ -180,6 +180,26 @@ def test_a_press_takes_a_force_or_an_overlap_in_place_of_a_depth(
         assert "give one of --depth, --force and --overlap" in capsys.readouterr().err
 
 
+def test_results_are_told_though_no_file_can_be_written(
+    in_demo_folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device", "out")
+
+    monkeypatch.setattr("quasirigid.io.write.write_files", full)
+    asked = press_arguments(response="half-space", bone=None, fixed=None, out="full")
+    assert run([*asked, "--json"]) == 2
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["status"] == "solved"
+    assert "No space left on device" in printed.err
+
+
+def test_an_empty_word_is_no_folder(in_demo_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(press_arguments(out="")) == 2
+    assert "empty" in capsys.readouterr().err
+    assert not (in_demo_folder / "contact.json").exists()
+
+
 def sweep_arguments(*words: str) -> list[str]:
     """A sweep of the scene of `press_arguments`, whose goal and folder are in `words`."""
     arguments = press_arguments(depth=None, out=None)
@@ -557,10 +577,14 @@ def test_a_file_in_the_place_of_the_output_is_refused(
 def test_a_force_out_of_reach_writes_the_nearest_contact_and_status_1(
     in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(press_arguments(depth=None, force="1000kN", out="far")) == 1
-    assert "largest" in capsys.readouterr().err.splitlines()[-1]
+    assert run([*press_arguments(depth=None, force="1000kN", out="far"), "--json"]) == 1
+    printed = capsys.readouterr()
+    assert "largest" in printed.err.splitlines()[-1]
     document = json.loads((in_demo_folder / "far" / "contact.json").read_text())
-    assert document["status"] == "solved"
+    for record in (document, json.loads(printed.out)):
+        assert record["status"] == "not_reached"
+        assert "largest" in record["advice"]
+    assert document["quasirigid"] == qr.__version__
     assert 0.0 < document["force"]["value"][2] < 1e6
 
 

@@ -169,6 +169,15 @@ def test_words_and_booleans_stand_plain_whether_known_or_not(pressed: qr.Contact
         assert record == {name: {"value": getattr(accuracy, name), "unit": "1"} for name in figures}
 
 
+def test_a_skin_among_the_inputs_is_named_and_holds_no_address(apart: qr.Contact, tmp_path: Path) -> None:
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.Layer(thickness=5e-3))
+    save_contact(apart, tmp_path, inputs={"skin": skin})
+    record = read_record(tmp_path)["inputs"]["skin"]
+    assert (record["type"], record["response"]["type"]) == ("Skin", "Layer")
+    assert record["response"]["thickness"] == 5e-3
+    assert not [name for name in record if name.startswith("_")]
+
+
 def test_what_is_infinite_is_a_word_that_reads_as_such(on_edge: qr.Contact, tmp_path: Path) -> None:
     save_contact(on_edge, tmp_path, inputs={"limits": [float("-inf"), float("nan"), np.float64("inf")]})
     document = read_record(tmp_path)

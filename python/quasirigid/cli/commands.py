@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -188,13 +189,11 @@ def press(
                 raise
             contact, unreached = error.contact, str(error)
     inputs = dict(read.inputs) | {name: figure(value, GOAL_UNITS[name]) for name, value in goal.items()}
-    files: tuple[Path, ...] = ()
-    if scene.out is not None:
-        bones = read.body.bone if read.body else None
-        with progress(f"writing {scene.out}"):
-            files = save_contact(contact, scene.out, inputs=inputs, pictures=pictures, bone=bones)
-    text = _press_text(scene.skin_file.stem, contact, files, verbose=talk.verbose)
-    talk.tell(text, contact_record(contact) | {"inputs": as_plain(inputs)})
+    text = _press_text(scene.skin_file.stem, contact, verbose=talk.verbose)
+    record = contact_record(contact, unreached=unreached) | {"inputs": as_plain(inputs)}
+    bone = read.body.bone if read.body else None
+    saved: dict[str, Any] = {"inputs": inputs, "pictures": pictures, "bone": bone, "unreached": unreached}
+    talk.save_and_tell(text, record, scene.out, partial(save_contact, contact, **saved))
     if unreached is not None:
         return refuse(unreached, status=1)
     if contact.status in ("solved", "no_contact"):
@@ -202,14 +201,12 @@ def press(
     return refuse(f"the contact did not end solved: {contact.advice}", status=1)
 
 
-def _press_text(name: str, contact: qr.Contact, files: Sequence[Path], *, verbose: bool) -> str:
+def _press_text(name: str, contact: qr.Contact, *, verbose: bool) -> str:
     parts = [compare_contacts({name: contact}, verbose=verbose, warnings=False)]
     if contact.patches:
         parts.append(patch_table(contact))
     if sum(one.kind == "mesh" for one in contact.refinements) > 1:
         parts.append(refinement_table(contact))
-    if files:
-        parts.append("wrote " + ", ".join(map(str, files)))
     return "\n".join(parts)
 
 

@@ -8,9 +8,10 @@ import os
 import re
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, cast
 
 import typer
@@ -57,6 +58,17 @@ class Talk:
     def tell(self, text: str, record: Mapping[str, Any]) -> None:
         """Print results as text, or as JSON where that was asked for."""
         say(json.dumps(record, indent=2, allow_nan=False) if self.json else _in_options(text))
+
+    def save_and_tell(
+        self, text: str, record: Mapping[str, Any], out: Path | None, save: Callable[[Path], Sequence[Path]]
+    ) -> None:
+        """Write results where a folder is given, and print them, also where it takes no files."""
+        try:
+            if out is not None:
+                with progress(f"writing {out}"):
+                    text += "\nwrote " + ", ".join(map(str, save(out)))
+        finally:
+            self.tell(text, record)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,10 +11,20 @@ import typer
 
 __all__ = ["Inputs", "OutFolder", "check_file", "check_folder", "check_inputs"]
 
+
+def _folder(word: str) -> Path:
+    # An empty one would be the folder at hand.
+    if not word:
+        raise typer.BadParameter("the word is empty, expected a folder")
+    return Path(word)
+
+
 OutFolder = Annotated[
     Path | None,
     typer.Option(
-        help="Folder for the results; without it nothing is written. Files of the same names are replaced."
+        parser=_folder,
+        metavar="PATH",
+        help="Folder for the results; without it nothing is written. Files of the same names are replaced.",
     ),
 ]
 

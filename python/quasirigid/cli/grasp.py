@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -131,14 +131,11 @@ def grasp(words: GraspWords, talk: ContactTalk) -> int:
     asked = _read(words)
     with progress("closing the hand"):
         held = qr.close_hand(asked.hand, asked.obstacle, asked.skin, **asked.more, throw=False)
-    files: tuple[Path, ...] = ()
-    if words.out is not None:
-        with progress(f"writing {words.out}"):
-            files = held.save(words.out, inputs=asked.inputs, pictures=words.pictures)
     figures = compare_contacts({words.product.stem: held.contact}, verbose=talk.verbose, warnings=False)
     text = f"{digit_table(held)}\n{figures}"
     record = grasp_record(held) | {"contact": contact_record(held.contact), "inputs": as_plain(asked.inputs)}
-    talk.tell(text + ("\nwrote " + ", ".join(map(str, files)) if files else ""), record)
+    save = partial(held.save, inputs=asked.inputs, pictures=words.pictures)
+    talk.save_and_tell(text, record, words.out, save)
     if held.contact.status not in ("solved", "no_contact"):
         return refuse(f"the contact did not end solved: {held.contact.advice}", status=1)
     return 1 if held.missed else 0
@@ -190,7 +187,6 @@ def _read(words: GraspWords) -> _Asked:
         "target_error": figure(options.target_error, "1"),
         "max_nodes": options.max_nodes,
         "couple_fingers": options.couple_fingers,
-        "quasirigid": qr.__version__,
     }
     more = {**goal, **poses, "product_mass": mass, "options": options}
     return _Asked(hand=hand, obstacle=obstacle, skin=skin, more=more, inputs=record)

@@ -231,7 +231,6 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         "target_error": figure(options.target_error, "1"),
         "max_nodes": options.max_nodes,
         "couple_fingers": options.couple_fingers,
-        "quasirigid": qr.__version__,
     }
     return Scene(
         surface=surface,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Annotated, Any
 
 import typer
@@ -67,10 +68,8 @@ def sweep(
             **steps,
         )
     inputs = dict(read.inputs) | {f"{goal}s": figure(values, "m" if goal == "depth" else "N")}
-    files = () if scene.out is None else curve.save(scene.out, inputs=inputs)
-    text = sweep_table(curve)
     record = sweep_record(curve) | {"inputs": as_plain(inputs)}
-    talk.tell(text + "\nwrote " + ", ".join(map(str, files)) if files else text, record)
+    talk.save_and_tell(sweep_table(curve), record, scene.out, partial(curve.save, inputs=inputs))
     bad = [step for step, status in enumerate(curve.status) if status not in ("solved", "no_contact")]
     if not bad:
         return 0

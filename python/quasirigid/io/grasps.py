@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._check import as_boolean
+from .._core import __version__
 from .._extras import need_matplotlib
 from .._text import aligned
 from .._units import KPA, MM
@@ -73,7 +74,7 @@ def digit_table(grasp: Grasp) -> str:
     if net > _ONE_WAY * sum(forces):
         line += (
             ": the digits push it away more than against each other; turn the hand so that the thumb comes"
-            ' from the other side, as from start = "opposed"'
+            " from the other side"
         )
     lines.append(line)
     if (digits := sum(forces[:-1])) < forces[-1]:
@@ -96,6 +97,7 @@ def grasp_record(grasp: Grasp) -> dict[str, Any]:
         The grasp.
     """
     return {
+        "quasirigid": __version__,
         "pose": {"joints": list(grasp.posed.hand.joint_names), "turns": as_plain(grasp.pose)},
         "shares": as_plain(grasp.shares),
         "digits": {name: patch_figures(part) for name, part in grasp.digits.items()},

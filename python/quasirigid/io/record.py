@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._core import __version__
+
 if TYPE_CHECKING:
     from ..contact.accuracy import Accuracy, Refinement
     from ..contact.parts import Part, Patch
@@ -75,13 +77,16 @@ PATCH_UNITS = {
 MEAN_AREAS = (1e-4, 1e-6)
 
 
-def contact_record(contact: Contact) -> dict[str, Any]:
+def contact_record(contact: Contact, *, unreached: str | None = None) -> dict[str, Any]:
     """Return everything about a contact but its arrays.
 
     Parameters
     ----------
     contact : Contact
         The contact.
+    unreached : str, optional
+        Of a contact that only comes nearest to what was asked for, why that is out of reach: the status is
+        "not_reached" then, and this the advice.
 
     Returns
     -------
@@ -90,8 +95,9 @@ def contact_record(contact: Contact) -> dict[str, Any]:
         is None, an infinite error the word "Infinity", as `as_plain` writes it.
     """
     return {
-        "status": str(contact.status),
-        "advice": contact.advice,
+        "quasirigid": __version__,
+        "status": str(contact.status) if unreached is None else "not_reached",
+        "advice": contact.advice if unreached is None else unreached,
         **figures(contact, _CONTACT),
         "mean_pressure": [
             figure(contact.mean_pressure(area), "Pa") | {"area": figure(area, "m^2")} for area in MEAN_AREAS
@@ -149,7 +155,8 @@ def as_plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [as_plain(entry) for entry in value]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {field.name: as_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+        public = (field.name for field in dataclasses.fields(value) if not field.name.startswith("_"))
+        return {"type": type(value).__name__} | {name: as_plain(getattr(value, name)) for name in public}
     return str(value)
 
 

@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .._core import __version__
 from .atomic import json_bytes, write_files
 from .frame import sweep_columns
 from .record import as_plain, inputs_record, warnings_record
@@ -33,10 +34,11 @@ def sweep_record(sweep: Sweep) -> dict[str, Any]:
     Returns
     -------
     dict
-        `columns`, as `sweep_columns` returns them, and `warnings`: for each step, as in `contact_record`.
+        `quasirigid`, the version; `columns`, as `sweep_columns` returns them, and `warnings`: for each step,
+        as in `contact_record`.
     """
     warned = [warnings_record(step) for step in sweep.warnings]
-    return {"columns": as_plain(sweep_columns(sweep)), "warnings": warned}
+    return {"quasirigid": __version__, "columns": as_plain(sweep_columns(sweep)), "warnings": warned}
 
 
 def save_sweep(

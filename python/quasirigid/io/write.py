@@ -55,6 +55,7 @@ def save_contact(
     inputs: Mapping[str, Any] | None = None,
     pictures: bool = False,
     bone: Surface | None = None,
+    unreached: str | None = None,
 ) -> tuple[Path, ...]:
     """Write everything about a contact into a folder.
 
@@ -79,6 +80,8 @@ def save_contact(
         Draw the pictures too (extra `plot`).
     bone : Surface, optional
         Bones to draw in the cut.
+    unreached : str, optional
+        Of a contact that only comes nearest to what was asked for, why that is out of reach.
 
     Returns
     -------
@@ -94,7 +97,7 @@ def save_contact(
     """
     if as_boolean("pictures", pictures):
         need_matplotlib()
-    files = write_files(folder, dict(_files(contact, inputs_record(inputs))))
+    files = write_files(folder, dict(_files(contact, inputs_record(inputs), unreached)))
     return files + save_pictures(contact, folder, bone=bone) if pictures else files
 
 
@@ -108,7 +111,7 @@ def save_pictures(
     return write_files(folder, {name: png_bytes(figure) for name, figure in figures.items()})
 
 
-def _files(contact: Contact, inputs: Any) -> Iterator[tuple[str, bytes]]:
+def _files(contact: Contact, inputs: Any, unreached: str | None) -> Iterator[tuple[str, bytes]]:
     """Names and contents of all files but the pictures."""
     yield "deformed.ply", _deformed_ply(contact)
     added = {"given_vertex_count": np.array([contact.given_vertex_count]), "parents": contact.parents}
@@ -117,7 +120,7 @@ def _files(contact: Contact, inputs: Any) -> Iterator[tuple[str, bytes]]:
     yield "contact.npz", _archive(contact)
     product = contact.obstacle.triangles()
     note = {"file": "product.ply"} if product else {"note": _NO_TRIANGLES}
-    record = contact_record(contact)
+    record = contact_record(contact, unreached=unreached)
     record["product"] |= note
     record["inputs"] = inputs
     yield "contact.json", json_bytes(record)
