@@ -357,6 +357,8 @@ def test_a_body_out_of_reach_is_not_prepared(
         ("half-space:discretization=galerkin", qr.HalfSpace(discretization="galerkin")),
         ("layer:thickness=5mm,discretization=galerkin", qr.Layer(thickness=5e-3, discretization="galerkin")),
         ("half-space", qr.HalfSpace()),
+        ("body:coarse_edge_length=2mm", qr.Body(coarse_edge_length=2e-3)),
+        ("body:coarse_edge_length=0mm", qr.Body(coarse_edge_length=0.0)),
         ("half-space:pressure=one_ring", qr.HalfSpace(pressure="one_ring")),
         ("layer:thickness=5mm", qr.Layer(thickness=5e-3)),
         (
@@ -369,7 +371,8 @@ def test_a_response_is_parsed_from_name_and_constants(text: str, response: objec
     parsed = parse_response(text)
     assert type(parsed) is type(response)
     for name, value in vars(response).items():
-        assert getattr(parsed, name) == (value if isinstance(value, str) else pytest.approx(value))
+        is_number = isinstance(value, float)
+        assert getattr(parsed, name) == (pytest.approx(value) if is_number else value)
 
 
 def test_a_turn_is_about_fixed_axes_x_then_y_then_z() -> None:

@@ -15,6 +15,7 @@ pytest.importorskip("matplotlib")
 
 from matplotlib.axes import Axes
 from quasirigid import plot
+from quasirigid._text import as_percent
 from quasirigid.errors import MissingExtraError
 from quasirigid.plot import section
 from quasirigid.plot.outline import contact_side
@@ -131,7 +132,20 @@ def test_pictures_name_their_units(pressed: qr.Contact) -> None:
     labels = [text for ax in figure.axes for text in (ax.get_xlabel(), ax.get_ylabel())]
     assert {"across (mm)", "along (mm)", "pressure (kPa)"} <= set(labels)
     force = float(np.linalg.norm(pressed.force))
-    assert f"{force:.3g} N" in figure.get_suptitle()
+    error = pressed.accuracy.force_error
+    assert error is not None
+    assert f"{force:.3g} N ± {as_percent(error, figures=1)}" in figure.get_suptitle()
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+def test_a_picture_of_a_contact_on_an_edge_says_that_its_peak_is_unbounded(fingertip: qr.Surface) -> None:
+    low = min(fingertip.vertices[fingertip.skin_mask], key=lambda vertex: vertex[2])
+    box = qr.Obstacle.box([0.02, 0.01, 0.01]).moved(translation=low - [0.0, 0.01, 0.1])
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    contact = qr.press(fingertip, box, skin, [0.0, 0.0, 1.0], depth=1e-3)
+    assert contact.accuracy.max_pressure_error == np.inf
+    assert "infinite at an edge" in plot.footprint_figure(contact).get_suptitle()
+    assert "infinite at an edge" in plot.comparison_figure({"edge": contact}).axes[0].get_title()
 
 
 @pytest.mark.parametrize("ending", ["pressed", "apart", "unsolved"])

@@ -31,10 +31,10 @@ __all__ = [
 
 _Named: TypeAlias = HalfSpace | Layer | GaussianCorrected | Body
 
-# Each response with its constants, their units, and its choices.
+# Each response with the constants that it needs, their units, and what it may be given.
 _RESPONSES: dict[str, tuple[type[_Named], dict[str, dict[str, float]], tuple[str, ...]]] = {
     "half-space": (HalfSpace, {}, ("pressure", "discretization")),
-    "body": (Body, {}, ("discretization",)),
+    "body": (Body, {}, ("discretization", "coarse_edge_length")),
     "layer": (Layer, {"thickness": LENGTH}, ("pressure", "discretization")),
     "gaussian": (
         GaussianCorrected,
@@ -43,6 +43,9 @@ _RESPONSES: dict[str, tuple[type[_Named], dict[str, dict[str, float]], tuple[str
     ),
 }
 _CHOICES = {"pressure": ("linear", "one_ring"), "discretization": ("collocation", "galerkin")}
+_LENGTHS = {"coarse_edge_length": LENGTH}
+# A Gaussian of no height is the half-space, a body of no coarse edges is solved on the skin's own mesh.
+_MAY_BE_ZERO = ("height", "coarse_edge_length")
 _EXAMPLES = {"layer": "layer:thickness=5mm", "gaussian": "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"}
 
 
@@ -82,10 +85,9 @@ def parse_response(text: str) -> _Named:
         raise QuantityError(f"--response: {name} needs {', '.join(missing)}, as in {_EXAMPLES[name]}")
     arguments: dict[str, Any] = {}
     for key, value in values.items():
-        if key in units:
-            # A Gaussian of no height is the half-space.
-            parse = parse_not_negative if key == "height" else parse_positive
-            arguments[key] = parse(value, units[key], f"--response {key}")
+        if unit := (units | _LENGTHS).get(key):
+            parse = parse_not_negative if key in _MAY_BE_ZERO else parse_positive
+            arguments[key] = parse(value, unit, f"--response {key}")
         else:
             arguments[key] = choice(value, _CHOICES[key], f"--response {key}")
     return response(**arguments)

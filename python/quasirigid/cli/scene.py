@@ -83,7 +83,8 @@ ResponseName = Annotated[
         help="half-space; body (see --bone and --fixed); layer:thickness=5mm (on bone); or"
         " gaussian:height=0.8mm/N,width=5mm,cutoff=15mm (the paper's). The kernels take pressure=linear"
         " or pressure=one_ring, all but the gaussian discretization=collocation or"
-        " discretization=galerkin too, as in half-space:discretization=galerkin."
+        " discretization=galerkin too, as in half-space:discretization=galerkin, and the body"
+        " coarse_edge_length=2mm, the edges of the mesh that it is solved on."
     ),
 ]
 Bone = Annotated[

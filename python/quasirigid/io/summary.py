@@ -21,10 +21,12 @@ __all__ = [
     "compare_contacts",
     "contact_html",
     "contact_summary",
+    "infinite_error",
     "patch_table",
     "refinement_table",
     "sweep_summary",
     "sweep_table",
+    "with_error",
 ]
 
 
@@ -219,17 +221,17 @@ def _rows(contact: Contact) -> dict[str, str]:
     counts = len(contact.pressure), len(contact.candidates), len(contact.active)
     accuracy, rounds = contact.accuracy, _meshes(contact)
     force = float(np.linalg.norm(contact.force))
-    infinite = _infinite(contact)
+    infinite = infinite_error(contact)
     return {
         "status": str(contact.status),
         **_way(contact),
-        "force": f"{force:.4g} N" + _estimated(accuracy.force_error, infinite),
+        "force": f"{force:.4g} N" + with_error(accuracy.force_error, infinite),
         "force vector": f"{_vector(contact.force, 1.0)} N",
         "moment about the origin": f"{_vector(contact.moment, MM)} N mm",
         "center of pressure": f"{_vector(contact.center_of_pressure, MM)} mm",
-        "contact area": f"{contact.contact_area * MM**2:.4g} mm²" + _estimated(accuracy.area_error, infinite),
+        "contact area": f"{contact.contact_area * MM**2:.4g} mm²" + with_error(accuracy.area_error, infinite),
         "peak pressure": f"{contact.max_pressure * KPA:.4g} kPa"
-        + _estimated(accuracy.max_pressure_error, infinite),
+        + with_error(accuracy.max_pressure_error, infinite),
         "mean pressure over 1 cm²": _mean_pressure(contact, 1e-4),
         "mean pressure over 1 mm²": _mean_pressure(contact, 1e-6),
         "overlap before": f"{contact.max_penetration_before * MM:.4g} mm",
@@ -266,7 +268,7 @@ def _share(contact: Contact) -> dict[str, str]:
     return {"share of the product": f"{100.0 * share:.3g} %"}
 
 
-def _infinite(contact: Contact) -> str:
+def infinite_error(contact: Contact) -> str:
     """Return in words what an infinite error of a contact means; at an edge or a cut the peak's alone is."""
     if len(contact.active) == 0:
         return "not known: nothing carries force"
@@ -275,7 +277,7 @@ def _infinite(contact: Contact) -> str:
     return "infinite at an edge or a cut" if is_known else "not known: mesh too coarse"
 
 
-def _estimated(error: float | None, infinite: str) -> str:
+def with_error(error: float | None, infinite: str) -> str:
     """Return a relative error as in " ± 1 %", an infinite one in words; nothing where there is none."""
     if error is None:
         return ""

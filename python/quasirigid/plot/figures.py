@@ -9,6 +9,7 @@ import numpy as np
 
 from .._units import KPA, MM
 from ..contact.result import ContactError
+from ..io.summary import infinite_error, with_error
 from .footprint import plot_footprint
 from .section import plot_section
 from .skin import plot_skin
@@ -134,10 +135,8 @@ def _headline(contact: Contact) -> str:
         return "No contact"
     if contact.status != "solved":
         return f"No result: the contact ended with '{contact.status}'"
-    force = float(np.linalg.norm(contact.force))
-    parts = [
-        f"{force:.3g} N on {contact.contact_area * MM**2:.3g} mm²",
-        f"up to {contact.max_pressure * KPA:.3g} kPa",
-        f"{contact.max_penetration_before * MM:.3g} mm deep",
-    ]
-    return ", ".join(parts)
+    accuracy, unbounded = contact.accuracy, infinite_error(contact)
+    force = f"{np.linalg.norm(contact.force):.3g} N" + with_error(accuracy.force_error, unbounded)
+    area = f"{contact.contact_area * MM**2:.3g} mm²" + with_error(accuracy.area_error, unbounded)
+    peak = f"{contact.max_pressure * KPA:.3g} kPa" + with_error(accuracy.max_pressure_error, unbounded)
+    return f"{force} on {area}, {contact.max_penetration_before * MM:.3g} mm deep\nup to {peak}"
