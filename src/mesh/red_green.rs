@@ -118,7 +118,7 @@ impl RedGreen {
 
     pub fn normal(&self, mesh: &SmoothMesh, vertex: u32) -> Vector3<f64> {
         match self.added(vertex) {
-            None => mesh.normals[vertex as usize],
+            None => mesh.normal(vertex),
             Some(middle) => middle.normal,
         }
     }

@@ -7,13 +7,11 @@ use crate::mesh::topology::Topology;
 /// Faces whose normals have a smaller cosine meet at a sharp edge: 50 degrees.
 const CREASE_COSINE: f64 = 0.642_787_609_686_539_3;
 
-/// The mesh that is refined, on a smooth surface of which it knows points and normals.
+/// The mesh that is refined, on a smooth surface through its vertices.
 #[derive(Clone, Copy)]
 pub(crate) struct SmoothMesh<'a> {
     /// Positions (n, m).
     pub vertices: &'a [Vector3<f64>],
-    /// Unit normals (n).
-    pub normals: &'a [Vector3<f64>],
     /// Faces (m).
     pub faces: &'a [[u32; 3]],
     /// Unit normals of the faces (m).
@@ -23,6 +21,21 @@ pub(crate) struct SmoothMesh<'a> {
 }
 
 impl SmoothMesh<'_> {
+    /// Unit normal of the smooth surface at a vertex: each face weighs as the sine of its angle there over the lengths of both
+    /// edges (Max 1999, doi:10.1080/10867651.1999.10487501). It is exact on a sphere, however the faces lie; weights by angle
+    /// alone lean beside a short edge, and bend the skin there.
+    pub fn normal(&self, vertex: u32) -> Vector3<f64> {
+        let weighed = |&face: &u32| {
+            let corners = self.faces[face as usize];
+            let at = corners.iter().position(|&corner| corner == vertex).expect("a corner of its faces");
+            let [own, next, last] = [0, 1, 2].map(|step| self.vertices[corners[(at + step) % 3] as usize]);
+            let (to, from) = (next - own, last - own);
+            to.cross(&from) / (to.norm_squared() * from.norm_squared()).max(f64::MIN_POSITIVE)
+        };
+        let sum: Vector3<f64> = self.topology.faces_around(vertex as usize).iter().map(weighed).sum();
+        sum.try_normalize(0.0).unwrap_or_default()
+    }
+
     /// Whether a vertex lies on a sharp edge.
     pub fn is_on_sharp_edge(&self, vertex: u32) -> bool {
         self.topology.faces_around(vertex as usize).iter().any(|&face| {
@@ -59,4 +72,31 @@ pub(crate) fn curved_middle(
     };
     let turned = normal - (mirrored * edge.dot(&normal) / edge.norm_squared()) * edge;
     (0.5 * (a + b) - bend / 8.0, turned.try_normalize(0.0).unwrap_or(normal))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::{Random, icosphere};
+    use crate::surface::checked::Surface;
+
+    #[test]
+    fn normals_on_a_sphere_are_exact_however_uneven_its_triangles_are() {
+        let (mut vertices, faces) = icosphere(8e-3, 2);
+        let mut random = Random(3);
+        for vertex in &mut vertices {
+            let moved = *vertex + Vector3::from_fn(|_, _| 0.9e-3 * random.signed());
+            *vertex = 8e-3 * moved.normalize();
+        }
+        let surface = Surface::new(vertices, faces).expect("a valid surface");
+        let mesh = SmoothMesh {
+            vertices: surface.vertices(),
+            faces: surface.faces(),
+            face_normals: surface.face_normals(),
+            topology: surface.topology(),
+        };
+        for (vertex, point) in surface.vertices().iter().enumerate() {
+            assert!((mesh.normal(vertex as u32) - point.normalize()).norm() < 1e-12, "vertex {vertex}");
+        }
+    }
 }

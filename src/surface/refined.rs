@@ -178,7 +178,6 @@ impl MeshRefinement {
 pub(super) fn smooth(surface: &Surface) -> SmoothMesh<'_> {
     SmoothMesh {
         vertices: surface.vertices(),
-        normals: surface.vertex_normals(),
         faces: surface.faces(),
         face_normals: surface.face_normals(),
         topology: surface.topology(),

@@ -38,7 +38,7 @@ fn one_minus_w(t: f64, nu: f64) -> f64 {
 }
 
 impl LayerKernel {
-    /// The kernel for a Poisson's ratio in 0 ..= 0.5, made once (some 20 ms) and kept until [`MOST_KEPT`] others were.
+    /// The kernel for a Poisson's ratio in 0 ..= 0.5, made once (some 20 ms) and kept until many others were.
     ///
     /// # Errors
     /// [`ResponseError::Constant`] for a ratio out of range.
