@@ -31,8 +31,10 @@ pub(crate) mod cost;
 pub(crate) mod equations;
 pub(crate) mod error;
 pub(crate) mod levels;
+pub(crate) mod options;
 pub(crate) mod progress;
 pub(crate) mod solve;
+pub(crate) mod watch;
 
 pub use compliance::{BodyCompliance, BodyParts};
 pub use cost::BodyCost;
@@ -41,5 +43,6 @@ pub use error::BodyError;
 pub use levels::coarseness::BodyDoubt;
 pub use levels::one_level::OneLevel;
 pub use levels::two_levels::TwoLevels;
+pub use options::BodyOptions;
 pub use progress::BodyProgress;
-pub use solve::{Body, BodyOptions};
+pub use solve::Body;

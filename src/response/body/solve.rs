@@ -11,14 +11,14 @@ use crate::linalg::dense::Dense;
 use crate::linalg::factor::{NoFactor, Real};
 use crate::linalg::lu::{Blocking, Lu};
 use crate::linalg::memory::free_memory;
-use crate::linalg::threads::with_threads;
 use crate::response::body::check::tissue::{check_fixed, check_nodes, check_tissue, check_uncrossed};
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::body::cost::{BodyCost, solve_width};
 use crate::response::body::equations::assemble::assemble_equations;
 use crate::response::body::equations::incompressible::impose_flux_identities;
 use crate::response::body::error::BodyError;
-use crate::response::body::progress::{BodyProgress, Watch};
+use crate::response::body::options::BodyOptions;
+use crate::response::body::watch::Watch;
 use crate::response::kernel::skin::SHEAR_MODULI;
 use crate::surface::checked::Surface;
 use crate::surface::cut_out::CutOut;
@@ -39,47 +39,6 @@ pub struct Body {
     /// Wanted length of the edges of the coarse skin that [`PreparedBody`](crate::response::PreparedBody) solves on (m):
     /// `None` lets the thickness of the tissue decide, 0 is the skin itself.
     pub coarse_edge_length: Option<f64>,
-}
-
-/// Parameters of [`Body::prepare`].
-#[derive(Clone, Copy)]
-pub struct BodyOptions<'a> {
-    /// Relative error of the integral over one face, 1e-9 to 1e-2.
-    pub tolerance: f64,
-    /// Threads (>= 1); `None` takes all that rayon has.
-    pub num_threads: Option<usize>,
-    /// Peak memory allowed (bytes); `None`: what the system has free, where it says so (Linux).
-    pub memory_limit: Option<usize>,
-    /// Whether to keep the pressure on the bone too.
-    pub bone_pressure: bool,
-    /// Asked now and then, from any thread; true ends the work with [`BodyError::Interrupted`].
-    pub interrupt: Option<&'a (dyn Fn() -> bool + Sync)>,
-    /// Told how far the work is, from any thread.
-    pub progress: Option<&'a (dyn Fn(BodyProgress) + Sync)>,
-}
-
-impl Default for BodyOptions<'_> {
-    fn default() -> Self {
-        BodyOptions {
-            tolerance: 1e-6,
-            num_threads: None,
-            memory_limit: None,
-            bone_pressure: false,
-            interrupt: None,
-            progress: None,
-        }
-    }
-}
-
-impl BodyOptions<'_> {
-    /// Works on as many threads as asked for, with options that ask for those at hand.
-    pub(crate) fn with_threads<R: Send, E: From<BodyError> + Send>(
-        &self,
-        work: impl FnOnce(&BodyOptions) -> Result<R, E> + Send,
-    ) -> Result<R, E> {
-        let at_hand = BodyOptions { num_threads: None, ..*self };
-        with_threads(self.num_threads, || work(&at_hand)).map_err(BodyError::from)?
-    }
 }
 
 impl Body {
