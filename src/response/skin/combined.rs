@@ -7,11 +7,11 @@
 
 use nalgebra::Isometry3;
 
-use crate::response::body::levels::on_mesh::BodyOnMesh;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::skin::combination::{BodyPart, Combination};
+use crate::response::skin::body_part::{BodyPart, RefinedPart};
+use crate::response::skin::combination::Combination;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::prepared_body::PreparedBody;
 use crate::surface::checked::Surface;
@@ -87,26 +87,6 @@ impl BodyPart for Part {
             }
         }
         Ok(())
-    }
-}
-
-/// A part on a refinement of the whole skin.
-pub struct RefinedPart {
-    name: String,
-    body: BodyOnMesh,
-}
-
-impl BodyPart for RefinedPart {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn body(&self) -> &dyn ElasticSkin {
-        &self.body
-    }
-
-    fn moving(&self, vertex: usize) -> Option<usize> {
-        Some(vertex)
     }
 }
 
