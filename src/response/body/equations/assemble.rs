@@ -235,7 +235,7 @@ mod tests {
     use nalgebra::Matrix3;
 
     use super::*;
-    use crate::response::body::equations::moments::Triangle;
+    use crate::response::body::equations::triangle::Triangle;
 
     /// A lopsided ball of 80 faces, each of whose corners carries a load of its own.
     fn body(poisson_ratio: f64) -> DiscreteBody {

@@ -7,7 +7,7 @@ use crate::response::body::equations::assemble::DiscreteBody;
 use crate::response::body::equations::element::{Element, NO_COLUMN};
 use crate::response::body::equations::incompressible::ClosedSurface;
 use crate::response::body::equations::kelvin::Kelvin;
-use crate::response::body::equations::moments::Triangle;
+use crate::response::body::equations::triangle::Triangle;
 use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
 

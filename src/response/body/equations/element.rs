@@ -1,6 +1,6 @@
 //! A face of the body, and where it stands in the equations.
 
-use crate::response::body::equations::moments::Triangle;
+use crate::response::body::equations::triangle::Triangle;
 
 /// A node without an entry.
 pub(crate) const NO_COLUMN: u32 = u32::MAX;

@@ -10,3 +10,4 @@ pub(crate) mod incompressible;
 pub mod kelvin;
 pub(crate) mod moments;
 pub(crate) mod quadrature;
+pub(crate) mod triangle;

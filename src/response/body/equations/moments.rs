@@ -17,27 +17,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::response::integral::frame::ball_around;
-
-/// A flat triangle with what the integrals need of it.
-#[derive(Debug, Clone)]
-pub(crate) struct Triangle {
-    pub corners: [Vector3<f64>; 3],
-    pub normal: Vector3<f64>,
-    pub area: f64,
-    pub centroid: Vector3<f64>,
-    /// Largest distance of a corner from the centroid (m).
-    pub radius: f64,
-}
-
-impl Triangle {
-    pub fn new(corners: [Vector3<f64>; 3]) -> Self {
-        let cross = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-        let twice_area = cross.norm();
-        let (centroid, radius) = ball_around(&corners);
-        Triangle { corners, normal: cross / twice_area, area: 0.5 * twice_area, centroid, radius }
-    }
-}
+use crate::response::body::equations::triangle::Triangle;
 
 /// Moments of one hat function; symmetric matrices are stored as xx, xy, xz, yy, yz, zz.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -214,64 +194,16 @@ pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> [HatMo
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-    use crate::response::body::equations::quadrature::RULES;
+    use crate::response::body::equations::quadrature::tests::{by_subdivision, triangles};
 
-    pub fn moments_as_array(m: &HatMoments) -> [f64; 15] {
+    fn moments_as_array(m: &HatMoments) -> [f64; 15] {
         let mut all = [0.0; 15];
         all[..6].copy_from_slice(&m.b);
         all[6..12].copy_from_slice(&m.d);
         all[12..].copy_from_slice(&m.e);
         all
-    }
-
-    /// The same moments by splitting the triangle evenly into `4^levels` and a rule of degree 8 on each.
-    pub fn by_subdivision(triangle: &Triangle, point: &Vector3<f64>, levels: usize) -> [[f64; 15]; 3] {
-        let mix = |piece: &[[f64; 3]; 3], l: &[f64; 3]| -> [f64; 3] {
-            std::array::from_fn(|c| l[0] * piece[0][c] + l[1] * piece[1][c] + l[2] * piece[2][c])
-        };
-        let at = |l: [f64; 3]| {
-            triangle.corners[0] * l[0] + triangle.corners[1] * l[1] + triangle.corners[2] * l[2]
-        };
-        let mut sum = [[0.0; 15]; 3];
-        let mut pieces = vec![([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], levels)];
-        while let Some((piece, levels)) = pieces.pop() {
-            let here = Triangle::new(piece.map(at));
-            if levels > 0 && (here.centroid - point).norm() <= 12.0 * here.radius {
-                let [a, b, c] = piece;
-                let middles = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
-                let [ab, bc, ca] = middles.map(|l| mix(&piece, &l));
-                let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-                pieces.extend(quarters.map(|quarter| (quarter, levels - 1)));
-                continue;
-            }
-            for (l, weight) in RULES[2] {
-                let lambda = mix(&piece, l);
-                let r = at(lambda) - point;
-                let d = r.norm();
-                let slope = r.dot(&triangle.normal) / (d * d);
-                let w = weight * here.area / (d * d * d);
-                let b = [r.x * r.x, r.x * r.y, r.x * r.z, r.y * r.y, r.y * r.z, r.z * r.z];
-                for k in 0..3 {
-                    for c in 0..6 {
-                        sum[k][c] += lambda[k] * b[c] * w;
-                        sum[k][6 + c] += lambda[k] * b[c] * w * slope;
-                    }
-                    (0..3).for_each(|c| sum[k][12 + c] += lambda[k] * r[c] * w);
-                }
-            }
-        }
-        sum
-    }
-
-    pub fn triangles() -> Vec<Triangle> {
-        let v = Vector3::new;
-        vec![
-            Triangle::new([v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.4, 0.9, 0.0)]),
-            Triangle::new([v(0.1, -0.2, 0.3), v(1.3, 0.4, -0.2), v(0.3, 0.8, 0.9)]),
-            Triangle::new([v(0.0, 0.0, 0.0), v(1.0, 0.1, 0.0), v(0.5, 0.15, 0.1)]),
-        ]
     }
 
     fn scale(moments: &[[f64; 15]], range: std::ops::Range<usize>) -> f64 {

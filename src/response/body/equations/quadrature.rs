@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use crate::linalg::vectorized::vectorized;
-use crate::response::body::equations::moments::Triangle;
+use crate::response::body::equations::triangle::Triangle;
 use crate::response::integral::gauss::RulePoint;
 
 /// The points of a symmetric rule and their weights, which add up to 1.
@@ -234,9 +234,56 @@ fn add_moments<const TRACTION: bool>(lanes: &TriangleLanes, rule: &[RulePoint], 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::moments::tests::{by_subdivision, triangles};
+pub(crate) mod tests {
     use super::*;
+
+    /// Moments as `b`, `d` and `e` of each hat, by splitting the triangle evenly into `4^levels` and a rule of degree 8 on each.
+    pub fn by_subdivision(triangle: &Triangle, point: &Vector3<f64>, levels: usize) -> [[f64; 15]; 3] {
+        let mix = |piece: &[[f64; 3]; 3], l: &[f64; 3]| -> [f64; 3] {
+            std::array::from_fn(|c| l[0] * piece[0][c] + l[1] * piece[1][c] + l[2] * piece[2][c])
+        };
+        let at = |l: [f64; 3]| {
+            triangle.corners[0] * l[0] + triangle.corners[1] * l[1] + triangle.corners[2] * l[2]
+        };
+        let mut sum = [[0.0; 15]; 3];
+        let mut pieces = vec![([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], levels)];
+        while let Some((piece, levels)) = pieces.pop() {
+            let here = Triangle::new(piece.map(at));
+            if levels > 0 && (here.centroid - point).norm() <= 12.0 * here.radius {
+                let [a, b, c] = piece;
+                let middles = [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
+                let [ab, bc, ca] = middles.map(|l| mix(&piece, &l));
+                let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+                pieces.extend(quarters.map(|quarter| (quarter, levels - 1)));
+                continue;
+            }
+            for (l, weight) in RULES[2] {
+                let lambda = mix(&piece, l);
+                let r = at(lambda) - point;
+                let d = r.norm();
+                let slope = r.dot(&triangle.normal) / (d * d);
+                let w = weight * here.area / (d * d * d);
+                let b = [r.x * r.x, r.x * r.y, r.x * r.z, r.y * r.y, r.y * r.z, r.z * r.z];
+                for k in 0..3 {
+                    for c in 0..6 {
+                        sum[k][c] += lambda[k] * b[c] * w;
+                        sum[k][6 + c] += lambda[k] * b[c] * w * slope;
+                    }
+                    (0..3).for_each(|c| sum[k][12 + c] += lambda[k] * r[c] * w);
+                }
+            }
+        }
+        sum
+    }
+
+    pub fn triangles() -> Vec<Triangle> {
+        let v = Vector3::new;
+        vec![
+            Triangle::new([v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(0.4, 0.9, 0.0)]),
+            Triangle::new([v(0.1, -0.2, 0.3), v(1.3, 0.4, -0.2), v(0.3, 0.8, 0.9)]),
+            Triangle::new([v(0.0, 0.0, 0.0), v(1.0, 0.1, 0.0), v(0.5, 0.15, 0.1)]),
+        ]
+    }
 
     #[test]
     fn rules_integrate_polynomials_of_their_degree() {

@@ -4,10 +4,11 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::response::body::equations::element::NO_COLUMN;
-use crate::response::body::equations::moments::{Triangle, exact_moments};
+use crate::response::body::equations::moments::exact_moments;
 use crate::response::body::equations::quadrature::{
     Integration, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
+use crate::response::body::equations::triangle::Triangle;
 use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
 use crate::response::error::ResponseError;
 use crate::response::matrix::collocation::assemble_block;
