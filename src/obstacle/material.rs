@@ -2,12 +2,12 @@
 
 use faer::Mat;
 
-use crate::obstacle::posed::Obstacle;
 use crate::response::error::ResponseError;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
 use crate::response::skin::elastic::Traits;
 use crate::response::skin::given_matrix::GivenMatrix;
+use crate::surface::checked::Surface;
 
 /// How a product answers a force.
 #[derive(Debug, Clone)]
@@ -40,6 +40,36 @@ pub(crate) enum Answer {
 }
 
 impl Material {
+    /// Checks constants and response.
+    ///
+    /// * `mesh`: of the product; `None` of a primitive
+    ///
+    /// # Errors
+    /// As [`Obstacle::with_material`](crate::obstacle::Obstacle::with_material).
+    pub(super) fn new(
+        [shear_modulus, poisson_ratio]: [f64; 2],
+        response: ProductResponse,
+        mesh: impl FnOnce() -> Option<Surface>,
+    ) -> Result<Self, ResponseError> {
+        let of_kernel = |kernel| KernelSkin::new(shear_modulus, poisson_ratio, kernel);
+        let answer = match response {
+            ProductResponse::Kernel(Kernel::Layer { thickness: Thickness::PerVertex(_) }) => {
+                let what = "a layer of the product has one thickness everywhere";
+                return Err(ResponseError::Product { what });
+            }
+            ProductResponse::Kernel(kernel) => Answer::Kernel(of_kernel(kernel)?),
+            ProductResponse::Matrix { nodes, matrix } => {
+                of_kernel(Kernel::HalfSpace)?;
+                let Some(mesh) = mesh() else {
+                    let what = "a given matrix is known at the vertices of the product's mesh, and a primitive has none: take a kernel, or a mesh";
+                    return Err(ResponseError::Product { what });
+                };
+                Answer::Matrix(GivenMatrix::new(&mesh, &nodes, matrix)?)
+            }
+        };
+        Ok(Self { shear_modulus, poisson_ratio, answer })
+    }
+
     /// Shear modulus G (Pa).
     pub fn shear_modulus(&self) -> f64 {
         self.shear_modulus
@@ -72,45 +102,5 @@ impl Traits {
             reach: self.reach.zip(reach).map(|(skin, product)| skin.max(product)),
             ..self
         }
-    }
-}
-
-impl Obstacle {
-    /// A copy that gives way under the contact's forces.
-    ///
-    /// At the contact's nodes `g = g0 + (R_H + R_P) f`, R_H the skin's response and R_P the product's, both along the
-    /// obstacle's normals: the pressure is the same on both sides (Johnson 1985, §4.1).
-    ///
-    /// * `shear_modulus`: G (Pa), finite, > 0
-    /// * `poisson_ratio`: ν, 0 ..= 0.5
-    /// * `response`: how it answers a force
-    ///
-    /// # Errors
-    /// [`ResponseError::Constant`] names the constant that is out of range; [`ResponseError::Product`] for a response that
-    /// no product has; of a matrix also [`ResponseError::Nodes`],
-    /// [`ResponseError::MatrixShape`] and [`ResponseError::MatrixEntry`].
-    pub fn with_material(
-        &self,
-        shear_modulus: f64,
-        poisson_ratio: f64,
-        response: ProductResponse,
-    ) -> Result<Obstacle, ResponseError> {
-        let of_kernel = |kernel| KernelSkin::new(shear_modulus, poisson_ratio, kernel);
-        let answer = match response {
-            ProductResponse::Kernel(Kernel::Layer { thickness: Thickness::PerVertex(_) }) => {
-                let what = "a layer of the product has one thickness everywhere";
-                return Err(ResponseError::Product { what });
-            }
-            ProductResponse::Kernel(kernel) => Answer::Kernel(of_kernel(kernel)?),
-            ProductResponse::Matrix { nodes, matrix } => {
-                of_kernel(Kernel::HalfSpace)?;
-                let Some(mesh) = self.surface() else {
-                    let what = "a given matrix is known at the vertices of the product's mesh, and a primitive has none: take a kernel, or a mesh";
-                    return Err(ResponseError::Product { what });
-                };
-                Answer::Matrix(GivenMatrix::new(&mesh, &nodes, matrix)?)
-            }
-        };
-        Ok(self.made_of(Material { shear_modulus, poisson_ratio, answer }))
     }
 }

@@ -13,7 +13,7 @@ use crate::geometry::face_tree::{Faces, crossings_within, face_normals, node_bou
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::check;
 use crate::mesh::nesting::check_nesting;
-use crate::obstacle::edges::{ConvexEdge, mesh_edges};
+use crate::obstacle::convex_edge::{ConvexEdge, mesh_edges};
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::nearest::Nearest;
 use crate::obstacle::primitive::SURFACE_TOLERANCE;

@@ -16,6 +16,7 @@
 //! arithmetic. [`Obstacle::first_touch`] moves the obstacle along a line until it meets the first of many points.
 //! It is rigid unless [`Obstacle::with_material`] says what it is made of.
 
+pub(crate) mod convex_edge;
 pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod error;
@@ -26,6 +27,7 @@ pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod nearest;
 pub(crate) mod placed;
+mod pose_matrix;
 pub(crate) mod posed;
 pub(crate) mod primitive;
 pub(crate) mod shadow;

@@ -8,10 +8,12 @@ use crate::geometry::bounds::{Bounds, LARGEST_COORDINATE, is_within_range};
 use crate::geometry::direction::unit;
 use crate::geometry::rigid_motion::rigid_motion;
 use crate::obstacle::error::ObstacleError;
-use crate::obstacle::material::Material;
+use crate::obstacle::material::{Material, ProductResponse};
 use crate::obstacle::mesh::{MeshObstacleOptions, MeshShape};
 use crate::obstacle::nearest::Nearest;
+use crate::obstacle::pose_matrix::PoseMatrix;
 use crate::obstacle::primitive::Primitive;
+use crate::response::error::ResponseError;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarsePlace;
 
@@ -164,8 +166,27 @@ impl Obstacle {
         Obstacle { pose, ..self.clone() }
     }
 
-    pub(super) fn made_of(&self, material: Material) -> Obstacle {
-        Obstacle { material: Some(Arc::new(material)), ..self.clone() }
+    /// A copy that gives way under the contact's forces.
+    ///
+    /// At the contact's nodes `g = g0 + (R_H + R_P) f`, R_H the skin's response and R_P the product's, both along the
+    /// obstacle's normals: the pressure is the same on both sides (Johnson 1985, §4.1).
+    ///
+    /// * `shear_modulus`: G (Pa), finite, > 0
+    /// * `poisson_ratio`: ν, 0 ..= 0.5
+    /// * `response`: how it answers a force
+    ///
+    /// # Errors
+    /// [`ResponseError::Constant`] names the constant that is out of range; [`ResponseError::Product`] for a response that
+    /// no product has; of a matrix also [`ResponseError::Nodes`],
+    /// [`ResponseError::MatrixShape`] and [`ResponseError::MatrixEntry`].
+    pub fn with_material(
+        &self,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        response: ProductResponse,
+    ) -> Result<Obstacle, ResponseError> {
+        let material = Material::new([shear_modulus, poisson_ratio], response, || self.surface())?;
+        Ok(Obstacle { material: Some(Arc::new(material)), ..self.clone() })
     }
 
     /// What it is made of; `None` of a rigid one.
@@ -279,38 +300,7 @@ impl Obstacle {
     }
 
     pub(super) fn pose_matrix(&self) -> PoseMatrix {
-        PoseMatrix {
-            rotation: self.pose.rotation.to_rotation_matrix().into_inner(),
-            translation: self.pose.translation.vector,
-        }
-    }
-}
-
-/// The pose as a matrix, which is quicker to apply than a quaternion.
-pub(super) struct PoseMatrix {
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
-}
-
-impl PoseMatrix {
-    /// A point of the world in the obstacle's frame.
-    pub fn to_local(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.tr_mul(&(point - self.translation))
-    }
-
-    /// A point of the obstacle's frame in the world.
-    pub fn to_world(&self, point: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation * point + self.translation
-    }
-
-    /// A direction of the obstacle's frame in the world.
-    pub fn turn(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation * direction
-    }
-
-    /// A direction of the world in the obstacle's frame.
-    pub fn turn_back(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        self.rotation.tr_mul(direction)
+        PoseMatrix::of(&self.pose)
     }
 }
 

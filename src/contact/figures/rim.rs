@@ -9,7 +9,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::entry::OTHER_SIDE;
 use crate::contact::gap::initial::Gaps;
 use crate::geometry::bounds::Bounds;
-use crate::obstacle::edges::ConvexEdge;
+use crate::obstacle::convex_edge::ConvexEdge;
 
 /// The rim of a contact along sharp edges of the obstacle.
 #[derive(Debug, Default)]

@@ -17,7 +17,7 @@ use crate::contact::gap::measured::Measured;
 use crate::contact::gap::under::{Under, depth_along};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::{Faces, box_tree, face_normals, face_tree, node_bounds};
-use crate::obstacle::edges::ConvexEdge;
+use crate::obstacle::convex_edge::ConvexEdge;
 use crate::obstacle::posed::Obstacle;
 
 /// Least barycentric coordinate that an edge reaches in the triangle of a corner that feels it.
