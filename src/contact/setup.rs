@@ -2,8 +2,6 @@
 
 use crate::contact::error::ContactError;
 use crate::contact::options::ContactOptions;
-use crate::contact::reach::on_mesh::OnMesh;
-use crate::contact::refine::meshes::Meshes;
 use crate::contact::scene::{Approach, Placement};
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
@@ -30,30 +28,6 @@ impl<'a> Setup<'a> {
     pub fn limit(&self) -> f64 {
         let of_obstacle = self.obstacle.bounding_box().map_or(0.0, |bounds| bounds.diagonal());
         self.surface.bounding_box().diagonal() + of_obstacle
-    }
-
-    /// The press on the given mesh.
-    pub fn on_given(&self) -> Result<OnMesh<'a>, ContactError> {
-        self.approach.check_start(self.surface, self.obstacle)?;
-        let touch = self.approach.touch(self.surface, self.obstacle)?;
-        Ok(OnMesh { setup: *self, inherited: None, touch })
-    }
-
-    /// The press on a mesh that the given one was refined to.
-    ///
-    /// * `skin`: of that mesh, as [`refined_skin`](Self::refined_skin) gives it
-    pub fn on_refined<'b>(
-        &self,
-        meshes: &Meshes,
-        part: &'b RefinedSurface,
-        skin: &'b dyn ElasticSkin,
-    ) -> Result<OnMesh<'b>, ContactError>
-    where
-        'a: 'b,
-    {
-        let touch = self.approach.touch(&part.surface, self.obstacle)?;
-        let inherited = Some(meshes.inherited_by(part, self.skin));
-        Ok(OnMesh { setup: Setup { surface: &part.surface, skin, ..*self }, inherited, touch })
     }
 
     /// The skin on a mesh that the given one was refined to.

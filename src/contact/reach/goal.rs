@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::contact::error::{ContactError, LargestContact};
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
-use crate::contact::reach::on_mesh::Reached;
+use crate::contact::reach::on_mesh::{OnMesh, Reached};
 use crate::contact::reach::search::Search;
 use crate::contact::reach::target::{Quantity, Target};
 use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
@@ -34,7 +34,7 @@ impl Task<'_> {
     fn run(&self) -> Result<Contact, ContactError> {
         let mut started = Instant::now();
         let Setup { surface, obstacle, skin, options, .. } = self.setup;
-        let on_given = self.setup.on_given()?;
+        let on_given = OnMesh::given(self.setup)?;
         let first = match self.target.quantity {
             Quantity::Force => {
                 let of_obstacle = obstacle.bounding_box().map_or(f64::INFINITY, |bounds| bounds.diagonal());
@@ -112,7 +112,7 @@ impl Task<'_> {
             return Ok(None);
         }
         let skin = self.setup.refined_skin(part)?;
-        let on_part = self.setup.on_refined(&rounds.meshes, part, &*skin)?;
+        let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
         let past = on_part.touch.past(last);
         let value = self.target.quantity.of(last, &self.setup.approach.direction);
         if (value / self.target.value - 1.0).abs() <= Search::CLOSE {

@@ -10,6 +10,7 @@ use crate::contact::in_place::{InPlace, Known, solve_in_place};
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::reach::target::Quantity;
+use crate::contact::refine::meshes::Meshes;
 use crate::contact::report::digits::Digits;
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::report::warning::WarningKind;
@@ -19,6 +20,7 @@ use crate::contact::tilt::axes::Turn;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
+use crate::surface::refined::RefinedSurface;
 
 /// One mesh of the skin, and the press that is carried out on it.
 pub(crate) struct OnMesh<'a> {
@@ -51,6 +53,30 @@ impl<'a> Trials<'a> {
     /// * `known`: what the first trial begins from
     pub fn new(skin: &'a dyn ElasticSkin, known: Option<Known>) -> Self {
         Self { skin, known, timings: Vec::new(), refusal: None }
+    }
+}
+
+impl<'a> OnMesh<'a> {
+    /// The press on the given mesh.
+    pub fn given(setup: Setup<'a>) -> Result<Self, ContactError> {
+        setup.approach.check_start(setup.surface, setup.obstacle)?;
+        let touch = setup.approach.touch(setup.surface, setup.obstacle)?;
+        Ok(Self { setup, inherited: None, touch })
+    }
+
+    /// The press on a mesh that the given one was refined to.
+    ///
+    /// * `setup`: on the given mesh
+    /// * `skin`: of the refined one, as [`Setup::refined_skin`] gives it
+    pub fn refined(
+        setup: Setup<'a>,
+        meshes: &Meshes,
+        part: &'a RefinedSurface,
+        skin: &'a dyn ElasticSkin,
+    ) -> Result<Self, ContactError> {
+        let touch = setup.approach.touch(&part.surface, setup.obstacle)?;
+        let inherited = Some(meshes.inherited_by(part, setup.skin));
+        Ok(Self { setup: Setup { surface: &part.surface, skin, ..setup }, inherited, touch })
     }
 }
 

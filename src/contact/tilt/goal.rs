@@ -64,7 +64,7 @@ impl Tilted<'_> {
                 untilted.pressed_depth()
             }
         };
-        let on_given = self.setup.on_given()?;
+        let on_given = OnMesh::given(self.setup)?;
         let angles = vec![0.0; self.axes.len()];
         let first = on_given.solve(depth - on_given.touch.depth)?;
         let lever = self.lever(&first);
@@ -125,7 +125,7 @@ impl Tilted<'_> {
             return Ok(None);
         }
         let skin = self.setup.refined_skin(part)?;
-        let on_part = self.setup.on_refined(&rounds.meshes, part, &*skin)?;
+        let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
         let (angles, stiffness) = (given.angles.clone(), given.stiffness.clone());
         let found = self.settle(&on_part, last.clone(), angles, stiffness, lever)?;
         rounds.meshes.replace_last(found.contact.clone(), started, &*skin, self.setup.options)?;
