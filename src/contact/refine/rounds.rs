@@ -17,7 +17,7 @@ use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::tissue::Tissue;
-use crate::contact::refine::wanting::Finer;
+use crate::contact::refine::wanting::{Finer, Wanting};
 use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
 use crate::lcp::solution::LcpStatus;
@@ -153,9 +153,9 @@ struct SoFar {
 pub(crate) struct Rounds<'a> {
     pub meshes: Meshes,
     /// Triangles away from all force that the obstacle touches between their vertices.
-    pub(super) between: Vec<usize>,
+    between: Vec<usize>,
     /// Whether the mesh is fine enough but for where it is touched away from all force.
-    pub(super) touches_elsewhere_alone: bool,
+    touches_elsewhere_alone: bool,
     /// Displacements (m) at which its gaps were linearized, by the vertex' number in the whole refined surface.
     linearized_at: HashMap<usize, Vector3<f64>>,
     placement: Placement<'a>,
@@ -170,7 +170,7 @@ impl Rounds<'_> {
         let mut so_far = SoFar { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
-            let next = match self.next() {
+            let next = match self.wanting().next(self.touches_elsewhere_alone) {
                 Continue(next) => next,
                 Break(end) => return Ok(end),
             };
@@ -203,6 +203,10 @@ impl Rounds<'_> {
         Ok(RefinementEnd::MostRounds)
     }
 
+    fn wanting(&self) -> Wanting<'_> {
+        Wanting { meshes: &self.meshes, target: self.target }
+    }
+
     /// The mesh of the next round, or why there is none.
     fn finer(&self, next: Finer) -> Result<ControlFlow<RefinementEnd, MeshRefinement>, ContactError> {
         let finest = self.meshes.finest();
@@ -212,8 +216,8 @@ impl Rounds<'_> {
         {
             return Ok(Break(RefinementEnd::ProductMesh));
         }
-        let wanting = self.wanting(next);
-        let marked = self.marked(&wanting, next)?;
+        let wanting = self.wanting().vertices(next);
+        let marked = self.wanting().marked(&wanting, next, &self.between)?;
         if !marked.contains(&true) {
             return Ok(Break(RefinementEnd::NoForce));
         }

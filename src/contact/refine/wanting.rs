@@ -7,7 +7,7 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::outcome::RefinementEnd;
 use crate::contact::refine::mark::{loaded, pressed_between, too_large};
-use crate::contact::refine::rounds::Rounds;
+use crate::contact::refine::meshes::Meshes;
 use crate::surface::refined::RefinedSurface;
 
 /// Breadth of the skin held on a sharp edge with which triangles are as small as it has use for, in the depth times the root of
@@ -32,22 +32,31 @@ pub(crate) enum Finer {
     Elsewhere,
 }
 
-impl Rounds<'_> {
+/// The meshes so far, and how good the figures are to be.
+pub(super) struct Wanting<'a> {
+    pub meshes: &'a Meshes,
+    /// Of the relative error.
+    pub target: f64,
+}
+
+impl Wanting<'_> {
     /// Where the next round is to make the mesh finer: all that is pressed, until the force is known well enough, then its rim,
     /// and what is touched away from all force where force and area are as good as wanted. On a sharp edge triangles get as
     /// small as that has use for: figures that hang on their size must not jump from one depth to the next.
-    pub(super) fn next(&self) -> ControlFlow<RefinementEnd, Finer> {
+    ///
+    /// * `touches_elsewhere_alone`: whether the mesh is fine enough but for where it is touched away from all force
+    pub fn next(&self, touches_elsewhere_alone: bool) -> ControlFlow<RefinementEnd, Finer> {
         let Some((part, contact)) = &self.meshes.last else { return Continue(Finer::Pressed) };
         if let Some(edge) = &contact.clues.edge {
             let share = self.share_of_larger(edge, part);
             if share < FEW {
                 return Break(RefinementEnd::SharpEdge);
             }
-            if share < 1.0 - FEW && !self.touches_elsewhere_alone {
+            if share < 1.0 - FEW && !touches_elsewhere_alone {
                 return Continue(Finer::Larger);
             }
         }
-        Continue(if self.touches_elsewhere_alone {
+        Continue(if touches_elsewhere_alone {
             Finer::Elsewhere
         } else if contact.knows_force(self.target) {
             Finer::Rim
@@ -79,7 +88,7 @@ impl Rounds<'_> {
     }
 
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface.
-    pub(super) fn wanting(&self, finer: Finer) -> Vec<usize> {
+    pub fn vertices(&self, finer: Finer) -> Vec<usize> {
         let Some((part, contact)) = &self.meshes.last else { return self.meshes.given.pressed() };
         let is_free = |&other: &u32| contact.node_force[other as usize] == 0.0;
         let at_rim = |&vertex: &usize| part.surface.neighbours(vertex).iter().any(is_free);
@@ -108,7 +117,15 @@ impl Rounds<'_> {
     }
 
     /// Triangles to cut.
-    pub(super) fn marked(&self, wanting: &[usize], finer: Finer) -> Result<Vec<bool>, ContactError> {
+    ///
+    /// * `wanting`: the [`vertices`](Self::vertices)
+    /// * `between`: triangles away from all force that the obstacle touches between their vertices
+    pub fn marked(
+        &self,
+        wanting: &[usize],
+        finer: Finer,
+        between: &[usize],
+    ) -> Result<Vec<bool>, ContactError> {
         let mut marked = match finer {
             Finer::Larger => self.larger(),
             _ => loaded(&self.meshes.mesh, wanting),
@@ -121,7 +138,7 @@ impl Rounds<'_> {
                 *marked &= !self.meshes.mesh.corners(leaf).iter().all(is_under);
             }
         }
-        self.between.iter().for_each(|&leaf| marked[leaf] = true);
+        between.iter().for_each(|&leaf| marked[leaf] = true);
         if self.meshes.last.is_none() {
             let given = &self.meshes.given;
             let between = pressed_between(&self.meshes.mesh, &given.gap, &given.obstacle, &marked)?;
