@@ -4,17 +4,17 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 
-use crate::contact::discretization::areas_within_rim;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
+use crate::contact::figures::area::areas_within_rim;
 use crate::contact::figures::beside::Beside;
 use crate::contact::figures::displacement::{CandidateMotion, Drawing};
+use crate::contact::figures::loaded::LoadedVertices;
 use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::figures::penetration::{penetration_after, penetration_between};
 use crate::contact::figures::pressure::VertexPressure;
-use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::displacement::Drawing;
+use crate::contact::figures::loaded::LoadedVertices;
 use crate::contact::figures::loaded_edge::LoadedEdge;
-use crate::contact::figures::resultant::LoadedVertices;
 use crate::contact::gap::initial::DeepestVertex;
 use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};

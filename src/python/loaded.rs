@@ -4,7 +4,7 @@ use super::arrays_out::{matrix_out, nodes_out};
 use super::contact::{PyPatch, PyResultant, patches_out};
 use super::convert::{MatrixArgument, mask, number};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
-use crate::contact::figures::resultant::{LoadedVertex, LoadedVertices};
+use crate::contact::figures::loaded::{LoadedVertex, LoadedVertices};
 use faer::Mat;
 use nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};

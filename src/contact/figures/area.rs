@@ -1,18 +1,76 @@
 //! Contact area within the rim, which is found between the vertices.
 
+use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::error::ContactError;
+use crate::contact::figures::beside::Beside;
+use crate::contact::figures::rim::RimOnEdges;
+use crate::contact::gap::initial::Gaps;
+use crate::response::kernel::basis::Discretization;
 use crate::surface::checked::Surface;
 
 /// Power of the gap that grows with the distance from the rim of a smooth contact.
-pub(crate) const SMOOTH_RIM: f64 = 2.0 / 3.0;
+const SMOOTH_RIM: f64 = 2.0 / 3.0;
+
+/// In collocation the hats of the outermost nodes carry force beyond the rim, and their contact is smaller by this share of
+/// an edge: fitted to areas under Hertz's spheres.
+const COLLOCATION_RIM_SHIFT: f64 = 0.08;
+
+/// Edges in thicknesses of a layer, to the power 3/2, at which its rim is half-way between that of a smooth contact and that
+/// of springs, at ν = 1/2, and what is added per 1 - 2ν. Fitted: areas under spheres of 2 to 12 thicknesses a contact radius
+/// are right to 1 % then, at ν of 0 to 0.5 and edges of 0.2 to 1.2 thicknesses.
+const HALF_SPRINGS: [f64; 2] = [0.35, 2.6];
+
+/// Contact area at each vertex (n, m²), within the rim that sharp edges and the gaps beside it place.
+pub(crate) fn areas_within_rim(
+    gaps: &Gaps,
+    response: &Compliance,
+    forces: &NodeForces,
+    beside: &Beside,
+    on_edges: &RimOnEdges,
+) -> Result<Vec<f64>, ContactError> {
+    let rim_shift = match response.traits.discretization {
+        Discretization::Collocation => COLLOCATION_RIM_SHIFT,
+        Discretization::Galerkin => 0.0,
+    };
+    let mut gap = forces.gap.clone();
+    let (vertices, at_rim) = beside.rim(gaps)?;
+    vertices.iter().zip(at_rim).for_each(|(&vertex, at_rim)| gap[vertex] = at_rim);
+    let mut is_across = vec![false; gap.len()];
+    for across in &on_edges.across {
+        (gap[across.vertex], is_across[across.vertex]) = (across.distance, true);
+    }
+    let (touches, active) = (forces.touching(), &forces.active);
+    let power = |vertex: usize| {
+        let layer =
+            response.skin.kernel_at(vertex).and_then(|kernel| Some((kernel, kernel.layer_at(vertex)?)));
+        layer.map_or(SMOOTH_RIM, |(kernel, thickness)| {
+            rim_on_layer(gaps.surface.shortest_edge(vertex) / thickness, kernel.poisson_ratio())
+        })
+    };
+    let beside = GapsBeside { gap: &gap, is_across: &is_across, power: &power };
+    Ok(contact_areas(gaps.surface, rim_shift, &beside, &touches, &forces.force, active))
+}
+
+/// Power of the gap that grows with the distance from the rim on a layer: that of a smooth contact near it, and 1 where the
+/// layer gives way as springs do.
+///
+/// * `cell`: length of the edges at the rim in thicknesses
+fn rim_on_layer(cell: f64, poisson_ratio: f64) -> f64 {
+    let [incompressible, compressible] = HALF_SPRINGS;
+    let half = incompressible + compressible * (1.0 - 2.0 * poisson_ratio);
+    let cell = cell.powf(1.5);
+    SMOOTH_RIM + (1.0 - SMOOTH_RIM) * cell / (cell + half)
+}
 
 /// The gaps that place the rim.
-pub(crate) struct GapsBeside<'a> {
+struct GapsBeside<'a> {
     /// (n, m).
-    pub gap: &'a [f64],
+    gap: &'a [f64],
     /// Free vertices whose gap is to the other side of a sharp edge (n).
-    pub is_across: &'a [bool],
+    is_across: &'a [bool],
     /// Power of the gap that grows with the distance from the rim around a vertex.
-    pub power: &'a dyn Fn(usize) -> f64,
+    power: &'a dyn Fn(usize) -> f64,
 }
 
 /// Contact area at each vertex (n, m²), from the rim that the gaps beside it place; zero without force.
@@ -31,7 +89,7 @@ pub(crate) struct GapsBeside<'a> {
 /// * `touches`: (n,) vertices that carry force or whose gap is closed
 /// * `node_force`: (n, N)
 /// * `active`: vertices with f > 0
-pub(crate) fn contact_areas(
+fn contact_areas(
     surface: &Surface,
     rim_shift: f64,
     gaps: &GapsBeside,

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use crate::contact::figures::resultant::LoadedVertex;
+use crate::contact::figures::loaded::LoadedVertex;
 use crate::geometry::bounds::Bounds;
 
 /// The area (m²) over which every set of vertices has its mean pressure.
@@ -125,7 +125,7 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::{SpreadForce, largest_mean};
-    use crate::contact::figures::resultant::LoadedVertex;
+    use crate::contact::figures::loaded::LoadedVertex;
     use crate::sample::Random;
 
     /// The force of a pressure on a cell.

@@ -9,6 +9,7 @@ pub(crate) mod displacement;
 pub(crate) mod drawn;
 pub(crate) mod facets;
 pub(crate) mod fade;
+pub(crate) mod loaded;
 pub(crate) mod loaded_edge;
 pub(crate) mod mean_pressure;
 pub(crate) mod moved_product;

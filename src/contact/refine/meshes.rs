@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::contact::candidate::on_refined::KnownFingers;
 use crate::contact::error::ContactError;
-use crate::contact::figures::resultant::LoadedVertex;
+use crate::contact::figures::loaded::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
