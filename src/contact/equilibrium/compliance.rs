@@ -9,7 +9,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::contact::candidate::fingers::Fingers;
-use crate::contact::equilibrium::forces::{AppliedForces, NodeForces};
 use crate::contact::equilibrium::product::product_response;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
@@ -26,6 +25,19 @@ use crate::surface::checked::Surface;
 
 /// Relative quadrature tolerance of displacements that are drawn and summed to a volume but enter no complementarity.
 const DRAWN_TOLERANCE: f64 = 1e-3;
+
+/// Forces, and which vertices feel them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AppliedForces<'a> {
+    /// Each moves the vertices nearest to it along the skin.
+    pub fingers: &'a Fingers,
+    /// The parts that feel each other through the product.
+    pub on_product: &'a Fingers,
+    /// Vertices with a force, ascending.
+    pub active: &'a [usize],
+    /// Force on the skin at every vertex (n, N).
+    pub vectors: &'a [Vector3<f64>],
+}
 
 /// The response of a skin on its surface, and of the product that it meets.
 pub(crate) struct Compliance<'a> {
@@ -131,7 +143,7 @@ impl<'a> Compliance<'a> {
         &self,
         nodes: &[usize],
         normals: &[Vector3<f64>],
-        forces: &NodeForces,
+        forces: AppliedForces,
     ) -> Result<Mat<f64>, ContactError> {
         // R of the skin and of the product stand beside each other.
         let side_by_side = if self.has_product() { 2 } else { 1 };

@@ -5,25 +5,12 @@ use std::cell::OnceCell;
 use nalgebra::Vector3;
 
 use crate::contact::candidate::fingers::Fingers;
-use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::compliance::{AppliedForces, Compliance};
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::linalg::definiteness::Spectrum;
-
-/// Forces, and which vertices feel them.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct AppliedForces<'a> {
-    /// Each moves the vertices nearest to it along the skin.
-    pub fingers: &'a Fingers,
-    /// The parts that feel each other through the product.
-    pub on_product: &'a Fingers,
-    /// Vertices with a force, ascending.
-    pub active: &'a [usize],
-    /// Force on the skin at every vertex (n, N).
-    pub vectors: &'a [Vector3<f64>],
-}
 
 /// Node forces on the candidates, with the gaps that they leave.
 #[derive(Debug)]

@@ -147,7 +147,7 @@ impl GroupProblem<'_> {
         let Self { gaps, response, options, .. } = *self;
         let started = Instant::now();
         let normals = gaps.at(nodes)?.normal;
-        let matrix = response.matrix(nodes, &normals, forces)?;
+        let matrix = response.matrix(nodes, &normals, forces.applied())?;
         report.clock("response", started);
         let is_examined = options.condition || nodes.len() <= EXAMINED_SIZE;
         let started = Instant::now();

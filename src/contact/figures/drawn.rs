@@ -3,8 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::contact::candidate::fingers::Fingers;
-use crate::contact::equilibrium::compliance::Compliance;
-use crate::contact::equilibrium::forces::AppliedForces;
+use crate::contact::equilibrium::compliance::{AppliedForces, Compliance};
 use crate::contact::error::ContactError;
 use crate::contact::figures::fade::Fade;
 use crate::contact::options::{ContactOptions, with_threads};
