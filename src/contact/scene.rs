@@ -5,11 +5,11 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::contact::candidate::on_refined::KnownFingers;
+use crate::contact::cuts::Cuts;
 use crate::contact::error::ContactError;
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
 use crate::contact::outcome::Contact;
-use crate::contact::report::cuts::Cuts;
 use crate::contact::tilt::axes::{Balance, Turn};
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::contact::candidate::on_refined::KnownFingers;
+use crate::contact::cuts::Cuts;
 use crate::contact::error::ContactError;
 use crate::contact::figures::loaded::LoadedVertex;
 use crate::contact::gap::initial::search_distance_in_overlap;
@@ -13,7 +14,6 @@ use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::touched_between;
 use crate::contact::refine::whole::into_whole;
-use crate::contact::report::cuts::Cuts;
 use crate::contact::scene::Inherited;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};

@@ -1,40 +1,14 @@
 //! Contacts that reach where the skin is cut, so that what lies beyond is missing from their figures.
 
+use crate::contact::cuts::{Cuts, is_on_border};
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
-use crate::surface::refined::RefinedSurface;
 
 /// Share of the force from which the user is warned that it lies at a cut.
 const SMALL_SHARE: f64 = 1e-3;
-
-/// Vertices of a refined surface where the skin ends or is held, one entry each.
-#[derive(Debug, Clone)]
-pub(crate) struct Cuts {
-    /// Held in place by a body, or between such a vertex and a free one.
-    held: Vec<bool>,
-    /// On an open border.
-    border: Vec<bool>,
-}
-
-impl Cuts {
-    /// Those of a skin on a refinement of its surface; where a part was cut out for it is no border.
-    pub fn on_refined(given: &Surface, skin: &dyn ElasticSkin, mesh: &RefinedSurface) -> Self {
-        let held = mesh.inherit(|vertex| skin.is_held(vertex), |a, b| *a || *b);
-        let mut border = mesh.inherit(|vertex| is_on_border(given, vertex), |a, b| *a && *b);
-        for (vertex, is_border) in border.iter_mut().enumerate() {
-            *is_border &= is_on_border(&mesh.surface, vertex);
-        }
-        Self { held, border }
-    }
-}
-
-/// An inner vertex has as many neighbours as faces, one on a border more.
-fn is_on_border(surface: &Surface, vertex: usize) -> bool {
-    surface.neighbours(vertex).len() > surface.faces_around(vertex).len()
-}
 
 impl Report {
     /// Warns where vertices carry force beside a held one or the rim of the skin mask, or on an open border: each
