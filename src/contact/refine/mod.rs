@@ -2,12 +2,13 @@
 //!
 //! [`rounds`] solves again and again; [`meshes`] holds what it solved last, [`wanting`] and [`mark`] say where the mesh must be
 //! finer, [`smooth_touch`] where the smooth skin is first touched, [`estimate`] what is left to gain, [`tissue`] what the given
-//! mesh loses on thin tissue, [`round`] what each of them says of its mesh, and [`whole`] puts the part that was solved back
-//! into the skin.
+//! mesh loses on thin tissue, [`product`] what that of a product's matrix costs, [`round`] what each of them says of its mesh,
+//! and [`whole`] puts the part that was solved back into the skin.
 
 pub(crate) mod estimate;
 pub(crate) mod mark;
 pub(crate) mod meshes;
+pub(crate) mod product;
 pub(crate) mod round;
 pub(crate) mod rounds;
 mod smooth_touch;

@@ -7,7 +7,6 @@ use std::time::Instant;
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
-use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::error::ContactError;
 use crate::contact::figures::cells::mean_edge;
 use crate::contact::in_place::{InPlace, Known};
@@ -16,6 +15,7 @@ use crate::contact::outcome::{Clues, Contact, ContactStatus, RefinementEnd, Refi
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;
+use crate::contact::refine::product::errors_of_area_and_peak;
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::refine::wanting::{Finer, Wanting};
 use crate::contact::report::record::Report;

@@ -3,12 +3,12 @@
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::equilibrium::product::errors_of_area_and_peak;
 use crate::contact::error::ContactError;
 use crate::contact::figures::penetration::Penetration;
 use crate::contact::figures::penetration::SMALL_PENETRATION;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::{Contact, RefinementEnd};
+use crate::contact::refine::product::errors_of_area_and_peak;
 use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
 use crate::geometry::solid_angle::winding_number;
