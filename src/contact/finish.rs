@@ -4,21 +4,22 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 
+use crate::contact::clues::{Clues, LoadedEdge};
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::area::areas_within_rim;
 use crate::contact::figures::beside::Beside;
-use crate::contact::figures::displacement::{CandidateMotion, Drawing};
+use crate::contact::figures::cells::cells_per_radius;
 use crate::contact::figures::loaded::LoadedVertices;
-use crate::contact::figures::loaded_edge::LoadedEdge;
+use crate::contact::figures::motion::{CandidateMotion, Drawing};
 use crate::contact::figures::penetration::{penetration_after, penetration_between};
 use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Clues, Contact, ContactMesh, ContactStatus};
+use crate::contact::outcome::{Contact, ContactMesh, ContactStatus};
 use crate::contact::report::record::Report;
 use crate::lcp::solution::LcpStatus;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
@@ -136,8 +137,9 @@ impl Contact {
     ) -> Self {
         let surface = gaps.surface;
         let resultant = figures.loaded.resultant();
-        let area = resultant.contact_area;
-        let accuracy = Accuracy::new(surface, &forces, area, options.tolerance, figures.discretization);
+        let cells = cells_per_radius(surface, &forces.active, resultant.contact_area);
+        let (solutions, spectra) = (&forces.solutions, &forces.spectra);
+        let accuracy = Accuracy::new(solutions, spectra, options.tolerance, figures.discretization, cells);
         Self {
             status,
             resultant,

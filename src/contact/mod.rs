@@ -16,6 +16,7 @@
 //! outside gets pressed or the rim carries force. Gaps and normals are then taken anew at the deformed skin.
 
 pub(crate) mod candidate;
+pub(crate) mod clues;
 pub(crate) mod cuts;
 pub(crate) mod discretization;
 pub(crate) mod equilibrium;

@@ -4,15 +4,13 @@ use std::sync::OnceLock;
 
 use nalgebra::Vector3;
 
+use crate::contact::clues::Clues;
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::displacement::Drawing;
 use crate::contact::figures::loaded::LoadedVertices;
-use crate::contact::figures::loaded_edge::LoadedEdge;
-use crate::contact::gap::initial::DeepestVertex;
+use crate::contact::figures::motion::Drawing;
 use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
-use crate::response::body::levels::coarseness::BodyDoubt;
 use crate::surface::checked::Surface;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
@@ -266,35 +264,6 @@ pub struct Contact {
     pub(crate) loaded: LoadedVertices,
     pub(crate) drawing: Drawing,
     pub(crate) clues: Clues,
-}
-
-/// What the estimates of error are made from, beside the figures.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Clues {
-    /// Where the undeformed skin is pressed in deepest; of a concluded contact the given vertex there.
-    pub deepest: Option<DeepestVertex>,
-    /// Area within the rim that the gaps beside it place (m²), on the given mesh too.
-    pub area_within_rim: f64,
-    /// What the coarse mesh of a body costs.
-    pub body: Option<BodyDoubt>,
-    /// What the mesh costs that a product's matrix is given on.
-    pub product: Option<BodyDoubt>,
-    /// Share of the force where the skin is cut, masked or held, so that the pressure has no bound there.
-    pub at_cuts: f64,
-    /// Where a sharp edge of the obstacle carries force.
-    pub edge: Option<LoadedEdge>,
-    /// Where one of the skin does.
-    pub skin_edge: Option<LoadedEdge>,
-    /// Share of the area under force that ends at sharp edges of the obstacle.
-    pub ends_at_edges: f64,
-    /// Whether gaps taken anew at the deformed skin led to no better answer.
-    pub is_unsettled: bool,
-    /// How far off the obstacle the force acts in the mean, as a share of the penetration before.
-    pub apart: f64,
-    /// Vertices that penetrate away from all force, as averages over their triangles feel nothing of it.
-    pub unfelt: Vec<usize>,
-    /// Number of triangles away from all force that the obstacle touches between their vertices.
-    pub touched_between: usize,
 }
 
 impl Contact {

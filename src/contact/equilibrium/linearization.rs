@@ -19,7 +19,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::group::{Guess, Nearness};
 use crate::contact::equilibrium::solve::solve;
 use crate::contact::error::ContactError;
-use crate::contact::figures::displacement::CandidateMotion;
+use crate::contact::figures::motion::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;

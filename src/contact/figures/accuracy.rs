@@ -1,11 +1,8 @@
 //! How far the figures of a contact can be trusted.
 
-use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::figures::cells::cells_per_radius;
 use crate::lcp::solution::LcpSolution;
 use crate::linalg::definiteness::{Definiteness, Spectrum};
 use crate::response::kernel::basis::Discretization;
-use crate::surface::checked::Surface;
 
 /// How far the figures of a contact can be trusted, by source of error.
 ///
@@ -45,23 +42,25 @@ pub struct Accuracy {
 }
 
 impl Accuracy {
+    /// Of solved problems, and what they were posed with.
+    ///
+    /// * `spectra`: of the problems' matrices, where they were examined
     pub(crate) fn new(
-        surface: &Surface,
-        forces: &NodeForces,
-        contact_area: f64,
+        solutions: &[LcpSolution],
+        spectra: &[Option<Spectrum>],
         tolerance: f64,
         discretization: Discretization,
+        cells_per_radius: f64,
     ) -> Self {
-        let solutions = &forces.solutions;
         let worst = |value: fn(&LcpSolution) -> f64| solutions.iter().map(value).fold(0.0, f64::max);
         Self {
             natural_residual: worst(|solution| solution.natural_residual),
             complementarity: worst(|solution| solution.complementarity),
             integration_tolerance: tolerance,
             discretization,
-            condition: worst_condition(&forces.spectra),
-            definite: definite(solutions, &forces.spectra),
-            cells_per_radius: cells_per_radius(surface, &forces.active, contact_area),
+            condition: worst_condition(spectra),
+            definite: definite(solutions, spectra),
+            cells_per_radius,
             force_error: None,
             mesh_error: None,
             body_error: None,

@@ -1,26 +1,13 @@
-//! Displacement of the candidates, and of the product opposite them.
-
-use std::borrow::Cow;
+//! Displacement of the candidates, and of the product opposite them, under node forces.
 
 use nalgebra::Vector3;
 
-use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
+use crate::contact::figures::motion::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
 use crate::geometry::direction::are_one;
-
-/// How the candidates move (k of them).
-#[derive(Debug, Clone, Default)]
-pub(crate) struct CandidateMotion {
-    /// `u_H - u_P` (k, m), against the product.
-    pub displacement: Vec<Vector3<f64>>,
-    /// Candidates that a scalar kernel answers for, ascending.
-    pub scalar: Vec<usize>,
-    /// u_P (k, m) of the product opposite each; empty of a rigid one.
-    pub product: Vec<Vector3<f64>>,
-}
 
 impl CandidateMotion {
     pub fn new(gaps: &Gaps, response: &Compliance, forces: &NodeForces) -> Result<Self, ContactError> {
@@ -59,21 +46,4 @@ impl CandidateMotion {
         let share = -work(&product) / work(&self.displacement);
         Ok((Self { product, ..self }, (!forces.active.is_empty()).then_some(share)))
     }
-
-    /// u_H (k, m): how the skin itself moves.
-    pub fn of_skin(&self) -> Cow<'_, [Vector3<f64>]> {
-        if self.product.is_empty() {
-            return Cow::Borrowed(&self.displacement);
-        }
-        Cow::Owned(
-            self.displacement.iter().zip(&self.product).map(|(apart, product)| apart + product).collect(),
-        )
-    }
-}
-
-/// What a contact keeps for the drawn skin.
-#[derive(Debug, Clone)]
-pub(crate) struct Drawing {
-    pub fingers: Fingers,
-    pub motion: CandidateMotion,
 }

@@ -2,25 +2,10 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::clues::LoadedEdge;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::gap::initial::Gaps;
 use crate::surface::checked::Surface;
-
-/// A sharp edge that carries force.
-#[derive(Debug, Clone)]
-pub(crate) struct LoadedEdge {
-    /// Ends of one of them (m).
-    pub ends: [Vector3<f64>; 2],
-    /// Vertices under force there, ascending.
-    pub held: Vec<usize>,
-    /// How deep each of them is in the undeformed obstacle (m).
-    pub depth: Vec<f64>,
-    /// Breadth of the skin that the mesh holds on it, in cells: one where vertices lie on the edge, two where the edge runs
-    /// between two rows of them.
-    pub cells: f64,
-    /// Share of all force at the vertices there.
-    pub share: f64,
-}
 
 impl LoadedEdge {
     /// That of the obstacle.

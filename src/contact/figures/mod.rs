@@ -12,6 +12,7 @@ pub(crate) mod fade;
 pub(crate) mod loaded;
 pub(crate) mod loaded_edge;
 pub(crate) mod mean_pressure;
+pub(crate) mod motion;
 pub(crate) mod moved_product;
 pub(crate) mod penetration;
 pub(crate) mod pressure;

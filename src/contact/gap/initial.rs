@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::averaged::{self, VertexGap};
+use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::gap::edge::{Line, SkinPart};
 use crate::contact::gap::entry::{EntryGap, WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
@@ -51,16 +52,6 @@ pub(crate) struct Gaps<'a> {
     pub deepest_vertex: Option<DeepestVertex>,
     /// g0 (m) averaged against the pressure of a node.
     averaged: RefCell<HashMap<usize, f64>>,
-}
-
-/// The vertex of the undeformed skin that is pressed in deepest.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct DeepestVertex {
-    pub vertex: usize,
-    /// Depth (m).
-    pub overlap: f64,
-    /// Outward unit normal of the obstacle there.
-    pub normal: Vector3<f64>,
 }
 
 /// How far skin that stands in overlap with an obstacle looks for it (m).

@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use crate::contact::clues::Clues;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::penetration::SMALL_PENETRATION;
-use crate::contact::outcome::{Clues, Contact, ContactStatus, Refinement, RefinementEnd, RefinementKind};
+use crate::contact::outcome::{Contact, ContactStatus, Refinement, RefinementEnd, RefinementKind};
 use crate::contact::refine::estimate::{ErrorEstimate, KEPT_ON_EDGE};
 use crate::contact::refine::product::errors_of_area_and_peak;
 use crate::contact::refine::tissue::Tissue;

@@ -6,12 +6,13 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 
+use crate::contact::clues::Clues;
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
 use crate::contact::error::ContactError;
 use crate::contact::figures::cells::mean_edge;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Clues, Contact, ContactStatus, RefinementEnd, RefinementKind};
+use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd, RefinementKind};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow::{self, Break, Continue};
 
+use crate::contact::clues::LoadedEdge;
 use crate::contact::error::ContactError;
-use crate::contact::figures::loaded_edge::LoadedEdge;
 use crate::contact::outcome::RefinementEnd;
 use crate::contact::refine::mark::{loaded, pressed_between, too_large};
 use crate::contact::refine::meshes::Meshes;

@@ -3,10 +3,11 @@
 use nalgebra::Vector3;
 
 use crate::contact::candidate::fingers::Fingers;
+use crate::contact::clues::Clues;
 use crate::contact::error::ContactError;
-use crate::contact::figures::displacement::{CandidateMotion, Drawing};
-use crate::contact::gap::initial::DeepestVertex;
-use crate::contact::outcome::{Clues, Contact, ContactMesh, LeftOut, Patch};
+use crate::contact::figures::motion::{CandidateMotion, Drawing};
+use crate::contact::gap::deepest::DeepestVertex;
+use crate::contact::outcome::{Contact, ContactMesh, LeftOut, Patch};
 use crate::contact::report::left_out::{FAR_VERTICES, MASKED_VERTICES};
 use crate::contact::report::record::add_timings;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};

@@ -1,7 +1,7 @@
 //! Questions that are posed well and are probably not meant: a wrong unit, a depth that no tissue has, an inverted mask.
 
 use crate::contact::error::{ContactError, LargestContact};
-use crate::contact::gap::initial::DeepestVertex;
+use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::report::warning::{Warning, WarningKind};
 use crate::contact::scene::{Press, Start};
