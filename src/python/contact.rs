@@ -1,7 +1,7 @@
 //! `solve_contact` and `press`.
 
 use super::accuracy::{PyAccuracy, PyRefinement};
-use super::arrays_out::{nodes_out, pairs_out, read_only, vector_out, vectors_out};
+use super::arrays_out::{nodes_out, pairs_out, read_only, vectors_out};
 use super::contact_options::PyContactOptions;
 use super::convert::{named, number, vector, vectors};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
@@ -10,11 +10,12 @@ use super::interrupt::detached_with;
 use super::lcp::PyLcpSolution;
 use super::loaded::PyLoadedVertices;
 use super::obstacle::PyObstacle;
+use super::resultant::{PyPatch, PyResultant, patches_out};
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::contact::{
-    self, Balance, Contact, ContactError, ContactOptions, Goal, LargestContact, Patch, Press, Resultant,
-    Start, Tilt, TiltAxes, WarmStart,
+    self, Balance, Contact, ContactError, ContactOptions, Goal, LargestContact, Press, Start, Tilt, TiltAxes,
+    WarmStart,
 };
 use crate::lcp::LcpSolution;
 use crate::response::ElasticSkin;
@@ -22,41 +23,6 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::mem::take;
 use std::sync::Mutex;
-
-/// Force (N), moment (N m), center (m), area (m²) and peak (Pa) of a contact or of one of its patches.
-#[pyclass(name = "Resultant", module = "quasirigid._core", frozen, get_all)]
-pub(super) struct PyResultant {
-    force: Py<PyArray1<f64>>,
-    moment: Py<PyArray1<f64>>,
-    center_of_pressure: Py<PyArray1<f64>>,
-    contact_area: f64,
-    max_pressure: f64,
-    mean_pressure: f64,
-}
-
-impl PyResultant {
-    pub(super) fn new(py: Python<'_>, resultant: &Resultant) -> PyResult<Py<Self>> {
-        let values = Self {
-            force: read_only(vector_out(py, &resultant.force)),
-            moment: read_only(vector_out(py, &resultant.moment)),
-            center_of_pressure: read_only(vector_out(py, &resultant.center_of_pressure)),
-            contact_area: resultant.contact_area,
-            max_pressure: resultant.max_pressure,
-            mean_pressure: resultant.mean_pressure,
-        };
-        Py::new(py, values)
-    }
-}
-
-/// Vertices and resultant of a patch.
-pub(super) type PyPatch = (Py<PyArray1<i64>>, Py<PyResultant>);
-
-pub(super) fn patches_out(py: Python<'_>, patches: &[Patch]) -> PyResult<Vec<PyPatch>> {
-    let patch = |patch: &Patch| {
-        Ok((read_only(nodes_out(py, &patch.vertices)), PyResultant::new(py, &patch.resultant)?))
-    };
-    patches.iter().map(patch).collect()
-}
 
 /// A contact, and what draws its skin.
 #[pyclass(name = "Contact", module = "quasirigid._core", frozen, get_all)]

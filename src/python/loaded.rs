@@ -1,9 +1,9 @@
 //! The vertices under force, from which the figures of any part of a contact are summed.
 
 use super::arrays_out::{matrix_out, nodes_out};
-use super::contact::{PyPatch, PyResultant, patches_out};
 use super::convert::{MatrixArgument, mask, number};
 use super::errors::{ContactError as PyContactError, IntoPyErr};
+use super::resultant::{PyPatch, PyResultant, patches_out};
 use crate::contact::figures::loaded::{LoadedVertex, LoadedVertices};
 use faer::Mat;
 use nalgebra::Vector3;

@@ -19,6 +19,7 @@ mod matrix;
 mod obstacle;
 mod pickle;
 mod reference;
+mod resultant;
 mod skin;
 mod stored_skin;
 mod surface;
@@ -31,7 +32,7 @@ mod _core {
     #[pymodule_export]
     use super::accuracy::{PyAccuracy, PyRefinement};
     #[pymodule_export]
-    use super::contact::{PyContact, PyDrawing, PyResultant, PyWarmStart, press, solve_contact};
+    use super::contact::{PyContact, PyDrawing, PyWarmStart, press, solve_contact};
     #[pymodule_export]
     use super::contact_options::PyContactOptions;
     #[pymodule_export]
@@ -53,6 +54,8 @@ mod _core {
         PyCone, PyFlatPunch, PyHertz, ball_on_cored_sphere, contact_modulus, plate_on_cored_sphere,
         point_load_on_layer, sphere_on_layer,
     };
+    #[pymodule_export]
+    use super::resultant::PyResultant;
     #[pymodule_export]
     use super::skin::PySkin;
     #[pymodule_export]
