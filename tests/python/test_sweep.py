@@ -277,6 +277,15 @@ def test_a_sweep_is_drawn_over_its_depth(by_depth: qr.Sweep) -> None:
     np.testing.assert_allclose(axes[0].lines[0].get_ydata(), by_depth.normal_force[[1, 2, 0]])
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")  # of the step out of reach
+def test_steps_that_are_not_drawn_are_counted(surface: qr.Surface, by_depth: qr.Sweep) -> None:
+    pytest.importorskip("matplotlib")
+    small = qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)
+    curve = qr.sweep(surface, small, SKIN, UP, forces=[0.1, 1e3, 0.2], options=AS_GIVEN)
+    assert curve.plot().get_suptitle() == "1 of 3 steps without figures are not drawn"
+    assert by_depth.plot().get_suptitle() == ""
+
+
 def test_a_sweep_is_saved_as_its_columns_with_the_inputs(by_depth: qr.Sweep, tmp_path: Path) -> None:
     files = by_depth.save(tmp_path / "made", inputs={"skin": "a ball"})
     assert [file.name for file in files] == ["sweep.csv", "sweep.json"]

@@ -23,7 +23,7 @@ def sweep_figure(sweep: Sweep) -> Figure:
     Parameters
     ----------
     sweep : Sweep
-        What to draw; steps without figures are left out.
+        What to draw; steps without figures are left out, and the title counts them.
 
     Returns
     -------
@@ -42,6 +42,9 @@ def sweep_figure(sweep: Sweep) -> Figure:
         ("contact area (mm²)", sweep.contact_area * MM**2, sweep.area_error, BEFORE),
     )
     good = np.flatnonzero(np.isfinite(sweep.normal_force) & np.isfinite(sweep.depth))
+    if missing := len(sweep) - len(good):
+        title = f"{missing} of {len(sweep)} steps without figures are not drawn"
+        figure.suptitle(title, fontsize=11, color=INK, x=0.02, ha="left")
     order = good[np.argsort(sweep.depth[good], kind="stable")]
     for ax, (label, values, errors, color) in zip(figure.subplots(1, 2), curves, strict=True):
         bars = np.nan_to_num(errors[order]) * np.abs(values[order])
