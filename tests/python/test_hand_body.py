@@ -107,6 +107,16 @@ def test_a_body_in_memory_goes_into_a_folder_too(hand: qr.Hand, tmp_path: Path) 
         posed.skin(**arguments, folder=tmp_path / "none")
 
 
+def test_the_preparation_of_a_body_tells_how_far_it_is(hand: qr.Hand) -> None:
+    posed, told = hand.posed({}), []
+    nodes = np.flatnonzero(posed.labels == "index-middle-palmar")
+    arguments = {**MATERIAL, "response": held_at_the_wrist(posed), "nodes": nodes}
+    posed.skin(**arguments, progress=lambda what, done: told.append((what, done)))
+    assert told[-1] == ("solution", 1.0)
+    with pytest.raises(TypeError, match="progress is 3, expected a function"):
+        posed.skin(**arguments, progress=3)
+
+
 def test_a_body_of_edges_that_were_asked_for_answers_everywhere(hand: qr.Hand) -> None:
     posed = hand.posed({})
     prepared = posed.skin(**MATERIAL, response=held_at_the_wrist(posed))

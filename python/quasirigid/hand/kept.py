@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from ..skin import PreparedSkin, Skin
+    from ..skin.progress import Progress
     from ..surface import Surface
 
 __all__ = ["kept"]
@@ -37,6 +38,7 @@ def kept(
     surface: Surface,
     nodes: ArrayLike,
     folder: str | PathLike[str] | None = None,
+    progress: Progress | None = None,
     num_threads: int | None = None,
 ) -> PreparedSkin:
     """Return a body prepared for a surface, from memory or the folder where it is there already.
@@ -59,7 +61,7 @@ def kept(
         with suppress(ResponseError):
             prepared = load_prepared(file)
     if prepared is None:
-        prepared = skin.prepared(surface, nodes, num_threads=num_threads)
+        prepared = skin.prepared(surface, nodes, progress=progress, num_threads=num_threads)
         if file is not None:
             prepared.save(file)
     size = sum(part.nbytes for part in _core.skin_parts(prepared._response).values())

@@ -14,6 +14,7 @@ from .._check import as_integer_or_none, as_nodes, as_path
 from .._frozen import Frozen
 from ..errors import HandError, ResponseError
 from ..skin import Body, Skin
+from ..skin.progress import as_progress
 from ..surface import Surface
 from .bones import fitted, joined
 from .crossings import crossing_parts, in_words
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from ..skin import PreparedSkin, Response
+    from ..skin.progress import Progress
     from .bones import Bone
     from .hand import Hand
     from .rotations import Floats
@@ -171,6 +173,7 @@ class PosedHand(Frozen):
         response: Response | None = None,
         nodes: ArrayLike | None = None,
         folder: str | PathLike[str] | None = None,
+        progress: Progress | bool | None = None,
         num_threads: int | None = None,
     ) -> Skin | PreparedSkin:
         """Return material and response of this skin in this pose.
@@ -191,6 +194,8 @@ class PosedHand(Frozen):
             A whole hand without one answers everywhere, best beside these.
         folder : path, optional
             Keeps prepared bodies in files, as `PreparedSkin.save`, and finds them there.
+        progress : callable or bool, optional
+            How far the preparation of a body is, as for `Skin.prepared`; one that is kept needs none.
         num_threads : int, optional
             Threads that prepare a body; None for all.
 
@@ -203,9 +208,12 @@ class PosedHand(Frozen):
             As `Skin` and `Skin.prepared` say.
         OSError
             If the folder does not exist or cannot be written to.
+        TypeError
+            If `progress` cannot be called.
         """
         nodes = None if nodes is None else as_nodes("nodes", nodes, len(self.labels), ResponseError)
         folder = None if folder is None else as_path("folder", folder)
+        progress = as_progress(progress)
         num_threads = as_integer_or_none("num_threads", num_threads, ResponseError)
         response = Body() if response is None else response
         if not isinstance(response, Body):
@@ -221,7 +229,7 @@ class PosedHand(Frozen):
             )
         skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
         nodes = self._touching(response) if nodes is None else nodes
-        return kept(skin, self.surface, nodes, folder, num_threads)
+        return kept(skin, self.surface, nodes, folder, progress, num_threads)
 
     def _touching(self, body: Body) -> NDArray[np.int64]:
         """Return the vertices of the palmar side and the sides of the thumb's tip.
