@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import warnings
 from functools import partial
 from typing import Any
@@ -271,6 +273,27 @@ def test_counts_below_zero_are_errors_of_the_contact(fingertip: qr.Surface, name
     counts: dict[str, Any] = {name: -1}
     with pytest.raises(qr.ContactError, match=f"^{name} is -1, expected an integer of at least 0"):
         qr.press(fingertip, plate, SKIN, [0, 0, 1], depth=1e-3, options=qr.ContactOptions(**counts))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the limit of addresses is read on Linux")
+def test_what_a_limit_of_addresses_leaves_is_what_is_free() -> None:
+    code = """
+import re, resource
+from pathlib import Path
+import numpy as np, quasirigid as qr
+tip = qr.models.fingertip(edge_length=0.6e-3)
+skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+qr.response_matrix(tip, skin, np.arange(100))
+taken = 1024 * int(re.search("VmSize: *\\t* *([0-9]+)", Path("/proc/self/status").read_text())[1])
+resource.setrlimit(resource.RLIMIT_AS, (taken + 300_000_000,) * 2)
+try:
+    qr.response_matrix(tip, skin, np.arange(5000))
+except qr.ResponseError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    # The matrix and its copy by rows.
+    assert "5000 nodes needs 400000000 bytes" in done.stdout
 
 
 @pytest.mark.parametrize("options", [{}, 5, "auto", [], qr.LcpOptions()])

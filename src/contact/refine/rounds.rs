@@ -222,7 +222,8 @@ impl Rounds<'_> {
         if !marked.contains(&true) {
             return Ok(Break(RefinementEnd::NoForce));
         }
-        let (nodes, most) = (self.predicted_nodes(&wanting), self.options.max_nodes);
+        // At the least: edges are halved around those wanting.
+        let (nodes, most) = (finest.candidates.len() + 3 * wanting.len(), self.options.max_nodes);
         if nodes > most {
             return Ok(Break(RefinementEnd::MaxNodes));
         }
@@ -284,11 +285,6 @@ impl Rounds<'_> {
         so_far.unsettled = if is_unsettled { so_far.unsettled + 1 } else { 0 };
         so_far.worst = share;
         (so_far.unsettled >= UNSETTLED_ROUNDS).then_some(RefinementEnd::Unsettled)
-    }
-
-    /// Contact nodes that the next round will have at the least: edges are halved around those wanting.
-    fn predicted_nodes(&self, wanting: &[usize]) -> usize {
-        self.meshes.finest().candidates.len() + 3 * wanting.len()
     }
 
     /// Why no mesh may be fine enough.
