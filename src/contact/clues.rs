@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::figures::receding::Receding;
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::response::body::levels::coarseness::BodyDoubt;
 
@@ -28,6 +29,8 @@ pub(crate) struct Clues {
     pub is_unsettled: bool,
     /// How far off the obstacle the force acts in the mean, as a share of the penetration before.
     pub apart: f64,
+    /// Where the obstacle recedes between vertices under force.
+    pub receding: Receding,
     /// Vertices that penetrate away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
     /// Number of triangles away from all force that the obstacle touches between their vertices.

@@ -1,7 +1,8 @@
 //! Why a contact could not be posed or carried through.
 
 use crate::contact::outcome::Contact;
-use crate::contact::report::digits::Digits;
+use crate::contact::report::digits::{Digits, Given};
+use crate::geometry::bounds::LARGEST_COORDINATE;
 use crate::lcp::problem::LcpError;
 use crate::obstacle::error::ObstacleError;
 use crate::response::error::ResponseError;
@@ -27,14 +28,14 @@ pub enum ContactError {
         /// The direction given.
         direction: [f64; 3],
     },
-    /// The depth of a press is negative or not finite.
-    #[error("depth is {depth} m, expected a finite depth >= 0")]
+    /// The depth of a press is negative, or too large for coordinates.
+    #[error("depth is {} m, expected a depth from 0 to {:e} m", Given(*depth), LARGEST_COORDINATE)]
     Depth {
         /// The depth given (m).
         depth: f64,
     },
     /// The force or the overlap that a press is to reach is not positive or not finite.
-    #[error("{goal} is {value} {unit}, expected a finite {goal} > 0")]
+    #[error("{goal} is {} {unit}, expected a finite {goal} > 0", Given(*value))]
     Goal {
         /// `force` or `overlap`.
         goal: &'static str,
@@ -45,8 +46,9 @@ pub enum ContactError {
     },
     /// A press cannot reach the force or the overlap asked for.
     #[error(
-        "a{} {goal} of {asked} {unit} is not reached: the {} {goal} found is {} {unit} at a depth of {} m; {why}",
+        "a{} {goal} of {} {unit} is not reached: the {} {goal} found is {} {unit} at a depth of {} m; {why}",
         if *goal == "overlap" { "n" } else { "" },
+        Given(*asked),
         // Where contacts do not settle, the one found last can lie above.
         if largest < asked { "largest" } else { "nearest" },
         Digits(*largest, 4),
@@ -162,6 +164,14 @@ pub enum ContactError {
         penetration: f64,
         /// Penetrating vertices.
         count: usize,
+    },
+    /// The obstacle stands in the skin between its vertices where a press starts.
+    #[error(
+        "the obstacle already stands in the skin by {penetration:.6e} m between its vertices: start=\"current\" needs a free start, use start=\"infinity\" or move the obstacle"
+    )]
+    StartsWithin {
+        /// How deep (m).
+        penetration: f64,
     },
     /// A vertex inside the obstacle is one that a body holds in place.
     #[error(

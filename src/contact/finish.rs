@@ -10,11 +10,12 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::area::areas_within_rim;
+use crate::contact::figures::at_rest::penetration_between;
 use crate::contact::figures::beside::Beside;
 use crate::contact::figures::cells::cells_per_radius;
 use crate::contact::figures::loaded::LoadedVertices;
 use crate::contact::figures::motion::{CandidateMotion, Drawing};
-use crate::contact::figures::penetration::{penetration_after, penetration_between};
+use crate::contact::figures::penetration::penetration_after;
 use crate::contact::figures::pressure::VertexPressure;
 use crate::contact::figures::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
@@ -44,7 +45,7 @@ impl Contact {
     ) -> Result<Self, ContactError> {
         let forces = NodeForces::apart(gaps);
         let mut figures = Figures::at_rest(gaps, traits, &forces);
-        figures.max_penetration_after = penetration_between(gaps)?;
+        figures.max_penetration_after = penetration_between(gaps.surface, &gaps.scene.obstacle)?;
         report.warn_of_unmet(gaps.surface, figures.max_penetration_after);
         report.warn_of_swallowed(gaps)?;
         Ok(Self::new(ContactStatus::NoContact, gaps, forces, figures, options, report))
@@ -108,6 +109,7 @@ impl Contact {
             ends_at_edges: on_edges.share,
             is_unsettled: report.is_unsettled,
             apart: left.apart / gaps.deepest(),
+            receding: left.receding,
             unfelt: left.unfelt,
             touched_between: 0,
         };

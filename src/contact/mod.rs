@@ -23,6 +23,7 @@ pub(crate) mod equilibrium;
 pub(crate) mod error;
 pub(crate) mod figures;
 pub(crate) mod finish;
+pub(crate) mod first_touch;
 pub(crate) mod gap;
 pub(crate) mod in_place;
 pub(crate) mod options;
@@ -41,6 +42,7 @@ pub(crate) mod warm;
 pub use error::{ContactError, LargestContact};
 pub use figures::accuracy::Accuracy;
 pub use figures::drawn::DrawnSkin;
+pub use first_touch::touching;
 pub use options::ContactOptions;
 pub use outcome::{
     Contact, ContactPart, ContactStatus, LeftOut, Patch, Refinement, RefinementEnd, RefinementKind,

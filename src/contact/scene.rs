@@ -7,15 +7,14 @@ use nalgebra::Vector3;
 use crate::contact::candidate::on_refined::KnownFingers;
 use crate::contact::cuts::Cuts;
 use crate::contact::error::ContactError;
+use crate::contact::figures::at_rest::edges_within;
+use crate::contact::first_touch::{first_touch, never_touches, skin_vertices, touch_rounding};
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
 use crate::contact::outcome::Contact;
 use crate::contact::tilt::axes::{Balance, Turn};
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
-
-/// Rounding of a first touch, relative to the size of skin and obstacle: the depth bound is raised by it.
-const TOUCH_ROUNDING: f64 = 1e-10;
 
 /// Where a press begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,7 +176,7 @@ impl Approach {
     /// Checks that nothing penetrates yet where the obstacle starts.
     ///
     /// # Errors
-    /// [`ContactError::StartsPenetrating`].
+    /// [`ContactError::StartsPenetrating`], [`ContactError::StartsWithin`].
     pub fn check_start(&self, surface: &Surface, obstacle: &Obstacle) -> Result<(), ContactError> {
         if self.start == Start::Infinity {
             return Ok(());
@@ -192,7 +191,10 @@ impl Approach {
                 let (vertex, penetration) = (vertices[row], -distance[row]);
                 Err(ContactError::StartsPenetrating { vertex, penetration, count })
             }
-            _ => Ok(()),
+            _ => match edges_within(surface, obstacle, -allowed)? {
+                Some(penetration) => Err(ContactError::StartsWithin { penetration }),
+                None => Ok(()),
+            },
         }
     }
 
@@ -222,42 +224,4 @@ impl Travel {
         let by_turning = self.turned.map_or(0.0, |turn| self.direction.dot(&turn.way_to(place)));
         self.past + by_turning
     }
-}
-
-/// Travel (m) at which the obstacle, coming from infinity, first touches skin that may touch.
-pub(crate) fn first_touch(
-    surface: &Surface,
-    obstacle: &Obstacle,
-    direction: &Vector3<f64>,
-) -> Result<f64, ContactError> {
-    let touching: Vec<Vector3<f64>> = skin_vertices(surface).map(|(_, position)| position).collect();
-    if touching.is_empty() {
-        return Err(ContactError::NoSkin { vertex_count: surface.vertices().len() });
-    }
-    let of_vertices = obstacle.first_touch(&touching, direction)?.map_or(f64::INFINITY, |touch| touch.travel);
-    let travel =
-        of_vertices.min(touch_between(surface, obstacle, direction, [f64::NEG_INFINITY, of_vertices]));
-    if travel.is_infinite() {
-        return Err(never_touches(surface, obstacle, direction));
-    }
-    Ok(travel)
-}
-
-fn never_touches(surface: &Surface, obstacle: &Obstacle, direction: &Vector3<f64>) -> ContactError {
-    ContactError::NeverTouches {
-        direction: (*direction).into(),
-        skin_vertices: skin_vertices(surface).count(),
-        skin_size: surface.bounding_box().diagonal(),
-        obstacle_size: obstacle.bounding_box().map_or(f64::INFINITY, |bounds| bounds.diagonal()),
-    }
-}
-
-/// Rounding of a touch (m).
-fn touch_rounding(surface: &Surface) -> f64 {
-    TOUCH_ROUNDING * surface.bounding_box().diagonal()
-}
-
-fn skin_vertices(surface: &Surface) -> impl Iterator<Item = (usize, Vector3<f64>)> + '_ {
-    let may_touch = |&(vertex, _): &(usize, Vector3<f64>)| surface.skin_mask()[vertex];
-    surface.vertices().iter().copied().enumerate().filter(may_touch)
 }

@@ -108,9 +108,4 @@ pub enum ObstacleError {
     /// A half-space has neither a middle nor a longest axis.
     #[error("a half-space has no end, so it has no longest axis to be laid along a frame")]
     Endless,
-    /// An obstacle that is laid into a frame meets no point of the skin.
-    #[error(
-        "the obstacle meets no vertex of the skin along the frame's z: check that the frame is that of the skin"
-    )]
-    PassesBy,
 }

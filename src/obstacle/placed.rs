@@ -7,7 +7,6 @@ use crate::geometry::rigid_motion::rigid_motion;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::posed::{Obstacle, Shape};
 use crate::obstacle::primitive::Primitive;
-use crate::surface::checked::Surface;
 
 /// A shape filled evenly.
 struct Mass {
@@ -24,39 +23,29 @@ impl Obstacle {
     }
 
     /// A copy in a frame: its longest principal axis along x, the shortest along z, its center of mass over the
-    /// origin, and its lowest point at z = 0; or in first touch with a skin, coming from +z.
+    /// origin, and its lowest point at z = 0.
     ///
     /// Of the four turns that lay the axes so, the one that turns it least.
     ///
     /// * `rotation`, `translation`: from the frame to the world (m)
     /// * `turn`: of the obstacle as it lies, in the frame, about its center of mass
-    /// * `skin`: to be touched in place of the plane z = 0, where it may touch
     ///
     /// # Errors
     ///
-    /// [`ObstacleError::Motion`], [`ObstacleError::Endless`] for the half-space, [`ObstacleError::PassesBy`] where it meets no vertex.
+    /// [`ObstacleError::Motion`], [`ObstacleError::Endless`] for the half-space.
     pub fn placed(
         &self,
         rotation: &Matrix3<f64>,
         translation: &Vector3<f64>,
         turn: &Matrix3<f64>,
-        skin: Option<&Surface>,
     ) -> Result<Obstacle, ObstacleError> {
         let frame = rigid_motion(rotation, translation)?;
         let mass = self.mass().ok_or(ObstacleError::Endless)?;
         let laid = rigid_motion(turn, &Vector3::zeros())?
             * self.turn_into(&frame, &mass.spread)
             * Translation3::from(-mass.center);
-        let Some(skin) = skin else {
-            let lowest = self.at(laid).bounding_box().map_or(0.0, |bounds| bounds.low.z);
-            return Ok(self.at(frame * Translation3::new(0.0, 0.0, -lowest) * laid));
-        };
-        let over = self.at(frame * laid);
-        let inwards = -(frame.rotation * Vector3::z());
-        let may_touch = skin.vertices().iter().zip(skin.skin_mask()).filter(|(_, may)| **may);
-        let points: Vec<_> = may_touch.map(|(point, _)| *point).collect();
-        let touch = over.first_touch(&points, &inwards)?.ok_or(ObstacleError::PassesBy)?;
-        Ok(over.translated(&(touch.travel * inwards)))
+        let lowest = self.at(laid).bounding_box().map_or(0.0, |bounds| bounds.low.z);
+        Ok(self.at(frame * Translation3::new(0.0, 0.0, -lowest) * laid))
     }
 
     /// The rotation that lays the principal axes along those of a frame, from the obstacle's own frame into it.

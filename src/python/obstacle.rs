@@ -10,6 +10,7 @@ use super::interrupt::detached_with;
 use super::material::{made_of, material_out};
 use super::pickle::{Pose, Reduced, reduced, restored};
 use super::surface::PySurface;
+use crate::contact::touching;
 use crate::obstacle::{MeshObstacleOptions, Obstacle};
 use nalgebra::Matrix3;
 use numpy::{PyArray1, PyArray2};
@@ -373,8 +374,9 @@ impl PyObstacle {
     /// Raises
     /// ------
     /// ObstacleError
-    ///     The frame or the turn is no rigid motion, the obstacle is a half-space, or it meets no vertex that may
-    ///     touch.
+    ///     The frame or the turn is no rigid motion, or the obstacle is a half-space.
+    /// ContactError
+    ///     It meets no skin that may touch.
     ///
     /// Examples
     /// --------
@@ -396,7 +398,12 @@ impl PyObstacle {
         let known = frame.getattr_opt("surface")?.filter(|known| !known.is_none());
         let known = known.as_ref().map(|known| known.cast::<PySurface>()).transpose()?;
         let skin = surface.or(known.map(|known| known.get())).map(|surface| &surface.inner);
-        made(released(py, || self.inner.placed(&axes, &origin.unwrap_or_default(), &turn, skin)))
+        let inwards = -axes.column(2).normalize();
+        let laid = released(py, || {
+            let placed = self.inner.placed(&axes, &origin.unwrap_or_default(), &turn)?;
+            skin.map_or(Ok(placed.clone()), |skin| touching(skin, &placed, &inwards))
+        });
+        laid.map(Self::from).map_err(IntoPyErr::into_py_err)
     }
 
     /// Return vertices and faces of a mesh obstacle in the world, or None for a primitive.

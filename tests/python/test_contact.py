@@ -115,6 +115,12 @@ def test_bad_questions_raise_and_name_the_fault() -> None:
         qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=-1e-3)
     with pytest.raises(qr.ContactError, match="already penetrates"):
         qr.press(surface, PLATE.moved(np.eye(3), [0, 0, 1e-3]), SKIN, [0, 0, 1], depth=1e-3, start="current")
+    between = qr.Obstacle.box([0.5e-3, 0.03, 0.01]).moved(translation=[0.0, 0.0, -8.5e-3])
+    points, faces = grid(5, 4e-3)
+    with pytest.raises(qr.ContactError, match=r"stands in the skin by 1\.50*e-3 m between"):
+        qr.press(qr.Surface(points, faces[:, ::-1]), between, SKIN, [0, 0, 1], depth=0.0, start="current")
+    with pytest.raises(qr.ContactError, match=r"depth is 1e61 m, expected a depth from 0 to 1e60 m"):
+        qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e61)
     with pytest.raises(ValueError, match="start is"):
         qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, start="somewhere")  # type: ignore[arg-type]
     options = qr.ContactOptions(method="guess")  # type: ignore[arg-type]

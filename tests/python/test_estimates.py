@@ -196,3 +196,31 @@ def test_the_estimate_of_a_strip_counts_the_cells_across_it(radius: float) -> No
     # No figure has as short a rim as a circle of its area, a strip of several times its width by far.
     of_circle = np.sqrt(given.contact_area / np.pi) / surface.mean_edge_length
     assert given.accuracy.cells_per_radius < 0.9 * of_circle
+
+
+def knurled(pitch: float, height: float, radius: float, cells: int, spacing: float) -> qr.Obstacle:
+    """A slab with a domed top, with bumps of a height from ground to top along each of x and y."""
+    points, faces = grid(cells, spacing)
+    waves = 2.0 - np.cos(2 * np.pi * points[:, :2] / pitch).sum(axis=1)
+    top, low = points.copy(), points - [0.0, 0.0, 5e-3]
+    top[:, 2] = -(points[:, :2] ** 2).sum(axis=1) / (2 * radius) - 0.5 * height * waves
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    _, number, count = np.unique(np.sort(edges), axis=0, return_inverse=True, return_counts=True)
+    a, b = edges[count[number.ravel()] == 1].T
+    below = len(points)
+    sides = np.concatenate([np.stack([b, a, a + below], -1), np.stack([b, a + below, b + below], -1)])
+    return qr.Obstacle.mesh(
+        np.concatenate([top, low]), np.concatenate([faces, faces[:, ::-1] + below, sides])
+    )
+
+
+def test_bumps_at_the_pitch_of_the_skin_are_told_from_a_smooth_product() -> None:
+    product = knurled(pitch=0.3e-3, height=20e-6, radius=30e-3, cells=132, spacing=0.05e-3)
+
+    def on_cells_of(spacing: float) -> qr.Contact:
+        points, faces = grid(round(12e-3 / spacing), spacing)
+        skin = qr.Surface(points, faces[:, ::-1])
+        return qr.press(skin, product, soft(), UP, depth=0.2e-3)
+
+    # Each vertex of the first and its first refinement is on a bump.
+    assert covers(on_cells_of(0.6e-3), on_cells_of(0.64e-3)) == (True, True)

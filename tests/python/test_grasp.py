@@ -357,13 +357,19 @@ def test_products_in_the_hand_and_skins_of_one_pose_are_refused(hand, handle):
         qr.close_hand(hand, handle, qr.HalfSpace(), force=1.0)
 
 
+def check_touches(palm, product):
+    way = -np.array(palm)[:3, 2]
+    for start in ("infinity", "current"):
+        contact = qr.press(palm.surface, product, skin(), way, depth=0.0, start=start, options=AS_GIVEN)
+        assert contact.travel == pytest.approx(0.0, abs=1e-12)
+
+
 def test_a_product_is_laid_across_the_palm_in_touch(hand):
     palm = hand.posed("flat").palm
     rod = qr.Obstacle.cylinder(half_height=0.06, radius=0.01).placed(palm)
     inwards = np.array(palm[:3, :3]).T @ rod.rotation[:, 2]
     np.testing.assert_allclose(np.abs(inwards), [1.0, 0.0, 0.0], atol=1e-12)
-    on_palm = palm.surface.vertices[palm.surface.skin_mask]
-    assert rod.signed_distance(on_palm)[0].min() == pytest.approx(0.0, abs=1e-12)
+    check_touches(palm, rod)
     # Turned as it lies, it comes down onto the palm all the same, with its center of mass over the origin.
     for turn in (
         np.diag([1.0, -1.0, -1.0]),
@@ -376,13 +382,15 @@ def test_a_product_is_laid_across_the_palm_in_touch(hand):
         over = axes.T @ (turned.center_of_mass - palm[:3, 3])
         np.testing.assert_allclose(over[:2], 0.0, atol=1e-12)
         assert over[2] > 0.0
-        assert turned.signed_distance(on_palm)[0].min() == pytest.approx(0.0, abs=1e-12)
+        check_touches(palm, turned)
+    # Its edge meets the skin between vertices.
+    check_touches(palm, qr.Obstacle.box([0.04, 0.02, 0.004]).placed(palm))
     # A frame without a skin: on its plane.
     flat = qr.Obstacle.box([0.01, 0.03, 0.02]).placed(np.eye(4))
     np.testing.assert_allclose(flat.bounding_box, [[-0.03, -0.02, 0.0], [0.03, 0.02, 0.02]], atol=1e-12)
     with pytest.raises(qr.ObstacleError, match="half-space"):
         qr.Obstacle.half_space([0, 0, 0], [0, 0, 1]).placed(palm)
-    with pytest.raises(qr.ObstacleError, match="meets no vertex"):
+    with pytest.raises(qr.ContactError, match="never meets the skin"):
         rod.placed(np.eye(4), qr.Surface(hand.surface.vertices + 9.0, hand.surface.faces))
 
 

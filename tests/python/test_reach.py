@@ -78,9 +78,12 @@ def test_a_goal_that_is_not_above_zero_is_named(name: str, fingertip: qr.Surface
 @pytest.mark.parametrize(("goal", "words"), [("force", "a force of .* N"), ("overlap", "an overlap of .* m")])
 def test_a_goal_out_of_reach_is_named_with_its_article(goal: str, words: str) -> None:
     surface, small = qr.Surface(*ball(8e-3, 2)), qr.Obstacle.sphere([0.0, 0.0, -0.05], 1e-3)
-    asked: dict[str, Any] = {goal: 1e3}
-    with pytest.raises(qr.ContactError, match=f"^{words} is not reached: the largest {goal} found is"):
-        qr.press(surface, small, SKIN, UP, options=AS_GIVEN, **asked)
+    for value in (1e3, 1e300):
+        asked: dict[str, Any] = {goal: value}
+        message = f"^{words} is not reached: the largest {goal} found is"
+        with pytest.raises(qr.ContactError, match=message) as raised:
+            qr.press(surface, small, SKIN, UP, options=AS_GIVEN, **asked)
+        assert f" of {'1000' if value == 1e3 else '1e300'} " in str(raised.value)
 
 
 def test_none_or_several_goals_are_named(fingertip: qr.Surface) -> None:

@@ -28,6 +28,14 @@ pub(crate) struct PointsBetween<'a> {
     edges_of: Vec<[usize; 3]>,
 }
 
+/// What is found between the corners.
+pub(crate) struct Between {
+    /// Deepest penetration (m, ≥ 0).
+    pub deepest: f64,
+    /// How far the middle of each face is from the obstacle at the least (m); none where that is flat.
+    pub middles: Vec<f64>,
+}
+
 /// Points on edges (N = 2) or within faces (N = 3), each with what is known of its depth.
 struct Samples<const N: usize> {
     shares: Vec<[f64; N]>,
@@ -53,13 +61,30 @@ impl<'a> PointsBetween<'a> {
         Self { corners, depths, edges, edges_of, faces }
     }
 
-    /// Deepest penetration of a point between the corners (m); `least` (m, ≥ 0) where none is deeper.
-    pub fn deepest(&self, obstacle: &Obstacle, least: f64) -> Result<f64, ContactError> {
+    /// Looks between the corners.
+    ///
+    /// * `least`: the deepest penetration (m, ≥ 0) where none there is deeper
+    pub fn look(&self, obstacle: &Obstacle, least: f64) -> Result<Between, ContactError> {
         if obstacle.is_half_space() {
-            return Ok(self.depths.iter().copied().fold(least, f64::max));
+            let deepest = self.depths.iter().copied().fold(least, f64::max);
+            return Ok(Between { deepest, middles: Vec::new() });
         }
         let on_edges = self.sampled(&self.edges, COARSE, obstacle, 0.0, |_, _| f64::INFINITY)?;
         let on_faces = self.sampled(self.faces, COARSE, obstacle, 0.0, |_, _| f64::INFINITY)?;
+        let deepest = self.deepest(obstacle, least, &on_edges, &on_faces)?;
+        // One point cuts the edges of a face in three.
+        let middles = on_faces.most.iter().map(|depth| -depth).collect();
+        Ok(Between { deepest, middles })
+    }
+
+    /// Deepest penetration of a point between the corners (m); `least` (m, ≥ 0) where none is deeper.
+    fn deepest(
+        &self,
+        obstacle: &Obstacle,
+        least: f64,
+        on_edges: &Samples<2>,
+        on_faces: &Samples<3>,
+    ) -> Result<f64, ContactError> {
         let between = on_edges.deepest().max(on_faces.deepest());
         if between <= 0.0 {
             return Ok(least);
@@ -200,8 +225,10 @@ mod tests {
                 .flat_map(|&parts| depth_of(&all_between(parts, &corners, &faces)))
                 .collect();
             let expected = all.into_iter().fold(at_corners, f64::max);
-            let found =
-                PointsBetween::new(&corners, &depths, &faces).deepest(&ball, at_corners).expect("points");
+            let found = PointsBetween::new(&corners, &depths, &faces)
+                .look(&ball, at_corners)
+                .expect("points")
+                .deepest;
             assert!((found - expected).abs() < 1e-14, "{found} of {expected}");
             assert_eq!(found > at_corners, meets);
         }

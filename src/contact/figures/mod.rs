@@ -2,6 +2,7 @@
 
 pub(crate) mod accuracy;
 pub(crate) mod area;
+pub(crate) mod at_rest;
 pub(crate) mod beside;
 pub(crate) mod between;
 pub(crate) mod cells;
@@ -16,6 +17,7 @@ pub(crate) mod motion;
 pub(crate) mod moved_product;
 pub(crate) mod penetration;
 pub(crate) mod pressure;
+pub(crate) mod receding;
 pub(crate) mod recovery;
 pub(crate) mod resultant;
 pub(crate) mod rim;

@@ -6,11 +6,12 @@ use nalgebra::Vector3;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::beside::Beside;
-use crate::contact::figures::between::PointsBetween;
+use crate::contact::figures::between::{Between, PointsBetween};
 use crate::contact::figures::fade::Fade;
 use crate::contact::figures::motion::CandidateMotion;
-use crate::contact::gap::edge::SkinPart;
-use crate::contact::gap::initial::{Gaps, triangles_among};
+use crate::contact::figures::receding::{Corners, Receding};
+use crate::contact::gap::edge::{SkinPart, triangles_among};
+use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::response::skin::elastic::ElasticSkin;
 
@@ -26,6 +27,8 @@ pub(crate) struct Penetration {
     pub apart: f64,
     /// Whether a vertex of the skin is that deep, not only a point between vertices.
     pub is_at_vertex: bool,
+    /// Where the obstacle recedes between vertices under force.
+    pub receding: Receding,
     /// Vertices that penetrate by more than a little away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
 }
@@ -42,7 +45,13 @@ pub(crate) fn penetration_after(
         // Nothing has moved.
         let (depth, of_vertices) = (gaps.deepest(), gaps.undeformed());
         let is_at_vertex = of_vertices.into_iter().any(|gap| -gap >= depth);
-        return Ok(Penetration { depth, apart: 0.0, is_at_vertex, unfelt: gaps.penetrating.clone() });
+        return Ok(Penetration {
+            depth,
+            apart: 0.0,
+            is_at_vertex,
+            receding: Receding::default(),
+            unfelt: gaps.penetrating.clone(),
+        });
     }
     let surface = gaps.surface;
     let mut vertices = forces.candidates.clone();
@@ -69,8 +78,18 @@ pub(crate) fn penetration_after(
     let at_vertices = depths.iter().copied().fold(0.0, f64::max);
     let of_edges = moved_skin.deepest_between(&gaps.scene.obstacle, reach, at_vertices, &measured.distance);
     let between = PointsBetween::new(&points, &depths, &triangles);
-    let depth = between.deepest(&gaps.scene.obstacle, of_edges)?;
+    let Between { deepest: depth, middles } = between.look(&gaps.scene.obstacle, of_edges)?;
     let is_at_vertex = at_vertices >= depth;
+    let pressure_at = |&vertex: &usize| match gaps.line_at(vertex) {
+        None => forces.force[vertex] / surface.vertex_areas()[vertex],
+        Some(_) => 0.0,
+    };
+    let pressure: Vec<f64> = vertices.iter().map(pressure_at).collect();
+    let Measured { distance, normal } = &measured;
+    let corners = Corners { points: &points, distance, normal, pressure: &pressure };
+    // E* of tissue that keeps its volume.
+    let modulus = 4.0 * skin.shear_modulus_at(vertices[0]).unwrap_or(0.0);
+    let receding = Receding::new(&triangles, &middles, &corners, modulus);
     let is_free = |vertex: usize| forces.force[vertex] == 0.0;
     let is_unfelt = |(&vertex, &depth): (&usize, &f64)| {
         let mut beside = surface.neighbours(vertex).iter().map(|&other| other as usize);
@@ -84,24 +103,5 @@ pub(crate) fn penetration_after(
     let work: f64 = vertices.iter().zip(&measured.distance).map(apart).sum();
     let apart = work / forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
-    Ok(Penetration { depth, apart, is_at_vertex, unfelt })
-}
-
-/// Deepest penetration (m, ≥ 0) of skin and obstacle into one another at rest, where no vertex of the skin penetrates.
-pub(crate) fn penetration_between(gaps: &Gaps) -> Result<f64, ContactError> {
-    let (surface, obstacle) = (gaps.surface, &gaps.scene.obstacle);
-    let skin: Vec<usize> =
-        (0..surface.vertices().len()).filter(|&vertex| surface.skin_mask()[vertex]).collect();
-    let points: Vec<Vector3<f64>> = skin.iter().map(|&vertex| surface.vertices()[vertex]).collect();
-    let reach = skin.iter().map(|&vertex| surface.longest_edge(vertex)).fold(0.0, f64::max);
-    let distance = Measured::near(&points, obstacle, reach, Some(0.0))?.distance;
-    let near: Vec<usize> = (0..skin.len()).filter(|&row| distance[row] <= reach).collect();
-    let (vertices, points): (Vec<usize>, Vec<Vector3<f64>>) =
-        near.iter().map(|&row| (skin[row], points[row])).unzip();
-    let distances: Vec<f64> = near.iter().map(|&row| distance[row]).collect();
-    let depths: Vec<f64> = distances.iter().map(|distance| -distance).collect();
-    let triangles = triangles_among(surface, &vertices);
-    let part = SkinPart { points: &points, triangles: &triangles };
-    let of_edges = part.deepest_between(obstacle, reach, 0.0, &distances);
-    PointsBetween::new(&points, &depths, &triangles).deepest(obstacle, of_edges)
+    Ok(Penetration { depth, apart, is_at_vertex, receding, unfelt })
 }

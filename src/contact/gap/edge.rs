@@ -8,7 +8,7 @@
 //! vertex takes the least. The line of a round primitive does the same in a triangle that no corner has met it in, and so does
 //! the deepest edge of a mesh there, however blunt.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -19,6 +19,7 @@ use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::{Faces, box_tree, face_normals, face_tree, node_bounds};
 use crate::obstacle::convex_edge::ConvexEdge;
 use crate::obstacle::posed::Obstacle;
+use crate::surface::checked::Surface;
 
 /// Least barycentric coordinate that an edge reaches in the triangle of a corner that feels it.
 const LEAST_SHARE: f64 = 0.02;
@@ -163,6 +164,18 @@ impl SkinPart<'_> {
     pub fn deepest_between(&self, obstacle: &Obstacle, deepest: f64, least: f64, distance: &[f64]) -> f64 {
         let mut met = self.edges_of(obstacle, |_| deepest, |_| true);
         met.extend(self.lines_of(obstacle, |_| deepest, distance));
+        self.deepest_of(met, least)
+    }
+
+    /// The same of what first touch looks at: sharp edges, and the line of a round primitive.
+    pub fn deepest_edge(&self, obstacle: &Obstacle, deepest: f64, least: f64, distance: &[f64]) -> f64 {
+        if obstacle.is_round() {
+            return self.deepest_between(obstacle, deepest, least, distance);
+        }
+        self.deepest_of(self.edges_of(obstacle, |_| deepest, |_| true), least)
+    }
+
+    fn deepest_of(&self, mut met: Vec<Meeting>, least: f64) -> f64 {
         met.retain(|under| under.depth > least);
         met.sort_by(|one, other| other.depth.total_cmp(&one.depth));
         if met.is_empty() {
@@ -262,6 +275,16 @@ impl SkinPart<'_> {
         }
         taken
     }
+}
+
+/// Triangles of the skin whose corners are all among `vertices`, as positions in that list.
+pub(crate) fn triangles_among(surface: &Surface, vertices: &[usize]) -> Vec<[u32; 3]> {
+    let row_of: HashMap<usize, u32> = vertices.iter().copied().zip(0..).collect();
+    let corners = |face: u32| {
+        let [a, b, c] = surface.faces()[face as usize].map(|vertex| row_of.get(&(vertex as usize)).copied());
+        Some([a?, b?, c?])
+    };
+    surface.faces_at(vertices).into_iter().filter_map(corners).collect()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use crate::contact::error::ContactError;
 use crate::contact::gap::averaged::{self, VertexGap};
 use crate::contact::gap::deepest::DeepestVertex;
-use crate::contact::gap::edge::{Line, SkinPart};
+use crate::contact::gap::edge::{Line, SkinPart, triangles_among};
 use crate::contact::gap::entry::{EntryGap, WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
@@ -292,14 +292,4 @@ fn take_edges(
             (at_near.distance[row], at_near.normal[row]);
     }
     taken.into_iter().map(|(row, line)| (near[row], line)).collect()
-}
-
-/// Triangles of the skin whose corners are all among `vertices`, as positions in that list.
-pub(crate) fn triangles_among(surface: &Surface, vertices: &[usize]) -> Vec<[u32; 3]> {
-    let row_of: HashMap<usize, u32> = vertices.iter().copied().zip(0..).collect();
-    let corners = |face: u32| {
-        let [a, b, c] = surface.faces()[face as usize].map(|vertex| row_of.get(&(vertex as usize)).copied());
-        Some([a?, b?, c?])
-    };
-    surface.faces_at(vertices).into_iter().filter_map(corners).collect()
 }

@@ -11,7 +11,7 @@ use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::reach::target::Quantity;
 use crate::contact::refine::meshes::Meshes;
-use crate::contact::report::digits::Digits;
+use crate::contact::report::digits::{Digits, Given};
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::report::warning::WarningKind;
 use crate::contact::scene::{Approach, Inherited, Scene, Touch};
@@ -165,8 +165,9 @@ impl OnMesh<'_> {
         if (found / value - 1.0).abs() > Search::CLOSE {
             let (name, unit) = quantity.name_and_unit();
             let message = format!(
-                "the {name} jumps there as the depth rises, and {} {unit} is the nearest to {value} {unit} that was found: a smaller `gap_tolerance` makes the jumps smaller",
-                Digits(found, 7)
+                "the {name} jumps there as the depth rises, and {} {unit} is the nearest to {} {unit} that was found: a smaller `gap_tolerance` makes the jumps smaller",
+                Digits(found, 7),
+                Given(value)
             );
             contact.warn(WarningKind::Refinement, message);
         }

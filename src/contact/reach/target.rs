@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::contact::error::ContactError;
 use crate::contact::outcome::Contact;
 use crate::contact::scene::Goal;
+use crate::geometry::bounds::LARGEST_COORDINATE;
 
 /// Power of the depth that the force of a round body rises with (Hertz).
 const HERTZ_POWER: f64 = 1.5;
@@ -40,7 +41,9 @@ impl Goal {
     /// [`ContactError::Depth`], [`ContactError::Goal`].
     pub(crate) fn aim(self) -> Result<Aim, ContactError> {
         let (quantity, value) = match self {
-            Self::Depth(depth) if depth >= 0.0 && depth.is_finite() => return Ok(Aim::Depth(depth)),
+            Self::Depth(depth) if (0.0..=LARGEST_COORDINATE).contains(&depth) => {
+                return Ok(Aim::Depth(depth));
+            }
             Self::Depth(depth) => return Err(ContactError::Depth { depth }),
             Self::Force(force) => (Quantity::Force, force),
             Self::Overlap(overlap) => (Quantity::Overlap, overlap),

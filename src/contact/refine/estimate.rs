@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::{mean_bulge, mean_edge};
+use crate::contact::figures::receding::Receding;
 use crate::contact::outcome::{Contact, RefinementKind};
 use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
@@ -42,6 +43,8 @@ const ON_RIM: f64 = 0.08;
 const AT_CUTS: [f64; 2] = [0.7, 2.0];
 /// Cells around a vertex and its neighbours, by which the deepest penetration between them is felt.
 const AROUND_DEEPEST: f64 = 10.0;
+/// Power of the depth that the force on a sphere goes with.
+const BY_DEPTH: f64 = 1.5;
 /// How a figure settles from round to round.
 #[derive(Debug, Clone, Copy)]
 struct Settling {
@@ -123,7 +126,7 @@ impl ErrorEstimate {
             // Always too high, of which no more than all is wrong.
             let [force, area] = [(ON_EDGE[0], steeper), (ON_EDGE[1], 1.0)]
                 .map(|((factor, power), more)| more * factor / (more * factor + cells.powf(power)));
-            return Self { force, area, pressure }.with_edges(contact).with_cuts(contact);
+            return Self { force, area, pressure }.with_shapes(contact).with_cuts(contact);
         }
         let deepest = contact.max_penetration_before;
         let late = |unfelt: f64| unfelt / (deepest - unfelt).max(0.0);
@@ -140,9 +143,9 @@ impl ErrorEstimate {
             }
         };
         // The powers that figures go with the depth of a sphere.
-        let [force, area, pressure] = [(force, 1.5 * steeper), (area, 1.0), (pressure, 0.5)]
+        let [force, area, pressure] = [(force, BY_DEPTH * steeper), (area, 1.0), (pressure, 0.5)]
             .map(|(of_cells, power)| add(of_cells, power * late));
-        Self { force, area, pressure }.with_edges(contact).with_cuts(contact)
+        Self { force, area, pressure }.with_shapes(contact).with_cuts(contact)
     }
 
     /// From the last two rounds; on a sharp edge from the last three.
@@ -167,17 +170,25 @@ impl ErrorEstimate {
             area: of_area.left(known.area_error, area, within_rim(before), within_rim(last)),
             pressure: of_peak.left(known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
         };
-        settling.with_edges(last)
+        settling.with_shapes(last)
     }
 
-    /// With what sharp edges of the skin and at the rim add: their shares go on falling with the cells.
-    fn with_edges(self, contact: &Contact) -> Self {
+    /// With what the shapes add that no number of cells tells: sharp edges of the skin and at the rim, whose shares go on falling
+    /// with the cells, and hollows of the obstacle between vertices, where what counts as touched is not.
+    fn with_shapes(self, contact: &Contact) -> Self {
         let of_skin = contact.clues.skin_edge.as_ref().map_or(0.0, |edge| ON_SKIN_EDGE * edge.share);
         let at_rim = match contact.accuracy.discretization {
             Discretization::Collocation => 0.0,
             Discretization::Galerkin => ON_RIM * contact.clues.ends_at_edges,
         };
-        Self { force: self.force + of_skin + at_rim, area: self.area + of_skin, ..self }
+        let Receding { share, height } = contact.clues.receding;
+        // As if all of the obstacle were that much farther away.
+        let late = BY_DEPTH * height / contact.max_penetration_before;
+        Self {
+            force: self.force + of_skin + at_rim + late,
+            area: self.area + of_skin + share,
+            pressure: self.pressure + share / (1.0 - share),
+        }
     }
 
     /// With what the end of the skin adds where it is under force.

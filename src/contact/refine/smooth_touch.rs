@@ -3,9 +3,10 @@
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
+use crate::contact::first_touch::first_touch;
 use crate::contact::options::ContactOptions;
 use crate::contact::refine::mark::with_pressed_middle;
-use crate::contact::scene::{Approach, Start, first_touch};
+use crate::contact::scene::{Approach, Start};
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 use crate::surface::refined::MeshRefinement;

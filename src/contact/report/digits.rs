@@ -8,6 +8,17 @@ pub(crate) struct Digits(pub f64, pub usize);
 /// Numbers from here to there are plain.
 const PLAIN: [f64; 2] = [1e-4, 1e6];
 
+/// A number as somebody gave it: plain where that is short, else with a power of ten.
+pub(crate) struct Given(pub f64);
+
+impl fmt::Display for Given {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value) = *self;
+        let is_plain = value == 0.0 || (PLAIN[0]..PLAIN[1]).contains(&value.abs());
+        if is_plain { write!(formatter, "{value}") } else { write!(formatter, "{value:e}") }
+    }
+}
+
 impl fmt::Display for Digits {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value, digits) = *self;
@@ -23,6 +34,13 @@ impl fmt::Display for Digits {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_given_is_told_as_short_as_it_is() {
+        let written =
+            [5.0, 0.25, -0.001, 0.0, 1e300, 1e-300, f64::INFINITY].map(|value| Given(value).to_string());
+        assert_eq!(written, ["5", "0.25", "-0.001", "0", "1e300", "1e-300", "inf"]);
+    }
 
     #[test]
     fn numbers_are_plain_where_that_is_short() {
