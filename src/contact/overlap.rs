@@ -2,6 +2,7 @@
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
+use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::scene::Placement;
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
@@ -12,11 +13,26 @@ use crate::surface::checked::Surface;
 /// Measured as [`solve_contact`](crate::contact::solve_contact) does: through a wall thinner than the depth back along the
 /// skin's inward normal to where the wall met the skin.
 ///
+/// * `options`: threads and search distance
+///
 /// # Errors
 /// [`ContactError`] where the obstacle cannot be measured.
-pub fn overlaps(surface: &Surface, obstacle: &Obstacle) -> Result<Vec<f64>, ContactError> {
+pub fn overlaps(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    options: &ContactOptions,
+) -> Result<Vec<f64>, ContactError> {
+    options.validate()?;
+    with_threads(options, || measured(surface, obstacle, options.search_distance))
+}
+
+fn measured(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    search_distance: Option<f64>,
+) -> Result<Vec<f64>, ContactError> {
     let scene = Placement { obstacle, press: None }.scene(surface)?;
-    let gaps = Gaps::measure(surface, &scene, None)?;
+    let gaps = Gaps::measure(surface, &scene, search_distance)?;
     let mut depths = vec![0.0; surface.vertices().len()];
     for &vertex in &gaps.penetrating {
         depths[vertex] = -gaps.distances()[vertex];

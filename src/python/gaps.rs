@@ -1,9 +1,11 @@
 //! Initial gaps as a response measures them, and depths of a skin in an obstacle.
 
 use super::arrays_out::vectors_out;
+use super::contact_options::PyContactOptions;
 use super::convert::{nodes, scalars};
 use super::errors::{IntoPyErr, ResponseError};
-use super::interrupt::detached;
+use super::forked::released;
+use super::interrupt::detached_with;
 use super::obstacle::PyObstacle;
 use super::skin::PySkin;
 use super::surface::PySurface;
@@ -25,9 +27,10 @@ pub(super) fn initial_gaps<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let surface = &surface.inner;
     let nodes = self::nodes(nodes, "nodes", surface.vertices().len(), ResponseError::new_err)?;
+    let distance = distance.clone().unbind();
     let traits = skin.elastic().traits(surface).map_err(IntoPyErr::into_py_err)?;
-    let measure = |points: &[Vector3<f64>]| {
-        let found = scalars(&distance.call1((vectors_out(py, points),))?, "distance(points)")?;
+    let measure = |py: Python<'_>, points: &[Vector3<f64>]| {
+        let found = scalars(&distance.bind(py).call1((vectors_out(py, points),))?, "distance(points)")?;
         if found.len() != points.len() || found.iter().any(|gap| !gap.is_finite()) {
             let message =
                 format!("distance(points) must return {} finite numbers, one per point", points.len());
@@ -35,7 +38,10 @@ pub(super) fn initial_gaps<'py>(
         }
         Ok(found)
     };
-    let gaps = response::initial_gaps(surface, traits.basis, traits.discretization, &nodes, measure)?;
+    let gaps = released(py, || {
+        let measure = |points: &[Vector3<f64>]| Python::attach(|py| measure(py, points));
+        response::initial_gaps(surface, traits.basis, traits.discretization, &nodes, measure)
+    })?;
     Ok(PyArray1::from_vec(py, gaps))
 }
 
@@ -45,8 +51,10 @@ pub(super) fn overlaps<'py>(
     py: Python<'py>,
     surface: &PySurface,
     obstacle: &PyObstacle,
+    options: &PyContactOptions,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let (surface, obstacle) = (&surface.inner, &obstacle.inner);
-    let found = detached(py, |_| contact::overlaps(surface, obstacle))?.map_err(IntoPyErr::into_py_err)?;
+    let (surface, obstacle, options) = (&surface.inner, &obstacle.inner, &options.0);
+    let measure = |_: &(dyn Fn() -> bool + Sync)| contact::overlaps(surface, obstacle, options);
+    let found = detached_with(py, options.num_threads, measure)?.map_err(IntoPyErr::into_py_err)?;
     Ok(PyArray1::from_vec(py, found))
 }

@@ -212,7 +212,7 @@ fn a_sheet_stands_in_the_skin_that_it_is_nearer_to_and_not_in_that_on_the_other_
     // The lower face of a sheet that came in from above.
     let level = 0.3e-3;
     let sheet = box_of([20e-3, 20e-3, 0.1e-3]).translated(&Vector3::new(0.0, 0.0, level + 0.1e-3));
-    let depths = overlaps(&lens, &sheet).unwrap();
+    let depths = overlaps(&lens, &sheet, &ContactOptions::default()).unwrap();
     // Beside its rim the lens is too thin to tell its sides apart.
     let in_middle = |x: &Vector3<f64>| x.x.hypot(x.y) < 2.0 * half_breadth;
     let middle = depths.iter().zip(lens.vertices()).filter(|(_, x)| in_middle(x));
@@ -235,7 +235,7 @@ fn how_deep_a_finger_stands_does_not_hang_on_another_one() {
     let sheet = |x: f64, depth: f64| (Vector3::new(x, 0.0, radius - depth + 0.1e-3), [15e-3, 15e-3, 0.1e-3]);
     let depths = |other: f64| {
         let product = meshes_of(&[sheet(0.0, 1.5e-3), sheet(0.0, 4e-3), sheet(apart, other)]);
-        overlaps(&fingers, &product).unwrap()
+        overlaps(&fingers, &product, &ContactOptions::default()).unwrap()
     };
     let (shallow, deep) = (depths(1.5e-3), depths(3.5e-3));
     let [of_first, of_other] = [0..ball.len(), ball.len()..2 * ball.len()];

@@ -337,6 +337,9 @@ def test_a_summary_tells_no_mean_over_less_than_a_cell() -> None:
     lines = contact_summary(contact).splitlines()
     (coarse,) = (line for line in lines if line.startswith("mean pressure over 1 mm²"))
     assert coarse.endswith("not resolved: mesh too coarse")
+    of_cm, of_mm = contact_record(contact)["mean_pressure"]
+    assert of_cm["value"] == contact.mean_pressure(1e-4)
+    assert of_mm["value"] is None
     (fine,) = (line for line in lines if line.startswith("mean pressure over 1 cm²"))
     assert fine.endswith(f"{1e-3 * contact.mean_pressure(1e-4):.4g} kPa")
 

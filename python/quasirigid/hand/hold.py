@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _core
 from ..contact.ending import ContactStatus
+from ..contact.options import options_to_core
 from ..contact.press import solve_quietly
 from ..errors import HandError
 from ..obstacle import Obstacle
@@ -265,7 +266,8 @@ class Hold:
 
     def _overlaps(self) -> Floats:
         """Return how deep each digit stands in the product (m), through a wall thinner than that too."""
-        deep = _core.overlaps(self.closing.posed(self.shares).surface, self.obstacle)
+        surface = self.closing.posed(self.shares).surface
+        deep = _core.overlaps(surface, self.obstacle, options_to_core(self.options))
         return np.array([deep[vertices].max(initial=0.0) for vertices in self.closing.vertices])
 
     def _finish(self) -> None:

@@ -73,8 +73,8 @@ _ACCURACY = dict.fromkeys(
 PATCH_UNITS = {
     name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
 } | {"mean_pressure": "Pa"}
-# Areas (m²) of the discs over which the whole contact has its mean pressures.
-MEAN_AREAS = (1e-4, 1e-6)
+# Areas (m²) over which the whole contact has its mean pressures.
+MEAN_AREAS = {"1 cm²": 1e-4, "1 mm²": 1e-6}
 
 
 def contact_record(contact: Contact, *, unreached: str | None = None) -> dict[str, Any]:
@@ -100,7 +100,8 @@ def contact_record(contact: Contact, *, unreached: str | None = None) -> dict[st
         "advice": contact.advice if unreached is None else unreached,
         **figures(contact, _CONTACT),
         "mean_pressure": [
-            figure(contact.mean_pressure(area), "Pa") | {"area": figure(area, "m^2")} for area in MEAN_AREAS
+            figure(mean_pressure(contact, area), "Pa") | {"area": figure(area, "m^2")}
+            for area in MEAN_AREAS.values()
         ],
         "vertices": len(contact.pressure),
         "given_vertex_count": contact.given_vertex_count,
@@ -114,6 +115,12 @@ def contact_record(contact: Contact, *, unreached: str | None = None) -> dict[st
         "left_out": [{"what": what, "why": why} for what, why in contact.left_out],
         "product": _product(contact),
     }
+
+
+def mean_pressure(contact: Contact, area: float) -> float | None:
+    """Return the largest mean pressure over an area (m²); None where the cells of the mesh are larger."""
+    is_resolved = contact.contact_area <= area * len(contact.active)
+    return contact.mean_pressure(area) if is_resolved else None
 
 
 def warnings_record(warnings: Iterable[Warned]) -> list[dict[str, str]]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .._text import aligned, as_percent
 from .._units import KPA, MM
+from .record import MEAN_AREAS, mean_pressure
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -232,8 +233,7 @@ def _rows(contact: Contact) -> dict[str, str]:
         "contact area": f"{contact.contact_area * MM**2:.4g} mm²" + with_error(accuracy.area_error, infinite),
         "peak pressure": f"{contact.max_pressure * KPA:.4g} kPa"
         + with_error(accuracy.max_pressure_error, infinite),
-        "mean pressure over 1 cm²": _mean_pressure(contact, 1e-4),
-        "mean pressure over 1 mm²": _mean_pressure(contact, 1e-6),
+        **{f"mean pressure over {disc}": _mean_pressure(contact, area) for disc, area in MEAN_AREAS.items()},
         "overlap before": f"{contact.max_penetration_before * MM:.4g} mm",
         "overlap after": f"{contact.max_penetration_after * MM:.2g} mm",
         **_share(contact),
@@ -254,10 +254,9 @@ def _way(contact: Contact) -> dict[str, str]:
 
 
 def _mean_pressure(contact: Contact, area: float) -> str:
-    """Return the largest mean pressure over an area (m²), unless the cells of the mesh are larger."""
-    if contact.contact_area > area * len(contact.active):
-        return "not resolved: mesh too coarse"
-    return f"{contact.mean_pressure(area) * KPA:.4g} kPa"
+    """Return the largest mean pressure over an area (m²), where the mesh resolves it."""
+    found = mean_pressure(contact, area)
+    return "not resolved: mesh too coarse" if found is None else f"{found * KPA:.4g} kPa"
 
 
 def _share(contact: Contact) -> dict[str, str]:

@@ -9,6 +9,7 @@
 //! product's mesh, so `R_P = W M Wᵀ` times the cosines between the normals, W the weights of these vertices at the point
 //! of the product opposite each node.
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 use faer::Mat;
@@ -21,7 +22,9 @@ use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::{BodyDoubt, lost_displacement};
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
-use crate::response::matrix::displaced::displaced;
+use crate::response::matrix::displaced::displaced_at;
+use crate::response::matrix::fill::{fill_items, filled_columns};
+use crate::response::matrix::options::AssemblyOptions;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::surface::checked::Surface;
@@ -100,18 +103,15 @@ impl GivenProduct<'_> {
         vertices.iter().map(around).sum::<f64>() / vertices.len() as f64
     }
 
-    /// `W M Wᵀ` between two sets of vertices of the skin (m/N).
-    fn block(&self, rows: &[usize], columns: &[usize]) -> Mat<f64> {
-        let matrix = self.given.response_matrix();
-        let weights =
-            |vertices: &[usize]| vertices.iter().map(|&vertex| self.rows(vertex)).collect::<Vec<_>>();
-        let (left, right) = (weights(rows), weights(columns));
-        Mat::from_fn(rows.len(), columns.len(), |i, j| {
-            let along = |&(row, weight): &(usize, f64)| {
-                weight * right[j].iter().map(|&(column, other)| other * matrix[(row, column)]).sum::<f64>()
-            };
-            left[i].iter().map(along).sum()
-        })
+    /// Those of several vertices.
+    fn rows_of(
+        &self,
+        vertices: &[usize],
+        options: &AssemblyOptions,
+    ) -> Result<Vec<Vec<(usize, f64)>>, ResponseError> {
+        let mut rows = vec![Vec::new(); vertices.len()];
+        fill_items(&mut rows, options, || (), |(), at, rows| *rows = self.rows(vertices[at]))?;
+        Ok(rows)
     }
 }
 
@@ -153,7 +153,19 @@ impl ElasticSkin for GivenProduct<'_> {
             let (missing, known) = (1 + unknown.count(), self.given.nodes().list().len());
             return Err(ResponseError::ProductNotKnown { vertex, product_vertex, missing, known });
         }
-        Ok(self.block(asked.nodes, asked.nodes))
+        // W M Wᵀ
+        let matrix = self.given.response_matrix();
+        let weights = self.rows_of(asked.nodes, asked.options)?;
+        let fill = |(): &mut (), j: usize, entries: &mut [f64]| {
+            for (entry, rows) in entries.iter_mut().zip(&weights) {
+                let along = |&(row, weight): &(usize, f64)| {
+                    let others = weights[j].iter().map(|&(column, other)| other * matrix[(row, column)]);
+                    weight * others.sum::<f64>()
+                };
+                *entry = rows.iter().map(along).sum();
+            }
+        };
+        filled_columns([asked.nodes.len(); 2], asked.options, || (), fill)
     }
 
     fn displace(
@@ -162,7 +174,20 @@ impl ElasticSkin for GivenProduct<'_> {
         forces: &[Vector3<f64>],
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        let block = self.block(vertices, asked.nodes);
-        Ok(displaced(&block, forces))
+        // W (M (Wᵀ f))
+        let mut on_product = BTreeMap::new();
+        for (rows, force) in self.rows_of(asked.nodes, asked.options)?.into_iter().zip(forces) {
+            for (row, weight) in rows {
+                *on_product.entry(row).or_insert_with(Vector3::zeros) += weight * force;
+            }
+        }
+        let (columns, pushed): (Vec<usize>, Vec<Vector3<f64>>) = on_product.into_iter().unzip();
+        let matrix = self.given.response_matrix();
+        let weights = self.rows_of(vertices, asked.options)?;
+        let places: Vec<usize> = weights.iter().flatten().map(|&(row, _)| row).collect();
+        let moved = displaced_at(&places, |column| matrix.col_as_slice(columns[column]), &pushed);
+        let mut moved = moved.into_iter();
+        let sum = |rows: &Vec<(usize, f64)>| rows.iter().zip(&mut moved).map(|((_, w), u)| *w * u).sum();
+        Ok(weights.iter().map(sum).collect())
     }
 }
