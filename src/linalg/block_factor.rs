@@ -239,9 +239,10 @@ mod tests {
                 |rows: &[usize], columns: &[usize]| Dense::gather(m.as_ref(), rows, columns, &|| false);
             let set: Vec<usize> = (0..400).collect();
             let own = block(&set, &set);
-            let factor = match is_symmetric {
-                true => Factor::Cholesky(Cholesky::new(own, &|| false).expect("definite")),
-                false => Factor::Lu(Lu::new(own, &|| false).expect("regular")),
+            let factor = if is_symmetric {
+                Factor::Cholesky(Cholesky::new(own, &|| false).expect("definite"))
+            } else {
+                Factor::Lu(Lu::new(own, &|| false).expect("regular"))
             };
             let mut factor = BlockFactor::new(&set, factor);
             let wanted = |i: &usize| i % 17 != 3 && *i < 400 || (440..455).contains(i);

@@ -38,7 +38,7 @@ class ContactOptions:
         the mesh is refined around the contact until then. Of several patches the force is what they carry
         each by itself, as in a grasp they balance and little is left in all. On a sharp edge of the product,
         where force and area settle slowly, it ends with a warning once the skin held on the edge is no
-        broader than 2.2 times the depth times the root of the target. None: the mesh is taken as it is.
+        broader than 2.1 times the depth times the root of the target. None: the mesh is taken as it is.
     max_nodes : int
         Most contact nodes of a refined mesh.
     gap_tolerance : float

@@ -108,9 +108,10 @@ fn solve_on(
     let at_candidates = gaps.at(&candidates)?;
     let on_product = response.on_product(&candidates, &at_candidates.normal);
     let mut forces = NodeForces::none(gaps, candidates, fingers, on_product, at_candidates);
-    let groups = match response.has_product() {
-        true => vec![forces.candidates.clone()],
-        false => uncoupled_groups(gaps.surface, &forces.fingers, traits.reach),
+    let groups = if response.has_product() {
+        vec![forces.candidates.clone()]
+    } else {
+        uncoupled_groups(gaps.surface, &forces.fingers, traits.reach)
     };
     let problem = GroupProblem { gaps, response, guess, options };
     for group in groups {

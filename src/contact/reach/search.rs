@@ -259,14 +259,12 @@ mod tests {
     fn kinks_and_a_start_without_value_are_overcome() {
         let kinked = |x: f64| if x < 2.0 { x } else { 2.0 + 30.0 * (x - 2.0) };
         let (trials, found) = count(&search(3.0), kinked);
-        println!("{trials} trials");
         // A value to 1e-6 of 3 with slope 30.
-        assert!((found - (2.0 + 1.0 / 30.0)).abs() <= 1e-7 + 4.0 * f64::EPSILON);
+        assert!(trials <= MAX_TRIALS && (found - (2.0 + 1.0 / 30.0)).abs() <= 1e-7 + 4.0 * f64::EPSILON);
         let late = |x: f64| (x - 5.0).max(0.0).powf(1.5);
         let (trials, found) = count(&search(1.0), late);
-        println!("{trials} trials");
         // To 1e-6 of 1 with slope 1.5.
-        assert!((found - 6.0).abs() < 1e-6);
+        assert!(trials <= MAX_TRIALS && (found - 6.0).abs() < 1e-6);
     }
 
     #[test]
