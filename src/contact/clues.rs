@@ -25,6 +25,8 @@ pub(crate) struct Clues {
     pub skin_edge: Option<LoadedEdge>,
     /// Share of the area under force that ends at sharp edges of the obstacle.
     pub ends_at_edges: f64,
+    /// Whether the obstacle is met between vertices alone, by nothing sharp: it is smaller there than a triangle.
+    pub is_between: bool,
     /// Whether gaps taken anew at the deformed skin led to no better answer.
     pub is_unsettled: bool,
     /// How far off the obstacle the force acts in the mean, as a share of the penetration before.

@@ -98,6 +98,8 @@ impl Contact {
             ends.iter().for_each(|ends| report.note_edge(whose, ends));
         }
         let area_within_rim = within_rim.iter().sum();
+        let is_blunt = |&vertex: &usize| gaps.line_at(vertex).is_some_and(|line| !line.is_sharp);
+        let is_between = forces.active.iter().all(is_blunt);
         let clues = Clues {
             deepest: gaps.deepest_vertex,
             area_within_rim,
@@ -107,6 +109,7 @@ impl Contact {
             edge,
             skin_edge,
             ends_at_edges: on_edges.share,
+            is_between,
             is_unsettled: report.is_unsettled,
             apart: left.apart / gaps.deepest(),
             receding: left.receding,

@@ -152,8 +152,10 @@ impl RedGreen {
             let mut leaves = std::mem::take(&mut beside);
             leaves.sort_unstable();
             leaves.dedup();
-            for leaf in leaves {
-                match self.fate(mesh, leaf as usize) {
+            // All of them as the mesh is now, so that none hangs on which comes first.
+            let fates: Vec<Fate> = leaves.iter().map(|&leaf| self.fate(mesh, leaf as usize)).collect();
+            for (leaf, fate) in leaves.into_iter().zip(fates) {
+                match fate {
                     Fate::Stays(_) => {}
                     Fate::HalvesToo(ends) => {
                         self.take_across(mesh, leaf as usize);
@@ -323,4 +325,54 @@ pub(crate) fn smallest_angle(corners: [Vector3<f64>; 3]) -> f64 {
         u.cross(&v).norm().atan2(u.dot(&v))
     };
     angle(0).min(angle(1)).min(angle(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use crate::sample::{Random, jittered_grid};
+    use crate::surface::checked::Surface;
+    use crate::surface::refined::MeshRefinement;
+
+    /// Middles of the triangles after three rounds around a corner of slender triangles.
+    fn middles(surface: &Surface) -> Vec<[i64; 3]> {
+        let mut mesh = MeshRefinement::new(surface, []);
+        for round in 0..3 {
+            mesh.take(0..surface.faces().len() as u32);
+            let whole = mesh.whole().surface;
+            let is_near = |leaf: usize| {
+                let corners = mesh.corners(leaf).map(|corner| whole.vertices()[corner]);
+                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+                (middle - Vector3::new(5.1, 1.3, 0.0)).norm() < 2.5 - 0.6 * f64::from(round)
+            };
+            let marked: Vec<bool> = (0..mesh.leaf_count()).map(is_near).collect();
+            mesh.refine(&marked);
+        }
+        let whole = mesh.whole().surface;
+        let middle = |face: &[u32; 3]| {
+            let sum: Vector3<f64> = face.iter().map(|&corner| whole.vertices()[corner as usize]).sum();
+            [sum.x, sum.y, sum.z].map(|x| (1e7 * x).round() as i64)
+        };
+        let mut middles: Vec<[i64; 3]> = whole.faces().iter().map(middle).collect();
+        middles.sort_unstable();
+        middles
+    }
+
+    #[test]
+    fn no_cut_hangs_on_the_numbering() {
+        let mut random = Random(11);
+        for _ in 0..20 {
+            let (mut vertices, faces) = jittered_grid(12, 1.0, 0.45, &mut random);
+            vertices.iter_mut().for_each(|vertex| vertex.y *= 0.3);
+            let given = Surface::new(vertices.clone(), faces.clone()).expect("a valid surface");
+            let numbers = random.permutation(vertices.len());
+            let mut renumbered = vertices.clone();
+            numbers.iter().zip(&vertices).for_each(|(&number, vertex)| renumbered[number] = *vertex);
+            let order = random.permutation(faces.len());
+            let faces = order.iter().map(|&face| faces[face].map(|vertex| numbers[vertex as usize] as u32));
+            let other = Surface::new(renumbered, faces.collect()).expect("a valid surface");
+            assert_eq!(middles(&given), middles(&other));
+        }
+    }
 }

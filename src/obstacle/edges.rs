@@ -51,6 +51,16 @@ impl Obstacle {
         own.iter().filter(move |corner| corner.dot(&local) >= least).map(move |corner| pose.to_world(corner))
     }
 
+    /// Vertices of a mesh within a box.
+    pub(crate) fn corners_within(&self, bounds: &Bounds) -> impl Iterator<Item = Vector3<f64>> {
+        let own = match self.shape() {
+            Shape::Mesh(mesh) => mesh.vertices(),
+            Shape::Primitive(_) => &[],
+        };
+        let pose = self.pose_matrix();
+        own.iter().map(move |corner| pose.to_world(corner)).filter(|corner| bounds.contains(corner))
+    }
+
     /// The convex edges of a mesh that are not sharp, may meet a box in its own frame and lie between faces that face a plane
     /// with that outward unit normal.
     ///

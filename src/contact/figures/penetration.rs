@@ -18,6 +18,9 @@ use crate::response::skin::elastic::ElasticSkin;
 /// Penetration left that is next to none, as a share of that before.
 pub(crate) const SMALL_PENETRATION: f64 = 0.02;
 
+/// Share of that from which a closer look may find more.
+const NEARLY_SMALL: f64 = 0.75;
+
 /// What penetration is left.
 #[derive(Debug, Clone)]
 pub(crate) struct Penetration {
@@ -78,7 +81,13 @@ pub(crate) fn penetration_after(
     let at_vertices = depths.iter().copied().fold(0.0, f64::max);
     let of_edges = moved_skin.deepest_between(&gaps.scene.obstacle, reach, at_vertices, &measured.distance);
     let between = PointsBetween::new(&points, &depths, &triangles);
-    let Between { deepest: depth, middles } = between.look(&gaps.scene.obstacle, of_edges)?;
+    let Between { deepest, middles } = between.look(&gaps.scene.obstacle, of_edges)?;
+    // The figure that a warning tells is worth a closer look.
+    let depth = if deepest > NEARLY_SMALL * SMALL_PENETRATION * reach {
+        moved_skin.deepest_inside(&gaps.scene.obstacle, reach, deepest)
+    } else {
+        deepest
+    };
     let is_at_vertex = at_vertices >= depth;
     let pressure_at = |&vertex: &usize| match gaps.line_at(vertex) {
         None => forces.force[vertex] / surface.vertex_areas()[vertex],

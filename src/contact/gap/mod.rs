@@ -10,6 +10,7 @@ pub(crate) mod deepest;
 pub(crate) mod edge;
 pub(crate) mod entry;
 pub(crate) mod initial;
+pub(crate) mod inside;
 pub(crate) mod measured;
 pub(crate) mod touch;
 mod under;

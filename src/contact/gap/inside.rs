@@ -1,0 +1,103 @@
+//! How deep corners and sharp edges of the obstacle stand in the skin.
+
+use std::collections::{HashMap, HashSet};
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::contact::gap::edge::SkinPart;
+use crate::geometry::bounds::Bounds;
+use crate::geometry::face_tree::{Faces, face_normals, face_tree};
+use crate::obstacle::posed::Obstacle;
+
+/// Points of an edge per length of an edge of the skin.
+const POINTS_PER_EDGE: f64 = 6.0;
+
+/// Points that one task looks at.
+const POINTS_PER_TASK: usize = 64;
+
+impl SkinPart<'_> {
+    /// How deep (m) corners of a mesh and points of sharp edges stand in the skin at the most; `least` (m) where none is
+    /// deeper.
+    ///
+    /// In a groove of the skin the deepest of an edge lies under no triangle, but nearest to the ground between two.
+    ///
+    /// * `reach`: depth (m) that none exceeds
+    pub fn deepest_inside(&self, obstacle: &Obstacle, reach: f64, least: f64) -> f64 {
+        let around = Bounds::around(self.points).grown(reach);
+        let mut points: Vec<Vector3<f64>> = obstacle.corners_within(&around).collect();
+        let spacing = self.mean_edge() / POINTS_PER_EDGE;
+        for edge in obstacle.sharp_edges() {
+            let [from, to] = edge.ends;
+            if Bounds::around(&edge.ends).meets(&around) {
+                let parts = ((to - from).norm() / spacing).ceil();
+                let along = (0..=parts as usize).map(|part| from + part as f64 / parts * (to - from));
+                points.extend(along.filter(|point| around.contains(point)));
+            }
+        }
+        let tree = face_tree(self.points, self.triangles);
+        let normals = face_normals(self.points, self.triangles);
+        let faces = Faces { vertices: self.points, corners: self.triangles, normals: &normals };
+        let border = self.border();
+        let depth = |point: &Vector3<f64>| {
+            let (face, closest) = faces.closest_to_point(&tree, point, reach)?;
+            let out = closest.point - point;
+            // Beyond the border there is more skin, or none.
+            let is_inside = self.triangles[face].iter().all(|corner| !border.contains(corner));
+            (is_inside && out.dot(&normals[face]) > 0.0).then(|| out.norm())
+        };
+        let depths = points.par_iter().with_min_len(POINTS_PER_TASK).filter_map(depth);
+        depths.reduce(|| least, f64::max)
+    }
+
+    /// Mean length of the edges (m).
+    fn mean_edge(&self) -> f64 {
+        let point = |corner: u32| self.points[corner as usize];
+        let edges = self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let sum: f64 = edges.map(|[from, to]| (point(to) - point(from)).norm()).sum();
+        sum / (3 * self.triangles.len()) as f64
+    }
+
+    /// Vertices on edges of one triangle alone.
+    fn border(&self) -> HashSet<u32> {
+        let mut count: HashMap<[u32; 2], usize> = HashMap::with_capacity(2 * self.triangles.len());
+        for &[a, b, c] in self.triangles {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                *count.entry([from.min(to), from.max(to)]).or_default() += 1;
+            }
+        }
+        count.into_iter().filter(|(_, count)| *count == 1).flat_map(|(ends, _)| ends).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    use super::*;
+    use crate::sample::grid;
+
+    #[test]
+    fn an_edge_below_the_ground_of_a_groove_is_as_deep_as_it_is_far_from_that() {
+        let (mut points, triangles) = grid(8, 8, 0.25);
+        for point in &mut points {
+            *point -= Vector3::new(1.0, 1.0, 0.0);
+            point.z = 0.5 * point.x.abs();
+        }
+        let skin = SkinPart { points: &points, triangles: &triangles };
+        let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::y_axis(), FRAC_PI_4);
+        let edge_at = |depth: f64| {
+            let shift = Vector3::new(0.0, 0.1, 2f64.sqrt() - depth);
+            Obstacle::cuboid(Vector3::repeat(1.0))
+                .expect("a box")
+                .moved(turn.matrix(), &shift)
+                .expect("a turn")
+        };
+        let distance = vec![0.0; points.len()];
+        let of_triangles = skin.deepest_between(&edge_at(0.1), 0.5, 0.0, &distance);
+        assert!(of_triangles < 0.099, "{of_triangles}");
+        assert!((skin.deepest_inside(&edge_at(0.1), 0.5, 0.0) - 0.1).abs() < 1e-12);
+        assert_eq!(skin.deepest_inside(&edge_at(0.1), 0.5, 0.2), 0.2);
+        assert_eq!(skin.deepest_inside(&edge_at(-0.1), 0.5, 0.0), 0.0);
+    }
+}
