@@ -30,6 +30,19 @@ def grid(cells: int, spacing: float) -> Mesh:
     return points.reshape(-1, 3), np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)])
 
 
+def slab(top: Mesh, thickness: float) -> Mesh:
+    """Closed mesh from an open one, seen from +z, down to a plane below it; the top comes first."""
+    points, faces = top
+    ground = points.copy()
+    ground[:, 2] = points[:, 2].min() - thickness
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    _, number, count = np.unique(np.sort(edges), axis=0, return_inverse=True, return_counts=True)
+    a, b = edges[count[number.ravel()] == 1].T
+    below = len(points)
+    sides = [np.stack([b, a, a + below], -1), np.stack([b, a + below, b + below], -1)]
+    return np.concatenate([points, ground]), np.concatenate([faces, faces[:, ::-1] + below, *sides])
+
+
 def ball(radius: float, subdivisions: int) -> Mesh:
     """Icosphere whose lowest point is near the origin."""
     g = (1 + 5**0.5) / 2

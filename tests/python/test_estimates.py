@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import AS_GIVEN, ball, grid
+from shapes import AS_GIVEN, ball, grid, slab
 
 UP = [0.0, 0.0, 1.0]
 FINE = qr.ContactOptions(target_error=0.004)
@@ -202,16 +202,8 @@ def knurled(pitch: float, height: float, radius: float, cells: int, spacing: flo
     """A slab with a domed top, with bumps of a height from ground to top along each of x and y."""
     points, faces = grid(cells, spacing)
     waves = 2.0 - np.cos(2 * np.pi * points[:, :2] / pitch).sum(axis=1)
-    top, low = points.copy(), points - [0.0, 0.0, 5e-3]
-    top[:, 2] = -(points[:, :2] ** 2).sum(axis=1) / (2 * radius) - 0.5 * height * waves
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    _, number, count = np.unique(np.sort(edges), axis=0, return_inverse=True, return_counts=True)
-    a, b = edges[count[number.ravel()] == 1].T
-    below = len(points)
-    sides = np.concatenate([np.stack([b, a, a + below], -1), np.stack([b, a + below, b + below], -1)])
-    return qr.Obstacle.mesh(
-        np.concatenate([top, low]), np.concatenate([faces, faces[:, ::-1] + below, sides])
-    )
+    points[:, 2] = -(points[:, :2] ** 2).sum(axis=1) / (2 * radius) - 0.5 * height * waves
+    return qr.Obstacle.mesh(*slab((points, faces), 5e-3))
 
 
 def test_bumps_at_the_pitch_of_the_skin_are_told_from_a_smooth_product() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quasirigid as qr
+from shapes import grid, slab
 
 UP = (0, 0, 1)
 PLATE = qr.Obstacle.half_space([0, 0, -0.05], UP)
@@ -88,3 +89,22 @@ def test_a_uniform_pressure_reaches_the_bone(tip: qr.Surface) -> None:
 def test_coarse_edges_that_cannot_be_are_refused(tip: qr.Surface, length: float) -> None:
     with pytest.raises(qr.ResponseError, match=r"coarse edge length .* up to the size of the body"):
         skin_of(tip, length).prepared(tip, pad(tip))
+
+
+@pytest.mark.parametrize("coarse_edge_length", [None, 0.0])
+def test_a_pad_that_is_held_from_behind_is_the_layer_that_it_is(coarse_edge_length: float | None) -> None:
+    spacing, thickness = 1.8e-3, 5e-3
+    points, faces = slab(grid(24, spacing), thickness)
+    pad = qr.Surface(points, faces)
+    body = qr.Body(fixed=points[:, 2] < -0.5 * thickness, coarse_edge_length=coarse_edge_length)
+    middle = np.flatnonzero((points[:, 2] == 0.0) & (np.abs(points).max(axis=1) < 9e-3))
+    ball = qr.Obstacle.sphere([1e-4, 5e-5, 0.4], 0.3)
+
+    def force(surface: qr.Surface, response: qr.Body | qr.Layer, nodes: np.ndarray | None = None) -> float:
+        skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.45, response=response)
+        answering = skin if nodes is None else skin.prepared(surface, nodes)
+        contact = qr.press(surface, ball, answering, [0, 0, -1], depth=0.06e-3)
+        return float(-contact.force[2])
+
+    layer = force(qr.Surface(*grid(24, spacing)), qr.Layer(thickness=thickness))
+    assert force(pad, body, middle) == pytest.approx(layer, rel=0.03)

@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Vector3};
 use crate::response::body::levels::coarseness::{BodyDoubt, Coarseness};
 use crate::response::body::levels::on_mesh::BodyOnMesh;
 use crate::response::body::levels::one_level::OneLevel;
-use crate::response::body::levels::sizing::{OnCoarse, tissue_thickness};
+use crate::response::body::levels::sizing::OnCoarse;
 use crate::response::body::levels::two_levels::TwoLevels;
 use crate::response::body::options::BodyOptions;
 use crate::response::body::solve::Body;
@@ -47,10 +47,13 @@ impl PreparedBody {
     ) -> Result<Self, ResponseError> {
         options.with_threads(|options| {
             let levels = match body.coarse_skin(surface, nodes, options.interrupt)? {
-                None => Levels::One(OneLevel {
-                    compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
-                    thickness: body.bone.as_ref().map(|bone| tissue_thickness(surface, bone).into()),
-                }),
+                None => {
+                    let held = body.held_vertices(surface)?;
+                    Levels::One(OneLevel {
+                        compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
+                        thickness: body.tissue_thickness(surface, &held).map(Into::into),
+                    })
+                }
                 Some(OnCoarse { skin, fixed, nodes }) => {
                     let material = [shear_modulus, poisson_ratio];
                     let two = TwoLevels::solve(body, surface, skin, &fixed, material, &nodes, options)?;

@@ -73,14 +73,14 @@ pub(crate) struct Coarseness {
 }
 
 impl Coarseness {
-    /// * `thickness`: `None` without bone
+    /// * `thickness`: `None` where nothing is behind the tissue
     pub fn new(
         skin: &Surface,
         edges: Arc<[f64]>,
         thickness: Option<&Arc<[f64]>>,
         poisson_ratio: f64,
     ) -> Self {
-        // 2 V / A: the mean thickness of what has no bone.
+        // 2 V / A: the mean thickness.
         let widest = 2.0 * skin.volume() / skin.area();
         let thickness = thickness.map_or_else(|| vec![widest; edges.len()].into(), Arc::clone);
         Self { edges, thickness, poisson_ratio }

@@ -43,7 +43,7 @@ const EVEN_LOAD: f64 = 3.921;
 #[derive(Debug, Clone)]
 pub(crate) struct NearKernel {
     half_space: KernelSkin,
-    /// The layer over the bone; `None` without bone.
+    /// The layer over what does not move; `None` without any.
     layer: Option<KernelSkin>,
 }
 
@@ -194,7 +194,7 @@ impl NearKernel {
         Ok(moved)
     }
 
-    /// The layer, or the half-space without bone.
+    /// The layer, or the half-space without one.
     pub(super) fn scalar_kernel(&self) -> &KernelSkin {
         self.layer.as_ref().unwrap_or(&self.half_space)
     }

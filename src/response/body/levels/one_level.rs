@@ -21,7 +21,7 @@ use crate::surface::checked::Surface;
 pub struct OneLevel {
     /// Displacement of the whole skin per unit force at the nodes.
     pub compliance: BodyCompliance,
-    /// Thickness of the tissue at each vertex of the skin (n, m); `None` without bone.
+    /// Thickness of the tissue at each vertex of the skin (n, m); `None` where nothing is behind it.
     pub thickness: Option<Arc<[f64]>>,
 }
 

@@ -2,9 +2,10 @@
 
 use std::time::Instant;
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::geometry::face_tree::{face_tree, find_crossings};
+use crate::geometry::face_tree::{Faces, face_normals, face_tree, find_crossings};
 use crate::response::body::check::distance::crossings;
 use crate::response::body::check::tissue::{check_nodes, check_uncrossed};
 use crate::response::body::error::BodyError;
@@ -44,15 +45,48 @@ const STEPS: u32 = 20;
 /// The same for the edges of a coarse bone.
 const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
 
+/// What is held is behind skin that it faces away from: above this cosine between the normals it is beside it.
+const BEHIND: f64 = -0.5;
+
+/// What is held farther away than so many mean thicknesses of the body is as good as not there.
+const HELD_WITHIN: f64 = 1.5;
+
 /// Thickness of the tissue (n, m): distance of each vertex of the skin from the bone, or of the bone from the skin. It
 /// varies no faster than the surface runs, so it needs no smoothing.
-pub(crate) fn tissue_thickness(skin: &Surface, bone: &Surface) -> Vec<f64> {
+fn tissue_thickness(skin: &Surface, bone: &Surface) -> Vec<f64> {
     let (faces, tree) = (bone.as_faces(), face_tree(bone.vertices(), bone.faces()));
     let distance = |point| {
         let (_, closest) = faces.closest_to_point(&tree, point, f64::INFINITY).expect("a bone has faces");
         closest.distance_squared.sqrt()
     };
     skin.vertices().par_iter().map(distance).collect()
+}
+
+/// The same (n, m) in tissue without bone over what is held behind it, as a pad that is glued to a plate; `None` where nothing is.
+///
+/// * `is_held`: vertices that do not move (n)
+fn thickness_over_held(skin: &Surface, is_held: &[bool]) -> Option<Vec<f64>> {
+    let held = skin.faces().iter().filter(|face| face.iter().all(|&corner| is_held[corner as usize]));
+    let held: Vec<[u32; 3]> = held.copied().collect();
+    let normals = face_normals(skin.vertices(), &held);
+    let (faces, tree) = (
+        Faces { vertices: skin.vertices(), corners: &held, normals: &normals },
+        face_tree(skin.vertices(), &held),
+    );
+    let reach = HELD_WITHIN * mean_thickness(skin);
+    let distance = |(point, normal): (&Vector3<f64>, &Vector3<f64>)| {
+        let (face, closest) = faces.closest_to_point(&tree, point, reach)?;
+        (normals[face].dot(normal) < BEHIND).then(|| closest.distance_squared.sqrt().min(reach))
+    };
+    let found: Vec<Option<f64>> =
+        skin.vertices().par_iter().zip(skin.vertex_normals()).map(distance).collect();
+    let moves_over_held = (0..found.len()).any(|vertex| !is_held[vertex] && found[vertex].is_some());
+    moves_over_held.then(|| found.into_iter().map(|distance| distance.unwrap_or(reach)).collect())
+}
+
+/// 2 V / A: the mean thickness (m) of what has no bone within reach.
+fn mean_thickness(skin: &Surface) -> f64 {
+    2.0 * skin.volume() / skin.area()
 }
 
 /// Vertices of equilateral triangles with edges of so many m (n).
@@ -180,6 +214,16 @@ struct Refused {
 }
 
 impl Body {
+    /// Thickness of the tissue at each vertex of the skin (n, m), where something is behind it that does not move.
+    ///
+    /// * `is_held`: vertices of the skin that do not (n)
+    pub(crate) fn tissue_thickness(&self, skin: &Surface, is_held: &[bool]) -> Option<Vec<f64>> {
+        match &self.bone {
+            Some(bone) => Some(tissue_thickness(skin, bone)),
+            None => thickness_over_held(skin, is_held),
+        }
+    }
+
     /// This body on its coarse skin; `None` where the skin itself is as coarse as that.
     ///
     /// * `nodes`: vertices where contact is expected
@@ -244,12 +288,9 @@ impl Body {
     /// Lengths of the coarse edges that the tissue and the bend of the skin ask for (n, m), and whether the skin would get
     /// too many vertices.
     fn wanted_edges(&self, skin: &Surface, fixed: &[bool], nodes: &[usize]) -> (Vec<f64>, bool) {
-        // 2 V / A: the mean thickness of what has no bone within reach.
-        let deepest = 2.0 * skin.volume() / skin.area();
-        let mut thickness = match &self.bone {
-            Some(bone) => tissue_thickness(skin, bone),
-            None => vec![deepest; skin.vertices().len()],
-        };
+        let deepest = mean_thickness(skin);
+        let known = self.tissue_thickness(skin, fixed);
+        let mut thickness = known.unwrap_or_else(|| vec![deepest; skin.vertices().len()]);
         thickness.iter_mut().for_each(|t| *t = t.min(deepest));
         let share = edge_per_thickness(skin, &thickness);
         let bends = bend_radii(skin, fixed);

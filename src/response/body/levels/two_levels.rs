@@ -13,7 +13,7 @@ use crate::response::body::levels::gathered::Gathered;
 use crate::response::body::levels::near::NearKernel;
 use crate::response::body::levels::on_mesh::{NearAndFar, Weights};
 use crate::response::body::levels::remainder::Remainder;
-use crate::response::body::levels::sizing::{coarse_bone, tissue_thickness};
+use crate::response::body::levels::sizing::coarse_bone;
 use crate::response::body::options::BodyOptions;
 use crate::response::body::solve::Body;
 use crate::response::error::ResponseError;
@@ -33,7 +33,7 @@ pub struct TwoLevels {
     pub remainder: BodyCompliance,
     /// Where each vertex of the skin lies on the coarse one (n).
     pub places: Arc<[CoarsePlace]>,
-    /// Thickness of the tissue at each vertex of the skin (n, m); `None` without bone.
+    /// Thickness of the tissue at each vertex of the skin (n, m); `None` where nothing is behind it.
     pub thickness: Option<Arc<[f64]>>,
     /// Length of the coarse skin's edges at each vertex of the skin (n, m).
     pub coarse_edges: Arc<[f64]>,
@@ -130,7 +130,7 @@ impl TwoLevels {
             options,
         )?;
 
-        let thickness = body.bone.as_ref().map(|bone| tissue_thickness(skin, bone));
+        let thickness = body.tissue_thickness(skin, fixed);
         // The vertices of the coarse skin lie outside the skin, the coarse skin as a whole does not.
         let on_coarse = thickness.as_ref().map(|list| coarse.means(list).into());
         let near = NearKernel::new(shear_modulus, poisson_ratio, on_coarse)?;
