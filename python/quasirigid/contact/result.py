@@ -180,9 +180,9 @@ class Contact(Frozen):
         """The product's mesh, moved; None of a primitive.
 
         Under a kernel the vertices around the contact move as the kernel says of its pressure, faded as the
-        skin is; a given matrix moves those that it knows, against their normals. Between its vertices the mesh
-        stays straight: a coarse one can stand in the drawn skin there, though the skin that was solved does not
-        in it.
+        skin is; a given matrix moves those that it knows, against their normals. Between its vertices the
+        mesh stays straight: a coarse one can stand in the drawn skin there, though the skin that was solved
+        does not.
         """
         return self._drawing.obstacle(self.obstacle, len(self.gap)).deformed
 
