@@ -55,12 +55,11 @@ struct Settling {
 }
 
 /// Of force, area and peak. The force keeps a third on smooth skin and half on scanned fingers, whose curvature is rough; the
-/// area two fifths there, with which nine of ten of their contacts are covered. The peak keeps more on tips that are longer than
-/// wide: three of four of these are covered.
+/// area two fifths there, with which nine of ten of their contacts are covered.
 const COLLOCATION_ROUND: [Settling; 3] = [
     Settling { next: 3.0 / 7.0, least: 0.2 },
     Settling { next: 0.4, least: 0.2 },
-    Settling { next: 0.6, least: 0.2 },
+    Settling { next: 3.0 / 7.0, least: 0.2 },
 ];
 /// The same in Galerkin form, where the rim is felt from the triangles beside it, so that the area keeps half.
 const GALERKIN_ROUND: [Settling; 3] =
