@@ -216,3 +216,14 @@ def test_bumps_at_the_pitch_of_the_skin_are_told_from_a_smooth_product() -> None
 
     # Each vertex of the first and its first refinement is on a bump.
     assert covers(on_cells_of(0.6e-3), on_cells_of(0.64e-3)) == (True, True)
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_a_contact_within_one_triangle_has_no_known_error() -> None:
+    points, faces = grid(7, 0.1)
+    small = qr.Obstacle.sphere([0.02, -0.01, -20.0], 20.0)
+    contact = qr.press(qr.Surface(points, faces[:, ::-1]), small, soft(), UP, depth=5e-5, options=AS_GIVEN)
+    assert len(contact.active) == 3
+    accuracy = contact.accuracy
+    assert (accuracy.force_error, accuracy.area_error, accuracy.max_pressure_error) == (np.inf,) * 3
+    assert "not known: mesh too coarse" in contact.summary()

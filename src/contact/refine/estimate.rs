@@ -45,6 +45,8 @@ const AT_CUTS: [f64; 2] = [0.7, 2.0];
 const AROUND_DEEPEST: f64 = 10.0;
 /// Power of the depth that the force on a sphere goes with.
 const BY_DEPTH: f64 = 1.5;
+/// Share of the skin under force that touches at the least, where hollows are too fine for its triangles.
+const LEAST_TOUCHED: f64 = 0.1;
 /// How a figure settles from round to round.
 #[derive(Debug, Clone, Copy)]
 struct Settling {
@@ -191,7 +193,7 @@ impl ErrorEstimate {
         Self {
             force: self.force + of_skin + at_rim + late,
             area: self.area + of_skin + share,
-            pressure: self.pressure + share / (1.0 - share),
+            pressure: self.pressure + share / (1.0 - share).max(LEAST_TOUCHED),
         }
     }
 
