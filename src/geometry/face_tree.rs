@@ -123,13 +123,14 @@ impl<'a> Faces<'a> {
     ///
     /// Below an edge the closest point jumps from face to face: where they are alike rounding decides nothing then.
     pub fn first_closest_to_point(&self, tree: &Bvh, p: &Vector3<f64>) -> Option<(usize, Closest)> {
-        let (_, closest) = self.closest_to_point(tree, p, f64::INFINITY)?;
+        let (face, closest) = self.closest_to_point(tree, p, f64::INFINITY)?;
         let reach_squared = closest.distance_squared * EQUALLY_CLOSE;
         let first = tree
             .leaves(|node| distance_squared_to_box(p, node) <= reach_squared)
             .filter(|&face| self.closest(p, face).distance_squared <= reach_squared)
-            .min()?;
-        Some((first as usize, self.closest(p, first)))
+            .min();
+        // On a face, to rounding, its box can be farther away than it is itself.
+        Some(first.map_or((face, closest), |first| (first as usize, self.closest(p, first))))
     }
 
     fn closest(&self, p: &Vector3<f64>, face: u32) -> Closest {

@@ -108,3 +108,11 @@ def test_a_pad_that_is_held_from_behind_is_the_layer_that_it_is(coarse_edge_leng
 
     layer = force(qr.Surface(*grid(24, spacing)), qr.Layer(thickness=thickness))
     assert force(pad, body, middle) == pytest.approx(layer, rel=0.03)
+
+
+def test_a_pad_that_is_held_in_the_middle_alone_is_prepared() -> None:
+    points, faces = slab(grid(24, 1.5e-3), 5e-3)
+    held = (points[:, 2] < 0.0) & (np.hypot(*points[:, :2].T) < 6e-3)
+    # Walls of the coarse mesh lie on those of the pad but for rounding.
+    body = qr.Skin(shear_modulus=60e3, poisson_ratio=0.3, response=qr.Body(fixed=held))
+    assert body.prepared(qr.Surface(points, faces)).nodes.size == len(points) - held.sum()
