@@ -102,8 +102,8 @@ vertices{palm_setup}.
   bulge is at the hand's edge, in the close ups.
 - The body is stiffer than the half-space, up to {stiffer:.1f} times, because it has bone under it and no
   volume to give.
-- On the palm up to 0.03 mm of overlap is left after the contact, about 1 % of the depth: the product is curved
-  between the vertices of the skin.
+- On the palm up to 0.03 mm of overlap is left after the contact, about 1 % of the depth: the product is
+  curved between the vertices of the skin.
 
 Every body's own estimate of its error in force is at most {body_error:.1%}. All of it is linear: at 2.8 mm
 and 12 N a real fingertip has stiffened long ago.
