@@ -124,13 +124,22 @@ impl<'a> Faces<'a> {
     /// Below an edge the closest point jumps from face to face: where they are alike rounding decides nothing then.
     pub fn first_closest_to_point(&self, tree: &Bvh, p: &Vector3<f64>) -> Option<(usize, Closest)> {
         let (face, closest) = self.closest_to_point(tree, p, f64::INFINITY)?;
-        let reach_squared = closest.distance_squared * EQUALLY_CLOSE;
-        let first = tree
-            .leaves(|node| distance_squared_to_box(p, node) <= reach_squared)
-            .filter(|&face| self.closest(p, face).distance_squared <= reach_squared)
-            .min();
+        let first = self.all_closest_to_point(tree, p, &closest).min();
         // On a face, to rounding, its box can be farther away than it is itself.
-        Some(first.map_or((face, closest), |first| (first as usize, self.closest(p, first))))
+        Some(first.map_or((face, closest), |first| (first, self.closest(p, first as u32))))
+    }
+
+    /// The faces that are closest to a point but for what rounding can do, at a distance known.
+    pub fn all_closest_to_point(
+        &self,
+        tree: &Bvh,
+        p: &Vector3<f64>,
+        closest: &Closest,
+    ) -> impl Iterator<Item = usize> {
+        let reach_squared = closest.distance_squared * EQUALLY_CLOSE;
+        tree.leaves(move |node| distance_squared_to_box(p, node) <= reach_squared)
+            .filter(move |&face| self.closest(p, face).distance_squared <= reach_squared)
+            .map(|face| face as usize)
     }
 
     fn closest(&self, p: &Vector3<f64>, face: u32) -> Closest {

@@ -184,7 +184,7 @@ def restore_prepared(
         stored["displacement"],
         stored["rotation"],
         bone_pressure=stored.get("bone_pressure"),
-        tissue_thickness=None if bone is None else stored["tissue_thickness"],
+        tissue_thickness=stored.get("tissue_thickness") if bone is None else stored["tissue_thickness"],
         levels=levels,
         solved=isinstance(response, Body),
     )

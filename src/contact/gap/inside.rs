@@ -42,9 +42,13 @@ impl SkinPart<'_> {
         let depth = |point: &Vector3<f64>| {
             let (face, closest) = faces.closest_to_point(&tree, point, reach)?;
             let out = closest.point - point;
-            // Beyond the border there is more skin, or none.
-            let is_inside = self.triangles[face].iter().all(|corner| !border.contains(corner));
-            (is_inside && out.dot(&normals[face]) > 0.0).then(|| out.norm())
+            // Outside a ridge it is before one of the faces that meet there; beyond the border there is more skin, or none.
+            let is_behind = |face: usize| {
+                let corners = self.triangles[face].iter();
+                out.dot(&normals[face]) > 0.0 && corners.clone().all(|corner| !border.contains(corner))
+            };
+            let mut closest_faces = faces.all_closest_to_point(&tree, point, &closest);
+            (is_behind(face) && closest_faces.all(is_behind)).then(|| out.norm())
         };
         let depths = points.par_iter().with_min_len(POINTS_PER_TASK).filter_map(depth);
         depths.reduce(|| least, f64::max)

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::geometry::face_tree::{Faces, face_normals, face_tree, find_crossings};
@@ -51,6 +50,9 @@ const BEHIND: f64 = -0.5;
 /// What is held farther away than so many mean thicknesses of the body is as good as not there.
 const HELD_WITHIN: f64 = 1.5;
 
+/// Tissue over it is no thinner than so many edges of the skin, which knows no thinner one.
+const LEAST_EDGES: f64 = 2.0;
+
 /// Thickness of the tissue (n, m): distance of each vertex of the skin from the bone, or of the bone from the skin. It
 /// varies no faster than the surface runs, so it needs no smoothing.
 fn tissue_thickness(skin: &Surface, bone: &Surface) -> Vec<f64> {
@@ -73,15 +75,15 @@ fn thickness_over_held(skin: &Surface, is_held: &[bool]) -> Option<Vec<f64>> {
         Faces { vertices: skin.vertices(), corners: &held, normals: &normals },
         face_tree(skin.vertices(), &held),
     );
-    let reach = HELD_WITHIN * mean_thickness(skin);
-    let distance = |(point, normal): (&Vector3<f64>, &Vector3<f64>)| {
-        let (face, closest) = faces.closest_to_point(&tree, point, reach)?;
-        (normals[face].dot(normal) < BEHIND).then(|| closest.distance_squared.sqrt().min(reach))
+    let (mean, own_edges) = (mean_thickness(skin), skin.mean_edges());
+    let distance = |vertex: usize| {
+        let (face, closest) = faces.closest_to_point(&tree, &skin.vertices()[vertex], HELD_WITHIN * mean)?;
+        (normals[face].dot(&skin.vertex_normals()[vertex]) < BEHIND).then(|| closest.distance_squared.sqrt())
     };
-    let found: Vec<Option<f64>> =
-        skin.vertices().par_iter().zip(skin.vertex_normals()).map(distance).collect();
+    let found: Vec<Option<f64>> = (0..own_edges.len()).into_par_iter().map(distance).collect();
     let moves_over_held = (0..found.len()).any(|vertex| !is_held[vertex] && found[vertex].is_some());
-    moves_over_held.then(|| found.into_iter().map(|distance| distance.unwrap_or(reach)).collect())
+    let thickness = |(distance, own): (Option<f64>, &f64)| distance.unwrap_or(mean).max(LEAST_EDGES * own);
+    moves_over_held.then(|| found.into_iter().zip(&own_edges).map(thickness).collect())
 }
 
 /// 2 V / A: the mean thickness (m) of what has no bone within reach.
