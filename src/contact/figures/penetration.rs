@@ -84,7 +84,8 @@ pub(crate) fn penetration_after(
     let Between { deepest, middles } = between.look(&gaps.scene.obstacle, of_edges)?;
     // The figure that a warning tells is worth a closer look.
     let depth = if deepest > NEARLY_SMALL * SMALL_PENETRATION * reach {
-        moved_skin.deepest_inside(&gaps.scene.obstacle, reach, deepest)
+        let at_rest: Vec<Vector3<f64>> = vertices.iter().map(|&vertex| surface.vertices()[vertex]).collect();
+        moved_skin.deepest_inside(&at_rest, &gaps.scene.obstacle, reach, deepest)
     } else {
         deepest
     };

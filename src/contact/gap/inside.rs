@@ -22,8 +22,15 @@ impl SkinPart<'_> {
     ///
     /// In a groove of the skin the deepest of an edge lies under no triangle, but nearest to the ground between two.
     ///
+    /// * `at_rest`: the points before they moved (m)
     /// * `reach`: depth (m) that none exceeds
-    pub fn deepest_inside(&self, obstacle: &Obstacle, reach: f64, least: f64) -> f64 {
+    pub fn deepest_inside(
+        &self,
+        at_rest: &[Vector3<f64>],
+        obstacle: &Obstacle,
+        reach: f64,
+        least: f64,
+    ) -> f64 {
         let around = Bounds::around(self.points).grown(reach);
         let mut points: Vec<Vector3<f64>> = obstacle.corners_within(&around).collect();
         let spacing = self.mean_edge() / POINTS_PER_EDGE;
@@ -37,15 +44,18 @@ impl SkinPart<'_> {
         }
         let tree = face_tree(self.points, self.triangles);
         let normals = face_normals(self.points, self.triangles);
+        let normals_at_rest = face_normals(at_rest, self.triangles);
         let faces = Faces { vertices: self.points, corners: self.triangles, normals: &normals };
         let border = self.border();
         let depth = |point: &Vector3<f64>| {
             let (face, closest) = faces.closest_to_point(&tree, point, reach)?;
             let out = closest.point - point;
-            // Outside a ridge it is before one of the faces that meet there; beyond the border there is more skin, or none.
+            // Outside a ridge it is before one of the faces that meet there. A face that was turned over tells no side, and beyond
+            // the border there is more skin, or none.
             let is_behind = |face: usize| {
-                let corners = self.triangles[face].iter();
-                out.dot(&normals[face]) > 0.0 && corners.clone().all(|corner| !border.contains(corner))
+                let is_turned = normals[face].dot(&normals_at_rest[face]) <= 0.0;
+                let is_within = self.triangles[face].iter().all(|corner| !border.contains(corner));
+                is_within && !is_turned && out.dot(&normals[face]) > 0.0
             };
             let mut closest_faces = faces.all_closest_to_point(&tree, point, &closest);
             (is_behind(face) && closest_faces.all(is_behind)).then(|| out.norm())
@@ -100,8 +110,8 @@ mod tests {
         let distance = vec![0.0; points.len()];
         let of_triangles = skin.deepest_between(&edge_at(0.1), 0.5, 0.0, &distance);
         assert!(of_triangles < 0.099, "{of_triangles}");
-        assert!((skin.deepest_inside(&edge_at(0.1), 0.5, 0.0) - 0.1).abs() < 1e-12);
-        assert_eq!(skin.deepest_inside(&edge_at(0.1), 0.5, 0.2), 0.2);
-        assert_eq!(skin.deepest_inside(&edge_at(-0.1), 0.5, 0.0), 0.0);
+        assert!((skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.0) - 0.1).abs() < 1e-12);
+        assert_eq!(skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.2), 0.2);
+        assert_eq!(skin.deepest_inside(&points, &edge_at(-0.1), 0.5, 0.0), 0.0);
     }
 }
