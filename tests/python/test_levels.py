@@ -115,4 +115,14 @@ def test_a_pad_that_is_held_in_the_middle_alone_is_prepared() -> None:
     held = (points[:, 2] < 0.0) & (np.hypot(*points[:, :2].T) < 6e-3)
     # Walls of the coarse mesh lie on those of the pad but for rounding.
     body = qr.Skin(shear_modulus=60e3, poisson_ratio=0.3, response=qr.Body(fixed=held))
-    assert body.prepared(qr.Surface(points, faces)).nodes.size == len(points) - held.sum()
+    surface = qr.Surface(points, faces)
+    prepared = body.prepared(surface)
+    assert prepared.nodes.size == len(points) - held.sum()
+    # What the tissue is over is kept with it.
+    ball = qr.Obstacle.sphere([0.0, 0.0, 0.1], 0.02)
+    given, again = (
+        qr.press(surface, ball, one, [0, 0, -1], depth=0.2e-3, options=qr.ContactOptions(target_error=0.1))
+        for one in (prepared, pickle.loads(pickle.dumps(prepared)))
+    )
+    np.testing.assert_array_equal(again.node_force, given.node_force)
+    assert again.accuracy.force_error == given.accuracy.force_error

@@ -48,7 +48,7 @@ const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
 const BEHIND: f64 = -0.5;
 
 /// What is held farther away than so many mean thicknesses of the body is as good as not there.
-const HELD_WITHIN: f64 = 1.5;
+const HELD_WITHIN: f64 = 3.0;
 
 /// Tissue over it is no thinner than so many edges of the skin, which knows no thinner one.
 const LEAST_EDGES: f64 = 2.0;
@@ -75,14 +75,14 @@ fn thickness_over_held(skin: &Surface, is_held: &[bool]) -> Option<Vec<f64>> {
         Faces { vertices: skin.vertices(), corners: &held, normals: &normals },
         face_tree(skin.vertices(), &held),
     );
-    let (mean, own_edges) = (mean_thickness(skin), skin.mean_edges());
+    let (reach, own_edges) = (HELD_WITHIN * mean_thickness(skin), skin.mean_edges());
     let distance = |vertex: usize| {
-        let (face, closest) = faces.closest_to_point(&tree, &skin.vertices()[vertex], HELD_WITHIN * mean)?;
+        let (face, closest) = faces.closest_to_point(&tree, &skin.vertices()[vertex], reach)?;
         (normals[face].dot(&skin.vertex_normals()[vertex]) < BEHIND).then(|| closest.distance_squared.sqrt())
     };
     let found: Vec<Option<f64>> = (0..own_edges.len()).into_par_iter().map(distance).collect();
     let moves_over_held = (0..found.len()).any(|vertex| !is_held[vertex] && found[vertex].is_some());
-    let thickness = |(distance, own): (Option<f64>, &f64)| distance.unwrap_or(mean).max(LEAST_EDGES * own);
+    let thickness = |(distance, own): (Option<f64>, &f64)| distance.unwrap_or(reach).max(LEAST_EDGES * own);
     moves_over_held.then(|| found.into_iter().zip(&own_edges).map(thickness).collect())
 }
 
