@@ -110,6 +110,7 @@ def test_a_pad_that_is_held_from_behind_is_the_layer_that_it_is(coarse_edge_leng
     assert force(pad, body, middle) == pytest.approx(layer, rel=0.03)
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
 def test_a_pad_that_is_held_in_the_middle_alone_is_prepared() -> None:
     points, faces = slab(grid(24, 1.5e-3), 5e-3)
     held = (points[:, 2] < 0.0) & (np.hypot(*points[:, :2].T) < 6e-3)

@@ -80,12 +80,9 @@ impl Coarseness {
         thickness: Option<&Arc<[f64]>>,
         poisson_ratio: f64,
     ) -> Self {
-        // 2 V / A: the mean thickness, which is as much as counts where the edges are chosen.
+        // 2 V / A: the mean thickness.
         let widest = 2.0 * skin.volume() / skin.area();
-        let thickness = match thickness {
-            Some(list) => list.iter().map(|thickness| thickness.min(widest)).collect(),
-            None => vec![widest; edges.len()].into(),
-        };
+        let thickness = thickness.map_or_else(|| vec![widest; edges.len()].into(), Arc::clone);
         Self { edges, thickness, poisson_ratio }
     }
 
