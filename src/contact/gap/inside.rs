@@ -35,12 +35,19 @@ impl SkinPart<'_> {
         let mut points: Vec<Vector3<f64>> = obstacle.corners_within(&around).collect();
         let spacing = self.mean_edge() / POINTS_PER_EDGE;
         for edge in obstacle.sharp_edges() {
-            let [from, to] = edge.ends;
-            if Bounds::around(&edge.ends).meets(&around) {
-                let parts = ((to - from).norm() / spacing).ceil();
-                let along = (0..=parts as usize).map(|part| from + part as f64 / parts * (to - from));
-                points.extend(along.filter(|point| around.contains(point)));
+            if !Bounds::around(&edge.ends).meets(&around) {
+                continue;
             }
+            let [from, to] = edge.ends;
+            let (length, half) = ((to - from).norm(), 0.5 * around.diagonal());
+            let way = (to - from) / length;
+            // What is farther from the middle of the box is outside.
+            let middle = (around.center() - from).dot(&way);
+            let (start, end) = ((middle - half).max(0.0), (middle + half).min(length));
+            let parts = ((end - start) / spacing).ceil().max(1.0);
+            let along =
+                (0..=parts as usize).map(|part| from + (start + part as f64 / parts * (end - start)) * way);
+            points.extend(along.filter(|point| around.contains(point)));
         }
         let tree = face_tree(self.points, self.triangles);
         let normals = face_normals(self.points, self.triangles);
