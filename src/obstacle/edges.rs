@@ -39,26 +39,32 @@ impl Obstacle {
         direction: &Vector3<f64>,
         least: f64,
     ) -> impl Iterator<Item = Vector3<f64>> {
-        let own = match self.shape() {
-            Shape::Mesh(mesh) => mesh.vertices(),
-            Shape::Primitive(_) => &[],
-        };
         let pose = self.pose_matrix();
         let (local, least) =
             (pose.turn_back(direction), least - direction.dot(&pose.to_world(&Vector3::zeros())));
         // The rounding of the two frames loses none.
         let least = least - ROUNDING * least.abs();
-        own.iter().filter(move |corner| corner.dot(&local) >= least).map(move |corner| pose.to_world(corner))
+        self.own_corners()
+            .iter()
+            .filter(move |corner| corner.dot(&local) >= least)
+            .map(move |corner| pose.to_world(corner))
+    }
+
+    /// Vertices of a mesh in its own frame; none of a primitive.
+    fn own_corners(&self) -> &[Vector3<f64>] {
+        match self.shape() {
+            Shape::Mesh(mesh) => mesh.vertices(),
+            Shape::Primitive(_) => &[],
+        }
     }
 
     /// Vertices of a mesh within a box.
     pub(crate) fn corners_within(&self, bounds: &Bounds) -> impl Iterator<Item = Vector3<f64>> {
-        let own = match self.shape() {
-            Shape::Mesh(mesh) => mesh.vertices(),
-            Shape::Primitive(_) => &[],
-        };
         let pose = self.pose_matrix();
-        own.iter().map(move |corner| pose.to_world(corner)).filter(|corner| bounds.contains(corner))
+        self.own_corners()
+            .iter()
+            .map(move |corner| pose.to_world(corner))
+            .filter(|corner| bounds.contains(corner))
     }
 
     /// The convex edges of a mesh that are not sharp, may meet a box in its own frame and lie between faces that face a plane

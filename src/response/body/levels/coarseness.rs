@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use crate::response::body::levels::thickness::mean_thickness;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
@@ -80,9 +81,7 @@ impl Coarseness {
         thickness: Option<&Arc<[f64]>>,
         poisson_ratio: f64,
     ) -> Self {
-        // 2 V / A: the mean thickness.
-        let widest = 2.0 * skin.volume() / skin.area();
-        let thickness = thickness.map_or_else(|| vec![widest; edges.len()].into(), Arc::clone);
+        let thickness = thickness.map_or_else(|| vec![mean_thickness(skin); edges.len()].into(), Arc::clone);
         Self { edges, thickness, poisson_ratio }
     }
 

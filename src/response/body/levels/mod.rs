@@ -19,4 +19,5 @@ pub(crate) mod on_mesh;
 pub(crate) mod one_level;
 mod remainder;
 pub(crate) mod sizing;
+mod thickness;
 pub(crate) mod two_levels;

@@ -1,13 +1,12 @@
-//! Thickness of the tissue, and how long the edges of a coarse mesh may be over it.
+//! How long the edges of a coarse mesh may be over the tissue.
 
 use std::time::Instant;
 
-use rayon::prelude::*;
-
-use crate::geometry::face_tree::{Faces, face_normals, face_tree, find_crossings};
+use crate::geometry::face_tree::find_crossings;
 use crate::response::body::check::distance::crossings;
 use crate::response::body::check::tissue::{check_nodes, check_uncrossed};
 use crate::response::body::error::BodyError;
+use crate::response::body::levels::thickness::{mean_thickness, tissue_thickness};
 use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarseSkin;
@@ -43,53 +42,6 @@ const STEPS: u32 = 20;
 
 /// The same for the edges of a coarse bone.
 const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
-
-/// What is held is behind skin that it faces away from: above this cosine between the normals it is beside it.
-const BEHIND: f64 = -0.5;
-
-/// What is held farther away than so many mean thicknesses of the body is as good as not there.
-const HELD_WITHIN: f64 = 3.0;
-
-/// Tissue over it is no thinner than so many edges of the skin, which knows no thinner one.
-const LEAST_EDGES: f64 = 2.0;
-
-/// Thickness of the tissue (n, m): distance of each vertex of the skin from the bone, or of the bone from the skin. It
-/// varies no faster than the surface runs, so it needs no smoothing.
-fn tissue_thickness(skin: &Surface, bone: &Surface) -> Vec<f64> {
-    let (faces, tree) = (bone.as_faces(), face_tree(bone.vertices(), bone.faces()));
-    let distance = |point| {
-        let (_, closest) = faces.closest_to_point(&tree, point, f64::INFINITY).expect("a bone has faces");
-        closest.distance_squared.sqrt()
-    };
-    skin.vertices().par_iter().map(distance).collect()
-}
-
-/// The same (n, m) in tissue without bone over what is held behind it, as a pad that is glued to a plate; `None` where nothing is.
-///
-/// * `is_held`: vertices that do not move (n)
-fn thickness_over_held(skin: &Surface, is_held: &[bool]) -> Option<Vec<f64>> {
-    let held = skin.faces().iter().filter(|face| face.iter().all(|&corner| is_held[corner as usize]));
-    let held: Vec<[u32; 3]> = held.copied().collect();
-    let normals = face_normals(skin.vertices(), &held);
-    let (faces, tree) = (
-        Faces { vertices: skin.vertices(), corners: &held, normals: &normals },
-        face_tree(skin.vertices(), &held),
-    );
-    let (reach, own_edges) = (HELD_WITHIN * mean_thickness(skin), skin.mean_edges());
-    let distance = |vertex: usize| {
-        let (face, closest) = faces.closest_to_point(&tree, &skin.vertices()[vertex], reach)?;
-        (normals[face].dot(&skin.vertex_normals()[vertex]) < BEHIND).then(|| closest.distance_squared.sqrt())
-    };
-    let found: Vec<Option<f64>> = (0..own_edges.len()).into_par_iter().map(distance).collect();
-    let moves_over_held = (0..found.len()).any(|vertex| !is_held[vertex] && found[vertex].is_some());
-    let thickness = |(distance, own): (Option<f64>, &f64)| distance.unwrap_or(reach).max(LEAST_EDGES * own);
-    moves_over_held.then(|| found.into_iter().zip(&own_edges).map(thickness).collect())
-}
-
-/// 2 V / A: the mean thickness (m) of what has no bone within reach.
-fn mean_thickness(skin: &Surface) -> f64 {
-    2.0 * skin.volume() / skin.area()
-}
 
 /// Vertices of equilateral triangles with edges of so many m (n).
 fn vertex_count(skin: &Surface, edges: &[f64]) -> f64 {
@@ -188,7 +140,7 @@ fn bend_radii(skin: &Surface, is_held: &[bool]) -> Vec<f64> {
 
 /// A bone with fewer vertices, where it may have: edges by its distance from the skin and by its own size.
 pub(crate) fn coarse_bone(bone: &Surface, skin: &Surface) -> Surface {
-    let widest = 2.0 * bone.volume() / bone.area();
+    let widest = mean_thickness(bone);
     let wanted = |depth: f64| BONE_EDGE_PER_THICKNESS * depth.min(widest);
     let edge_length: Vec<f64> = tissue_thickness(bone, skin).into_iter().map(wanted).collect();
     let coarse = CoarseSkin::new(bone, &edge_length, &vec![false; edge_length.len()]);
@@ -216,16 +168,6 @@ struct Refused {
 }
 
 impl Body {
-    /// Thickness of the tissue at each vertex of the skin (n, m), where something is behind it that does not move.
-    ///
-    /// * `is_held`: vertices of the skin that do not (n)
-    pub(crate) fn tissue_thickness(&self, skin: &Surface, is_held: &[bool]) -> Option<Vec<f64>> {
-        match &self.bone {
-            Some(bone) => Some(tissue_thickness(skin, bone)),
-            None => thickness_over_held(skin, is_held),
-        }
-    }
-
     /// This body on its coarse skin; `None` where the skin itself is as coarse as that.
     ///
     /// * `nodes`: vertices where contact is expected
