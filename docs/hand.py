@@ -16,9 +16,9 @@ import matplotlib
 import numpy as np
 import quasirigid as qr
 from numpy.typing import NDArray
-from quasirigid.hand.joints import DIGITS, JOINTS_OF
 from quasirigid.hand.pose import bend_at_rest
 from quasirigid.hand.regions import digit_of_vertices
+from quasirigid.hand.rig.joints import DIGITS, JOINTS_OF
 from quasirigid.plot.shading import lit_skin
 from quasirigid.plot.view import View
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.contact.press import solve_quietly
-from quasirigid.hand import hold
-from quasirigid.hand.closing import Closing
-from quasirigid.hand.hold import Hold, Solved
-from quasirigid.hand.search import Search
+from quasirigid.hand.grasp import hold
+from quasirigid.hand.grasp.closing import Closing
+from quasirigid.hand.grasp.hold import Hold, Solved
+from quasirigid.hand.grasp.search import Search
 from shared_meshes import hand_file
 
 # Meshes as coarse as these leave penetration between their vertices, and say so.

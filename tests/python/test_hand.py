@@ -16,8 +16,8 @@ import pytest
 import quasirigid as qr
 from quasirigid._sides import sides_of
 from quasirigid.hand import DIGITS, JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
-from quasirigid.hand.frames import uniform_frames
 from quasirigid.hand.pose import bend_at_rest
+from quasirigid.hand.rig.frames import uniform_frames
 from shared_meshes import hand_file
 
 RIGS = ("webxr_right_13k", "libhand_right_13k", "makehuman_male_right_13k")
@@ -456,7 +456,7 @@ def test_a_saved_hand_is_read_back(hand: qr.Hand, tmp_path: Path) -> None:
 
 
 def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_path: Path) -> None:
-    from quasirigid.hand.gltf import Gltf
+    from quasirigid.hand.files.gltf import Gltf
 
     palm = hand.posed({}).palm
     ball = qr.Obstacle.sphere(palm[:3, 3] + 0.03 * palm[:3, 2], 0.02)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 import quasirigid as qr
 
 from .._extras import need_matplotlib
-from ..hand.close import MOST_NODES, TARGET_ERROR
-from ..hand.joints import DIGITS, index_of
+from ..hand.grasp.close import MOST_NODES, TARGET_ERROR
+from ..hand.rig.joints import DIGITS, index_of
 from ..io import as_plain, compare_contacts, contact_record, digit_table, grasp_record
 from ..io.grasps import GRASP_FILES
 from ..io.record import figure

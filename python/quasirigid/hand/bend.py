@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .rotations import Floats
+from .rig.rotations import Floats
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -18,8 +18,8 @@ from ..models.fingers import REFERENCE_BREADTH
 from ..models.loft import loft
 from ..models.phalanges import JOINT_GAP, LENGTHS, SECTIONS
 from ..obstacle import Obstacle
-from .joints import DIGITS, JOINTS_OF, REFERENCE_LENGTH
 from .regions import metacarpal_base
+from .rig.joints import DIGITS, JOINTS_OF, REFERENCE_LENGTH
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..models.loft import Indices
     from ..surface import Surface
     from .hand import Hand
-    from .rotations import Floats
+    from .rig.rotations import Floats
 
 _MIN_THICKNESS = 1e-3  # m, of tissue between bone and skin
 _SLIMMER = 0.85  # factor from one try to the next

@@ -9,8 +9,8 @@ import numpy as np
 from .._check import as_array, as_vector, reals_or_empty, short
 from ..errors import HandError
 from ..obstacle import Obstacle
-from .joints import REFERENCE_LENGTH, WEBXR_25, lacking, length_of
-from .rotations import nearest_rotations
+from .rig.joints import REFERENCE_LENGTH, WEBXR_25, lacking, length_of
+from .rig.rotations import nearest_rotations
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from ..surface import Surface
-    from .rotations import Floats
+    from .rig.rotations import Floats
 
 __all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside"]
 

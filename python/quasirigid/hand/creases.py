@@ -9,9 +9,9 @@ import numpy as np
 
 from .._sides import sides_of
 from .bend import RIGHT_ANGLE, Bend, moved_by
-from .joints import DIGITS, JOINTS_OF
 from .pose import bend_at_rest
 from .regions import digit_of_vertices
+from .rig.joints import DIGITS, JOINTS_OF
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .hand import Hand
-    from .rotations import Floats
+    from .rig.rotations import Floats
 
 _MOST_ROUNDS = 60
 _VAIN_ROUNDS = 10  # after which no more faces are won back

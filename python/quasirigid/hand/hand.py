@@ -16,13 +16,13 @@ from .bend import shares_of
 from .bones import Bone, bones_of
 from .checks import as_frames, as_labels, as_names, as_parents, check_inside
 from .creases import without_folds
-from .frames import side_of
-from .joints import index_of, length_of
-from .kinematics import mirrored_frames, motions_of, moved_frames
-from .pivots import pivots_of
 from .pose import turns_of
 from .posed import PosedHand
 from .regions import regions_of
+from .rig.frames import side_of
+from .rig.joints import index_of, length_of
+from .rig.kinematics import mirrored_frames, motions_of, moved_frames
+from .rig.pivots import pivots_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from ..contact import Contact
     from .pose import Pose
-    from .rotations import Floats
+    from .rig.rotations import Floats
 
 __all__ = ["Hand", "Side"]
 
@@ -289,7 +289,7 @@ class Hand(Frozen):
             One of this hand's skin, posed or not: the mesh that was solved, with pressure as color and as
             the attribute ``_PRESSURE`` (Pa), and the deformed skin as a morph target.
         """
-        from .save import save_glb
+        from .files.save import save_glb
 
         save_glb(self, path, contact)
 

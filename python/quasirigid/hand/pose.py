@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from .._check import as_share, real_or_nan, reals_or_empty, short
 from ..errors import HandError, QuasirigidWarning
-from .joints import DIGIT_OF, DIGITS, JOINTS_OF, index_of
-from .rotations import Floats, about, between, from_vectors, product
+from .rig.joints import DIGIT_OF, DIGITS, JOINTS_OF, index_of
+from .rig.rotations import Floats, about, between, from_vectors, product
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

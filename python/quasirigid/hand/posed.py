@@ -17,10 +17,10 @@ from ..skin import Body, Skin
 from ..skin.progress import as_progress
 from ..surface import Surface
 from .bones import fitted, joined
-from .crossings import crossing_parts, in_words
-from .joints import index_of
+from .grasp.crossings import crossing_parts, in_words
 from .kept import kept
 from .regions import digit_of_vertices
+from .rig.joints import index_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ..skin.progress import Progress
     from .bones import Bone
     from .hand import Hand
-    from .rotations import Floats
+    from .rig.rotations import Floats
 
 __all__ = ["PalmFrame", "PosedHand"]
 

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .frames import unit
-from .joints import DIGITS, JOINTS_OF
 from .pieces import in_one_piece, largest_piece
+from .rig.frames import unit
+from .rig.joints import DIGITS, JOINTS_OF
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .hand import Hand
-    from .rotations import Floats
+    from .rig.rotations import Floats
 
 _SEGMENTS = dict.fromkeys(DIGITS, ("proximal", "middle", "distal")) | {"thumb": ("proximal", "distal")}
 _NEIGHBOURS = (("thumb", "index"), ("index", "middle"), ("middle", "ring"), ("ring", "little"))

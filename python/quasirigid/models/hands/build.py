@@ -8,7 +8,7 @@ import numpy as np
 
 from ..._check import as_number
 from ...errors import SurfaceError
-from ...hand.joints import PARENTS, WEBXR_25
+from ...hand.rig.joints import PARENTS, WEBXR_25
 from ..loft import Floats, Indices
 from ..mesher import Body, contour, remeshed
 from .shape import HandShape

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...hand.joints import DIGITS, JOINTS_OF, WEBXR_25
+from ...hand.rig.joints import DIGITS, JOINTS_OF, WEBXR_25
 from ..loft import Floats
 from ..phalanges import LENGTHS
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...hand.joints import WEBXR_25
+from ...hand.rig.joints import WEBXR_25
 from ..loft import Floats, Indices
 from .shape import HandShape
 

@@ -6,23 +6,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import short
-from ..errors import HandError
-from ..io.check import weld_equal
-from .bend import by_joint
-from .frames import uniform_frames
+from ..._check import short
+from ...errors import HandError
+from ...io.check import weld_equal
+from ..bend import by_joint
+from ..hand import Hand
+from ..rig.frames import uniform_frames
+from ..rig.joints import PARENTS, lacking
+from ..rig.kinematics import inverse_motions
+from ..rig.rotations import nearest_rotations
 from .gltf import Gltf
-from .hand import Hand
-from .joints import PARENTS, lacking
-from .kinematics import inverse_motions
-from .rotations import nearest_rotations
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
 
-    from .rotations import Floats
+    from ..rig.rotations import Floats
 
 _SCALE_TOLERANCE = 1e-3  # of the entries of R'R - I: files store frames as float32
 

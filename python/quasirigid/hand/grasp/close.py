@@ -8,28 +8,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import as_boolean, as_number, as_vector
-from ..contact.options import ContactOptions, options_to_core
-from ..contact.press import end_of
-from ..errors import HandError, QuasirigidWarning
-from ..scene import as_obstacle
-from ..skin import Body, GivenMatrix, Skin
-from ..skin.progress import Progress, as_progress
+from ..._check import as_boolean, as_number, as_vector
+from ...contact.options import ContactOptions, options_to_core
+from ...contact.press import end_of
+from ...errors import HandError, QuasirigidWarning
+from ...scene import as_obstacle
+from ...skin import Body, GivenMatrix, Skin
+from ...skin.progress import Progress, as_progress
+from ..hand import Hand
+from ..rig.joints import DIGITS, index_of
 from .closing import Closing
 from .crossings import in_words
 from .grasp import Grasp
-from .hand import Hand
 from .hold import Hold
-from .joints import DIGITS, index_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from ..contact import Contact
-    from ..obstacle import Obstacle
-    from .pose import Pose
-    from .posed import PosedHand
-    from .rotations import Floats
+    from ...contact import Contact
+    from ...obstacle import Obstacle
+    from ..pose import Pose
+    from ..posed import PosedHand
+    from ..rig.rotations import Floats
 
 __all__ = ["close_hand"]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import Refusal, as_vector, reals_or_empty, short
+from ..._check import Refusal, as_vector, reals_or_empty, short
 from .rotations import Floats, to_matrices
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .._check import as_path, short
-from ..errors import HandError
+from ..._check import as_path, short
+from ...errors import HandError
 
 if TYPE_CHECKING:
     from os import PathLike

@@ -12,8 +12,8 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from .._check import short
-from ..errors import MeshFileError
+from ..._check import short
+from ...errors import MeshFileError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

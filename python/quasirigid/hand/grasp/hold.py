@@ -9,24 +9,24 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .. import _core
-from ..contact.ending import ContactStatus
-from ..contact.options import options_to_core
-from ..contact.press import solve_quietly
-from ..errors import HandError
-from ..obstacle import Obstacle
-from ..skin import Body, HalfSpace, Skin
-from .joints import DIGITS
+from ... import _core
+from ...contact.ending import ContactStatus
+from ...contact.options import options_to_core
+from ...contact.press import solve_quietly
+from ...errors import HandError
+from ...obstacle import Obstacle
+from ...skin import Body, HalfSpace, Skin
+from ..rig.joints import DIGITS
 from .search import Search
 
 if TYPE_CHECKING:
-    from ..contact import Contact, ContactOptions
-    from ..contact.accuracy import Refinement
-    from ..skin.elastic import ElasticSkin
-    from ..skin.progress import Progress
+    from ...contact import Contact, ContactOptions
+    from ...contact.accuracy import Refinement
+    from ...skin.elastic import ElasticSkin
+    from ...skin.progress import Progress
+    from ..posed import PosedHand
+    from ..rig.rotations import Floats
     from .closing import Closing
-    from .posed import PosedHand
-    from .rotations import Floats
 
 __all__ = ["Hold"]
 

@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import HandError
-from ..io.atomic import atomic_write
-from .bend import shares_of
-from .kinematics import inverse_motions
+from ...errors import HandError
+from ...io.atomic import atomic_write
+from ..bend import shares_of
+from ..rig.kinematics import inverse_motions
 
 if TYPE_CHECKING:
     from os import PathLike
 
     from numpy.typing import NDArray
 
-    from ..contact.result import Contact
-    from .hand import Hand
-    from .rotations import Floats
+    from ...contact.result import Contact
+    from ..hand import Hand
+    from ..rig.rotations import Floats
 
 _UNLOADED, _LOADED = np.array([0.87, 0.68, 0.57]), np.array([0.70, 0.05, 0.10])  # linear RGB
 _WEIGHTS_A_SET = 4

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._sides import sides_of
-from .bend import Bend, moved_by
+from ..._sides import sides_of
+from ..bend import Bend, moved_by
+from ..regions import digit_of_vertices
 from .joints import DIGITS, JOINTS_OF
-from .regions import digit_of_vertices
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
 
-    from .hand import Hand
+    from ..hand import Hand
     from .rotations import Floats
 
 _SECANTS = 3  # the gain of volume is linear in the depth but for some per cent

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import as_path
-from .._units import metres_in
-from ..errors import HandError, QuasirigidError, SizeWarning
-from ..io.read import read_mesh
+from ..._check import as_path
+from ..._units import metres_in
+from ...errors import HandError, QuasirigidError, SizeWarning
+from ...io.read import read_mesh
+from ..hand import Hand
 from .glb import read_glb
-from .hand import Hand
 
 if TYPE_CHECKING:
     from os import PathLike
 
     from numpy.typing import NDArray
 
-    from .._units import LengthUnit
-    from .rotations import Floats
+    from ..._units import LengthUnit
+    from ..rig.rotations import Floats
 
 __all__ = ["read_hand"]
 

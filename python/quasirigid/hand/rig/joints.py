@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import HandError
+from ...errors import HandError
 
 if TYPE_CHECKING:
     from .rotations import Floats

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._frozen import Frozen
+from ..._frozen import Frozen
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from ..contact import Contact, Part
-    from .posed import PosedHand
-    from .rotations import Floats
+    from ...contact import Contact, Part
+    from ..posed import PosedHand
+    from ..rig.rotations import Floats
 
 __all__ = ["Grasp"]
 
@@ -76,7 +76,7 @@ class Grasp(Frozen):
 
     def summary(self) -> str:
         """Return what each digit holds and the figures of the contact as text tables in mm, N and kPa."""
-        from ..io.grasps import digit_table
+        from ...io.grasps import digit_table
 
         return f"{digit_table(self)}\n{self.contact.summary()}"
 
@@ -111,19 +111,19 @@ class Grasp(Frozen):
         OSError
             If the folder cannot be written to.
         """
-        from ..io.grasps import save_grasp
+        from ...io.grasps import save_grasp
 
         return save_grasp(self, folder, inputs=inputs, pictures=pictures)
 
     def to_dataframe(self) -> Any:
         """Return a pandas DataFrame with one row for each digit and the palm, columns as in grasp.json."""
-        from ..io.frame import grasp_dataframe
+        from ...io.frame import grasp_dataframe
 
         return grasp_dataframe(self)
 
     def plot(self) -> Figure:
         """Return a matplotlib figure: hand and product from two sides, and the pressure (extra `plot`)."""
-        from ..plot.grasps import grasp_figure
+        from ...plot.grasps import grasp_figure
 
         return grasp_figure(self)
 

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .joints import DIGIT_OF, DIGITS, REFERENCE_LENGTH
-from .pose import turns_of
-from .regions import digit_of_vertices
-from .rotations import Floats, between
+from ..pose import turns_of
+from ..regions import digit_of_vertices
+from ..rig.joints import DIGIT_OF, DIGITS, REFERENCE_LENGTH
+from ..rig.rotations import Floats, between
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from ..obstacle import Obstacle
-    from .hand import Hand
-    from .pose import Pose
-    from .posed import PosedHand
+    from ...obstacle import Obstacle
+    from ..hand import Hand
+    from ..pose import Pose
+    from ..posed import PosedHand
 
 __all__ = ["Closing"]
 

@@ -1,0 +1,1 @@
+"""Hands and poses from files, and to files."""

@@ -1,0 +1,1 @@
+"""A hand that closes on a product and holds it."""
