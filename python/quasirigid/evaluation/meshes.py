@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._arrays import Floats, Indices
 from ..obstacle import Obstacle
 from ..surface import Surface
 
 __all__ = ["ball", "cone", "lattice", "lattice_faces"]
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 def lattice_faces(columns: int, rows: int) -> Indices:

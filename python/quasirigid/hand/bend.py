@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .rig.rotations import Floats
+from .._arrays import Floats
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

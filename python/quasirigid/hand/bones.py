@@ -24,10 +24,9 @@ from .rig.joints import DIGITS, JOINTS_OF, REFERENCE_LENGTH
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from ..models.loft import Indices
+    from .._arrays import Floats, Indices
     from ..surface import Surface
     from .hand import Hand
-    from .rig.rotations import Floats
 
 _MIN_THICKNESS = 1e-3  # m, of tissue between bone and skin
 _SLIMMER = 0.85  # factor from one try to the next

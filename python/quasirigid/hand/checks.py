@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from .._arrays import Floats
     from ..surface import Surface
-    from .rig.rotations import Floats
 
 __all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside"]
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from .._arrays import Floats
     from .hand import Hand
-    from .rig.rotations import Floats
 
 _MOST_ROUNDS = 60
 _VAIN_ROUNDS = 10  # after which no more faces are won back

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from .._arrays import Floats
     from ..contact import Contact
     from .pose import Pose
-    from .rig.rotations import Floats
 
 __all__ = ["Hand", "Side"]
 

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .._arrays import Floats
 from .._check import as_share, real_or_nan, reals_or_empty, short
 from ..errors import HandError, QuasirigidWarning
 from .rig.joints import DIGIT_OF, DIGITS, JOINTS_OF, index_of
-from .rig.rotations import Floats, about, between, from_vectors, product
+from .rig.rotations import about, between, from_vectors, product
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

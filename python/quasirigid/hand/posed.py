@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from .._arrays import Floats
     from ..skin import PreparedSkin, Response
     from ..skin.progress import Progress
     from .bones import Bone
     from .hand import Hand
-    from .rig.rotations import Floats
 
 __all__ = ["PalmFrame", "PosedHand"]
 

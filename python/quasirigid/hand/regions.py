@@ -14,8 +14,8 @@ from .rig.joints import DIGITS, JOINTS_OF
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from .._arrays import Floats
     from .hand import Hand
-    from .rig.rotations import Floats
 
 _SEGMENTS = dict.fromkeys(DIGITS, ("proximal", "middle", "distal")) | {"thumb": ("proximal", "distal")}
 _NEIGHBOURS = (("thumb", "index"), ("index", "middle"), ("middle", "ring"), ("ring", "little"))

@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._arrays import Floats, Indices
 from .._check import as_array
 from ..errors import MeshFileError
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 def check_values(vertices: Floats, faces: Indices, name: str) -> None:

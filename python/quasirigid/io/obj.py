@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from ..errors import MeshFileError
-from .check import Floats, Indices, fans, lines_of, to_float, to_int, weld_equal
+from .check import fans, lines_of, to_float, to_int, weld_equal
 
 _FREE_FORM = {"vp", "cstype", "curv", "curv2", "surf"}
 

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from ..errors import MeshFileError
-from .check import Floats, Indices, fans, lines_of, to_float, to_int
+from .check import fans, lines_of, to_float, to_int
 
 _TYPES = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from .._check import as_path
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError, QuasirigidError
 from ..obstacle import Obstacle
 from ..surface import Surface
-from .check import Floats, Indices, check_values
+from .check import check_values
 from .obj import read_obj
 from .ply import read_ply
 from .stl import read_stl

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from ..errors import MeshFileError
-from .check import Floats, Indices, lines_of, to_float, weld_equal
+from .check import lines_of, to_float, weld_equal
 
 _ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .check import Floats, Indices
+from .._arrays import Floats, Indices
 
 __all__ = ["vtp_bytes"]
 

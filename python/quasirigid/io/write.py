@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from .._check import as_boolean, reals_or_empty, short
 from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
 from .atomic import atomic_write, json_bytes, png_bytes, write_files
-from .check import Floats, Indices, check_values, triangle_rows
+from .check import check_values, triangle_rows
 from .frame import vertex_data
 from .ply import ply_bytes
 from .record import contact_record, inputs_record

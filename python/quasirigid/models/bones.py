@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .._arrays import Floats
 from .._check import as_direction, as_mask, as_number, as_vector, reals_or_empty, short
 from .._sides import sides_of
 from ..errors import SurfaceError
@@ -14,7 +15,6 @@ from ..obstacle import Obstacle
 from ..scene import as_surface
 from ..skin.cut_out import CutOut
 from ..surface import Surface, skin_without_caps
-from .loft import Floats
 from .phalanges import LENGTHS, Frame, Phalanx, as_text, lengths_between, phalanges_in
 
 __all__ = ["bone_of"]

@@ -21,12 +21,11 @@ from functools import partial
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from .._check import as_length
 from ..errors import SurfaceError
 from ..surface import Surface
 from .loft import (
-    Floats,
-    Indices,
     check_vertex_count,
     loft,
     perimeter,

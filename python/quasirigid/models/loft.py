@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .._arrays import Floats, Indices
 from ..errors import QuasirigidError
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # Height of an equilateral triangle over its edge: strips of this height carry near-equilateral triangles.
 ROW = 3.0**0.5 / 2.0

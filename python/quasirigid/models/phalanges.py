@@ -24,9 +24,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from ..errors import SurfaceError
 from .fingers import REFERENCE_BREADTH
-from .loft import Floats, Indices, loft, perimeter, ring_size, rows_along, spread_on_curve
+from .loft import loft, perimeter, ring_size, rows_along, spread_on_curve
 
 __all__ = ["LENGTHS", "Frame", "Phalanx", "as_text", "lengths_between", "phalanges_in"]
 

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from .._check import as_length, as_vector
 from ..errors import ObstacleError
 from ..obstacle import Obstacle
-from .loft import Floats, Indices, check_vertex_count, loft, ring_size, rows_along, spread_on_curve
+from .loft import check_vertex_count, loft, ring_size, rows_along, spread_on_curve
 
 
 def cylinder_handle(

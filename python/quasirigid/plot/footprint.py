@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.tri import Triangulation
     from numpy.typing import NDArray
 
+    from .._arrays import Floats, Indices
     from ..contact.result import Contact
-    from .raster import Floats, Indices
 
 __all__ = ["plot_footprint"]
 

@@ -17,7 +17,7 @@ from .view import View
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .raster import Floats
+    from .._arrays import Floats
 
 __all__ = ["grasp_figure"]
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from .raster import Floats
+    from .._arrays import Floats
 
 __all__ = ["hand_figure"]
 

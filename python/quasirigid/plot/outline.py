@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .._arrays import Floats, Indices
 from .._sides import sides_of
-from .raster import Floats, Indices
 
 
 def contact_side(vertices: Floats, faces: Indices, pressure: Floats, gap: Floats) -> Floats:

@@ -9,10 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from .._arrays import Floats, Indices
 
 CHUNK = 4_000_000  # pairs of triangle and pixel examined together
 

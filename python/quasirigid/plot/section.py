@@ -14,10 +14,10 @@ from .view import View, view_of
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from .._arrays import Floats, Indices
     from ..contact.result import Contact
     from ..obstacle import Obstacle
     from ..surface import Surface
-    from .raster import Floats, Indices
     from .style import Window
 
 __all__ = ["cut_lines", "plot_section", "polylines"]

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .raster import Floats, Indices, rasterise
+from .._arrays import Floats, Indices
+from .raster import rasterise
 from .style import Window
 from .view import View
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from .._arrays import Floats
 from .._check import as_kind
 from .._extras import need_matplotlib
-from .raster import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

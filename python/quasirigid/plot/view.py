@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from .._arrays import Floats
 from .._check import as_direction, as_kind, as_vector, short
 from ..contact.result import Contact, ContactError
-from .raster import Floats
 
 __all__ = ["View", "pad_view"]
 

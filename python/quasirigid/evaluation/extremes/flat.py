@@ -9,11 +9,12 @@ from typing import Literal
 
 import numpy as np
 
+from ..._arrays import Floats, Indices
 from ...contact import Contact, solve_contact
 from ...obstacle import Obstacle
 from ...skin import HalfSpace, Skin
 from ...surface import Surface
-from ..meshes import Floats, Indices, lattice_faces
+from ..meshes import lattice_faces
 from .case import Case, Outcome, near
 from .scaling import AS_GIVEN, Build, Setting, length_judge, modulus_judge, place_judge, scaled_cases
 

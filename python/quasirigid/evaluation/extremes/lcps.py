@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 
+from ..._arrays import Floats
 from ...lcp import LcpMethod, LcpStatus, solve_lcp
 from ..memo import remembered
-from ..meshes import Floats
 from .case import Case, Outcome, holds, near
 from .problems import Problem, all_in_contact, infeasible, problems
 

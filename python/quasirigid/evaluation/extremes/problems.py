@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..meshes import Floats
+from ..._arrays import Floats
 
 __all__ = ["Problem", "all_in_contact", "infeasible", "problems"]
 

@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..._arrays import Floats
 from ...contact import Contact, ContactOptions
 from .case import Case, Outcome, near
 
 __all__ = ["AS_GIVEN", "FAR", "Build", "Setting", "off", "rounding_limit", "scaled_cases"]
 
-Floats = NDArray[np.float64]
 
 # One mesh, and no more memory than any machine has.
 AS_GIVEN = ContactOptions(target_error=None, memory_limit=2**30)

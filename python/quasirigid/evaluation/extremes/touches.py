@@ -9,13 +9,14 @@ from typing import Any, Literal
 import numpy as np
 
 from ... import models
+from ..._arrays import Floats, Indices
 from ...contact import Contact, press, solve_contact
 from ...matrix import response_matrix
 from ...obstacle import Obstacle
 from ...skin import Body, HalfSpace, Layer, PreparedSkin, Skin, cut_out
 from ...surface import Surface
 from ..memo import remembered
-from ..meshes import Floats, Indices, ball, lattice_faces
+from ..meshes import ball, lattice_faces
 from .case import Case, Outcome, holds, near
 from .flat import CELL, flat_skin
 from .scaling import AS_GIVEN, Build, Setting, off, rounding_limit, scaled_cases

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from ..rig.rotations import Floats
+    from ..._arrays import Floats
 
 _SCALE_TOLERANCE = 1e-3  # of the entries of R'R - I: files store frames as float32
 

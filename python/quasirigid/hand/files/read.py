@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from ..._arrays import Floats
     from ..._units import LengthUnit
-    from ..rig.rotations import Floats
 
 __all__ = ["read_hand"]
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from ..._arrays import Floats
     from ...contact.result import Contact
     from ..hand import Hand
-    from ..rig.rotations import Floats
 
 _UNLOADED, _LOADED = np.array([0.87, 0.68, 0.57]), np.array([0.70, 0.05, 0.10])  # linear RGB
 _WEIGHTS_A_SET = 4

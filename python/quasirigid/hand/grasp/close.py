@@ -25,11 +25,11 @@ from .hold import Hold
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from ..._arrays import Floats
     from ...contact import Contact
     from ...obstacle import Obstacle
     from ..pose import Pose
     from ..posed import PosedHand
-    from ..rig.rotations import Floats
 
 __all__ = ["close_hand"]
 

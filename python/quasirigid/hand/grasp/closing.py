@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..._arrays import Floats
 from ..pose import turns_of
 from ..regions import digit_of_vertices
 from ..rig.joints import DIGIT_OF, DIGITS, REFERENCE_LENGTH
-from ..rig.rotations import Floats, between
+from ..rig.rotations import between
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

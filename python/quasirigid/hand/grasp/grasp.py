@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from ..._arrays import Floats
     from ...contact import Contact, Part
     from ..posed import PosedHand
-    from ..rig.rotations import Floats
 
 __all__ = ["Grasp"]
 

@@ -20,12 +20,12 @@ from ..rig.joints import DIGITS
 from .search import Search
 
 if TYPE_CHECKING:
+    from ..._arrays import Floats
     from ...contact import Contact, ContactOptions
     from ...contact.accuracy import Refinement
     from ...skin.elastic import ElasticSkin
     from ...skin.progress import Progress
     from ..posed import PosedHand
-    from ..rig.rotations import Floats
     from .closing import Closing
 
 __all__ = ["Hold"]

@@ -12,8 +12,8 @@ from .joints import DIGITS, JOINTS_OF, PARENTS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ..._arrays import Floats
     from ..hand import Side
-    from .rotations import Floats
 
 _AS_MADE_HERE = 0.8  # least cosine between the axes of a file's frames and what they are to follow here
 

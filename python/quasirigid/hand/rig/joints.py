@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import HandError
 
 if TYPE_CHECKING:
-    from .rotations import Floats
+    from ..._arrays import Floats
 
 __all__ = ["DIGITS", "JOINTS_16", "JOINTS_21", "OPENXR_26", "PARENTS", "WEBXR_25"]
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..._arrays import Floats
 from ..._check import Refusal, as_vector, reals_or_empty, short
-from .rotations import Floats, to_matrices
+from .rotations import to_matrices
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

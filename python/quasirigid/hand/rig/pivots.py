@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from ..._arrays import Floats
     from ..hand import Hand
-    from .rotations import Floats
 
 _SECANTS = 3  # the gain of volume is linear in the depth but for some per cent
 _FARTHEST = 0.5  # of the length of its bone: how far a pivot may lie from the joint

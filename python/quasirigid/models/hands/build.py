@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from ..._arrays import Floats, Indices
 from ..._check import as_number
 from ...errors import SurfaceError
 from ...hand.rig.joints import PARENTS, WEBXR_25
-from ..loft import Floats, Indices
 from ..mesher import Body, contour, remeshed
 from .shape import HandShape
 from .sizes import size_of

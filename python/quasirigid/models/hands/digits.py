@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..loft import Floats
+from ..._arrays import Floats
 from .field import superellipse
 from .skeleton import Digit
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..loft import Floats
+from ..._arrays import Floats
 
 __all__ = ["ellipsoid", "sheet", "smooth_union", "superellipse"]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..loft import Floats
+from ..._arrays import Floats
 from .digits import DigitSkin
 from .field import ellipsoid, sheet, smooth_union, superellipse
 from .skeleton import REFERENCE_BREADTH, REFERENCE_LENGTH, Digit, Skeleton

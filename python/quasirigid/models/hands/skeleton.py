@@ -21,8 +21,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..._arrays import Floats
 from ...hand.rig.joints import DIGITS, JOINTS_OF, WEBXR_25
-from ..loft import Floats
 from ..phalanges import LENGTHS
 
 __all__ = ["REFERENCE_BREADTH", "REFERENCE_LENGTH", "Digit", "Skeleton", "skeleton_of"]

@@ -11,8 +11,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..._arrays import Floats, Indices
 from ...hand.rig.joints import WEBXR_25
-from ..loft import Floats, Indices
 from .shape import HandShape
 
 __all__ = ["MOST", "weights_of"]

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..loft import Floats, Indices
+from ..._arrays import Floats, Indices
 
 __all__ = ["Distance", "contour"]
 

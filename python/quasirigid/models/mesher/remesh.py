@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..loft import Floats, Indices
+from ..._arrays import Floats, Indices, Mask
 from .contour import Distance
 from .topology import Edges, best_of_all, edges_of, neighbours, pairs_of
 
@@ -23,7 +22,6 @@ SHARP = 0.75  # cosine: angles wider than this are left as they are
 ROUNDS = 3
 SPLITS, COLLAPSES, FLIPS = 8, 14, 5  # passes at the most
 FEW = 1e-3  # of all edges: fewer changes end a pass
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..loft import Indices
+from ..._arrays import Indices
 
 __all__ = ["Edges", "best_of_all", "edges_of", "neighbours", "pairs_of"]
 
