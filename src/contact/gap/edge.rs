@@ -249,6 +249,8 @@ impl SkinPart<'_> {
         gaps: &mut Measured,
     ) -> BTreeMap<usize, Line> {
         let mut taken = BTreeMap::new();
+        // Of each vertex on an edge, the normals that its triangles have there.
+        let mut on_edges: BTreeMap<usize, (Line, Vector3<f64>)> = BTreeMap::new();
         let under = |triangle: usize| {
             let corners = self.triangles[triangle].iter();
             corners.map(|&corner| deepest[corner as usize]).fold(0.0, f64::max)
@@ -264,14 +266,20 @@ impl SkinPart<'_> {
             let part = ((deepest - gap) / (SHALLOWER * gap.abs())).clamp(0.0, 1.0);
             for (corner, share) in corners.into_iter().zip(met.shares) {
                 let lent = measured[corner] + part * (gap - measured[corner]);
-                // A vertex on the edge is held by it, as deep as that may be by itself.
-                let is_on_it = met.line.is_sharp && share > 1.0 - LEAST_SHARE && met.depth > 0.0;
-                if is_on_it || share > LEAST_SHARE && lent < gaps.distance[corner] {
+                if met.line.is_sharp && share > 1.0 - LEAST_SHARE && met.depth > 0.0 {
+                    // A vertex on the edge is held by it, as deep as that may be by itself.
                     gaps.distance[corner] = lent.min(gaps.distance[corner]);
+                    on_edges.entry(corner).or_insert((met.line, Vector3::zeros())).1 += met.normal;
+                } else if share > LEAST_SHARE && lent < gaps.distance[corner] {
+                    gaps.distance[corner] = lent;
                     gaps.normal[corner] = met.normal;
                     taken.insert(corner, met.line);
                 }
             }
+        }
+        for (corner, (line, normals)) in on_edges {
+            gaps.normal[corner] = normals.normalize();
+            taken.insert(corner, line);
         }
         taken
     }
