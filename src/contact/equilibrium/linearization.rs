@@ -17,6 +17,7 @@ use nalgebra::Vector3;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::group::{Guess, Nearness};
+use crate::contact::equilibrium::growth::PRESSED_SHARE;
 use crate::contact::equilibrium::solve::solve;
 use crate::contact::error::ContactError;
 use crate::contact::figures::motion::CandidateMotion;
@@ -44,14 +45,15 @@ const LEAST_STEP: f64 = 0.125;
 #[derive(Debug, Clone, Copy)]
 struct Left {
     largest: f64,
-    /// Root of the mean square, over those that are not nothing: it falls steadily where single vertices come and go.
+    /// Root of the mean square, over those that are more than rounded: it falls steadily where single vertices come and go.
     mean: f64,
 }
 
 impl Left {
-    fn of(gaps: impl Iterator<Item = f64>) -> Self {
+    /// * `rounding`: of the gaps (m)
+    fn of(gaps: impl Iterator<Item = f64>, rounding: f64) -> Self {
         let (mut largest, mut squares, mut count) = (0.0_f64, 0.0, 0_usize);
-        for gap in gaps.filter(|gap| *gap > 0.0) {
+        for gap in gaps.filter(|gap| *gap > rounding) {
             (largest, squares, count) = (largest.max(gap), squares + gap * gap, count + 1);
         }
         Self { largest, mean: (squares / count.max(1) as f64).sqrt() }
@@ -93,19 +95,20 @@ impl Deformed {
     /// The gaps that forces leave; in Galerkin form how far the averaged gaps of nodes under force are from those solved
     /// with.
     fn left(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<Left, ContactError> {
+        let rounding = PRESSED_SHARE * gaps.deepest();
         if traits.discretization == Discretization::Galerkin {
             // Solved, the gap is as far from nothing as another linearization changes it.
             let mut anew = gaps.clone();
             anew.linearize(&self.vertices, &self.displacement, &self.measured);
             let [before, after] = [gaps, &anew].map(|gaps| gaps.averaged(traits.basis, &forces.active));
             let changes = before?.into_iter().zip(after?).map(|(before, after)| (after - before).abs());
-            return Ok(Left::of(changes));
+            return Ok(Left::of(changes, rounding));
         }
         let rows = self.vertices.iter().zip(&self.measured.distance);
         let off = |(&vertex, &distance): (&usize, &f64)| {
             if forces.force[vertex] > 0.0 { distance.abs() } else { (-distance).max(0.0) }
         };
-        Ok(Left::of(rows.map(off)))
+        Ok(Left::of(rows.map(off), rounding))
     }
 }
 
