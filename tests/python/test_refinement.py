@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import pickle
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 from shapes import AS_GIVEN, ball, grid
 from shared_meshes import hand_file
 
@@ -273,6 +275,45 @@ def test_place_scale_and_numbering_do_not_matter() -> None:
     faces = np.argsort(order)[surface.faces][random.permutation(len(surface.faces))]
     renumbered = qr.Surface(surface.vertices[order], np.roll(faces, 1, axis=1))
     assert qr.press(renumbered, PLATE, SKIN, UP, depth=0.5e-3).force[2] == pytest.approx(force, rel=1e-6)
+
+
+def turned_box(size: list[float], axis: list[float], degrees: float) -> qr.Obstacle:
+    """A box beside the middle of the ball, turned about an axis through its own."""
+    turn = Rotation.from_rotvec(np.radians(degrees) * np.array(axis) / np.linalg.norm(axis)).as_matrix()
+    return qr.Obstacle.box(size).moved(turn, [0.13e-3, 0.07e-3, -50e-3])
+
+
+EDGES = {
+    "edge": turned_box([15e-3, 5e-3, 5e-3], [1, 0, 0], 45),
+    "corner": turned_box([6e-3, 6e-3, 6e-3], [1, -1, 0], math.degrees(math.acos(3**-0.5))),
+    "wall": turned_box([15e-3, 0.2e-3, 15e-3], [1, 0, 0], 0),
+    "leaning wall": turned_box([0.2e-3, 15e-3, 15e-3], [1, 2, 3], 17),
+}
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize(("target", "within"), [(None, 1e-9), (TARGET, 1e-6)])
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+@pytest.mark.parametrize("edge", EDGES)
+def test_neither_place_nor_numbering_matters_at_an_edge(
+    edge: str, discretization: Literal["collocation", "galerkin"], target: float | None, within: float
+) -> None:
+    skin = qr.Skin(**MATERIAL, response=qr.HalfSpace(discretization=discretization))
+    surface, options = jittered_ball(2), qr.ContactOptions(target_error=target)
+    force = qr.press(surface, EDGES[edge], skin, UP, depth=0.6e-3, options=options).force
+
+    random = np.random.default_rng(3)
+    for turn in Rotation.random(3, random_state=4).as_matrix():
+        shift = random.uniform(-0.3, 0.3, 3)
+        moved, product = surface.moved(turn, shift), EDGES[edge].moved(turn, shift)
+        turned = qr.press(moved, product, skin, turn @ UP, depth=0.6e-3, options=options)
+        np.testing.assert_allclose(turned.force, turn @ force, atol=within * np.linalg.norm(force))
+
+    order = random.permutation(len(surface.vertices))
+    faces = np.argsort(order)[surface.faces][random.permutation(len(surface.faces))]
+    renumbered = qr.Surface(surface.vertices[order], np.roll(faces, 1, axis=1))
+    again = qr.press(renumbered, EDGES[edge], skin, UP, depth=0.6e-3, options=options)
+    np.testing.assert_allclose(again.force, force, atol=within * np.linalg.norm(force))
 
 
 @pytest.mark.parametrize("count", [1, 2])

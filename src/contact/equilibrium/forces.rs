@@ -88,12 +88,12 @@ impl NodeForces {
         self.active.iter().map(|&vertex| self.vectors[vertex]).collect()
     }
 
-    /// How the forces move the candidates (k, m), no nearer than what is drawn needs.
+    /// How the forces move the candidates (k, m), to the tolerance of R itself: gaps taken anew hang on it.
     pub fn moved(&self, response: &Compliance) -> Result<&[Vector3<f64>], ContactError> {
         if let Some(moved) = self.moved.get() {
             return Ok(moved);
         }
-        let moved = response.displace_coarsely(self.applied(), &self.candidates)?;
+        let moved = response.displace(self.applied(), &self.candidates)?;
         Ok(self.moved.get_or_init(|| moved))
     }
 
