@@ -10,6 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import matplotlib
@@ -162,6 +163,11 @@ def least(run: Callable[[], object]) -> float:
     return min(seconds)
 
 
+def fist(hand: qr.Hand) -> qr.Surface:
+    """Return the skin of a hand that makes a fist."""
+    return hand.posed("fist").surface
+
+
 def times(size: str) -> list[str]:
     """Return rows of the table of times, of the rigs of a size."""
     rows = []
@@ -170,7 +176,7 @@ def times(size: str) -> list[str]:
         start = time.perf_counter()
         hand.posed("fist")
         first = time.perf_counter() - start
-        pose = least(lambda hand=hand: hand.posed("fist").surface)
+        pose = least(partial(fist, hand))
         rows.append(f"| {rig} | {len(hand.surface.vertices)} | {first:.2f} s | {pose * 1e3:.1f} ms |")
     return rows
 

@@ -13,7 +13,7 @@ import quasirigid as qr
 from numpy.typing import NDArray
 from PIL import Image
 from quasirigid.plot import View, plot_footprint, plot_section
-from quasirigid.plot.section import cut_lines, joined
+from quasirigid.plot.section import cut_lines, polylines
 from quasirigid.plot.shading import lit_skin
 from quasirigid.plot.style import AFTER, BEFORE, INK, PRODUCT, PRODUCT_EDGE, color_bar, pressure_colors
 
@@ -211,7 +211,7 @@ def close_up(
         lines[f"after, {name}"] = (contact.deformed, COLORS[name], 1.4)
     for name, (mesh, color, thickness) in lines.items():
         placed = view.project(mesh.vertices - center) * 1e3
-        line = joined(cut_lines(mesh.faces, placed[:, 0], np.stack([placed[:, 1], -placed[:, 2]], axis=1)))
+        line = polylines(cut_lines(mesh.faces, placed[:, 0], np.stack([placed[:, 1], -placed[:, 2]], axis=1)))
         style = "--" if name == "skin before" else "-"
         ax.plot(*line.T, color=color, linestyle=style, linewidth=thickness, label=name)
     ax.set(xlim=(-reach, reach), ylim=(-0.35 * reach, 0.6 * reach), aspect="equal")

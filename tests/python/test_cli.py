@@ -589,6 +589,8 @@ def test_a_force_out_of_reach_writes_the_nearest_contact_and_status_1(
         assert "largest" in record["advice"]
     assert document["quasirigid"] == qr.__version__
     assert 0.0 < document["force"]["value"][2] < 1e6
+    assert run(press_arguments(depth=None, force="1000kN", out="far")) == 1
+    assert "status not_reached" in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.filterwarnings("default::quasirigid.QuasirigidWarning")

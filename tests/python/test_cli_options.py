@@ -246,6 +246,16 @@ def test_a_mesh_is_repaired_and_the_changes_are_counted(
     assert "expected .ply or .stl" in capsys.readouterr().err
 
 
+def test_a_mesh_that_is_of_no_use_once_repaired_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # Three triangles about one edge: which way each faces, nobody knows.
+    fan = ["v 0 0 0", "v 9 0 0", "v 0 9 0", "v 0 -9 0", "v 0 0 9", "f 1 2 3", "f 1 2 4", "f 1 2 5"]
+    (folder / "fan.obj").write_text("\n".join(fan))
+    assert run(["repair", "fan.obj", "--unit", "mm", "--out", "fan.ply"]) == 2
+    assert "fan" in capsys.readouterr().err
+
+
 def test_crossing_faces_of_an_open_mesh_are_counted_on_demand(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

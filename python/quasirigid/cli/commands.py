@@ -189,7 +189,7 @@ def press(
                 raise
             contact, unreached = error.contact, str(error)
     inputs = dict(read.inputs) | {name: figure(value, GOAL_UNITS[name]) for name, value in goal.items()}
-    text = _press_text(scene.skin_file.stem, contact, verbose=talk.verbose)
+    text = _press_text(scene.skin_file.stem, contact, verbose=talk.verbose, is_reached=unreached is None)
     record = contact_record(contact, unreached=unreached) | {"inputs": as_plain(inputs)}
     bone = read.body.bone if read.body else None
     saved: dict[str, Any] = {"inputs": inputs, "pictures": pictures, "bone": bone, "unreached": unreached}
@@ -201,8 +201,8 @@ def press(
     return refuse(f"the contact did not end solved: {contact.advice}", status=1)
 
 
-def _press_text(name: str, contact: qr.Contact, *, verbose: bool) -> str:
-    parts = [compare_contacts({name: contact}, verbose=verbose, warnings=False)]
+def _press_text(name: str, contact: qr.Contact, *, verbose: bool, is_reached: bool) -> str:
+    parts = [compare_contacts({name: contact}, verbose=verbose, warnings=False, is_reached=is_reached)]
     if contact.patches:
         parts.append(patch_table(contact))
     if sum(one.kind == "mesh" for one in contact.refinements) > 1:

@@ -64,9 +64,7 @@ def info(
             stacklevel=1,
         )
     talk.tell(record_table(str(file), record), record)
-    if not (record["as_skin"] or record["as_product"]):
-        return refuse(f"{file}: neither skin nor product: {record['why_no_skin']}")
-    return 0
+    return _end(file, record)
 
 
 def repair(
@@ -83,7 +81,7 @@ def repair(
 ) -> int:
     """Weld, drop what is unused, degenerate or double, turn faces the same way, and count the changes.
 
-    Exit status 0: mended; 2: the mesh cannot be mended, or bad input.
+    Exit status 0: mended; 2: the mesh is neither skin nor product even so, or bad input.
     """
     inputs = {"MESH": file}
     check_inputs(inputs)
@@ -100,7 +98,14 @@ def repair(
     talk.tell(record_table(str(out), record), record)
     if not talk.json:
         say(f"wrote {out}")
-    return 0
+    return _end(out, record)
+
+
+def _end(file: Path, record: Mapping[str, Any]) -> int:
+    """Return the exit status for a mesh of that record: it is refused where it serves as nothing."""
+    if record["as_skin"] or record["as_product"]:
+        return 0
+    return refuse(f"{file}: neither skin nor product: {record['why_no_skin']}")
 
 
 def _record(vertices: Any, faces: Any, *, check_crossings: bool) -> dict[str, Any]:

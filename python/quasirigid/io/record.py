@@ -75,6 +75,7 @@ PATCH_UNITS = {
 } | {"mean_pressure": "Pa"}
 # Areas (m²) over which the whole contact has its mean pressures.
 MEAN_AREAS = {"1 cm²": 1e-4, "1 mm²": 1e-6}
+NOT_REACHED = "not_reached"  # status of a contact that is the nearest to what was asked for
 
 
 def contact_record(contact: Contact, *, unreached: str | None = None) -> dict[str, Any]:
@@ -96,7 +97,7 @@ def contact_record(contact: Contact, *, unreached: str | None = None) -> dict[st
     """
     return {
         "quasirigid": __version__,
-        "status": str(contact.status) if unreached is None else "not_reached",
+        "status": str(contact.status) if unreached is None else NOT_REACHED,
         "advice": contact.advice if unreached is None else unreached,
         **figures(contact, _CONTACT),
         "mean_pressure": [

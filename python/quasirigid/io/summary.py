@@ -9,7 +9,7 @@ import numpy as np
 
 from .._text import aligned, as_percent
 from .._units import KPA, MM
-from .record import MEAN_AREAS, mean_pressure
+from .record import MEAN_AREAS, NOT_REACHED, mean_pressure
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -48,7 +48,9 @@ def contact_summary(contact: Contact) -> str:
     return compare_contacts({"": contact})
 
 
-def compare_contacts(contacts: Mapping[str, Contact], *, verbose: bool = True, warnings: bool = True) -> str:
+def compare_contacts(
+    contacts: Mapping[str, Contact], *, verbose: bool = True, warnings: bool = True, is_reached: bool = True
+) -> str:
     """Return the figures of several contacts side by side as a text table.
 
     Parameters
@@ -59,13 +61,16 @@ def compare_contacts(contacts: Mapping[str, Contact], *, verbose: bool = True, w
         Say why each thing was left out; else name them on one line.
     warnings : bool
         List what the contacts warned of; False where that is told elsewhere.
+    is_reached : bool
+        Whether the contacts reached what was asked for; `status` is "not_reached" else.
 
     Returns
     -------
     str
         As `contact_summary`, with a column for each contact.
     """
-    columns = [{"": name} | _rows(contact) for name, contact in contacts.items()]
+    ending = {} if is_reached else {"status": NOT_REACHED}
+    columns = [{"": name} | _rows(contact) | ending for name, contact in contacts.items()]
     names = list(dict.fromkeys(name for column in columns for name in column))
     rows = [[column.get(name, "") for name in names] for column in columns]
     notes = dict.fromkeys(
