@@ -180,20 +180,21 @@ impl ErrorEstimate {
     }
 
     /// With what the shapes add that no number of cells tells: sharp edges of the skin and at the rim, whose shares go on falling
-    /// with the cells, and hollows of the obstacle between vertices, where what counts as touched is not.
+    /// with the cells, hollows of the obstacle between vertices, where what counts as touched is not, and bumps there.
     fn with_shapes(self, contact: &Contact) -> Self {
         let of_skin = contact.clues.skin_edge.as_ref().map_or(0.0, |edge| ON_SKIN_EDGE * edge.share);
         let at_rim = match contact.accuracy.discretization {
             Discretization::Collocation => 0.0,
             Discretization::Galerkin => ON_RIM * contact.clues.ends_at_edges,
         };
-        let Receding { share, height } = contact.clues.receding;
+        let Receding { share, height, pressure } = contact.clues.receding;
+        let at_bumps = (pressure / contact.resultant.max_pressure - 1.0).max(0.0);
         // As if all of the obstacle were that much farther away.
         let late = BY_DEPTH * height / contact.max_penetration_before;
         Self {
             force: self.force + of_skin + at_rim + late,
             area: self.area + of_skin + share,
-            pressure: self.pressure + share / (1.0 - share).max(LEAST_TOUCHED),
+            pressure: self.pressure + share / (1.0 - share).max(LEAST_TOUCHED) + at_bumps,
         }
     }
 
