@@ -169,7 +169,11 @@ impl Contact {
             timings: report.timings,
             left_out: report.left_out,
             warnings: report.warnings,
-            drawing: Drawing { fingers: forces.fingers, motion: figures.motion },
+            drawing: Drawing {
+                fingers: forces.fingers,
+                on_product: forces.on_product,
+                motion: figures.motion,
+            },
             clues: Clues { deepest: gaps.deepest_vertex, ..Clues::default() },
         }
     }

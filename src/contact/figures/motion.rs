@@ -29,9 +29,11 @@ impl CandidateMotion {
     }
 }
 
-/// What a contact keeps for the drawn skin.
+/// What a contact keeps for the drawn skin and product.
 #[derive(Debug, Clone)]
 pub(crate) struct Drawing {
     pub fingers: Fingers,
+    /// The parts that feel each other through the product.
+    pub on_product: Fingers,
     pub motion: CandidateMotion,
 }

@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::contact::candidate::coupling::Coupling;
 use crate::contact::error::ContactError;
 use crate::contact::figures::fade::{fade, fade_distance};
 use crate::contact::options::{ContactOptions, with_threads};
@@ -61,25 +60,12 @@ impl Contact {
         match &material.answer {
             Answer::Matrix(given) => self.move_known(given, &mut vertices),
             Answer::Kernel(kernel) => {
-                for side in self.sides() {
+                for side in self.drawing.on_product.groups() {
                     self.move_by_kernel(kernel, &side, mesh.vertices(), &mut vertices, options)?;
                 }
             }
         }
         Ok(vertices)
-    }
-
-    /// Candidates that push the product from sides that face one way, or lie between such.
-    fn sides(&self) -> Vec<Vec<usize>> {
-        let patches = self.surface().patches(&self.candidates);
-        let way = |patch: &Vec<usize>| patch.iter().map(|&vertex| self.force_vectors[vertex]).sum();
-        let ways: Vec<Vector3<f64>> = patches.iter().map(way).collect();
-        let candidates = |group: Vec<usize>| {
-            let mut all: Vec<usize> = group.into_iter().flat_map(|patch| patches[patch].clone()).collect();
-            all.sort_unstable();
-            all
-        };
-        Coupling::through_solid(&ways).groups().into_iter().map(candidates).collect()
     }
 
     /// Moves the vertices that a given matrix knows.

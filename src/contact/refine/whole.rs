@@ -24,10 +24,16 @@ pub(crate) fn into_whole(
     let count = mesh.given().vertices().len() + mesh.added_count();
     let numbers = |vertices: &[usize]| part.numbers(vertices);
     let gap = gaps(&given, &contact, part, &mesh, count)?;
-    let Drawing { fingers, motion } = &contact.drawing;
-    let candidates = fingers.candidates.iter().map(|finger| numbers(finger)).collect();
-    let fingers = Fingers::listed(candidates, fingers.coupling.clone());
-    let motion = CandidateMotion { scalar: numbers(&motion.scalar), ..motion.clone() };
+    let in_whole = |fingers: &Fingers| {
+        let candidates = fingers.candidates.iter().map(|finger| numbers(finger)).collect();
+        Fingers::listed(candidates, fingers.coupling.clone())
+    };
+    let Drawing { fingers, on_product, motion } = &contact.drawing;
+    let drawing = Drawing {
+        fingers: in_whole(fingers),
+        on_product: in_whole(on_product),
+        motion: CandidateMotion { scalar: numbers(&motion.scalar), ..motion.clone() },
+    };
     let patch =
         |patch: &Patch| Patch { vertices: numbers(&patch.vertices), resultant: patch.resultant.clone() };
     let by_given =
@@ -53,7 +59,7 @@ pub(crate) fn into_whole(
         clues,
         timings,
         left_out,
-        drawing: Drawing { fingers, motion },
+        drawing,
         ..contact
     })
 }
