@@ -8,6 +8,7 @@ use crate::contact::clues::Clues;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::loaded::LoadedVertices;
 use crate::contact::figures::motion::Drawing;
+use crate::contact::report::advice::advice;
 use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::obstacle::posed::Obstacle;
@@ -296,12 +297,7 @@ impl Contact {
     /// What happened and what to try, for an ending other than `solved` and `no_contact`; empty for these.
     pub fn advice(&self) -> String {
         match self.status {
-            ContactStatus::Failed(status) => self
-                .lcp_solutions
-                .iter()
-                .find(|solution| solution.status == status)
-                .map(|solution| solution.advice())
-                .unwrap_or_default(),
+            ContactStatus::Failed(status) => advice(status, &self.lcp_solutions),
             _ => String::new(),
         }
     }

@@ -131,21 +131,38 @@ impl LcpSolution {
 
     /// What happened, why that usually is, and what to try.
     pub fn advice(&self) -> String {
+        let remedy = match (self.status, self.method) {
+            (LcpStatus::Solved | LcpStatus::Interrupted, _) => return self.ending(),
+            (LcpStatus::Ray, _) => "try method auto, another covering vector or an initial active set",
+            (LcpStatus::PivotLimit, _) => {
+                "raise max_pivots, start from an initial active set, or try method auto"
+            }
+            (LcpStatus::Breakdown, LcpMethodName::ProjectedCg) => "use method lemke or auto",
+            (LcpStatus::Breakdown, LcpMethodName::BlockPivoting) => {
+                "use method lemke or auto, or merge unknowns that are one"
+            }
+            (LcpStatus::Breakdown, _) => "merge unknowns that are one, or accept less by raising tolerance",
+        };
+        format!("{}: {remedy}", self.ending())
+    }
+
+    /// What happened, and why that usually is.
+    pub fn ending(&self) -> String {
+        let residual = self.natural_residual;
         match self.status {
             LcpStatus::Solved => {
                 let unique = if self.certificate.is_unique() { "; it is the only solution" } else { "" };
-                format!("solved: the natural residual is {:.1e} of max(-q){unique}", self.natural_residual)
+                format!("solved: the natural residual is {residual:.1e} of max(-q){unique}")
             }
             LcpStatus::Ray => {
                 let meaning = match self.ray.as_ref().map(|ray| ray.conclusion) {
                     Some(RayConclusion::Infeasible) => {
                         "along it no z >= 0 can make M z + q >= 0, so the problem has no solution. Usually M has \
-                         rows without enough positive entries for the negative q: check the signs of M and q"
+                         rows without enough positive entries for the negative q, by the signs of M and q"
                     }
                     Some(RayConclusion::InfeasibleToRounding) => {
                         "up to rounding, along it no z >= 0 can make M z + q >= 0: a solution, if there is one, is \
-                         huge. Usually M is singular, or has rows without enough positive entries for the negative q: \
-                         check the signs of M and q, and for coincident nodes"
+                         huge. Usually M is singular, or has rows without enough positive entries for the negative q"
                     }
                     Some(RayConclusion::NotCopositive) => {
                         "it shows a z >= 0 with z·Mz < 0, so M is not copositive: there may be no solution, one or \
@@ -153,41 +170,27 @@ impl LcpSolution {
                     }
                     _ => {
                         "it proves nothing about M beyond that Lemke's method cannot process it with this covering \
-                         vector: try method auto, another covering vector or an initial active set"
+                         vector"
                     }
                 };
-                format!(
-                    "ray: after {} pivots the path left for infinity; {meaning}. Where M is the response matrix of a \
-                     contact, its kernel is not well posed on a patch this wide: use a well-posed response (half-space, \
-                     layer, body; a body with a shorter coarse_edge_length), a smaller depth or a coarser mesh, or try \
-                     method auto",
-                    self.pivots
-                )
+                format!("ray: after {} pivots the path left for infinity; {meaning}", self.pivots)
             }
             LcpStatus::PivotLimit => format!(
-                "pivot_limit: {} pivots were not enough; usual are about as many as unknowns above zero. Raise \
-                 max_pivots, start from an initial active set, or try method auto",
+                "pivot_limit: {} pivots were not enough; usual are about as many as unknowns above zero",
                 self.pivots
             ),
             LcpStatus::Breakdown => {
-                let (what, remedy) = match self.method {
-                    LcpMethodName::ProjectedCg => (
+                let what = match self.method {
+                    LcpMethodName::ProjectedCg => {
                         "conjugate gradients stalled or met a direction without curvature; usually M is not positive \
-                         definite",
-                        "use method lemke or auto",
-                    ),
-                    LcpMethodName::BlockPivoting => (
-                        "an active block had no usable factor; usually M is singular or no P-matrix",
-                        "use method lemke or auto, or merge coincident nodes",
-                    ),
-                    _ => (
-                        "rounding errors took over; usually M is nearly singular on the active set (coincident nodes, \
-                         one-ring pressures on a regular mesh)",
-                        "merge coincident nodes, use linear pressure, or accept less by raising tolerance",
-                    ),
+                         definite"
+                    }
+                    LcpMethodName::BlockPivoting => {
+                        "an active block had no usable factor; usually M is singular or no P-matrix"
+                    }
+                    _ => "rounding errors took over; usually M is nearly singular on the active set",
                 };
-                let residual = self.natural_residual;
-                format!("breakdown: {what}. The natural residual is {residual:.1e} of max(-q): {remedy}")
+                format!("breakdown: {what}. The natural residual is {residual:.1e} of max(-q)")
             }
             LcpStatus::Interrupted => {
                 format!("interrupted: the caller stopped the solve after {} pivots", self.pivots)

@@ -217,6 +217,19 @@ fn an_obstacle_behind_open_skin_is_no_quiet_miss() {
     }
 }
 
+#[test]
+fn open_skin_pressed_from_behind_is_told_so() {
+    let sides = [Vector3::x() * 1e-3, Vector3::y() * 1e-3];
+    let surface = lattice(12, sides, Vector3::zeros(), 0.0, &mut Random(1));
+    // The skin faces up, and the ball comes from below.
+    let ball = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, -1.0), 0.5).expect("a sphere");
+    let upwards =
+        Press { direction: UP, goal: Goal::Depth(1e-4), start: Start::Infinity, balance: Balance::None };
+    let contact = press(&surface, &ball, &half_space(), &upwards, &ContactOptions::on_given_mesh())
+        .expect("a valid request");
+    assert_told(&contact, WarningKind::Penetration, &["pulled and not pressed", "from behind"]);
+}
+
 /// A plate with its top at z = 0 and a round hole of 7 mm along z, its rim rounded by 0.5 mm.
 fn plate_with_hole() -> Obstacle {
     let (hole, rounding, around) = (7e-3, 0.5e-3, 128_u32);

@@ -139,7 +139,9 @@ fn the_paper_s_constants_solve_shallow_presses_and_end_on_a_ray_in_deep_ones() {
 
     let deep = press_up(&surface, &plate(), &paper_skin(), 1.5e-3);
     assert_eq!(deep.status, ContactStatus::Failed(LcpStatus::Ray));
-    assert!(!deep.advice().is_empty());
+    assert!(deep.advice().contains("well-posed response"), "{}", deep.advice());
+    // Of the problem alone there is nothing that a press could set.
+    assert!(!deep.advice().contains("covering vector"), "{}", deep.advice());
     assert!(deep.resultant.force.z.is_nan(), "no figure may pass for an answer");
     let drawn = deep.drawn_skin(&paper_skin(), &ContactOptions::on_given_mesh()).expect("nothing to draw");
     assert!(drawn.displacement.iter().all(|u| *u == Vector3::zeros()));

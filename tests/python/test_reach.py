@@ -118,7 +118,7 @@ def test_a_bad_ending_on_the_way_is_out_of_reach(fingertip: qr.Surface) -> None:
     response = qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3)
     with pytest.warns(qr.QuasirigidWarning, match="not well posed"):
         skin = qr.Skin(**MATERIAL, response=response)
-    with pytest.raises(qr.ContactError, match="deeper the contact ends with status") as raised:
+    with pytest.raises(qr.ContactError, match="deeper it does not end solved: ray") as raised:
         qr.press(fingertip, PLATE, skin, UP, force=50.0)
     contact = raised.value.contact
     assert contact is not None

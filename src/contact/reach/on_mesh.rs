@@ -11,6 +11,7 @@ use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
 use crate::contact::reach::target::Quantity;
 use crate::contact::refine::meshes::Meshes;
+use crate::contact::report::advice::advice;
 use crate::contact::report::digits::{Digits, Given};
 use crate::contact::report::record::{Report, add_timings};
 use crate::contact::report::warning::WarningKind;
@@ -264,7 +265,5 @@ impl OnMesh<'_> {
 
 /// A trial whose complementarity problems did not end solved.
 fn blocked(status: LcpStatus, solutions: &[LcpSolution]) -> Trial {
-    let ended = solutions.iter().find(|solution| solution.status == status);
-    let advice = ended.map(|solution| solution.advice()).unwrap_or_default();
-    Trial::Blocked(format!("deeper the contact ends with status '{}': {advice}", status.as_str()))
+    Trial::Blocked(format!("deeper it does not end solved: {}", advice(status, solutions)))
 }

@@ -1,5 +1,6 @@
 //! What the user is told beside the figures: seconds per stage, what the scene did not need, warnings.
 
+pub(crate) mod advice;
 pub(crate) mod cuts;
 pub(crate) mod digits;
 pub(crate) mod guards;

@@ -106,8 +106,19 @@ impl Report {
         };
         let pulled = forces.active.iter().filter(is_pulled).count();
         if pulled > 0 {
+            let why = match gaps.scene.press {
+                Some(_) if pulled == forces.active.len() => {
+                    "the skin is pressed from behind: turn the direction, or the faces of the skin, around"
+                }
+                Some(_) => {
+                    "the obstacle stands in the skin farther than the gaps are followed: press less deep"
+                }
+                None => {
+                    "the obstacle stands in the skin farther than the gaps are followed: bring it there by a press, or overlap it less"
+                }
+            };
             let message = format!(
-                "the obstacle's normal points out of the skin at {pulled} of {} vertices under force, which are pulled and not pressed: the obstacle stands in the skin farther than the gaps are followed; bring it there by a press, or overlap it less",
+                "the obstacle's normal points out of the skin at {pulled} of {} vertices under force, which are pulled and not pressed; {why}",
                 forces.active.len()
             );
             self.warn(WarningKind::Penetration, message);
