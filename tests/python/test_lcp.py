@@ -211,7 +211,7 @@ def test_results_are_frozen_and_can_be_stored() -> None:
         ("projected_cg", {"covering": [1.0, 2.0]}),
         ("projected_cg", {"pivot_tol": 1e-9}),
         ("block_pivoting", {"crash": False}),
-        ("block_pivoting", {"covering": [1.0, 2.0]}),
+        ("auto", {"crash": False}),
     ],
 )
 def test_an_option_that_the_method_does_not_know_is_named_with_the_method(
@@ -221,7 +221,7 @@ def test_an_option_that_the_method_does_not_know_is_named_with_the_method(
     (name,) = option
     with pytest.raises(qr.LcpError, match=f"option `{name}` is not known by method '{method}'"):
         qr.solve_lcp(M, q, method=method, options=qr.LcpOptions(**option))
-    assert qr.solve_lcp(M, q, method="auto", options=qr.LcpOptions(**option)).status == "solved"
+    assert qr.solve_lcp(M, q, method="lemke", options=qr.LcpOptions(**option)).status == "solved"
 
 
 @pytest.mark.parametrize("method", list(qr.LcpMethod))

@@ -21,8 +21,8 @@ _DEFAULT_OPTIONS = options_to_core(LcpOptions())
 
 # Options that only some methods know: Lemke's, with which "auto" and block pivoting may end.
 _KNOWN_BY = {
-    "crash": ("lemke", "auto"),
-    "covering": ("lemke", "auto"),
+    "crash": ("lemke",),
+    "covering": ("lemke", "auto", "block_pivoting"),
     "pivot_tol": ("lemke", "auto", "block_pivoting"),
 }
 
