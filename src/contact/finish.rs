@@ -114,6 +114,7 @@ impl Contact {
             apart: left.apart / gaps.deepest(),
             receding: left.receding,
             unfelt: left.unfelt,
+            unmet: left.unmet,
             touched_between: 0,
         };
         // In collocation on a mesh that was given the area is that of its vertices.

@@ -12,7 +12,7 @@ import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
-from shapes import AS_GIVEN, ball, grid
+from shapes import AS_GIVEN, ball, grid, slab
 from shared_meshes import hand_file
 
 # Scenes are coarse on purpose, and taken as they are; some are metres wide.
@@ -314,6 +314,26 @@ def test_neither_place_nor_numbering_matters_at_an_edge(
     renumbered = qr.Surface(surface.vertices[order], np.roll(faces, 1, axis=1))
     again = qr.press(renumbered, EDGES[edge], skin, UP, depth=0.6e-3, options=options)
     np.testing.assert_allclose(again.force, force, atol=within * np.linalg.norm(force))
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+@pytest.mark.parametrize("place", [(5.1e-3, 0.25e-3), (5.4e-3, 0.25e-3)])
+def test_a_small_foot_between_vertices_away_from_all_force_is_met(place: tuple[float, float]) -> None:
+    vertices, faces = grid(16, 1.5e-3)
+    skin = qr.Surface(vertices, faces).moved(np.diag([1.0, -1.0, -1.0]))
+    # Two feet with round ends, of 8 and 1 mm radius, the small one 0.05 mm lower.
+    points, triangles = grid(160, 0.1e-3)
+    small, overlap = points[:, :2] - place, 0.05e-3
+    large = np.sum(points[:, :2] ** 2, axis=1) / 16e-3
+    points[:, 2] = -np.minimum(np.minimum(large, overlap + np.sum(small**2, axis=1) / 2e-3), 0.8e-3)
+    product = qr.Obstacle.mesh(*slab((points, triangles), 3e-3)).moved(translation=-0.05 * UP)
+    contact = qr.press(skin, product, SKIN, UP, depth=2 * overlap)
+    assert len(contact.patches) == 2
+    at_small = np.linalg.norm(contact.surface.vertices[:, :2] - place, axis=1) < 1e-3
+    modulus = qr.reference.contact_modulus(**MATERIAL)
+    alone = qr.reference.Hertz(radius=1e-3, contact_modulus=modulus).force(overlap)
+    # The skin there gives way to the other foot too.
+    assert 0.5 * alone < contact.part(at_small).force[2] < alone
 
 
 @pytest.mark.parametrize("count", [1, 2])

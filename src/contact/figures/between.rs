@@ -34,6 +34,8 @@ pub(crate) struct Between {
     pub deepest: f64,
     /// How far the middle of each face is from the obstacle at the least (m); none where that is flat.
     pub middles: Vec<f64>,
+    /// Deepest penetration (m, ≥ 0) between the corners of each face, at a few points; none where the obstacle is flat.
+    pub of_faces: Vec<f64>,
 }
 
 /// Points on edges (N = 2) or within faces (N = 3), each with what is known of its depth.
@@ -67,14 +69,19 @@ impl<'a> PointsBetween<'a> {
     pub fn look(&self, obstacle: &Obstacle, least: f64) -> Result<Between, ContactError> {
         if obstacle.is_half_space() {
             let deepest = self.depths.iter().copied().fold(least, f64::max);
-            return Ok(Between { deepest, middles: Vec::new() });
+            return Ok(Between { deepest, middles: Vec::new(), of_faces: Vec::new() });
         }
         let on_edges = self.sampled(&self.edges, COARSE, obstacle, 0.0, |_, _| f64::INFINITY)?;
         let on_faces = self.sampled(self.faces, COARSE, obstacle, 0.0, |_, _| f64::INFINITY)?;
         let deepest = self.deepest(obstacle, least, &on_edges, &on_faces)?;
         // One point cuts the edges of a face in three.
         let middles = on_faces.most.iter().map(|depth| -depth).collect();
-        Ok(Between { deepest, middles })
+        let on_sides = |edge: &usize| on_edges.of(*edge).1.iter().copied();
+        let of_face = |(edges, middle): (&[usize; 3], &f64)| {
+            edges.iter().flat_map(on_sides).fold(middle.max(0.0), f64::max)
+        };
+        let of_faces = self.edges_of.iter().zip(&on_faces.most).map(of_face).collect();
+        Ok(Between { deepest, middles, of_faces })
     }
 
     /// Deepest penetration of a point between the corners (m); `least` (m, ≥ 0) where none is deeper.

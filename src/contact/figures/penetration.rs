@@ -21,6 +21,9 @@ pub(crate) const SMALL_PENETRATION: f64 = 0.02;
 /// Share of that from which a closer look may find more.
 const NEARLY_SMALL: f64 = 0.75;
 
+/// How deep in a triangle, over its shortest edge, something blunt stands: what is deeper has sides that vertices slid past.
+const BLUNT: f64 = 0.25;
+
 /// What penetration is left.
 #[derive(Debug, Clone)]
 pub(crate) struct Penetration {
@@ -34,6 +37,8 @@ pub(crate) struct Penetration {
     pub receding: Receding,
     /// Vertices that penetrate by more than a little away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
+    /// Corners, ascending, of triangles away from all force that something blunt stands in between their vertices.
+    pub unmet: Vec<[usize; 3]>,
 }
 
 /// Deepest penetration of skin and obstacle into one another, where the forces put the skin.
@@ -54,6 +59,7 @@ pub(crate) fn penetration_after(
             is_at_vertex,
             receding: Receding::default(),
             unfelt: gaps.penetrating.clone(),
+            unmet: Vec::new(),
         });
     }
     let surface = gaps.surface;
@@ -81,7 +87,7 @@ pub(crate) fn penetration_after(
     let at_vertices = depths.iter().copied().fold(0.0, f64::max);
     let of_edges = moved_skin.deepest_between(&gaps.scene.obstacle, reach, at_vertices, &measured.distance);
     let between = PointsBetween::new(&points, &depths, &triangles);
-    let Between { deepest, middles } = between.look(&gaps.scene.obstacle, of_edges)?;
+    let Between { deepest, middles, of_faces } = between.look(&gaps.scene.obstacle, of_edges)?;
     // The figure that a warning tells is worth a closer look.
     let depth = if deepest > NEARLY_SMALL * SMALL_PENETRATION * reach {
         let at_rest: Vec<Vector3<f64>> = vertices.iter().map(|&vertex| surface.vertices()[vertex]).collect();
@@ -113,5 +119,16 @@ pub(crate) fn penetration_after(
     let work: f64 = vertices.iter().zip(&measured.distance).map(apart).sum();
     let apart = work / forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
-    Ok(Penetration { depth, apart, is_at_vertex, receding, unfelt })
+    let is_blunt = |triangle: &[u32; 3], depth: f64| {
+        let [a, b, c] = triangle.map(|corner| points[corner as usize]);
+        depth < BLUNT * (b - a).norm().min((c - b).norm()).min((a - c).norm())
+    };
+    let is_unmet = |(triangle, &depth): (&[u32; 3], &f64)| {
+        let mut corners = triangle.map(|corner| vertices[corner as usize]);
+        corners.sort_unstable();
+        let may_touch = corners.iter().all(|&vertex| is_free(vertex) && surface.skin_mask()[vertex]);
+        (depth > SMALL_PENETRATION * reach && may_touch && is_blunt(triangle, depth)).then_some(corners)
+    };
+    let unmet = triangles.iter().zip(&of_faces).filter_map(is_unmet).collect();
+    Ok(Penetration { depth, apart, is_at_vertex, receding, unfelt, unmet })
 }

@@ -1,5 +1,7 @@
 //! Triangles that must be finer: those that carry force, and those whose curved middle is pressed where no vertex is.
 
+use std::collections::HashSet;
+
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
@@ -95,8 +97,8 @@ pub(crate) fn pressed_between(
     with_pressed_middle(mesh, leaves, obstacle, |_| 0.0, |_| Vector3::zeros())
 }
 
-/// Triangles without force that stand out between their vertices so far that they touch where the skin has moved to, by
-/// more than a little: as another patch begins to.
+/// Triangles without force that the obstacle touches between their vertices: they stand out so far that they touch where the
+/// skin has moved to, by more than a little, as another patch begins to; or something blunt stands in them.
 ///
 /// * `contact`: on `part` of the mesh
 /// * `skin`: of that part
@@ -126,9 +128,18 @@ pub(crate) fn touched_between(
         let may_be_near = mask[a] && mask[b] && mask[c] && gaps.iter().any(|gap| *gap < most);
         may_be_near && gaps.into_iter().zip(mesh.bulges(*leaf)).any(is_near)
     };
-    let leaves: Vec<usize> = (0..is_felt.len()).filter(|&leaf| !is_felt[leaf]).filter(may_touch).collect();
+    let unfelt = (0..is_felt.len()).filter(|&leaf| !is_felt[leaf]);
+    let unmet: HashSet<[usize; 3]> = contact
+        .clues
+        .unmet
+        .iter()
+        .map(|corners| ascending(corners.map(|corner| part.number(corner))))
+        .collect();
+    let (mut stood_in, leaves): (Vec<usize>, Vec<usize>) =
+        unfelt.partition(|&leaf| unmet.contains(&ascending(mesh.corners(leaf))));
+    let leaves: Vec<usize> = leaves.into_iter().filter(may_touch).collect();
     if leaves.is_empty() || contact.active.is_empty() {
-        return Ok(Vec::new());
+        return Ok(stood_in);
     }
     let mut corners: Vec<usize> = leaves.iter().flat_map(|&leaf| mesh.corners(leaf)).collect();
     corners.sort_unstable();
@@ -138,7 +149,14 @@ pub(crate) fn touched_between(
     let moved =
         |corner: usize| corners.binary_search(&corner).map_or_else(|_| Vector3::zeros(), |at| moved[at]);
     let little = SMALL_PENETRATION * contact.max_penetration_before;
-    with_pressed_middle(mesh, leaves, &contact.obstacle, |bulge| BEYOND_MIDDLE * bulge - little, moved)
+    let beyond = |bulge| BEYOND_MIDDLE * bulge - little;
+    stood_in.extend(with_pressed_middle(mesh, leaves, &contact.obstacle, beyond, moved)?);
+    Ok(stood_in)
+}
+
+fn ascending(mut corners: [usize; 3]) -> [usize; 3] {
+    corners.sort_unstable();
+    corners
 }
 
 /// Those of some triangles that have a curved middle as near to the obstacle, or as deep in it, as is asked for.

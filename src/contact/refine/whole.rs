@@ -41,6 +41,7 @@ pub(crate) fn into_whole(
     let clues = Clues {
         deepest: contact.clues.deepest.map(by_given),
         unfelt: numbers(&contact.clues.unfelt),
+        unmet: contact.clues.unmet.iter().map(|corners| corners.map(|corner| part.number(corner))).collect(),
         ..contact.clues.clone()
     };
     let left_out = left_out(&given.left_out, &contact.left_out);
