@@ -239,6 +239,28 @@ def test_a_force_that_is_measured_anew_is_met_in_a_few_trials_whatever_the_last_
     assert force(search.share, 220.0) == pytest.approx(2.0, rel=8e-3)
 
 
+def test_a_base_that_touches_all_along_does_not_hide_how_fast_a_force_grows():
+    def force(share, modulus):
+        return 0.06 + modulus * max(share - 0.3, 0.0) ** 1.5
+
+    search = Search(wanted=2.0, power=2.0 / 3.0, share=-1.0)
+    for _ in range(40):
+        search.take(force(search.share, 300.0), 3e-2, step=0.08, depth=0.0)
+    assert search.error() <= 3e-2
+    search.begin_again()
+    for _ in range(3):
+        search.take(force(search.share, 220.0), 8e-3, step=0.08, depth=0.0)
+    assert force(search.share, 220.0) == pytest.approx(2.0, rel=8e-3)
+
+
+def test_digits_on_a_ball_whose_bases_touch_all_along_hold_in_the_last_rounds(hand):
+    ball = qr.Obstacle.sphere([-8.79e-3, 97.85e-3, -54.53e-3], 39.71e-3)
+    wanted = {"thumb": 2.4777, "index": 2.9433, "middle": 1.2823, "ring": 0.9589}
+    grasp = qr.close_hand(hand, ball, skin(), force=wanted, start="flat")
+    assert grasp.missed == {}
+    assert {name: forces(grasp)[name] for name in wanted} == pytest.approx(wanted, rel=1e-2)
+
+
 @pytest.mark.parametrize(
     ("reasons", "nodes"), [(("max_nodes", "a sharp edge"), 250), (("target_error",) * 2, 900)]
 )

@@ -14,6 +14,7 @@ _STALE = 2  # brackets that closed and may have been stale
 _STEADY = 3.0  # a slope that is known from another measure is right up to this factor
 _FADED = 0.5  # of the most: a digit that goes deeper and holds less has gone through what it held
 _FADES = 3  # trials in a row of which that is true
+_FAR_BELOW = 0.5  # of the wanted height: from there up, a slope is that of the digit itself
 _INWARDS = 0.05  # of a bracket: no trial nearer to its ends
 
 
@@ -40,7 +41,7 @@ class Search:
     missed: str = ""
     _slope: float = 0.0
     _known_slope: float = 0.0
-    _empty: tuple[float, float] | None = None
+    _below: tuple[float, float] | None = None
     _last: tuple[float, float] | None = None
     _low: float | None = None
     _high: float | None = None
@@ -58,11 +59,11 @@ class Search:
 
     def begin_again(self) -> None:
         """Forget all values but not how fast they grow: from now on they are measured in another way."""
-        if self._known_slope == 0.0 and self._last is not None and self._empty is not None:
-            # From where there was least: between close shares a slope is that of other digits' moves.
-            (share, height), (empty, none) = self._last, self._empty
-            if share - empty > _CLOSE and height > none:
-                self._slope = (height - none) / (share - empty)
+        if self._known_slope == 0.0 and self._last is not None and self._below is not None:
+            # From far below: between close shares a slope is that of other digits' moves.
+            (share, height), (below, low) = self._last, self._below
+            if share - below > _CLOSE and height > low:
+                self._slope = (height - low) / (share - below)
         self._slope = self._known_slope = self._known_slope or self._slope
         self._last = self._low = self._high = None
         self._closed = 0
@@ -78,8 +79,8 @@ class Search:
             self._most, self._most_depth = (value, self.share), depth
         is_faded = value < _FADED * self.most and depth > self._most_depth
         self._faded = self._faded + 1 if is_faded else 0
-        if self._empty is None or height == 0.0 or self.share < self._empty[0]:
-            self._empty = (self.share, height)
+        if self._below is None or height < _FAR_BELOW or self.share < self._below[0]:
+            self._below = (self.share, height)
         # Across a jump the slope is that of nothing.
         if self._last is not None and abs(self.share - self._last[0]) > _CLOSE:
             slope = (height - self._last[1]) / (self.share - self._last[0])
