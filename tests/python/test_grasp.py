@@ -262,13 +262,21 @@ def test_digits_on_a_ball_whose_bases_touch_all_along_hold_in_the_last_rounds(ha
 
 
 @pytest.mark.parametrize(
-    ("reasons", "nodes"), [(("max_nodes", "a sharp edge"), 250), (("target_error",) * 2, 900)]
+    ("reasons", "coarse", "nodes"),
+    [
+        (("max_nodes", "a sharp edge"), 100, 250),
+        (("target_error",) * 2, 100, 900),
+        # A mesh so coarse that it does not touch.
+        (("max_nodes", "no contact"), 0, 1),
+    ],
 )
-def test_rounds_keep_to_the_coarser_mesh_where_none_is_as_fine_as_asked(hand, handle, reasons, nodes):
+def test_rounds_keep_to_the_coarser_mesh_where_none_is_as_fine_as_asked(
+    hand, handle, monkeypatch, reasons, coarse, nodes
+):
     # On an edge forces fall with each refinement: rounds on two finenesses would never agree.
     def solved(count, reason):
         meshes = [SimpleNamespace(kind="mesh", nodes=10 * 3**at, reason="") for at in range(count - 1)]
-        last = SimpleNamespace(kind="mesh", nodes=100 if count == 3 else 300, reason=reason)
+        last = SimpleNamespace(kind="mesh", nodes=coarse if count == 3 else 300, reason=reason)
         return Solved(posed=None, contact=SimpleNamespace(refinements=[*meshes, last]))
 
     hold = Hold(
@@ -280,10 +288,17 @@ def test_rounds_keep_to_the_coarser_mesh_where_none_is_as_fine_as_asked(hand, ha
         by_force=True,
         report=None,
     )
-    hold.solved = solved(4, reasons[0])
-    assert not hold._is_too_fine()
-    hold.solved = solved(3, reasons[1])
-    assert not hold._is_too_fine()
+    meshes = [solved(3, reasons[1]), solved(4, reasons[0])]
+
+    def solve(elastic, options):
+        hold.solved = meshes.pop()
+        return np.zeros(5)
+
+    monkeypatch.setattr(hold, "_solve", solve)
+    hold._with_all_options()
+    assert hold.options.max_nodes == 900
+    # The second mesh is the coarser one: it is solved once.
+    hold._with_all_options()
     # Fewer than the finer mesh's 300.
     assert hold.options.max_nodes == nodes
 

@@ -282,25 +282,27 @@ class Hold:
 
     def _with_all_options(self) -> Floats:
         values = self._solve(self.skin, self.options)
-        return self._solve(self.skin, self.options) if self._is_too_fine() else values
-
-    def _is_too_fine(self) -> bool:
-        """Whether the last mesh was finer than one before, where no mesh is as fine as was asked.
-
-        On an edge each refinement has other forces: from now on all meshes are to be as the coarser.
-        """
         assert self.solved is not None
         meshes = [one for one in self.solved.contact.refinements if one.kind == "mesh"]
         self._meshes[len(meshes)] = meshes[-1]
-        coarse, fine = min(self._meshes), max(self._meshes)
-        if coarse == fine or all(one.reason == _MET for one in self._meshes.values()):
-            return False
-        nodes = int(_ONE_FINENESS * self._meshes[coarse].nodes)
+        if not self._has_uneven_meshes:
+            return values
+        coarsest = min(self._meshes)
+        self._keep_meshes_as(self._meshes[coarsest])
+        return self._solve(self.skin, self.options) if len(meshes) > coarsest else values
+
+    @property
+    def _has_uneven_meshes(self) -> bool:
+        """Whether meshes ended with different finenesses, and one not as fine as was asked."""
+        return len(self._meshes) > 1 and any(one.reason != _MET for one in self._meshes.values())
+
+    def _keep_meshes_as(self, coarsest: Refinement) -> None:
+        """Let no mesh be finer from now on: on an edge each refinement has other forces."""
+        nodes = max(int(_ONE_FINENESS * coarsest.nodes), 1)
         self.options = replace(self.options, max_nodes=min(nodes, self.options.max_nodes))
         self._meshes.clear()
         for search in self.searches.values():
             search.begin_again()
-        return len(meshes) > coarse
 
     def _solve(self, skin: Skin, options: ContactOptions) -> Floats:
         """Solve the contact of the whole hand; return the length of each digit's resultant (N)."""
