@@ -183,6 +183,29 @@ def test_a_mirrored_and_a_scaled_grasp_are_the_same(hand, handle, held, factor):
     assert forces(grasp) == pytest.approx(wanted, rel=1e-3)
 
 
+def test_a_digit_that_a_half_space_left_short_is_tried_again_with_the_body(hand):
+    palm = np.array(hand.posed("relaxed").palm)
+    ball = qr.Obstacle.sphere(palm[:3, 3] + 0.03 * palm[:3, 1] + 0.04 * palm[:3, 2], 0.033)
+    grasps = [
+        qr.close_hand(hand, ball, skin(response), force={"thumb": 1.65}, options=AS_GIVEN)
+        for response in (qr.HalfSpace(), qr.Body())
+    ]
+    assert "at the most on its way" in grasps[0].missed["thumb"]
+    assert grasps[1].missed == {}
+    assert forces(grasps[1])["thumb"] == pytest.approx(1.65, rel=1e-2)
+
+
+@pytest.mark.parametrize(("force", "missed"), [(0.9, ""), (0.5, "end")])
+def test_a_digit_that_slipped_by_is_tried_again_where_it_held_nearly_enough(force, missed):
+    search = Search(wanted=1.0, power=2.0 / 3.0, share=0.5, missed="end")
+    search.take(force, 1e-3, step=0.01, depth=0.0)
+    search.begin_again()
+    assert search.missed == missed
+    # What it holds at the most is measured anew.
+    search.take(0.8 * force, 1e-3, step=0.01, depth=0.0)
+    assert search.most == 0.8 * force
+
+
 def test_digits_that_a_large_contact_left_no_trials_are_named(hand, handle, monkeypatch):
     monkeypatch.setattr(hold, "_LARGE", 1)
     grasp = qr.close_hand(hand, handle, skin(), force=16.0, options=AS_GIVEN)

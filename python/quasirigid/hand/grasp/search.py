@@ -14,6 +14,7 @@ _STALE = 2  # brackets that closed and may have been stale
 _STEADY = 3.0  # a slope that is known from another measure is right up to this factor
 _FADED = 0.5  # of the most: a digit that goes deeper and holds less has gone through what it held
 _FADES = 3  # trials in a row of which that is true
+_NEARLY = 0.8  # of what is wanted: what slipped by with less does so however it is measured
 _FAR_BELOW = 0.5  # of the wanted height: from there up, a slope is that of the digit itself
 _INWARDS = 0.05  # of a bracket: no trial nearer to its ends
 
@@ -58,7 +59,9 @@ class Search:
         return abs(self.value / self.wanted - 1.0)
 
     def begin_again(self) -> None:
-        """Forget all values but not how fast they grow: from now on they are measured in another way."""
+        """Forget all values but not how fast they grow: from now on they are measured in another way.
+
+        A digit that missed has another try, but where it slipped by with far less."""
         if self._known_slope == 0.0 and self._last is not None and self._below is not None:
             # From far below: between close shares a slope is that of other digits' moves.
             (share, height), (below, low) = self._last, self._below
@@ -67,6 +70,11 @@ class Search:
         self._slope = self._known_slope = self._known_slope or self._slope
         self._last = self._low = self._high = None
         self._closed = 0
+        # To look again costs nothing at the end of a way, but many trials where a digit slips by.
+        slips_by = abs(self.share) < 1.0 and self.most < _NEARLY * self.wanted
+        if self.missed != "trials" and not slips_by:
+            self.missed = ""
+        self._most, self._most_depth, self._faded = (0.0, 0.0), 0.0, 0
 
     def take(self, value: float, tolerance: float, *, step: float, depth: float) -> None:
         """Take the value at the present share; go on by at most a step, unless it is the wanted one.
