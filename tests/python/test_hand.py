@@ -433,6 +433,14 @@ def test_the_palm_faces_out_of_the_hand(rigged: qr.Hand) -> None:
     assert rigged.labels[nearest] == "palm-center"
 
 
+@pytest.mark.parametrize("pose", ["flat", "fist"])
+def test_the_palm_of_a_scaled_hand_is_scaled(pose: str) -> None:
+    hand = qr.models.hand(edge_length=4e-3)
+    expected = np.array(hand.posed(pose).palm)
+    expected[:3, 3] *= 1.5
+    np.testing.assert_allclose(hand.scaled(1.5).posed(pose).palm, expected, atol=1e-12)
+
+
 def test_a_glb_hand_is_read_with_its_side(from_glb: qr.Hand, request: pytest.FixtureRequest) -> None:
     assert from_glb.side == request.node.callspec.params["from_glb"].rsplit("_", 1)[1]
     assert len(from_glb.surface.vertices) == 1159  # its 1,360 points without texture seams

@@ -20,7 +20,7 @@ from .bones import fitted, joined
 from .grasp.crossings import crossing_parts, in_words
 from .kept import kept
 from .regions import digit_of_vertices
-from .rig.joints import index_of
+from .rig.joints import REFERENCE_LENGTH, index_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -43,7 +43,7 @@ _PALM_JOINTS = (
     "index-finger-phalanx-proximal",
     "pinky-finger-phalanx-proximal",
 )
-_BELOW = 5e-3  # m, below the mean of the palm's center: inside the hand
+_BELOW = 5e-3  # m, of a hand of REFERENCE_LENGTH, below the mean of the palm's center: inside the hand
 _PALM_MIDDLE = 2.0 / 3.0  # of the way from the wrist to the middle knuckle
 
 
@@ -259,7 +259,8 @@ class PosedHand(Frozen):
         out = np.cross(index - wrist, little - wrist) * (1.0 if self.hand.side == "right" else -1.0)
         out -= (out @ distal) * distal
         out /= np.linalg.norm(out)
-        middle = self.surface.vertices[self.hand.regions == "palm-center"].mean(axis=0) - _BELOW * out
+        below = _BELOW * self.hand.length / REFERENCE_LENGTH
+        middle = self.surface.vertices[self.hand.regions == "palm-center"].mean(axis=0) - below * out
         middle += ((wrist + _PALM_MIDDLE * (knuckle - wrist) - middle) @ distal) * distal
         frame = np.eye(4)
         frame[:3, :3] = np.column_stack([np.cross(distal, out), distal, out])
