@@ -463,6 +463,19 @@ def test_a_saved_hand_is_read_back(hand: qr.Hand, tmp_path: Path) -> None:
     np.testing.assert_allclose(again.rest[order][:, :3, 1], hand.rest[:, :3, 1], atol=1e-5)
 
 
+def test_a_joint_of_a_file_that_hangs_on_none_hangs_on_the_root(hand: qr.Hand, tmp_path: Path) -> None:
+    def part(description: dict[str, Any]) -> None:
+        for node in description["nodes"]:
+            if node.get("name") == "forearm":
+                del node["children"]
+
+    path = tmp_path / "saved.glb"
+    hand.save(path)
+    again = qr.read_hand(glb_with(part, tmp_path, path))
+    assert {again.joint_names[joint] for joint in np.flatnonzero(again.parents < 0)} == {"wrist"}
+    assert again.joint_names[again.parents[again.joint_names.index("forearm")]] == "wrist"
+
+
 def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_path: Path) -> None:
     from quasirigid.hand.files.gltf import Gltf
 
@@ -489,6 +502,10 @@ def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_
         ({"side": "left"}, "side is 'left', but the joints are those of a right hand"),
         ({"weights": lambda hand: hand.weights * 0.9}, r"weights\[0\] sums to 0\.9"),
         ({"parents": lambda hand: np.roll(np.arange(len(hand.parents)), 1)}, r"run in a circle: .* on "),
+        (
+            {"parents": lambda hand: np.full(len(hand.parents), -1)},
+            r"26 roots, 'wrist', 'thumb-metacarpal', .* and 23 more, expected one",
+        ),
         ({"parents": lambda hand: hand.parents + 0.5}, r"expected 26 integers"),
         ({"joint_names": lambda hand: ["palm", *hand.joint_names[1:]]}, r"has no joint 'wrist' \(1 of"),
         (
@@ -587,9 +604,9 @@ def test_nodes_that_form_no_trees_are_named(tmp_path: Path, children: dict[str, 
         qr.read_hand(glb_with(hang, tmp_path))
 
 
-def glb_with(change: Callable[[dict[str, Any]], None], folder: Path) -> Path:
-    """Write the published hand with another description."""
-    source = hand_file(GLB[1], ".glb").read_bytes()
+def glb_with(change: Callable[[dict[str, Any]], None], folder: Path, of: Path | None = None) -> Path:
+    """Write the published hand, or that of a file, with another description."""
+    source = (of or hand_file(GLB[1], ".glb")).read_bytes()
     length = struct.unpack_from("<I", source, 12)[0]
     description = json.loads(source[20 : 20 + length])
     change(description)

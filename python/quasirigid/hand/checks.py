@@ -44,7 +44,7 @@ def as_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
-    """Return the joint that each joint hangs on; none hangs on itself."""
+    """Return the joint that each joint hangs on: one is the root, none hangs on itself."""
     try:
         rows = as_array("parents", parents)
     except TypeError:
@@ -63,6 +63,13 @@ def as_parents(parents: ArrayLike, names: tuple[str, ...]) -> NDArray[np.int64]:
                 raise HandError(f"parents run in a circle: {circle}; the root has -1")
             seen.append(at)
             at = int(rows[at])
+    roots = [repr(name) for name, row in zip(names, rows, strict=True) if row < 0]
+    if len(roots) > 1:
+        more = f" and {len(roots) - 3} more" if len(roots) > 3 else ""
+        raise HandError(
+            f"parents has {len(roots)} roots, {', '.join(roots[:3])}{more}, expected one: let all others "
+            "hang on the joint before them"
+        )
     return rows.astype(np.int64)
 
 

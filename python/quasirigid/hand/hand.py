@@ -51,7 +51,7 @@ class Hand(Frozen):
     joint_names : sequence of str
         J names, WebXR's 25 among them (`quasirigid.hand.WEBXR_25`); others are kept as they are.
     parents : (J,) array_like of int
-        The joint that each hangs on, -1 for the root.
+        The joint that each hangs on, -1 for the one root.
     rest : (J, 4, 4) array_like
         Frames of the joints at rest (m): +y along the bone, +x the axis of flexion (which is a negative turn
         about it), +z dorsal.
@@ -78,9 +78,9 @@ class Hand(Frozen):
     Raises
     ------
     HandError
-        Naming the joint or vertex at fault: names that are missing or double, parents in a circle, frames
-        that are no rigid motion, a joint outside the skin, weights that do not sum to 1. Or a `side` that the
-        joints are not of.
+        Naming the joint or vertex at fault: names that are missing or double, parents in a circle or several
+        roots, frames that are no rigid motion, a joint outside the skin, weights that do not sum to 1. Or a
+        `side` that the joints are not of.
     SurfaceError
         The skin is no surface.
     """

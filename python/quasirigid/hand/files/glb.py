@@ -183,7 +183,7 @@ def _scale_of(file: Gltf, node: int) -> float:
 
 
 def _parents(file: Gltf, names: list[str]) -> list[int]:
-    """Return the parent of each joint: WebXR's for its joints, that of the file for others."""
+    """Return the parent of each joint: WebXR's for its joints, that of the file or the root for others."""
     nodes, above = _nodes(file), _holders(file)
     parents = []
     for name, node in zip(names, nodes, strict=True):
@@ -193,7 +193,10 @@ def _parents(file: Gltf, names: list[str]) -> list[int]:
             parents.append(nodes.index(holder) if holder in nodes else -1)
         else:
             parents.append(names.index(known))
-    return parents
+    root = names.index("wrist")
+    for _ in names:
+        root = parents[root] if parents[root] >= 0 else root
+    return [root if at < 0 and joint != root else at for joint, at in enumerate(parents)]
 
 
 def _holders(file: Gltf) -> dict[int, int]:
