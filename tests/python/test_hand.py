@@ -804,6 +804,39 @@ def test_scales_of_bind_matrices_and_nodes_count(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "node",
+    [
+        {"scale": [-1, 1, 1]},
+        {"scale": [1, 1, 3]},
+        {"scale": [0, 0, 0]},
+        {"matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1]},
+        {"matrix": [0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]},
+    ],
+)
+def test_an_uneven_or_mirrored_scale_is_refused_by_its_node(tmp_path: Path, node: dict[str, Any]) -> None:
+    with pytest.raises(qr.HandError, match=r"node 27 \('Holder'\) has an uneven or mirrored scale: apply it"):
+        qr.read_hand(glb_on(node, tmp_path))
+
+
+@pytest.mark.parametrize(
+    "node", [{"scale": [2, 2, 2]}, {"matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 5, 0, 0, 1]}]
+)
+def test_an_even_scale_counts(tmp_path: Path, node: dict[str, Any]) -> None:
+    length = qr.read_hand(hand_file(GLB[1], ".glb")).length
+    assert qr.read_hand(glb_on(node, tmp_path)).length == pytest.approx(2.0 * length)
+
+
+def glb_on(node: dict[str, Any], folder: Path) -> Path:
+    """Write the published hand, all of it on one more node."""
+
+    def hang(description: dict[str, Any]) -> None:
+        held = description["scenes"][0]["nodes"]
+        description["nodes"].append({"name": "Holder", "children": held, **node})
+
+    return glb_with(hang, folder)
+
+
+@pytest.mark.parametrize(
     ("uri", "message"),
     [
         ("../hand.bin", r"buffers/0 is '../hand.bin', expected a file beside it or its bytes"),

@@ -172,13 +172,21 @@ def _scale_of(file: Gltf, node: int) -> float:
     while True:
         try:
             if "matrix" in nodes[at]:
-                scale *= abs(np.linalg.det(np.reshape(nodes[at]["matrix"], (4, 4))[:3, :3]))
+                own = np.reshape(nodes[at]["matrix"], (4, 4))[:3, :3]
             else:
-                scale *= abs(np.prod(np.reshape(nodes[at].get("scale", (1.0, 1.0, 1.0)), 3)))
+                own = np.diag(np.reshape(nodes[at].get("scale", (1.0, 1.0, 1.0)), 3))
+            factor = np.cbrt(np.linalg.det(own))
+            excess = np.abs(own @ own.T - factor**2 * np.eye(3)).max()
         except (TypeError, ValueError):
             raise HandError(f"{file.path}: {_named(nodes, at)} has no place: {short(nodes[at])}") from None
+        if not (factor > 0.0 and excess <= _SCALE_TOLERANCE * factor**2):
+            raise HandError(
+                f"{file.path}: {_named(nodes, at)} has an uneven or mirrored scale: apply it in the program "
+                "that wrote the file"
+            )
+        scale *= factor
         if at not in above:
-            return float(np.cbrt(scale))
+            return float(scale)
         at = above[at]
 
 

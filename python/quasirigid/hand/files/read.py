@@ -52,7 +52,8 @@ def read_hand(
     ------
     HandError
         No skin or several in a glTF file, joints that are not WebXR's, doubled points whose weights differ, a
-        rig without weights for as many vertices; the message names the file.
+        node with an uneven or mirrored scale, a rig without weights for as many vertices; the message names
+        the file.
     MeshFileError
         The file cannot be read.
     SurfaceError
