@@ -254,6 +254,14 @@ def test_angles_beyond_the_range_of_a_joint_are_taken_at_its_end(hand: qr.Hand) 
     np.testing.assert_array_equal(beyond.joints, further.joints)
 
 
+def test_half_a_turn_is_the_most_of_a_joint_of_no_digit(hand: qr.Hand) -> None:
+    with pytest.warns(
+        qr.QuasirigidWarning, match=r"flexion of wrist is 3438 degrees, taken as 180; .* in rad"
+    ):
+        beyond = hand.posed({"wrist": 60.0})
+    np.testing.assert_array_equal(beyond.joints, hand.posed({"wrist": math.pi}).joints)
+
+
 def test_a_joint_that_moves_no_skin_is_told(hand: qr.Hand) -> None:
     with pytest.warns(qr.QuasirigidWarning, match="index-finger-tip moves no skin"):
         posed = hand.posed({"index-finger-tip": 0.5})
@@ -516,6 +524,7 @@ def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_
         ({"rest": lambda hand: hand.rest[:, :3]}, r"rest has shape \(26, 3, 4\), expected \(26, 4, 4\)"),
         ({"rest": lambda hand: hand.rest * 1.1}, r"rest\[0\] \(wrist\) is no rigid motion"),
         ({"joints": lambda hand: hand.joints + 30}, r"joints\[0\] names joint \d+, but there are 26"),
+        ({"joints": lambda hand: hand.joints - 30}, r"joints\[0\] names joint -\d+, but there are 26"),
         ({"joints": lambda hand: hand.joints[:-1], "weights": lambda hand: hand.weights[:-1]}, r"13012 rows"),
         ({"labels": lambda hand: hand.labels[:5]}, r"expected one word for each of 13013 vertices"),
     ],

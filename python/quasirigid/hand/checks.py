@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .._arrays import Floats
     from ..surface import Surface
 
-__all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside"]
+__all__ = ["as_frames", "as_labels", "as_names", "as_parents", "check_inside", "check_movers"]
 
 _FRAME_TOLERANCE = 1e-6  # of the entries of R'R - I
 _OUTSIDE = 5e-3  # m, of a tip of a hand of REFERENCE_LENGTH: rigs end some digits just beyond the skin
@@ -89,6 +89,14 @@ def as_frames(rest: ArrayLike, names: tuple[str, ...]) -> Floats:
         raise HandError(f"rest[{joint}] ({names[joint]}) is no rigid motion: {frames[joint].tolist()}")
     frames[:, :3, :3] = rotations
     return frames
+
+
+def check_movers(joints: ArrayLike, count: int) -> None:
+    """Refuse negative numbers of joints, which the core would take for large ones."""
+    rows = np.atleast_1d(as_array("joints", joints))
+    if rows.dtype.kind == "i" and (rows < 0).any():
+        place = np.argwhere(rows < 0)[0]
+        raise HandError(f"joints[{place[0]}] names joint {rows[tuple(place)]}, but there are {count}")
 
 
 def as_labels(labels: ArrayLike, count: int) -> NDArray[np.str_]:

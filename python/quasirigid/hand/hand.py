@@ -14,7 +14,7 @@ from ..errors import HandError
 from ..surface import Surface, skin_without_caps
 from .bend import shares_of
 from .bones import Bone, bones_of
-from .checks import as_frames, as_labels, as_names, as_parents, check_inside
+from .checks import as_frames, as_labels, as_names, as_parents, check_inside, check_movers
 from .creases import without_folds
 from .pose import turns_of
 from .posed import PosedHand
@@ -123,6 +123,7 @@ class Hand(Frozen):
             raise HandError("the skin is open: a hand needs a closed one, its cut at the wrist capped")
         # The flat cut at the wrist is no skin.
         surface = surface.with_skin_mask(skin_without_caps(surface))
+        check_movers(joints, len(names))
         _core.SkinWeights(joints, weights, joint_count=len(names))  # checked
         movers = np.array(joints, dtype=np.int64)
         if len(movers) != len(surface.vertices):
@@ -221,8 +222,9 @@ class Hand(Frozen):
         Warns
         -----
         QuasirigidWarning
-            Angles of a mapping that are beyond the range of a joint are taken at its end, and a joint at the
-            end of a digit turns nothing. Arrays are taken as they are.
+            Angles of a mapping that are beyond the range of a joint, half a turn of the wrist and others that
+            are no digit's, are taken at its end, and a joint at the end of a digit turns nothing. Arrays are
+            taken as they are.
 
         Notes
         -----

@@ -46,6 +46,8 @@ AAOS; Hume, Gellman, McKellop, Brumfield 1990, J. Hand Surg. Am. 15(2), 240-243;
 Linscheid 1981, J. Bone Joint Surg. Am. 63(9), 1371-1381); twist and sideways play of hinges are rounded
 up."""
 
+_HALF_TURN: _Range = (-180, 180)  # degrees, of the wrist and others: beyond, an angle is in another unit
+
 
 def _preset(
     fingers: tuple[float, float, float],
@@ -206,12 +208,11 @@ def _within_limits(angles: Floats, hand: Hand) -> Floats:
     kept, said = angles.copy(), []
     for joint, name in enumerate(hand.joint_names):
         for column, angle in enumerate(_ANGLES):
-            limits = _limits(name, angle)
-            if limits is None or angles[joint, column] == 0.0:
+            if angles[joint, column] == 0.0:
                 continue
             # The place at rest is always within reach.
             at_rest = bend[joint] if angle == "flexion" else 0.0
-            low, high = (math.radians(limit) - at_rest for limit in limits)
+            low, high = (math.radians(limit) - at_rest for limit in _limits(name, angle))
             low, high = min(low, 0.0), max(high, 0.0)
             kept[joint, column] = min(max(angles[joint, column], low), high)
             if kept[joint, column] != angles[joint, column]:
@@ -226,12 +227,12 @@ def _within_limits(angles: Floats, hand: Hand) -> Floats:
     return kept
 
 
-def _limits(name: str, angle: str) -> _Range | None:
+def _limits(name: str, angle: str) -> _Range:
     digit = DIGIT_OF.get(name)
     if digit is None:
-        return None
-    ranges = (_THUMB if digit == "thumb" else _FINGER).get(JOINTS_OF[digit].index(name))
-    return None if ranges is None else ranges[angle]
+        return _HALF_TURN
+    ranges = (_THUMB if digit == "thumb" else _FINGER).get(JOINTS_OF[digit].index(name), {})
+    return ranges.get(angle, _HALF_TURN)
 
 
 def bend_at_rest(hand: Hand) -> Floats:
