@@ -363,6 +363,13 @@ def test_a_motion_is_one_matrix_or_two(hand: qr.Hand) -> None:
         (hand.posed("fist", rotation=motion), hand.posed("fist", rotation=turn, translation=shift)),
     ):
         np.testing.assert_array_equal(one.surface.vertices, two.surface.vertices)
+    for move in (
+        hand.surface.moved,
+        hand.moved,
+        lambda *both: hand.posed("fist", rotation=both[0], translation=both[1]),
+    ):
+        with pytest.raises(TypeError, match="holds a translation: leave out `translation`"):
+            move(motion, shift)
     motion[3, 0] = 1.0
     with pytest.raises(qr.HandError, match="rigid motion"):
         hand.moved(motion)

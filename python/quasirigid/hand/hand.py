@@ -185,7 +185,7 @@ class Hand(Frozen):
         pose: Pose,
         *,
         rotation: ArrayLike | None = None,
-        translation: ArrayLike = (0.0, 0.0, 0.0),
+        translation: ArrayLike | None = None,
         linear: bool = False,
     ) -> PosedHand:
         """Return the hand in a pose.
@@ -201,8 +201,8 @@ class Hand(Frozen):
             abduction away from the middle finger (of that itself: towards the thumb), twist where it turns
             the thumb's pad to the fingers.
         rotation : (3, 3) or (4, 4) array_like, optional
-            Of the whole hand about the origin, after it was posed; a (4, 4) matrix holds a shift too.
-        translation : (3,) array_like
+            Of the whole hand about the origin, after it was posed; a (4, 4) matrix holds the translation too.
+        translation : (3,) array_like, optional
             Of the whole hand (m), after that.
         linear : bool
             Blend the motions of joints as matrices, not as dual quaternions: the skin collapses at bent
@@ -218,6 +218,8 @@ class Hand(Frozen):
         HandError
             Unknown names (the nearest known one is offered), angles that are not finite, an array of another
             shape.
+        TypeError
+            Both a (4, 4) matrix and a translation.
 
         Warns
         -----
@@ -237,15 +239,22 @@ class Hand(Frozen):
         surface = self._influence.posed(self.surface, motions, linear=as_boolean("linear", linear))
         return PosedHand(hand=self, surface=surface, joints=frames, motions=motions)
 
-    def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike = (0.0, 0.0, 0.0)) -> Hand:
+    def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> Hand:
         """Return the hand after a rigid motion of all of it, at rest there.
 
         Parameters
         ----------
         rotation : (3, 3) or (4, 4) array_like, optional
-            About the origin; a (4, 4) matrix holds a shift too.
-        translation : (3,) array_like
+            About the origin; a (4, 4) matrix holds the translation too.
+        translation : (3,) array_like, optional
             After the rotation (m).
+
+        Raises
+        ------
+        HandError
+            What is no rotation or no translation.
+        TypeError
+            Both a (4, 4) matrix and a translation.
         """
         frames = moved_frames(self.rest, rotation, translation, HandError)
         # The motion of every joint is that of the first.

@@ -48,7 +48,7 @@ def close_hand(
     force: Mapping[str, float] | float | None = None,
     overlap: Mapping[str, float] | float | None = None,
     rotation: ArrayLike | None = None,
-    translation: ArrayLike = (0.0, 0.0, 0.0),
+    translation: ArrayLike | None = None,
     product_mass: float | None = None,
     center_of_mass: ArrayLike | None = None,
     gravity: ArrayLike = (0.0, 0.0, -9.81),
@@ -81,7 +81,7 @@ def close_hand(
     overlap : float or mapping of digit to float
         In place of a force: deepest overlap of a digit's vertices with the product (m, > 0), measured back
         the way they came where a wall of it is thinner.
-    rotation, translation : array_like
+    rotation, translation : array_like, optional
         Of the whole hand, as for `Hand.posed`.
     product_mass : float, optional
         Mass of the product (kg).

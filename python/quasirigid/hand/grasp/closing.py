@@ -55,7 +55,12 @@ class Closing:
     """
 
     def __init__(
-        self, hand: Hand, start: Pose, end: Pose, rotation: ArrayLike | None, translation: ArrayLike
+        self,
+        hand: Hand,
+        start: Pose,
+        end: Pose,
+        rotation: ArrayLike | None,
+        translation: ArrayLike | None,
     ) -> None:
         self._hand, self._rotation, self._translation = hand, rotation, translation
         self._open, self._first, self._last = (turns_of(pose, hand) for pose in ("open", start, end))

@@ -65,13 +65,23 @@ def inverse_motions(motions: Floats) -> Floats:
 
 
 def moved_frames(
-    frames: Floats, rotation: ArrayLike | None, translation: ArrayLike, refusal: Refusal
+    frames: Floats, rotation: ArrayLike | None, translation: ArrayLike | None, refusal: Refusal
 ) -> Floats:
-    """Return frames (k, 4, 4) after a rotation (3, 3), or a motion (4, 4), and a translation (3,) (m)."""
+    """Return frames (k, 4, 4) after a rotation (3, 3) and a translation (3,) (m), or a motion (4, 4).
+
+    Raises
+    ------
+    TypeError
+        If both a motion and a translation are given; a `refusal` of what is no rotation or no translation.
+    """
     motion = np.eye(4)
     if rotation is not None:
         matrix = reals_or_empty(rotation)
         if matrix.shape == (4, 4) and (matrix[3] == [0.0, 0.0, 0.0, 1.0]).all():
+            if translation is not None:
+                raise TypeError(
+                    "`rotation` has shape (4, 4) and holds a translation: leave out `translation`"
+                )
             motion[:3, 3], matrix = as_vector("rotation[:3, 3]", matrix[:3, 3], refusal), matrix[:3, :3]
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
             raise refusal(
@@ -87,7 +97,8 @@ def moved_frames(
         if determinant < 0.0:
             raise refusal(f"rotation is a reflection (determinant {determinant:.3g})")
         motion[:3, :3] = matrix
-    motion[:3, 3] += as_vector("translation", translation, refusal)
+    if translation is not None:
+        motion[:3, 3] = as_vector("translation", translation, refusal)
     return motion @ frames
 
 
