@@ -174,6 +174,17 @@ def test_options_of_a_mesh_are_checked_for_the_built_in_hand_too(
     assert capsys.readouterr().err.splitlines()[-1] == f"error: {message}"
 
 
+@pytest.mark.parametrize("file", ["built-in", "hand.glb"])
+def test_a_unit_of_what_is_in_metres_is_refused(
+    saved: Path, capsys: pytest.CaptureFixture[str], file: str
+) -> None:
+    word = str(saved) if file == "hand.glb" else file
+    assert run(["hand", word, "--unit", "mm"]) == 2
+    error = capsys.readouterr().err.splitlines()[-1]
+    assert error == f"error: --unit: 'mm' is of a mesh, but {word} is in m: leave it out"
+    assert run(["hand", word, "--unit", "m", "--quiet"]) == 0
+
+
 def test_a_word_that_is_no_hand_is_offered_the_built_in_one(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["hand", "builtin"]) == 2
     error = capsys.readouterr().err.splitlines()[-1]

@@ -38,6 +38,7 @@ __all__ = [
 
 HAND_EXAMPLE = "quasirigid hand built-in --pose cylinder --out hand-output"
 _BUILT_IN = "built-in"
+_GLTF = (".glb", ".gltf")
 _FILES = ("posed.ply", "hand.glb", "hand.png")
 
 HandFile = Annotated[
@@ -71,6 +72,8 @@ def hand(
     inputs = hand_inputs(file, rig) | {"--pose": pose_file(pose)}
     check_inputs(inputs)
     check_folder(out, _FILES, inputs)
+    if file_unit(unit, "--unit") != "m" and (file == _BUILT_IN or Path(file).suffix.lower() in _GLTF):
+        raise QuantityError(f"--unit: '{unit}' is of a mesh, but {file} is in m: leave it out")
     wanted = {} if pose is None else read_pose_word(pose)
     with progress(f"reading {file}"):
         known = read_rigged(file, rig, unit)
