@@ -9,7 +9,9 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -247,12 +249,32 @@ def test_a_terminal_without_our_letters_gets_a_question_mark(encoding: str, in_d
     assert b" mm?" in done.stdout
 
 
+def close(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make a folder that takes no file, as for root no permission does."""
+    made = tempfile.TemporaryFile
+
+    def refused(dir: Path) -> Any:
+        if dir.resolve() == folder.resolve():
+            raise PermissionError(errno.EACCES, "Permission denied", str(dir))
+        return made(dir=dir)
+
+    folder.mkdir(exist_ok=True)
+    monkeypatch.setattr("tempfile.TemporaryFile", refused)
+
+
 @pytest.mark.parametrize(
     ("option", "message"),
     [
         ({"out": "taken/out"}, "--out: taken is a file, expected a folder"),
         ({"prepared": "missing/body.npz"}, "--prepared: there is no folder missing"),
         ({"prepared": "demo-output"}, "--prepared: demo-output is a folder, expected a file"),
+        ({"prepared": "closed/body.npz"}, "--prepared: closed cannot be written to: name another folder"),
+        ({"out": "closed/out"}, "--out: closed cannot be written to: name another folder"),
+        pytest.param(
+            {"out": "/proc/out"},
+            "--out: /proc cannot be written to: name another folder",
+            marks=pytest.mark.skipif(sys.platform != "linux", reason="others have no /proc"),
+        ),
     ],
 )
 def test_a_place_that_cannot_be_written_is_refused_before_the_work(
@@ -266,9 +288,20 @@ def test_a_place_that_cannot_be_written_is_refused_before_the_work(
         raise AssertionError("the work has begun")
 
     (in_demo_folder / "taken").write_text("")
+    close(in_demo_folder / "closed", monkeypatch)
     monkeypatch.setattr(qr, "read_surface", never)
     assert run(press_arguments(response="body", **option)) == 2
     assert message in capsys.readouterr().err
+
+
+def test_a_repaired_mesh_is_not_made_for_a_folder_that_takes_no_file(
+    in_demo_folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    close(in_demo_folder / "closed", monkeypatch)
+    monkeypatch.setattr(qr, "read_mesh", None)
+    words = ["demo-output/fingertip.ply", "--unit", "m", "--out", "closed/mended.ply"]
+    assert run(["repair", *words]) == 2
+    assert "--out: closed cannot be written to: name another folder" in capsys.readouterr().err
 
 
 def test_a_missing_folder_is_told_by_the_file_that_was_meant(

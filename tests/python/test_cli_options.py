@@ -314,6 +314,24 @@ def test_a_kept_body_is_read_again_and_grows_with_what_is_asked(
     assert "--prepared: 'kept.npz' is of use to --response body alone" in capsys.readouterr().err
 
 
+def test_a_kept_body_is_read_where_none_can_be_written(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(**_: object) -> None:
+        raise PermissionError("read-only")
+
+    body = ("--response", "body", "--prepared", "kept/body.npz")
+    (folder / "kept").mkdir()
+    assert run(words("press", "--depth", "0.5mm", *body)) == 0
+    monkeypatch.setattr("tempfile.TemporaryFile", refused)
+    assert run(words("press", "--depth", "0.5mm", *body)) == 0
+    capsys.readouterr()
+    # More nodes than it holds: refused before they are prepared.
+    assert run(words("press", "--depth", "1.5mm", *body)) == 2
+    told = capsys.readouterr().err
+    assert told == "error: --prepared: kept cannot be written to: name another folder\n"
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_a_completion_script_knows_commands_and_options(
     shell: str, capsys: pytest.CaptureFixture[str]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import os
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -58,21 +58,45 @@ def check_folder(out: Path | None, names: Sequence[str] = (), inputs: Inputs | N
     there = next(path for path in (out, *out.parents) if path.exists())
     if not there.is_dir():
         raise NotADirectoryError(f"--out: {there} is a file, expected a folder")
-    if not os.access(there, os.W_OK):
-        raise PermissionError(f"--out: {there} cannot be written to: name another folder")
+    _check_writable(there, "--out")
     for name in names:
         _check_kept(out / name, "--out", "folder", inputs or {})
 
 
-def check_file(file: Path | None, option: str, inputs: Inputs | None = None) -> None:
-    """Refuse a folder in the place of the file, one whose folder is missing, and an input, likewise."""
+def check_file(
+    file: Path | None, option: str, inputs: Inputs | None = None, *, may_be_read: bool = False
+) -> None:
+    """Refuse a folder in the place of the file, one whose folder is missing, and an input, likewise.
+
+    Parameters
+    ----------
+    file : path, optional
+        The file that is written.
+    option : str
+        Names it.
+    inputs : mapping of str to path, optional
+        Files that are read.
+    may_be_read : bool
+        Whether a file that is there may serve as it is: its folder need not be writable.
+    """
     if file is None:
         return
     if file.is_dir():
         raise IsADirectoryError(f"{option}: {file} is a folder, expected a file")
     if not file.parent.is_dir():
         raise FileNotFoundError(f"{option}: there is no folder {file.parent}")
+    if not (may_be_read and file.exists()):
+        _check_writable(file.parent, option)
     _check_kept(file, option, "file", inputs or {})
+
+
+def _check_writable(folder: Path, option: str) -> None:
+    """Refuse a folder that takes no file."""
+    try:
+        # Permissions do not tell: root has them all, also where nothing can be made.
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        raise PermissionError(f"{option}: {folder} cannot be written to: name another folder") from None
 
 
 def _check_kept(target: Path, option: str, kind: str, inputs: Inputs) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 import quasirigid as qr
 
+from .folder import check_file
 from .quantities import QuantityError
 
 __all__ = ["kept_body"]
@@ -36,6 +37,8 @@ def kept_body(
     ------
     QuantityError
         If the file holds another body.
+    OSError
+        If its folder takes no file, before the body is prepared.
     """
     if file.exists():
         known = qr.load_prepared(file)
@@ -47,6 +50,7 @@ def kept_body(
         if np.isin(nodes, known.nodes).all():
             return known
         nodes = np.union1d(nodes, known.nodes)
+    check_file(file, "--prepared")
     made = skin.prepared(surface, nodes, progress=progress)
     made.save(file)
     return made

@@ -321,7 +321,7 @@ def _check_files(words: SceneWords, names: Sequence[str]) -> None:
         "--skin-mask": mask_file(words.skin_mask),
     }
     check_inputs(inputs)
-    check_file(words.prepared, "--prepared", inputs)
+    check_file(words.prepared, "--prepared", inputs, may_be_read=True)
     check_folder(words.out, names, inputs | {"--prepared": words.prepared})
 
 
