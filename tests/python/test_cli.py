@@ -476,6 +476,10 @@ BAD_INPUT = {
         "nothing holds the body",
     ),
     "a missing bone": ({"response": "body", "bone": "nowhere.ply"}, "--bone: there is no file nowhere.ply"),
+    "a product for a bone": (
+        {"response": "body", "bone": "demo-output/handle.stl"},
+        "--bone: demo-output/handle.stl: bone 0 lies outside the skin",
+    ),
     "an unknown hold": ({"response": "body", "fixed": "nails"}, "--fixed: 'nails' is not known"),
     "an unknown mask": ({"skin_mask": "nails"}, "--skin-mask: 'nails' is not known"),
     "a missing mask file": ({"skin_mask": "nowhere.npy"}, "--skin-mask: there is no file nowhere.npy"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -292,9 +293,22 @@ def prepared_skin(scene: Scene, goal: Mapping[str, float], talk: Talk) -> qr.Ski
         return scene.skin
     body = replace(scene.skin, response=scene.body)
     nodes = free_nodes(nodes, scene.body)
-    if scene.prepared is None:
-        return body.prepared(scene.surface, nodes, progress=talk.progress)
-    return kept_body(scene.prepared, body, scene.surface, nodes, progress=talk.progress)
+    with _naming_bone(scene):
+        if scene.prepared is None:
+            return body.prepared(scene.surface, nodes, progress=talk.progress)
+        return kept_body(scene.prepared, body, scene.surface, nodes, progress=talk.progress)
+
+
+@contextmanager
+def _naming_bone(scene: Scene) -> Iterator[None]:
+    """Name the file of a bone that is refused, and the unit that it is read in."""
+    try:
+        yield
+    except qr.ResponseError as error:
+        file, unit = scene.inputs["bone"], scene.inputs["unit"]
+        if file in ("auto", "none") or not re.match("(the )?bones? ", str(error)):
+            raise
+        raise qr.ResponseError(f"--bone: {file}: {error} (it is read in {unit}, as the skin: --unit)") from None
 
 
 @contextmanager
