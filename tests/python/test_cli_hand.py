@@ -71,6 +71,7 @@ def test_a_picture_that_fails_leaves_the_old_one(
         ('{"unit": ["deg"]}', "its \"unit\" is ['deg']"),
         ("[" * 100_000, "no JSON"),
         ('{"unit": "deg", "wrist": {"flexion": "much"}}', "flexion of wrist is 'much', expected a finite"),
+        ('{"unit": "deg", "wrist": {"bend": 3}}', "the angle of wrist 'bend' is not known"),
         ('{"unit": "deg", "wrist": NaN}', "flexion of wrist is nan, expected a finite number"),
         ('{"unit": "rad", "wrist": ' + "9" * 400 + "}", "expected a finite number"),
     ],
@@ -207,13 +208,34 @@ def test_a_digit_that_stays_inside_the_product_is_named(
     assert "not asked for" not in capsys.readouterr().err
 
 
-def test_a_joint_that_no_hand_has_is_one_line(
-    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("command", ["hand --pose", "grasp --start", "grasp --end"])
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [
+        ("index", "the joint 'index' is not known; the nearest is 'index-finger-metacarpal'"),
+        ("little", "the joint 'little' is not known; the nearest is 'pinky-finger-metacarpal'"),
+        # Names of tip joints are nearer, but they move no skin.
+        ("index-finger", "the joint 'index-finger' is not known; the nearest is 'index-finger-metacarpal'"),
+        ("thumb-ip", "the joint 'thumb-ip' is not known; the nearest is 'thumb-"),
+    ],
+)
+def test_a_joint_that_no_hand_has_is_told_by_its_file(
+    saved: Path,
+    bottle: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+    joint: str,
+    message: str,
 ) -> None:
     pose = tmp_path / "pose.json"
-    pose.write_text('{"unit": "deg", "index-finger": 10}', encoding="utf-8")
-    assert run(["hand", str(saved), "--pose", str(pose)]) == 2
-    assert "the joint 'index-finger' is not known; the nearest is" in capsys.readouterr().err
+    pose.write_text(f'{{"unit": "deg", "{joint}": 10}}', encoding="utf-8")
+    name, option = command.split()
+    words = [] if name == "hand" else [str(bottle), "--product-unit", "mm", "--force", "5N"]
+    assert run([name, str(saved), *words, option, str(pose)]) == 2
+    told = capsys.readouterr().err.splitlines()[-1]
+    assert told.startswith(f"error: {pose}: {message}")
+    assert not told.endswith("-tip'")
 
 
 def test_a_product_inside_the_hand_is_one_line(

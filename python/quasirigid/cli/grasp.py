@@ -22,7 +22,17 @@ from ..io.record import figure
 from .arguments import file_unit, parse_poisson_ratio, parse_response, rotation
 from .console import ContactTalk, progress, refuse
 from .folder import OutFolder, check_folder, check_inputs
-from .hand import HandFile, HandUnit, PoseWord, Rig, hand_inputs, pose_file, read_pose_word, read_rigged
+from .hand import (
+    HandFile,
+    HandUnit,
+    PoseWord,
+    Rig,
+    check_joints,
+    hand_inputs,
+    pose_file,
+    read_pose_word,
+    read_rigged,
+)
 from .quantities import (
     ANGLE,
     FORCE,
@@ -165,6 +175,8 @@ def _read(words: GraspWords) -> _Asked:
     in_unit = file_unit(words.product_unit or words.unit, "--product-unit")
     with progress(f"reading {words.hand} and {words.product}"):
         hand = read_rigged(words.hand, words.rig, words.unit)
+        check_joints(words.start, poses["start"], hand)
+        check_joints(words.end, poses["end"], hand)
         obstacle = qr.read_obstacle(words.product, unit=in_unit)
     if not words.as_placed:
         obstacle = _in_palm(obstacle, hand.posed(poses["start"]).palm, rotation(angles), way)

@@ -12,7 +12,7 @@ import quasirigid as qr
 
 from .._extras import need_matplotlib
 from ..hand import read_pose
-from ..hand.pose import PRESETS
+from ..hand.pose import PRESETS, turned_joint
 from ..io import write_mesh
 from ..io.atomic import png_bytes, write_files
 from ..io.record import figure
@@ -29,6 +29,7 @@ __all__ = [
     "HandUnit",
     "PoseWord",
     "Rig",
+    "check_joints",
     "hand",
     "hand_inputs",
     "pose_file",
@@ -77,6 +78,7 @@ def hand(
     wanted = {} if pose is None else read_pose_word(pose)
     with progress(f"reading {file}"):
         known = read_rigged(file, rig, unit)
+        check_joints(pose or "", wanted, known)
         posed = known.posed(wanted)
     files: list[Path] = []
     if out is not None:
@@ -98,6 +100,13 @@ def read_pose_word(word: str) -> Any:
     """Return a preset's name as it is, a JSON file as the pose that it holds."""
     file = pose_file(word)
     return word if file is None else read_pose(file)
+
+
+def check_joints(word: str, pose: Any, known: qr.Hand) -> None:
+    """Refuse joints of a pose file that the hand has not."""
+    if file := pose_file(word):
+        for joint in pose:
+            turned_joint(joint, known, f"{file}: the joint")
 
 
 def hand_inputs(file: str, rig: Path | None) -> dict[str, Path | None]:

@@ -308,7 +308,9 @@ def _naming_bone(scene: Scene) -> Iterator[None]:
         file, unit = scene.inputs["bone"], scene.inputs["unit"]
         if file in ("auto", "none") or not re.match("(the )?bones? ", str(error)):
             raise
-        raise qr.ResponseError(f"--bone: {file}: {error} (it is read in {unit}, as the skin: --unit)") from None
+        raise qr.ResponseError(
+            f"--bone: {file}: {error} (it is read in {unit}, as the skin: --unit)"
+        ) from None
 
 
 @contextmanager

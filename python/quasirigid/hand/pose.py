@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
     from .hand import Hand
 
-__all__ = ["PRESETS", "Mixed", "Pose", "Preset", "mix"]
+__all__ = ["ANGLES", "PRESETS", "Mixed", "Pose", "Preset", "mix", "turned_joint"]
 
 Preset = Literal["flat", "open", "opposed", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"]
 
-_ANGLES = ("flexion", "abduction", "twist")
+ANGLES = ("flexion", "abduction", "twist")
 
 _Range = tuple[float, float]
 _FINGER: dict[int, dict[str, _Range]] = {
@@ -174,7 +174,7 @@ def _of_preset(pose: str, hand: Hand) -> Floats:
     for name, wanted in PRESETS[pose].items():
         if name in hand.joint_names:
             joint = hand.joint_names.index(name)
-            row = [math.radians(wanted.get(angle, 0.0)) for angle in _ANGLES]
+            row = [math.radians(wanted.get(angle, 0.0)) for angle in ANGLES]
             angles[joint] = row
             angles[joint, 0] -= bend[joint]
     return _turns(angles, hand)
@@ -184,15 +184,24 @@ def _of_mapping(pose: Mapping[str, float | Mapping[str, float]], hand: Hand) -> 
     """Return the turns of angles that are named, each within what a joint can do."""
     angles = np.zeros((len(hand.joint_names), 3))
     for name, value in pose.items():
-        joint = index_of(name, hand.joint_names, "the joint")
+        joint = turned_joint(name, hand)
         given = value if isinstance(value, Mapping) else {"flexion": value}
         for angle, amount in given.items():
-            column = index_of(angle, _ANGLES, f"the angle of {name}")
+            column = index_of(angle, ANGLES, f"the angle of {name}")
             angles[joint, column] = _as_angle(f"{angle} of {name}", amount)
-        is_end = joint not in hand.parents and not hand._shares[:, joint].any()
-        if is_end and angles[joint].any():
+        if angles[joint].any() and not _moves_skin(joint, hand):
             warnings.warn(f"{name} moves no skin: its angles change nothing", QuasirigidWarning, stacklevel=5)
     return _turns(_within_limits(angles, hand), hand)
+
+
+def turned_joint(name: str, hand: Hand, what: str = "the joint") -> int:
+    """Return the number of a joint; a refusal offers one that moves skin, of a digit's name its first."""
+    moving = [known for joint, known in enumerate(hand.joint_names) if _moves_skin(joint, hand)]
+    return index_of(name, hand.joint_names, what, JOINTS_OF[name][:1] if name in DIGITS else moving)
+
+
+def _moves_skin(joint: int, hand: Hand) -> bool:
+    return joint in hand.parents or bool(hand._shares[:, joint].any())
 
 
 def _as_angle(name: str, value: Any) -> float:
@@ -207,7 +216,7 @@ def _within_limits(angles: Floats, hand: Hand) -> Floats:
     bend = bend_at_rest(hand)
     kept, said = angles.copy(), []
     for joint, name in enumerate(hand.joint_names):
-        for column, angle in enumerate(_ANGLES):
+        for column, angle in enumerate(ANGLES):
             if angles[joint, column] == 0.0:
                 continue
             # The place at rest is always within reach.

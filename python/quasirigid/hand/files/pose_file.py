@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..._check import as_path, short
 from ...errors import HandError
+from ..pose import ANGLES
+from ..rig.joints import index_of
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -66,6 +68,7 @@ def read_pose(path: str | PathLike[str]) -> dict[str, dict[str, float]]:
 def _angles(file: Path, joint: str, value: Any, unit: float) -> dict[str, float]:
     given = value if isinstance(value, Mapping) else {"flexion": value}
     for name, angle in given.items():
+        index_of(name, ANGLES, f"{file}: the angle of {joint}")
         is_number = isinstance(angle, (int, float)) and not isinstance(angle, bool)
         if not is_number or not abs(angle) < _TOO_LARGE:
             raise HandError(f"{file}: {name} of {joint} is {short(angle)}, expected a finite number")

@@ -92,11 +92,12 @@ def lacking(names: Iterable[str]) -> str:
     return f"joint {missing[0]!r} ({len(missing)} of WebXR's 25 are missing){offered}"
 
 
-def index_of(name: str, known: Iterable[str], what: str) -> int:
-    """Return the place of a name among those known; a refusal offers the nearest one."""
+def index_of(name: str, known: Iterable[str], what: str, offered: Iterable[str] | None = None) -> int:
+    """Return the place of a name among those known; a refusal offers the nearest one, of some where given."""
     names = list(known)
     if name in names:
         return names.index(name)
+    names = names if offered is None else list(offered)
     # WebXR's word for a finger that is the little one here.
     meant = "little" if name == "pinky" and "little" in names else str(name)
     near = difflib.get_close_matches(meant, names, n=1, cutoff=0.0)
