@@ -256,6 +256,21 @@ def test_a_mesh_that_is_of_no_use_once_repaired_is_refused(
     assert "fan" in capsys.readouterr().err
 
 
+def test_a_mesh_that_cannot_be_repaired_is_told_by_its_file(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # A strip of five triangles with half a turn.
+    corners = [f"v {x} {y} 0" for x, y in ((0, 0), (9, 0), (4, 8), (4, 2), (6, 5))]
+    strip = [f"f {1 + at} {1 + (at + 1) % 5} {1 + (at + 2) % 5}" for at in range(5)]
+    (folder / "strip.obj").write_text("\n".join(corners + strip))
+    assert run(["repair", "strip.obj", "--unit", "mm", "--out", "mended.ply"]) == 2
+    assert capsys.readouterr().err.startswith("error: strip.obj: ")
+    collapse = ["--out", "mended.ply", "--weld-tolerance", "100mm"]
+    assert run(["repair", "handle.stl", "--unit", "mm", *collapse]) == 2
+    assert capsys.readouterr().err.startswith("error: handle.stl: repair leaves no face")
+    assert not (folder / "mended.ply").exists()
+
+
 def test_crossing_faces_of_an_open_mesh_are_counted_on_demand(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -89,7 +89,11 @@ def repair(
     known = file_unit(unit, "--unit")
     tolerance = parse_not_negative(weld_tolerance, LENGTH, "--weld-tolerance")
     with progress(f"repairing {file}"):
-        mended = qr.repair(*qr.read_mesh(file, unit=known), weld_tolerance=tolerance)
+        vertices, faces = qr.read_mesh(file, unit=known)
+        try:
+            mended = qr.repair(vertices, faces, weld_tolerance=tolerance)
+        except QuasirigidError as error:
+            raise type(error)(f"{file}: {error}") from None
         write_mesh(mended.vertices, mended.faces, out, unit=known)
         record = {
             "changes": dict(mended.report),
