@@ -538,6 +538,22 @@ def test_a_folder_that_cannot_be_made_is_named(
         ("info", '`unit="mm"` converts a file', "--unit converts a file"),
         ("hand", "give `rig`", "give --rig"),
         ("info", "see `repair`", "see `repair`"),
+        (
+            "info",
+            "call `repair` with weld_tolerance = 8.3e-6 m",
+            "call `repair` with --weld-tolerance 0.0083mm",
+        ),
+        (
+            "press",
+            "(`repair` with a weld_tolerance if they meet)",
+            "(`repair` with a --weld-tolerance if they meet)",
+        ),
+        # What this command calls so looks for more crossings, not for fewer.
+        (
+            "info",
+            "leave it out (check_crossings = false)",
+            "leave it out (`check_crossings=False` of Python)",
+        ),
     ],
 )
 def test_an_argument_of_the_library_is_told_as_an_option_or_as_pythons(

@@ -246,6 +246,21 @@ def test_a_mesh_is_repaired_and_the_changes_are_counted(
     assert "expected .ply or .stl" in capsys.readouterr().err
 
 
+def test_an_open_seam_is_told_with_the_option_that_welds_it(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    vertices, faces = ball(8.0, 1)
+    # One corner of one face is a vertex of its own, 1 um beside.
+    vertices = np.vstack([vertices, vertices[faces[0, 0]] + [1e-3, 0.0, 0.0]])
+    faces[0, 0] = len(vertices) - 1
+    qr.io.write_mesh(vertices * 1e-3, faces, "seam.ply", unit="mm")
+    assert run(["info", "seam.ply", "--unit", "mm"]) == 2
+    advised = capsys.readouterr().out.split("call `repair` with ")[1].split()[:2]
+    assert advised[0] == "--weld-tolerance"
+    assert run(["repair", "seam.ply", "--unit", "mm", "--out", "ball.ply", *advised]) == 0
+    assert qr.read_surface("ball.ply", unit="mm").is_closed
+
+
 def test_a_mesh_that_is_of_no_use_once_repaired_is_refused(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

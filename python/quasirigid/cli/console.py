@@ -17,6 +17,8 @@ from typing import Annotated, Any, cast
 import typer
 from rich.console import Console
 
+from .._units import MM
+
 __all__ = [
     "ContactTalk",
     "Talk",
@@ -125,6 +127,8 @@ def close_stdout() -> None:
 
 # An argument of the library in a message, as `unit="mm"` or `Body(fixed=)`.
 _ARGUMENT = re.compile(r"`(?:\w+\()?(\w+)(?:=[^`]*)?`")
+# The one of `repair`, which other commands advise too, with its value (m).
+_WELDING = re.compile(r"\bweld_tolerance\b(?: = ([\d.e+-]+) m\b)?")
 # What the command at work has for them: its options, and the commands, which keep their names.
 _words: dict[str, str] = {}
 
@@ -141,7 +145,12 @@ def speak_for(program: typer.Context) -> None:
 
 def _in_options(message: str) -> str:
     """Return a message of the library with options for its arguments; others are told to be Python's."""
-    return _ARGUMENT.sub(lambda found: _words.get(found[1], f"{found[0]} of Python"), message)
+    told = _ARGUMENT.sub(lambda found: _words.get(found[1], f"{found[0]} of Python"), message)
+    # No command leaves that check out.
+    told = told.replace("check_crossings = false", "`check_crossings=False` of Python")
+    return _WELDING.sub(
+        lambda found: "--weld-tolerance" + (f" {float(found[1]) * MM:.12g}mm" if found[1] else ""), told
+    )
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
