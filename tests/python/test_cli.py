@@ -233,8 +233,18 @@ def test_a_sweep_is_written_before_a_full_stdout_is_met(in_demo_folder: Path) ->
         program = [sys.executable, "-m", "quasirigid"]
         done = subprocess.run([*program, *words], stdout=full, stderr=subprocess.PIPE)
     assert done.returncode != 0
-    assert b"No space left" in done.stderr
+    assert b"error: standard output cannot be written to: No space left" in done.stderr
     assert (in_demo_folder / "sweep-full" / "sweep.csv").is_file()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="its shell closes no stdout")
+def test_results_that_a_closed_stdout_loses_are_an_error(in_demo_folder: Path) -> None:
+    words = press_arguments(target_error="none", out="closed-stdout")
+    program = shlex.join([sys.executable, "-m", "quasirigid", *words])
+    done = subprocess.run(f"{program} >&-", shell=True, stderr=subprocess.PIPE)
+    assert done.returncode == 2
+    assert b"error: standard output is closed, so no results are printed" in done.stderr
+    assert (in_demo_folder / "closed-stdout" / "contact.json").is_file()
 
 
 @pytest.mark.parametrize("encoding", ["cp932", "ascii"])

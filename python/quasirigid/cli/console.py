@@ -111,11 +111,21 @@ def print_all_letters() -> None:
 
 
 def say(text: str) -> None:
-    """Print results on stdout; whoever has read enough may close it."""
+    """Print results on stdout; whoever has read enough may close it.
+
+    Raises
+    ------
+    OSError
+        If they cannot be printed, as on a full disk or where stdout was closed from the start.
+    """
+    if sys.stdout is None:
+        raise OSError("standard output is closed, so no results are printed: leave it open")
     try:
         print(text, flush=True)
     except BrokenPipeError:
         close_stdout()
+    except OSError as error:
+        raise OSError(f"standard output cannot be written to: {error.strerror}") from None
 
 
 def close_stdout() -> None:
