@@ -320,6 +320,24 @@ def test_info_of_a_hand_file_names_the_command_for_hands(
     assert f"`quasirigid hand {saved}` shows a hand" in capsys.readouterr().err
 
 
+def test_a_press_of_a_hand_names_the_commands_for_hands(
+    saved: Path, bottle: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    press = "--unit m --product-unit mm --direction 0,0,-1 --depth 1mm --shear-modulus 60kPa"
+    words = [str(bottle), *press.split(), "--poisson-ratio", "0.5"]
+    assert run(["press", str(saved), *words]) == 2
+    assert (
+        "`quasirigid hand FILE --out FOLDER`, which writes posed.ply, reads hands" in capsys.readouterr().err
+    )
+    hand = qr.read_hand(saved).surface
+    qr.io.write_mesh(hand.vertices, hand.faces, tmp_path / "hand.ply", unit="m")
+    assert run(["press", str(tmp_path / "hand.ply"), *words, "--response", "body"]) == 2
+    told = capsys.readouterr().err
+    assert "--bone auto: the bone sticks" in told
+    assert "give --bone FILE or none, or take `quasirigid grasp` for a whole hand" in told
+    assert "of Python" not in told
+
+
 @pytest.mark.filterwarnings("always::quasirigid.QuasirigidWarning")
 def test_an_angle_out_of_reach_is_told_with_both_units(
     saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

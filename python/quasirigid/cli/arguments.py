@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._units import UNITS, LengthUnit
+from ..errors import SurfaceError
 from ..io import read_surface
 from ..models import bone_of
 from ..skin.response import Body, GaussianCorrected, HalfSpace, Layer
@@ -123,7 +125,7 @@ def on_skin(body: Body, surface: Surface, bone: str, fixed: str, unit: LengthUni
     """Return the body under a skin with `--bone`, whose file is in `unit`, and `--fixed`."""
     bones = None
     if bone == "auto":
-        bones = bone_of(surface)
+        bones = _drawn_bone(surface)
     elif bone != "none":
         bones = read_surface(bone, unit=unit)
     held: NDArray[np.bool_] | None = None
@@ -135,6 +137,19 @@ def on_skin(body: Body, surface: Surface, bone: str, fixed: str, unit: LengthUni
     elif fixed != "none":
         held = _read_mask(surface, fixed, "--fixed")
     return replace(body, bone=bones, fixed=held)
+
+
+def _drawn_bone(surface: Surface) -> Surface:
+    """Return phalanges in a finger."""
+    try:
+        return bone_of(surface)
+    except SurfaceError as error:
+        # Without the remedies, which are arguments of Python.
+        found = re.split("[:;] (?:check|give|scale=|min_thickness=)", str(error))[0]
+        raise SurfaceError(
+            f"--bone auto: {found}; it draws phalanges into one finger with its pad to -z: check --unit, give"
+            " --bone FILE or none, or take `quasirigid grasp` for a whole hand"
+        ) from None
 
 
 def mask_file(text: str | None) -> Path | None:

@@ -151,6 +151,7 @@ def speak_for(program: typer.Context) -> None:
     _words.clear()
     _words.update({name: f"`{name}`" for name in commands})
     _words.update({name: option for name, option in names.items() if option.startswith("--")})
+    _words["read_hand"] = "`quasirigid hand FILE --out FOLDER`, which writes posed.ply,"
 
 
 def _in_options(message: str) -> str:
