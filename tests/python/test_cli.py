@@ -329,9 +329,15 @@ def test_a_missing_folder_is_told_by_the_file_that_was_meant(
         (["--depths", "1mm", "--forces", "1N"], "give one of --depths and --forces"),
         (["--depths", "1:2mm"], "not of the form first:last:count"),
         (["--depths", "1:2:1mm"], "not of the form first:last:count"),
-        (["--depths", "1:2:3"], "has no unit"),
+        (
+            ["--depths", "1:2:3"],
+            "'1:2:3' has no unit, expected m, cm, mm, um or inch after it, as in 1:2:3mm",
+        ),
         (["--depths", "-1:2:3mm"], "--depths: '-1:2:3mm' holds a depth below 0"),
-        (["--forces", "1:2:3mm"], "is not a number with a unit"),
+        (
+            ["--forces", "1:2:3 mm"],
+            "'1:2:3 mm' has the unit 'mm', expected N, kN or mN after it, as in 1:2:3N",
+        ),
         (["--forces", "0:2:3N"], "--forces: '0:2:3N' holds a force that is not above 0"),
     ],
 )

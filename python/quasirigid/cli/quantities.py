@@ -124,7 +124,12 @@ def parse_steps(text: str, units: dict[str, float], what: str) -> list[float]:
     count = int(match["count"])
     if count > _MOST_STEPS:
         raise QuantityError(f"{what}: '{text}' has {count} steps, expected at most {_MOST_STEPS}")
-    ends = f"{match['first']},{match['last']}{match['unit']}"
+    unit = match["unit"]
+    if unit not in units:
+        found = f"the unit '{unit}'" if unit else "no unit"
+        stem = text.strip().removesuffix(unit).strip()
+        raise QuantityError(f"{what}: '{text}' has {found}, {_expected(units, stem)}")
+    ends = f"{match['first']},{match['last']}{unit}"
     first, last = parse_quantities(ends, 2, units, what)
     return [first + (last - first) * (step / (count - 1)) for step in range(count)]
 
@@ -161,9 +166,12 @@ def _finite(text: str, what: str) -> float:
 
 
 def _allowed(units: dict[str, float], example: str) -> str:
-    names = list(units)
     number = _NUMBER.match(example.split(",")[-1].strip())
-    sample = number.group() if number else "1"
+    return _expected(units, number.group() if number else "1")
+
+
+def _expected(units: dict[str, float], sample: str) -> str:
+    names = list(units)
     return f"expected {', '.join(names[:-1])} or {names[-1]} after it, as in {sample}{_best(units)}"
 
 
