@@ -231,8 +231,8 @@ def as_place(name: str, value: Any, count: int, where: str) -> int:
     return number % count
 
 
-def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int:
-    """Return an integer >= 0.
+def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError, least: int = 0) -> int:
+    """Return an integer >= `least`.
 
     Raises
     ------
@@ -242,8 +242,10 @@ def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError) ->
     number = _index_or_none(value)
     if number is None:
         raise TypeError(f"{name} is {value!r}, expected an integer")
-    if not 0 <= number <= sys.maxsize:
-        raise refusal(f"{name} is {number}, expected an integer of at least 0 and at most {sys.maxsize}")
+    if not least <= number <= sys.maxsize:
+        raise refusal(
+            f"{name} is {number}, expected an integer of at least {least} and at most {sys.maxsize}"
+        )
     return number
 
 
@@ -256,9 +258,11 @@ def _index_or_none(value: Any) -> int | None:
         return None
 
 
-def as_integer_or_none(name: str, value: Any, refusal: type[ValueError] = ValueError) -> int | None:
+def as_integer_or_none(
+    name: str, value: Any, refusal: type[ValueError] = ValueError, least: int = 0
+) -> int | None:
     """Return None, or what `as_integer` does."""
-    return None if value is None else as_integer(name, value, refusal)
+    return None if value is None else as_integer(name, value, refusal, least)
 
 
 def as_integers(name: str, values: Iterable[Any], refusal: type[ValueError] = ValueError) -> list[int]:

@@ -71,7 +71,7 @@ def response_matrix(
     ResponseError
         If a node, the tolerance or the memory needed is out of range, or a direction has not length 1.
     """
-    num_threads = as_integer_or_none("num_threads", num_threads, ResponseError)
+    num_threads = as_integer_or_none("num_threads", num_threads, ResponseError, least=1)
     return _core.response_matrix(
         as_surface("surface", surface),
         core_skin(skin, surface, num_threads),

@@ -272,12 +272,24 @@ def test_directions_that_are_not_unit_are_refused(
 
 
 @pytest.mark.parametrize(
-    "name", ["max_nodes", "max_linearizations", "rings", "num_threads", "memory_limit", "max_growths"]
+    ("name", "least"),
+    [
+        ("max_nodes", 1),
+        ("max_linearizations", 1),
+        ("rings", 0),
+        ("num_threads", 1),
+        ("memory_limit", 0),
+        ("max_growths", 0),
+    ],
 )
-def test_counts_below_zero_are_errors_of_the_contact(fingertip: qr.Surface, name: str) -> None:
+@pytest.mark.parametrize("below", [1, 2])
+def test_counts_below_the_least_are_errors_of_the_contact(
+    fingertip: qr.Surface, name: str, least: int, below: int
+) -> None:
     plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
-    counts: dict[str, Any] = {name: -1}
-    with pytest.raises(qr.ContactError, match=f"^{name} is -1, expected an integer of at least 0"):
+    counts: dict[str, Any] = {name: least - below}
+    expected = f"^{name} is {least - below}, expected an integer of at least {least} "
+    with pytest.raises(qr.ContactError, match=expected):
         qr.press(fingertip, plate, SKIN, [0, 0, 1], depth=1e-3, options=qr.ContactOptions(**counts))
 
 

@@ -98,12 +98,14 @@ def options_to_core(options: ContactOptions | None) -> _core.ContactOptions:
     return _core.ContactOptions(
         tolerance=as_float("tolerance", options.tolerance),
         target_error=as_float_or_none("target_error", options.target_error),
-        max_nodes=as_integer("max_nodes", options.max_nodes, ContactError),
+        max_nodes=as_integer("max_nodes", options.max_nodes, ContactError, least=1),
         gap_tolerance=as_float("gap_tolerance", options.gap_tolerance),
-        max_linearizations=as_integer("max_linearizations", options.max_linearizations, ContactError),
+        max_linearizations=as_integer(
+            "max_linearizations", options.max_linearizations, ContactError, least=1
+        ),
         rings=as_integer_or_none("rings", options.rings, ContactError),
         method=as_choice("method", options.method, LcpMethod, LcpError),
-        num_threads=as_integer_or_none("num_threads", options.num_threads, ContactError),
+        num_threads=as_integer_or_none("num_threads", options.num_threads, ContactError, least=1),
         memory_limit=as_integer_or_none("memory_limit", options.memory_limit, ContactError),
         search_distance=as_float_or_none("search_distance", options.search_distance),
         condition=as_boolean("condition", options.condition),

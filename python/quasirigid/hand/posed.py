@@ -214,7 +214,7 @@ class PosedHand(Frozen):
         nodes = None if nodes is None else as_nodes("nodes", nodes, len(self.labels), ResponseError)
         folder = None if folder is None else as_path("folder", folder)
         progress = as_progress(progress)
-        num_threads = as_integer_or_none("num_threads", num_threads, ResponseError)
+        num_threads = as_integer_or_none("num_threads", num_threads, ResponseError, least=1)
         response = Body() if response is None else response
         if not isinstance(response, Body):
             return Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)

@@ -62,9 +62,7 @@ def plot_skin(
         If `show` is neither, or `pixels` is 0.
     """
     shown = as_choice("show", show, _Shown, ContactError)
-    pixels = as_integer("pixels", pixels, ContactError)
-    if pixels == 0:
-        raise ContactError("pixels is 0, expected an integer of at least 1")
+    pixels = as_integer("pixels", pixels, ContactError, least=1)
     view = view_of(contact, view)
     ax = axes_or_new(ax, (4.4, 6.0))
     faces = contact.surface.faces

@@ -125,7 +125,7 @@ class Skin:
             surface,
             nodes=nodes,
             progress=as_progress(progress),
-            num_threads=as_integer_or_none("num_threads", num_threads, ResponseError),
+            num_threads=as_integer_or_none("num_threads", num_threads, ResponseError, least=1),
         )
         return PreparedSkin(skin=self, _response=response)
 
