@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import FrozenInstanceError
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
@@ -11,9 +10,24 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Frozen", "read_only"]
+__all__ = ["Frozen", "ReadOnlyDict", "read_only"]
 
 _Array = TypeVar("_Array", bound="NDArray[Any]")
+_Key = TypeVar("_Key")
+_Value = TypeVar("_Value")
+
+
+class ReadOnlyDict(dict[_Key, _Value]):
+    """A dict that nobody can change, nor a copy or pickle of it."""
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("this dict is read-only: change a copy, dict(...)")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return how it is made; a copy would set its entries one by one."""
+        return ReadOnlyDict, (dict(self),)
 
 
 class Frozen:
@@ -28,7 +42,7 @@ class Frozen:
             if isinstance(value, np.ndarray):
                 read_only(value)
             elif isinstance(value, dict):
-                vars(self)[name] = MappingProxyType(value)
+                vars(self)[name] = ReadOnlyDict(value)
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
         """Refuse to set an attribute; a `cached_property` does not ask."""
@@ -37,13 +51,6 @@ class Frozen:
     def __delattr__(self, name: str) -> NoReturn:
         """Refuse to delete an attribute."""
         raise FrozenInstanceError(f"cannot delete {name!r} of a {type(self).__name__}")
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return the attributes; pickle knows no `MappingProxyType`."""
-        return {
-            name: dict(value) if isinstance(value, MappingProxyType) else value
-            for name, value in vars(self).items()
-        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take the attributes, read-only again."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import pickle
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -63,8 +64,23 @@ def test_no_result_can_be_changed(results: list[Any], copied: Callable[[Any], An
             if isinstance(value, np.ndarray):
                 assert not value.flags.writeable, f"{type(result).__name__}.{name}"
             if isinstance(value, Mapping):
+                for change in ("clear", "popitem", "update"):
+                    with pytest.raises(TypeError):
+                        getattr(entries, change)()
                 with pytest.raises(TypeError):
                     entries["new"] = 0
+
+
+def test_results_are_taken_apart_as_dataclasses(results: list[Any]) -> None:
+    # The core's skins that these hold cannot be copied.
+    with_skin = (qr.Skin, qr.PreparedSkin, qr.CombinedSkin, qr.Sweep)
+    taken_apart = set()
+    for result in results:
+        if dataclasses.is_dataclass(result) and not isinstance(result, with_skin):
+            known = dataclasses.asdict(result)
+            assert set(known) == {field.name for field in dataclasses.fields(result)}
+            taken_apart.add(type(result))
+    assert {qr.Contact, qr.Grasp, qr.surface.Repair} <= taken_apart
 
 
 def fields_of(result: Any) -> list[str]:

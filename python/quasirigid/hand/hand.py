@@ -306,7 +306,7 @@ class Hand(Frozen):
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the attributes but for the core's weights, which are made anew of the others."""
-        return {name: value for name, value in super().__getstate__().items() if name != "_influence"}
+        return {name: value for name, value in vars(self).items() if name != "_influence"}
 
     def __repr__(self) -> str:
         """Return side, counts and length on one line."""

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from .. import _core
 from .._check import as_integer_or_none, as_nodes, as_path
-from .._frozen import Frozen
+from .._frozen import Frozen, ReadOnlyDict
 from ..errors import HandError, ResponseError
 from ..skin import Body, Skin
 from ..skin.progress import as_progress
@@ -142,7 +141,7 @@ class PosedHand(Frozen):
     def bone_shares(self) -> Mapping[str, float]:
         """What each bone has of its published section in this pose, by its name; 0 where it is left out."""
         shares = dict.fromkeys((bone.name for bone in self.hand.bones), 0.0)
-        return MappingProxyType(shares | {bone.name: bone.share for bone in self._bones})
+        return ReadOnlyDict(shares | {bone.name: bone.share for bone in self._bones})
 
     @cached_property
     def _bones(self) -> tuple[Bone, ...]:
