@@ -35,8 +35,9 @@ class Accuracy:
     discretization : Discretization
         "collocation" or "galerkin": how gaps were taken on the mesh that was solved.
     condition : float or None
-        Largest condition number of the response matrices' symmetric parts, where `ContactOptions.condition`
-        asks for it; infinite of one that is not positive definite.
+        Largest condition number of the response matrices' symmetric parts; infinite of one that is not
+        positive definite. None where one was not examined: those of up to 64 nodes always are, larger ones
+        where `ContactOptions.condition` asks for it.
     definite : bool or None
         True: the symmetric part of every response matrix was shown to be positive definite, so the answer
         is the only one. False: shown not to be, or singular to rounding. None: not examined.
