@@ -35,7 +35,7 @@ pub(crate) struct Clues {
     pub receding: Receding,
     /// Vertices that penetrate away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
-    /// Corners, ascending, of triangles away from all force that something blunt stands in between their vertices.
+    /// Corners of triangles away from all force that something blunt stands in between their vertices.
     pub unmet: Vec<[usize; 3]>,
     /// Number of triangles away from all force that the obstacle touches between their vertices.
     pub touched_between: usize,

@@ -37,7 +37,7 @@ pub(crate) struct Penetration {
     pub receding: Receding,
     /// Vertices that penetrate by more than a little away from all force, as averages over their triangles feel nothing of it.
     pub unfelt: Vec<usize>,
-    /// Corners, ascending, of triangles away from all force that something blunt stands in between their vertices.
+    /// Corners of triangles away from all force that something blunt stands in between their vertices.
     pub unmet: Vec<[usize; 3]>,
 }
 
@@ -62,73 +62,149 @@ pub(crate) fn penetration_after(
             unmet: Vec::new(),
         });
     }
-    let surface = gaps.surface;
-    let mut vertices = forces.candidates.clone();
-    let mut points: Vec<Vector3<f64>> = forces
-        .candidates
-        .iter()
-        .zip(&motion.displacement)
-        .map(|(&vertex, u)| surface.vertices()[vertex] + u)
-        .collect();
-    let (others, found) = beside.near();
-    if !others.is_empty() {
-        let fade = Fade::new(surface, &forces.fingers, &forces.candidates, &motion.scalar);
-        for (&vertex, moved) in others.iter().zip(found) {
-            let share = if skin.is_scalar(vertex) { fade.share(vertex) } else { 1.0 };
-            vertices.push(vertex);
-            points.push(surface.vertices()[vertex] + share * moved);
-        }
-    }
-    let triangles = triangles_among(surface, &vertices);
-    let moved_skin = SkinPart { points: &points, triangles: &triangles };
-    let reach = gaps.deepest();
-    let measured = Measured::near(&points, &gaps.scene.obstacle, reach, None)?;
-    let depths: Vec<f64> = measured.distance.iter().map(|distance| -distance.min(reach)).collect();
-    let at_vertices = depths.iter().copied().fold(0.0, f64::max);
-    let of_edges = moved_skin.deepest_between(&gaps.scene.obstacle, reach, at_vertices, &measured.distance);
-    let between = PointsBetween::new(&points, &depths, &triangles);
-    let Between { deepest, middles, of_faces } = between.look(&gaps.scene.obstacle, of_edges)?;
-    // The figure that a warning tells is worth a closer look.
-    let depth = if deepest > NEARLY_SMALL * SMALL_PENETRATION * reach {
-        let at_rest: Vec<Vector3<f64>> = vertices.iter().map(|&vertex| surface.vertices()[vertex]).collect();
-        moved_skin.deepest_inside(&at_rest, &gaps.scene.obstacle, reach, deepest)
-    } else {
-        deepest
-    };
-    let is_at_vertex = at_vertices >= depth;
-    let pressure_at = |&vertex: &usize| match gaps.line_at(vertex) {
-        None => forces.force[vertex] / surface.vertex_areas()[vertex],
-        Some(_) => 0.0,
-    };
-    let pressure: Vec<f64> = vertices.iter().map(pressure_at).collect();
-    let Measured { distance, normal } = &measured;
-    let corners = Corners { points: &points, distance, normal, pressure: &pressure };
+    let moved = MovedSkin::new(gaps, forces, skin, motion, beside)?;
+    let Between { deepest, middles, of_faces } = moved.between()?;
+    let depth = moved.looked_at_closely(deepest);
     // E* of tissue that keeps its volume.
-    let modulus = 4.0 * skin.shear_modulus_at(vertices[0]).unwrap_or(0.0);
-    let receding = Receding::new(&triangles, &middles, &corners, modulus);
-    let is_free = |vertex: usize| forces.force[vertex] == 0.0;
-    let is_unfelt = |(&vertex, &depth): (&usize, &f64)| {
-        let mut beside = surface.neighbours(vertex).iter().map(|&other| other as usize);
-        (depth > SMALL_PENETRATION * reach && is_free(vertex) && beside.all(is_free)).then_some(vertex)
-    };
-    // The skin that drapes over an edge stands off it.
-    let apart = |(&vertex, &distance): (&usize, &f64)| match gaps.line_at(vertex) {
-        None => forces.force[vertex] * distance.clamp(0.0, reach),
-        Some(_) => 0.0,
-    };
-    let work: f64 = vertices.iter().zip(&measured.distance).map(apart).sum();
-    let apart = work / forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-    let unfelt = vertices.iter().zip(&depths).filter_map(is_unfelt).collect();
-    let is_blunt = |triangle: &[u32; 3], depth: f64| {
-        let [a, b, c] = triangle.map(|corner| points[corner as usize]);
-        depth < BLUNT * (b - a).norm().min((c - b).norm()).min((a - c).norm())
-    };
-    let is_unmet = |(triangle, &depth): (&[u32; 3], &f64)| {
-        let mut corners = triangle.map(|corner| vertices[corner as usize]);
-        corners.sort_unstable();
-        let may_touch = corners.iter().all(|&vertex| is_free(vertex) && surface.skin_mask()[vertex]);
-        (depth > SMALL_PENETRATION * reach && may_touch && is_blunt(triangle, depth)).then_some(corners)
-    };
-    let unmet = triangles.iter().zip(&of_faces).filter_map(is_unmet).collect();
-    Ok(Penetration { depth, apart, is_at_vertex, receding, unfelt, unmet })
+    let modulus = 4.0 * skin.shear_modulus_at(moved.vertices[0]).unwrap_or(0.0);
+    Ok(Penetration {
+        depth,
+        apart: moved.apart(),
+        is_at_vertex: moved.deepest_vertex() >= depth,
+        receding: moved.receding(&middles, modulus),
+        unfelt: moved.unfelt(),
+        unmet: moved.unmet(&of_faces),
+    })
+}
+
+/// The skin around a contact where the forces put it.
+struct MovedSkin<'a> {
+    gaps: &'a Gaps<'a>,
+    forces: &'a NodeForces,
+    /// Candidates, and those beside them.
+    vertices: Vec<usize>,
+    /// Their places (m).
+    points: Vec<Vector3<f64>>,
+    triangles: Vec<[u32; 3]>,
+    /// Distance (m) and normal of the obstacle there, no farther than the deepest penetration before.
+    measured: Measured,
+    /// How deep each vertex stands in the obstacle at the most (m, negative outside).
+    depths: Vec<f64>,
+}
+
+impl<'a> MovedSkin<'a> {
+    fn new(
+        gaps: &'a Gaps,
+        forces: &'a NodeForces,
+        skin: &dyn ElasticSkin,
+        motion: &CandidateMotion,
+        beside: &Beside,
+    ) -> Result<Self, ContactError> {
+        let at_rest = gaps.surface.vertices();
+        let mut vertices = forces.candidates.clone();
+        let candidates = vertices.iter().zip(&motion.displacement);
+        let mut points: Vec<Vector3<f64>> = candidates.map(|(&vertex, u)| at_rest[vertex] + u).collect();
+        let (others, found) = beside.near();
+        if !others.is_empty() {
+            let fade = Fade::new(gaps.surface, &forces.fingers, &forces.candidates, &motion.scalar);
+            for (&vertex, moved) in others.iter().zip(found) {
+                let share = if skin.is_scalar(vertex) { fade.share(vertex) } else { 1.0 };
+                vertices.push(vertex);
+                points.push(at_rest[vertex] + share * moved);
+            }
+        }
+        let triangles = triangles_among(gaps.surface, &vertices);
+        let reach = gaps.deepest();
+        let measured = Measured::near(&points, &gaps.scene.obstacle, reach, None)?;
+        let depths = measured.distance.iter().map(|distance| -distance.min(reach)).collect();
+        Ok(Self { gaps, forces, vertices, points, triangles, measured, depths })
+    }
+
+    /// Deepest penetration of a vertex (m, ≥ 0).
+    fn deepest_vertex(&self) -> f64 {
+        self.depths.iter().copied().fold(0.0, f64::max)
+    }
+
+    fn part(&self) -> SkinPart<'_> {
+        SkinPart { points: &self.points, triangles: &self.triangles }
+    }
+
+    /// The deepest of all, and what is between the vertices.
+    fn between(&self) -> Result<Between, ContactError> {
+        let (obstacle, least) = (&self.gaps.scene.obstacle, self.deepest_vertex());
+        let of_edges =
+            self.part().deepest_between(obstacle, self.gaps.deepest(), least, &self.measured.distance);
+        PointsBetween::new(&self.points, &self.depths, &self.triangles).look(obstacle, of_edges)
+    }
+
+    /// The deepest penetration (m), with corners and edges of the obstacle in the skin where a warning may tell the figure.
+    fn looked_at_closely(&self, deepest: f64) -> f64 {
+        let reach = self.gaps.deepest();
+        if deepest <= NEARLY_SMALL * SMALL_PENETRATION * reach {
+            return deepest;
+        }
+        let at_rest = self.gaps.surface.vertices();
+        let at_rest: Vec<Vector3<f64>> = self.vertices.iter().map(|&vertex| at_rest[vertex]).collect();
+        self.part().deepest_inside(&at_rest, &self.gaps.scene.obstacle, reach, deepest)
+    }
+
+    /// Force (N) on a vertex by its own gap: the skin that drapes over an edge stands off it.
+    fn own_force(&self, vertex: usize) -> f64 {
+        if self.gaps.line_at(vertex).is_some() { 0.0 } else { self.forces.force[vertex] }
+    }
+
+    /// How far off the obstacle the force acts in the mean (m).
+    fn apart(&self) -> f64 {
+        let reach = self.gaps.deepest();
+        let distances = self.vertices.iter().zip(&self.measured.distance);
+        let work: f64 =
+            distances.map(|(&vertex, distance)| self.own_force(vertex) * distance.clamp(0.0, reach)).sum();
+        work / self.forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    /// * `middles`: how far the middle of each triangle is from the obstacle at the least (m)
+    /// * `modulus`: E* of the skin (Pa)
+    fn receding(&self, middles: &[f64], modulus: f64) -> Receding {
+        let areas = self.gaps.surface.vertex_areas();
+        let pressure: Vec<f64> =
+            self.vertices.iter().map(|&vertex| self.own_force(vertex) / areas[vertex]).collect();
+        let Measured { distance, normal } = &self.measured;
+        let corners = Corners { points: &self.points, distance, normal, pressure: &pressure };
+        Receding::new(&self.triangles, middles, &corners, modulus)
+    }
+
+    fn is_free(&self, vertex: usize) -> bool {
+        self.forces.force[vertex] == 0.0
+    }
+
+    /// Whether that deep (m) is more than a little.
+    fn is_deep(&self, depth: f64) -> bool {
+        depth > SMALL_PENETRATION * self.gaps.deepest()
+    }
+
+    /// Vertices that penetrate away from all force.
+    fn unfelt(&self) -> Vec<usize> {
+        let is_unfelt = |vertex: usize| {
+            let mut beside = self.gaps.surface.neighbours(vertex).iter().map(|&other| other as usize);
+            self.is_free(vertex) && beside.all(|other| self.is_free(other))
+        };
+        let deep = self.vertices.iter().zip(&self.depths).filter(|(_, depth)| self.is_deep(**depth));
+        deep.map(|(&vertex, _)| vertex).filter(|&vertex| is_unfelt(vertex)).collect()
+    }
+
+    /// Corners of triangles away from all force that something blunt stands in between their vertices.
+    ///
+    /// * `depths`: in each triangle (m)
+    fn unmet(&self, depths: &[f64]) -> Vec<[usize; 3]> {
+        let is_blunt = |triangle: &[u32; 3], depth: f64| {
+            let [a, b, c] = triangle.map(|corner| self.points[corner as usize]);
+            depth < BLUNT * (b - a).norm().min((c - b).norm()).min((a - c).norm())
+        };
+        let is_stood_in =
+            |(triangle, depth): &(&[u32; 3], &f64)| self.is_deep(**depth) && is_blunt(triangle, **depth);
+        let may_touch = |vertex: &usize| self.is_free(*vertex) && self.gaps.surface.skin_mask()[*vertex];
+        let stood_in = self.triangles.iter().zip(depths).filter(is_stood_in);
+        let corners = stood_in.map(|(triangle, _)| triangle.map(|corner| self.vertices[corner as usize]));
+        corners.filter(|corners| corners.iter().all(may_touch)).collect()
+    }
 }
