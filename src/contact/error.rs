@@ -50,8 +50,8 @@ pub enum ContactError {
         if *goal == "overlap" { "n" } else { "" },
         Given(*asked),
         // Where contacts do not settle, the one found last can lie above.
-        if largest < asked { "largest" } else { "nearest" },
-        Digits(*largest, 4),
+        if found < asked { "largest" } else { "nearest" },
+        Digits(*found, 4),
         Digits(*depth, 4)
     )]
     NotReached {
@@ -61,14 +61,14 @@ pub enum ContactError {
         unit: &'static str,
         /// The value asked for.
         asked: f64,
-        /// The largest found below it.
-        largest: f64,
+        /// The largest found below it; where contacts do not settle, the nearest.
+        found: f64,
         /// Depth of that (m).
         depth: f64,
         /// What is in the way.
         why: String,
         /// The contact at that depth.
-        contact: LargestContact,
+        contact: PressedContact,
     },
     /// The point that an obstacle is to turn about is not finite.
     #[error("tilt_point is ({0}, {1}, {2}) m, expected three finite numbers", point[0], point[1], point[2])]
@@ -109,10 +109,10 @@ pub enum ContactError {
         /// What is in the way.
         why: String,
         /// The contact there.
-        contact: LargestContact,
+        contact: PressedContact,
     },
     /// The area of a mean pressure is not positive or not finite.
-    #[error("area is {area} m^2, expected a finite area > 0")]
+    #[error("area is {area} m², expected a finite area > 0")]
     Area {
         /// The area given (m²).
         area: f64,
@@ -226,9 +226,9 @@ impl ContactError {
 
 /// The contact that a press came to which could not reach its goal or its balance.
 #[derive(Debug, Clone)]
-pub struct LargestContact(pub Box<Contact>);
+pub struct PressedContact(pub Box<Contact>);
 
-impl PartialEq for LargestContact {
+impl PartialEq for PressedContact {
     /// Equal in depth, ending and node forces.
     fn eq(&self, other: &Self) -> bool {
         let of = |contact: &Self| (contact.0.depth, contact.0.status);

@@ -39,7 +39,7 @@ pub(crate) mod solve;
 pub(crate) mod tilt;
 pub(crate) mod warm;
 
-pub use error::{ContactError, LargestContact};
+pub use error::{ContactError, PressedContact};
 pub use figures::accuracy::Accuracy;
 pub use figures::drawn::DrawnSkin;
 pub use first_touch::touching;

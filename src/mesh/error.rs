@@ -208,7 +208,7 @@ pub enum MeshError {
     },
     /// A closed component encloses nothing.
     #[error(
-        "closed component {component} (from face {face} on) is flat: it encloses {volume:.3e} m^3, which is rounding next \
+        "closed component {component} (from face {face} on) is flat: it encloses {volume:.3e} m³, which is rounding next \
          to its length of {length:.3e} m ({count} of {component_count} components); give it a thickness, or remove it"
     )]
     Flat {
@@ -227,7 +227,7 @@ pub enum MeshError {
     },
     /// A closed component is inside out.
     #[error(
-        "closed component {component} (from face {face} on) is inside out: it encloses {volume:.3e} m^3 where the \
+        "closed component {component} (from face {face} on) is inside out: it encloses {volume:.3e} m³ where the \
          sign should be {expected} ({count} of {component_count} components); `repair` turns its faces"
     )]
     InsideOut {
@@ -246,7 +246,7 @@ pub enum MeshError {
     },
     /// A closed component lies in another one that is turned the same way.
     #[error(
-        "closed component {component} (from face {face} on, {volume:.3e} m^3) lies inside component {outer} and is \
+        "closed component {component} (from face {face} on, {volume:.3e} m³) lies inside component {outer} and is \
          turned outward as well ({count} such components); remove it, or call `repair` if it is a cavity"
     )]
     NestedShell {

@@ -14,7 +14,7 @@ use super::resultant::{PyPatch, PyResultant, patches_out};
 use super::skin::PySkin;
 use super::surface::PySurface;
 use crate::contact::{
-    self, Balance, Contact, ContactError, ContactOptions, Goal, LargestContact, Press, Start, Tilt, TiltAxes,
+    self, Balance, Contact, ContactError, ContactOptions, Goal, Press, PressedContact, Start, Tilt, TiltAxes,
     WarmStart,
 };
 use crate::lcp::LcpSolution;
@@ -189,8 +189,8 @@ fn raised(
     options: ContactOptions<'static>,
 ) -> PyResult<PyErr> {
     let message = error.to_string();
-    let (ContactError::NotReached { contact: LargestContact(contact), .. }
-    | ContactError::NotBalanced { contact: LargestContact(contact), .. }) = error
+    let (ContactError::NotReached { contact: PressedContact(contact), .. }
+    | ContactError::NotBalanced { contact: PressedContact(contact), .. }) = error
     else {
         return Ok(error.into_py_err());
     };

@@ -294,7 +294,7 @@ impl PySurface {
 
     fn __repr__(&self) -> String {
         format!(
-            "Surface({} vertices, {} faces, {}, area {:.6e} m^2)",
+            "Surface({} vertices, {} faces, {}, area {:.6e} m²)",
             self.inner.vertices().len(),
             self.inner.faces().len(),
             if self.inner.is_closed() { "closed" } else { "open" },

@@ -187,12 +187,12 @@ fn a_force_out_of_reach_gives_the_largest_contact() {
     let cases = [(small, half_space(), 100.0), (plate(), skin(constants), 10.0)];
     for (obstacle, skin, force) in cases {
         match refused(&ball(8e-3, 3), &obstacle, &skin, Goal::Force(force)) {
-            ContactError::NotReached { asked, largest, depth, contact, why, .. } => {
-                println!("{largest} N at {depth} m; {why}");
+            ContactError::NotReached { asked, found, depth, contact, why, .. } => {
+                println!("{found} N at {depth} m; {why}");
                 assert_eq!(asked, force);
                 assert_eq!(contact.0.status, ContactStatus::Solved);
-                assert_eq!((contact.0.resultant.force.z, contact.0.depth), (largest, Some(depth)));
-                assert!(0.0 < largest && largest < force);
+                assert_eq!((contact.0.resultant.force.z, contact.0.depth), (found, Some(depth)));
+                assert!(0.0 < found && found < force);
                 let message = refused(&ball(8e-3, 3), &obstacle, &skin, Goal::Force(force)).to_string();
                 assert!(
                     message.starts_with(&format!("a force of {force} N is not reached: the largest")),

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::reach::on_mesh::{OnMesh, Reached};
 use crate::contact::reach::search::Search;
@@ -142,9 +142,9 @@ impl Task<'_> {
 
     fn not_reached(&self, contact: Contact, why: String) -> ContactError {
         let (goal, unit) = self.target.quantity.name_and_unit();
-        let largest = self.target.quantity.of(&contact, &self.setup.approach.direction);
+        let found = self.target.quantity.of(&contact, &self.setup.approach.direction);
         let depth = contact.pressed_depth();
-        let contact = LargestContact(Box::new(contact));
-        ContactError::NotReached { goal, unit, asked: self.target.value, largest, depth, why, contact }
+        let contact = PressedContact(Box::new(contact));
+        ContactError::NotReached { goal, unit, asked: self.target.value, found, depth, why, contact }
     }
 }

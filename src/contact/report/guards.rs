@@ -1,6 +1,6 @@
 //! Questions that are posed well and are probably not meant: a wrong unit, a depth that no tissue has, an inverted mask.
 
-use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::report::warning::{Warning, WarningKind};
@@ -51,8 +51,8 @@ impl Guarded<'_> {
         match &mut answer {
             Ok(contact) => self.warn(contact),
             Err(
-                ContactError::NotReached { contact: LargestContact(contact), why, .. }
-                | ContactError::NotBalanced { contact: LargestContact(contact), why, .. },
+                ContactError::NotReached { contact: PressedContact(contact), why, .. }
+                | ContactError::NotBalanced { contact: PressedContact(contact), why, .. },
             ) => {
                 self.warn(contact);
                 let is_of_unit =

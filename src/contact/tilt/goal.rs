@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
 
-use crate::contact::error::{ContactError, LargestContact};
+use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::reach::goal::{FARTHER, REFINEMENTS, reach};
 use crate::contact::reach::on_mesh::{OnMesh, Trials};
@@ -326,7 +326,7 @@ impl Tilted<'_> {
             force: contact.resultant.force.norm(),
             angle: turn.rotation.angle(),
             why: why.into(),
-            contact: LargestContact(Box::new(contact)),
+            contact: PressedContact(Box::new(contact)),
         }
     }
 }

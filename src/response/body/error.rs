@@ -72,7 +72,7 @@ pub enum BodyError {
         count: usize,
     },
     /// The skin is turned inside out.
-    #[error("the skin encloses {volume:.3e} m^3: its faces must be counter-clockwise seen from outside")]
+    #[error("the skin encloses {volume:.3e} m³: its faces must be counter-clockwise seen from outside")]
     SkinInverted {
         /// Signed volume (m³).
         volume: f64,
@@ -125,7 +125,7 @@ pub enum BodyError {
     },
     /// A bone is turned inside out, or is a cavity of another.
     #[error(
-        "bone {component} encloses {volume:.3e} m^3: its faces must be counter-clockwise seen from the tissue, and \
+        "bone {component} encloses {volume:.3e} m³: its faces must be counter-clockwise seen from the tissue, and \
          bones are solid"
     )]
     BoneInverted {
