@@ -164,6 +164,15 @@ class Skin:
     @staticmethod
     def given(surface: Surface, nodes: ArrayLike, matrix: ArrayLike) -> Skin: ...
     @staticmethod
+    def given_blocks(
+        surface: Surface,
+        shear_modulus: float,
+        poisson_ratio: float,
+        nodes: ArrayLike,
+        blocks: ArrayLike,
+        rotation: ArrayLike,
+    ) -> Skin: ...
+    @staticmethod
     def body(
         surface: Surface,
         shear_modulus: float,
@@ -412,7 +421,6 @@ def restore_body(
     bone_pressure: ArrayLike | None,
     tissue_thickness: ArrayLike | None,
     levels: tuple[ArrayLike, ...] | None,
-    solved: bool,
 ) -> Skin: ...
 def restore_obstacle(
     kind: str, shape: Any, pose: Sequence[float], material: Material | None = None, /

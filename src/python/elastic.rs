@@ -3,8 +3,8 @@
 use super::convert::named;
 use super::errors::{IntoPyErr, ResponseError};
 use crate::response::{
-    CombinedSkin, Discretization, ElasticSkin, GivenMatrix, Kernel, KernelSkin, PreparedBody, PreparedKernel,
-    PreparedNodes, PressureBasis,
+    CombinedSkin, Discretization, ElasticSkin, GivenBlocks, GivenMatrix, Kernel, KernelSkin, PreparedBody,
+    PreparedKernel, PreparedNodes, PressureBasis,
 };
 use nalgebra::Isometry3;
 use pyo3::prelude::*;
@@ -15,7 +15,7 @@ pub(super) enum Elastic {
     PreparedKernel(PreparedKernel),
     Body(PreparedBody),
     /// 3 × 3 blocks that somebody else computed or measured.
-    GivenBlocks(PreparedBody),
+    GivenBlocks(GivenBlocks),
     Given(GivenMatrix),
     Combined(CombinedSkin),
 }
@@ -44,15 +44,15 @@ impl Elastic {
                 "only a body takes another discretization once it is prepared",
             ));
         };
-        let body = body.clone().with_discretization(discretization_of(name)?);
-        Ok(Self::Body(body.map_err(IntoPyErr::into_py_err)?))
+        Ok(Self::Body(body.clone().with_discretization(discretization_of(name)?)))
     }
 
     pub(super) fn as_skin(&self) -> &dyn ElasticSkin {
         match self {
             Self::Kernel(skin) => skin,
             Self::PreparedKernel(skin) => skin,
-            Self::Body(skin) | Self::GivenBlocks(skin) => skin,
+            Self::Body(skin) => skin,
+            Self::GivenBlocks(skin) => skin,
             Self::Given(skin) => skin,
             Self::Combined(skin) => skin,
         }
@@ -78,7 +78,8 @@ impl Elastic {
     pub(super) fn nodes(&self) -> PyResult<&PreparedNodes> {
         match self {
             Self::PreparedKernel(skin) => Ok(skin.nodes()),
-            Self::Body(skin) | Self::GivenBlocks(skin) => Ok(skin.nodes()),
+            Self::Body(skin) => Ok(skin.nodes()),
+            Self::GivenBlocks(skin) => Ok(skin.nodes()),
             Self::Given(skin) => Ok(skin.nodes()),
             Self::Kernel(_) | Self::Combined(_) => Err(not_prepared()),
         }

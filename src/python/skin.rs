@@ -1,7 +1,9 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
 use super::arrays_out::nodes_out;
-use super::convert::{MatrixArgument, mask, nodes, number, rotation_and_translation, scalars, vectors};
+use super::convert::{
+    MatrixArgument, mask, matrix3, nodes, number, rotation_and_translation, scalars, vectors,
+};
 use super::elastic::Elastic;
 use super::errors::{IntoPyErr, ResponseError};
 use super::forked::released;
@@ -10,8 +12,8 @@ use super::surface::PySurface;
 use crate::geometry::rigid_motion;
 use crate::response::body::{Body, BodyOptions, BodyProgress};
 use crate::response::{
-    self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, KernelSkin, Part, PreparedBody,
-    PreparedKernel, Thickness,
+    self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenBlocks, GivenMatrix, Kernel, KernelSkin, Part,
+    PreparedBody, PreparedKernel, Thickness,
 };
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -183,6 +185,24 @@ impl PySkin {
         Ok(Elastic::Given(given.map_err(IntoPyErr::into_py_err)?).into())
     }
 
+    /// Blocks (3 k, 3 k) of somebody else, turned by `rotation` since.
+    #[staticmethod]
+    fn given_blocks(
+        surface: &PySurface,
+        shear_modulus: f64,
+        poisson_ratio: f64,
+        nodes: &Bound<'_, PyAny>,
+        blocks: &Bound<'_, PyAny>,
+        rotation: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let py = nodes.py();
+        let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
+        let blocks = MatrixArgument::new(blocks, "compliance", ResponseError::new_err)?.view().to_owned();
+        let (rotation, material) = (matrix3(rotation, "rotation")?, [shear_modulus, poisson_ratio]);
+        let given = released(py, || GivenBlocks::new(&surface.inner, &nodes, blocks, rotation, material));
+        Ok(Elastic::GivenBlocks(given.map_err(IntoPyErr::into_py_err)?).into())
+    }
+
     /// A body solved for unit forces at `nodes`; `progress` hears memory and operations first, and what it raises ends the
     /// work and is raised here.
     #[staticmethod]
@@ -278,7 +298,7 @@ impl PySkin {
         forces: &Bound<'py, PyAny>,
     ) -> PyResult<Option<Bound<'py, PyArray1<f64>>>> {
         let forces = vectors(forces, "forces")?;
-        let (Elastic::Body(body) | Elastic::GivenBlocks(body)) = &self.inner else {
+        let Elastic::Body(body) = &self.inner else {
             return self.inner.nodes().map(|_| None);
         };
         let pressures = released(py, || body.bone_pressures(&forces)).map_err(IntoPyErr::into_py_err)?;

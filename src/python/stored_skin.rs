@@ -33,22 +33,19 @@ pub(super) fn skin_parts<'py>(py: Python<'py>, skin: &PySkin) -> PyResult<Bound<
             parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?;
         }
         Elastic::Given(skin) => parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?,
-        Elastic::Body(skin) | Elastic::GivenBlocks(skin) => {
+        Elastic::GivenBlocks(skin) => set_blocks(&parts, skin.compliance())?,
+        Elastic::Body(skin) => {
             let (compliance, thickness) = match skin.levels() {
-                Levels::Given(compliance) => (compliance, None),
                 Levels::One(one) => (&one.compliance, one.thickness.as_deref()),
                 Levels::Two(two) => (&two.remainder, two.thickness.as_deref()),
             };
             if let Some(thickness) = thickness {
                 parts.set_item("tissue_thickness", PyArray1::from_slice(py, thickness))?;
             }
-            let (stored, rotation) = (compliance.parts(), compliance.rotation());
-            if let Some(bone_pressure) = &stored.bone_pressure {
+            if let Some(bone_pressure) = &compliance.parts().bone_pressure {
                 parts.set_item("bone_pressure", matrix_out(py, bone_pressure))?;
             }
-            parts.set_item("displacement", matrix_out(py, &stored.displacement))?;
-            let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
-            parts.set_item("rotation", vectors_out(py, &rows))?;
+            set_blocks(&parts, compliance)?;
             if let Levels::Two(two) = skin.levels() {
                 let corners: Vec<[u32; 3]> = two.places.iter().map(|place| place.corners).collect();
                 let weights: Vec<Vector3<f64>> =
@@ -65,10 +62,18 @@ pub(super) fn skin_parts<'py>(py: Python<'py>, skin: &PySkin) -> PyResult<Bound<
     Ok(parts)
 }
 
-/// Blocks of a body, or of somebody else where `solved` is false: `displacement` (3 n, 3 k) and `bone_pressure` (m, 3 k) as
+/// Adds blocks as they are stored, and how they have turned since.
+fn set_blocks(parts: &Bound<'_, PyDict>, compliance: &BodyCompliance) -> PyResult<()> {
+    let (py, rotation) = (parts.py(), compliance.rotation());
+    parts.set_item("displacement", matrix_out(py, &compliance.parts().displacement))?;
+    let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
+    parts.set_item("rotation", vectors_out(py, &rows))
+}
+
+/// Blocks of a body: `displacement` (3 n, 3 k) and `bone_pressure` (m, 3 k) as
 /// stored, turned by `rotation` since.
 #[pyfunction]
-#[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, rotation, *, bone_pressure, tissue_thickness, levels, solved))]
+#[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, rotation, *, bone_pressure, tissue_thickness, levels))]
 #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn restore_body(
     surface: &PySurface,
@@ -80,7 +85,6 @@ pub(super) fn restore_body(
     bone_pressure: Option<&Bound<'_, PyAny>>,
     tissue_thickness: Option<&Bound<'_, PyAny>>,
     levels: Option<LevelsArgument<'_>>,
-    solved: bool,
 ) -> PyResult<PySkin> {
     let py = nodes.py();
     let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
@@ -109,13 +113,11 @@ pub(super) fn restore_body(
     let thickness = tissue_thickness.map(|list| scalars(list, "tissue_thickness")).transpose()?;
     let thickness = thickness.map(Into::into);
     let levels = match levels {
-        None if !solved => Levels::Given(compliance),
         None => Levels::One(OneLevel { compliance, thickness }),
         Some(levels) => Levels::Two(two_levels(py, compliance, thickness, levels)?),
     };
     let body = released(py, || PreparedBody::from_levels(&surface.inner, &nodes, levels));
-    let body = body.map_err(IntoPyErr::into_py_err)?;
-    Ok(if solved { Elastic::Body(body) } else { Elastic::GivenBlocks(body) }.into())
+    Ok(Elastic::Body(body.map_err(IntoPyErr::into_py_err)?).into())
 }
 
 fn two_levels(

@@ -45,6 +45,7 @@ pub use matrix::options::AssemblyOptions;
 pub use rows::NodesError;
 pub use skin::combined::{CombinedSkin, Part};
 pub use skin::elastic::{ElasticSkin, Request, Traits};
+pub use skin::given_blocks::GivenBlocks;
 pub use skin::given_matrix::GivenMatrix;
 pub use skin::levels::Levels;
 pub use skin::nodes::PreparedNodes;

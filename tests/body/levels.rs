@@ -23,7 +23,7 @@ fn prepared(body: &Body, skin: &Surface, poisson_ratio: f64, nodes: &[usize]) ->
 
 fn coarse_count(prepared: &PreparedBody) -> Option<usize> {
     match prepared.levels() {
-        Levels::Given(_) | Levels::One(_) => None,
+        Levels::One(_) => None,
         Levels::Two(two) => Some(two.remainder.vertex_count()),
     }
 }
@@ -212,7 +212,7 @@ fn averaging_adds_to_a_body_what_it_adds_to_its_near_kernel() {
                 return assemble(&skin, &kernel, &nodes, &options).expect("vertices");
             }
             let body = Body { bone: None, fixed: Some(held.clone()), coarse_edge_length };
-            let body = prepared(&body, &skin, 0.4, &nodes).with_discretization(form).expect("has both");
+            let body = prepared(&body, &skin, 0.4, &nodes).with_discretization(form);
             assert_eq!(body.traits(&skin).expect("its surface").discretization, form);
             body.matrix(&asked, &normals).expect("prepared")
         };

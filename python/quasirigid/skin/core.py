@@ -145,19 +145,8 @@ def _build_given(
     if len(wrong) > 0:
         value = compliance[tuple(wrong[0])]
         raise ResponseError(f"compliance{wrong[0].tolist()} is {value}, expected a finite number (m/N)")
-    displacement = np.zeros((len(surface.vertices), 3, 3 * count))
-    displacement[nodes] = compliance.reshape(count, 3, 3 * count)
-    return _core.restore_body(
-        surface,
-        *constants,
-        nodes,
-        displacement.reshape(-1, 3 * count),
-        np.eye(3),
-        bone_pressure=None,
-        tissue_thickness=None,
-        levels=None,
-        solved=False,
-    )
+    blocks = compliance.reshape(3 * count, 3 * count)
+    return _core.Skin.given_blocks(surface, *constants, nodes, blocks, np.eye(3))
 
 
 def restore_prepared(
@@ -171,7 +160,10 @@ def restore_prepared(
         return kernel.restore(surface, nodes, stored["matrix"])
     if "matrix" in stored:
         return _core.Skin.given(surface, nodes, stored["matrix"])
-    bone = response.bone if isinstance(response, Body) else None
+    if not isinstance(response, Body):
+        blocks, rotation = stored["displacement"], stored["rotation"]
+        return _core.Skin.given_blocks(surface, *constants, nodes, blocks, rotation)
+    bone = response.bone
     _check_bone_pressure(bone, stored.get("bone_pressure"))
     levels = None
     if "coarse_nodes" in stored:
@@ -186,9 +178,8 @@ def restore_prepared(
         bone_pressure=stored.get("bone_pressure"),
         tissue_thickness=stored.get("tissue_thickness") if bone is None else stored["tissue_thickness"],
         levels=levels,
-        solved=isinstance(response, Body),
     )
-    return restored.with_discretization(response.discretization) if isinstance(response, Body) else restored
+    return restored.with_discretization(response.discretization)
 
 
 def _check_bone_pressure(bone: Surface | None, stored: NDArray[np.float64] | None) -> None:

@@ -167,10 +167,9 @@ def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[An
         return _restored_body(stored, header["numbers"])
     if kind == "GivenMatrix":
         nodes = stored["nodes"]
+        count = len(nodes)
         blocks = "matrix" not in stored
-        compliance = (
-            stored["displacement"].reshape(-1, 3, len(nodes), 3)[nodes] if blocks else stored["matrix"]
-        )
+        compliance = stored["displacement"].reshape(count, 3, count, 3) if blocks else stored["matrix"]
         return GivenMatrix(nodes=nodes, compliance=compliance)
     kernels: dict[str, Any] = {kernel.__name__: kernel for kernel in (HalfSpace, GaussianCorrected, Layer)}
     fields = {name: stored[name] for name in ("thickness",) if name in stored}

@@ -52,12 +52,12 @@ impl BodyPart for Part {
     }
 
     fn refines(&self) -> bool {
-        self.prepared.own_traits().refines
+        true
     }
 
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<RefinedPart>, ResponseError> {
         let body = self.prepared.on_refined(mesh, |vertex| self.moving(vertex))?;
-        Ok(body.map(|body| RefinedPart { name: self.name.clone(), body }))
+        Ok(Some(RefinedPart { name: self.name.clone(), body }))
     }
 
     fn check(&self, surface: &Surface) -> Result<(), ResponseError> {
@@ -100,7 +100,7 @@ impl CombinedSkin {
     /// - [`ResponseError::PartMismatch`]: a part does not fit the surface, is no body, or shares vertices with another
     /// - [`ResponseError::PartsNeedLinear`]: the kernel or a part averages gaps, or the kernel spreads forces over one-rings
     pub fn new(surface: &Surface, background: KernelSkin, parts: Vec<Part>) -> Result<Self, ResponseError> {
-        let of_parts = parts.iter().map(|part| part.prepared.own_traits().discretization);
+        let of_parts = parts.iter().map(|part| part.prepared.discretization());
         let mut all = of_parts.chain([background.discretization()]);
         if all.any(|one| one != Discretization::Collocation) || background.basis() != PressureBasis::Linear {
             return Err(ResponseError::PartsNeedLinear);

@@ -11,8 +11,6 @@ use crate::response::body::levels::two_levels::TwoLevels;
 /// What the compliance is made of.
 #[derive(Debug, Clone)]
 pub enum Levels {
-    /// Blocks of somebody else, on whose mesh they stay.
-    Given(BodyCompliance),
     /// The skin itself.
     One(OneLevel),
     /// A near kernel, and the remainder on a coarse skin.
@@ -23,7 +21,7 @@ impl Levels {
     /// The blocks of it.
     pub(crate) fn compliance(&self) -> &BodyCompliance {
         match self {
-            Self::Given(compliance) | Self::One(OneLevel { compliance, .. }) => compliance,
+            Self::One(one) => &one.compliance,
             Self::Two(two) => &two.remainder,
         }
     }
@@ -31,7 +29,6 @@ impl Levels {
     /// Thickness of the tissue at each vertex of the skin (n, m), where a bone is known.
     pub(crate) fn thickness(&self) -> Option<&Arc<[f64]>> {
         match self {
-            Self::Given(_) => None,
             Self::One(one) => one.thickness.as_ref(),
             Self::Two(two) => two.thickness.as_ref(),
         }
@@ -42,7 +39,7 @@ impl Levels {
         let (thickness, compliance) = (self.thickness().map(AsRef::as_ref), self.compliance());
         let skin_count = match self {
             Self::Two(two) => two.places.len(),
-            Self::Given(_) | Self::One(_) => compliance.vertex_count(),
+            Self::One(_) => compliance.vertex_count(),
         };
         check_counts(&[
             ("skin vertices", skin_count, vertex_count),
@@ -52,7 +49,7 @@ impl Levels {
         check_numbers("thickness", Range::Positive, thickness)?;
         match self {
             Self::Two(two) => two.check_columns(nodes),
-            Self::Given(_) | Self::One(_) => check_order(compliance.nodes(), nodes),
+            Self::One(_) => check_order(compliance.nodes(), nodes),
         }
     }
 }

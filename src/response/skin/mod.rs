@@ -1,13 +1,14 @@
 //! What a contact asks of a skin, and who answers.
 //!
-//! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`] and a
-//! [`given_matrix`] look it up at their [`nodes`], a body in its [`levels`]; a [`combined`] skin asks its parts (`body_part`)
+//! [`elastic`] is the question. A [`kernel`] computes the answer; a [`prepared_kernel`], a [`prepared_body`], a
+//! [`given_matrix`] and [`given_blocks`] look it up at their [`nodes`], a body in its [`levels`]; a [`combined`] skin asks its parts (`body_part`)
 //! and puts their answers together (`combination`); a [`kept`] one remembers what another answered.
 
 mod body_part;
 mod combination;
 pub(crate) mod combined;
 pub(crate) mod elastic;
+pub(crate) mod given_blocks;
 pub(crate) mod given_matrix;
 pub(crate) mod kept;
 pub(crate) mod kernel;

@@ -20,14 +20,13 @@ use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
-/// The compliance of a body, solved here or given as 3 × 3 blocks; it turns with the surface and serves every product.
+/// The compliance of a body; it turns with the surface and serves every product.
 #[derive(Debug, Clone)]
 pub struct PreparedBody {
     levels: Levels,
     nodes: PreparedNodes,
     surface: Surface,
-    /// `None` of blocks of somebody else.
-    coarseness: Option<Coarseness>,
+    coarseness: Coarseness,
     discretization: Discretization,
 }
 
@@ -73,14 +72,13 @@ impl PreparedBody {
         let nodes = PreparedNodes::new(surface, nodes)?;
         levels.check(surface.vertices().len(), nodes.list())?;
         let coarseness = match &levels {
-            Levels::Given(_) => None,
             Levels::One(one) => {
                 let ratio = one.compliance.parts().poisson_ratio;
-                Some(Coarseness::new(surface, surface.mean_edges().into(), one.thickness.as_ref(), ratio))
+                Coarseness::new(surface, surface.mean_edges().into(), one.thickness.as_ref(), ratio)
             }
             Levels::Two(two) => {
                 let ratio = two.remainder.parts().poisson_ratio;
-                Some(Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref(), ratio))
+                Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref(), ratio)
             }
         };
         let discretization = Discretization::Collocation;
@@ -89,16 +87,12 @@ impl PreparedBody {
 
     /// The same body in another discretization: in Galerkin form its near kernel is averaged, and the rest of it, which is
     /// smooth, is taken at the nodes.
-    ///
-    /// # Errors
-    /// [`ResponseError::CollocationOnly`] for blocks of somebody else in Galerkin form.
-    pub fn with_discretization(self, discretization: Discretization) -> Result<Self, ResponseError> {
-        match (&self.levels, discretization) {
-            (Levels::Given(_), Discretization::Galerkin) => {
-                Err(ResponseError::CollocationOnly { response: "given-matrix" })
-            }
-            _ => Ok(Self { discretization, ..self }),
-        }
+    pub fn with_discretization(self, discretization: Discretization) -> Self {
+        Self { discretization, ..self }
+    }
+
+    pub(crate) fn discretization(&self) -> Discretization {
+        self.discretization
     }
 
     /// What the compliance is made of.
@@ -118,7 +112,6 @@ impl PreparedBody {
     pub fn moved(&self, motion: &Isometry3<f64>) -> Result<Self, ResponseError> {
         let rotation = motion.rotation.to_rotation_matrix();
         let levels = match &self.levels {
-            Levels::Given(compliance) => Levels::Given(compliance.moved(rotation.matrix())?),
             Levels::One(one) => Levels::One(OneLevel {
                 compliance: one.compliance.moved(rotation.matrix())?,
                 thickness: one.thickness.clone(),
@@ -130,28 +123,20 @@ impl PreparedBody {
         Ok(Self { levels, nodes, surface, ..self.clone() })
     }
 
-    /// What a contact may rely on, on whichever surface.
-    pub(crate) fn own_traits(&self) -> Traits {
-        let traits = Traits::of_matrix(true, self.coarseness.is_some());
-        Traits { discretization: self.discretization, ..traits }
-    }
-
-    /// On a refinement of the skin, or of a skin that this one is a part of; `None` where it takes the mesh as it is.
+    /// On a refinement of the skin, or of a skin that this one is a part of.
     ///
     /// * `own`: vertex of this skin for a given vertex
     pub(crate) fn on_refined(
         &self,
         mesh: &RefinedSurface,
         own: impl Fn(usize) -> Option<usize>,
-    ) -> Result<Option<BodyOnMesh>, ResponseError> {
-        let Some(coarseness) = &self.coarseness else { return Ok(None) };
+    ) -> Result<BodyOnMesh, ResponseError> {
         let response = match &self.levels {
-            Levels::Given(_) => return Ok(None),
             Levels::One(one) => one.near_and_far(&self.surface, self.discretization)?,
             Levels::Two(two) => two.near_and_far(self.discretization),
         };
-        let coarseness = coarseness.on_refined(mesh, &own);
-        Ok(Some(BodyOnMesh { response: response.on_refined(mesh, own)?, coarseness }))
+        let coarseness = self.coarseness.on_refined(mesh, &own);
+        Ok(BodyOnMesh { response: response.on_refined(mesh, own)?, coarseness })
     }
 
     /// Pressure (Pa) on every vertex of the bone under a force (N) at every vertex of the surface; `None` if the
@@ -168,9 +153,7 @@ impl PreparedBody {
         self.nodes.rows(&loaded)?;
         let at_nodes: Vec<Vector3<f64>> = self.nodes.list().iter().map(|&vertex| forces[vertex]).collect();
         Ok(match &self.levels {
-            Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
-                compliance.bone_pressures(&at_nodes)?
-            }
+            Levels::One(one) => one.compliance.bone_pressures(&at_nodes)?,
             Levels::Two(two) => two.remainder.bone_pressures(&two.on_coarse(self.nodes.list(), &at_nodes))?,
         })
     }
@@ -179,7 +162,7 @@ impl PreparedBody {
 impl ElasticSkin for PreparedBody {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
         self.nodes.check_surface(surface)?;
-        Ok(self.own_traits())
+        Ok(Traits { discretization: self.discretization, ..Traits::of_matrix(true, true) })
     }
 
     fn is_scalar(&self, _: usize) -> bool {
@@ -192,7 +175,6 @@ impl ElasticSkin for PreparedBody {
 
     fn is_held(&self, vertex: usize) -> bool {
         match &self.levels {
-            Levels::Given(_) => false,
             Levels::One(one) => one.is_still(vertex),
             Levels::Two(two) => two.fixed[vertex],
         }
@@ -207,8 +189,7 @@ impl ElasticSkin for PreparedBody {
     }
 
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
-        let on_mesh = self.on_refined(mesh, Some)?;
-        Ok(on_mesh.map(|body| Box::new(body) as Box<dyn ElasticSkin>))
+        Ok(Some(Box::new(self.on_refined(mesh, Some)?)))
     }
 
     fn doubt(
@@ -217,19 +198,17 @@ impl ElasticSkin for PreparedBody {
         forces: &[Vector3<f64>],
         depth: f64,
     ) -> Result<Option<BodyDoubt>, ResponseError> {
-        let Some(coarseness) = &self.coarseness else { return Ok(None) };
         let lost = match &self.levels {
             Levels::Two(two) => two.near_and_far(self.discretization).lost_displacement(asked, forces)?,
-            Levels::Given(_) | Levels::One(_) => 0.0,
+            Levels::One(_) => 0.0,
         };
-        Ok(Some(coarseness.doubt(asked.nodes, forces, lost / depth)))
+        Ok(Some(self.coarseness.doubt(asked.nodes, forces, lost / depth)))
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
         let rows = self.nodes.checked_rows(asked.nodes, directions)?;
         let asked = &Request { surface: &self.surface, ..*asked };
         match &self.levels {
-            Levels::Given(compliance) => Ok(compliance.response_among(&rows, directions)?),
             Levels::One(one) => {
                 let at_nodes = one.compliance.response_among(&rows, directions)?;
                 match self.discretization {
@@ -249,9 +228,7 @@ impl ElasticSkin for PreparedBody {
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let rows = self.nodes.rows(asked.nodes)?;
         Ok(match &self.levels {
-            Levels::Given(compliance) | Levels::One(OneLevel { compliance, .. }) => {
-                compliance.displacements_among(vertices, &rows, forces)
-            }
+            Levels::One(one) => one.compliance.displacements_among(vertices, &rows, forces),
             Levels::Two(two) => two.near_and_far(self.discretization).displacements(
                 &Request { surface: &self.surface, ..*asked },
                 forces,
