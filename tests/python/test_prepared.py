@@ -254,6 +254,20 @@ def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
         given(low, np.zeros((2, 3, 2, 3))).prepared(surface)
 
 
+def test_given_blocks_are_kept_among_their_nodes_alone(surface: qr.Surface, tmp_path: Path) -> None:
+    nodes = [5, 3, 40]
+    blocks = np.random.default_rng(1).normal(size=(3, 3, 3, 3)) * 1e-3
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    given(nodes, blocks).prepared(surface).moved(turn).save(tmp_path / "blocks.npz")
+    with np.load(tmp_path / "blocks.npz") as stored:
+        assert stored["displacement"].shape == (9, 9)
+    again = qr.load_prepared(tmp_path / "blocks.npz")
+    along = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.6, 0.0]])
+    found = qr.response_matrix(surface.moved(turn), again, nodes, directions=along)
+    expected = np.einsum("ia,iajb,jb->ij", along @ turn, blocks, along @ turn)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
 @pytest.mark.parametrize("compliance", [[[1e-3]], np.full((1, 3, 1, 3), 1e-3)], ids=["matrix", "blocks"])
 def test_nodes_of_a_given_matrix_are_checked(compliance: np.ndarray, surface: qr.Surface) -> None:
     for node in (642, -1):
