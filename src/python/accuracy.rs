@@ -1,9 +1,10 @@
 //! `_core.Accuracy` and `_core.Refinement`: how far the figures of a contact can be trusted.
 
-use super::arrays_out::{read_only, vector_out};
-use crate::contact::{Accuracy, Refinement, RefinementEnd};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+
+use crate::contact::{Accuracy, Refinement, RefinementEnd};
+use crate::python::arrays_out::{read_only, vector_out};
 
 /// How far the figures of a contact can be trusted.
 #[pyclass(name = "Accuracy", module = "quasirigid._core", frozen, get_all)]

@@ -1,12 +1,13 @@
 //! NumPy arrays out.
 
-use super::forked::released;
 use faer::Mat;
 use nalgebra::Vector3;
 use numpy::ndarray::Dimension;
 use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
+
+use crate::python::forked::released;
 
 /// Rows handled together where a matrix is turned from columns to rows, so that what is written stays in cache.
 const ROWS_AT_ONCE: usize = 32;

@@ -1,28 +1,30 @@
 //! `solve_contact` and `press`.
 
-use super::accuracy::{PyAccuracy, PyRefinement};
-use super::arrays_out::{nodes_out, pairs_out, read_only, vectors_out};
-use super::contact_options::PyContactOptions;
-use super::convert::{named, number, vector, vectors};
-use super::errors::{ContactError as PyContactError, IntoPyErr};
-use super::forked::released;
-use super::interrupt::detached_with;
-use super::lcp::PyLcpSolution;
-use super::loaded::PyLoadedVertices;
-use super::obstacle::PyObstacle;
-use super::resultant::{PyPatch, PyResultant, patches_out};
-use super::skin::PySkin;
-use super::surface::PySurface;
+use std::mem::take;
+use std::sync::Mutex;
+
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
 use crate::contact::{
     self, Balance, Contact, ContactError, ContactOptions, Goal, Press, PressedContact, Start, Tilt, TiltAxes,
     WarmStart,
 };
 use crate::lcp::LcpSolution;
+use crate::python::accuracy::{PyAccuracy, PyRefinement};
+use crate::python::arrays_out::{nodes_out, pairs_out, read_only, vectors_out};
+use crate::python::contact_options::PyContactOptions;
+use crate::python::convert::{named, number, vector, vectors};
+use crate::python::errors::{ContactError as PyContactError, IntoPyErr};
+use crate::python::forked::released;
+use crate::python::interrupt::detached_with;
+use crate::python::lcp::PyLcpSolution;
+use crate::python::loaded::PyLoadedVertices;
+use crate::python::obstacle::PyObstacle;
+use crate::python::resultant::{PyPatch, PyResultant, patches_out};
+use crate::python::skin::PySkin;
+use crate::python::surface::PySurface;
 use crate::response::ElasticSkin;
-use numpy::{PyArray1, PyArray2};
-use pyo3::prelude::*;
-use std::mem::take;
-use std::sync::Mutex;
 
 /// A contact, and what draws its skin.
 #[pyclass(name = "Contact", module = "quasirigid._core", frozen, get_all)]

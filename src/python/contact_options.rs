@@ -1,9 +1,10 @@
 //! Options of a contact.
 
-use super::lcp::method_named;
-use crate::contact::ContactOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+
+use crate::contact::ContactOptions;
+use crate::python::lcp::method_named;
 
 /// Options of a contact, without an interrupt; their defaults are the crate's.
 #[pyclass(name = "ContactOptions", module = "quasirigid._core", frozen)]

@@ -1,6 +1,5 @@
 //! NumPy arrays, numbers and names in.
 
-use crate::geometry::rigid_motion;
 use faer::MatRef;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Vector3};
 use numpy::{
@@ -10,6 +9,8 @@ use numpy::{
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyFloat, PyType};
+
+use crate::geometry::rigid_motion;
 
 /// A check of the facade by its name.
 fn check<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {

@@ -1,13 +1,14 @@
 //! Parts of a skin, cut out for a body of their own.
 
-use super::arrays_out::read_only;
-use super::convert::{mask, vector};
-use super::errors::{IntoPyErr, SurfaceError};
-use super::forked::released;
-use super::surface::PySurface;
-use crate::surface::{self, CutOut, CutOutError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+
+use crate::python::arrays_out::read_only;
+use crate::python::convert::{mask, vector};
+use crate::python::errors::{IntoPyErr, SurfaceError};
+use crate::python::forked::released;
+use crate::python::surface::PySurface;
+use crate::surface::{self, CutOut, CutOutError};
 
 /// A part of a skin: its surface, fixed vertices, and the vertex numbers both ways (-1 for none).
 type CutOutParts = (PySurface, Py<PyArray1<bool>>, Py<PyArray1<i64>>, Py<PyArray1<i64>>);

@@ -1,13 +1,14 @@
 //! The kinds of skin behind `quasirigid._core.Skin`.
 
-use super::convert::named;
-use super::errors::{IntoPyErr, ResponseError};
+use nalgebra::Isometry3;
+use pyo3::prelude::*;
+
+use crate::python::convert::named;
+use crate::python::errors::{IntoPyErr, ResponseError};
 use crate::response::{
     CombinedSkin, Discretization, ElasticSkin, GivenBlocks, GivenMatrix, Kernel, KernelSkin, PreparedBody,
     PreparedKernel, PreparedNodes, PressureBasis,
 };
-use nalgebra::Isometry3;
-use pyo3::prelude::*;
 
 /// A skin that answers contact forces, by who answers.
 pub(super) enum Elastic {

@@ -1,12 +1,13 @@
 //! One exception per error enum; the classes live in the facade.
 
+use pyo3::{PyErr, import_exception};
+
 use crate::contact::ContactError as ContactFailure;
 use crate::hand::SkinningError as SkinningFailure;
 use crate::lcp::LcpError as LcpFailure;
 use crate::obstacle::ObstacleError as ObstacleFailure;
 use crate::response::ResponseError as ResponseFailure;
 use crate::surface::SurfaceError as SurfaceFailure;
-use pyo3::{PyErr, import_exception};
 
 import_exception!(quasirigid.errors, HandError);
 import_exception!(quasirigid.errors, SurfaceError);

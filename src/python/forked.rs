@@ -1,9 +1,10 @@
 //! Threads after a fork: a child has those of its parent no more, and what waits for them waits for ever.
 
-use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// The process that loaded the module, to which rayon's own pool belongs.
 static LOADED_BY: OnceLock<u32> = OnceLock::new();

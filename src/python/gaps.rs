@@ -1,19 +1,20 @@
 //! Initial gaps as a response measures them, and depths of a skin in an obstacle.
 
-use super::arrays_out::vectors_out;
-use super::contact_options::PyContactOptions;
-use super::convert::{nodes, scalars};
-use super::errors::{IntoPyErr, ResponseError};
-use super::forked::released;
-use super::interrupt::detached_with;
-use super::obstacle::PyObstacle;
-use super::skin::PySkin;
-use super::surface::PySurface;
-use crate::contact;
-use crate::response;
 use nalgebra::Vector3;
 use numpy::PyArray1;
 use pyo3::prelude::*;
+
+use crate::contact;
+use crate::python::arrays_out::vectors_out;
+use crate::python::contact_options::PyContactOptions;
+use crate::python::convert::{nodes, scalars};
+use crate::python::errors::{IntoPyErr, ResponseError};
+use crate::python::forked::released;
+use crate::python::interrupt::detached_with;
+use crate::python::obstacle::PyObstacle;
+use crate::python::skin::PySkin;
+use crate::python::surface::PySurface;
+use crate::response;
 
 /// Initial gap of each node from a function of points (p, 3).
 #[pyfunction]

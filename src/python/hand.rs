@@ -1,11 +1,12 @@
 //! What a posed hand asks of the crate.
 
-use super::convert::{index_rows, motions, number_rows};
-use super::errors::IntoPyErr;
-use super::forked::released;
-use super::surface::PySurface;
-use crate::hand::{Blending, SkinWeights, SkinningError};
 use pyo3::prelude::*;
+
+use crate::hand::{Blending, SkinWeights, SkinningError};
+use crate::python::convert::{index_rows, motions, number_rows};
+use crate::python::errors::IntoPyErr;
+use crate::python::forked::released;
+use crate::python::surface::PySurface;
 
 /// By which joints each vertex of a skin is moved, and how much: checked once, for every pose.
 #[pyclass(name = "SkinWeights", module = "quasirigid._core", frozen)]

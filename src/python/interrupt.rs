@@ -1,12 +1,14 @@
 //! Long work outside the interpreter that Ctrl-C still ends.
 
-use super::forked::own_pool;
-use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::sync::{Mutex, TryLockError};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+
+use crate::python::forked::own_pool;
 
 /// How often signals are looked at.
 const POLL: Duration = Duration::from_millis(20);

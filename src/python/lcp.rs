@@ -1,16 +1,17 @@
 //! `solve_lcp`.
 
-use super::arrays_out::{nodes_out, read_only};
-use super::convert::{MatrixArgument, named, scalars};
-use super::errors::{IntoPyErr, LcpError};
-use super::interrupt::detached;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
 use crate::lcp::{
     self, DefinitenessCheck, LcpMethod, LcpMethodName, LcpOptions, LcpProblem, LcpSolution, LemkeOptions,
     RayConclusion, StartingBasis,
 };
-use numpy::PyArray1;
-use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use crate::python::arrays_out::{nodes_out, read_only};
+use crate::python::convert::{MatrixArgument, named, scalars};
+use crate::python::errors::{IntoPyErr, LcpError};
+use crate::python::interrupt::detached;
 
 /// The method of a name, with the crate's options.
 pub(super) fn method_named(name: &str) -> PyResult<LcpMethod> {

@@ -1,15 +1,16 @@
 //! The vertices under force, from which the figures of any part of a contact are summed.
 
-use super::arrays_out::{matrix_out, nodes_out};
-use super::convert::{MatrixArgument, mask, number};
-use super::errors::{ContactError as PyContactError, IntoPyErr};
-use super::resultant::{PyPatch, PyResultant, patches_out};
-use crate::contact::figures::loaded::{LoadedVertex, LoadedVertices};
 use faer::Mat;
 use nalgebra::Vector3;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
+
+use crate::contact::figures::loaded::{LoadedVertex, LoadedVertices};
+use crate::python::arrays_out::{matrix_out, nodes_out};
+use crate::python::convert::{MatrixArgument, mask, number};
+use crate::python::errors::{ContactError as PyContactError, IntoPyErr};
+use crate::python::resultant::{PyPatch, PyResultant, patches_out};
 
 /// Numbers of a vertex, its given vertex and its patch; their figures in SI; vertices of the given mesh and of the one that
 /// was solved; whether the contact solved.

@@ -1,15 +1,16 @@
 //! Materials of products, from and to the facade's `Material`.
 
-use super::arrays_out::{matrix_out, nodes_out};
-use super::convert::{MatrixArgument, nodes};
-use super::errors::{IntoPyErr, ResponseError};
-use super::forked::released;
-use super::skin::PySkin;
-use crate::obstacle::material::Answer;
-use crate::obstacle::{Obstacle, ProductResponse};
-use crate::response::{Kernel, Thickness};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
+
+use crate::obstacle::material::Answer;
+use crate::obstacle::{Obstacle, ProductResponse};
+use crate::python::arrays_out::{matrix_out, nodes_out};
+use crate::python::convert::{MatrixArgument, nodes};
+use crate::python::errors::{IntoPyErr, ResponseError};
+use crate::python::forked::released;
+use crate::python::skin::PySkin;
+use crate::response::{Kernel, Thickness};
 
 /// Nodes and compliance of a given matrix.
 type Given<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);

@@ -1,16 +1,17 @@
 //! The response matrix, and what is known of the symmetric part of a matrix.
 
-use super::arrays_out::matrix_out;
-use super::convert::{MatrixArgument, nodes, vectors};
-use super::errors::{IntoPyErr, ResponseError};
-use super::interrupt::detached_with;
-use super::skin::PySkin;
-use super::surface::PySurface;
-use crate::linalg::definiteness::spectrum_until;
-use crate::response::matrix::options::check_memory;
-use crate::response::{AssemblyOptions, Request};
 use numpy::PyArray2;
 use pyo3::prelude::*;
+
+use crate::linalg::definiteness::spectrum_until;
+use crate::python::arrays_out::matrix_out;
+use crate::python::convert::{MatrixArgument, nodes, vectors};
+use crate::python::errors::{IntoPyErr, ResponseError};
+use crate::python::interrupt::detached_with;
+use crate::python::skin::PySkin;
+use crate::python::surface::PySurface;
+use crate::response::matrix::options::check_memory;
+use crate::response::{AssemblyOptions, Request};
 
 #[pyfunction]
 #[pyo3(signature = (surface, skin, nodes, *, directions, tolerance, num_threads))]

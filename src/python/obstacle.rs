@@ -1,20 +1,21 @@
 //! `quasirigid.Obstacle`.
 
-use super::arrays_out::{faces_out, vector_out, vectors_out};
-use super::convert::{
-    boolean, faces, matrix3, mesh_arrays, motion, number, rotation_and_translation, vector, vectors,
-};
-use super::errors::{IntoPyErr, ObstacleError};
-use super::forked::released;
-use super::interrupt::detached_with;
-use super::material::{made_of, material_out};
-use super::pickle::{Pose, Reduced, reduced, restored};
-use super::surface::PySurface;
-use crate::contact::touching;
-use crate::obstacle::{MeshObstacleOptions, Obstacle};
 use nalgebra::Matrix3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
+
+use crate::contact::touching;
+use crate::obstacle::{MeshObstacleOptions, Obstacle};
+use crate::python::arrays_out::{faces_out, vector_out, vectors_out};
+use crate::python::convert::{
+    boolean, faces, matrix3, mesh_arrays, motion, number, rotation_and_translation, vector, vectors,
+};
+use crate::python::errors::{IntoPyErr, ObstacleError};
+use crate::python::forked::released;
+use crate::python::interrupt::detached_with;
+use crate::python::material::{made_of, material_out};
+use crate::python::pickle::{Pose, Reduced, reduced, restored};
+use crate::python::surface::PySurface;
 
 /// The product: a closed mesh or a primitive at a pose, rigid unless it has a material.
 ///

@@ -1,13 +1,14 @@
 //! Obstacles to pickles and back, equal to the bit.
 
-use super::arrays_out::{faces_out, vectors_out};
-use super::convert::{faces, vectors};
-use super::errors::{IntoPyErr, ObstacleError};
-use super::forked::released;
-use super::material::material_out;
-use crate::obstacle::{MeshObstacleOptions, Obstacle, Primitive};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use pyo3::prelude::*;
+
+use crate::obstacle::{MeshObstacleOptions, Obstacle, Primitive};
+use crate::python::arrays_out::{faces_out, vectors_out};
+use crate::python::convert::{faces, vectors};
+use crate::python::errors::{IntoPyErr, ObstacleError};
+use crate::python::forked::released;
+use crate::python::material::material_out;
 
 /// Quaternion i, j, k, w and translation (m).
 pub(super) type Pose = [f64; 7];

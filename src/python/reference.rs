@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use super::convert::number;
+use crate::python::convert::number;
 use crate::reference::{self, Cone, CoredSphere, FlatPunch, Hertz};
 
 fn out_of_range(name: &str, value: f64, expected: &str) -> PyErr {

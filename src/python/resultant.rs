@@ -1,9 +1,10 @@
 //! Resultants of a contact and of its patches.
 
-use super::arrays_out::{nodes_out, read_only, vector_out};
-use crate::contact::{Patch, Resultant};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+
+use crate::contact::{Patch, Resultant};
+use crate::python::arrays_out::{nodes_out, read_only, vector_out};
 
 /// Force (N), moment (N m), center (m), area (m²) and peak (Pa) of a contact or of one of its patches.
 #[pyclass(name = "Resultant", module = "quasirigid._core", frozen, get_all)]

@@ -1,24 +1,26 @@
 //! `quasirigid.Skin`, prepared skins and combinations of them, as the core keeps them.
 
-use super::arrays_out::nodes_out;
-use super::convert::{
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::geometry::rigid_motion;
+use crate::python::arrays_out::nodes_out;
+use crate::python::convert::{
     MatrixArgument, mask, matrix3, nodes, number, rotation_and_translation, scalars, vectors,
 };
-use super::elastic::Elastic;
-use super::errors::{IntoPyErr, ResponseError};
-use super::forked::released;
-use super::interrupt::{detached, detached_on_thread};
-use super::surface::PySurface;
-use crate::geometry::rigid_motion;
+use crate::python::elastic::Elastic;
+use crate::python::errors::{IntoPyErr, ResponseError};
+use crate::python::forked::released;
+use crate::python::interrupt::{detached, detached_on_thread};
+use crate::python::surface::PySurface;
 use crate::response::body::{Body, BodyOptions, BodyProgress};
 use crate::response::{
     self, AssemblyOptions, CombinedSkin, ElasticSkin, GivenBlocks, GivenMatrix, Kernel, KernelSkin, Part,
     PreparedBody, PreparedKernel, Thickness,
 };
-use numpy::PyArray1;
-use pyo3::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Material and response, checked; computed as it is needed, or once.
 #[pyclass(name = "Skin", module = "quasirigid._core", frozen)]

@@ -1,20 +1,22 @@
 //! Prepared skins to their arrays and back, equal to the bit.
 
-use super::arrays_out::{faces_out, matrix_out, nodes_out, vectors_out};
-use super::convert::{MatrixArgument, faces, mask, matrix3, nodes, scalars, vectors};
-use super::elastic::Elastic;
-use super::errors::{IntoPyErr, ResponseError};
-use super::forked::released;
-use super::skin::PySkin;
-use super::surface::PySurface;
-use crate::response::body::{BodyCompliance, BodyError, BodyParts, OneLevel, TwoLevels};
-use crate::response::{Levels, PreparedBody};
-use crate::surface::CoarsePlace;
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Arc;
+
+use crate::python::arrays_out::{faces_out, matrix_out, nodes_out, vectors_out};
+use crate::python::convert::{MatrixArgument, faces, mask, matrix3, nodes, scalars, vectors};
+use crate::python::elastic::Elastic;
+use crate::python::errors::{IntoPyErr, ResponseError};
+use crate::python::forked::released;
+use crate::python::skin::PySkin;
+use crate::python::surface::PySurface;
+use crate::response::body::{BodyCompliance, BodyError, BodyParts, OneLevel, TwoLevels};
+use crate::response::{Levels, PreparedBody};
+use crate::surface::CoarsePlace;
 
 /// Of a body on two levels: loaded vertices of the coarse skin, places on it, its edges there, vertices that are held.
 type LevelsArgument<'py> =

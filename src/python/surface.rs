@@ -1,19 +1,20 @@
 //! `quasirigid.Surface` and what works on raw vertices and faces.
 
-use super::arrays_out::{faces_out, nodes_out, pairs_out, vectors_out};
-use super::convert::{faces, integer, mask, mesh_arrays, nodes, rotation_and_translation, vectors};
-use super::errors::{IntoPyErr, SurfaceError};
-use super::forked::released;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::PyDict;
+
 use crate::geometry::bounds::is_within_range;
 use crate::geometry::ray::first_hit;
 use crate::geometry::rigid_motion;
 use crate::mesh::check::check_elements;
 use crate::mesh::{self, RepairOptions};
+use crate::python::arrays_out::{faces_out, nodes_out, pairs_out, vectors_out};
+use crate::python::convert::{faces, integer, mask, mesh_arrays, nodes, rotation_and_translation, vectors};
+use crate::python::errors::{IntoPyErr, SurfaceError};
+use crate::python::forked::released;
 use crate::surface::Surface;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::prelude::*;
-use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
 
 /// The skin: a triangle mesh, checked once.
 ///
