@@ -106,10 +106,7 @@ impl ElasticSkin for GivenBlocks {
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let loaded = self.nodes.rows(asked.nodes)?;
-        let known: Vec<Option<usize>> = vertices.iter().map(|&vertex| self.nodes.row(vertex)).collect();
-        let rows: Vec<usize> = known.iter().copied().flatten().collect();
-        let mut moved = self.compliance.displacements_among(&rows, &loaded, forces).into_iter();
-        let of_row = |row: Option<usize>| row.and_then(|_| moved.next()).unwrap_or_default();
-        Ok(known.into_iter().map(of_row).collect())
+        let of_rows = |rows: &[usize]| self.compliance.displacements_among(rows, &loaded, forces);
+        Ok(self.nodes.moved_alone(vertices, of_rows))
     }
 }

@@ -100,11 +100,8 @@ impl ElasticSkin for GivenMatrix {
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
         let columns = self.nodes.rows(asked.nodes)?;
-        let known: Vec<Option<usize>> = vertices.iter().map(|&vertex| self.nodes.row(vertex)).collect();
-        let rows: Vec<usize> = known.iter().copied().flatten().collect();
-        let mut moved =
-            displaced_at(&rows, |column| self.matrix.col_as_slice(columns[column]), forces).into_iter();
-        let of_row = |row: Option<usize>| row.and_then(|_| moved.next()).unwrap_or_default();
-        Ok(known.into_iter().map(of_row).collect())
+        let of_rows =
+            |rows: &[usize]| displaced_at(rows, |column| self.matrix.col_as_slice(columns[column]), forces);
+        Ok(self.nodes.moved_alone(vertices, of_rows))
     }
 }

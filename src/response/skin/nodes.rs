@@ -65,6 +65,21 @@ impl PreparedNodes {
         Ok(nodes.iter().map(|&vertex| self.row_of[vertex]).collect())
     }
 
+    /// Displacements (m) of vertices where the nodes alone move.
+    ///
+    /// * `of_rows`: those of the nodes in some rows
+    pub(crate) fn moved_alone(
+        &self,
+        vertices: &[usize],
+        of_rows: impl FnOnce(&[usize]) -> Vec<Vector3<f64>>,
+    ) -> Vec<Vector3<f64>> {
+        let known: Vec<Option<usize>> = vertices.iter().map(|&vertex| self.row(vertex)).collect();
+        let rows: Vec<usize> = known.iter().copied().flatten().collect();
+        let mut moved = of_rows(&rows).into_iter();
+        let of_row = |row: Option<usize>| row.and_then(|_| moved.next()).unwrap_or_default();
+        known.into_iter().map(of_row).collect()
+    }
+
     /// The same nodes after a rigid motion of the surface.
     pub(crate) fn moved(&self, motion: &Isometry3<f64>) -> Self {
         let turn = motion.rotation.to_rotation_matrix();
