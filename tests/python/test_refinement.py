@@ -336,6 +336,19 @@ def test_a_small_foot_between_vertices_away_from_all_force_is_met(place: tuple[f
     assert 0.5 * alone < contact.part(at_small).force[2] < alone
 
 
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize("beside", [0.0, 0.1e-3])
+@pytest.mark.parametrize("slope", [1.0, 1.7])
+def test_a_ridge_of_skin_on_the_two_edges_of_a_thin_wall_is_solved(slope: float, beside: float) -> None:
+    vertices, faces = grid(24, 0.5e-3)
+    vertices[:, 2] = -slope * np.abs(vertices[:, 0])
+    skin = qr.Surface(vertices, faces).moved(np.diag([1.0, -1.0, -1.0]))
+    wall = qr.Obstacle.box([0.1e-3, 4e-3, 4e-3]).moved(translation=[beside, 0.0, -8e-3])
+    contact = qr.press(skin, wall, SKIN, UP, depth=0.3e-3)
+    assert contact.status == "solved"
+    assert contact.force[2] > 0.0
+
+
 @pytest.mark.parametrize("count", [1, 2])
 def test_results_are_equal_to_the_bit_for_any_number_of_threads(count: int) -> None:
     options = qr.ContactOptions(num_threads=count)

@@ -28,6 +28,9 @@ const LEAST_SHARE: f64 = 0.02;
 /// holds it alone.
 const SHALLOWER: f64 = 0.1;
 
+/// Length of the mean of normals below which they are opposed, as in a fold over a thin wall: no plane is between them.
+const OPPOSED: f64 = 0.1;
+
 /// Farthest that a point of a triangle lies from its nearest corner, in longest edges: 1/√3.
 const FARTHEST_POINT: f64 = 0.58;
 
@@ -69,6 +72,23 @@ struct Meeting {
     normal: Vector3<f64>,
     /// Cosine between that and the inward normal of the triangle.
     cosine: f64,
+}
+
+/// A vertex on an edge of the obstacle.
+struct OnEdge {
+    line: Line,
+    /// The least gap that it has there, by itself and in its triangles (m).
+    gap: f64,
+    /// Sum of the normals that its triangles have there, and how many.
+    normals: Vector3<f64>,
+    count: f64,
+}
+
+impl OnEdge {
+    /// * `gap`: by itself (m)
+    fn new(line: Line, gap: f64) -> Self {
+        Self { line, gap, normals: Vector3::zeros(), count: 0.0 }
+    }
 }
 
 /// A triangle of the skin with an area.
@@ -249,8 +269,7 @@ impl SkinPart<'_> {
         gaps: &mut Measured,
     ) -> BTreeMap<usize, Line> {
         let mut taken = BTreeMap::new();
-        // Of each vertex on an edge, the normals that its triangles have there.
-        let mut on_edges: BTreeMap<usize, (Line, Vector3<f64>)> = BTreeMap::new();
+        let mut on_edges: BTreeMap<usize, OnEdge> = BTreeMap::new();
         let under = |triangle: usize| {
             let corners = self.triangles[triangle].iter();
             corners.map(|&corner| deepest[corner as usize]).fold(0.0, f64::max)
@@ -267,9 +286,10 @@ impl SkinPart<'_> {
             for (corner, share) in corners.into_iter().zip(met.shares) {
                 let lent = measured[corner] + part * (gap - measured[corner]);
                 if met.line.is_sharp && share > 1.0 - LEAST_SHARE && met.depth > 0.0 {
-                    // A vertex on the edge is held by it, as deep as that may be by itself.
-                    gaps.distance[corner] = lent.min(gaps.distance[corner]);
-                    on_edges.entry(corner).or_insert((met.line, Vector3::zeros())).1 += met.normal;
+                    let on_edge = on_edges.entry(corner).or_insert(OnEdge::new(met.line, measured[corner]));
+                    on_edge.gap = on_edge.gap.min(lent);
+                    on_edge.normals += met.normal;
+                    on_edge.count += 1.0;
                 } else if share > LEAST_SHARE && lent < gaps.distance[corner] {
                     gaps.distance[corner] = lent;
                     gaps.normal[corner] = met.normal;
@@ -277,9 +297,14 @@ impl SkinPart<'_> {
                 }
             }
         }
-        for (corner, (line, normals)) in on_edges {
-            gaps.normal[corner] = normals.normalize();
-            taken.insert(corner, line);
+        // A vertex on an edge is held by it, as deep as that may be by itself.
+        for (corner, OnEdge { line, gap, normals, count }) in on_edges {
+            let normal = normals.try_normalize(OPPOSED * count);
+            if let Some(normal) = normal.filter(|_| gap <= gaps.distance[corner]) {
+                gaps.distance[corner] = gap;
+                gaps.normal[corner] = normal;
+                taken.insert(corner, line);
+            }
         }
         taken
     }
