@@ -15,7 +15,7 @@ from .._units import UNITS, LengthUnit
 from ..errors import SurfaceError
 from ..io import read_surface
 from ..models import bone_of
-from ..skin.response import Body, GaussianCorrected, HalfSpace, Layer
+from ..skin.response import Body, Discretization, GaussianCorrected, HalfSpace, Layer, PressureBasis
 from ..surface import Surface, skin_without_caps
 from .quantities import COMPLIANCE, LENGTH, QuantityError, parse_not_negative, parse_numbers, parse_positive
 
@@ -44,7 +44,7 @@ _RESPONSES: dict[str, tuple[type[_Named], dict[str, dict[str, float]], tuple[str
         ("pressure",),
     ),
 }
-_CHOICES = {"pressure": ("linear", "one_ring"), "discretization": ("collocation", "galerkin")}
+_CHOICES = {"pressure": tuple(PressureBasis), "discretization": tuple(Discretization)}
 _LENGTHS = {"coarse_edge_length": LENGTH}
 # A Gaussian of no height is the half-space, a body of no coarse edges is solved on the skin's own mesh.
 _MAY_BE_ZERO = ("height", "coarse_edge_length")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..._arrays import Floats
+from ..fingers import TIP_EXPONENT
 from .field import superellipse
 from .skeleton import Digit
 
@@ -42,7 +43,6 @@ THUMB = np.array(
 )
 THICKEST = 0.8  # no skin is farther from the bones than this, in breadths
 NEAR = 0.75  # from there on another body's join does not reach here, in breadths
-TIP_EXPONENT = 2.3  # of the superellipse that rounds the tip
 
 
 class DigitSkin:
