@@ -2,14 +2,15 @@
 //!
 //! [`initial`] measures them on demand: [`measured`], signed distance at points; [`entry`], back along the press or the
 //! skin's inward normal where the closest side is not the one that the skin came in through; [`edge`], from an edge of it
-//! between the vertices, as deep as it is [`under`] a triangle; [`averaged`], against the hats, for the Galerkin form.
-//! [`deepest`] is where they are lowest. [`touch`] finds where an obstacle on its way first touches the skin, between vertices
-//! too, and [`inside`] what of it stands in the deformed skin.
+//! between the vertices, as deep as it is [`under`] a triangle, which is [`held`] by it there; [`averaged`], against the hats,
+//! for the Galerkin form. [`deepest`] is where they are lowest. [`touch`] finds where an obstacle on its way first touches the
+//! skin, between vertices too, and [`inside`] what of it stands in the deformed skin.
 
 pub(crate) mod averaged;
 pub(crate) mod deepest;
 pub(crate) mod edge;
 pub(crate) mod entry;
+mod held;
 pub(crate) mod initial;
 pub(crate) mod inside;
 pub(crate) mod measured;
