@@ -3,5 +3,6 @@
 
 pub(crate) mod goal;
 pub(crate) mod on_mesh;
+pub(crate) mod on_refined;
 pub(crate) mod search;
 pub(crate) mod target;

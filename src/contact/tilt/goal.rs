@@ -5,18 +5,17 @@ use std::time::Instant;
 use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
 
 use crate::contact::error::{ContactError, PressedContact};
-use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
-use crate::contact::reach::goal::{FARTHER, REFINEMENTS, reach};
+use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::reach::goal::reach;
 use crate::contact::reach::on_mesh::{OnMesh, Trials};
+use crate::contact::reach::on_refined::{MeshSearch, Searched, search_on_refined};
 use crate::contact::reach::target::{Aim, Quantity, Target};
-use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
+use crate::contact::refine::rounds::Rounds;
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
-use crate::contact::scene::{Approach, Placement};
 use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
 use crate::contact::tilt::rest::{Beginning, Ended, Place, find};
-use crate::obstacle::posed::Obstacle;
 use crate::response::skin::kept::KeptSkin;
 
 /// Moment that is left, over force times lever, and error of the force; the promise is 1e-6.
@@ -40,22 +39,21 @@ pub(crate) struct Tilted<'a> {
     pub point: Vector3<f64>,
 }
 
-/// Where the obstacle came to rest on one mesh.
-struct Settled {
-    contact: Contact,
-    turn: Turn,
+/// How the obstacle stands on one mesh.
+#[derive(Clone)]
+pub(crate) struct Posture {
     /// The angles (rad) about the axes.
     angles: Vec<f64>,
     stiffness: Option<DMatrix<f64>>,
-    /// Why there is no balance.
-    why: Option<&'static str>,
+    /// Of the forces about the point (m), to measure angles in lengths.
+    lever: f64,
 }
 
 impl Tilted<'_> {
     /// Brings the obstacle to its balance: on the given mesh, then on the one refined there.
     pub fn run(&self) -> Result<Contact, ContactError> {
-        let mut started = Instant::now();
-        let Setup { surface, obstacle, skin, options, approach } = self.setup;
+        let started = Instant::now();
+        let Setup { surface, obstacle, options, approach, .. } = self.setup;
         let unrefined = options.unrefined();
         let depth = match self.aim {
             Aim::Depth(depth) => depth,
@@ -65,90 +63,30 @@ impl Tilted<'_> {
             }
         };
         let on_given = OnMesh::given(self.setup)?;
-        let angles = vec![0.0; self.axes.len()];
         let first = on_given.solve(depth - on_given.touch.depth)?;
-        let lever = self.lever(&first);
-        let mut given = self.settle(&on_given, first, angles, None, lever)?;
-        if let Some(why) = given.why {
-            let placement = self.placement(&given);
-            let contact = given.contact.clone();
-            let contact = end_unrefined(contact, started, placement, skin)?;
-            return Err(self.not_balanced(contact, &given.turn, why));
-        }
+        let upright =
+            Posture { angles: vec![0.0; self.axes.len()], stiffness: None, lever: self.lever(&first) };
+        let (contact, found) = self.settle(&on_given, first, upright)?;
         let approach = approach.on_part(surface, obstacle, options)?;
         let refined = Self { setup: Setup { approach, ..self.setup }, axes: self.axes.clone(), ..*self };
-        let mut before = None;
-        for refinement in 1..=REFINEMENTS {
-            let placement = refined.placement(&given);
-            let obstacle = given.contact.obstacle.clone();
-            let mut rounds = match begin(given.contact.clone(), started, placement, skin, options)? {
-                Begun::Ended(contact) => return Ok(*contact),
-                Begun::Rounds(rounds) => *rounds,
-            };
-            let end = rounds.run()?;
-            let refined_for = rounds.meshes.finest().resultant.contact_area;
-            let met = (end == RefinementEnd::Target).then_some(rounds.target);
-            let Some(found) = refined.settle_again(&mut rounds, &given, lever)? else {
-                let (rounds, end) = before.unwrap_or((rounds, end));
-                return rounds.conclude(end);
-            };
-            if let Some(why) = found.why {
-                return Err(self.not_balanced(rounds.conclude(end)?, &found.turn, why));
-            }
-            let has_gone_farther = |contact: &Contact| {
-                self.farthest_move(&obstacle, contact) > FARTHER * surface.mean_edge_length()
-            };
-            let contact = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
-            let Some(contact) = contact.filter(|_| refinement < REFINEMENTS) else {
-                return rounds.conclude(end);
-            };
-            started = Instant::now();
-            let contact = on_given.turned(found.turn).solve(on_given.touch.past(contact))?;
-            given = Settled { contact, ..found };
-            before = Some((rounds, end));
-        }
-        unreachable!("the last refinement returns")
-    }
-
-    /// Balances the obstacle on the mesh that was refined last, and puts the contact found in the place of the one there.
-    ///
-    /// `None` where nothing was refined or the last contact did not end solved.
-    fn settle_again(
-        &self,
-        rounds: &mut Rounds,
-        given: &Settled,
-        lever: f64,
-    ) -> Result<Option<Settled>, ContactError> {
-        let started = Instant::now();
-        let Some((part, last)) = rounds.meshes.last.as_ref() else { return Ok(None) };
-        if last.status != ContactStatus::Solved {
-            return Ok(None);
-        }
-        let skin = self.setup.refined_skin(part)?;
-        let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
-        let (angles, stiffness) = (given.angles.clone(), given.stiffness.clone());
-        let found = self.settle(&on_part, last.clone(), angles, stiffness, lever)?;
-        rounds.meshes.replace_last(found.contact.clone(), started, &*skin, self.setup.options)?;
-        Ok(Some(found))
+        let on_given = OnMesh { setup: refined.setup, ..on_given };
+        search_on_refined(&refined, &on_given, started, contact, found)
     }
 
     /// Turns the obstacle, and moves it under a force, until nothing is left to turn it.
     ///
-    /// * `first`: the contact at the angles (rad) to begin with
-    /// * `lever`: of the forces about the point (m), to measure angles in lengths
+    /// * `first`: the contact in the posture `from`
     fn settle(
         &self,
         on: &OnMesh,
         mut first: Contact,
-        angles: Vec<f64>,
-        stiffness: Option<DMatrix<f64>>,
-        lever: f64,
-    ) -> Result<Settled, ContactError> {
+        from: Posture,
+    ) -> Result<(Contact, Searched<Posture>), ContactError> {
         let (depth, past) = (first.pressed_depth(), on.touch.past(&first));
         if first.status != ContactStatus::Solved || past <= 0.0 {
-            let turn = self.turn(&angles);
-            return Ok(Settled { contact: first, turn, angles, stiffness, why: None });
+            return Ok((first, Searched { guess: from, why: None }));
         }
+        let Posture { angles, stiffness, lever } = from;
         let is_force = self.force().is_some();
         let own_depth = is_force.then_some(depth);
         let at = own_depth.into_iter().chain(angles.iter().map(|angle| angle * lever));
@@ -168,7 +106,7 @@ impl Tilted<'_> {
         };
         let ended = find(started, first, room, |at| -> Result<_, ContactError> {
             self.setup.options.check_interrupt("search for the balance")?;
-            let turned = on.turned(self.turn(&angles_at(at)));
+            let turned = on.turned(self.turned_by(&angles_at(at)));
             let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.depth), past)? else {
                 return Ok(None);
             };
@@ -187,8 +125,8 @@ impl Tilted<'_> {
         let why = why.filter(|reason| !self.is_nearly_balanced(&mut contact, reason));
         add_timings(&mut timings, &trials.timings);
         contact.timings = timings;
-        let angles = angles_at(&at);
-        Ok(Settled { contact, turn: self.turn(&angles), angles, stiffness, why })
+        let guess = Posture { angles: angles_at(&at), stiffness, lever };
+        Ok((contact, Searched { guess, why: why.map(String::from) }))
     }
 
     /// Whether next to nothing is left to turn the obstacle, of which the contact then warns.
@@ -280,7 +218,7 @@ impl Tilted<'_> {
         if largest > 0.0 { largest } else { surface.bounding_box().diagonal() }
     }
 
-    fn turn(&self, angles: &[f64]) -> Turn {
+    fn turned_by(&self, angles: &[f64]) -> Turn {
         let turn: Vector3<f64> = self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum();
         Turn { rotation: UnitQuaternion::from_scaled_axis(turn), point: self.point }
     }
@@ -300,32 +238,50 @@ impl Tilted<'_> {
         let c = from.norm_squared() - LARGEST_ANGLE * LARGEST_ANGLE;
         ((b * b - a * c).max(0.0).sqrt() - b) / a
     }
+}
 
-    /// How far an obstacle has moved where a contact is (m).
-    fn farthest_move(&self, before: &Obstacle, contact: &Contact) -> f64 {
-        let surface = contact.surface();
-        let motion = before.pose() * contact.obstacle.pose().inverse();
+impl MeshSearch for Tilted<'_> {
+    type Guess = Posture;
+
+    fn turn(&self, posture: &Posture) -> Option<Turn> {
+        Some(self.turned_by(&posture.angles))
+    }
+
+    fn search_again(
+        &self,
+        rounds: &mut Rounds,
+        posture: &Posture,
+    ) -> Result<Option<Searched<Posture>>, ContactError> {
+        let started = Instant::now();
+        let Some((part, last)) = rounds.meshes.last.as_ref() else { return Ok(None) };
+        if last.status != ContactStatus::Solved {
+            return Ok(None);
+        }
+        let skin = self.setup.refined_skin(part)?;
+        let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
+        let (contact, found) = self.settle(&on_part, last.clone(), posture.clone())?;
+        rounds.meshes.replace_last(contact, started, &*skin, self.setup.options)?;
+        Ok(Some(found))
+    }
+
+    /// The farthest that the obstacle has moved at a vertex under force.
+    fn way_between(&self, from: &Contact, to: &Contact) -> f64 {
+        let surface = to.surface();
+        let motion = from.obstacle.pose() * to.obstacle.pose().inverse();
         let moved = |&vertex: &usize| {
             let place = Point3::from(surface.vertices()[vertex]);
             (motion * place - place).norm()
         };
-        contact.active.iter().map(moved).fold(0.0, f64::max)
+        to.active.iter().map(moved).fold(0.0, f64::max)
     }
 
-    /// The press to where the obstacle came to rest.
-    fn placement(&self, settled: &Settled) -> Placement<'_> {
-        let depth = settled.contact.pressed_depth();
-        let approach = Approach { turn: Some(settled.turn), ..self.setup.approach };
-        Setup { approach, ..self.setup }.at(depth)
-    }
-
-    fn not_balanced(&self, contact: Contact, turn: &Turn, why: &str) -> ContactError {
+    fn missed(&self, contact: Contact, posture: &Posture, why: String) -> ContactError {
         ContactError::NotBalanced {
             point: self.point_at(&contact).into(),
             moment: DVector::from_vec(self.moments(&contact)).norm(),
             force: contact.resultant.force.norm(),
-            angle: turn.rotation.angle(),
-            why: why.into(),
+            angle: self.turned_by(&posture.angles).rotation.angle(),
+            why,
             contact: PressedContact(Box::new(contact)),
         }
     }

@@ -10,8 +10,9 @@ use crate::contact::in_place::Known;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::press::{press, unit_direction};
-use crate::contact::reach::goal::{FARTHER, reach};
+use crate::contact::reach::goal::reach;
 use crate::contact::reach::on_mesh::{OnMesh, Reached, Trials};
+use crate::contact::reach::on_refined::FARTHEST_MOVE;
 use crate::contact::reach::search::Search;
 use crate::contact::reach::target::{Aim, Target};
 use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
@@ -207,7 +208,7 @@ impl Setup<'_> {
     fn look_around(&self, warm: &mut WarmMesh, contact: &Contact) -> Result<Option<View>, ContactError> {
         let edges = (contact.travel - warm.meshes.given.travel).abs() / self.surface.mean_edge_length();
         let has_more_patches = contact.patches.len() > warm.last().1.patches.len();
-        if edges <= FARTHER && !has_more_patches {
+        if edges <= FARTHEST_MOVE && !has_more_patches {
             let is_touched = self.cut_between(warm, contact, false)?;
             return Ok(Some(if is_touched { View::Another } else { View::Same }));
         }

@@ -1,0 +1,110 @@
+//! A search for the place of the obstacle: on the given mesh, then on the one refined around what it found there.
+
+use std::time::Instant;
+
+use crate::contact::error::ContactError;
+use crate::contact::outcome::{Contact, RefinementEnd};
+use crate::contact::reach::on_mesh::OnMesh;
+use crate::contact::refine::rounds::{Begun, Rounds, begin, end_unrefined};
+use crate::contact::scene::Approach;
+use crate::contact::setup::Setup;
+use crate::contact::tilt::axes::Turn;
+
+/// Refinements at the most: one at the place that the given mesh asks for, one at that of the refined mesh.
+const MOST_REFINEMENTS: usize = 2;
+/// How much farther than the part of the skin that was refined was made for, in mean edges of the given mesh, an
+/// obstacle may come.
+pub(crate) const FARTHEST_MOVE: f64 = 0.5;
+
+/// What is searched on each mesh: a depth, or angles as well.
+pub(crate) trait MeshSearch {
+    /// What the search on one mesh leaves to that on the next.
+    type Guess;
+
+    /// How the obstacle has turned at a place.
+    fn turn(&self, _: &Self::Guess) -> Option<Turn> {
+        None
+    }
+
+    /// Searches on the mesh that was refined last, and puts the contact found in the place of the one there.
+    ///
+    /// `None` where nothing was refined or the last contact did not end solved.
+    fn search_again(
+        &self,
+        rounds: &mut Rounds,
+        guess: &Self::Guess,
+    ) -> Result<Option<Searched<Self::Guess>>, ContactError>;
+
+    /// How far the obstacle has moved from one contact to another (m).
+    fn way_between(&self, from: &Contact, to: &Contact) -> f64;
+
+    /// A contact on a mesh that is not refined, or why it is not what was searched.
+    fn unless_missed(&self, contact: Contact) -> Result<Contact, ContactError> {
+        Ok(contact)
+    }
+
+    /// The error that says where a search ended in vain.
+    fn missed(&self, contact: Contact, guess: &Self::Guess, why: String) -> ContactError;
+}
+
+/// How a search ended on one mesh.
+pub(crate) struct Searched<G> {
+    pub guess: G,
+    /// Why it is not what was searched.
+    pub why: Option<String>,
+}
+
+/// Refines the mesh around the contact that a search found on the given one, and searches again there.
+///
+/// * `started`: when the search on the given mesh did
+pub(crate) fn search_on_refined<S: MeshSearch>(
+    search: &S,
+    on_given: &OnMesh,
+    mut started: Instant,
+    mut given: Contact,
+    found: Searched<S::Guess>,
+) -> Result<Contact, ContactError> {
+    let Setup { surface, skin, options, .. } = on_given.setup;
+    let turned = |guess: &S::Guess| {
+        let approach = Approach { turn: search.turn(guess), ..on_given.setup.approach };
+        Setup { approach, ..on_given.setup }
+    };
+    let Searched { mut guess, why } = found;
+    if let Some(why) = why {
+        let placement = turned(&guess).at(given.pressed_depth());
+        let contact = end_unrefined(given, started, placement, skin)?;
+        return Err(search.missed(contact, &guess, why));
+    }
+    let mut before = None;
+    for refinement in 1..=MOST_REFINEMENTS {
+        let placement = turned(&guess).at(given.pressed_depth());
+        let mut rounds = match begin(given, started, placement, skin, options)? {
+            Begun::Ended(contact) => return search.unless_missed(*contact),
+            Begun::Rounds(rounds) => *rounds,
+        };
+        let end = rounds.run()?;
+        let refined_for = rounds.meshes.finest().resultant.contact_area;
+        let met = (end == RefinementEnd::Target).then_some(rounds.target);
+        let Some(again) = search.search_again(&mut rounds, &guess)? else {
+            let (rounds, end) = before.unwrap_or((rounds, end));
+            return rounds.conclude(end);
+        };
+        guess = again.guess;
+        if let Some(why) = again.why {
+            return Err(search.missed(rounds.conclude(end)?, &guess, why));
+        }
+        let has_gone_farther = |found: &Contact| {
+            let way = search.way_between(&rounds.meshes.given, found);
+            way > FARTHEST_MOVE * surface.mean_edge_length()
+        };
+        let found = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
+        let Some(found) = found.filter(|_| refinement < MOST_REFINEMENTS) else {
+            return rounds.conclude(end);
+        };
+        started = Instant::now();
+        let turned = OnMesh { setup: turned(&guess), inherited: None, touch: on_given.touch };
+        given = turned.solve(on_given.touch.past(found))?;
+        before = Some((rounds, end));
+    }
+    unreachable!("the last refinement returns")
+}
