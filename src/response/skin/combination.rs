@@ -70,10 +70,6 @@ impl<P: BodyPart> ElasticSkin for Combination<P> {
         Ok(if self.parts.is_empty() { background } else { Traits::of_matrix(true, refines) })
     }
 
-    fn is_scalar(&self, vertex: usize) -> bool {
-        self.owner[vertex].is_none()
-    }
-
     fn is_prepared(&self, vertex: usize) -> bool {
         self.body_at(vertex).is_none_or(|(body, own)| body.is_prepared(own))
     }

@@ -67,8 +67,11 @@ pub trait ElasticSkin: Sync {
     /// Whether the response to a force at `vertex` is known.
     fn is_prepared(&self, vertex: usize) -> bool;
 
-    /// Whether the response at `vertex` is one number a pair, whatever the directions: the skin moves along the force.
-    fn is_scalar(&self, vertex: usize) -> bool;
+    /// Whether the response at `vertex` is one number a pair, whatever the directions: the skin moves along the force, as it
+    /// does under a kernel.
+    fn is_scalar(&self, vertex: usize) -> bool {
+        self.kernel_at(vertex).is_some()
+    }
 
     /// Where matrices that were asked for are kept for the next time: the place for factors of their blocks.
     fn kept_factors(&self) -> Option<&KeptFactors> {

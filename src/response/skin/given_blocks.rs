@@ -78,10 +78,6 @@ impl ElasticSkin for GivenBlocks {
         Ok(Traits::of_matrix(true, false))
     }
 
-    fn is_scalar(&self, _: usize) -> bool {
-        false
-    }
-
     fn is_prepared(&self, vertex: usize) -> bool {
         self.nodes.row(vertex).is_some()
     }

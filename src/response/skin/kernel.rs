@@ -29,10 +29,6 @@ impl ElasticSkin for KernelSkin {
         })
     }
 
-    fn is_scalar(&self, _: usize) -> bool {
-        true
-    }
-
     fn is_prepared(&self, _: usize) -> bool {
         true
     }

@@ -165,10 +165,6 @@ impl ElasticSkin for PreparedBody {
         Ok(Traits { discretization: self.discretization, ..Traits::of_matrix(true, true) })
     }
 
-    fn is_scalar(&self, _: usize) -> bool {
-        false
-    }
-
     fn is_prepared(&self, vertex: usize) -> bool {
         self.nodes.row(vertex).is_some()
     }
@@ -241,10 +237,6 @@ impl ElasticSkin for PreparedBody {
 impl ElasticSkin for BodyOnMesh {
     fn traits(&self, _: &Surface) -> Result<Traits, ResponseError> {
         Ok(Traits { discretization: self.response.discretization, ..Traits::of_matrix(true, false) })
-    }
-
-    fn is_scalar(&self, _: usize) -> bool {
-        false
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {

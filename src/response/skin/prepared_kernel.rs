@@ -75,10 +75,6 @@ impl ElasticSkin for PreparedKernel {
         self.skin.traits(surface)
     }
 
-    fn is_scalar(&self, _: usize) -> bool {
-        true
-    }
-
     fn is_prepared(&self, vertex: usize) -> bool {
         self.given.is_prepared(vertex)
     }
