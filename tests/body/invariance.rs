@@ -2,7 +2,8 @@
 
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Rotation3, Vector3};
-use quasirigid::response::body::{Body, BodyOptions};
+use quasirigid::response::body::{Body, BodyOptions, OneLevel};
+use quasirigid::response::{AssemblyOptions, ElasticSkin, Levels, PreparedBody, Request};
 use quasirigid::surface::Surface;
 
 use crate::common::{icosphere, joined};
@@ -60,13 +61,17 @@ fn turning_the_answer_is_turning_the_body() {
     // some nodes in another order have the same entries
     let some = [2, 0, 1];
     let some_normals = some.map(|node| normals[node]);
-    let among = turned.response_among(&some, &some_normals).expect("one direction each");
+    let surface = skin.moved(&pose);
+    let level = OneLevel { compliance: turned.clone(), thickness: None };
+    let prepared = PreparedBody::from_levels(&surface, &nodes, Levels::One(level)).expect("its own skin");
+    let some_nodes = some.map(|node| nodes[node]);
+    let asked = Request { surface: &surface, nodes: &some_nodes, options: &AssemblyOptions::default() };
+    let among = prepared.matrix(&asked, &some_normals).expect("known nodes");
     let along = turned.response_along(&normals).expect("unit directions");
     assert!(
         (0..3).all(|i| (0..3).all(|j| among[(i, j)] == along[(some[i], some[j])])),
         "{among:?} of {along:?}"
     );
-    assert!(turned.response_among(&some, &normals).is_err());
     // response and displacements agree with each other
     let response = turned.response_along(&normals).expect("unit directions");
     let along: f64 = (0..nodes.len()).map(|j| response[(0, j)] * -1e-2).sum();

@@ -107,32 +107,14 @@ impl BodyCompliance {
         Ok(BodyCompliance { rotation: rotation * self.rotation, ..self.clone() })
     }
 
-    /// Directions or forces, one for each of `expected` nodes, as the stored matrices see them.
-    fn stored(
-        &self,
-        what: &'static str,
-        vectors: &[Vector3<f64>],
-        expected: usize,
-    ) -> Result<Vec<Vector3<f64>>, BodyError> {
-        check_length(what, vectors.len(), expected)?;
-        Ok(vectors.iter().map(|vector| self.turned_back(vector)).collect())
+    /// Directions or forces as the stored matrices see them.
+    fn all_turned_back(&self, vectors: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        vectors.iter().map(|vector| self.turned_back(vector)).collect()
     }
 
     /// A direction or a force as the stored matrices see it.
     pub(crate) fn turned_back(&self, vector: &Vector3<f64>) -> Vector3<f64> {
         self.rotation.tr_mul(vector)
-    }
-
-    /// Unit directions at all nodes as the stored matrices see them.
-    fn stored_directions(&self, directions: &[Vector3<f64>]) -> Result<Vec<Vector3<f64>>, BodyError> {
-        let stored = self.stored("directions", directions, self.parts.nodes.len())?;
-        for (index, direction) in directions.iter().enumerate() {
-            let length = direction.norm();
-            if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH_ERROR {
-                return Err(BodyError::DirectionLength { index, length });
-            }
-        }
-        Ok(stored)
     }
 
     /// Response matrix `R_ij = n_i · C_ij n_j` along the nodes' directions.
@@ -144,31 +126,27 @@ impl BodyCompliance {
     /// # Errors
     /// [`BodyError::Length`], [`BodyError::DirectionLength`].
     pub fn response_along(&self, directions: &[Vector3<f64>]) -> Result<Mat<f64>, BodyError> {
-        let directions = self.stored_directions(directions)?;
+        check_length("directions", directions.len(), self.parts.nodes.len())?;
+        for (index, direction) in directions.iter().enumerate() {
+            let length = direction.norm();
+            if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH_ERROR {
+                return Err(BodyError::DirectionLength { index, length });
+            }
+        }
         let everything: Vec<usize> = (0..self.parts.nodes.len()).collect();
-        Ok(self.stored_response(&everything, &directions))
+        Ok(self.response_among(&everything, directions))
     }
 
     /// Response matrix over some of the nodes, by their place in [`BodyCompliance::nodes`], along one unit direction
-    /// for each (k × k, m/N).
-    ///
-    /// # Errors
-    /// [`BodyError::Length`].
-    pub fn response_among(
-        &self,
-        nodes: &[usize],
-        directions: &[Vector3<f64>],
-    ) -> Result<Mat<f64>, BodyError> {
-        Ok(self.stored_response(nodes, &self.stored("directions", directions, nodes.len())?))
-    }
-
-    fn stored_response(&self, nodes: &[usize], directions: &[Vector3<f64>]) -> Mat<f64> {
+    /// for each (k × k, m/N), all checked.
+    pub(crate) fn response_among(&self, nodes: &[usize], directions: &[Vector3<f64>]) -> Mat<f64> {
+        let directions = self.all_turned_back(directions);
         let vertices: Vec<usize> = nodes.iter().map(|&node| self.parts.nodes[node]).collect();
         let mut response = Mat::zeros(nodes.len(), nodes.len());
-        for (j, (&node, n_j)) in nodes.iter().zip(directions).enumerate() {
+        for (j, (&node, n_j)) in nodes.iter().zip(&directions).enumerate() {
             let [x, y, z] = self.columns(node);
             let column = response.col_as_slice_mut(j);
-            for ((entry, &vertex), n_i) in column.iter_mut().zip(&vertices).zip(directions) {
+            for ((entry, &vertex), n_i) in column.iter_mut().zip(&vertices).zip(&directions) {
                 let along = |a: usize| {
                     x[3 * vertex + a] * n_j.x + y[3 * vertex + a] * n_j.y + z[3 * vertex + a] * n_j.z
                 };
@@ -216,7 +194,8 @@ impl BodyCompliance {
     /// # Errors
     /// [`BodyError::Length`].
     pub fn bone_pressures(&self, forces: &[Vector3<f64>]) -> Result<Option<Vec<f64>>, BodyError> {
-        let forces = self.stored("forces", forces, self.parts.nodes.len())?;
+        check_length("forces", forces.len(), self.parts.nodes.len())?;
+        let forces = self.all_turned_back(forces);
         Ok(self.parts.bone_pressure.as_ref().map(|stored| {
             let mut sums = vec![0.0; stored.nrows()];
             for (j, force) in forces.iter().enumerate() {
