@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Sums of weights farther from 1 are refused; the others are normalised.
 const SUM_TOLERANCE: f64 = 1e-3;
 /// Vertices that one thread takes at a time.
-const CHUNK: usize = 2048;
+const VERTICES_PER_TASK: usize = 2048;
 
 /// Why weights were refused, or do not fit what they are asked about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -180,7 +180,7 @@ impl SkinWeights {
                 influences.iter().map(|&(joint, weight)| weight * place(joint).coords).sum()
             }
         };
-        Ok((0..vertices.len()).into_par_iter().with_min_len(CHUNK).map(moved).collect())
+        Ok((0..vertices.len()).into_par_iter().with_min_len(VERTICES_PER_TASK).map(moved).collect())
     }
 }
 

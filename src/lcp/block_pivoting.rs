@@ -23,7 +23,7 @@ pub(super) const ZERO_TOLERANCE: f64 = 64.0 * f64::EPSILON;
 /// Errors of a block's equations, relative to its largest value, above which the factor is no use.
 const LARGEST_ERROR: f64 = 1e-6;
 /// Share of the largest entry by which the outer rows and columns of a symmetric block may differ.
-const LARGEST_ASYMMETRY: f64 = 1e-13;
+const BLOCK_ASYMMETRY: f64 = 1e-13;
 
 /// Exchanges without progress, blocks or singles, that any problem may take: each has a factor of its own, in whose time
 /// Lemke's path makes many pivots.
@@ -228,8 +228,7 @@ fn looks_symmetric(block: &Dense) -> bool {
     };
     [0, last].iter().all(|&j| {
         let column = block.column(j);
-        let limit =
-            LARGEST_ASYMMETRY * column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
+        let limit = BLOCK_ASYMMETRY * column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()));
         column.iter().enumerate().all(|(i, &entry)| (entry - block.at(j, i)).abs() <= limit)
     })
 }

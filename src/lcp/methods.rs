@@ -19,20 +19,20 @@ const PIVOT_TOL_STEP: f64 = 100.0;
 /// So often Lemke's method starts again.
 const RESTARTS: u64 = 3;
 /// Largest asymmetry that conjugate gradients bear.
-const LARGEST_ASYMMETRY: f64 = 1e-10;
+const CG_ASYMMETRY: f64 = 1e-10;
 /// Share of the tolerance at which conjugate gradients stop, since forces are less exact than gaps.
 const CG_MARGIN: f64 = 0.1;
 /// Block exchanges without progress where a crash basis is looked for, which must cost little when not found.
 const CRASH_PATIENCE: usize = 2;
 /// Unknowns up to which block pivoting gains nothing before Lemke's method where M is not known to be a P-matrix.
-const FEW_UNKNOWNS: usize = 16;
+const PIVOTED_UNKNOWNS: usize = 16;
 /// So often rows that an answer leaves open are added before all of M is looked at for those that may matter.
 const ROW_GROWTHS: usize = 4;
 
 impl Session<'_> {
     pub(super) fn auto(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
         let guessed = self.options.initial_active.is_some();
-        if guessed || self.problem.known_p_matrix || self.rows_to_begin_with().len() > FEW_UNKNOWNS {
+        if guessed || self.problem.known_p_matrix || self.rows_to_begin_with().len() > PIVOTED_UNKNOWNS {
             let answer = self.exchange(LcpMethodName::BlockPivoting, Fallback::None, PATIENCE)?;
             if answer.is_conclusive() || self.options.exchanges_only {
                 return Ok(answer);
@@ -46,7 +46,7 @@ impl Session<'_> {
         }
         // A ray: conjugate gradients have no minimum to go to, and single exchanges hardly an end.
         let has_ray = lemke.solution.status == LcpStatus::Ray;
-        let is_finite = !has_ray || reduced.size() <= FEW_UNKNOWNS;
+        let is_finite = !has_ray || reduced.size() <= PIVOTED_UNKNOWNS;
         let fallback = if is_finite { Fallback::Finite } else { Fallback::None };
         let mut others = vec![self.exchange(LcpMethodName::BlockPivoting, fallback, PATIENCE)?];
         if !has_ray && !others[0].is_conclusive() {
@@ -69,7 +69,9 @@ impl Session<'_> {
     pub(super) fn lemke(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
         let may_crash = options.crash && options.covering.is_none();
         let mut work = 0.0;
-        if may_crash && self.problem.has_positive_diagonal() && self.rows_to_begin_with().len() > FEW_UNKNOWNS
+        if may_crash
+            && self.problem.has_positive_diagonal()
+            && self.rows_to_begin_with().len() > PIVOTED_UNKNOWNS
         {
             let is_guessed = self.options.initial_active.is_some();
             let fallback = if is_guessed { Fallback::None } else { Fallback::Crash };
@@ -217,11 +219,11 @@ impl Session<'_> {
     pub(super) fn projected_cg(&mut self) -> Result<Answer, Halt> {
         let reduced = self.reduce()?;
         let columns = TouchedColumns::symmetric(&reduced);
-        let (row, column, difference) = asymmetry(&columns, LARGEST_ASYMMETRY);
+        let (row, column, difference) = asymmetry(&columns, CG_ASYMMETRY);
         if (reduced.interrupted)() {
             return Err(Halt::Interrupted);
         }
-        if difference > LARGEST_ASYMMETRY {
+        if difference > CG_ASYMMETRY {
             let (row, column) = (reduced.index(row), reduced.index(column));
             return Err(LcpError::NotSymmetric { row, column, difference }.into());
         }

@@ -12,7 +12,7 @@ use crate::lcp::touched_columns::TouchedColumns;
 /// Steps after which w is formed anew from z.
 const REFRESH_STEPS: usize = 50;
 /// Iterations without a smaller residual before the run is given up.
-const PATIENCE: usize = 500;
+const STALLED_STEPS: usize = 500;
 
 /// Solves on `m`, all its columns touched, from the guess `active`.
 pub(super) fn solve(m: &TouchedColumns, active: &[usize], tolerance: f64, budget: usize) -> Outcome {
@@ -43,7 +43,7 @@ pub(super) fn solve(m: &TouchedColumns, active: &[usize], tolerance: f64, budget
             Some(LcpStatus::Interrupted)
         } else if outcome.pivots >= budget {
             Some(LcpStatus::PivotLimit)
-        } else if !residual.is_finite() || outcome.pivots > best_at + PATIENCE {
+        } else if !residual.is_finite() || outcome.pivots > best_at + STALLED_STEPS {
             Some(LcpStatus::Breakdown)
         } else {
             outcome.pivots += 1;

@@ -10,7 +10,7 @@ use crate::lcp::solution::{LcpAttempt, LcpMethodName, LcpSolution, LcpStatus, St
 use crate::linalg::definiteness::{Definiteness, examine};
 
 /// Share of the tolerance that unknowns may have which count as zero.
-const ROUNDING_SHARE: f64 = 0.01;
+const ZERO_SHARE: f64 = 0.01;
 
 /// A problem, the options of its solve and the runs so far.
 pub(super) struct Session<'a> {
@@ -108,7 +108,7 @@ impl<'a> Session<'a> {
     /// z >= 0 without what is zero to rounding, which would count as active.
     fn without_rounding(&self, mut z: Vec<f64>) -> Vec<f64> {
         // Far below what the certificate bears.
-        let bearable = ROUNDING_SHARE * self.options.tolerance * self.problem.deficit();
+        let bearable = ZERO_SHARE * self.options.tolerance * self.problem.deficit();
         let zero = (ZERO_TOLERANCE * self.largest_force(&z)).min(bearable);
         for (i, z) in z.iter_mut().enumerate() {
             if self.scaled(i, *z) <= zero {

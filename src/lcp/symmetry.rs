@@ -3,9 +3,7 @@
 use rayon::prelude::*;
 
 use crate::lcp::touched_columns::TouchedColumns;
-
-/// Rows and columns of a tile, whose mirror image stays in cache.
-const TILE: usize = 32;
+use crate::linalg::dense::TILE;
 
 /// The worst pair of entries of a matrix, all its columns touched: row, column, difference over the largest entry.
 ///

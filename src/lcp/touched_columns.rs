@@ -10,7 +10,7 @@ use crate::linalg::dense::Dense;
 type ByColumns<'a> = MatRef<'a, f64, usize, usize, ContiguousFwd>;
 
 /// What stands for a copy where a column has not been touched.
-const NOWHERE: usize = usize::MAX;
+const NO_COPY: usize = usize::MAX;
 
 /// Columns of M on the rows kept, copied side by side, each once; or M itself where all rows are kept. Copies,
 /// blocks and products are left unfinished when interrupted.
@@ -51,14 +51,14 @@ impl<'a> TouchedColumns<'a> {
 
     /// Copies in any case.
     pub(super) fn copied(reduced: &'a ReducedProblem<'a>) -> Self {
-        Self { reduced, in_place: None, copies: Vec::new(), place: vec![(NOWHERE, 0); reduced.size()] }
+        Self { reduced, in_place: None, copies: Vec::new(), place: vec![(NO_COPY, 0); reduced.size()] }
     }
 
     /// Copies those of `set` that are not there; returns whether there are such.
     pub(super) fn touch(&mut self, set: &[usize]) -> bool {
         let mut new = Vec::new();
         for &j in set {
-            if self.in_place.is_none() && self.place[j].0 == NOWHERE {
+            if self.in_place.is_none() && self.place[j].0 == NO_COPY {
                 self.place[j] = (self.copies.len(), new.len());
                 new.push(self.reduced.index(j));
             }

@@ -8,7 +8,7 @@ use crate::linalg::factor::Interrupt;
 use crate::linalg::kernels::SHARED_WORK;
 
 /// Rows and columns of a tile that two of fit into the nearest cache.
-const TILE: usize = 32;
+pub(crate) const TILE: usize = 32;
 
 /// Entries by columns; a new one is zero, and its memory is touched only as it is filled, which for a large one
 /// can then be interrupted.

@@ -3,7 +3,7 @@
 use std::fs::read_to_string;
 
 /// Where a container's limit, what it has taken and its cache stand, in control groups of version 2 and 1 (bytes).
-const GROUPS: [[&str; 4]; 2] = [
+const GROUP_FILES: [[&str; 4]; 2] = [
     ["/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file "],
     ["/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file "],
 ];
@@ -27,7 +27,7 @@ fn kilobytes(path: &str, begin: &str) -> Option<usize> {
 }
 
 fn free_in_group() -> Option<usize> {
-    GROUPS.into_iter().find_map(|[folder, most, taken, cache]| {
+    GROUP_FILES.into_iter().find_map(|[folder, most, taken, cache]| {
         let [most, taken] = [most, taken].map(|file| number(&format!("{folder}/{file}"), ""));
         // A cache of files that nobody uses is given back.
         let cache = number(&format!("{folder}/memory.stat"), cache).unwrap_or(0);

@@ -11,9 +11,9 @@ use nalgebra::Vector3;
 use crate::geometry::closest_point::closest_on_triangle;
 
 /// Edges longer than this share of the wanted length stay.
-const LONG_ENOUGH: f64 = 1.0;
+const LONG_EDGE: f64 = 1.0;
 /// No collapse makes an edge longer than this share of the wanted length.
-const TOO_LONG: f64 = 1.5;
+const LONGEST_EDGE: f64 = 1.5;
 /// Least cosine between a new face and the skin's normals at its corners, or the face that it replaces.
 pub(crate) const LEAST_COSINE: f64 = 0.5;
 /// A collapse makes no face of a worse shape, 1 for an equilateral one, unless the face was worse before.
@@ -22,7 +22,7 @@ const LEAST_SHAPE: f64 = 0.3;
 /// radius that the surface bends with.
 const MOST_HEIGHT: f64 = 0.2;
 /// Differences below this are none.
-const STEP: f64 = 1e-6;
+const NO_DIFFERENCE: f64 = 1e-6;
 
 /// A point of the surface that a mesh stands for.
 #[derive(Debug, Clone, Copy)]
@@ -64,8 +64,8 @@ pub(crate) fn collapse_short_edges(mesh: &FineMesh) -> (Vec<usize>, Vec<[u32; 3]
     let mut queue: BinaryHeap<Reverse<(u64, u32, u32)>> = BinaryHeap::new();
     let offer = |work: &Collapse, queue: &mut BinaryHeap<_>, a: u32, b: u32| {
         let length = work.relative_length(a, b);
-        if length < LONG_ENOUGH {
-            queue.push(Reverse(((length / STEP) as u64, a.min(b), a.max(b))));
+        if length < LONG_EDGE {
+            queue.push(Reverse(((length / NO_DIFFERENCE) as u64, a.min(b), a.max(b))));
         }
     };
     for face in &mesh.faces {
@@ -77,7 +77,10 @@ pub(crate) fn collapse_short_edges(mesh: &FineMesh) -> (Vec<usize>, Vec<[u32; 3]
     }
     while let Some(Reverse((_, a, b))) = queue.pop() {
         let shape = |(gone, kept)| work.shape_after(gone, kept).map(|shape| (shape, gone, kept));
-        let best = [(a, b), (b, a)].into_iter().filter_map(shape).max_by_key(|found| (found.0 / STEP) as u64);
+        let best = [(a, b), (b, a)]
+            .into_iter()
+            .filter_map(shape)
+            .max_by_key(|found| (found.0 / NO_DIFFERENCE) as u64);
         if let Some((_, gone, kept)) = best {
             work.collapse(gone, kept);
             // What stood in the way of an edge nearby may be gone.
@@ -153,7 +156,7 @@ impl<'a> Collapse<'a> {
         if ring.iter().filter(|vertex| other_ring.binary_search(vertex).is_ok()).count() != 2 {
             return None;
         }
-        let is_too_long = |&vertex: &u32| vertex != kept && self.relative_length(kept, vertex) > TOO_LONG;
+        let is_too_long = |&vertex: &u32| vertex != kept && self.relative_length(kept, vertex) > LONGEST_EDGE;
         if ring.iter().any(is_too_long) {
             return None;
         }

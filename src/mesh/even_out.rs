@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::mesh::coarsen::{FineMesh, LEAST_COSINE, SurfacePoint, normal_and_shape};
 
 /// Rounds of flips and steps.
-const ROUNDS: usize = 8;
+const MOST_ROUNDS: usize = 8;
 /// Passes over the edges in a round.
 const MOST_PASSES: usize = 8;
 /// Sum of the cotangents across an edge below which it flips: 0 but for rounding, so that squares stay.
@@ -30,7 +30,7 @@ impl FineMesh {
         for (face, _) in self.faces.iter().zip(&still_faces).filter(|(_, still)| **still) {
             face.iter().for_each(|&vertex| is_still[vertex as usize] = true);
         }
-        for _ in 0..ROUNDS {
+        for _ in 0..MOST_ROUNDS {
             self.flip_to_delaunay(&still_faces);
             let centroids = self.centroids();
             let moving = self.vertices.par_iter_mut().zip(&centroids).zip(&is_still);

@@ -12,7 +12,7 @@ use crate::mesh::error::MeshError;
 use crate::mesh::topology::Topology;
 
 /// Points of one component that place it inside, outside or on another.
-const SAMPLES: usize = 64;
+const SAMPLE_POINTS: usize = 64;
 /// Points closer to a component than this part of the mean edge length lie on it (dimensionless).
 const COINCIDENT_DISTANCE: f64 = 1e-3;
 
@@ -126,7 +126,8 @@ fn find_surroundings(
             return Vec::new();
         }
         let shell = Shell::new(vertices, &closed[outer].faces);
-        let relation = |inner: usize| shell.relate(&closed[inner].samples(vertices, SAMPLES), tolerance);
+        let relation =
+            |inner: usize| shell.relate(&closed[inner].samples(vertices, SAMPLE_POINTS), tolerance);
         held.into_par_iter().map(|inner| (inner, relation(inner))).collect()
     };
     let relations: Vec<Vec<(usize, Relation)>> =

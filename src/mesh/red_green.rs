@@ -49,12 +49,12 @@ pub(crate) struct RedGreen {
 }
 
 /// No vertex, no leaf.
-const NONE: u32 = u32::MAX;
+const NO_INDEX: u32 = u32::MAX;
 
 /// An edge of leaves.
 #[derive(Debug, Clone, Copy)]
 struct Side {
-    /// Vertex where its halves meet; [`NONE`] if it is whole.
+    /// Vertex where its halves meet; [`NO_INDEX`] if it is whole.
     middle: u32,
     /// Leaves that it is or was a whole edge of.
     leaves: [u32; 2],
@@ -90,7 +90,7 @@ impl RedGreen {
     }
 
     fn side(&mut self, edge: u64) -> &mut Side {
-        let unknown = Side { middle: NONE, leaves: [NONE; 2], whole: 0, is_sharp: false };
+        let unknown = Side { middle: NO_INDEX, leaves: [NO_INDEX; 2], whole: 0, is_sharp: false };
         self.sides.entry(edge).or_insert(unknown)
     }
 
@@ -104,7 +104,7 @@ impl RedGreen {
         let [a, b, c] = self.leaves[leaf].corners;
         for ends in [edge(a, b), edge(b, c), edge(c, a)] {
             let leaves = &mut self.side(ends).leaves;
-            leaves[usize::from(leaves[0] != NONE)] = leaf as u32;
+            leaves[usize::from(leaves[0] != NO_INDEX)] = leaf as u32;
         }
     }
 
@@ -137,7 +137,7 @@ impl RedGreen {
 
     /// Vertex in the middle of an edge, if it is halved.
     fn middle_of(&self, a: u32, b: u32) -> Option<u32> {
-        self.sides.get(&edge(a, b)).map(|side| side.middle).filter(|&middle| middle != NONE)
+        self.sides.get(&edge(a, b)).map(|side| side.middle).filter(|&middle| middle != NO_INDEX)
     }
 
     /// Cuts the marked leaves in four, and others as far as the mesh must be closed again; faces across are taken in.
@@ -193,12 +193,12 @@ impl RedGreen {
 
     fn halve(&mut self, mesh: &SmoothMesh, [a, b]: [u32; 2], beside: &mut Vec<u32>) -> u32 {
         let Side { middle, leaves, whole, is_sharp } = *self.side(edge(a, b));
-        if middle != NONE {
+        if middle != NO_INDEX {
             return middle;
         }
         // A leaf across may be twice as large.
-        let across = self.sides.get(&whole).map_or([NONE; 2], |side| side.leaves);
-        beside.extend(leaves.into_iter().chain(across).filter(|&leaf| leaf != NONE));
+        let across = self.sides.get(&whole).map_or([NO_INDEX; 2], |side| side.leaves);
+        beside.extend(leaves.into_iter().chain(across).filter(|&leaf| leaf != NO_INDEX));
         let number = self.given_count + self.middles.len() as u32;
         let ends = [a.min(b), a.max(b)];
         let (point, normal) = self.curved_middle(mesh, ends);
@@ -219,7 +219,7 @@ impl RedGreen {
         let normal = |end| Some(end).filter(is_smooth).map(|end| self.normal(mesh, end));
         let of_faces = || {
             let side = self.sides.get(&edge(ends[0], ends[1]));
-            let leaves = side.into_iter().flat_map(|side| side.leaves).filter(|&leaf| leaf != NONE);
+            let leaves = side.into_iter().flat_map(|side| side.leaves).filter(|&leaf| leaf != NO_INDEX);
             leaves.map(|leaf| mesh.face_normals[self.leaves[leaf as usize].face as usize]).sum()
         };
         curved_middle(ends.map(|end| (self.point(mesh, end), normal(end))), of_faces)
@@ -265,7 +265,7 @@ impl RedGreen {
         ];
         let angles = ways.each_ref().map(worst);
         let better = usize::from(angles[1] > angles[0]);
-        if angles[better] < allowed || (angles[0] - angles[1]).abs() < SAME * angles[better] {
+        if angles[better] < allowed || (angles[0] - angles[1]).abs() < SAME_RATIO * angles[better] {
             return Fate::TurnsRed;
         }
         Fate::Stays(ways[better])
@@ -277,7 +277,7 @@ impl RedGreen {
         let [a, b, c] = corners;
         let mut edges = [[a, b], [b, c], [c, a]].map(|ends| (length(ends), ends));
         edges.sort_by(|a, b| b.0.total_cmp(&a.0));
-        (edges[0].0 > (1.0 + SAME) * edges[1].0).then_some(edges[0].1)
+        (edges[0].0 > (1.0 + SAME_RATIO) * edges[1].0).then_some(edges[0].1)
     }
 
     /// The triangles with their green cuts, each with the given face that it is a part of; conforming.
@@ -292,7 +292,7 @@ impl RedGreen {
 }
 
 /// Lengths and angles whose ratio is nearer to one are the same.
-const SAME: f64 = 1e-6;
+const SAME_RATIO: f64 = 1e-6;
 
 /// What becomes of a leaf beside halved edges.
 enum Fate {

@@ -8,7 +8,7 @@ use crate::geometry::bounds::Bounds;
 use crate::mesh::grid::{finest_cell, sorted_by_cell};
 
 /// Cells on either side of a cell that may hold points within the tolerance of its own.
-const REACH: i64 = 2;
+const CELL_REACH: i64 = 2;
 
 /// The lowest vertex of the cluster of each vertex: clusters are joined by steps of at most `tolerance` (m).
 ///
@@ -28,9 +28,9 @@ pub(super) fn weld(vertices: &[Vector3<f64>], tolerance: f64) -> Vec<u32> {
         let first = if is_one_cluster { &group[..1] } else { group };
         join_near(vertices, tolerance, first, group, is_one_cluster, &mut root);
         let [x, y, z] = group[0].0;
-        for dx in 0..=REACH {
-            for dy in -REACH..=REACH {
-                for dz in -REACH..=REACH {
+        for dx in 0..=CELL_REACH {
+            for dy in -CELL_REACH..=CELL_REACH {
+                for dz in -CELL_REACH..=CELL_REACH {
                     // each pair of cells once
                     if (dx, dy, dz) <= (0, 0, 0) {
                         continue;

@@ -13,7 +13,7 @@ const RIM_SIDES: usize = 32;
 
 /// A normal counts as between two others from this product of sines on, so that a face's own does not; or down to less than
 /// nothing by as much, so that it does.
-const INSIDE: f64 = 1e-6;
+const BETWEEN_SINES: f64 = 1e-6;
 
 /// A convex edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ impl ConvexEdge {
     ///
     /// * `with_faces`: whether the normal of a face itself counts
     pub fn between(&self, normal: &Vector3<f64>, with_faces: bool) -> Option<Vector3<f64>> {
-        let least = if with_faces { -INSIDE } else { INSIDE };
+        let least = if with_faces { -BETWEEN_SINES } else { BETWEEN_SINES };
         let along = (self.ends[1] - self.ends[0]).try_normalize(0.0)?;
         let across = (normal - along * normal.dot(&along)).try_normalize(0.0)?;
         let [one, other] = &self.normals;

@@ -14,7 +14,7 @@ use crate::obstacle::primitive::Primitive;
 const ALONG_AXIS: f64 = 1e-6;
 
 /// Error of a coordinate in another frame, as a share.
-const ROUNDING: f64 = 1e-12;
+const FRAME_ROUNDING: f64 = 1e-12;
 
 impl Obstacle {
     /// Sharp convex edges of a mesh, a box or a cylinder, each once; none of a round primitive.
@@ -43,7 +43,7 @@ impl Obstacle {
         let (local, least) =
             (pose.turn_back(direction), least - direction.dot(&pose.to_world(&Vector3::zeros())));
         // The rounding of the two frames loses none.
-        let least = least - ROUNDING * least.abs();
+        let least = least - FRAME_ROUNDING * least.abs();
         self.own_corners()
             .iter()
             .filter(move |corner| corner.dot(&local) >= least)

@@ -6,7 +6,7 @@ use crate::obstacle::error::ObstacleError;
 use crate::obstacle::posed::Obstacle;
 
 /// A step shorter than this, as a share of the line, ends the march.
-const ARRIVED: f64 = 1e-10;
+const LAST_STEP: f64 = 1e-10;
 /// Steps at the most: they shrink by half a step and more but where the line grazes the surface.
 const MOST_STEPS: usize = 60;
 
@@ -32,7 +32,7 @@ impl Obstacle {
             let distance = self.signed_distance(&at, None)?.distance;
             let mut left = Vec::with_capacity(on_way.len());
             for ((point, way), distance) in on_way.into_iter().zip(distance) {
-                if distance.abs() <= ARRIVED * reach[point] {
+                if distance.abs() <= LAST_STEP * reach[point] {
                     found[point] = Some(way);
                 } else if distance > 0.0 && way > distance {
                     left.push((point, way - distance));

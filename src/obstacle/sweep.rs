@@ -83,8 +83,9 @@ fn stay(primitive: &Primitive, p: &Vector3<f64>, u: &Vector3<f64>) -> Option<[f6
             Some(if speed > 0.0 { [t, f64::INFINITY] } else { [f64::NEG_INFINITY, t] })
         }
         Primitive::Sphere { center, radius } => stay_in_ball(&(p - center), u, *radius),
-        Primitive::Cuboid { half_extents } => (0..3)
-            .try_fold(ALWAYS, |stay, axis| both(stay, stay_in_slab(p[axis], u[axis], half_extents[axis])?)),
+        Primitive::Cuboid { half_extents } => (0..3).try_fold(WHOLE_LINE, |stay, axis| {
+            both(stay, stay_in_slab(p[axis], u[axis], half_extents[axis])?)
+        }),
         Primitive::Capsule { a, b, radius } => {
             // A cylinder without caps between two balls that cover its ends.
             let axis = (b - a).normalize();
@@ -107,7 +108,7 @@ fn stay(primitive: &Primitive, p: &Vector3<f64>, u: &Vector3<f64>) -> Option<[f6
     }
 }
 
-const ALWAYS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+const WHOLE_LINE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 fn both(one: [f64; 2], other: [f64; 2]) -> Option<[f64; 2]> {
     let stay = [one[0].max(other[0]), one[1].min(other[1])];
@@ -117,7 +118,7 @@ fn both(one: [f64; 2], other: [f64; 2]) -> Option<[f64; 2]> {
 /// `|x - t speed| <= half_width`.
 fn stay_in_slab(x: f64, speed: f64, half_width: f64) -> Option<[f64; 2]> {
     if speed == 0.0 {
-        return (x.abs() <= half_width).then_some(ALWAYS);
+        return (x.abs() <= half_width).then_some(WHOLE_LINE);
     }
     let (one, other) = ((x - half_width) / speed, (x + half_width) / speed);
     Some([one.min(other), one.max(other)])
@@ -127,7 +128,7 @@ fn stay_in_slab(x: f64, speed: f64, half_width: f64) -> Option<[f64; 2]> {
 fn stay_in_ball(v: &Vector3<f64>, u: &Vector3<f64>, radius: f64) -> Option<[f64; 2]> {
     let speed_squared = u.norm_squared();
     if speed_squared == 0.0 {
-        return (v.norm() <= radius).then_some(ALWAYS);
+        return (v.norm() <= radius).then_some(WHOLE_LINE);
     }
     let nearest = v.dot(u) / speed_squared;
     let miss = (v - u * nearest).norm();

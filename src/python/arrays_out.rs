@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::python::forked::released;
 
 /// Rows handled together where a matrix is turned from columns to rows, so that what is written stays in cache.
-const ROWS_AT_ONCE: usize = 32;
+const ROWS_PER_TASK: usize = 32;
 
 /// (n, 3) array of vectors.
 pub(super) fn vectors_out<'py>(py: Python<'py>, vectors: &[Vector3<f64>]) -> Bound<'py, PyArray2<f64>> {
@@ -51,14 +51,14 @@ pub(super) fn matrix_out<'py>(py: Python<'py>, matrix: &Mat<f64>) -> Bound<'py, 
     let (rows, columns) = (matrix.nrows(), matrix.ncols());
     let mut flat = vec![0.0; rows * columns];
     let fill = |(block, out): (usize, &mut [f64])| {
-        let first = block * ROWS_AT_ONCE;
+        let first = block * ROWS_PER_TASK;
         for j in 0..columns {
             let column = &matrix.col_as_slice(j)[first..];
             out.chunks_exact_mut(columns).zip(column).for_each(|(row, entry)| row[j] = *entry);
         }
     };
     if columns > 0 {
-        released(py, || flat.par_chunks_mut(columns * ROWS_AT_ONCE).enumerate().for_each(fill));
+        released(py, || flat.par_chunks_mut(columns * ROWS_PER_TASK).enumerate().for_each(fill));
     }
     PyArray1::from_vec(py, flat).reshape([rows, columns]).expect("as many numbers as entries")
 }

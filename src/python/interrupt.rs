@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::python::forked::own_pool;
 
 /// How often signals are looked at.
-const POLL: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Held by work within rayon's own pool, of which there is one at a time: a thread that waits for a task takes up what else
 /// the pool is given, and other work may ask for what is locked below it.
@@ -46,7 +46,7 @@ pub(super) fn detached<T: Send>(
     let result = py.detach(|| {
         work(&|| {
             let mut last_look = last_look.lock().expect("no panic while the lock is held");
-            if last_look.elapsed() >= POLL {
+            if last_look.elapsed() >= POLL_INTERVAL {
                 *last_look = Instant::now();
                 if let Err(error) = Python::attach(|py| py.check_signals()) {
                     *signal.lock().expect("no panic while the lock is held") = Some(error);
@@ -117,7 +117,7 @@ fn in_pool<T: Send>(
 /// which is returned, `stop` is set.
 fn look_until(ended: &Receiver<()>, stop: &AtomicBool) -> Option<PyErr> {
     let mut signal = None;
-    while ended.recv_timeout(POLL) == Err(RecvTimeoutError::Timeout) {
+    while ended.recv_timeout(POLL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
         if signal.is_none()
             && let Err(error) = Python::attach(|py| py.check_signals())
         {

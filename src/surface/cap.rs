@@ -29,9 +29,9 @@ const RIM_COSINE: f64 = 0.766_044_443_118_978;
 const SHARP_PART: f64 = 0.9;
 /// Where more than this part of the area of a component is flat, it is a polyhedron and not a cut skin: the ends of a tube
 /// as long as wide have a third.
-const POLYHEDRON: f64 = 0.5;
+const POLYHEDRON_SHARE: f64 = 0.5;
 /// Most rounds of growing a region and fitting its plane anew; they end once no face is added.
-const FITS: usize = 8;
+const MOST_FITS: usize = 8;
 
 impl Surface {
     /// Per vertex, true where it is skin and false on flat cut faces, their rims included.
@@ -70,7 +70,9 @@ impl Surface {
             }
         }
         let mut mask = vec![true; self.vertices().len()];
-        for (_, region) in caps.iter().filter(|cap| cap_areas[cap.0] <= POLYHEDRON * component_areas[cap.0]) {
+        for (_, region) in
+            caps.iter().filter(|cap| cap_areas[cap.0] <= POLYHEDRON_SHARE * component_areas[cap.0])
+        {
             for vertex in region.iter().flat_map(|face| self.faces()[*face]) {
                 mask[vertex as usize] = false;
             }
@@ -102,7 +104,7 @@ impl CapSearch<'_> {
     fn grow(&mut self, seed: usize) -> (Vec<usize>, Vector3<f64>) {
         let mut normal = self.surface.face_normals()[seed];
         let mut region = self.flood(seed, &normal, &self.centroid(seed));
-        for _ in 0..FITS {
+        for _ in 0..MOST_FITS {
             if region.len() < 2 {
                 break;
             }

@@ -9,7 +9,7 @@ use crate::surface::checked::{Surface, SurfaceError};
 use crate::surface::rim::add_cap;
 
 /// Times that faces at the rim of a cap that folds are left out.
-const MOST_TRIES: usize = 20;
+const MOST_RIM_TRIES: usize = 20;
 
 /// A part of a skin, closed by caps.
 #[derive(Debug, Clone)]
@@ -154,7 +154,7 @@ fn closed_without_folds(
     pick: impl Fn(&[bool]) -> Vec<bool>,
     nothing: impl Fn() -> CutOutError,
 ) -> Result<Option<CutOut>, CutOutError> {
-    for _ in 0..MOST_TRIES {
+    for _ in 0..MOST_RIM_TRIES {
         let kept = without_pinches(skin, &mut allowed, &pick);
         if !kept.contains(&true) {
             return Err(nothing());

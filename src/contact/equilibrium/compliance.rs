@@ -26,7 +26,7 @@ use crate::surface::checked::Surface;
 /// Relative quadrature tolerance of displacements that are drawn and summed to a volume but enter no complementarity.
 const DRAWN_TOLERANCE: f64 = 1e-3;
 /// Cosine below which two normals are opposed: the faces of a square edge are not, whichever way they are turned.
-const OPPOSED: f64 = -1e-9;
+const OPPOSED_COSINE: f64 = -1e-9;
 
 /// Forces, and which vertices feel them.
 #[derive(Debug, Clone, Copy)]
@@ -283,7 +283,7 @@ fn are_opposed(normals: &[Vector3<f64>]) -> bool {
     let mean = normals.iter().sum::<Vector3<f64>>().normalize();
     // Within 45 degrees of one direction no two do.
     !normals.iter().all(|normal| normal.dot(&mean) >= FRAC_1_SQRT_2)
-        && normals.iter().enumerate().any(|(at, a)| normals[..at].iter().any(|b| a.dot(b) < OPPOSED))
+        && normals.iter().enumerate().any(|(at, a)| normals[..at].iter().any(|b| a.dot(b) < OPPOSED_COSINE))
 }
 
 /// R of a skin over the nodes along normals: a scalar response moves the skin along the force, by `R_ij n_i . n_j` along n_i.

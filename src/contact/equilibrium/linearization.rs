@@ -32,9 +32,9 @@ use crate::response::skin::kept::KeptSkin;
 
 /// Share of the gaps that a linearization at a full step leaves at the most; more, and one of half the step follows. A shorter
 /// step takes away as much less.
-const SETTLING: f64 = 0.7;
+const MOST_LEFT: f64 = 0.7;
 /// How much longer the step after one that left less is.
-const LONGER: f64 = 1.5;
+const LONGER_STEP: f64 = 1.5;
 /// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
 /// twice.
 const MOST_IN_VAIN: usize = 3;
@@ -225,11 +225,11 @@ impl<'a> Linearizations<'a, '_> {
         let is_same_force = (total - self.force).norm() <= self.options.gap_tolerance * total.norm();
         self.force = total;
         report.linearizations.push(round(total, &forces, left.largest, started));
-        let settling = 1.0 - (1.0 - SETTLING) * self.step;
+        let settling = 1.0 - (1.0 - MOST_LEFT) * self.step;
         if left.mean > settling * self.before.mean {
             self.shorten();
         } else {
-            self.step = (LONGER * self.step).min(1.0);
+            self.step = (LONGER_STEP * self.step).min(1.0);
         }
         self.before = left;
         let least = self.best.0;

@@ -32,7 +32,7 @@ use crate::surface::coarse::CoarsePlace;
 use crate::surface::refined::RefinedSurface;
 
 /// Weight of an unknown vertex of the product up to which a point beside it is known.
-const NOTHING: f64 = 1e-9;
+const NO_WEIGHT: f64 = 1e-9;
 
 /// Relative error of the force per share of the depth that interpolation between the vertices of a given matrix loses, which
 /// has all its local give from there. Half-spaces of a third to three times the skin's stiffness, on one to five triangles a
@@ -88,7 +88,7 @@ impl GivenProduct<'_> {
 
     /// A vertex of the product that the response at a vertex of the skin depends on and that is not known.
     fn unknown(&self, vertex: usize) -> Option<usize> {
-        let corners = self.place(vertex).weights_of_corners().filter(|(_, weight)| *weight > NOTHING);
+        let corners = self.place(vertex).weights_of_corners().filter(|(_, weight)| *weight > NO_WEIGHT);
         let mut corners = corners.map(|(corner, _)| corner as usize);
         corners.find(|&corner| self.given.nodes().row(corner).is_none())
     }

@@ -11,10 +11,10 @@ use crate::contact::error::ContactError;
 use crate::obstacle::posed::Obstacle;
 
 /// Parts that the edges of all triangles, and of those that penetrate, are cut into to look between their vertices.
-const COARSE: usize = 3;
-const FINE: usize = 6;
+const COARSE_PARTS: usize = 3;
+const FINE_PARTS: usize = 6;
 /// Share of the deepest penetration from which a triangle is looked at more finely.
-const DEEP: f64 = 0.5;
+const DEEP_SHARE: f64 = 0.5;
 
 /// Triangles whose corners are measured, and points between these: on every edge once, and on every face.
 pub(crate) struct PointsBetween<'a> {
@@ -71,8 +71,8 @@ impl<'a> PointsBetween<'a> {
             let deepest = self.depths.iter().copied().fold(least, f64::max);
             return Ok(Between { deepest, middles: Vec::new(), of_faces: Vec::new() });
         }
-        let on_edges = self.sampled(&self.edges, COARSE, obstacle, 0.0, |_, _| f64::INFINITY)?;
-        let on_faces = self.sampled(self.faces, COARSE, obstacle, 0.0, |_, _| f64::INFINITY)?;
+        let on_edges = self.sampled(&self.edges, COARSE_PARTS, obstacle, 0.0, |_, _| f64::INFINITY)?;
+        let on_faces = self.sampled(self.faces, COARSE_PARTS, obstacle, 0.0, |_, _| f64::INFINITY)?;
         let deepest = self.deepest(obstacle, least, &on_edges, &on_faces)?;
         // One point cuts the edges of a face in three.
         let middles = on_faces.most.iter().map(|depth| -depth).collect();
@@ -97,7 +97,7 @@ impl<'a> PointsBetween<'a> {
             return Ok(least);
         }
         // Finer where it is deep.
-        let is_deep = |most: &[f64]| most.iter().any(|&depth| depth > DEEP * between);
+        let is_deep = |most: &[f64]| most.iter().any(|&depth| depth > DEEP_SHARE * between);
         let deep: Vec<usize> = (0..self.faces.len())
             .filter(|&face| {
                 let of_edges = self.edges_of[face].iter();
@@ -110,10 +110,11 @@ impl<'a> PointsBetween<'a> {
         let ends: Vec<[u32; 2]> = deep_edges.iter().map(|&edge| self.edges[edge]).collect();
         let faces: Vec<[u32; 3]> = deep.iter().map(|&face| self.faces[face]).collect();
         let deepest = least.max(between);
-        let finer = self
-            .sampled(&ends, FINE, obstacle, deepest, |edge, point| on_edges.bound(deep_edges[edge], point))?;
+        let finer = self.sampled(&ends, FINE_PARTS, obstacle, deepest, |edge, point| {
+            on_edges.bound(deep_edges[edge], point)
+        })?;
         let deepest = deepest.max(finer.deepest());
-        let finer = self.sampled(&faces, FINE, obstacle, deepest, |face, point| {
+        let finer = self.sampled(&faces, FINE_PARTS, obstacle, deepest, |face, point| {
             let edges = self.edges_of[deep[face]].iter().map(|&edge| on_edges.bound(edge, point));
             edges.fold(on_faces.bound(deep[face], point), f64::min)
         })?;
@@ -227,7 +228,7 @@ mod tests {
             };
             let depths = depth_of(&corners);
             let at_corners = depths.iter().copied().fold(0.0, f64::max);
-            let all: Vec<f64> = [COARSE, FINE]
+            let all: Vec<f64> = [COARSE_PARTS, FINE_PARTS]
                 .iter()
                 .flat_map(|&parts| depth_of(&all_between(parts, &corners, &faces)))
                 .collect();

@@ -10,7 +10,7 @@ use crate::contact::outcome::Contact;
 use crate::response::skin::elastic::ElasticSkin;
 
 /// The cells' size over that for which the peak is still covered, as a logarithm: of cells a quarter as large.
-const SMALLER: f64 = 2.0 * std::f64::consts::LN_2;
+const SMALLER_CELLS: f64 = 2.0 * std::f64::consts::LN_2;
 /// Share of the peak from which another may outgrow it.
 const NEAR_PEAK: f64 = 0.8;
 /// Fewest nodes that are worth a task of their own.
@@ -41,6 +41,6 @@ impl Contact {
         let steepest = nodes.with_min_len(NODES_PER_TASK).map(growth).reduce(|| 0.0, f64::max);
         // E* of tissue that keeps its volume, with a product that gives way too.
         let modulus = 4.0 * shear_modulus.unwrap_or(0.0) * (1.0 - self.obstacle_share.unwrap_or(0.0));
-        if steepest > 0.0 { SMALLER * modulus * steepest / peak } else { 0.0 }
+        if steepest > 0.0 { SMALLER_CELLS * modulus * steepest / peak } else { 0.0 }
     }
 }

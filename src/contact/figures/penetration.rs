@@ -22,7 +22,7 @@ pub(crate) const SMALL_PENETRATION: f64 = 0.02;
 const NEARLY_SMALL: f64 = 0.75;
 
 /// How deep in a triangle, over its shortest edge, something blunt stands: what is deeper has sides that vertices slid past.
-const BLUNT: f64 = 0.25;
+const BLUNT_DEPTH: f64 = 0.25;
 
 /// What penetration is left.
 #[derive(Debug, Clone)]
@@ -198,7 +198,7 @@ impl<'a> MovedSkin<'a> {
     fn unmet(&self, depths: &[f64]) -> Vec<[usize; 3]> {
         let is_blunt = |triangle: &[u32; 3], depth: f64| {
             let [a, b, c] = triangle.map(|corner| self.points[corner as usize]);
-            depth < BLUNT * (b - a).norm().min((c - b).norm()).min((a - c).norm())
+            depth < BLUNT_DEPTH * (b - a).norm().min((c - b).norm()).min((a - c).norm())
         };
         let is_stood_in =
             |(triangle, depth): &(&[u32; 3], &f64)| self.is_deep(**depth) && is_blunt(triangle, **depth);

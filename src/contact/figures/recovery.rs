@@ -7,10 +7,10 @@ use crate::geometry::direction::tangents;
 use crate::surface::checked::Surface;
 
 /// Coefficients of a quadratic in two variables.
-const TERMS: usize = 6;
+const QUADRATIC_TERMS: usize = 6;
 
 /// A quadratic counts as determined where the smallest singular value of its fit is above this share of the largest.
-const DETERMINED: f64 = 1e-6;
+const DETERMINED_SHARE: f64 = 1e-6;
 
 /// Pointwise pressure from the Galerkin coefficients `f_i / S_i` of hats.
 ///
@@ -95,7 +95,7 @@ impl Moments {
 fn fit_region(surface: &Surface, active: &[usize], vertex: usize) -> Option<Vec<usize>> {
     let ring_of = |vertex: usize| surface.neighbours(vertex).iter().map(|&other| other as usize);
     let mut vertices: Vec<usize> = ring_of(vertex).chain([vertex]).collect();
-    if vertices.len() < TERMS {
+    if vertices.len() < QUADRATIC_TERMS {
         vertices = vertices.into_iter().flat_map(ring_of).collect();
     }
     vertices.sort_unstable();
@@ -139,7 +139,7 @@ fn fit(
     let across = tangents(&surface.vertex_normals()[vertex]).map(|tangent| tangent.transpose());
     let to_plane = Matrix2x3::from_rows(&across) / length;
     let place = |other: usize| to_plane * (surface.vertices()[other] - surface.vertices()[vertex]);
-    let mut averages = DMatrix::zeros(rows.len(), TERMS);
+    let mut averages = DMatrix::zeros(rows.len(), QUADRATIC_TERMS);
     let mut found = DVector::zeros(rows.len());
     for (k, &row) in rows.iter().enumerate() {
         let (x, first) = (place(active[row]), to_plane * moments[row].first);
@@ -152,7 +152,7 @@ fn fit(
     }
     let decomposed = averages.svd(true, true);
     let largest = decomposed.singular_values.max();
-    if decomposed.rank(DETERMINED * largest) < TERMS {
+    if decomposed.rank(DETERMINED_SHARE * largest) < QUADRATIC_TERMS {
         return None;
     }
     let c = decomposed.solve(&found, 0.0).ok()?;

@@ -18,13 +18,13 @@ use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 
 /// Farthest that a point of a triangle lies from its nearest corner, in longest edges: 1/√3.
-const FARTHEST_POINT: f64 = 0.58;
+const FARTHEST_IN_PLANE: f64 = 0.58;
 
 /// Triangles that one task looks under.
 const TRIANGLES_PER_TASK: usize = 64;
 
 /// Share of a box' size that rounding may move it.
-const ROUNDING: f64 = 1e-6;
+const BOX_ROUNDING: f64 = 1e-6;
 
 /// Triangles of the skin, as corners among some points.
 pub(crate) struct SkinPart<'a> {
@@ -86,7 +86,7 @@ impl Facet {
     /// Box around that, and over the triangle, as high as it is wide.
     fn reach(&self, deepest: f64) -> Bounds {
         let over = self.corners.iter().map(|corner| corner - self.inward * self.width);
-        Bounds::around_each(self.under(deepest).chain(over)).grown(ROUNDING * (self.width + deepest))
+        Bounds::around_each(self.under(deepest).chain(over)).grown(BOX_ROUNDING * (self.width + deepest))
     }
 
     /// A line of the obstacle within that, with the normal of the plane between line and triangle.
@@ -204,7 +204,7 @@ impl SkinPart<'_> {
             let deepest = deepest(face);
             let facet = Facet::new(self.triangles[face].map(|corner| self.points[corner as usize]))?;
             // No point of it is farther from the nearest corner.
-            let farthest = FARTHEST_POINT * facet.width;
+            let farthest = FARTHEST_IN_PLANE * facet.width;
             let nearest = self.triangles[face].iter().map(|&corner| distance[corner as usize]);
             if nearest.fold(f64::INFINITY, f64::min) > farthest {
                 return None;

@@ -18,10 +18,10 @@ const LEAST_SHARE: f64 = 0.02;
 
 /// A corner that is less deep than the edge by this share of its depth leaves the edge to be felt by all corners, one as deep
 /// holds it alone.
-const SHALLOWER: f64 = 0.1;
+const SHALLOWER_SHARE: f64 = 0.1;
 
 /// Length of the mean of normals below which they are opposed, as in a fold over a thin wall: no plane is between them.
-const OPPOSED: f64 = 0.1;
+const OPPOSED_MEAN: f64 = 0.1;
 
 /// A vertex on an edge of the obstacle.
 struct OnEdge {
@@ -66,7 +66,7 @@ impl SkinPart<'_> {
             let gap = -met.depth * met.cosine;
             let corners = self.triangles[met.triangle].map(|corner| corner as usize);
             let deepest = corners.map(|corner| measured[corner]).into_iter().fold(f64::INFINITY, f64::min);
-            let part = ((deepest - gap) / (SHALLOWER * gap.abs())).clamp(0.0, 1.0);
+            let part = ((deepest - gap) / (SHALLOWER_SHARE * gap.abs())).clamp(0.0, 1.0);
             for (corner, share) in corners.into_iter().zip(met.shares) {
                 let lent = measured[corner] + part * (gap - measured[corner]);
                 if met.line.is_sharp && share > 1.0 - LEAST_SHARE && met.depth > 0.0 {
@@ -83,7 +83,7 @@ impl SkinPart<'_> {
         }
         // A vertex on an edge is held by it, as deep as that may be by itself.
         for (corner, OnEdge { line, gap, normals, count }) in on_edges {
-            let normal = normals.try_normalize(OPPOSED * count);
+            let normal = normals.try_normalize(OPPOSED_MEAN * count);
             if let Some(normal) = normal.filter(|_| gap <= gaps.distance[corner]) {
                 gaps.distance[corner] = gap;
                 gaps.normal[corner] = normal;

@@ -19,10 +19,10 @@ use crate::surface::checked::Surface;
 /// Default search distance beyond the depth, in mean edge lengths.
 const SEARCH_EDGES: f64 = 2.0;
 /// Where skin in overlap stands deeper than this share of the search distance, some may stand deeper than that.
-const NEARLY_ALL: f64 = 0.7;
+const DEEP_SHARE: f64 = 0.7;
 /// How far around such a patch the skin looks farther, in its search distance: what the patch holds deeper than it looked is no
 /// farther.
-const AROUND: f64 = 2.0;
+const AROUND_PATCH: f64 = 2.0;
 /// How often the search distance is doubled for that.
 const MOST_DOUBLINGS: usize = 4;
 
@@ -252,7 +252,7 @@ fn reach_farther(surface: &Surface, entered: &[usize], measured: &Measured, reac
     let mut is_farther = false;
     for patch in surface.patches(entered) {
         let deepest = deepest_of(&patch, measured).expect("no patch is empty");
-        if -measured.distance[deepest] <= NEARLY_ALL * reach[deepest] {
+        if -measured.distance[deepest] <= DEEP_SHARE * reach[deepest] {
             continue;
         }
         let breadth = surface.breadth_along(deepest, &-surface.vertex_normals()[deepest]);
@@ -261,7 +261,7 @@ fn reach_farther(surface: &Surface, entered: &[usize], measured: &Measured, reac
             continue;
         }
         is_farther = true;
-        for (vertex, _) in surface.skin_distances(&patch, AROUND * farther) {
+        for (vertex, _) in surface.skin_distances(&patch, AROUND_PATCH * farther) {
             reach[vertex] = reach[vertex].max(farther);
         }
     }

@@ -17,7 +17,7 @@ const FACES_PER_TASK: usize = 512;
 const CHECKED_PER_TASK: usize = 16_384;
 
 /// Share of the obstacle's size that its box may be too small by for rounding.
-const ROUNDING: f64 = 1e-12;
+const OBSTACLE_ROUNDING: f64 = 1e-12;
 
 /// Travel (m) at which a sharp edge, a corner of a mesh or the line of a round primitive first touches a triangle that may
 /// touch; infinite, or any after the latest, where none does so before.
@@ -35,7 +35,7 @@ pub(crate) fn touch_between(
     };
     let [across, up] = tangents(direction);
     let turn = Matrix3::from_columns(&[across, up, *direction]).transpose();
-    let bounds = bounds.turned(&turn).grown(ROUNDING * bounds.diagonal());
+    let bounds = bounds.turned(&turn).grown(OBSTACLE_ROUNDING * bounds.diagonal());
     let vertices = surface.vertices().par_iter().with_min_len(CHECKED_PER_TASK);
     let seen: Vec<Vector3<f64>> = vertices.map(|vertex| turn * vertex).collect();
     let mask = surface.skin_mask();

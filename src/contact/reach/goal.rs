@@ -65,7 +65,7 @@ impl MeshSearch for Task<'_> {
         let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
         let past = on_part.touch.past(last);
         let value = self.target.quantity.of(last, &self.setup.approach.direction);
-        if (value / self.target.value - 1.0).abs() <= Search::CLOSE {
+        if (value / self.target.value - 1.0).abs() <= Search::TOLERANCE {
             return Ok(Some(Searched { guess: power, why: None }));
         }
         let is_known = past > 0.0 && value > 0.0;

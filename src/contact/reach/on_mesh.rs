@@ -119,7 +119,7 @@ impl OnMesh<'_> {
         match end {
             Ok(power) => {
                 let value = quantity.of(&contact, &self.setup.approach.direction);
-                let is_close = (value / search.value - 1.0).abs() <= Search::CLOSE;
+                let is_close = (value / search.value - 1.0).abs() <= Search::TOLERANCE;
                 if is_refined || is_close || matches!(contact.status, ContactStatus::Failed(_)) {
                     self.warn_of_jump(quantity, search.value, &mut contact);
                     return Ok(Reached::Goal { contact, power });
@@ -163,7 +163,7 @@ impl OnMesh<'_> {
     /// Warns where the contact changes by jumps around the goal.
     fn warn_of_jump(&self, quantity: Quantity, value: f64, contact: &mut Contact) {
         let found = quantity.of(contact, &self.setup.approach.direction);
-        if (found / value - 1.0).abs() > Search::CLOSE {
+        if (found / value - 1.0).abs() > Search::TOLERANCE {
             let (name, unit) = quantity.name_and_unit();
             let message = format!(
                 "the {name} jumps there as the depth rises, and {} {unit} is the nearest to {} {unit} that was found: a smaller `gap_tolerance` makes the jumps smaller",

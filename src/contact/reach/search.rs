@@ -9,13 +9,13 @@ const LARGEST_STEP: f64 = 4.0;
 /// Least and largest power of the argument that a function is taken to rise with.
 const POWERS: [f64; 2] = [0.3, 100.0];
 /// Trials after which a bracket that is not half as wide is cut in the middle.
-const PATIENCE: usize = 3;
+const SLOW_TRIALS: usize = 3;
 /// A bracket that narrow, whose upper end has no value, ends the search.
-const NARROW: f64 = 1.01;
+const NARROW_BRACKET: f64 = 1.01;
 
 /// How far a value may fall, as a logarithm, before the function is taken to fall for good: forces on rough products dip by a
 /// few per cent.
-const DIP: f64 = 0.1;
+const LARGEST_DIP: f64 = 0.1;
 
 /// What is looked for.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +70,7 @@ struct Bracket {
 
 impl Search {
     /// Relative distance from the value asked for at which the search ends.
-    pub const CLOSE: f64 = 1e-6;
+    pub const TOLERANCE: f64 = 1e-6;
     /// How near to it is good enough where no value is nearer, as contacts are solved to a gap: half of what a mesh may cost by
     /// default.
     pub const UNEVENNESS: f64 = 1e-2;
@@ -94,7 +94,7 @@ impl Search {
         }
         for _ in 0..MAX_TRIALS {
             match trial(at)? {
-                Trial::Value(value) if (value / self.value - 1.0).abs() <= Self::CLOSE => {
+                Trial::Value(value) if (value / self.value - 1.0).abs() <= Self::TOLERANCE => {
                     return Ok(Found::Close { at, power: bracket.power(self) });
                 }
                 Trial::Value(value) => bracket.add(at.ln(), (value / self.value).ln()),
@@ -135,7 +135,7 @@ impl Bracket {
         let is_bracketed = matches!(self.above, Some((_, Some(_))));
         if value >= 0.0 {
             self.above = Some((at, Some(value)));
-        } else if is_bracketed || value >= largest - DIP {
+        } else if is_bracketed || value >= largest - LARGEST_DIP {
             self.below = Some((at, value));
         } else {
             self.above = Some((at, None));
@@ -152,7 +152,7 @@ impl Bracket {
     }
 
     fn is_narrow(&self) -> bool {
-        matches!((self.below, self.above), (Some((low, _)), Some((high, None))) if high - low < NARROW.ln())
+        matches!((self.below, self.above), (Some((low, _)), Some((high, None))) if high - low < NARROW_BRACKET.ln())
     }
 
     /// Power of the argument between the last two points.
@@ -179,7 +179,7 @@ impl Bracket {
                 let width = high - low;
                 self.width =
                     if width <= 0.5 * self.width.0 { (width, 0) } else { (self.width.0, self.width.1 + 1) };
-                let is_slow = self.width.1 >= PATIENCE;
+                let is_slow = self.width.1 >= SLOW_TRIALS;
                 if is_slow {
                     self.width = (width, 0);
                 }

@@ -19,7 +19,7 @@ use crate::surface::refined::{MeshRefinement, RefinedSurface};
 const BEYOND_MIDDLE: f64 = 0.25;
 /// Farthest that a point of a curved face lies from its nearest corner, as a share of the longest edge: in its plane
 /// 1/√3, and a quarter over it, as edges meet at no more than sharp angles.
-const FARTHEST_POINT: f64 = 0.85;
+const FARTHEST_ON_CURVE: f64 = 0.85;
 
 /// Faces that a contact may need finer: all around a vertex that may come to touch.
 ///
@@ -42,7 +42,7 @@ pub(crate) fn faces_near(
             continue;
         }
         let around = surface.faces_around(vertex);
-        let farthest = FARTHEST_POINT * surface.longest_edge(vertex);
+        let farthest = FARTHEST_ON_CURVE * surface.longest_edge(vertex);
         if gap > margin.max(farthest) && candidates.binary_search(&vertex).is_err() {
             continue;
         }
@@ -91,7 +91,9 @@ pub(crate) fn pressed_between(
         let corners = mesh.corners(*leaf);
         // Of the given vertices, none was added.
         corners.iter().all(|&vertex| vertex < mask.len() && mask[vertex])
-            && corners.iter().any(|&vertex| gap[vertex] < FARTHEST_POINT * mesh.given().longest_edge(vertex))
+            && corners
+                .iter()
+                .any(|&vertex| gap[vertex] < FARTHEST_ON_CURVE * mesh.given().longest_edge(vertex))
     };
     let leaves = (0..is_marked.len()).filter(|&leaf| !is_marked[leaf]).filter(may_press).collect();
     with_pressed_middle(mesh, leaves, obstacle, |_| 0.0, |_| Vector3::zeros())
@@ -124,7 +126,7 @@ pub(crate) fn touched_between(
         let [Some(a), Some(b), Some(c)] = rows else { return false };
         let gaps = [[a, b], [b, c], [c, a]].map(|[from, to]| 0.5 * (contact.gap[from] + contact.gap[to]));
         let is_near = |(gap, bulge)| gap < (1.0 + BEYOND_MIDDLE) * bulge;
-        let most = (1.0 + BEYOND_MIDDLE) * FARTHEST_POINT * part.surface.longest_edge(a);
+        let most = (1.0 + BEYOND_MIDDLE) * FARTHEST_ON_CURVE * part.surface.longest_edge(a);
         let may_be_near = mask[a] && mask[b] && mask[c] && gaps.iter().any(|gap| *gap < most);
         may_be_near && gaps.into_iter().zip(mesh.bulges(*leaf)).any(is_near)
     };

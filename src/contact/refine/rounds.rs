@@ -34,11 +34,11 @@ const FEW_UNDER_FORCE: usize = 100;
 /// A mesh with more contact nodes is not refined for the penetration between them alone.
 pub(crate) const FEW_NODES: usize = 300;
 /// A figure that keeps more than this share from one round to the next does not settle.
-const SETTLING: f64 = 0.8;
+const SETTLING_SHARE: f64 = 0.8;
 /// Rounds at the most.
 const MAX_ROUNDS: usize = 12;
 /// What a round leaves of the edges.
-const HALVED: f64 = 0.5;
+const EDGE_SHARE: f64 = 0.5;
 
 /// What is to be done about the mesh of a contact.
 pub(crate) enum Begun<'a> {
@@ -213,7 +213,7 @@ impl Rounds<'_> {
         let finest = self.meshes.finest();
         if let Some(product) = finest.clues.product
             && errors_of_area_and_peak(finest)[0] > finest.accuracy.area_error.unwrap_or(0.0).max(self.target)
-            && HALVED * mean_edge(finest.surface(), &finest.active) < product.edge_length
+            && EDGE_SHARE * mean_edge(finest.surface(), &finest.active) < product.edge_length
         {
             return Ok(Break(RefinementEnd::ProductMesh));
         }
@@ -275,13 +275,13 @@ impl Rounds<'_> {
         let is_met = self.is_met(contact);
         let is_resolved = !self.touches_elsewhere(contact)
             && (contact.is_free_of_penetration()
-                || so_far.left > SETTLING * left_before
+                || so_far.left > SETTLING_SHARE * left_before
                 || contact.candidates.len() > FEW_NODES);
         if is_met && is_resolved {
             return Some(RefinementEnd::Target);
         }
         let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_UNDER_FORCE;
-        let is_unsettled = !is_met && share > SETTLING * so_far.worst && may_settle;
+        let is_unsettled = !is_met && share > SETTLING_SHARE * so_far.worst && may_settle;
         so_far.unsettled = if is_unsettled { so_far.unsettled + 1 } else { 0 };
         so_far.worst = share;
         (so_far.unsettled >= UNSETTLED_ROUNDS).then_some(RefinementEnd::Unsettled)

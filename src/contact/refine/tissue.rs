@@ -8,10 +8,10 @@ use crate::response::skin::elastic::ElasticSkin;
 
 /// Error of force and peak of hats on an incompressible layer, over them, where edges are as long as the layer is thick: on 6
 /// to 30 thicknesses a contact radius 1.5 to 2.3 % less than in Galerkin form, times the square of edge over thickness.
-const LOST: f64 = 0.025;
+const LOST_SHARE: f64 = 0.025;
 /// How that ends where tissue is compressible, as the layer gives way like springs there: with the bulk modulus over the shear
 /// modulus, fitted to ν of 0.45 and 0.495.
-const SPRINGS: f64 = 5.0;
+const SPRING_RATIO: f64 = 5.0;
 
 /// Tissue under the forces of a contact on a given mesh.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,7 +36,7 @@ impl Tissue {
         let at = |kernel: &KernelSkin, vertex: usize| {
             let (cells, nu) = (edge / kernel.layer_at(vertex)?, kernel.poisson_ratio());
             let cells = cells * cells;
-            Some(LOST * cells / (1.0 + SPRINGS * (1.0 - 2.0 * nu) / (1.0 - nu) * cells))
+            Some(LOST_SHARE * cells / (1.0 + SPRING_RATIO * (1.0 - 2.0 * nu) / (1.0 - nu) * cells))
         };
         let loaded = contact.active.iter().map(|&vertex| {
             let of_skin = skin.kernel_at(vertex).and_then(|kernel| at(kernel, vertex));

@@ -17,7 +17,7 @@ const FINEST_ON_EDGE: f64 = 2.1;
 /// at the same depth, as all would that are halves of one, and those that carry little force are larger.
 const BROADER_AT_ENDS: f64 = 1.0;
 /// A round for fewer of the triangles on the edge, as a share of all, is not worth its time; one for all but so few takes all.
-const FEW: f64 = 0.03;
+const FEW_LARGER: f64 = 0.03;
 
 /// Where a round makes the mesh finer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,10 +49,10 @@ impl Wanting<'_> {
         let Some((part, contact)) = &self.meshes.last else { return Continue(Finer::Pressed) };
         if let Some(edge) = &contact.clues.edge {
             let share = self.share_of_larger(edge, part);
-            if share < FEW {
+            if share < FEW_LARGER {
                 return Break(RefinementEnd::SharpEdge);
             }
-            if share < 1.0 - FEW && !touches_elsewhere_alone {
+            if share < 1.0 - FEW_LARGER && !touches_elsewhere_alone {
                 return Continue(Finer::Larger);
             }
         }

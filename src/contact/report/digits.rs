@@ -6,7 +6,7 @@ use std::fmt;
 pub(crate) struct Digits(pub f64, pub usize);
 
 /// Numbers from here to there are plain.
-const PLAIN: [f64; 2] = [1e-4, 1e6];
+const PLAIN_NUMBERS: [f64; 2] = [1e-4, 1e6];
 
 /// A number as somebody gave it: plain where that is short, else with a power of ten.
 pub(crate) struct Given(pub f64);
@@ -14,7 +14,7 @@ pub(crate) struct Given(pub f64);
 impl fmt::Display for Given {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value) = *self;
-        let is_plain = value == 0.0 || (PLAIN[0]..PLAIN[1]).contains(&value.abs());
+        let is_plain = value == 0.0 || (PLAIN_NUMBERS[0]..PLAIN_NUMBERS[1]).contains(&value.abs());
         if is_plain { write!(formatter, "{value}") } else { write!(formatter, "{value:e}") }
     }
 }
@@ -23,7 +23,7 @@ impl fmt::Display for Digits {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value, digits) = *self;
         let size = value.abs();
-        if !(PLAIN[0]..PLAIN[1]).contains(&size) {
+        if !(PLAIN_NUMBERS[0]..PLAIN_NUMBERS[1]).contains(&size) {
             return write!(formatter, "{value:.*e}", digits - 1);
         }
         let decimals = digits as i32 - 1 - size.log10().floor() as i32;

@@ -26,7 +26,7 @@ const TISSUE_SHARE: f64 = 2.0 / 3.0;
 /// Share of a part's breadth that may be, where no bone is known.
 const BREADTH_SHARE: f64 = 0.5;
 /// Depths below this share of the skin's largest extent are below half the breadth of any part of a hand.
-const SHALLOW: f64 = 1.0 / 64.0;
+const SHALLOW_DEPTH: f64 = 1.0 / 64.0;
 /// Share of its thickness up to which a layer is pressed in.
 const LAYER_SHARE: f64 = 0.5;
 /// Radius of a contact as a share of the width of a Gaussian, from which its force is half too high (docs/responses.md).
@@ -124,7 +124,7 @@ impl Guarded<'_> {
             let of = || format!("two thirds of the {tissue:.4e} m of tissue under vertex {vertex}");
             return (*overlap > most).then(|| warn(*overlap, most, of()));
         }
-        if *overlap < SHALLOW * largest(&self.surface.bounding_box()) {
+        if *overlap < SHALLOW_DEPTH * largest(&self.surface.bounding_box()) {
             return None;
         }
         // Beside an edge, or in a thin wall, the obstacle's normal runs along the skin.

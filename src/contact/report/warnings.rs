@@ -21,7 +21,7 @@ const UNRESOLVED_SHARE: f64 = 0.05;
 /// tenth of it.
 pub(crate) const MOST_APART: f64 = 5e-3;
 /// Penetration over the mean edge of the skin up to which they touch.
-const TOUCHING: f64 = 1e-6;
+const TOUCHING_PENETRATION: f64 = 1e-6;
 
 /// Why it is left between vertices.
 const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarser than the obstacle's features; refine it (`target_error`, `max_nodes`), and do not trust force and area there";
@@ -31,13 +31,13 @@ const BESIDE_EDGE: &str = "it does between the vertices beside a sharp edge; ref
 
 /// Share of the coarse edges that the square of the error asks for, so that those made of it meet the target: they come out
 /// longer than asked for by up to a fifth.
-const SURELY: f64 = 0.8;
+const EDGE_MARGIN: f64 = 0.8;
 
 /// Cosine between force and outward normal of the skin from which a vertex is pulled.
-const PULL: f64 = 0.5;
+const PULLING_COSINE: f64 = 0.5;
 
 /// Cosine between force and inward normal of the skin below which the obstacle stands steep there, at 60 degrees.
-const STEEP: f64 = 0.5;
+const STEEP_COSINE: f64 = 0.5;
 /// Share of the force that steep sides may carry. A ball at a depth of its radius has 8 to 28 % on them, and a force that rises
 /// with the depth as it should; at 1.25 radii it has 40 to 50 %, and its force is about to fall.
 const STEEP_SHARE: f64 = 0.15;
@@ -62,7 +62,7 @@ impl Report {
 
     /// Warns of an obstacle so deep (m) in the skin between vertices, none of which meets it.
     pub fn warn_of_unmet(&mut self, surface: &Surface, depth: f64) {
-        if depth > TOUCHING * surface.mean_edge_length() {
+        if depth > TOUCHING_PENETRATION * surface.mean_edge_length() {
             let message = format!(
                 "skin and obstacle stand {depth:.3e} m in one another between the vertices of the skin, none of which is in the obstacle: no force is not the answer here; refine the skin there, or press deeper"
             );
@@ -102,7 +102,7 @@ impl Report {
     pub fn warn_of_pull(&mut self, gaps: &Gaps, forces: &NodeForces) {
         let outward = gaps.surface.vertex_normals();
         let is_pulled = |&&vertex: &&usize| {
-            forces.vectors[vertex].dot(&outward[vertex]) > PULL * forces.vectors[vertex].norm()
+            forces.vectors[vertex].dot(&outward[vertex]) > PULLING_COSINE * forces.vectors[vertex].norm()
         };
         let pulled = forces.active.iter().filter(is_pulled).count();
         if pulled > 0 {
@@ -134,7 +134,7 @@ impl Report {
             all += force.norm();
             // Beyond it is pulled.
             let cosine = -force.dot(&outward[vertex]) / force.norm();
-            if (-PULL..STEEP).contains(&cosine) {
+            if (-PULLING_COSINE..STEEP_COSINE).contains(&cosine) {
                 steep += force.norm();
             }
         }
@@ -211,7 +211,7 @@ impl Contact {
         }
         if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {
             let cost = percent(doubt.force_error);
-            let length = SURELY * doubt.edge_length * (target / doubt.force_error).sqrt();
+            let length = EDGE_MARGIN * doubt.edge_length * (target / doubt.force_error).sqrt();
             short.push(format!(
                 "the coarse mesh of the body costs about {cost} of the force: prepare it with coarse_edge_length = {length:.2e} m"
             ));

@@ -19,15 +19,15 @@ use crate::contact::tilt::rest::{Beginning, Ended, Place, find};
 use crate::response::skin::kept::KeptSkin;
 
 /// Moment that is left, over force times lever, and error of the force; the promise is 1e-6.
-const CLOSE: f64 = 0.9e-6;
+const TOLERANCE: f64 = 0.9e-6;
 /// The same where contacts that are solved to a gap change by jumps.
-const UNEVEN: f64 = 1e-3;
+const UNEVENNESS: f64 = 1e-3;
 /// Share of the force at the beginning below which the obstacle swings free.
-const FREE: f64 = 1e-4;
+const FREE_FORCE: f64 = 1e-4;
 /// That many times as much is left of a force where it ends in doing so.
-const SWINGING: f64 = 100.0;
+const SWINGING_FORCE: f64 = 100.0;
 /// Length of the first step and of those that a stiffness is measured with, as shares of the depth past the touch.
-const LENGTHS: [f64; 2] = [0.5, 1e-2];
+const STEP_LENGTHS: [f64; 2] = [0.5, 1e-2];
 
 /// What is pressed on what, and turns meanwhile.
 pub(crate) struct Tilted<'a> {
@@ -97,8 +97,8 @@ impl Tilted<'_> {
         let kept = KeptSkin::new(on.setup.skin);
         let mut trials = Trials::new(&kept, None);
         let mut timings = std::mem::take(&mut first.timings);
-        let started = Beginning { at, stiffness, lengths: LENGTHS.map(|share| share * past) };
-        let free = FREE * first.resultant.force.norm();
+        let started = Beginning { at, stiffness, lengths: STEP_LENGTHS.map(|share| share * past) };
+        let free = FREE_FORCE * first.resultant.force.norm();
         let first = self.place(first, lever, free);
         let room = |at: &DVector<f64>, step: &DVector<f64>| {
             let end = angles_at(&(at + step));
@@ -119,7 +119,7 @@ impl Tilted<'_> {
             Ok(is_answer.then(|| self.place(contact, lever, free)))
         })?;
         let Ended { at, found: mut contact, stiffness, mut why } = ended;
-        if why.is_some() && !is_force && contact.resultant.force.norm() < SWINGING * free {
+        if why.is_some() && !is_force && contact.resultant.force.norm() < SWINGING_FORCE * free {
             why = Some("the obstacle swings free of the skin");
         }
         let why = why.filter(|reason| !self.is_nearly_balanced(&mut contact, reason));
@@ -133,11 +133,11 @@ impl Tilted<'_> {
     ///
     /// * `reason`: why it is no less
     fn is_nearly_balanced(&self, contact: &mut Contact, reason: &str) -> bool {
-        let is_balanced = self.off(contact) <= UNEVEN / CLOSE;
+        let is_balanced = self.off(contact) <= UNEVENNESS / TOLERANCE;
         if is_balanced {
             let message = format!(
                 "the moment about the tilt axes is balanced to {:.1e} of force times lever and no better: {reason}",
-                CLOSE * self.off(contact)
+                TOLERANCE * self.off(contact)
             );
             contact.warn(WarningKind::Refinement, message);
         }
@@ -179,7 +179,7 @@ impl Tilted<'_> {
         let moments = DVector::from_vec(self.moments(contact)).norm() / (force * self.lever(contact));
         let along = Quantity::Force.of(contact, &self.setup.approach.direction);
         let excess = self.force().map_or(0.0, |force| (along / force - 1.0).abs());
-        moments.max(excess) / CLOSE
+        moments.max(excess) / TOLERANCE
     }
 
     /// The force to be reached along the direction (N).

@@ -10,11 +10,11 @@ const MAX_CUTS: usize = 8;
 /// A step is long enough where the slope along it has fallen to this share.
 const SLOPE_SHARE: f64 = 0.5;
 /// Least share of a step that a cut leaves, and largest.
-const CUTS: [f64; 2] = [0.1, 0.8];
+const CUT_SHARES: [f64; 2] = [0.1, 0.8];
 /// A stiffness below this share of the largest is no hold for a step.
-const SOFT: f64 = 1e-4;
+const SOFT_SHARE: f64 = 1e-4;
 /// Steps that do not halve the distance from rest, before the stiffness is measured anew.
-const PATIENCE: usize = 2;
+const STALLED_STEPS: usize = 2;
 /// Least share of a step that must be left within the bounds.
 const LEAST_ROOM: f64 = 1e-3;
 
@@ -68,7 +68,7 @@ pub(crate) fn find<T, E>(
         if here.off <= 1.0 {
             return ended(at, here.found, known, None);
         }
-        let old = known.take().filter(|_| in_vain < PATIENCE);
+        let old = known.take().filter(|_| in_vain < STALLED_STEPS);
         let is_new = old.is_none();
         let mut stiffness = match old {
             Some(stiffness) => stiffness,
@@ -93,7 +93,7 @@ pub(crate) fn find<T, E>(
                 let why = "the obstacle swings free of the skin, or the contact changes by jumps";
                 return ended(at, here.found, Some(stiffness), Some(why));
             }
-            in_vain = PATIENCE;
+            in_vain = STALLED_STEPS;
             continue;
         };
         let step = cut * step;
@@ -129,7 +129,7 @@ fn fallen_along<T, E>(
                 if slope_there <= -SLOPE_SHARE * slope {
                     return Ok(Some((cut, place)));
                 }
-                (slope / (slope - slope_there)).clamp(CUTS[0], CUTS[1])
+                (slope / (slope - slope_there)).clamp(CUT_SHARES[0], CUT_SHARES[1])
             }
             _ => 0.5,
         };
@@ -147,7 +147,7 @@ fn newton(stiffness: &DMatrix<f64>, gradient: &DVector<f64>, radius: f64) -> DVe
     }
     let symmetric = (0.5 * (stiffness + stiffness.transpose())).symmetric_eigen();
     // So soft that it leaves the length of the step to the radius, where nothing is stiff.
-    let least = SOFT * symmetric.eigenvalues.amax().max(gradient.norm() / radius);
+    let least = SOFT_SHARE * symmetric.eigenvalues.amax().max(gradient.norm() / radius);
     let mut along = symmetric.eigenvectors.tr_mul(gradient);
     for (part, stiffness) in along.iter_mut().zip(symmetric.eigenvalues.iter()) {
         *part /= -stiffness.abs().max(least);

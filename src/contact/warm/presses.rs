@@ -30,7 +30,7 @@ use crate::response::skin::kept::KeptSkin;
 use crate::surface::checked::Surface;
 
 /// Mean edges of the given mesh that an obstacle may come farther until faces may be reached that are not taken in.
-const FARTHEST: f64 = 0.75;
+const FARTHEST_KNOWN: f64 = 0.75;
 /// Most times that a mesh is changed for one press.
 const MOST_CHANGES: usize = 6;
 /// What a press leaves to the next one of the same obstacle against the same skin, along the same direction and with the
@@ -242,7 +242,7 @@ impl Setup<'_> {
         warm.meshes.given.travel = contact.travel;
         let is_wider = warm.meshes.mesh.take(near);
         let is_touched = self.cut_between(warm, contact, true)?;
-        Ok(Some(match (is_felt_anew || is_touched || edges > FARTHEST, is_wider) {
+        Ok(Some(match (is_felt_anew || is_touched || edges > FARTHEST_KNOWN, is_wider) {
             (true, _) => View::Another,
             (false, true) => View::Wider,
             (false, false) => View::Same,

@@ -21,7 +21,7 @@ const FAR_SHARE: f64 = 0.5;
 /// Most points of a rule in each direction; beyond, the closed form costs less.
 const MOST_RULE_POINTS: usize = 12;
 /// The closed form's own error.
-const LEAST_TOLERANCE: f64 = 1e-13;
+const CLOSED_FORM_ERROR: f64 = 1e-13;
 
 /// `K/r - a exp(-r²/2c²)` for r < cutoff, 0 beyond.
 #[derive(Debug, Clone, Copy)]
@@ -82,7 +82,7 @@ impl Corrected {
             let order = 2 * n - 1;
             let inverse = inverse_ratio.powi(order as i32) * (1.0 + 2.0 * inverse_ratio);
             let gaussian: f64 = (1..=order).map(|m| gaussian_ratio / (m as f64).sqrt()).product();
-            8.0 * (inverse + 1.09 * share * gaussian) <= tolerance.max(LEAST_TOLERANCE)
+            8.0 * (inverse + 1.09 * share * gaussian) <= tolerance.max(CLOSED_FORM_ERROR)
         };
         let n = (1..=MOST_RULE_POINTS).find(|n| closest > 0.0 && keeps(n))?;
         let [a, b, c] = face.frame.vertices;

@@ -23,7 +23,7 @@ use crate::response::simd::points::{POINTS_PER_BLOCK, Selection, Targets, gather
 /// Kernel values below this times the tolerance, relative to K/h, are taken as 0.
 pub(crate) const SKIPPED_KERNEL: f64 = 1e-2;
 /// The tabulated kernel's own error.
-const LEAST_TOLERANCE: f64 = 1e-12;
+const TABLE_ERROR: f64 = 1e-12;
 /// What of the tolerance goes to the 1/r part; the rest goes to the smooth part.
 const SINGULAR_SHARE: f64 = 0.75;
 /// Within this share of the way to its singularities at ±2i the smooth part stays below the bound.
@@ -47,7 +47,7 @@ impl PreparedLayer {
         Self {
             reach: kernel.reach(SKIPPED_KERNEL * tolerance),
             constant: skin.kernel_constant(),
-            tolerance: tolerance.max(LEAST_TOLERANCE),
+            tolerance: tolerance.max(TABLE_ERROR),
             kernel,
         }
     }

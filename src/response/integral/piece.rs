@@ -6,7 +6,7 @@ use crate::response::integral::frame::TriangleFrame;
 
 /// Length / height from which a triangle is a needle, cut across its length first: halves of its longest edges would lie
 /// side by side, ever more of them.
-const NEEDLE: f64 = 1e5;
+const NEEDLE_SLIMNESS: f64 = 1e5;
 /// Length / height of a slice that is cut no further, and its distance / length from which it need not be.
 const SLICE_LENGTH: f64 = 32.0;
 const SLICE_DISTANCE: f64 = 2.5;
@@ -44,7 +44,7 @@ impl TrianglePiece {
     /// Whether it is cut across its length before all else.
     pub fn is_needle(&self) -> bool {
         let (_, length) = self.longest_edge();
-        length * length > NEEDLE * 2.0 * self.area
+        length * length > NEEDLE_SLIMNESS * 2.0 * self.area
     }
 
     /// Its halves where the edge opposite to a corner is cut in two.

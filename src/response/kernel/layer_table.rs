@@ -14,7 +14,7 @@ const OCTAVES: usize = 8;
 /// Octaves of the table.
 const ALL_OCTAVES: usize = 40;
 /// Pieces per octave in which it is integrated, and pieces of the table for each of them.
-const PARTS: usize = 32;
+const PARTS_PER_OCTAVE: usize = 32;
 const PIECES_PER_PART: usize = 4;
 /// Derivatives kept: two beyond the highest degree of a series, for its error.
 const SLOPE_COUNT: usize = MAX_DEGREE + 3;
@@ -51,14 +51,14 @@ impl LayerTable {
     pub(crate) fn new(transform: impl Fn(f64) -> f64) -> Self {
         let mut table = Self { slopes: Vec::new(), primitives: Vec::new(), roughness: Vec::new() };
         let (mut points, mut known) = (Vec::new(), 0.0);
-        for part in 0..ALL_OCTAVES * PARTS {
-            let octave = part / PARTS;
+        for part in 0..ALL_OCTAVES * PARTS_PER_OCTAVE {
+            let octave = part / PARTS_PER_OCTAVE;
             let power = SINGULARITY * 2f64.powi(octave as i32);
-            if part % PARTS == 0 && octave < OCTAVES {
+            if part % PARTS_PER_OCTAVE == 0 && octave < OCTAVES {
                 points = transform_points(&transform, (2.0 * power - SINGULARITY).sqrt());
             }
             // middle of the part, in powers
-            let middle = 1.0 + ((part % PARTS) as f64 + 0.5) / PARTS as f64;
+            let middle = 1.0 + ((part % PARTS_PER_OCTAVE) as f64 + 0.5) / PARTS_PER_OCTAVE as f64;
             let rho = (middle * power - SINGULARITY).sqrt();
             let found = if octave < OCTAVES {
                 integrals(&points, rho)
@@ -67,9 +67,9 @@ impl LayerTable {
             };
             let scaled: Slopes = std::array::from_fn(|k| found[k] * power.powi(k as i32));
             for piece in 0..PIECES_PER_PART {
-                let step = 1.0 / (PARTS * PIECES_PER_PART) as f64;
+                let step = 1.0 / (PARTS_PER_OCTAVE * PIECES_PER_PART) as f64;
                 let mut terms = scaled;
-                move_center(&mut terms, (piece as f64 + 0.5) * step - 0.5 / PARTS as f64);
+                move_center(&mut terms, (piece as f64 + 0.5) * step - 0.5 / PARTS_PER_OCTAVE as f64);
                 // Ψ goes on from piece to piece
                 let mut primitive = [0.0; PRIMITIVE_TERMS];
                 for k in 1..PRIMITIVE_TERMS {
@@ -178,7 +178,7 @@ impl LayerTable {
 }
 
 /// Bits below those that name a piece.
-const REST_BITS: u32 = 52 - (PARTS * PIECES_PER_PART).ilog2();
+const REST_BITS: u32 = 52 - (PARTS_PER_OCTAVE * PIECES_PER_PART).ilog2();
 
 /// Number of the piece of v, by its bits.
 #[inline(always)]

@@ -13,7 +13,7 @@ use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 
 /// From here on the integral of J0 has an asymptotic series (dimensionless).
-const ASYMPTOTIC: f64 = 50.0;
+const ASYMPTOTIC_FROM: f64 = 50.0;
 
 /// Volume under the displacement of a unit force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,10 +79,10 @@ fn in_panels(end: f64, panels: f64, f: impl Fn(f64) -> f64) -> f64 {
     (0..panels as usize).flat_map(panel).map(|(r, w)| w * f(r)).sum()
 }
 
-/// `∫ J0(t) dt` from 0 to x. From [`ASYMPTOTIC`] on what is missing to 1 comes from integration by parts,
+/// `∫ J0(t) dt` from 0 to x. From [`ASYMPTOTIC_FROM`] on what is missing to 1 comes from integration by parts,
 /// `A_n = ∫ J0 / t²ⁿ dt from x on = -J1 / x²ⁿ + (2n+1) (J0 / x²ⁿ⁺¹ - (2n+1) A_(n+1))`, to 3e-15.
 fn bessel_integral(x: f64) -> f64 {
-    if x < ASYMPTOTIC {
+    if x < ASYMPTOTIC_FROM {
         return in_panels(x, (x / 12.0).ceil().max(1.0), libm::j0);
     }
     let (j0, j1) = (libm::j0(x), libm::j1(x));

@@ -13,7 +13,7 @@ const ONE_BITS: u64 = 1023 << 52;
 /// 2⁵² as bits: a small integer put into its mantissa reads as 2⁵² plus that integer.
 const SHIFT_BITS: u64 = 1075 << 52;
 /// 1.5 · 2⁵²: a number below 2⁵¹ added to it is rounded to an integer, which its last bits hold.
-const ROUNDING: f64 = 6_755_399_441_055_744.0;
+const ROUNDING_SHIFT: f64 = 6_755_399_441_055_744.0;
 /// Exponent below which [`exp`] stays what it is there.
 const LEAST_EXPONENT: f64 = -700.0;
 /// ln 2 in two parts: the first times any exponent is exact.
@@ -130,8 +130,8 @@ pub(crate) fn angle<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
 pub(crate) fn exp<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let least = x.all(LEAST_EXPONENT);
     let x = x.less(least).pick(least, x);
-    let rounded = x.mul_add(x.all(LOG2_E), x.all(ROUNDING));
-    let power = rounded - x.all(ROUNDING);
+    let rounded = x.mul_add(x.all(LOG2_E), x.all(ROUNDING_SHIFT));
+    let power = rounded - x.all(ROUNDING_SHIFT);
     let rest = power.mul_add(x.all(-LN_2[1]), power.mul_add(x.all(-LN_2[0]), x));
     // Taylor up to rest¹³ / 13! on |rest| <= ln 2 / 2, error 5e-18
     let p = rest.polynomial(TAYLOR);

@@ -13,12 +13,10 @@ use crate::response::kernel::skin::KernelSkin;
 use crate::response::skin::body_part::{BodyPart, RefinedPart};
 use crate::response::skin::combination::Combination;
 use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::nodes::SAME_SHAPE_DISTANCE;
 use crate::response::skin::prepared_body::PreparedBody;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
-
-/// Largest distance, in mean edge lengths, between a part's vertices and those of the whole skin.
-const SAME_PLACE_DISTANCE: f64 = 1e-6;
 
 /// A part of the skin with the compliance of its body.
 #[derive(Debug, Clone)]
@@ -73,7 +71,7 @@ impl BodyPart for Part {
                 self.fixed.len()
             )));
         }
-        let allowed = SAME_PLACE_DISTANCE * surface.mean_edge_length();
+        let allowed = SAME_SHAPE_DISTANCE * surface.mean_edge_length();
         for (vertex, own) in self.part_vertices.iter().enumerate() {
             let Some(own) = *own else { continue };
             let place = self.prepared.nodes().vertices().get(own);

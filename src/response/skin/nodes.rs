@@ -10,8 +10,8 @@ use crate::response::rows::{NO_ROW, rows_of_vertices};
 use crate::surface::checked::Surface;
 
 /// Largest distance, in mean edge lengths, between the vertices of a surface and those that a response was
-/// prepared for: rounding of a rigid motion, and no more.
-const SAME_SHAPE_DISTANCE: f64 = 1e-6;
+/// prepared for, or a part was cut out with: rounding of a rigid motion, and no more.
+pub(super) const SAME_SHAPE_DISTANCE: f64 = 1e-6;
 
 /// Nodes of a prepared response, in the order of its rows, with the shape that it was prepared for.
 #[derive(Debug, Clone)]

@@ -18,7 +18,7 @@ const ERROR_PER_LOSS: f64 = 0.4;
 
 /// How much more of the former compressible tissue costs, times `(1 - 2 ν)³`: the near kernel is that of flat skin, and on curved
 /// skin such tissue has more that is not smooth. A plate on a ball of 8 mm with a core of 2 or 5 mm is 4 to 8 % off at ν = 0.
-const COMPRESSIBLE: f64 = 3.0;
+const COMPRESSIBLE_ERROR: f64 = 3.0;
 
 /// What the mesh that a body was solved on, or that a matrix is given on, costs a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,7 +105,7 @@ impl Coarseness {
             nodes.iter().zip(forces).map(|(&node, force)| value(node) * force.norm()).sum::<f64>() / total
         };
         let at_thickness =
-            ERROR_AT_THICKNESS * (1.0 + COMPRESSIBLE * (1.0 - 2.0 * self.poisson_ratio).powi(3));
+            ERROR_AT_THICKNESS * (1.0 + COMPRESSIBLE_ERROR * (1.0 - 2.0 * self.poisson_ratio).powi(3));
         BodyDoubt {
             force_error: ERROR_PER_LOSS * loss
                 + at_thickness * mean(&|node| (self.edges[node] / self.thickness[node]).powi(2)),

@@ -31,7 +31,7 @@ use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
 /// Least relative error of the integrals: far below what the remainder's coarse mesh costs.
-pub(crate) const LEAST_TOLERANCE: f64 = 1e-4;
+pub(crate) const NEAR_TOLERANCE: f64 = 1e-4;
 /// Rows that one task sums.
 const ROWS_PER_TASK: usize = 128;
 /// What an even load gives a node at 1/r beyond what all other nodes give as points, times the square root of their areas,
@@ -218,7 +218,7 @@ impl NearKernel {
         kept: &KeptBlock,
     ) -> Result<Mat<f64>, ResponseError> {
         let options =
-            &AssemblyOptions { tolerance: asked.options.tolerance.max(LEAST_TOLERANCE), ..*asked.options };
+            &AssemblyOptions { tolerance: asked.options.tolerance.max(NEAR_TOLERANCE), ..*asked.options };
         let kernel = self.scalar_kernel().clone().with_discretization(discretization)?;
         let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
             assemble_columns(asked.surface, &kernel, rows, columns, options)

@@ -9,7 +9,7 @@ use crate::response::body::equations::quadrature::{
     Integration, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
 use crate::response::body::equations::triangle::Triangle;
-use crate::response::body::levels::near::{LEAST_TOLERANCE, NearKernel};
+use crate::response::body::levels::near::{NEAR_TOLERANCE, NearKernel};
 use crate::response::error::ResponseError;
 use crate::response::matrix::collocation::assemble_block;
 use crate::response::matrix::fill::filled_columns;
@@ -17,7 +17,7 @@ use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 
 /// Components of a symmetric 3 × 3 block: xx, xy, xz, yy, yz, zz.
-const PACKED: usize = 6;
+const PACKED_ENTRIES: usize = 6;
 
 /// Blocks N_ij (m/N) of displacement of m rows per newton at k columns.
 pub(crate) struct NearBlocks {
@@ -43,14 +43,14 @@ impl NearKernel {
         columns: &[usize],
         options: &AssemblyOptions,
     ) -> Result<NearBlocks, ResponseError> {
-        let options = &AssemblyOptions { tolerance: options.tolerance.max(LEAST_TOLERANCE), ..*options };
+        let options = &AssemblyOptions { tolerance: options.tolerance.max(NEAR_TOLERANCE), ..*options };
         let scalar = assemble_block(surface, self.scalar_kernel(), rows, columns, options)?;
         let loads = self.loads(surface, columns);
         let reach = RuleReach::new(options.tolerance);
-        let size = [PACKED * columns.len(), rows.len()];
+        let size = [PACKED_ENTRIES * columns.len(), rows.len()];
         let outer = filled_columns(size, options, Scratch::default, |scratch, row, column| {
             let point = &surface.vertices()[rows[row]];
-            let blocks = column.as_chunks_mut::<PACKED>().0;
+            let blocks = column.as_chunks_mut::<PACKED_ENTRIES>().0;
             let triangles = (0..).zip(loads.iter().map(|load| &load.triangle));
             reach.integrate(point, triangles, |integration| match integration {
                 Integration::Exact(index) => {
@@ -120,7 +120,7 @@ struct Load {
 impl Load {
     /// Adds what the hat of a corner moves.
     #[inline(always)]
-    fn add(&self, corner: usize, moment: impl Fn(usize) -> f64, blocks: &mut [[f64; PACKED]]) {
+    fn add(&self, corner: usize, moment: impl Fn(usize) -> f64, blocks: &mut [[f64; PACKED_ENTRIES]]) {
         if self.columns[corner] != NO_COLUMN {
             let block = &mut blocks[self.columns[corner] as usize];
             block.iter_mut().enumerate().for_each(|(c, entry)| *entry += self.factors[corner] * moment(c));

@@ -15,10 +15,8 @@ use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::matrix::kept_block::KeptBlock;
 use crate::response::skin::elastic::Request;
+use crate::response::skin::kernel::ROWS_AT_ONCE;
 use crate::surface::refined::RefinedSurface;
-
-/// Rows of scalars at a time, so that memory stays small.
-const ROWS_AT_ONCE: usize = 4096;
 
 /// Weights of coarse vertices that give the value at a vertex of the fine mesh, with sum 1.
 pub(crate) type Weights = Vec<(u32, f64)>;

@@ -14,7 +14,7 @@ use crate::response::matrix::options::AssemblyOptions;
 use crate::surface::checked::Surface;
 
 /// Rows and columns of near blocks at a time, so that memory stays small.
-const AT_ONCE: usize = 256;
+const NEAR_BLOCKS_AT_ONCE: usize = 256;
 /// No column.
 const NO_COLUMN: usize = usize::MAX;
 
@@ -125,12 +125,16 @@ impl Remainder {
         mut work: impl FnMut(usize, usize, Matrix3<f64>),
     ) -> Result<(), ResponseError> {
         let Some((surface, near)) = &self.near else { return Ok(()) };
-        for (of_rows, rows) in rows.chunks(AT_ONCE).enumerate() {
-            for (of_columns, columns) in columns.chunks(AT_ONCE).enumerate() {
+        for (of_rows, rows) in rows.chunks(NEAR_BLOCKS_AT_ONCE).enumerate() {
+            for (of_columns, columns) in columns.chunks(NEAR_BLOCKS_AT_ONCE).enumerate() {
                 let near = near.blocks(surface, rows, columns, options)?;
                 for j in 0..columns.len() {
                     for i in 0..rows.len() {
-                        work(AT_ONCE * of_rows + i, AT_ONCE * of_columns + j, near.block(i, j));
+                        work(
+                            NEAR_BLOCKS_AT_ONCE * of_rows + i,
+                            NEAR_BLOCKS_AT_ONCE * of_columns + j,
+                            near.block(i, j),
+                        );
                     }
                 }
             }

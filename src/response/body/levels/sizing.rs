@@ -11,10 +11,10 @@ use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarseSkin;
 
-/// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER`] times the length where the one before
+/// Coarse meshes tried where the tissue decides, each with edges of [`SHORTER_EDGES`] times the length where the one before
 /// crosses itself or the bone, or everywhere.
-const MOST_TRIES: usize = 16;
-const SHORTER: f64 = 0.7;
+const MOST_COARSE_MESHES: usize = 16;
+const SHORTER_EDGES: f64 = 0.7;
 
 /// Wanted length of the coarse edges, as a share of the tissue's thickness: the least and the most. Collapses make some
 /// up to 1.5 times as long.
@@ -32,13 +32,13 @@ const MANY_VERTICES: f64 = 800.0;
 const MOST_VERTICES: f64 = 2050.0;
 
 /// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
-const LONGER: [f64; 2] = [2.0, 1.7];
+const LONGER_EDGES: [f64; 2] = [2.0, 1.7];
 
 /// How much longer edges get per distance from what may be loaded: the least and the most.
-const GROWTH: [f64; 2] = [0.4, 1.0];
+const EDGE_GROWTH: [f64; 2] = [0.4, 1.0];
 
 /// Steps from the least share and growth to the most.
-const STEPS: u32 = 20;
+const GROWTH_STEPS: u32 = 20;
 
 /// The same for the edges of a coarse bone.
 const BONE_EDGE_PER_THICKNESS: f64 = 0.35;
@@ -75,12 +75,12 @@ fn lengthen_edges(
         return false;
     }
     let typical = typical_thickness(skin, thickness, nodes);
-    let [far, everywhere] = LONGER;
+    let [far, everywhere] = LONGER_EDGES;
     let distances = skin.skin_distances(nodes, f64::INFINITY);
     let bounded = |edge: f64, longer: f64, bend: f64| longer.min((EDGE_PER_BEND[1] * bend).max(edge));
     let graded = |step: u32| {
-        let [share, growth] = [EDGE_PER_THICKNESS, GROWTH]
-            .map(|[least, most]| least + (most - least) * f64::from(step) / f64::from(STEPS));
+        let [share, growth] = [EDGE_PER_THICKNESS, EDGE_GROWTH]
+            .map(|[least, most]| least + (most - least) * f64::from(step) / f64::from(GROWTH_STEPS));
         let mut graded = edges.to_vec();
         for &(vertex, away) in &distances {
             let thickness = thickness[vertex].min((typical * typical * thickness[vertex]).cbrt());
@@ -90,7 +90,7 @@ fn lengthen_edges(
         graded
     };
     let fits = |edges: &Vec<f64>| vertex_count(skin, edges) <= MOST_VERTICES;
-    let graded = (0..STEPS).map(graded).find(fits).unwrap_or_else(|| graded(STEPS));
+    let graded = (0..GROWTH_STEPS).map(graded).find(fits).unwrap_or_else(|| graded(GROWTH_STEPS));
     edges.copy_from_slice(&graded);
     let longer = (vertex_count(skin, edges) / MOST_VERTICES).sqrt().clamp(1.0, everywhere);
     edges.iter_mut().zip(bends).for_each(|(edge, &bend)| *edge = bounded(*edge, longer * *edge, bend));
@@ -198,12 +198,13 @@ impl Body {
             }
             None => {
                 let (wanted, has_many) = self.wanted_edges(skin, &fixed, nodes);
-                (wanted, has_many, MOST_TRIES)
+                (wanted, has_many, MOST_COARSE_MESHES)
             }
         };
         let own_edges = skin.mean_edges();
         // Where they would be shorter than the skin's own, that stays as it is.
-        let shorter = |length: f64, own: f64| if SHORTER * length < own { 0.0 } else { SHORTER * length };
+        let shorter =
+            |length: f64, own: f64| if SHORTER_EDGES * length < own { 0.0 } else { SHORTER_EDGES * length };
         let mut coarse = self.coarse_body(skin, &edge_length, &fixed);
         for _ in 1..tries {
             let Err(refused) = &coarse else { break };
@@ -312,7 +313,7 @@ mod tests {
             assert!(lengthen_edges(&mut edges, &skin, &thickness, &bends, &cap));
             assert!(vertex_count(&skin, &edges) < MOST_VERTICES * (1.0 + 1e-9));
             assert_eq!(edges[cap[0]] == edge, is_enough);
-            assert!((edges[south] / edges[cap[0]] - LONGER[0]).abs() < 1e-12);
+            assert!((edges[south] / edges[cap[0]] - LONGER_EDGES[0]).abs() < 1e-12);
         }
     }
 

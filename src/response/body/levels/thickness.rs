@@ -7,10 +7,10 @@ use crate::response::body::solve::Body;
 use crate::surface::checked::Surface;
 
 /// What is held is behind skin that it faces away from: above this cosine between the normals it is beside it.
-const BEHIND: f64 = -0.5;
+const BEHIND_COSINE: f64 = -0.5;
 
 /// What is held farther away than so many mean thicknesses of the body is as good as not there.
-const HELD_WITHIN: f64 = 3.0;
+const FARTHEST_HELD: f64 = 3.0;
 
 /// Tissue over it is no thinner than so many edges of the skin, which knows no thinner one.
 const LEAST_EDGES: f64 = 2.0;
@@ -37,10 +37,11 @@ fn thickness_over_held(skin: &Surface, is_held: &[bool]) -> Option<Vec<f64>> {
         Faces { vertices: skin.vertices(), corners: &held, normals: &normals },
         face_tree(skin.vertices(), &held),
     );
-    let (reach, own_edges) = (HELD_WITHIN * mean_thickness(skin), skin.mean_edges());
+    let (reach, own_edges) = (FARTHEST_HELD * mean_thickness(skin), skin.mean_edges());
     let distance = |vertex: usize| {
         let (face, closest) = faces.closest_to_point(&tree, &skin.vertices()[vertex], reach)?;
-        (normals[face].dot(&skin.vertex_normals()[vertex]) < BEHIND).then(|| closest.distance_squared.sqrt())
+        (normals[face].dot(&skin.vertex_normals()[vertex]) < BEHIND_COSINE)
+            .then(|| closest.distance_squared.sqrt())
     };
     let found: Vec<Option<f64>> = (0..own_edges.len()).into_par_iter().map(distance).collect();
     let moves_over_held = (0..found.len()).any(|vertex| !is_held[vertex] && found[vertex].is_some());

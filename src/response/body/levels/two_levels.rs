@@ -24,7 +24,7 @@ use crate::surface::coarse::{CoarsePlace, CoarseSkin};
 
 /// Least relative error of the integral over one face of the coarse mesh: it changes a force by some 5e-6 of it, far less
 /// than that mesh does.
-const LEAST_TOLERANCE: f64 = 1e-3;
+const COARSE_TOLERANCE: f64 = 1e-3;
 
 /// A body on two levels: everything in it, to store it and to build it again.
 #[derive(Debug, Clone)]
@@ -121,7 +121,7 @@ impl TwoLevels {
             fixed: body.fixed.as_ref().map(|_| held),
             coarse_edge_length: Some(0.0),
         };
-        let options = &BodyOptions { tolerance: options.tolerance.max(LEAST_TOLERANCE), ..*options };
+        let options = &BodyOptions { tolerance: options.tolerance.max(COARSE_TOLERANCE), ..*options };
         // Single precision changes a force by less than 1e-6 of it, and takes half the memory.
         let solved = coarse_body.prepare_in::<f32>(
             &coarse.surface,

@@ -25,10 +25,10 @@ use crate::surface::checked::Surface;
 
 /// Degrees that a sum can end at, and of each the share of `((s + s') / r)^(degree + 2)` that it leaves out, s the means of
 /// that power of the places in the two loads and r their distance: as measured on meshes of all shapes.
-const DEGREES: [(usize, f64); 2] = [(4, 0.4), (6, 0.3)];
-const HIGHEST: usize = 6;
+const SUM_DEGREES: [(usize, f64); 2] = [(4, 0.4), (6, 0.3)];
+const HIGHEST_DEGREE: usize = 6;
 /// Real numbers of the moments: of each degree l from l² on, of each order m its real and, for m > 0, its imaginary part.
-const MOMENTS: usize = (HIGHEST + 1) * (HIGHEST + 1);
+const MOMENT_COUNT: usize = (HIGHEST_DEGREE + 1) * (HIGHEST_DEGREE + 1);
 /// Distance over the sum of two such means below which that share says little.
 const LEAST_RATIO: f64 = 2.5;
 /// Points in each direction of a triangle that give the moments exactly.
@@ -40,11 +40,11 @@ pub(crate) struct LoadMoments {
     /// Center of force (m).
     center: [Vec<f64>; 3],
     /// Means of the regular harmonics about it (m^l).
-    moments: [Vec<f64>; MOMENTS],
+    moments: [Vec<f64>; MOMENT_COUNT],
     /// Sixth root of the mean sixth power of the distance from it (m).
     sizes: Vec<f64>,
-    /// Distance over the sum of two sizes from which on each of [`DEGREES`] keeps the tolerance.
-    farther: [f64; DEGREES.len()],
+    /// Distance over the sum of two sizes from which on each of [`SUM_DEGREES`] keeps the tolerance.
+    farther: [f64; SUM_DEGREES.len()],
 }
 
 impl LoadMoments {
@@ -56,7 +56,7 @@ impl LoadMoments {
         options: &AssemblyOptions,
     ) -> Result<Self, ResponseError> {
         let mut loads =
-            vec![NodeLoad { center: Vector3::zeros(), moments: [0.0; MOMENTS], size: 0.0 }; nodes.len()];
+            vec![NodeLoad { center: Vector3::zeros(), moments: [0.0; MOMENT_COUNT], size: 0.0 }; nodes.len()];
         fill_items(&mut loads, options, Vec::new, |faces, at, load| {
             faces.clear();
             loaded_faces(surface, nodes[at], pressure, faces);
@@ -68,7 +68,7 @@ impl LoadMoments {
             list.resize(padded, list.last().copied().unwrap_or_default());
             list
         };
-        let farther = DEGREES.map(|(degree, left_out)| {
+        let farther = SUM_DEGREES.map(|(degree, left_out)| {
             (left_out / options.tolerance.max(f64::EPSILON)).powf(1.0 / (degree + 2) as f64).max(LEAST_RATIO)
         });
         Ok(Self {
@@ -81,7 +81,7 @@ impl LoadMoments {
 
     /// Whether a load is so far from one of others that their moments of all degrees keep the tolerance.
     pub(crate) fn are_far(&self, one: usize, others: &Self, other: usize) -> bool {
-        let reach = self.farther[DEGREES.len() - 1] * (self.sizes[one] + others.sizes[other]);
+        let reach = self.farther[SUM_DEGREES.len() - 1] * (self.sizes[one] + others.sizes[other]);
         let squared = |k: usize| (self.center[k][one] - others.center[k][other]).powi(2);
         squared(0) + squared(1) + squared(2) >= reach * reach
     }
@@ -97,7 +97,7 @@ impl LoadMoments {
 #[derive(Debug, Clone)]
 struct NodeLoad {
     center: Vector3<f64>,
-    moments: [f64; MOMENTS],
+    moments: [f64; MOMENT_COUNT],
     size: f64,
 }
 
@@ -112,7 +112,7 @@ impl NodeLoad {
             }));
         }
         let center: Vector3<f64> = forces.iter().map(|(place, force)| place * *force).sum();
-        let (mut moments, mut sixth) = ([0.0; MOMENTS], 0.0);
+        let (mut moments, mut sixth) = ([0.0; MOMENT_COUNT], 0.0);
         for (place, force) in forces {
             let from = place - center;
             sixth += force * from.norm_squared().powi(3);
@@ -125,17 +125,17 @@ impl NodeLoad {
 }
 
 /// The moments of a unit force at a place.
-fn regular(place: &Vector3<f64>) -> [f64; MOMENTS] {
+fn regular(place: &Vector3<f64>) -> [f64; MOMENT_COUNT] {
     let zero = Complex::new(0.0, 0.0);
     let squared = place.norm_squared();
-    let mut moments = [0.0; MOMENTS];
+    let mut moments = [0.0; MOMENT_COUNT];
     let mut first = Complex::new(1.0, 0.0);
-    for m in 0..=HIGHEST {
+    for m in 0..=HIGHEST_DEGREE {
         if m > 0 {
             first *= Complex::new(place.x, place.y) * (-0.5 / m as f64);
         }
         let (mut before, mut own) = (zero, first);
-        for l in m..=HIGHEST {
+        for l in m..=HIGHEST_DEGREE {
             if l > m {
                 let top = own * ((2 * l - 1) as f64 * place.z) - before * squared;
                 (before, own) = (own, top / ((l + m) * (l - m)) as f64);
@@ -150,15 +150,15 @@ fn regular(place: &Vector3<f64>) -> [f64; MOMENTS] {
 }
 
 /// The moments of one degree by their orders, of which 0 stands in the middle; 0 of an order that there is not.
-type Orders = [Complex<f64>; 4 * HIGHEST + 1];
+type Orders = [Complex<f64>; 4 * HIGHEST_DEGREE + 1];
 
-fn by_order(moments: &[f64; MOMENTS], l: usize) -> Orders {
-    let mut orders = [Complex::new(0.0, 0.0); 4 * HIGHEST + 1];
-    orders[2 * HIGHEST] = Complex::new(moments[l * l], 0.0);
+fn by_order(moments: &[f64; MOMENT_COUNT], l: usize) -> Orders {
+    let mut orders = [Complex::new(0.0, 0.0); 4 * HIGHEST_DEGREE + 1];
+    orders[2 * HIGHEST_DEGREE] = Complex::new(moments[l * l], 0.0);
     for m in 1..=l {
         let positive = Complex::new(moments[l * l + 2 * m - 1], moments[l * l + 2 * m]);
-        orders[2 * HIGHEST + m] = positive;
-        orders[2 * HIGHEST - m] = if m % 2 == 0 { positive.conj() } else { -positive.conj() };
+        orders[2 * HIGHEST_DEGREE + m] = positive;
+        orders[2 * HIGHEST_DEGREE - m] = if m % 2 == 0 { positive.conj() } else { -positive.conj() };
     }
     orders
 }
@@ -169,11 +169,11 @@ fn add_products(second: &Orders, rest: usize, own: usize, factors: &mut Vec<f64>
     // seen from the other side
     let sign = if own.is_multiple_of(2) { 1.0 } else { -1.0 };
     for m in 0..=rest + own {
-        let mut row = [Complex::new(0.0, 0.0); 2 * HIGHEST + 1];
-        row[0] = second[2 * HIGHEST + m];
+        let mut row = [Complex::new(0.0, 0.0); 2 * HIGHEST_DEGREE + 1];
+        row[0] = second[2 * HIGHEST_DEGREE + m];
         // of the real and the imaginary part of the first load's moment of order o
         for o in 1..=own {
-            let (plus, minus) = (second[2 * HIGHEST + m - o], second[2 * HIGHEST + m + o]);
+            let (plus, minus) = (second[2 * HIGHEST_DEGREE + m - o], second[2 * HIGHEST_DEGREE + m + o]);
             let mirrored = if o % 2 == 0 { minus } else { -minus };
             (row[2 * o - 1], row[2 * o]) = (plus + mirrored, Complex::<f64>::i() * (plus - mirrored));
         }
@@ -199,9 +199,9 @@ impl WithSimd for Means<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { rows, others, column, first, values } = self;
-        let own: [f64; MOMENTS] = std::array::from_fn(|k| others.moments[k][column]);
+        let own: [f64; MOMENT_COUNT] = std::array::from_fn(|k| others.moments[k][column]);
         let mut factors = Vec::with_capacity(512);
-        for l in 4..=HIGHEST {
+        for l in 4..=HIGHEST_DEGREE {
             for first in 2..=l - 2 {
                 add_products(&by_order(&own, l - first), l - first, first, &mut factors);
             }
@@ -217,8 +217,8 @@ impl WithSimd for Means<'_> {
             let sizes = Lanes::load(simd, &rows.sizes, at) + any.all(others.sizes[column]);
             let reach = any.all(rows.farther[0]) * sizes;
             let is_far = (dot(&way, &way) - reach * reach).least() >= 0.0;
-            let degree = if is_far { DEGREES[0].0 } else { HIGHEST };
-            let mut moments = [any; MOMENTS];
+            let degree = if is_far { SUM_DEGREES[0].0 } else { HIGHEST_DEGREE };
+            let mut moments = [any; MOMENT_COUNT];
             moments[0] = any.all(1.0);
             for l in 2..=degree {
                 for k in l * l..(l + 1) * (l + 1) {
@@ -245,7 +245,7 @@ impl WithSimd for Means<'_> {
 
 /// The sum up to a degree at the way d between the centers.
 #[inline(always)]
-fn expansion<S: Simd>(way: &[Lanes<S>; 3], moments: &[Lanes<S>; MOMENTS], degree: usize) -> Lanes<S> {
+fn expansion<S: Simd>(way: &[Lanes<S>; 3], moments: &[Lanes<S>; MOMENT_COUNT], degree: usize) -> Lanes<S> {
     let any = way[0];
     let inverse_squared = any.all(1.0) / dot(way, way);
     let (x, y, z) = (way[0] * inverse_squared, way[1] * inverse_squared, way[2] * inverse_squared);
@@ -305,7 +305,7 @@ mod tests {
         let mut random = Random(7);
         for tolerance in [1e-4, 1e-6, 1e-8] {
             let options = AssemblyOptions { tolerance, ..AssemblyOptions::default() };
-            let mut worst = [0.0_f64; DEGREES.len()];
+            let mut worst = [0.0_f64; SUM_DEGREES.len()];
             for _ in 0..30 {
                 let stretch = 1.0 + 2.0 * random.next();
                 let (mut vertices, faces) = jittered_grid(5, 1.0, 0.4, &mut random);
