@@ -190,8 +190,7 @@ mod tests {
     use super::*;
     use crate::geometry::crossing::triangles_meet;
     use crate::geometry::solid_angle::winding_number;
-
-    type Mesh = (Vec<Vector3<f64>>, Vec<[u32; 3]>);
+    use crate::sample::Mesh;
 
     /// Unit box whose lid rises along x.
     fn box_with_slanted_lid() -> Mesh {

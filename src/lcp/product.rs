@@ -57,7 +57,7 @@ impl LcpProblem<'_> {
     /// and whether these are enough.
     ///
     /// A huge z on singular columns would otherwise look like an answer once its terms cancel to zero.
-    pub(super) fn residual(&self, z: &[f64], tolerance: f64, interrupted: Interrupt) -> (Vec<f64>, bool) {
+    pub(super) fn slack(&self, z: &[f64], tolerance: f64, interrupted: Interrupt) -> (Vec<f64>, bool) {
         let mut w = self.q.to_vec();
         let largest =
             add_product(self.m, z, &mut w, interrupted, kernels::add_column_measured, |_, magnitudes| {
@@ -186,11 +186,8 @@ mod tests {
                     );
                     assert_eq!(product_compensated(view, &z, &|| false), expected);
                     let q = vec![-1.0; n];
-                    let (residual, is_known) =
-                        LcpProblem::new(view, &q).unwrap().residual(&z, 1e-10, &|| false);
-                    assert!(
-                        is_known && residual.iter().zip(&expected).all(|(w, product)| *w == product - 1.0)
-                    );
+                    let (slack, is_known) = LcpProblem::new(view, &q).unwrap().slack(&z, 1e-10, &|| false);
+                    assert!(is_known && slack.iter().zip(&expected).all(|(w, product)| *w == product - 1.0));
                 }
                 let mut sum = vec![1.0; n];
                 add_terms(&mut sum, n, |j| (m.col_as_slice(j), z[j]), &|| false);

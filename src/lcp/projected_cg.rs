@@ -26,7 +26,7 @@ pub(super) fn solve(m: &TouchedColumns, active: &[usize], tolerance: f64, budget
     let mut iterate = Iterate::new(m, diagonal, active);
     let (mut best, mut best_at) = (f64::INFINITY, 0);
     loop {
-        let residual = iterate.residual();
+        let residual = iterate.natural_residual();
         if residual < best * deficit {
             (best, best_at) = (residual / deficit, outcome.pivots);
             outcome.z.copy_from_slice(&iterate.z);
@@ -90,7 +90,7 @@ impl<'a> Iterate<'a> {
     }
 
     /// `max |min(M_ii z_i, w_i)|`.
-    fn residual(&self) -> f64 {
+    fn natural_residual(&self) -> f64 {
         let rows = self.diagonal.iter().zip(&self.z).zip(&self.w);
         rows.fold(0.0, |worst: f64, ((diagonal, z), w)| nan_max(worst, (diagonal * z).min(*w).abs()))
     }

@@ -71,7 +71,7 @@ impl<'a> Session<'a> {
     ) -> LcpSolution {
         let interrupt = self.options.interrupt();
         let mut z = self.without_rounding(reduced.expand(&outcome.z, reduced.unit));
-        let (mut w, mut is_known) = self.problem.residual(&z, self.options.tolerance, interrupt);
+        let (mut w, mut is_known) = self.problem.slack(&z, self.options.tolerance, interrupt);
         if !z.iter().chain(&w).all(|value| value.is_finite()) {
             z.fill(0.0);
             w.copy_from_slice(self.problem.q);

@@ -28,12 +28,12 @@ pub enum ProductResponse {
 pub struct Material {
     shear_modulus: f64,
     poisson_ratio: f64,
-    pub(crate) answer: Answer,
+    pub(crate) response: CheckedResponse,
 }
 
 /// [`ProductResponse`], checked.
 #[derive(Debug, Clone)]
-pub(crate) enum Answer {
+pub(crate) enum CheckedResponse {
     Kernel(KernelSkin),
     /// Its nodes lie on the product's mesh.
     Matrix(GivenMatrix),
@@ -52,22 +52,22 @@ impl Material {
         mesh: impl FnOnce() -> Option<Surface>,
     ) -> Result<Self, ResponseError> {
         let of_kernel = |kernel| KernelSkin::new(shear_modulus, poisson_ratio, kernel);
-        let answer = match response {
+        let response = match response {
             ProductResponse::Kernel(Kernel::Layer { thickness: Thickness::PerVertex(_) }) => {
                 let what = "a layer of the product has one thickness everywhere";
                 return Err(ResponseError::Product { what });
             }
-            ProductResponse::Kernel(kernel) => Answer::Kernel(of_kernel(kernel)?),
+            ProductResponse::Kernel(kernel) => CheckedResponse::Kernel(of_kernel(kernel)?),
             ProductResponse::Matrix { nodes, matrix } => {
                 of_kernel(Kernel::HalfSpace)?;
                 let Some(mesh) = mesh() else {
                     let what = "a given matrix is known at the vertices of the product's mesh, and a primitive has none: take a kernel, or a mesh";
                     return Err(ResponseError::Product { what });
                 };
-                Answer::Matrix(GivenMatrix::new(&mesh, &nodes, matrix)?)
+                CheckedResponse::Matrix(GivenMatrix::new(&mesh, &nodes, matrix)?)
             }
         };
-        Ok(Self { shear_modulus, poisson_ratio, answer })
+        Ok(Self { shear_modulus, poisson_ratio, response })
     }
 
     /// Shear modulus G (Pa).
@@ -82,9 +82,9 @@ impl Material {
 
     /// The kernel with its constants; `None` of a given matrix.
     pub fn kernel(&self) -> Option<&KernelSkin> {
-        match &self.answer {
-            Answer::Kernel(kernel) => Some(kernel),
-            Answer::Matrix(_) => None,
+        match &self.response {
+            CheckedResponse::Kernel(kernel) => Some(kernel),
+            CheckedResponse::Matrix(_) => None,
         }
     }
 }
@@ -93,9 +93,9 @@ impl Traits {
     /// Of a skin together with the product that it meets.
     pub(crate) fn with_product(self, material: Option<&Material>) -> Self {
         let Some(material) = material else { return self };
-        let (negative_entries, reach) = match &material.answer {
-            Answer::Kernel(kernel) => (kernel.has_negative_entries(), kernel.reach()),
-            Answer::Matrix(given) => (given.has_negative_entries(), None),
+        let (negative_entries, reach) = match &material.response {
+            CheckedResponse::Kernel(kernel) => (kernel.has_negative_entries(), kernel.reach()),
+            CheckedResponse::Matrix(given) => (given.has_negative_entries(), None),
         };
         Self {
             negative_entries: self.negative_entries || negative_entries,

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::obstacle::material::Answer;
+use crate::obstacle::material::CheckedResponse;
 use crate::obstacle::{Obstacle, ProductResponse};
 use crate::python::arrays_out::{matrix_out, nodes_out};
 use crate::python::convert::{MatrixArgument, nodes};
@@ -13,7 +13,7 @@ use crate::python::skin::PySkin;
 use crate::response::{Kernel, Thickness};
 
 /// Nodes and compliance of a given matrix.
-type Given<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+type NodesAndMatrix<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// The kernel of a product's response, built by the facade, and its given matrix if it has one; a new one warns of a kernel
 /// that is not well posed.
@@ -22,7 +22,7 @@ fn product_skin<'py>(
     material: (f64, f64),
     response: Option<&Bound<'py, PyAny>>,
     is_new: bool,
-) -> PyResult<(Bound<'py, PySkin>, Option<Given<'py>>)> {
+) -> PyResult<(Bound<'py, PySkin>, Option<NodesAndMatrix<'py>>)> {
     py.import("quasirigid.skin.product")?
         .getattr("product_skin")?
         .call1((material, response, is_new))?
@@ -56,14 +56,14 @@ pub(super) fn made_of(
 /// The facade's `Material` of an obstacle; None of a rigid one.
 pub(super) fn material_out<'py>(py: Python<'py>, obstacle: &Obstacle) -> PyResult<Option<Bound<'py, PyAny>>> {
     let Some(material) = obstacle.material() else { return Ok(None) };
-    let (kind, arguments) = match &material.answer {
-        Answer::Matrix(given) => {
+    let (kind, arguments) = match &material.response {
+        CheckedResponse::Matrix(given) => {
             let arguments = PyDict::new(py);
             arguments.set_item("nodes", nodes_out(py, given.nodes().list()))?;
             arguments.set_item("compliance", matrix_out(py, given.response_matrix()))?;
             ("GivenMatrix", arguments)
         }
-        Answer::Kernel(skin) => match skin.kernel() {
+        CheckedResponse::Kernel(skin) => match skin.kernel() {
             Kernel::GaussianCorrected { height, width, cutoff } => {
                 let arguments = [("height", height), ("width", width), ("cutoff", cutoff)];
                 ("GaussianCorrected", arguments.into_py_dict(py)?)

@@ -48,7 +48,7 @@ impl From<Obstacle> for PyObstacle {
     }
 }
 
-type Triangles<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
+type TriangleArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 type Distances<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
 #[pymethods]
@@ -408,7 +408,7 @@ impl PyObstacle {
     }
 
     /// Return vertices and faces of a mesh obstacle in the world, or None for a primitive.
-    fn triangles<'py>(&self, py: Python<'py>) -> Option<Triangles<'py>> {
+    fn triangles<'py>(&self, py: Python<'py>) -> Option<TriangleArrays<'py>> {
         self.inner.triangles().map(|(vertices, faces)| (vectors_out(py, &vertices), faces_out(py, &faces)))
     }
 

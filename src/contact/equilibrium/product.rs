@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
-use crate::obstacle::material::{Answer, Material};
+use crate::obstacle::material::{CheckedResponse, Material};
 use crate::obstacle::posed::Obstacle;
 use crate::response::body::levels::coarseness::{BodyDoubt, lost_displacement};
 use crate::response::error::ResponseError;
@@ -46,9 +46,9 @@ pub(crate) fn product_response<'a>(
     gaps: &Gaps<'a>,
     traits: &Traits,
 ) -> Result<Box<dyn ElasticSkin + 'a>, ContactError> {
-    let given = match &material.answer {
-        Answer::Matrix(given) => given,
-        Answer::Kernel(kernel) => {
+    let given = match &material.response {
+        CheckedResponse::Matrix(given) => given,
+        CheckedResponse::Kernel(kernel) => {
             let kernel = kernel.clone().with_basis(traits.basis);
             return Ok(Box::new(kernel.with_discretization(traits.discretization)?));
         }

@@ -8,7 +8,7 @@ use crate::contact::figures::fade::{fade, fade_distance};
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::geometry::bounds::Bounds;
-use crate::obstacle::material::{Answer, Material};
+use crate::obstacle::material::{CheckedResponse, Material};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::skin::elastic::{ElasticSkin, Request};
 use crate::response::skin::given_matrix::GivenMatrix;
@@ -57,9 +57,9 @@ impl Contact {
         options: &ContactOptions,
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
         let mut vertices = mesh.vertices().to_vec();
-        match &material.answer {
-            Answer::Matrix(given) => self.move_known(given, &mut vertices),
-            Answer::Kernel(kernel) => {
+        match &material.response {
+            CheckedResponse::Matrix(given) => self.move_known(given, &mut vertices),
+            CheckedResponse::Kernel(kernel) => {
                 for side in self.drawing.on_product.groups() {
                     self.move_by_kernel(kernel, &side, mesh.vertices(), &mut vertices, options)?;
                 }

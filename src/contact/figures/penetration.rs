@@ -9,7 +9,7 @@ use crate::contact::figures::beside::Beside;
 use crate::contact::figures::between::{Between, PointsBetween};
 use crate::contact::figures::fade::Fade;
 use crate::contact::figures::motion::CandidateMotion;
-use crate::contact::figures::receding::{Corners, Receding};
+use crate::contact::figures::receding::{DeformedCorners, Receding};
 use crate::contact::gap::edge::{SkinPart, triangles_among};
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
@@ -169,7 +169,7 @@ impl<'a> MovedSkin<'a> {
         let pressure: Vec<f64> =
             self.vertices.iter().map(|&vertex| self.own_force(vertex) / areas[vertex]).collect();
         let Measured { distance, normal } = &self.measured;
-        let corners = Corners { points: &self.points, distance, normal, pressure: &pressure };
+        let corners = DeformedCorners { points: &self.points, distance, normal, pressure: &pressure };
         Receding::new(&self.triangles, middles, &corners, modulus)
     }
 

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 /// What the corners of the deformed skin's triangles know.
-pub(crate) struct Corners<'a> {
+pub(crate) struct DeformedCorners<'a> {
     /// Places (m).
     pub points: &'a [Vector3<f64>],
     /// Distance from the obstacle (m) and its outward normal there.
@@ -34,7 +34,7 @@ impl Receding {
     ///
     /// * `middles`: how far the middle of each triangle is from the obstacle at the least (m)
     /// * `modulus`: E* of the skin (Pa)
-    pub fn new(triangles: &[[u32; 3]], middles: &[f64], corners: &Corners, modulus: f64) -> Self {
+    pub fn new(triangles: &[[u32; 3]], middles: &[f64], corners: &DeformedCorners, modulus: f64) -> Self {
         let (mut all, mut open, mut volume, mut most) = (0.0, 0.0, 0.0, 0.0_f64);
         for (triangle, middle) in triangles.iter().zip(middles) {
             let [a, b, c] = triangle.map(|corner| corner as usize);
@@ -85,7 +85,8 @@ mod tests {
         let middle = (points[0] + points[1] + points[2]) / 3.0;
         // Into a hollow.
         let normal = points.map(|point| Vector3::z() - tilt * (point - middle));
-        let corners = Corners { points: &points, distance: &[0.0; 3], normal: &normal, pressure: &pressure };
+        let corners =
+            DeformedCorners { points: &points, distance: &[0.0; 3], normal: &normal, pressure: &pressure };
         let found = Receding::new(&[triangle], &[0.02], &corners, 1.0);
         [found.share, found.height]
     }
@@ -95,7 +96,8 @@ mod tests {
         let (triangle, points) = one_triangle();
         let middle = (points[0] + points[1] + points[2]) / 3.0;
         let normal = points.map(|point| Vector3::z() + tilt * (point - middle));
-        let corners = Corners { points: &points, distance: &[0.0; 3], normal: &normal, pressure: &[0.5; 3] };
+        let corners =
+            DeformedCorners { points: &points, distance: &[0.0; 3], normal: &normal, pressure: &[0.5; 3] };
         Receding::new(&[triangle], &[-depth], &corners, 1.0).pressure
     }
 

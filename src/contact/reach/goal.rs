@@ -44,8 +44,8 @@ impl Task<'_> {
             known: None,
         };
         let (contact, found) = match on_given.reach(self.target.quantity, &search, None, None)? {
-            Reached::Goal { contact, power } => (contact, Searched { guess: power, why: None }),
-            Reached::Short { contact, why } => (contact, Searched { guess: search.power, why: Some(why) }),
+            Reached::Goal { contact, power } => (contact, Searched { hint: power, why: None }),
+            Reached::Short { contact, why } => (contact, Searched { hint: search.power, why: Some(why) }),
         };
         search_on_refined(self, &on_given, started, contact, found)
     }
@@ -53,7 +53,7 @@ impl Task<'_> {
 
 impl MeshSearch for Task<'_> {
     /// The power of the depth that the quantity rises with.
-    type Guess = f64;
+    type Hint = f64;
 
     fn search_again(&self, rounds: &mut Rounds, &power: &f64) -> Result<Option<Searched<f64>>, ContactError> {
         let started = Instant::now();
@@ -66,7 +66,7 @@ impl MeshSearch for Task<'_> {
         let past = on_part.touch.past(last);
         let value = self.target.quantity.of(last, &self.setup.approach.direction);
         if (value / self.target.value - 1.0).abs() <= Search::TOLERANCE {
-            return Ok(Some(Searched { guess: power, why: None }));
+            return Ok(Some(Searched { hint: power, why: None }));
         }
         let is_known = past > 0.0 && value > 0.0;
         let search = Search {
@@ -82,7 +82,7 @@ impl MeshSearch for Task<'_> {
             Reached::Short { contact, why } => (contact, Some(why)),
         };
         rounds.meshes.replace_last(contact, started, &*skin, self.setup.options)?;
-        Ok(Some(Searched { guess: power, why }))
+        Ok(Some(Searched { hint: power, why }))
     }
 
     fn way_between(&self, from: &Contact, to: &Contact) -> f64 {

@@ -19,10 +19,10 @@ pub(crate) const FARTHEST_MOVE: f64 = 0.5;
 /// What is searched on each mesh: a depth, or angles as well.
 pub(crate) trait MeshSearch {
     /// What the search on one mesh leaves to that on the next.
-    type Guess;
+    type Hint;
 
     /// How the obstacle has turned at a place.
-    fn turn(&self, _: &Self::Guess) -> Option<Turn> {
+    fn turn(&self, _: &Self::Hint) -> Option<Turn> {
         None
     }
 
@@ -32,8 +32,8 @@ pub(crate) trait MeshSearch {
     fn search_again(
         &self,
         rounds: &mut Rounds,
-        guess: &Self::Guess,
-    ) -> Result<Option<Searched<Self::Guess>>, ContactError>;
+        hint: &Self::Hint,
+    ) -> Result<Option<Searched<Self::Hint>>, ContactError>;
 
     /// How far the obstacle has moved from one contact to another (m).
     fn way_between(&self, from: &Contact, to: &Contact) -> f64;
@@ -44,12 +44,12 @@ pub(crate) trait MeshSearch {
     }
 
     /// The error that says where a search ended in vain.
-    fn missed(&self, contact: Contact, guess: &Self::Guess, why: String) -> ContactError;
+    fn missed(&self, contact: Contact, hint: &Self::Hint, why: String) -> ContactError;
 }
 
 /// How a search ended on one mesh.
 pub(crate) struct Searched<G> {
-    pub guess: G,
+    pub hint: G,
     /// Why it is not what was searched.
     pub why: Option<String>,
 }
@@ -62,22 +62,22 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
     on_given: &OnMesh,
     mut started: Instant,
     mut given: Contact,
-    found: Searched<S::Guess>,
+    found: Searched<S::Hint>,
 ) -> Result<Contact, ContactError> {
     let Setup { surface, skin, options, .. } = on_given.setup;
-    let turned = |guess: &S::Guess| {
-        let approach = Approach { turn: search.turn(guess), ..on_given.setup.approach };
+    let turned = |hint: &S::Hint| {
+        let approach = Approach { turn: search.turn(hint), ..on_given.setup.approach };
         Setup { approach, ..on_given.setup }
     };
-    let Searched { mut guess, why } = found;
+    let Searched { mut hint, why } = found;
     if let Some(why) = why {
-        let placement = turned(&guess).at(given.pressed_depth());
+        let placement = turned(&hint).at(given.pressed_depth());
         let contact = end_unrefined(given, started, placement, skin)?;
-        return Err(search.missed(contact, &guess, why));
+        return Err(search.missed(contact, &hint, why));
     }
     let mut before = None;
     for refinement in 1..=MOST_REFINEMENTS {
-        let placement = turned(&guess).at(given.pressed_depth());
+        let placement = turned(&hint).at(given.pressed_depth());
         let mut rounds = match begin(given, started, placement, skin, options)? {
             Begun::Ended(contact) => return search.unless_missed(*contact),
             Begun::Rounds(rounds) => *rounds,
@@ -85,13 +85,13 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
         let end = rounds.run()?;
         let refined_for = rounds.meshes.finest().resultant.contact_area;
         let met = (end == RefinementEnd::Target).then_some(rounds.target);
-        let Some(again) = search.search_again(&mut rounds, &guess)? else {
+        let Some(again) = search.search_again(&mut rounds, &hint)? else {
             let (rounds, end) = before.unwrap_or((rounds, end));
             return rounds.conclude(end);
         };
-        guess = again.guess;
+        hint = again.hint;
         if let Some(why) = again.why {
-            return Err(search.missed(rounds.conclude(end)?, &guess, why));
+            return Err(search.missed(rounds.conclude(end)?, &hint, why));
         }
         let has_gone_farther = |found: &Contact| {
             let way = search.way_between(&rounds.meshes.given, found);
@@ -102,7 +102,7 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
             return rounds.conclude(end);
         };
         started = Instant::now();
-        let turned = OnMesh { setup: turned(&guess), inherited: None, touch: on_given.touch };
+        let turned = OnMesh { setup: turned(&hint), inherited: None, touch: on_given.touch };
         given = turned.solve(on_given.touch.past(found))?;
         before = Some((rounds, end));
     }

@@ -84,7 +84,7 @@ impl Tilted<'_> {
     ) -> Result<(Contact, Searched<Posture>), ContactError> {
         let (depth, past) = (first.pressed_depth(), on.touch.past(&first));
         if first.status != ContactStatus::Solved || past <= 0.0 {
-            return Ok((first, Searched { guess: from, why: None }));
+            return Ok((first, Searched { hint: from, why: None }));
         }
         let Posture { angles, stiffness, lever } = from;
         let is_force = self.force().is_some();
@@ -125,8 +125,8 @@ impl Tilted<'_> {
         let why = why.filter(|reason| !self.is_nearly_balanced(&mut contact, reason));
         add_timings(&mut timings, &trials.timings);
         contact.timings = timings;
-        let guess = Posture { angles: angles_at(&at), stiffness, lever };
-        Ok((contact, Searched { guess, why: why.map(String::from) }))
+        let hint = Posture { angles: angles_at(&at), stiffness, lever };
+        Ok((contact, Searched { hint, why: why.map(String::from) }))
     }
 
     /// Whether next to nothing is left to turn the obstacle, of which the contact then warns.
@@ -241,7 +241,7 @@ impl Tilted<'_> {
 }
 
 impl MeshSearch for Tilted<'_> {
-    type Guess = Posture;
+    type Hint = Posture;
 
     fn turn(&self, posture: &Posture) -> Option<Turn> {
         Some(self.turned_by(&posture.angles))

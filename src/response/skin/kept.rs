@@ -216,24 +216,12 @@ impl ElasticSkin for KeptSkin<'_> {
 mod tests {
     use super::*;
     use crate::response::kernel::skin::Kernel;
-    use crate::response::matrix::options::AssemblyOptions;
-
-    /// Flat skin of cells of 1 mm.
-    fn grid(cells: usize) -> Surface {
-        let side = cells + 1;
-        let place = |at: usize| Vector3::new((at % side) as f64, (at / side) as f64, 0.0) * 1e-3;
-        let vertices = (0..side * side).map(place).collect();
-        let corner = |at: usize| (at / cells * side + at % cells) as u32;
-        let next = side as u32;
-        let faces = (0..cells * cells)
-            .map(corner)
-            .flat_map(|a| [[a, a + 1, a + next], [a + 1, a + 1 + next, a + next]]);
-        Surface::new(vertices, faces.collect()).expect("a valid surface")
-    }
+    use crate::sample::grid;
 
     #[test]
     fn a_matrix_picked_from_a_larger_one_is_the_skins_own_to_the_tolerance() {
-        let surface = grid(12);
+        let (vertices, faces) = grid(12, 12, 1e-3);
+        let surface = Surface::new(vertices, faces).expect("a valid surface");
         let skin = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace)
             .and_then(|skin| skin.with_discretization(Discretization::Galerkin))
             .expect("valid constants");
