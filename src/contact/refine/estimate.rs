@@ -1,14 +1,12 @@
 //! What mesh and body cost the figures of a contact: estimates, no bounds.
 
 use std::f64::consts::PI;
-use std::ops::Sub;
-
-use nalgebra::Vector3;
 
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::cells::{mean_bulge, mean_edge};
 use crate::contact::figures::receding::Receding;
 use crate::contact::outcome::{Contact, RefinementKind};
+use crate::contact::refine::mesh_errors::{MeshErrors, Settling};
 use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
 
@@ -20,26 +18,18 @@ pub(crate) struct ErrorEstimate {
     pub pressure: f64,
 }
 
-/// Some two or three times the root mean square error of a smooth contact with one cell a radius, of force, area and peak, and
-/// the power of the number of cells that it falls with (docs/accuracy.md).
-const COLLOCATION: [(f64, f64); 3] = [(0.28, 2.0), (0.5, 1.5), (0.25, 2.0)];
-/// The same in Galerkin form.
-const GALERKIN: [(f64, f64); 3] = [(0.12, 3.0), (0.25, 1.5), (0.2, 2.0)];
-/// The same of force and area under a sharp edge, as shares of what is right: nine of ten contacts of fingers with products have
-/// less, on one to four cells, and a ball of 8 mm on an edge of 90 degrees.
+/// Errors of force and area under a sharp edge with one cell a radius, as shares of what is right, and the powers of the number
+/// of cells that they fall with: fitted to contacts of fingers with products, and to a ball on an edge of 90 degrees.
 const ON_EDGE: [(f64, f64); 2] = [(6.0, 3.0), (200.0, 5.0)];
 /// What thin tissue adds to the error of force, in those of a half-space, and the square of the contact's radius in thicknesses
 /// that adds half of it: there the force goes with the cube of the area, not with the power 1.5 (Johnson 1985, §5.8).
 const ON_BONE: (f64, f64) = (2.0, 1.0);
-/// What a sharp edge of the skin adds to the errors of force and area, over the share of the force at the vertices on it: nine
-/// of ten contacts at the cut end of a finger have less, on one cell a radius and on twenty.
+/// What a sharp edge of the skin adds to the errors of force and area, over the share of the force at the vertices on it: fitted
+/// to contacts at the cut end of a finger.
 const ON_SKIN_EDGE: f64 = 0.1;
-/// What the rim adds to the error of force in Galerkin form where it is a sharp edge of the obstacle, over the share of the area
-/// there: flat punches of 3 to 20 cells a radius have 0.04 to 0.1, always too much force.
-const ON_RIM: f64 = 0.08;
 /// What skin that ends under force adds to the errors of force and area, over the share of the force at its end, with one cell
-/// a radius; it falls with the number of cells. Its outermost hats reach half a cell beyond. Fitted: nine of ten forces and
-/// eight of ten areas of 148 contacts at masks and borders have less.
+/// a radius; it falls with the number of cells. Its outermost hats reach half a cell beyond: fitted to contacts at masks and
+/// borders.
 const AT_CUTS: [f64; 2] = [0.7, 2.0];
 /// Cells around a vertex and its neighbours, by which the deepest penetration between them is felt.
 const AROUND_DEEPEST: f64 = 10.0;
@@ -47,69 +37,10 @@ const AROUND_DEEPEST: f64 = 10.0;
 const BY_DEPTH: f64 = 1.5;
 /// Share of the skin under force that touches at the least, where hollows are too fine for its triangles.
 const LEAST_TOUCHED: f64 = 0.1;
-/// How a figure settles from round to round.
-#[derive(Debug, Clone, Copy)]
-struct Settling {
-    /// A round's change as a share of that before.
-    next: f64,
-    /// Least share of an estimate that a round leaves, as two rounds may agree by chance.
-    least: f64,
-}
-
-/// Of force, area and peak. The force keeps a third on smooth skin and half on scanned fingers, whose curvature is rough; the
-/// area two fifths there, with which nine of ten of their contacts are covered.
-const COLLOCATION_ROUND: [Settling; 3] = [
-    Settling { next: 3.0 / 7.0, least: 0.2 },
-    Settling { next: 0.4, least: 0.2 },
-    Settling { next: 3.0 / 7.0, least: 0.2 },
-];
-/// The same in Galerkin form, where the rim is felt from the triangles beside it, so that the area keeps half.
-const GALERKIN_ROUND: [Settling; 3] =
-    [COLLOCATION_ROUND[0], Settling { next: 0.5, least: 0.35 }, COLLOCATION_ROUND[2]];
 /// What a round keeps at the least on a sharp edge, where figures settle with the first power of the cells' size or slower, as the
-/// last rounds show. Of 78 contacts of fingers with ridges and 94 with rims and thin plates it covers 100 and 83 % of the forces,
-/// 92 and 95 % of the areas.
+/// last rounds show: fitted to fingers on ridges, rims and thin plates.
 pub(super) const KEPT_ON_EDGE: f64 = 0.65;
 const ON_EDGE_ROUND: Settling = Settling { next: KEPT_ON_EDGE, least: 0.2 };
-/// The largest that is taken from what they show.
-const SLOWEST_CHANGE: f64 = 0.8;
-
-/// What settles: a number, or a force with its direction.
-trait Figure: Copy + Sub<Output = Self> {
-    fn size(self) -> f64;
-}
-
-impl Figure for f64 {
-    fn size(self) -> f64 {
-        self.abs()
-    }
-}
-
-impl Figure for Vector3<f64> {
-    fn size(self) -> f64 {
-        self.norm()
-    }
-}
-
-impl Settling {
-    /// Error that a round leaves, over the figure.
-    ///
-    /// * `known`: what the round before was estimated to leave
-    /// * `earlier`: two rounds before, where the change of that round counts too
-    fn left<F: Figure>(self, known: Option<f64>, earlier: Option<F>, before: F, last: F) -> f64 {
-        if last.size() == 0.0 {
-            // Penetration without force: nothing is known.
-            return f64::INFINITY;
-        }
-        // An infinite one was that of a sharp edge.
-        let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
-        let change = (last - before).size();
-        let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).size());
-        let next = slowed.clamp(self.next, SLOWEST_CHANGE);
-        // All changes to come, each that share of the one before.
-        (next / (1.0 - next) * change / last.size()).max(self.least * known)
-    }
-}
 
 impl ErrorEstimate {
     /// Of the mesh as it is, from its cells and what the nodes do not feel.
@@ -122,7 +53,7 @@ impl ErrorEstimate {
         }
         let Accuracy { cells_per_radius: cells, discretization, .. } = contact.accuracy;
         let [force, area, pressure] =
-            powers(discretization).map(|(factor, power)| factor / cells.powf(power));
+            MeshErrors::of(discretization).of_cells.map(|(factor, power)| factor / cells.powf(power));
         let steeper = tissue.thickness.map_or(1.0, |thickness| {
             let radii = (cells * mean_edge(contact.surface(), &contact.active) / thickness).powi(2);
             1.0 + ON_BONE.0 * radii / (ON_BONE.1 + radii)
@@ -159,10 +90,9 @@ impl ErrorEstimate {
         let earlier =
             before.refinements.iter().filter(|round| round.kind == RefinementKind::Mesh).nth_back(1);
         let earlier = earlier.filter(|_| last.clues.edge.is_some());
-        let [of_force, of_area, of_peak] = match last.accuracy.discretization {
-            _ if last.clues.edge.is_some() => [ON_EDGE_ROUND; 3],
-            Discretization::Collocation => COLLOCATION_ROUND,
-            Discretization::Galerkin => GALERKIN_ROUND,
+        let [of_force, of_area, of_peak] = match last.clues.edge {
+            Some(_) => [ON_EDGE_ROUND; 3],
+            None => MeshErrors::of(last.accuracy.discretization).settling,
         };
         let (known, a, b) = (&before.accuracy, &before.resultant, &last.resultant);
         let (force, area, pressure) = (
@@ -183,10 +113,7 @@ impl ErrorEstimate {
     /// with the cells, hollows of the obstacle between vertices, where what counts as touched is not, and bumps there.
     fn with_shapes(self, contact: &Contact) -> Self {
         let of_skin = contact.clues.skin_edge.as_ref().map_or(0.0, |edge| ON_SKIN_EDGE * edge.share);
-        let at_rim = match contact.accuracy.discretization {
-            Discretization::Collocation => 0.0,
-            Discretization::Galerkin => ON_RIM * contact.clues.ends_at_edges,
-        };
+        let at_rim = MeshErrors::of(contact.accuracy.discretization).on_rim * contact.clues.ends_at_edges;
         let Receding { share, height, pressure } = contact.clues.receding;
         let at_bumps = (pressure / contact.resultant.max_pressure - 1.0).max(0.0);
         // As if all of the obstacle were that much farther away.
@@ -213,7 +140,7 @@ impl ErrorEstimate {
     /// * `coarser`: cells a radius of that contact, over those of this one; what has more cells costs no less
     /// * `at_rim`: the same of the cells at the rim alone, which the area hangs on
     pub fn carried_over(known: &Accuracy, coarser: f64, at_rim: f64) -> Option<Self> {
-        let [force, area, pressure] = powers(known.discretization).map(|(_, power)| power);
+        let [force, area, pressure] = MeshErrors::of(known.discretization).of_cells.map(|(_, power)| power);
         let (coarser, at_rim) = (coarser.max(1.0), at_rim.max(1.0));
         Some(Self {
             force: known.mesh_error? * coarser.powf(force),
@@ -225,30 +152,8 @@ impl ErrorEstimate {
     /// How many times coarser the cells may be until the force misses the target, and those at the rim until the area does.
     pub fn room(contact: &Contact, target: f64) -> Option<[f64; 2]> {
         let known = &contact.accuracy;
-        let [(_, force), (_, area), _] = powers(known.discretization);
+        let [(_, force), (_, area), _] = MeshErrors::of(known.discretization).of_cells;
         let room = |error: f64, power: f64| (target / error).powf(1.0 / power);
         Some([room(contact.unbalanced() * known.mesh_error?, force), room(known.area_error?, area)])
-    }
-}
-
-fn powers(discretization: Discretization) -> [(f64, f64); 3] {
-    match discretization {
-        Discretization::Collocation => COLLOCATION,
-        Discretization::Galerkin => GALERKIN,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_force_that_turns_has_not_settled() {
-        let [of_force, ..] = COLLOCATION_ROUND;
-        let turned = of_force.left(None, None, Vector3::x(), Vector3::y());
-        // Each change is three sevenths of the one before: all to come are three quarters of the last, √2 long.
-        assert!((turned - 0.75 * f64::sqrt(2.0)).abs() < 1e-12, "{turned}");
-        assert_eq!(of_force.left(None, None, Vector3::x(), Vector3::x()), 0.0);
-        assert_eq!(of_force.left(None, None, Vector3::x(), Vector3::zeros()), f64::INFINITY);
     }
 }

@@ -7,23 +7,18 @@ use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::penetration::SMALL_PENETRATION;
 use crate::contact::outcome::{Contact, ContactStatus, Refinement, RefinementEnd, RefinementKind};
 use crate::contact::refine::estimate::{ErrorEstimate, KEPT_ON_EDGE};
+use crate::contact::refine::mesh_errors::MeshErrors;
 use crate::contact::refine::product::errors_of_area_and_peak;
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::refine::wanting::Finer;
 use crate::contact::report::warnings::MOST_APART;
 use crate::response::kernel::basis::Discretization;
 
-/// Shares of the errors of force and area that a finer rim leaves. In collocation the force keeps a quarter in the median of 230
-/// rounds on fingers, as much as where all is made finer, but most of it on smooth fingertips under plates; in Galerkin form it
-/// hangs less on the rim. With the shares of the area nine of ten of 210 contacts of fingers and fingertips are covered.
-const LEFT_BY_RIM: [f64; 2] = [0.75, 0.33];
-const LEFT_BY_RIM_IN_GALERKIN: [f64; 2] = [1.0, 0.45];
-
 /// What the area errs over what the force does, where that is for the body's mesh, as between two and one level on a finger; the
 /// peak errs as much as the force.
 const AREA_PER_BODY: f64 = 0.6;
-/// What the figures err per share of the depth that the force acts off the obstacle: 7 to 75 times it, against settled gaps, in
-/// balls of skin on rounded holes.
+/// What the figures err per share of the depth that the force acts off the obstacle, against settled gaps: fitted to balls of
+/// skin on rounded holes.
 const PER_SHARE_APART: f64 = 50.0;
 
 impl Contact {
@@ -36,16 +31,8 @@ impl Contact {
 
     /// Whether the mesh costs so little of the force that a finer rim is enough.
     pub(crate) fn knows_force(&self, target: f64) -> bool {
-        let [of_force, _] = self.left_by_rim();
+        let [of_force, _] = MeshErrors::of(self.accuracy.discretization).left_by_rim;
         self.accuracy.mesh_error.is_some_and(|error| of_force * error < target)
-    }
-
-    /// Shares of the errors of force and area that a finer rim leaves.
-    fn left_by_rim(&self) -> [f64; 2] {
-        match self.accuracy.discretization {
-            Discretization::Collocation => LEFT_BY_RIM,
-            Discretization::Galerkin => LEFT_BY_RIM_IN_GALERKIN,
-        }
     }
 
     /// Whether the mesh is so fine that between its vertices next to no penetration is left; more may stay on sharp edges
@@ -70,7 +57,7 @@ impl Contact {
         let [of_force, of_area] = match finer {
             Finer::Pressed => return Some(error),
             Finer::Larger => [KEPT_ON_EDGE; 2],
-            Finer::Rim => self.left_by_rim(),
+            Finer::Rim => MeshErrors::of(self.accuracy.discretization).left_by_rim,
             Finer::Elsewhere => [1.0; 2],
         };
         let left = |share: f64, known: Option<f64>| share * known.unwrap_or(0.0);
@@ -196,6 +183,7 @@ mod tests {
         // Two rounds may agree by chance.
         let [force, area] = after(Finer::Pressed);
         assert!((force - 0.04).abs() < 1e-12 && (area - 0.06).abs() < 1e-12, "{force} {area}");
-        assert_eq!(after(Finer::Rim), [0.2 * LEFT_BY_RIM[0], 0.3 * LEFT_BY_RIM[1]]);
+        let [of_force, of_area] = MeshErrors::of(Discretization::Collocation).left_by_rim;
+        assert_eq!(after(Finer::Rim), [0.2 * of_force, 0.3 * of_area]);
     }
 }
