@@ -35,9 +35,9 @@ use crate::surface::refined::RefinedSurface;
 const NO_WEIGHT: f64 = 1e-9;
 
 /// Relative error of the force per share of the depth that interpolation between the vertices of a given matrix loses, which
-/// has all its local give from there. Half-spaces of a third to three times the skin's stiffness, on one to five triangles a
-/// contact radius, under a finger have 0.1 to 1.2 of it in the force, 1 to 2.8 in the area and up to 7.7 in the peak.
+/// has all its local give from there: fitted to half-spaces of about the skin's stiffness under a finger.
 const FORCE_PER_LOSS: f64 = 1.2;
+
 /// The response of a product as if it were a skin with the mesh of `gaps`.
 ///
 /// * `traits`: of the skin

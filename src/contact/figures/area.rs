@@ -17,8 +17,7 @@ const SMOOTH_RIM: f64 = 2.0 / 3.0;
 const COLLOCATION_RIM_SHIFT: f64 = 0.08;
 
 /// Edges in thicknesses of a layer, to the power 3/2, at which its rim is half-way between that of a smooth contact and that
-/// of springs, at ν = 1/2, and what is added per 1 - 2ν. Fitted: areas under spheres of 2 to 12 thicknesses a contact radius
-/// are right to 1 % then, at ν of 0 to 0.5 and edges of 0.2 to 1.2 thicknesses.
+/// of springs, at ν = 1/2, and what is added per 1 - 2ν: fitted to areas under spheres.
 const HALF_SPRINGS: [f64; 2] = [0.35, 2.6];
 
 /// Contact area at each vertex (n, m²), within the rim that sharp edges and the gaps beside it place.

@@ -4,11 +4,11 @@ use crate::contact::figures::cells::mean_edge;
 use crate::contact::outcome::Contact;
 
 /// What the area and the peak pressure lose, over what the force does, where a given matrix is interpolated between its
-/// vertices.
+/// vertices: fitted as what the force loses.
 const AREA_PER_FORCE: f64 = 2.5;
 const PEAK_PER_FORCE: f64 = 6.5;
-/// How many times that is on a skin with triangles as fine as the product's, of a product that gives way alone. Products 6 to
-/// 120 times as soft as the skin, on triangles 1.5 to 4 times as long, have 0.3 to 1.2.
+/// How many times that is on a skin with triangles as fine as the product's, of a product that gives way alone: fitted to
+/// products softer than the skin on longer triangles.
 const DRAWN_TOGETHER: f64 = 1.5;
 
 /// Estimated errors of area and peak pressure, over them, where a given matrix leaves the force in doubt.

@@ -14,8 +14,8 @@ use crate::contact::refine::wanting::Finer;
 use crate::contact::report::warnings::MOST_APART;
 use crate::response::kernel::basis::Discretization;
 
-/// What the area errs over what the force does, where that is for the body's mesh, as between two and one level on a finger; the
-/// peak errs as much as the force.
+/// What the area errs over what the force does, where that is for the body's mesh: fitted to two levels against one on a finger.
+/// The peak errs as much as the force.
 const AREA_PER_BODY: f64 = 0.6;
 /// What the figures err per share of the depth that the force acts off the obstacle, against settled gaps: fitted to balls of
 /// skin on rounded holes.

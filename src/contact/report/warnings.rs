@@ -38,8 +38,8 @@ const PULLING_COSINE: f64 = 0.5;
 
 /// Cosine between force and inward normal of the skin below which the obstacle stands steep there, at 60 degrees.
 const STEEP_COSINE: f64 = 0.5;
-/// Share of the force that steep sides may carry. A ball at a depth of its radius has 8 to 28 % on them, and a force that rises
-/// with the depth as it should; at 1.25 radii it has 40 to 50 %, and its force is about to fall.
+/// Share of the force that steep sides may carry: between that of a ball at a depth of its radius, whose force rises with the
+/// depth as it should, and at 1.25 radii, where it is about to fall.
 const STEEP_SHARE: f64 = 0.15;
 
 impl Report {

@@ -9,15 +9,14 @@ use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
 /// Relative error of the force where the edges are as long as the tissue is thick; it falls with their square.
-/// With [`ERROR_PER_LOSS`] fitted to 40 balls of 5 to 20 mm all over a hand's palm and digits; docs/responses.md has what
-/// they cover.
+/// Fitted with [`ERROR_PER_LOSS`] to balls all over a hand's palm and digits (docs/responses.md).
 const ERROR_AT_THICKNESS: f64 = 0.06;
 
 /// Relative error of the force per share of the depth that interpolation between the body's vertices loses there.
 const ERROR_PER_LOSS: f64 = 0.4;
 
 /// How much more of the former compressible tissue costs, times `(1 - 2 ν)³`: the near kernel is that of flat skin, and on curved
-/// skin such tissue has more that is not smooth. A plate on a ball of 8 mm with a core of 2 or 5 mm is 4 to 8 % off at ν = 0.
+/// skin such tissue has more that is not smooth. Fitted to plates on balls with a core.
 const COMPRESSIBLE_ERROR: f64 = 3.0;
 
 /// What the mesh that a body was solved on, or that a matrix is given on, costs a contact.

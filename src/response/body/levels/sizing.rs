@@ -27,8 +27,7 @@ const EDGE_PER_BEND: [f64; 2] = [0.5, 0.8];
 /// Vertices of a coarse skin above which its edges are longer than the least share.
 const MANY_VERTICES: f64 = 800.0;
 
-/// Vertices of a coarse skin above which its edges are longer than the most share: a whole hand with its bones then takes
-/// some 1e12 operations and 0.8 GB.
+/// Vertices of a coarse skin above which its edges are longer than the most share: what a whole hand with its bones may cost.
 const MOST_VERTICES: f64 = 2050.0;
 
 /// How many times longer edges may get for that: away from what may be loaded, and then everywhere.
