@@ -5,6 +5,8 @@ use quasirigid::reference::CoredSphere;
 use quasirigid::response::body::{Body, BodyCompliance, BodyOptions};
 use quasirigid::surface::Surface;
 
+use common::surface;
+
 #[path = "../common/mod.rs"]
 mod common;
 mod endings;
@@ -16,10 +18,6 @@ mod levels;
 mod stored;
 
 const SHEAR_MODULUS: f64 = CoredSphere::SHEAR_MODULUS;
-
-fn surface((vertices, faces): common::Mesh) -> Surface {
-    Surface::new(vertices, faces).expect("a sound mesh")
-}
 
 fn sphere(radius: f64, subdivisions: usize) -> Surface {
     surface(common::icosphere(radius, subdivisions))

@@ -1,14 +1,41 @@
-//! What the tests share: the meshes on disk and small meshes with known properties.
+//! What the tests share: the meshes on disk, small meshes with known properties, and a skin.
 #![allow(dead_code)] // each test program uses a part of it
 
 use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
+use quasirigid::response::{Discretization, Kernel, KernelSkin};
+use quasirigid::surface::Surface;
 
 pub use sample::*;
 
 #[path = "../../src/sample.rs"]
 mod sample;
+
+/// G (Pa) and ν of the skin.
+pub const SHEAR_MODULUS: f64 = 60e3;
+pub const POISSON_RATIO: f64 = 0.5;
+
+pub fn v(x: f64, y: f64, z: f64) -> Vector3<f64> {
+    Vector3::new(x, y, z)
+}
+
+pub fn surface((vertices, faces): Mesh) -> Surface {
+    Surface::new(vertices, faces).expect("a sound mesh")
+}
+
+pub fn skin(kernel: Kernel) -> KernelSkin {
+    KernelSkin::new(SHEAR_MODULUS, POISSON_RATIO, kernel).expect("valid constants")
+}
+
+pub fn half_space() -> KernelSkin {
+    skin(Kernel::HalfSpace)
+}
+
+/// The half-space in Galerkin form.
+pub fn galerkin() -> KernelSkin {
+    half_space().with_discretization(Discretization::Galerkin).expect("a half-space has it")
+}
 
 /// The folder of test meshes: `QUASIRIGID_DATA`, default `../shared/data`; prints why if it is absent.
 pub fn data_dir() -> Option<PathBuf> {

@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Vector3};
-use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press};
+use quasirigid::contact::{Contact, ContactOptions, Goal, press};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::body::{Body, BodyOptions};
 use quasirigid::response::{
@@ -11,11 +11,10 @@ use quasirigid::response::{
 use quasirigid::surface::{Surface, cut_out};
 
 use crate::common::icosphere;
-use crate::{UP, galerkin, half_space, skin as skin_of};
+use crate::{UP, along, galerkin, half_space, skin as skin_of, surface};
 
 fn sphere() -> Surface {
-    let (vertices, faces) = icosphere(8e-3, 3);
-    Surface::new(vertices, faces).expect("a sound mesh")
+    surface(icosphere(8e-3, 3))
 }
 
 /// The lowest vertices of a ball of 8 mm, 2 mm and more below its `center`, as a body of their own; prepared at those
@@ -97,9 +96,9 @@ fn off_its_parts_a_skin_answers_as_its_kernel_on_refined_meshes_too() {
     let combined = CombinedSkin::new(&skin, layer.clone(), vec![part]).expect("a part that fits");
     let plate = Obstacle::half_space(UP * 0.02, -UP).expect("a plane");
     let goal = Goal::Depth(0.2e-3);
-    let down = Press { direction: -UP, goal, start: Start::Infinity, balance: Balance::None };
     let from_above = |elastic: &dyn ElasticSkin| {
-        press(&skin, &plate, elastic, &down, &ContactOptions::default()).expect("a plate that touches")
+        press(&skin, &plate, elastic, &along(-UP, goal), &ContactOptions::default())
+            .expect("a plate that touches")
     };
     let (of_kernel, of_combined) = (from_above(&layer), from_above(&combined));
     assert!(of_combined.surface().vertices().len() > skin.vertices().len());

@@ -4,37 +4,25 @@ use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
-use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press};
+use quasirigid::contact::{Contact, ContactOptions, Goal};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 use quasirigid::response::KernelSkin;
 use quasirigid::surface::Surface;
 
 use crate::common::Random;
-use crate::{SHEAR_MODULUS, UP, ball, galerkin, half_space, lattice, press_up};
+use crate::{SHEAR_MODULUS, UP, ball, galerkin, half_space, lattice, press_up, pressed};
 
 /// Where the obstacles of a press begin.
 const BELOW: Vector3<f64> = Vector3::new(0.0, 0.0, -0.05);
 
-fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
-    pressed_on(surface, obstacle, &half_space(), depth)
+/// Under a half-space, on up to 1000 nodes: sharp edges refine to the end, and these forces have settled by then.
+fn settled(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
+    settled_on(surface, obstacle, &half_space(), depth)
 }
 
-fn pressed_on(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
-    // Sharp edges refine to the end; these forces have settled by then.
+fn settled_on(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
     let options = ContactOptions { max_nodes: 1000, ..ContactOptions::default() };
-    pressed_with(surface, obstacle, skin, depth, &options)
-}
-
-fn pressed_with(
-    surface: &Surface,
-    obstacle: &Obstacle,
-    skin: &KernelSkin,
-    depth: f64,
-    options: &ContactOptions,
-) -> Contact {
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
-    press(surface, obstacle, skin, &upwards, options).unwrap()
+    pressed(surface, obstacle, skin, Goal::Depth(depth), &options)
 }
 
 /// A roof along x with its ridge on the x axis, upwards.
@@ -77,7 +65,7 @@ fn a_ridge_presses_straight_and_steadily_wherever_it_meets_the_mesh() {
         let mut before = None;
         for step in 0..3 {
             let shift = Vector3::new(0.0, 1e-4 * f64::from(step), 0.0);
-            let contact = pressed(&pad, &roof.translated(&shift), 1.12e-3);
+            let contact = settled(&pad, &roof.translated(&shift), 1.12e-3);
             let force = contact.resultant.force;
             let sideways = force.x.hypot(force.y);
             assert!(step > 0 || sideways <= 0.02 * force.z, "{degrees}: {force:?}");
@@ -106,7 +94,13 @@ fn a_ball_within_a_triangle_is_felt_as_a_mesh_as_much_as_by_its_radius() {
         for skin in [half_space(), galerkin()] {
             let [mesh, round] = [&mesh, &round].map(|obstacle| {
                 let below = BELOW + at;
-                pressed_with(&pad, &obstacle.translated(&below), &skin, depth, &ContactOptions::default())
+                pressed(
+                    &pad,
+                    &obstacle.translated(&below),
+                    &skin,
+                    Goal::Depth(depth),
+                    &ContactOptions::default(),
+                )
             });
             // Facets of 0.07 radii lie up to 0.0006 radii within the ball.
             let lost = 1.5 * 6e-4 * radius / depth;
@@ -119,7 +113,7 @@ fn a_ball_within_a_triangle_is_felt_as_a_mesh_as_much_as_by_its_radius() {
 fn a_ridge_along_a_row_of_vertices_presses_as_hard_as_between_two() {
     let pad = flat(8, 1e-3);
     let to_the_end = |obstacle: &Obstacle, depth: f64| {
-        pressed_with(&pad, obstacle, &half_space(), depth, &ContactOptions::default())
+        pressed(&pad, obstacle, &half_space(), Goal::Depth(depth), &ContactOptions::default())
     };
     for degrees in [16.0_f64, 45.0, 70.0] {
         let roof = ridge(degrees.to_radians()).translated(&Vector3::new(0.0, 0.0, -1e-3));
@@ -147,12 +141,12 @@ fn what_is_smaller_than_a_triangle_is_met_in_its_middle() {
     let small_pins = [0.3e-3, 0.5e-3].map(pin);
     for obstacle in small_pins.iter().chain([&small_ball]) {
         let obstacle = obstacle.translated(&place);
-        let contact = pressed(&coarse, &obstacle, DEPTH);
+        let contact = settled(&coarse, &obstacle, DEPTH);
         // Its end is at z = -50 mm, the skin at 0.
         assert_relative_eq!(contact.travel, 0.05 + DEPTH, max_relative = 1e-12);
         let force = contact.resultant.force;
         assert!(force.z > 0.0 && force.x.hypot(force.y) < 0.02 * force.z, "{force:?}");
-        let closer = pressed(&fine, &obstacle, DEPTH).resultant.force;
+        let closer = settled(&fine, &obstacle, DEPTH).resultant.force;
         assert_relative_eq!(force.z, closer.z, max_relative = 0.1);
     }
 }
@@ -163,7 +157,7 @@ fn a_flat_pin_presses_like_the_flat_punch() {
     for (radius, depth) in [(0.3e-3, 0.1e-3), (1e-3, 0.2e-3)] {
         let punch = 8.0 * SHEAR_MODULUS * radius * depth;
         for skin in [half_space(), galerkin()] {
-            let contact = pressed_on(&flat(20, 1e-3), &pin(radius).translated(&BELOW), &skin, depth);
+            let contact = settled_on(&flat(20, 1e-3), &pin(radius).translated(&BELOW), &skin, depth);
             assert_relative_eq!(contact.resultant.force.z, punch, max_relative = 0.02);
             assert_relative_eq!(contact.resultant.contact_area, PI * radius * radius, max_relative = 0.01);
         }
@@ -200,7 +194,7 @@ fn flat_skin_beside_a_sharp_edge_of_its_own_stays_flat() {
         .expect("a bent sheet");
     for off in [1.0e-3, 1.4e-3, 2.0e-3] {
         let ball = Obstacle::sphere(BELOW + Vector3::x() * (edge - off), 4e-3).expect("a ball");
-        let [beside, alone] = [&bent, &sheet].map(|skin| pressed(skin, &ball, 0.1e-3));
+        let [beside, alone] = [&bent, &sheet].map(|skin| settled(skin, &ball, 0.1e-3));
         let is_on_sheets = |x: &Vector3<f64>| x.z == 0.0 || (x.x - edge).abs() < 1e-12;
         assert!(beside.surface().vertices().iter().all(is_on_sheets));
         let doubt = [&beside, &alone].map(|contact| contact.accuracy.force_error.expect("a contact"));
@@ -226,6 +220,6 @@ fn skin_gives_way_around_a_corner_without_being_left_in_it() {
     let tilt = nalgebra::Rotation3::rotation_between(&Vector3::repeat(1.0), &UP).expect("no half turn");
     let cube = Obstacle::cuboid(Vector3::repeat(0.02)).expect("a box");
     let corner = cube.moved(tilt.matrix(), &(BELOW - UP * 0.02 * 3f64.sqrt())).expect("a rotation");
-    let contact = pressed(&ball(8e-3, 3), &corner, 1.12e-3);
+    let contact = settled(&ball(8e-3, 3), &corner, 1.12e-3);
     assert!(contact.max_penetration_after < 0.05 * contact.max_penetration_before);
 }

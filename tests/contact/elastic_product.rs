@@ -3,9 +3,7 @@
 use approx::assert_relative_eq;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
-use quasirigid::contact::{
-    Balance, Contact, ContactOptions, ContactStatus, Goal, Press, Start, Warning, press, solve_contact,
-};
+use quasirigid::contact::{Contact, ContactOptions, ContactStatus, Goal, Warning, press, solve_contact};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle, ProductResponse};
 use quasirigid::response::{
     AssemblyOptions, Discretization, GivenMatrix, Kernel, KernelSkin, NodesError, PressureBasis,
@@ -14,7 +12,10 @@ use quasirigid::response::{
 use quasirigid::surface::Surface;
 
 use crate::common::{flipped, icosphere, one_diagonal_grid};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, galerkin, half_space, plate, press_up, skin, solve};
+use crate::{
+    POISSON_RATIO, SHEAR_MODULUS, UP, ball, galerkin, half_space, plate, press_up, pressed, skin, solve,
+    upwards,
+};
 
 /// A sphere R = 200 mm 0.5 mm deep in a flat skin, 8 cells per contact radius of 10 mm.
 fn sphere_on_flat_skin() -> (Surface, Obstacle) {
@@ -166,10 +167,7 @@ fn a_product_of_the_same_layer_halves_the_force_too() {
 fn a_refined_contact_and_a_press_to_a_force_give_way_alike() {
     let surface = ball(8e-3, 3);
     let options = ContactOptions::default();
-    let upwards = |goal| Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
-    let pressed = |obstacle: &Obstacle, goal| {
-        press(&surface, obstacle, &half_space(), &upwards(goal), &options).expect("a valid request")
-    };
+    let pressed = |obstacle: &Obstacle, goal| pressed(&surface, obstacle, &half_space(), goal, &options);
     let soft = made_of(&plate(), SHEAR_MODULUS, POISSON_RATIO);
     let (rigid, elastic) = (pressed(&plate(), Goal::Depth(5e-4)), pressed(&soft, Goal::Depth(5e-4)));
     assert!(elastic.refinements.len() > 1 && elastic.accuracy.mesh_error.expect("estimated") <= 0.02);
@@ -261,10 +259,8 @@ fn a_given_matrix_of_a_half_space_answers_as_its_kernel() {
 #[test]
 fn what_is_lost_between_the_vertices_of_a_products_matrix_is_said() {
     let surface = ball(8e-3, 4);
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity, balance: Balance::None };
     let pressed = |obstacle: Obstacle, options: &ContactOptions| {
-        press(&surface, &obstacle, &half_space(), &upwards, options).expect("a valid request")
+        pressed(&surface, &obstacle, &half_space(), Goal::Depth(0.6e-3), options)
     };
     for softer in [0.5, 3.0, 100.0] {
         let material = KernelSkin::new(SHEAR_MODULUS / softer, POISSON_RATIO, Kernel::HalfSpace)
@@ -380,12 +376,11 @@ fn what_no_product_can_be_made_of_is_refused_by_name() {
 fn a_contact_beside_what_a_products_matrix_knows_names_the_vertices() {
     // The matrix ends before the middle of the slab.
     let slab = with_matrix(&slab(12), vec![0, 1, 2], Mat::identity(3, 3)).expect("a matrix");
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Infinity, balance: Balance::None };
     let options = ContactOptions::on_given_mesh();
     let surface = ball(8e-3, 3);
-    let solved =
-        |skin: &KernelSkin| press(&surface, &slab, skin, &upwards, &options).expect_err("unknown there");
+    let solved = |skin: &KernelSkin| {
+        press(&surface, &slab, skin, &upwards(Goal::Depth(1e-3)), &options).expect_err("unknown there")
+    };
     let error = solved(&half_space()).to_string();
     assert!(error.contains("none of the 3 nodes of the product's matrix"), "{error}");
     let error = solved(&galerkin()).to_string();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, Vector3};
-use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
+use quasirigid::contact::{Contact, ContactOptions, Goal, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::{
     AssemblyOptions, CombinedSkin, ElasticSkin, GivenMatrix, Kernel, PreparedKernel, assemble,
@@ -13,7 +13,7 @@ use quasirigid::surface::{LONGEST_DETOUR, Surface};
 
 use crate::combined::lower_part;
 use crate::common::{data_dir, flipped, grid, icosphere, joined, read_ply};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, galerkin, half_space, skin};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, along, galerkin, half_space, press_up, skin, surface};
 
 /// Distance between the two fingertips (m).
 const PITCH: f64 = 20e-3;
@@ -152,8 +152,7 @@ fn a_kernel_beside_a_body_tells_fingers_apart_too() {
     let (ball, faces) = icosphere(8e-3, 3);
     let beside = Vector3::new(3.0 * PITCH, 0.0, lowest + 8e-3);
     let ball: Vec<Vector3<f64>> = ball.iter().map(|x| x + beside).collect();
-    let (vertices, faces) = joined(&(ridges.vertices().to_vec(), ridges.faces().to_vec()), &(ball, faces));
-    let surface = Surface::new(vertices, faces).expect("a valid surface");
+    let surface = surface(joined(&(ridges.vertices().to_vec(), ridges.faces().to_vec()), &(ball, faces)));
     let plate = plate_at(&surface, 0.4e-3);
     let part = lower_part(&surface, beside);
     let combined = CombinedSkin::new(&surface, half_space(), vec![part]).expect("a part that fits");
@@ -174,8 +173,7 @@ fn a_kernel_beside_a_body_tells_fingers_apart_too() {
 #[test]
 fn two_patches_on_one_pad_stay_one_problem() {
     let spacing = 0.5e-3;
-    let (vertices, faces) = grid(60, 30, spacing);
-    let surface = Surface::new(vertices, faces).unwrap();
+    let surface = surface(grid(60, 30, spacing));
     let ball = |x: f64| {
         let (vertices, faces) = icosphere(5e-3, 4);
         let at = Vector3::new(x, 7.5e-3, 4.7e-3);
@@ -202,8 +200,7 @@ fn both_sides_of_a_palm_are_one_piece_of_tissue() {
     // What stands in it as a piece of its own, as nails do, is not in the way.
     let (vertices, faces) = icosphere(3e-3, 3);
     let rod = (vertices.iter().map(|x| Vector3::new(16.0 * x.x, x.y, x.z)).collect(), faces);
-    let (vertices, faces) = joined(&palm, &rod);
-    let palm = Surface::new(vertices, faces).expect("a palm and a rod in it");
+    let palm = surface(joined(&palm, &rod));
     let ball = |z: f64| {
         let (vertices, faces) = icosphere(60e-3, 4);
         (vertices.into_iter().map(|x| x + Vector3::new(0.0, 0.0, z)).collect(), faces)
@@ -219,8 +216,7 @@ fn both_sides_of_a_palm_are_one_piece_of_tissue() {
 fn parts_of_the_skin_that_nothing_joins_do_not_couple() {
     let (vertices, faces) = grid(20, 20, 0.5e-3);
     let other = (vertices.iter().map(|x| x + Vector3::new(12e-3, 0.0, 0.0)).collect(), faces.clone());
-    let (vertices, faces) = joined(&(vertices, faces), &other);
-    let surface = Surface::new(vertices, faces).unwrap();
+    let surface = surface(joined(&(vertices, faces), &other));
     let rod = Obstacle::capsule(Vector3::new(-0.01, 5e-3, 4.8e-3), Vector3::new(0.04, 5e-3, 4.8e-3), 5e-3);
     let contact = solve(&surface, &rod.unwrap(), &half_space(), false);
     assert_eq!(contact.lcp_solutions.len(), 2);
@@ -240,8 +236,7 @@ fn a_finger_that_touches_between_its_vertices_is_apart_too() {
     let depth = 0.8 * (radius - farthest);
     let moved = |list: &[Vector3<f64>], x: f64| list.iter().map(|at| at + Vector3::x() * x).collect();
     let left = (moved(&ball, -(radius + 0.5 * thickness - 1e-3)), faces.clone());
-    let (vertices, faces) = joined(&left, &(moved(&turned, radius + 0.5 * thickness - depth), faces));
-    let surface = Surface::new(vertices, faces).expect("two balls");
+    let surface = surface(joined(&left, &(moved(&turned, radius + 0.5 * thickness - depth), faces)));
     let plate = Obstacle::cuboid(Vector3::new(0.5 * thickness, 20e-3, 20e-3)).expect("a plate");
     for skin in [half_space(), galerkin()] {
         let contact =
@@ -268,8 +263,7 @@ fn fingers_that_cross_through_a_thin_sheet_press_it_as_alone() {
     let squeezed = solve(&fingers, &sheet, &half_space(), false);
     assert_eq!(squeezed.lcp_solutions.len(), 2);
 
-    let (vertices, faces) = at(off);
-    let upper = Surface::new(vertices, faces).expect("a ball");
+    let upper = surface(at(off));
     let alone = solve(&upper, &sheet, &half_space(), false);
     let of_upper = |vertex: &&usize| **vertex < alone.surface().vertices().len();
     let forces = squeezed.active.iter().filter(of_upper).map(|&vertex| squeezed.force_vectors[vertex].z);
@@ -300,14 +294,12 @@ fn the_nearest_source_along_the_skin_is_the_one_that_single_searches_find() {
 #[test]
 fn fingertips_of_a_real_hand_are_told_apart() {
     let Some(data) = data_dir() else { return };
-    let (vertices, faces) = read_ply(&data.join("hands/libhand_right_13k.ply"));
-    let hand = Surface::new(vertices, faces).unwrap();
+    let hand = surface(read_ply(&data.join("hands/libhand_right_13k.ply")));
     // A plate that meets two fingertips within the depth.
     let direction = Vector3::new(-0.208, -0.927, -0.313).normalize();
     let plate = Obstacle::half_space(Vector3::zeros(), direction).unwrap();
-    let pressed =
-        Press { direction, goal: Goal::Depth(2.5e-3), start: Start::Infinity, balance: Balance::None };
-    let contact = press(&hand, &plate, &half_space(), &pressed, &ContactOptions::on_given_mesh()).unwrap();
+    let way = along(direction, Goal::Depth(2.5e-3));
+    let contact = press(&hand, &plate, &half_space(), &way, &ContactOptions::on_given_mesh()).unwrap();
     assert_eq!(contact.lcp_solutions.len(), 2);
     assert!(note(&contact, APART).unwrap().contains(&format!("more than {LONGEST_DETOUR} times")));
 
@@ -325,15 +317,10 @@ fn fingertips_of_a_real_hand_are_told_apart() {
 #[test]
 fn a_third_patch_joins_no_two_others() {
     let Some(data) = data_dir() else { return };
-    let (vertices, faces) = read_ply(&data.join("hands/libhand_right_13k.ply"));
-    let hand = Surface::new(vertices, faces).unwrap();
+    let hand = surface(read_ply(&data.join("hands/libhand_right_13k.ply")));
     let plate = Obstacle::half_space(Vector3::zeros(), UP).unwrap();
     // Two fingertips, and from 3.25 mm on the middle of one of these fingers.
-    let pressed = |depth: f64| {
-        let pressed =
-            Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
-        press(&hand, &plate, &half_space(), &pressed, &ContactOptions::on_given_mesh()).unwrap()
-    };
+    let pressed = |depth: f64| press_up(&hand, &plate, &half_space(), depth);
     let contacts: Vec<Contact> = (28..=38).map(|step| pressed(f64::from(step) * 1e-4)).collect();
     let patches = |contact: &Contact| hand.patches(&contact.candidates).len();
     assert_eq!((patches(&contacts[0]), patches(&contacts[10])), (2, 3));

@@ -2,13 +2,13 @@
 
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use quasirigid::contact::{Balance, ContactOptions, ContactStatus, Goal, Press, Start, WarningKind, press};
+use quasirigid::contact::{ContactOptions, ContactStatus, Goal, WarningKind};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::response::{Discretization, Kernel};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, icosphere};
-use crate::{UP, ball, galerkin, half_space, lattice, plate, press_up, skin, solve};
+use crate::{ball, galerkin, half_space, lattice, plate, press_up, pressed, skin, solve, surface};
 
 #[test]
 fn no_patch_carries_its_force_above_its_largest_pressure() {
@@ -54,8 +54,7 @@ fn no_patch_carries_its_force_above_its_largest_pressure() {
 fn the_figures_do_not_turn_with_the_scene() {
     let layer = skin(Kernel::Layer { thickness: 4e-3.into() });
     let layer = layer.with_discretization(Discretization::Galerkin).expect("a layer has it");
-    let (vertices, faces) = icosphere(8e-3, 3);
-    let surface = Surface::new(vertices, faces).expect("a valid surface");
+    let surface = surface(icosphere(8e-3, 3));
     let sphere = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, 37.2e-3), 30e-3).expect("a valid obstacle");
     let rotation = Rotation3::new(Vector3::new(0.4, 1.1, -0.7));
     let shift = Vector3::new(0.03, -0.02, 0.05);
@@ -106,10 +105,8 @@ fn skin_that_folds_around_a_rod_presses_as_in_collocation() {
     for (size, depth) in [(1e-3, 1e-3), (2e-3, 2e-3), (0.7e-3, 1.4e-3)] {
         let end = |x: f64| Vector3::new(x, 0.0, -2.0 * size);
         let rod = Obstacle::capsule(end(-20e-3), end(20e-3), size).unwrap();
-        let pressed =
-            Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
         let [averaged, pointwise] = [galerkin(), half_space()]
-            .map(|skin| press(&ball, &rod, &skin, &pressed, &ContactOptions::default()).unwrap());
+            .map(|skin| pressed(&ball, &rod, &skin, Goal::Depth(depth), &ContactOptions::default()));
         assert_relative_eq!(averaged.resultant.force.z, pointwise.resultant.force.z, max_relative = 0.02);
         assert!(pointwise.max_penetration_after < 0.05 * depth);
     }

@@ -3,24 +3,18 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::Vector3;
-use quasirigid::contact::{
-    Balance, Contact, ContactOptions, ContactStatus, Goal, Press, Start, WarningKind, press, solve_contact,
-};
+use quasirigid::contact::{Contact, ContactOptions, ContactStatus, Goal, WarningKind, solve_contact};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 use quasirigid::response::body::{Body, BodyOptions};
-use quasirigid::response::{Discretization, ElasticSkin, Kernel, KernelSkin, PreparedBody};
+use quasirigid::response::{Discretization, Kernel, KernelSkin, PreparedBody};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, icosphere};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, lattice, plate, skin, solve};
+use crate::{
+    POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, lattice, plate, press_up, pressed, skin, solve,
+};
 
 /// A plate pressed on a surface.
-fn pressed(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, options: &ContactOptions) -> Contact {
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
-    press(surface, &plate(), skin, &upwards, options).expect("a valid request")
-}
-
 fn told(contact: &Contact, kind: WarningKind) -> Vec<&str> {
     let of_kind = contact.warnings.iter().filter(|one| one.kind == kind);
     of_kind.map(|one| one.message.as_str()).collect()
@@ -37,7 +31,7 @@ fn assert_told(contact: &Contact, kind: WarningKind, words: &[&str]) {
 
 /// A ball of this radius (m) pressed by a hundredth of it.
 fn at_size(radius: f64) -> Contact {
-    pressed(&ball(radius, 3), &half_space(), 0.01 * radius, &ContactOptions::on_given_mesh())
+    press_up(&ball(radius, 3), &plate(), &half_space(), 0.01 * radius)
 }
 
 #[test]
@@ -67,7 +61,7 @@ fn a_product_mesh_of_many_metres_is_asked_for_its_unit_and_a_plate_is_not() {
 #[test]
 fn without_bone_half_the_breadth_is_too_deep() {
     let surface = ball(8e-3, 3);
-    let at = |depth| pressed(&surface, &half_space(), depth, &ContactOptions::on_given_mesh());
+    let at = |depth| press_up(&surface, &plate(), &half_space(), depth);
     assert!(told(&at(7.9e-3), WarningKind::Depth).is_empty());
     // Through its middle, from pole to pole, the ball is 16 mm broad.
     assert_told(&at(8.1e-3), WarningKind::Depth, &["8.1000e-3", "8.0000e-3", "half of the 1.6000e-2 m"]);
@@ -92,7 +86,7 @@ fn over_a_bone_two_thirds_of_the_tissue_are_too_deep() {
         let options = BodyOptions::default();
         let skin = PreparedBody::new(&surface, &body, SHEAR_MODULUS, POISSON_RATIO, &nodes, &options);
         let skin = skin.expect("a body");
-        let at = |depth| pressed(&surface, &skin, depth, &ContactOptions::on_given_mesh());
+        let at = |depth| press_up(&surface, &plate(), &skin, depth);
         // 3 mm of tissue at the pole.
         assert!(told(&at(1.9e-3), WarningKind::Depth).is_empty());
         assert_told(&at(2.2e-3), WarningKind::Depth, &["2.2000e-3", "two thirds", "of tissue"]);
@@ -104,7 +98,7 @@ fn a_modulus_in_kilopascals_is_asked_for_its_unit() {
     let surface = ball(8e-3, 3);
     let of_modulus = |modulus| {
         let skin = KernelSkin::new(modulus, POISSON_RATIO, Kernel::HalfSpace).expect("valid constants");
-        pressed(&surface, &skin, 1e-4, &ContactOptions::on_given_mesh())
+        press_up(&surface, &plate(), &skin, 1e-4)
     };
     assert_told(&of_modulus(60.0), WarningKind::Modulus, &["6.0000e1 Pa", "60e3"]);
     assert_told(&of_modulus(60e9), WarningKind::Modulus, &["6.0000e10 Pa"]);
@@ -116,13 +110,13 @@ fn a_modulus_in_kilopascals_is_asked_for_its_unit() {
 #[test]
 fn few_cells_in_a_contact_are_told_where_the_mesh_is_taken_as_it_is() {
     let surface = ball(8e-3, 2);
-    let coarse = pressed(&surface, &half_space(), 0.1e-3, &ContactOptions::on_given_mesh());
+    let coarse = press_up(&surface, &plate(), &half_space(), 0.1e-3);
     assert!(coarse.accuracy.cells_per_radius < 1.5);
     let cells = format!("{:.2} mesh cells", coarse.accuracy.cells_per_radius);
     assert_told(&coarse, WarningKind::CoarseMesh, &[&cells, "target_error"]);
-    let refined = pressed(&surface, &half_space(), 0.1e-3, &ContactOptions::default());
+    let refined = pressed(&surface, &plate(), &half_space(), Goal::Depth(0.1e-3), &ContactOptions::default());
     assert!(told(&refined, WarningKind::CoarseMesh).is_empty());
-    let fine = pressed(&ball(8e-3, 4), &half_space(), 1e-3, &ContactOptions::on_given_mesh());
+    let fine = press_up(&ball(8e-3, 4), &plate(), &half_space(), 1e-3);
     assert!(fine.accuracy.cells_per_radius > 1.5);
     assert!(told(&fine, WarningKind::CoarseMesh).is_empty());
 }
@@ -131,7 +125,7 @@ fn few_cells_in_a_contact_are_told_where_the_mesh_is_taken_as_it_is() {
 fn a_layer_pressed_by_more_than_half_is_out_of_its_range() {
     let surface = ball(8e-3, 3);
     let layer = skin(Kernel::Layer { thickness: 3e-3.into() });
-    let at = |depth| pressed(&surface, &layer, depth, &ContactOptions::on_given_mesh());
+    let at = |depth| press_up(&surface, &plate(), &layer, depth);
     assert!(told(&at(1.4e-3), WarningKind::ResponseRange).is_empty());
     assert_told(&at(1.6e-3), WarningKind::ResponseRange, &["1.6000e-3", "half of the 3.0000e-3 m"]);
     // Two thirds of it are too deep for any tissue.
@@ -146,7 +140,7 @@ fn a_gaussian_under_a_wide_contact_is_out_of_its_range() {
     let (width, cutoff) = (8e-3, 15e-3);
     // Well below what is balanced.
     let gaussian = skin(Kernel::GaussianCorrected { height: 0.2 * constant / width, width, cutoff });
-    let at = |depth| pressed(&surface, &gaussian, depth, &ContactOptions::on_given_mesh());
+    let at = |depth| press_up(&surface, &plate(), &gaussian, depth);
     assert!(told(&at(0.3e-3), WarningKind::ResponseRange).is_empty());
     assert_told(&at(4e-3), WarningKind::ResponseRange, &["a third of the 8.0000e-3 m"]);
 }
@@ -160,7 +154,7 @@ fn a_mask_that_leaves_next_to_nothing_is_asked_whether_it_is_inverted() {
         let mut mask = vec![false; order.len()];
         order[..count].iter().for_each(|&vertex| mask[vertex] = true);
         let masked = surface.clone().with_skin_mask(mask).expect("one entry a vertex");
-        pressed(&masked, &half_space(), 1e-4, &ContactOptions::on_given_mesh())
+        press_up(&masked, &plate(), &half_space(), 1e-4)
     };
     // 642 vertices.
     assert_told(&leaving(6), WarningKind::Mask, &["6 of 642", "0.93 %", "inverted"]);
@@ -183,7 +177,7 @@ fn guards_are_told_without_contact_and_for_what_is_out_of_reach() {
 fn an_ordinary_press_is_told_nothing() {
     for discretization in [Discretization::Collocation, Discretization::Galerkin] {
         let skin = half_space().with_discretization(discretization).expect("a half-space has it");
-        let contact = pressed(&ball(8e-3, 3), &skin, 1e-3, &ContactOptions::default());
+        let contact = pressed(&ball(8e-3, 3), &plate(), &skin, Goal::Depth(1e-3), &ContactOptions::default());
         assert!(contact.warnings.is_empty(), "{:?}", contact.warnings);
     }
 }
@@ -223,10 +217,7 @@ fn open_skin_pressed_from_behind_is_told_so() {
     let surface = lattice(12, sides, Vector3::zeros(), 0.0, &mut Random(1));
     // The skin faces up, and the ball comes from below.
     let ball = Obstacle::sphere(Vector3::new(0.3e-3, 0.2e-3, -1.0), 0.5).expect("a sphere");
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(1e-4), start: Start::Infinity, balance: Balance::None };
-    let contact = press(&surface, &ball, &half_space(), &upwards, &ContactOptions::on_given_mesh())
-        .expect("a valid request");
+    let contact = press_up(&surface, &ball, &half_space(), 1e-4);
     assert_told(&contact, WarningKind::Penetration, &["pulled and not pressed", "from behind"]);
 }
 
@@ -264,10 +255,7 @@ fn gaps_on_a_rounded_rim_settle_and_a_press_that_ends_before_is_told() {
     let plate = plate_with_hole().translated(&(-0.05 * UP));
     let on_rim = |max_linearizations: usize| {
         let options = ContactOptions { max_linearizations, ..ContactOptions::on_given_mesh() };
-        let upwards =
-            Press { direction: UP, goal: Goal::Depth(2e-3), start: Start::Infinity, balance: Balance::None };
-        let contact =
-            press(&ball(8e-3, 4), &plate, &half_space(), &upwards, &options).expect("a valid request");
+        let contact = pressed(&ball(8e-3, 4), &plate, &half_space(), Goal::Depth(2e-3), &options);
         let off = "off the obstacle in the mean";
         let is_told = told(&contact, WarningKind::Penetration).iter().any(|message| message.contains(off));
         (contact.resultant.force.z, contact.accuracy.force_error.expect("a contact"), is_told)

@@ -8,10 +8,9 @@ use quasirigid::contact::{Contact, ContactOptions, ContactStatus};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
 use quasirigid::response::{KernelSkin, PressureBasis};
-use quasirigid::surface::Surface;
 
 use crate::common::{Random, jittered_grid};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, galerkin, half_space, lattice, solve};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, galerkin, half_space, lattice, solve, surface};
 
 /// A sphere (m) pressed 0.5 mm into a flat skin with `cells` cells per contact radius, its inner vertices moved by
 /// up to `jitter` cells.
@@ -21,8 +20,7 @@ fn hertz_contact_on(cells: usize, jitter: f64, radius: f64, skin: &KernelSkin) -
     let spacing = hertz.contact_radius(approach) / cells as f64;
     let count = 2 * (cells + cells / 2);
     let middle = 0.5 * count as f64 * spacing;
-    let (vertices, faces) = jittered_grid(count, spacing, jitter, &mut Random(5));
-    let surface = Surface::new(vertices, faces).expect("a valid surface");
+    let surface = surface(jittered_grid(count, spacing, jitter, &mut Random(5)));
     let sphere = Obstacle::sphere(Vector3::new(middle, middle, hertz.radius - approach), hertz.radius)
         .expect("a valid obstacle");
     (solve(&surface, &sphere, skin), hertz, approach)

@@ -3,10 +3,12 @@
 use nalgebra::Vector3;
 use quasirigid::contact::{Balance, Contact, ContactOptions, Goal, Press, Start, press, solve_contact};
 use quasirigid::obstacle::Obstacle;
-use quasirigid::response::{Discretization, Kernel, KernelSkin};
+use quasirigid::response::{ElasticSkin, KernelSkin};
 use quasirigid::surface::Surface;
 
-use common::{Random, icosphere, one_diagonal_grid};
+use common::{
+    POISSON_RATIO, Random, SHEAR_MODULUS, galerkin, half_space, icosphere, one_diagonal_grid, skin, surface,
+};
 
 mod combined;
 #[path = "../common/mod.rs"]
@@ -28,31 +30,33 @@ mod thin_walls;
 mod tilt;
 mod warm;
 
-const SHEAR_MODULUS: f64 = 60e3;
-const POISSON_RATIO: f64 = 0.5;
 const UP: Vector3<f64> = Vector3::new(0.0, 0.0, 1.0);
-
-fn skin(kernel: Kernel) -> KernelSkin {
-    KernelSkin::new(SHEAR_MODULUS, POISSON_RATIO, kernel).expect("valid constants")
-}
-
-fn half_space() -> KernelSkin {
-    skin(Kernel::HalfSpace)
-}
-
-/// The half-space in Galerkin form.
-fn galerkin() -> KernelSkin {
-    half_space().with_discretization(Discretization::Galerkin).expect("a half-space has it")
-}
 
 fn solve(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin) -> Contact {
     solve_contact(surface, obstacle, skin, &ContactOptions::on_given_mesh()).expect("a valid request")
 }
 
-fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, depth: f64) -> Contact {
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
-    press(surface, obstacle, skin, &upwards, &ContactOptions::on_given_mesh()).expect("a valid request")
+/// A press from infinity that does not turn.
+fn along(direction: Vector3<f64>, goal: Goal) -> Press {
+    Press { direction, goal, start: Start::Infinity, balance: Balance::None }
+}
+
+fn upwards(goal: Goal) -> Press {
+    along(UP, goal)
+}
+
+fn pressed(
+    surface: &Surface,
+    obstacle: &Obstacle,
+    skin: &dyn ElasticSkin,
+    goal: Goal,
+    options: &ContactOptions,
+) -> Contact {
+    press(surface, obstacle, skin, &upwards(goal), options).expect("a goal within reach")
+}
+
+fn press_up(surface: &Surface, obstacle: &Obstacle, skin: &dyn ElasticSkin, depth: f64) -> Contact {
+    pressed(surface, obstacle, skin, Goal::Depth(depth), &ContactOptions::on_given_mesh())
 }
 
 /// A ball of skin, its lowest point near the origin.

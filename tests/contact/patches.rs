@@ -2,14 +2,12 @@
 
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, Vector3};
-use quasirigid::contact::{
-    Balance, Contact, ContactOptions, Goal, Press, Start, WarmStart, press, press_after,
-};
+use quasirigid::contact::{Contact, ContactOptions, Goal, WarmStart, press_after};
 use quasirigid::response::KernelSkin;
 use quasirigid::surface::Surface;
 
 use crate::common::icosphere;
-use crate::{UP, galerkin, half_space, plate};
+use crate::{UP, galerkin, half_space, plate, pressed, upwards};
 
 const RADIUS: f64 = 8e-3;
 /// How much higher the second ball lies (m).
@@ -36,22 +34,18 @@ fn half_an_edge() -> f64 {
     0.5 * nearest.fold(f64::INFINITY, f64::min)
 }
 
-fn upwards(depth: f64) -> Press {
-    Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None }
-}
-
-fn pressed(surface: &Surface, skin: &KernelSkin, depth: f64) -> Contact {
-    press(surface, &plate(), skin, &upwards(depth), &ContactOptions::default()).expect("a valid request")
+fn refined(surface: &Surface, skin: &KernelSkin, depth: f64) -> Contact {
+    pressed(surface, &plate(), skin, Goal::Depth(depth), &ContactOptions::default())
 }
 
 /// The balls are far apart and share no tissue, so that each answers as alone where the plate stands.
 fn is_sum_of(contact: &Contact, skin: &KernelSkin, each: [[f64; 2]; 2]) {
     let alone = each.map(|one| {
         let ball = balls(&[one]);
-        let touch = pressed(&ball, skin, 0.0).travel;
+        let touch = refined(&ball, skin, 0.0).travel;
         // The smooth skin of a mesh touches at one place on it, and on its refinements a little before.
-        let near = pressed(&ball, skin, contact.travel - touch);
-        pressed(&ball, skin, near.depth.expect("a press") + contact.travel - near.travel)
+        let near = refined(&ball, skin, contact.travel - touch);
+        refined(&ball, skin, near.depth.expect("a press") + contact.travel - near.travel)
     });
     let errors = [contact, &alone[0], &alone[1]].map(|one| one.accuracy.force_error.expect("an estimate"));
     let sum: f64 = alone.iter().map(|one| one.resultant.force.z).sum();
@@ -63,7 +57,7 @@ fn is_sum_of(contact: &Contact, skin: &KernelSkin, each: [[f64; 2]; 2]) {
 fn a_vertex_that_averages_do_not_feel_is_refined_until_they_do() {
     let skin = galerkin();
     let each = [[0.0; 2], [HIGHER, 0.0]];
-    is_sum_of(&pressed(&balls(&each), &skin, HIGHER + 2e-5), &skin, each);
+    is_sum_of(&refined(&balls(&each), &skin, HIGHER + 2e-5), &skin, each);
 }
 
 #[test]
@@ -76,7 +70,8 @@ fn a_patch_between_vertices_is_found_from_one_press_to_the_next() {
         // The vertices beside the lowest edge of the second ball stay above the plate.
         let [one, both] = [HIGHER - 2e-5, HIGHER + 6e-5].map(|depth| {
             let options = ContactOptions::default();
-            press_after(&surface, &plate(), &skin, &upwards(depth), &options, &mut before).expect("a depth")
+            press_after(&surface, &plate(), &skin, &upwards(Goal::Depth(depth)), &options, &mut before)
+                .expect("a depth")
         });
         assert_eq!(one.patches.len(), 1);
         assert!(RADIUS * (1.0 - angle.cos()) > 6e-5);

@@ -11,7 +11,7 @@ use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 use crate::common::icosphere;
-use crate::{POISSON_RATIO, UP, ball, half_space, plate, press_up, skin, solve};
+use crate::{POISSON_RATIO, UP, along, ball, half_space, plate, press_up, pressed, skin, solve, upwards};
 
 #[test]
 fn apart_means_no_contact_and_zeros() {
@@ -73,14 +73,9 @@ fn force_does_not_depend_on_where_the_scene_lies_or_how_its_vertices_are_numbere
     let shift = Vector3::new(0.4, -0.2, 1.3);
     let moved = surface.moved(&Isometry3::from_parts(Translation3::from(shift), turn.into()));
     let obstacle = rod.moved(turn.matrix(), &shift).expect("a rigid motion");
-    let press_along = Press {
-        direction: turn * UP,
-        goal: Goal::Depth(depth),
-        start: Start::Infinity,
-        balance: Balance::None,
-    };
-    let turned = press(&moved, &obstacle, &skin, &press_along, &ContactOptions::on_given_mesh())
-        .expect("a valid request");
+    let way = along(turn * UP, Goal::Depth(depth));
+    let turned =
+        press(&moved, &obstacle, &skin, &way, &ContactOptions::on_given_mesh()).expect("a valid request");
     assert_relative_eq!(turned.resultant.force.norm(), force, max_relative = 1e-6);
 
     let count = surface.vertices().len();
@@ -177,7 +172,7 @@ fn bad_questions_are_named() {
     }
 
     let beside = Obstacle::sphere(Vector3::new(0.1, 0.0, 0.0), 1e-3).expect("a valid obstacle");
-    let up = Press { direction: UP, goal: Goal::Depth(1e-3), start: Start::Infinity, balance: Balance::None };
+    let up = upwards(Goal::Depth(1e-3));
     let masked = |skin_vertices: usize| {
         let mask = (0..surface.vertices().len()).map(|vertex| vertex < skin_vertices).collect();
         surface.clone().with_skin_mask(mask).expect("a mask of the surface")
@@ -206,13 +201,7 @@ fn an_obstacle_in_another_unit_is_warned_about() {
 fn threads_change_nothing_and_drawing_uses_those_asked_for() {
     let with = |num_threads| {
         let options = ContactOptions { num_threads: Some(num_threads), ..ContactOptions::on_given_mesh() };
-        let up = Press {
-            direction: UP,
-            goal: Goal::Depth(0.5e-3),
-            start: Start::Infinity,
-            balance: Balance::None,
-        };
-        let contact = press(&ball(8e-3, 3), &plate(), &half_space(), &up, &options).expect("a valid request");
+        let contact = pressed(&ball(8e-3, 3), &plate(), &half_space(), Goal::Depth(0.5e-3), &options);
         let seen = AtomicUsize::new(0);
         let look = || {
             seen.fetch_max(rayon::current_num_threads(), Ordering::Relaxed);

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use approx::assert_relative_eq;
 use nalgebra::{Rotation3, Vector3};
 use quasirigid::contact::{
-    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, RefinementEnd, Start, press,
+    Balance, ContactError, ContactOptions, ContactStatus, Goal, Press, RefinementEnd, Start, press,
     solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
@@ -15,16 +15,13 @@ use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, jittered_grid};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, galerkin, half_space, lattice, plate, skin, solve};
-
-fn pressed(surface: &Surface, obstacle: &Obstacle, goal: Goal, options: &ContactOptions) -> Contact {
-    let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
-    press(surface, obstacle, &half_space(), &upwards, options).expect("a goal within reach")
-}
+use crate::{
+    POISSON_RATIO, SHEAR_MODULUS, UP, along, ball, galerkin, half_space, lattice, plate, pressed, skin,
+    solve, upwards,
+};
 
 fn refused(surface: &Surface, obstacle: &Obstacle, skin: &KernelSkin, goal: Goal) -> ContactError {
-    let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None };
-    press(surface, obstacle, skin, &upwards, &ContactOptions::on_given_mesh()).unwrap_err()
+    press(surface, obstacle, skin, &upwards(goal), &ContactOptions::on_given_mesh()).unwrap_err()
 }
 
 #[test]
@@ -43,12 +40,7 @@ fn a_force_on_a_flat_skin_asks_for_the_depth_of_hertz() {
         let surface = Surface::new(vertices, faces).expect("a valid surface");
         let sphere =
             Obstacle::sphere(Vector3::new(0.0, 0.0, hertz.radius + 0.01), hertz.radius).expect("a sphere");
-        let down = Press {
-            direction: -UP,
-            goal: Goal::Force(hertz.force(depth)),
-            start: Start::Infinity,
-            balance: Balance::None,
-        };
+        let down = along(-UP, Goal::Force(hertz.force(depth)));
         let contact = press(&surface, &sphere, &half_space(), &down, &ContactOptions::default()).unwrap();
         // A force known to the target of 2 % is a depth known to two thirds of that.
         let error = contact.accuracy.mesh_error.expect("an estimate");
@@ -63,19 +55,19 @@ fn the_depth_of_a_force_gives_that_force_back() {
     let surface = ball(8e-3, 3);
     for force in [0.01, 0.1, 1.0, 5.0] {
         let given = ContactOptions::on_given_mesh();
-        let contact = pressed(&surface, &plate(), Goal::Force(force), &given);
+        let contact = pressed(&surface, &plate(), &half_space(), Goal::Force(force), &given);
         assert_relative_eq!(contact.resultant.force.z, force, max_relative = 1e-6);
-        let again = pressed(&surface, &plate(), Goal::Depth(contact.depth.unwrap()), &given);
+        let again = pressed(&surface, &plate(), &half_space(), Goal::Depth(contact.depth.unwrap()), &given);
         assert_eq!(again.node_force, contact.node_force);
         assert_relative_eq!(again.travel, contact.travel, max_relative = 1e-15);
 
         let options = ContactOptions::default();
-        let refined = pressed(&surface, &plate(), Goal::Force(force), &options);
+        let refined = pressed(&surface, &plate(), &half_space(), Goal::Force(force), &options);
         assert_eq!(refined.refinements.last().and_then(|one| one.end), Some(RefinementEnd::Target));
         assert_eq!(refined.refinements.last().unwrap().force, refined.resultant.force);
         assert!(refined.accuracy.mesh_error.unwrap().max(refined.accuracy.area_error.unwrap()) <= 0.02);
         assert_relative_eq!(refined.resultant.force.z, force, max_relative = 1e-6);
-        let again = pressed(&surface, &plate(), Goal::Depth(refined.depth.unwrap()), &options);
+        let again = pressed(&surface, &plate(), &half_space(), Goal::Depth(refined.depth.unwrap()), &options);
         assert_relative_eq!(again.resultant.force.z, force, max_relative = 0.04);
     }
 }
@@ -97,11 +89,13 @@ fn a_small_force_from_the_current_place_is_found_on_the_smooth_skin() {
 #[test]
 fn averaged_gaps_find_a_force_that_starts_late() {
     for force in [0.01, 0.1] {
-        let upwards =
-            Press { direction: UP, goal: Goal::Force(force), start: Start::Infinity, balance: Balance::None };
-        let contact =
-            press(&ball(8e-3, 2), &plate(), &galerkin(), &upwards, &ContactOptions::on_given_mesh())
-                .expect("a force within reach");
+        let contact = pressed(
+            &ball(8e-3, 2),
+            &plate(),
+            &galerkin(),
+            Goal::Force(force),
+            &ContactOptions::on_given_mesh(),
+        );
         assert_relative_eq!(contact.resultant.force.z, force, max_relative = 1e-6);
     }
 }
@@ -109,7 +103,8 @@ fn averaged_gaps_find_a_force_that_starts_late() {
 #[test]
 fn a_force_by_what_is_smaller_than_the_triangles_is_found() {
     let bead = Obstacle::sphere(Vector3::new(0.3e-3, 0.1e-3, -0.03), 3e-4).expect("a sphere");
-    let contact = pressed(&ball(8e-3, 2), &bead, Goal::Force(0.01), &ContactOptions::default());
+    let contact =
+        pressed(&ball(8e-3, 2), &bead, &half_space(), Goal::Force(0.01), &ContactOptions::default());
     assert_relative_eq!(contact.resultant.force.z, 0.01, max_relative = 1e-6);
 }
 
@@ -120,7 +115,7 @@ fn the_overlap_asked_for_is_the_deepest_penetration_before() {
     for target_error in [None, Some(0.02)] {
         let options = ContactOptions { target_error, ..ContactOptions::default() };
         for overlap in [1e-5, 0.3e-3, 1.12e-3] {
-            let contact = pressed(&ball(8e-3, 3), &rod, Goal::Overlap(overlap), &options);
+            let contact = pressed(&ball(8e-3, 3), &rod, &half_space(), Goal::Overlap(overlap), &options);
             assert_relative_eq!(contact.max_penetration_before, overlap, max_relative = 1e-6);
             assert!(contact.depth.unwrap() >= overlap);
         }
@@ -139,7 +134,7 @@ fn a_press_from_where_the_obstacle_stands_counts_its_depth_from_there() {
     let contact = from_here(Goal::Force(1.0));
     assert_relative_eq!(contact.resultant.force.z, 1.0, max_relative = 1e-6);
     assert_eq!(contact.depth, Some(contact.travel));
-    let touching = pressed(&surface, &far, Goal::Force(1.0), &options);
+    let touching = pressed(&surface, &far, &half_space(), Goal::Force(1.0), &options);
     assert_relative_eq!(contact.travel, touching.travel, max_relative = 1e-6);
     let again = from_here(Goal::Depth(contact.travel));
     assert_eq!(again.node_force, contact.node_force);
@@ -212,9 +207,7 @@ fn a_search_can_be_interrupted_at_any_question() {
         asked.store(0, Ordering::Relaxed);
         let interrupt = || asked.fetch_add(1, Ordering::Relaxed) >= limit;
         let options = ContactOptions { interrupt: Some(&interrupt), ..ContactOptions::default() };
-        let upwards =
-            Press { direction: UP, goal: Goal::Force(1.0), start: Start::Infinity, balance: Balance::None };
-        press(&surface, &plate(), &half_space(), &upwards, &options)
+        press(&surface, &plate(), &half_space(), &upwards(Goal::Force(1.0)), &options)
     };
     assert!(run(usize::MAX).is_ok());
     let questions = asked.load(Ordering::Relaxed);

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use approx::assert_relative_eq;
 use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
 use quasirigid::contact::{
-    Balance, Contact, ContactError, ContactOptions, ContactStatus, Goal, Press, RefinementEnd, Start,
-    WarningKind, press, solve_contact,
+    Contact, ContactError, ContactOptions, ContactStatus, Goal, RefinementEnd, WarningKind, press,
+    solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{Hertz, contact_modulus};
@@ -14,16 +14,14 @@ use quasirigid::response::{ElasticSkin, Kernel, KernelSkin, PressureBasis};
 use quasirigid::surface::Surface;
 
 use crate::common::{Random, jittered_grid};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, along, ball, half_space, plate, pressed};
 
 fn options(target_error: f64) -> ContactOptions<'static> {
     ContactOptions { target_error: Some(target_error), ..ContactOptions::default() }
 }
 
-fn pressed(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, target_error: f64) -> Contact {
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
-    press(surface, &plate(), skin, &upwards, &options(target_error)).expect("a valid request")
+fn refined(surface: &Surface, skin: &dyn ElasticSkin, depth: f64, target_error: f64) -> Contact {
+    pressed(surface, &plate(), skin, Goal::Depth(depth), &options(target_error))
 }
 
 /// Flat square about the origin, its inner vertices moved by up to a quarter of a cell.
@@ -78,7 +76,7 @@ fn a_layer_thin_against_the_mesh_is_touched_as_far_as_springs_are() {
 #[test]
 fn the_mesh_stays_sound_and_round_and_keeps_its_vertices() {
     let surface = ball(8e-3, 2);
-    let contact = pressed(&surface, &half_space(), 0.6e-3, 0.005);
+    let contact = refined(&surface, &half_space(), 0.6e-3, 0.005);
     let solved = contact.surface();
     let given = surface.vertices().len();
     assert_eq!(contact.given_vertex_count(), given);
@@ -105,23 +103,18 @@ fn the_mesh_stays_sound_and_round_and_keeps_its_vertices() {
 fn motion_scale_and_numbering_change_nothing() {
     let surface = ball(8e-3, 2);
     let count = surface.vertices().len();
-    let force = pressed(&surface, &half_space(), 0.6e-3, 0.01).resultant.force.norm();
+    let force = refined(&surface, &half_space(), 0.6e-3, 0.01).resultant.force.norm();
 
     let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
     let shift = Vector3::new(0.1, -0.2, 0.3);
     let pose = Isometry3::from_parts(Translation3::from(shift), turn.into());
-    let along = Press {
-        direction: turn * UP,
-        goal: Goal::Depth(0.6e-3),
-        start: Start::Infinity,
-        balance: Balance::None,
-    };
     let there = plate().moved(turn.matrix(), &shift).expect("a rigid motion");
-    let moved = press(&surface.moved(&pose), &there, &half_space(), &along, &options(0.01)).expect("valid");
+    let way = along(turn * UP, Goal::Depth(0.6e-3));
+    let moved = press(&surface.moved(&pose), &there, &half_space(), &way, &options(0.01)).expect("valid");
     assert_relative_eq!(moved.resultant.force.norm(), force, max_relative = 1e-6);
 
     let large = surface.with_vertices(surface.vertices().iter().map(|vertex| 1e3 * vertex).collect());
-    let scaled = pressed(&large, &half_space(), 0.6, 0.01);
+    let scaled = refined(&large, &half_space(), 0.6, 0.01);
     assert_relative_eq!(scaled.resultant.force.norm(), 1e6 * force, max_relative = 1e-6);
 
     let renumbered = |vertex: usize| (vertex * 5 + 3) % count;
@@ -130,7 +123,7 @@ fn motion_scale_and_numbering_change_nothing() {
     let faces = surface.faces().iter().rev();
     let faces = faces.map(|face| face.map(|vertex| renumbered(vertex as usize) as u32)).collect();
     let other = Surface::new(vertices, faces).expect("the same surface");
-    let again = pressed(&other, &half_space(), 0.6e-3, 0.01);
+    let again = refined(&other, &half_space(), 0.6e-3, 0.01);
     assert_relative_eq!(again.resultant.force.norm(), force, max_relative = 1e-6);
 }
 
@@ -138,7 +131,7 @@ fn motion_scale_and_numbering_change_nothing() {
 fn what_cannot_be_refined_is_taken_as_it_is_and_says_so() {
     let surface = ball(8e-3, 3);
     let one_ring: KernelSkin = half_space().with_basis(PressureBasis::OneRing);
-    let contact = pressed(&surface, &one_ring, 0.6e-3, 0.01);
+    let contact = refined(&surface, &one_ring, 0.6e-3, 0.01);
     assert_eq!(contact.surface().vertices().len(), surface.vertices().len());
     assert_eq!((contact.accuracy.force_error, contact.accuracy.area_error), (None, None));
     assert!(contact.left_out.iter().any(|one| one.what == "refinement"));
@@ -149,9 +142,7 @@ fn what_cannot_be_refined_is_taken_as_it_is_and_says_so() {
 fn a_refinement_that_ends_early_says_why() {
     let surface = ball(8e-3, 2);
     let few = ContactOptions { max_nodes: 40, ..options(1e-3) };
-    let upwards =
-        Press { direction: UP, goal: Goal::Depth(0.6e-3), start: Start::Infinity, balance: Balance::None };
-    let contact = press(&surface, &plate(), &half_space(), &upwards, &few).expect("valid");
+    let contact = pressed(&surface, &plate(), &half_space(), Goal::Depth(0.6e-3), &few);
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.refinements.last().and_then(|one| one.end), Some(RefinementEnd::MaxNodes));
     assert!(contact.warnings.iter().any(|warning| warning.message.contains("max_nodes")));

@@ -3,14 +3,13 @@
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use quasirigid::contact::{
-    Balance, Contact, ContactOptions, Goal, Press, RefinementKind, Start, Warning, WarningKind, overlaps,
-    press, solve_contact,
+    Contact, ContactOptions, Goal, RefinementKind, Warning, WarningKind, overlaps, press, solve_contact,
 };
 use quasirigid::obstacle::{Obstacle, ObstacleError};
 use quasirigid::surface::Surface;
 
 use crate::common::{grid, icosphere};
-use crate::{galerkin, half_space};
+use crate::{along, galerkin, half_space};
 
 const DOWN: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 
@@ -22,9 +21,8 @@ fn pad(count: usize, spacing: f64) -> Surface {
 }
 
 fn pressed(surface: &Surface, obstacle: &Obstacle, depth: f64) -> Contact {
-    let down =
-        Press { direction: DOWN, goal: Goal::Depth(depth), start: Start::Infinity, balance: Balance::None };
-    press(surface, obstacle, &half_space(), &down, &ContactOptions::on_given_mesh()).unwrap()
+    let way = along(DOWN, Goal::Depth(depth));
+    press(surface, obstacle, &half_space(), &way, &ContactOptions::on_given_mesh()).unwrap()
 }
 
 /// Warnings but that edges stand in the skin between its vertices, on a mesh taken as it is.
@@ -151,14 +149,9 @@ fn a_sheet_in_overlap_presses_the_skin_that_it_came_in_through() {
             );
         }
         // As pressed there.
-        let down = Press {
-            direction: DOWN,
-            goal: Goal::Depth(depth),
-            start: Start::Infinity,
-            balance: Balance::None,
-        };
         let sheet = box_of([5.2e-3, 5.2e-3, 0.2e-3]);
-        let pressed = press(&surface, &sheet, &skin, &down, &ContactOptions::on_given_mesh()).unwrap();
+        let way = along(DOWN, Goal::Depth(depth));
+        let pressed = press(&surface, &sheet, &skin, &way, &ContactOptions::on_given_mesh()).unwrap();
         assert_relative_eq!(pressed.resultant.force, block, max_relative = 1e-9);
     }
 }

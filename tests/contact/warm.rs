@@ -2,26 +2,21 @@
 
 use approx::assert_relative_eq;
 use quasirigid::contact::{
-    Balance, Contact, ContactError, ContactOptions, Goal, Press, RefinementKind, Start, WarmStart, press,
-    press_after,
+    Contact, ContactError, ContactOptions, Goal, RefinementKind, WarmStart, press_after,
 };
 use quasirigid::reference::{Hertz, contact_modulus};
 use quasirigid::surface::Surface;
 
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, ball, half_space, plate};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, ball, half_space, plate, pressed, upwards};
 
 const RADIUS: f64 = 8e-3;
-
-fn upwards(goal: Goal) -> Press {
-    Press { direction: UP, goal, start: Start::Infinity, balance: Balance::None }
-}
 
 fn after(surface: &Surface, goal: Goal, before: &mut WarmStart) -> Result<Contact, ContactError> {
     press_after(surface, &plate(), &half_space(), &upwards(goal), &ContactOptions::default(), before)
 }
 
 fn alone(surface: &Surface, goal: Goal) -> Contact {
-    press(surface, &plate(), &half_space(), &upwards(goal), &ContactOptions::default()).expect("within reach")
+    pressed(surface, &plate(), &half_space(), goal, &ContactOptions::default())
 }
 
 fn mesh_rounds(contact: &Contact) -> usize {

@@ -3,11 +3,7 @@
 use nalgebra::Vector3;
 use quasirigid::geometry::find_crossings;
 
-use crate::common::{Mesh, Random, data_dir, icosphere, read_ply};
-
-fn v(x: f64, y: f64, z: f64) -> Vector3<f64> {
-    Vector3::new(x, y, z)
-}
+use crate::common::{Mesh, Random, data_dir, icosphere, read_ply, v};
 
 /// Whether two triangles with corners of their own cross, whichever comes first and however they are listed.
 fn cross(first: [Vector3<f64>; 3], second: [Vector3<f64>; 3]) -> bool {

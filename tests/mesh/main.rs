@@ -4,9 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use quasirigid::mesh::{MeshError, Repair, RepairOptions, check, check_nesting, repair};
-use quasirigid::surface::Surface;
 
-use common::Mesh;
+use common::{Mesh, surface};
 
 mod collection;
 #[path = "../common/mod.rs"]
@@ -37,10 +36,6 @@ fn shifted(mesh: &Mesh, by: Vector3<f64>) -> Mesh {
 
 fn welded(mesh: &Mesh, weld_tolerance: f64) -> Result<Repair, MeshError> {
     repair(&mesh.0, &mesh.1, &RepairOptions { weld_tolerance })
-}
-
-fn surface(mesh: Mesh) -> Surface {
-    Surface::new(mesh.0, mesh.1).expect("a sound mesh")
 }
 
 /// Unit cube, two faces a side, all diagonals through vertex 0 or the one opposite to it.

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 
-use common::{Mesh, Random};
+use common::{Mesh, Random, v};
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -12,10 +12,6 @@ mod invariance;
 mod meshes;
 mod primitives;
 mod refusals;
-
-fn v(x: f64, y: f64, z: f64) -> Vector3<f64> {
-    Vector3::new(x, y, z)
-}
 
 fn mesh_obstacle((vertices, faces): Mesh) -> Obstacle {
     Obstacle::mesh(vertices, faces, &MeshObstacleOptions::default()).expect("a good mesh")

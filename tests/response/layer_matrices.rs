@@ -10,7 +10,7 @@ use quasirigid::response::{
 };
 use quasirigid::surface::Surface;
 
-use crate::common::{self, Random, jittered_grid};
+use crate::common::{self, Random, jittered_grid, surface};
 
 const CELL: f64 = 1e-3;
 
@@ -22,8 +22,7 @@ fn skin(poisson_ratio: f64, thickness: impl Into<Thickness>, discretization: Dis
 
 /// A flat skin of `cells`² cells with its inner vertices moved by up to `jitter` cells.
 fn flat(cells: usize, spacing: f64, jitter: f64) -> Surface {
-    let (vertices, faces) = jittered_grid(cells, spacing, jitter, &mut Random(11));
-    Surface::new(vertices, faces).expect("a grid")
+    surface(jittered_grid(cells, spacing, jitter, &mut Random(11)))
 }
 
 /// Smallest over largest eigenvalue of the symmetric part over all vertices, borders included.
@@ -148,8 +147,7 @@ fn a_sphere_on_an_incompressible_layer_needs_the_known_force_through_the_pipelin
 #[test]
 fn a_pad_bent_within_the_layers_reach_is_found_indefinite() {
     let Some(data) = common::data_dir() else { return };
-    let (vertices, faces) = common::read_ply(&data.join("hands/libhand_right_middle_1500.ply"));
-    let surface = Surface::new(vertices, faces).expect("a good mesh");
+    let surface = surface(common::read_ply(&data.join("hands/libhand_right_middle_1500.ply")));
     let points = surface.vertices();
     let low = points.iter().min_by(|a, b| a.z.total_cmp(&b.z)).expect("vertices");
     let mut nodes: Vec<usize> = (0..points.len()).collect();

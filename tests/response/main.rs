@@ -3,12 +3,10 @@
 use std::f64::consts::PI;
 
 use nalgebra::Vector3;
-use quasirigid::response::{
-    AssemblyOptions, Discretization, Kernel, KernelSkin, PressureBasis, assemble, hat_integrals,
-};
+use quasirigid::response::{AssemblyOptions, Kernel, KernelSkin, PressureBasis, assemble, hat_integrals};
 use quasirigid::surface::Surface;
 
-use common::Random;
+use common::{Random, galerkin, skin};
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -44,10 +42,6 @@ fn grid(n: usize, size: f64, bowl: f64, jitter: f64) -> Surface {
     Surface::new(vertices, common::one_way_faces(n)).expect("a grid is a valid surface")
 }
 
-fn skin(kernel: Kernel) -> KernelSkin {
-    KernelSkin::new(60e3, 0.5, kernel).expect("valid constants")
-}
-
 fn all(surface: &Surface) -> Vec<usize> {
     (0..surface.vertices().len()).collect()
 }
@@ -76,10 +70,6 @@ fn naive_half_space(surface: &Surface, skin: &KernelSkin, nodes: &[usize]) -> fa
         }
         skin.kernel_constant() * sum / surface.vertex_areas()[nodes[j]]
     })
-}
-
-fn galerkin() -> KernelSkin {
-    skin(HALF_SPACE).with_discretization(Discretization::Galerkin).expect("a half-space has it")
 }
 
 fn layer(thickness: f64) -> Kernel {
