@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::contact::figures::receding::Receding;
+use crate::contact::figures::penetration::receding::Receding;
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::response::body::levels::coarseness::BodyDoubt;
 

@@ -9,15 +9,15 @@ use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::area::areas_within_rim;
-use crate::contact::figures::at_rest::penetration_between;
-use crate::contact::figures::beside::Beside;
-use crate::contact::figures::cells::cells_per_radius;
+use crate::contact::figures::area::beside::Beside;
+use crate::contact::figures::area::cells::cells_per_radius;
+use crate::contact::figures::area::rim::RimOnEdges;
+use crate::contact::figures::area::within_rim::areas_within_rim;
 use crate::contact::figures::loaded::LoadedVertices;
-use crate::contact::figures::motion::{CandidateMotion, Drawing};
-use crate::contact::figures::penetration::penetration_after;
-use crate::contact::figures::pressure::VertexPressure;
-use crate::contact::figures::rim::RimOnEdges;
+use crate::contact::figures::motion::candidates::{CandidateMotion, Drawing};
+use crate::contact::figures::penetration::after::penetration_after;
+use crate::contact::figures::penetration::at_rest::penetration_between;
+use crate::contact::figures::pressure::vertices::VertexPressure;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactMesh, ContactStatus};
@@ -85,31 +85,25 @@ impl Contact {
             left.apart = 0.0;
         }
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
-        let known = gaps.scene.inherited.as_ref().map(|inherited| &inherited.cuts);
-        let at_cuts = report.warn_of_cuts(surface, response.skin, known, &forces);
+        let at_cuts = report.warn_of_cuts(gaps, response.skin, &forces);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let on_edges = RimOnEdges::new(gaps, &forces)?;
         let within_rim = areas_within_rim(gaps, response, &forces, &beside, &on_edges)?;
         let [body, product] = response.doubts(&forces.active, &forces.active_vectors(), gaps.deepest())?;
         let edge = LoadedEdge::of_obstacle(gaps, &forces);
         let skin_edge = LoadedEdge::of_skin(gaps, &forces);
-        let ends_of = |edge: &Option<LoadedEdge>| edge.as_ref().map(|edge| edge.ends);
-        for (whose, ends) in [("obstacle", ends_of(&edge).or(on_edges.ends)), ("skin", ends_of(&skin_edge))] {
-            ends.iter().for_each(|ends| report.note_edge(whose, ends));
-        }
-        let area_within_rim = within_rim.iter().sum();
+        report.note_edges(edge.as_ref().map(|edge| edge.ends).or(on_edges.ends), skin_edge.as_ref());
         let is_blunt = |&vertex: &usize| gaps.line_at(vertex).is_some_and(|line| !line.is_sharp);
-        let is_between = forces.active.iter().all(is_blunt);
         let clues = Clues {
             deepest: gaps.deepest_vertex,
-            area_within_rim,
+            area_within_rim: within_rim.iter().sum(),
             body,
             product,
             at_cuts,
             edge,
             skin_edge,
             ends_at_edges: on_edges.share,
-            is_between,
+            is_between: forces.active.iter().all(is_blunt),
             is_unsettled: report.is_unsettled,
             apart: left.apart / gaps.deepest(),
             receding: left.receding,

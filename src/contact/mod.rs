@@ -41,7 +41,7 @@ pub(crate) mod warm;
 
 pub use error::{ContactError, PressedContact};
 pub use figures::accuracy::Accuracy;
-pub use figures::drawn::DrawnSkin;
+pub use figures::motion::drawn::DrawnSkin;
 pub use first_touch::touching;
 pub use options::ContactOptions;
 pub use outcome::{

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::contact::clues::Clues;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::loaded::LoadedVertices;
-use crate::contact::figures::motion::Drawing;
+use crate::contact::figures::motion::candidates::Drawing;
 use crate::contact::report::advice::advice;
 use crate::contact::report::warning::Warning;
 use crate::lcp::solution::{LcpSolution, LcpStatus};

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::contact::candidate::on_refined::KnownFingers;
 use crate::contact::cuts::Cuts;
 use crate::contact::error::ContactError;
-use crate::contact::figures::at_rest::edges_within;
+use crate::contact::figures::penetration::at_rest::edges_within;
 use crate::contact::first_touch::{first_touch, never_touches, skin_vertices, touch_rounding};
 use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;

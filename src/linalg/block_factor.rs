@@ -171,14 +171,7 @@ impl BlockFactor {
         removed.iter().enumerate().for_each(|(k, &place)| solved.column_mut(added.len() + k)[place] = 1.0);
         self.factor.solve_in_place(solved.as_mut(), interrupted);
         *work += 2.0 * (size * size * changed) as f64;
-        let mut schur = Dense::zeros(changed, changed);
-        (0..added.len()).for_each(|j| schur.column_mut(j)[..added.len()].copy_from_slice(corner.column(j)));
-        let upper = schur.as_mut().subrows_mut(0, added.len());
-        matmul::matmul(upper, Accum::Add, rows.as_ref(), solved.as_ref(), -1.0, Par::Seq);
-        for j in 0..changed {
-            let held = removed.iter().map(|&place| -solved.column(j)[place]);
-            schur.column_mut(j)[added.len()..].iter_mut().zip(held).for_each(|(entry, held)| *entry = held);
-        }
+        let schur = schur_complement(&corner, &rows, &solved, &removed);
         if interrupted() {
             return Err(NoFactor::Interrupted);
         }
@@ -211,6 +204,20 @@ impl BlockFactor {
         }
         x
     }
+}
+
+/// Of the border: `corner - rows · solved` for what was added, the held unknowns of `solved` for what was `removed`.
+fn schur_complement(corner: &Dense, rows: &Dense, solved: &Dense, removed: &[usize]) -> Dense {
+    let (added, changed) = (corner.rows(), corner.rows() + removed.len());
+    let mut schur = Dense::zeros(changed, changed);
+    (0..added).for_each(|j| schur.column_mut(j)[..added].copy_from_slice(corner.column(j)));
+    let upper = schur.as_mut().subrows_mut(0, added);
+    matmul::matmul(upper, Accum::Add, rows.as_ref(), solved.as_ref(), -1.0, Par::Seq);
+    for j in 0..changed {
+        let held = removed.iter().map(|&place| -solved.column(j)[place]);
+        schur.column_mut(j)[added..].iter_mut().zip(held).for_each(|(entry, held)| *entry = held);
+    }
+    schur
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use crate::contact::equilibrium::group::{Guess, Nearness};
 use crate::contact::equilibrium::growth::PRESSED_SHARE;
 use crate::contact::equilibrium::solve::solve;
 use crate::contact::error::ContactError;
-use crate::contact::figures::motion::CandidateMotion;
+use crate::contact::figures::motion::candidates::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;

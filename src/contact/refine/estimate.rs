@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::cells::{mean_bulge, mean_edge};
-use crate::contact::figures::receding::Receding;
+use crate::contact::figures::area::cells::{mean_bulge, mean_edge};
+use crate::contact::figures::penetration::receding::Receding;
 use crate::contact::outcome::{Contact, RefinementKind};
 use crate::contact::refine::mesh_errors::{MeshErrors, Settling};
 use crate::contact::refine::tissue::Tissue;

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::figures::penetration::SMALL_PENETRATION;
+use crate::contact::figures::penetration::after::SMALL_PENETRATION;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::Contact;

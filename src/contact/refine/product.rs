@@ -1,6 +1,6 @@
 //! What the mesh that a product's matrix is given on costs area and peak pressure.
 
-use crate::contact::figures::cells::mean_edge;
+use crate::contact::figures::area::cells::mean_edge;
 use crate::contact::outcome::Contact;
 
 /// What the area and the peak pressure lose, over what the force does, where a given matrix is interpolated between its

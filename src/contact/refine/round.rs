@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::contact::clues::Clues;
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::penetration::SMALL_PENETRATION;
+use crate::contact::figures::penetration::after::SMALL_PENETRATION;
 use crate::contact::outcome::{Contact, ContactStatus, Refinement, RefinementEnd, RefinementKind};
 use crate::contact::refine::estimate::{ErrorEstimate, KEPT_ON_EDGE};
 use crate::contact::refine::mesh_errors::MeshErrors;

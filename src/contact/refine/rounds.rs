@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::contact::clues::Clues;
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
 use crate::contact::error::ContactError;
-use crate::contact::figures::cells::mean_edge;
+use crate::contact::figures::area::cells::mean_edge;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd, RefinementKind};

@@ -1,6 +1,6 @@
 //! The tissue under the forces of a contact, and what a mesh loses where it is thin.
 
-use crate::contact::figures::cells::mean_edge;
+use crate::contact::figures::area::cells::mean_edge;
 use crate::contact::outcome::Contact;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;

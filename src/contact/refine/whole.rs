@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::clues::Clues;
 use crate::contact::error::ContactError;
-use crate::contact::figures::motion::{CandidateMotion, Drawing};
+use crate::contact::figures::motion::candidates::{CandidateMotion, Drawing};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactMesh, LeftOut, Patch};
 use crate::contact::report::left_out::{FAR_VERTICES, MASKED_VERTICES};

@@ -1,11 +1,11 @@
 //! Contacts that reach where the skin is cut, so that what lies beyond is missing from their figures.
 
-use crate::contact::cuts::{Cuts, is_on_border};
+use crate::contact::cuts::is_on_border;
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::gap::initial::Gaps;
 use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
 use crate::response::skin::elastic::ElasticSkin;
-use crate::surface::checked::Surface;
 
 /// Share of the force from which the user is warned that it lies at a cut.
 const SMALL_SHARE: f64 = 1e-3;
@@ -13,15 +13,9 @@ const SMALL_SHARE: f64 = 1e-3;
 impl Report {
     /// Warns where vertices carry force beside a held one or the rim of the skin mask, or on an open border: each
     /// counts for the first of these. Returns the share of the force there.
-    ///
-    /// * `refined`: what is known of a refined surface
-    pub fn warn_of_cuts(
-        &mut self,
-        surface: &Surface,
-        skin: &dyn ElasticSkin,
-        refined: Option<&Cuts>,
-        forces: &NodeForces,
-    ) -> f64 {
+    pub fn warn_of_cuts(&mut self, gaps: &Gaps, skin: &dyn ElasticSkin, forces: &NodeForces) -> f64 {
+        let surface = gaps.surface;
+        let refined = gaps.scene.inherited.as_ref().map(|inherited| &inherited.cuts);
         let is_held = |vertex| refined.map_or_else(|| skin.is_held(vertex), |cuts| cuts.held[vertex]);
         let ends = |vertex| refined.map_or_else(|| is_on_border(surface, vertex), |cuts| cuts.border[vertex]);
         let kinds = [

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::clues::LoadedEdge;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::penetration::Penetration;
-use crate::contact::figures::penetration::SMALL_PENETRATION;
+use crate::contact::figures::penetration::after::{Penetration, SMALL_PENETRATION};
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::{Contact, RefinementEnd};
 use crate::contact::refine::product::errors_of_area_and_peak;
@@ -147,15 +147,20 @@ impl Report {
         }
     }
 
-    /// Notes a sharp edge of the obstacle or of the skin that carries force.
-    pub fn note_edge(&mut self, whose: &str, [a, b]: &[Vector3<f64>; 2]) {
+    /// Notes sharp edges that carry force.
+    ///
+    /// * `obstacle`: ends (m) of one of the obstacle
+    pub fn note_edges(&mut self, obstacle: Option<[Vector3<f64>; 2]>, skin: Option<&LoadedEdge>) {
         let point = |x: &Vector3<f64>| format!("({:.4}, {:.4}, {:.4})", x.x, x.y, x.z);
-        let why = format!(
-            "a sharp edge of the {whose} carries force, as from {} to {} m, where the pressure is infinite: take means over an area",
-            point(a),
-            point(b)
-        );
-        self.leave_out("a finite peak pressure", why);
+        for (whose, ends) in [("obstacle", obstacle), ("skin", skin.map(|edge| edge.ends))] {
+            let Some([a, b]) = &ends else { continue };
+            let why = format!(
+                "a sharp edge of the {whose} carries force, as from {} to {} m, where the pressure is infinite: take means over an area",
+                point(a),
+                point(b)
+            );
+            self.leave_out("a finite peak pressure", why);
+        }
     }
 
     /// Warns where the obstacle is too finely shaped for gaps linearized at this depth, or the mesh too coarse for

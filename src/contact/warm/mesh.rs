@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::contact::error::ContactError;
 use crate::contact::figures::accuracy::Accuracy;
-use crate::contact::figures::cells::mean_edge;
+use crate::contact::figures::area::cells::mean_edge;
 use crate::contact::in_place::Known;
 use crate::contact::outcome::{Contact, ContactStatus, Patch, RefinementEnd};
 use crate::contact::refine::estimate::ErrorEstimate;

@@ -197,11 +197,10 @@ impl Body {
                 }
             },
         )?;
-        let pressure = bone_normals.map(|_| pressure);
         Ok(BodyParts {
             nodes: nodes.to_vec(),
             displacement,
-            bone_pressure: pressure,
+            bone_pressure: bone_normals.map(|_| pressure),
             rotation: nalgebra::Matrix3::identity(),
             shear_modulus,
             poisson_ratio,

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::motion::CandidateMotion;
+use crate::contact::figures::motion::candidates::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
 use crate::geometry::direction::are_one;
 

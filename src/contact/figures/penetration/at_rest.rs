@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::figures::between::PointsBetween;
+use crate::contact::figures::penetration::between::PointsBetween;
 use crate::contact::gap::edge::{SkinPart, triangles_among};
 use crate::contact::gap::measured::Measured;
 use crate::obstacle::posed::Obstacle;

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::contact::error::ContactError;
-use crate::contact::figures::fade::{fade, fade_distance};
+use crate::contact::figures::motion::fade::{fade, fade_distance};
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::geometry::bounds::Bounds;

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::equilibrium::compliance::{AppliedForces, Compliance};
 use crate::contact::error::ContactError;
-use crate::contact::figures::fade::Fade;
+use crate::contact::figures::motion::fade::Fade;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::response::skin::elastic::ElasticSkin;

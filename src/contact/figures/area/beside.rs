@@ -6,7 +6,7 @@ use crate::contact::discretization::gap_of;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::motion::CandidateMotion;
+use crate::contact::figures::motion::candidates::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
 
 /// Rings around the vertices under force in which gaps place the rim.

@@ -5,11 +5,11 @@ use nalgebra::Vector3;
 
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::beside::Beside;
-use crate::contact::figures::between::{Between, PointsBetween};
-use crate::contact::figures::fade::Fade;
-use crate::contact::figures::motion::CandidateMotion;
-use crate::contact::figures::receding::{DeformedCorners, Receding};
+use crate::contact::figures::area::beside::Beside;
+use crate::contact::figures::motion::candidates::CandidateMotion;
+use crate::contact::figures::motion::fade::Fade;
+use crate::contact::figures::penetration::between::{Between, PointsBetween};
+use crate::contact::figures::penetration::receding::{DeformedCorners, Receding};
 use crate::contact::gap::edge::{SkinPart, triangles_among};
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;

@@ -3,8 +3,8 @@
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
-use crate::contact::figures::beside::Beside;
-use crate::contact::figures::rim::RimOnEdges;
+use crate::contact::figures::area::beside::Beside;
+use crate::contact::figures::area::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
 use crate::surface::checked::Surface;

@@ -1,7 +1,7 @@
 //! Pressure at the vertices.
 
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::figures::recovery::recover_pressure;
+use crate::contact::figures::pressure::recovery::recover_pressure;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::surface::checked::Surface;
 
