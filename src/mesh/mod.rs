@@ -11,19 +11,16 @@
 pub(crate) mod adjacency;
 pub(crate) mod borders;
 pub(crate) mod check;
-pub(crate) mod coarsen;
 pub(crate) mod component;
 pub(crate) mod csr;
 pub(crate) mod edge_map;
 pub(crate) mod error;
-pub(crate) mod even_out;
 pub(crate) mod fan;
 pub(crate) mod grid;
 pub(crate) mod nesting;
 pub(crate) mod orient;
-pub(crate) mod red_green;
+pub(crate) mod remesh;
 pub(crate) mod repair;
-pub(crate) mod smooth;
 pub(crate) mod topology;
 pub(crate) mod weld;
 

@@ -21,8 +21,6 @@ pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod error;
 pub(crate) mod facets;
-pub(crate) mod first_touch;
-pub(crate) mod march;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod nearest;
@@ -30,14 +28,13 @@ pub(crate) mod placed;
 mod pose_matrix;
 pub(crate) mod posed;
 pub(crate) mod primitive;
-pub(crate) mod shadow;
-pub(crate) mod sweep;
+pub(crate) mod travel;
 
 pub use distance::SignedDistances;
 pub use error::ObstacleError;
-pub use first_touch::FirstTouch;
 pub use material::{Material, ProductResponse};
 pub use mesh::MeshObstacleOptions;
 pub use posed::{Obstacle, Triangles};
 #[cfg(feature = "python")]
 pub(crate) use primitive::Primitive;
+pub use travel::first_touch::FirstTouch;

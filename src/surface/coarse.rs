@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::geometry::closest_point::Closest;
 use crate::geometry::face_tree::{Faces, face_tree};
-use crate::mesh::coarsen::{FineMesh, SurfacePoint, collapse_short_edges};
+use crate::mesh::remesh::coarsen::{FineMesh, SurfacePoint, collapse_short_edges};
 use crate::surface::checked::{Surface, SurfaceError};
 
 /// Collapses, each after the triangles were evened out.

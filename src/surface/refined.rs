@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-use crate::mesh::red_green::RedGreen;
-use crate::mesh::smooth::SmoothMesh;
+use crate::mesh::remesh::red_green::RedGreen;
+use crate::mesh::remesh::smooth::SmoothMesh;
 use crate::surface::checked::Surface;
 
 /// Ends of an edge are equally near to a vertex within this share of its length.

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::posed::Shape;
 use crate::obstacle::primitive::Primitive;
-use crate::obstacle::shadow::Shadow;
+use crate::obstacle::travel::shadow::Shadow;
 
 /// Cosine to its normal above which a half-space arrives from infinity.
 const ARRIVAL_COSINE: f64 = 1e-12;

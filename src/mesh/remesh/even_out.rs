@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::mesh::coarsen::{FineMesh, LEAST_COSINE, SurfacePoint, normal_and_shape};
+use crate::mesh::remesh::coarsen::{FineMesh, LEAST_COSINE, SurfacePoint, normal_and_shape};
 
 /// Rounds of flips and steps.
 const MOST_ROUNDS: usize = 8;

@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use nalgebra::Vector3;
 
 use crate::mesh::edge_map::{EdgeMap, edge};
-use crate::mesh::smooth::{SmoothMesh, curved_middle};
+use crate::mesh::remesh::smooth::{SmoothMesh, curved_middle};
 
 /// Least share of its smallest angle that a green cut leaves a triangle.
 const LEAST_ANGLE_SHARE: f64 = 0.5;

@@ -9,7 +9,7 @@ use crate::geometry::direction::unit;
 use crate::obstacle::distance::check_points;
 use crate::obstacle::error::ObstacleError;
 use crate::obstacle::posed::Obstacle;
-use crate::obstacle::sweep::SweptShape;
+use crate::obstacle::travel::sweep::SweptShape;
 
 /// A point that rounding puts this share of the obstacle's size inside still counts as not yet met.
 const START_TOLERANCE: f64 = 1e-12;

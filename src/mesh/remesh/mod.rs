@@ -1,0 +1,6 @@
+//! Other triangles for the same surface: fewer, finer or more even ones.
+
+pub(crate) mod coarsen;
+pub(crate) mod even_out;
+pub(crate) mod red_green;
+pub(crate) mod smooth;
