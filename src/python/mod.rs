@@ -18,6 +18,7 @@ mod material;
 mod matrix;
 mod obstacle;
 mod pickle;
+mod raw_mesh;
 mod reference;
 mod resultant;
 mod skin;
@@ -50,6 +51,8 @@ mod _core {
     #[pymodule_export]
     use super::obstacle::{PyObstacle, restore_obstacle};
     #[pymodule_export]
+    use super::raw_mesh::{find_crossings, repair};
+    #[pymodule_export]
     use super::reference::{
         PyCone, PyFlatPunch, PyHertz, ball_on_cored_sphere, contact_modulus, plate_on_cored_sphere,
         point_load_on_layer, sphere_on_layer,
@@ -61,7 +64,7 @@ mod _core {
     #[pymodule_export]
     use super::stored_skin::{restore_body, skin_parts};
     #[pymodule_export]
-    use super::surface::{PySurface, find_crossings, repair, restore_surface, skin_without_caps, way_out};
+    use super::surface::{PySurface, restore_surface, skin_without_caps, way_out};
 
     use pyo3::prelude::*;
 

@@ -1,16 +1,13 @@
-//! `quasirigid.Surface` and what works on raw vertices and faces.
+//! `quasirigid.Surface`.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyDict;
 
-use crate::geometry::bounds::is_within_range;
 use crate::geometry::ray::first_hit;
 use crate::geometry::rigid_motion;
 use crate::mesh::check::check_elements;
-use crate::mesh::{self, RepairOptions};
-use crate::python::arrays_out::{faces_out, nodes_out, pairs_out, vectors_out};
+use crate::python::arrays_out::{faces_out, nodes_out, vectors_out};
 use crate::python::convert::{faces, integer, mask, mesh_arrays, nodes, rotation_and_translation, vectors};
 use crate::python::errors::{IntoPyErr, SurfaceError};
 use crate::python::forked::released;
@@ -351,67 +348,4 @@ pub(super) fn way_out(surface: &PySurface, point: [f64; 3], direction: [f64; 3])
     let surface = &surface.inner;
     let corners = |face: &[u32; 3]| face.map(|corner| surface.vertices()[corner as usize]);
     first_hit(&point.into(), &direction.into(), surface.faces().iter().map(corners)).unwrap_or(0.0)
-}
-
-/// Pairs of faces (k, 2) that cross beyond what they share.
-#[pyfunction]
-#[pyo3(signature = (vertices, faces))]
-pub(super) fn find_crossings<'py>(
-    py: Python<'py>,
-    vertices: &Bound<'py, PyAny>,
-    faces: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyArray2<i64>>> {
-    let vertices = vectors(vertices, "vertices")?;
-    let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
-    let count = vertices.len();
-    if let Some(vertex) = faces.iter().flatten().find(|&&vertex| vertex as usize >= count) {
-        return Err(SurfaceError::new_err(format!("a face refers to vertex {vertex} of {count}")));
-    }
-    if let Some(vertex) = vertices.iter().position(|point| !is_within_range(point)) {
-        let point = vertices[vertex];
-        return Err(SurfaceError::new_err(format!(
-            "vertex {vertex} is at ({:e}, {:e}, {:e}) m, expected finite coordinates within 1e60 m",
-            point.x, point.y, point.z
-        )));
-    }
-    let pairs = released(py, || crate::geometry::find_crossings(&vertices, &faces));
-    Ok(pairs_out(py, &pairs))
-}
-
-/// Repairs raw vertices and faces; returns vertices, faces, vertex map (-1: dropped) and a report.
-#[pyfunction]
-#[pyo3(signature = (vertices, faces, *, weld_tolerance), text_signature = "(vertices, faces, *, weld_tolerance)")]
-#[expect(clippy::type_complexity, reason = "a tuple for the facade to name")]
-pub(super) fn repair<'py>(
-    py: Python<'py>,
-    vertices: &Bound<'py, PyAny>,
-    faces: &Bound<'py, PyAny>,
-    weld_tolerance: f64,
-) -> PyResult<(
-    Bound<'py, PyArray2<f64>>,
-    Bound<'py, PyArray2<i64>>,
-    Bound<'py, PyArray1<i64>>,
-    Bound<'py, PyDict>,
-)> {
-    let vertices = vectors(vertices, "vertices")?;
-    let faces = self::faces(faces, "faces", SurfaceError::new_err)?;
-    let repaired = released(py, || mesh::repair(&vertices, &faces, &RepairOptions { weld_tolerance }))
-        .map_err(|error| SurfaceError::new_err(error.to_string()))?;
-    let map: Vec<i64> =
-        repaired.vertex_map.iter().map(|vertex| vertex.map_or(-1, |vertex| vertex as i64)).collect();
-    let report = PyDict::new(py);
-    let counts = &repaired.report;
-    report.set_item("welded_vertices", counts.welded_vertices)?;
-    report.set_item("collapsed_faces", counts.collapsed_faces)?;
-    report.set_item("zero_area_faces", counts.zero_area_faces)?;
-    report.set_item("duplicate_faces", counts.duplicate_faces)?;
-    report.set_item("unused_vertices", counts.unused_vertices)?;
-    report.set_item("flipped_faces", counts.flipped_faces)?;
-    report.set_item("turned_components", counts.turned_components)?;
-    Ok((
-        vectors_out(py, &repaired.vertices),
-        faces_out(py, &repaired.faces),
-        PyArray1::from_vec(py, map),
-        report,
-    ))
 }
