@@ -75,8 +75,9 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
         let contact = end_unrefined(given, started, placement, skin)?;
         return Err(search.missed(contact, &hint, why));
     }
-    let mut before = None;
-    for refinement in 1..=MOST_REFINEMENTS {
+    let (mut before, mut left) = (None, MOST_REFINEMENTS);
+    loop {
+        left -= 1;
         let placement = turned(&hint).at(given.pressed_depth());
         let mut rounds = match begin(given, started, placement, skin, options)? {
             Begun::Ended(contact) => return search.unless_missed(*contact),
@@ -98,7 +99,7 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
             way > FARTHEST_MOVE * surface.mean_edge_length()
         };
         let found = rounds.meshes.outgrown(met, refined_for, has_gone_farther);
-        let Some(found) = found.filter(|_| refinement < MOST_REFINEMENTS) else {
+        let Some(found) = found.filter(|_| left > 0) else {
             return rounds.conclude(end);
         };
         started = Instant::now();
@@ -106,5 +107,4 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
         given = turned.solve(on_given.touch.past(found))?;
         before = Some((rounds, end));
     }
-    unreachable!("the last refinement returns")
 }
