@@ -30,7 +30,7 @@ const BLOCK_ASYMMETRY: f64 = 1e-13;
 const FEW_IN_VAIN: usize = 64;
 
 /// Block exchanges without progress that are borne: Júdice and Pires advise at most ten.
-pub(super) const PATIENCE: usize = 10;
+pub(super) const EXCHANGE_PATIENCE: usize = 10;
 
 /// What to do where block exchanges do not get on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! What each method does with a problem, and what follows where it fails.
 
-use crate::lcp::block_pivoting::{self, Fallback, PATIENCE, ZERO_TOLERANCE, first_guess};
+use crate::lcp::block_pivoting::{self, EXCHANGE_PATIENCE, Fallback, ZERO_TOLERANCE, first_guess};
 use crate::lcp::lemke::path::draw;
 use crate::lcp::lemke::run::{self, LemkeOptions};
 use crate::lcp::problem::{Halt, LcpError};
@@ -33,7 +33,7 @@ impl Session<'_> {
     pub(super) fn auto(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
         let guessed = self.options.initial_active.is_some();
         if guessed || self.problem.known_p_matrix || self.rows_to_begin_with().len() > PIVOTED_UNKNOWNS {
-            let answer = self.exchange(LcpMethodName::BlockPivoting, Fallback::None, PATIENCE)?;
+            let answer = self.exchange(LcpMethodName::BlockPivoting, Fallback::None, EXCHANGE_PATIENCE)?;
             if answer.is_conclusive() || self.options.exchanges_only {
                 return Ok(answer);
             }
@@ -48,7 +48,7 @@ impl Session<'_> {
         let has_ray = lemke.solution.status == LcpStatus::Ray;
         let is_finite = !has_ray || reduced.size() <= PIVOTED_UNKNOWNS;
         let fallback = if is_finite { Fallback::Finite } else { Fallback::None };
-        let mut others = vec![self.exchange(LcpMethodName::BlockPivoting, fallback, PATIENCE)?];
+        let mut others = vec![self.exchange(LcpMethodName::BlockPivoting, fallback, EXCHANGE_PATIENCE)?];
         if !has_ray && !others[0].is_conclusive() {
             match self.projected_cg() {
                 Err(Halt::Interrupted) => return Err(Halt::Interrupted),
@@ -149,7 +149,7 @@ impl Session<'_> {
     /// budget.
     pub(super) fn block_pivoting_or_lemke(&mut self, options: &LemkeOptions) -> Result<Answer, Halt> {
         let fallback = if self.options.exchanges_only { Fallback::None } else { Fallback::Finite };
-        let answer = self.exchange(LcpMethodName::BlockPivoting, fallback, PATIENCE)?;
+        let answer = self.exchange(LcpMethodName::BlockPivoting, fallback, EXCHANGE_PATIENCE)?;
         if answer.solution.status != LcpStatus::PivotLimit || self.options.max_pivots.is_some() {
             return Ok(answer);
         }

@@ -10,6 +10,7 @@ use crate::linalg::factor::{Interrupt, NoFactor};
 
 /// Values closer than this are equal, relative to the largest.
 const TIE_TOLERANCE: f64 = 64.0 * f64::EPSILON;
+/// No place.
 pub(super) const NOWHERE: usize = usize::MAX;
 
 /// State of the path. M's columns are scaled to magnitude one, so every tolerance here is dimensionless.

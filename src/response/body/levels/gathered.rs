@@ -9,7 +9,7 @@ use crate::response::error::ResponseError;
 
 /// Blocks of more rows or columns than so many times those asked for are let go, and of more rows than so many times the
 /// columns not kept.
-pub(super) const MOST_TIMES: usize = 2;
+pub(super) const MOST_TIMES_ASKED: usize = 2;
 /// No place.
 const NO_PLACE: usize = usize::MAX;
 
@@ -63,7 +63,7 @@ impl Places {
         let mut all = [&self.vertices, others].concat();
         all.sort_unstable();
         all.dedup();
-        Self::new(if all.len() > MOST_TIMES * others.len() { others.to_vec() } else { all })
+        Self::new(if all.len() > MOST_TIMES_ASKED * others.len() { others.to_vec() } else { all })
     }
 }
 

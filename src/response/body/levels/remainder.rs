@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::linalg::kernels;
 use crate::response::body::compliance::BodyCompliance;
-use crate::response::body::levels::gathered::{Blocks, Gathered, MOST_TIMES};
+use crate::response::body::levels::gathered::{Blocks, Gathered, MOST_TIMES_ASKED};
 use crate::response::body::levels::near::NearKernel;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
@@ -96,7 +96,7 @@ impl Remainder {
         forces: &[Vector3<f64>],
         options: &AssemblyOptions,
     ) -> Result<Vec<Vector3<f64>>, ResponseError> {
-        if rows.len() > MOST_TIMES * columns.len() {
+        if rows.len() > MOST_TIMES_ASKED * columns.len() {
             // So many are drawn, which is asked for once.
             let loaded: Vec<usize> = columns.iter().map(|&column| self.columns[column]).collect();
             let mut moved = self.compliance.displacements_among(rows, &loaded, forces);
