@@ -29,7 +29,6 @@ use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarsePlace;
-use crate::surface::refined::RefinedSurface;
 
 /// Weight of an unknown vertex of the product up to which a point beside it is known.
 const NO_WEIGHT: f64 = 1e-9;
@@ -126,10 +125,6 @@ impl ElasticSkin for GivenProduct<'_> {
 
     fn is_prepared(&self, vertex: usize) -> bool {
         self.unknown(vertex).is_none()
-    }
-
-    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
-        Ok(None)
     }
 
     fn doubt(

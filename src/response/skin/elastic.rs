@@ -110,7 +110,9 @@ pub trait ElasticSkin: Sync {
     ///
     /// # Errors
     /// [`ResponseError`] by variant.
-    fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError>;
+    fn refined(&self, _mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
+        Ok(None)
+    }
 
     /// What the mesh that a body was solved on costs a contact of depth `depth` (m) with `forces` (N) at the nodes;
     /// `None` of a kernel or a matrix.

@@ -9,7 +9,6 @@ use crate::response::error::ResponseError;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
-use crate::surface::refined::RefinedSurface;
 
 /// Displacements of some vertices per force on them in any direction, which turn with the surface. Other vertices stay where
 /// they are.
@@ -84,10 +83,6 @@ impl ElasticSkin for GivenBlocks {
 
     fn shear_modulus_at(&self, _: usize) -> Option<f64> {
         Some(self.compliance.parts().shear_modulus)
-    }
-
-    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
-        Ok(None)
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

@@ -11,7 +11,6 @@ use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarsePlace;
-use crate::surface::refined::RefinedSurface;
 
 /// Displacements along the force (k × k, m/N): R of a contact is that times the cosine between the obstacle's normals.
 /// Vertices other than the nodes stay where they are.
@@ -82,10 +81,6 @@ impl ElasticSkin for GivenMatrix {
 
     fn is_prepared(&self, vertex: usize) -> bool {
         self.nodes.row(vertex).is_some()
-    }
-
-    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
-        Ok(None)
     }
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {

@@ -247,10 +247,6 @@ impl ElasticSkin for BodyOnMesh {
         self.response.kept.expect(lists);
     }
 
-    fn refined(&self, _: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
-        Ok(None)
-    }
-
     fn doubt(
         &self,
         asked: &Request,
