@@ -8,6 +8,10 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::response::kernel::basis::Discretization;
+use crate::surface::checked::Surface;
+
+/// The hats of the outermost nodes carry force beyond the rim: fitted to areas under Hertz's spheres.
+const COLLOCATION_RIM_SHIFT: f64 = 0.08;
 
 impl Discretization {
     /// Candidates to begin with, among the prepared vertices: those inside and `rings` rings around them. A Galerkin gap
@@ -40,6 +44,23 @@ impl Discretization {
         match self {
             Self::Collocation => Ok(gaps.at(nodes)?.distance),
             Self::Galerkin => gaps.averaged(response.traits.basis, nodes),
+        }
+    }
+
+    /// Vertices whose gaps feel what stands in their triangles, around those under force.
+    pub(crate) fn felt(self, surface: &Surface, active: &[usize]) -> Vec<usize> {
+        match self {
+            Self::Collocation => active.to_vec(),
+            // Averages over the triangles of the vertices beside are closed or open.
+            Self::Galerkin => surface.k_ring(active, 1),
+        }
+    }
+
+    /// Share of an edge by which the contact is smaller than its hats.
+    pub(crate) fn rim_shift(self) -> f64 {
+        match self {
+            Self::Collocation => COLLOCATION_RIM_SHIFT,
+            Self::Galerkin => 0.0,
         }
     }
 

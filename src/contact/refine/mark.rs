@@ -10,7 +10,6 @@ use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::Contact;
 use crate::obstacle::posed::Obstacle;
-use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::{ElasticSkin, Traits};
 use crate::surface::checked::Surface;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
@@ -111,12 +110,7 @@ pub(crate) fn touched_between(
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
 ) -> Result<Vec<usize>, ContactError> {
-    let felt = match contact.accuracy.discretization {
-        Discretization::Collocation => contact.active.clone(),
-        // Averages over the triangles of the vertices beside are closed or open.
-        Discretization::Galerkin => part.surface.k_ring(&contact.active, 1),
-    };
-    let mut felt = part.numbers(&felt);
+    let mut felt = part.numbers(&contact.accuracy.discretization.felt(&part.surface, &contact.active));
     felt.sort_unstable();
     let is_felt = loaded(mesh, &felt);
     let mask = part.surface.skin_mask();

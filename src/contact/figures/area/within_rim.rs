@@ -6,15 +6,10 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::area::beside::Beside;
 use crate::contact::figures::area::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
-use crate::response::kernel::basis::Discretization;
 use crate::surface::checked::Surface;
 
 /// Power of the gap that grows with the distance from the rim of a smooth contact.
 const SMOOTH_RIM: f64 = 2.0 / 3.0;
-
-/// In collocation the hats of the outermost nodes carry force beyond the rim, and their contact is smaller by this share of
-/// an edge: fitted to areas under Hertz's spheres.
-const COLLOCATION_RIM_SHIFT: f64 = 0.08;
 
 /// Edges in thicknesses of a layer, to the power 3/2, at which its rim is half-way between that of a smooth contact and that
 /// of springs, at ν = 1/2, and what is added per 1 - 2ν: fitted to areas under spheres.
@@ -28,10 +23,7 @@ pub(crate) fn areas_within_rim(
     beside: &Beside,
     on_edges: &RimOnEdges,
 ) -> Result<Vec<f64>, ContactError> {
-    let rim_shift = match response.traits.discretization {
-        Discretization::Collocation => COLLOCATION_RIM_SHIFT,
-        Discretization::Galerkin => 0.0,
-    };
+    let rim_shift = response.traits.discretization.rim_shift();
     let mut gap = forces.gap.clone();
     let (vertices, at_rim) = beside.rim(gaps)?;
     vertices.iter().zip(at_rim).for_each(|(&vertex, at_rim)| gap[vertex] = at_rim);
