@@ -586,7 +586,7 @@ def test_an_argument_of_the_library_is_told_as_an_option_or_as_pythons(
 def test_no_message_of_a_contact_names_an_option_that_the_command_has_not(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sources = sorted(Path(__file__).parents[2].glob("src/contact/**/*.rs"))
+    sources = sorted(Path(__file__).parents[3].glob("src/contact/**/*.rs"))
     lines = [line.strip() for source in sources for line in source.read_text("utf-8").splitlines()]
     messages = [line for line in lines if "`" in line and not line.startswith("//")]
     assert len(messages) > 5
