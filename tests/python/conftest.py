@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import quasirigid as qr
-
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+from shapes import SKIN
 
 
 @pytest.fixture(scope="session")

@@ -9,12 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import ball
+from shapes import PLATE, SKIN, TURN, ball
 
 SURFACE = qr.Surface(*ball(8e-3, 2))
-PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
-TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 SHIFT = np.array([0.1, 0.2, 0.3])
 MESH = SimpleNamespace(vertices=SURFACE.vertices, faces=SURFACE.faces)
 HAND = qr.models.hand(edge_length=5e-3)

@@ -10,14 +10,12 @@ import sys
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import AS_GIVEN, ball
+from shapes import AS_GIVEN, PLATE, SKIN, ball
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
-PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 SURFACE = qr.Surface(*ball(8e-3, 2))
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 
 
 @pytest.fixture(scope="module")

@@ -17,8 +17,8 @@ import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
 from quasirigid import _core
+from shapes import SKIN
 
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 PLATE = qr.Obstacle.half_space([0, 0, -0.05], [0, 0, 1])
 DEADLINE = 120.0  # A child that hangs, hangs for ever.
 

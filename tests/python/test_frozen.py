@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import AS_GIVEN, ball, grid, tetrahedron
-
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+from shapes import AS_GIVEN, SKIN, ball, grid, tetrahedron
 
 
 def contact_results(contact: qr.Contact) -> Iterator[Any]:

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import ball, grid, tetrahedron
+from shapes import TURN, ball, grid, tetrahedron
 
-TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 SHIFT = [0.01, -0.02, 1 / 3]
 OBSTACLES = {
     "mesh": qr.Obstacle.mesh(*ball(0.02, 2)),

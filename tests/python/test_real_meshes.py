@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
-from shapes import AS_GIVEN
+from shapes import AS_GIVEN, SKIN, TURN
 from shared_meshes import DATA, MISSING
 
 pytestmark = pytest.mark.skipif(not (DATA / "hands").is_dir(), reason=MISSING)
@@ -16,8 +16,6 @@ pytestmark = pytest.mark.skipif(not (DATA / "hands").is_dir(), reason=MISSING)
 FINGERS = ("libhand_right_middle_1500", "webxr_right_middle_1500", "makehuman_female_right_middle_1500")
 PRODUCTS = ("gen_phone_slab", "tbm_mug", "ycb_soup_can", "tbm_computer_mouse")
 DEPTHS = (0.5e-3, 1.12e-3, 2e-3)
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
-TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 UP = np.array([0.0, 0.0, 1.0])
 
 Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]

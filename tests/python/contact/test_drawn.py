@@ -13,10 +13,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid import _core
-from shapes import ball, grid
-
-PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+from shapes import PLATE, SKIN, ball, grid
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import AS_GIVEN, ball
+from shapes import AS_GIVEN, PLATE, SKIN, ball
 
 CATEGORIES = (
     "SizeWarning",
@@ -23,8 +23,6 @@ CATEGORIES = (
     "PenetrationWarning",
     "RefinementWarning",
 )
-PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 
 
 def pressed(surface: qr.Surface, skin: qr.Skin = SKIN, depth: float = 1e-3, **asked: object) -> qr.Contact:

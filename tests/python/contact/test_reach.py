@@ -9,17 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import ball
+from shapes import AS_GIVEN, SKIN, ball
 from shared_meshes import hand_file
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
 MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.5}
-SKIN = qr.Skin(**MATERIAL, response=qr.HalfSpace())
 UP = [0.0, 0.0, 1.0]
 PLATE = qr.Obstacle.half_space([0.0, 0.0, -0.05], UP)
-AS_GIVEN = qr.ContactOptions(target_error=None)
 TARGET = 0.02
 
 

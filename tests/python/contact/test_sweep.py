@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import AS_GIVEN, ball
+from shapes import AS_GIVEN, SKIN, ball
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 UP = [0.0, 0.0, 1.0]
 PLATE = qr.Obstacle.half_space([0.0, 0.0, -0.05], UP)
 FIGURES = ("normal_force", "contact_area", "max_pressure", "force_error", "area_error")

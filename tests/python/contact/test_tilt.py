@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
-from shapes import AS_GIVEN, ball
+from shapes import AS_GIVEN, SKIN, ball
 
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 UP = np.array([0.0, 0.0, 1.0])
 POINT = np.array([0.0, 0.0, -0.02])
 PLATE = qr.Obstacle.half_space(POINT, UP)

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.models.bones import LENGTHS
-from shapes import ball
+from shapes import TURN, ball
 from shared_meshes import hand_file
 
 SCANNED = ("libhand_right_middle_1500", "webxr_right_middle_1500", "makehuman_female_right_middle_1500")
-TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 
 
 def finger_named(name: str) -> qr.Surface:

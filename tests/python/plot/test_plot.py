@@ -23,7 +23,7 @@ from quasirigid.plot.raster import rasterise
 from quasirigid.plot.section import cut_lines, polylines
 from quasirigid.plot.style import new_figure, round_steps, scale_bar
 from quasirigid.plot.view import View
-from shapes import AS_GIVEN, ball
+from shapes import AS_GIVEN, SKIN, ball
 
 FRONT = View.along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
 
@@ -194,7 +194,6 @@ def test_the_cut_goes_through_the_patch_with_the_largest_force(monkeypatch: pyte
     assert any(len(line.get_xdata()) > 2 for line in lines)
 
 
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 UP = [0.0, 0.0, 1.0]
 FLOOR = qr.Obstacle.half_space([0, 0, -1], UP)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import AS_GIVEN, ball
+from shapes import AS_GIVEN, PLATE, ball
 
 # Scenes are coarse on purpose, and taken as they are; some are in other units.
 pytestmark = [
@@ -18,7 +18,6 @@ pytestmark = [
 ]
 
 SHEAR_MODULUS = 60e3
-PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
 UP = [0, 0, 1]
 
 

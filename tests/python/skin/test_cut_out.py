@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import AS_GIVEN
+from shapes import AS_GIVEN, TURN
 from shared_meshes import hand_file
 
 # Scenes are coarse on purpose, and taken as they are.
@@ -16,7 +16,6 @@ pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
 
 SHEAR_MODULUS = 60e3
 UP = np.array([0.0, 0.0, 1.0])
-TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 HALF_SPACE = qr.Skin(shear_modulus=SHEAR_MODULUS, poisson_ratio=0.5, response=qr.HalfSpace())
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[3] / "../shared/data"))
 MISSING = f"no meshes in {DATA} (set QUASIRIGID_DATA)"
 
 

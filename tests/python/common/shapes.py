@@ -1,4 +1,4 @@
-"""Small meshes with known properties, shared by the tests."""
+"""Small meshes with known properties, a plate and a skin, shared by the tests."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 
 # For what is said of one mesh, or of matrices on it.
 AS_GIVEN = qr.ContactOptions(target_error=None)
+SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+PLATE = qr.Obstacle.half_space([0, 0, 0], [0, 0, 1])
+TURN = np.array([[0.0, -1, 0], [0.6, 0, -0.8], [0.8, 0, 0.6]])
 
 Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
 

@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
-from shapes import AS_GIVEN, ball, grid
+from shapes import AS_GIVEN, SKIN, ball, grid
 from shared_meshes import hand_file
 
-SKIN = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
 PLATE = qr.Obstacle.half_space([0.0, 0.0, -0.05], [0.0, 0.0, 1.0])
 UP = [0.0, 0.0, 1.0]
 OPTIONS = {"refined": qr.ContactOptions(), "as given": AS_GIVEN}

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import quasirigid as qr
+from hands import INDEX
 from quasirigid import _core
 from quasirigid.hand import kept
 from shared_meshes import hand_file
 
-INDEX = "index-finger-phalanx-"
 MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.495}
 
 

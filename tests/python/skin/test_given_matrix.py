@@ -1,0 +1,82 @@
+"""Matrices that somebody else computed: used as they stand, among their nodes, checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import quasirigid as qr
+from prepared_skins import skin_of
+from shapes import AS_GIVEN, PLATE
+
+# Scenes are coarse on purpose, and taken as they are.
+pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
+
+
+def given(nodes: np.ndarray, compliance: np.ndarray) -> qr.Skin:
+    return skin_of(qr.GivenMatrix(nodes=nodes, compliance=compliance))
+
+
+def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
+    low = np.flatnonzero(surface.vertices[:, 2] < 1e-3)
+    matrix = qr.response_matrix(surface, skin_of(qr.HalfSpace()), low)
+    one = qr.press(surface, PLATE, given(low, matrix), [0, 0, 1], depth=0.3e-3)
+    two = qr.press(surface, PLATE, skin_of(qr.HalfSpace()), [0, 0, 1], depth=0.3e-3, options=AS_GIVEN)
+    np.testing.assert_allclose(one.force, two.force, rtol=1e-5, atol=1e-9)
+    blocks = np.einsum("ij,ab->iajb", matrix, np.eye(3))
+    three = qr.press(surface, PLATE, given(low, blocks), [0, 0, 1], depth=0.3e-3)
+    np.testing.assert_allclose(three.force, one.force, rtol=1e-9, atol=1e-12)
+    with pytest.raises(qr.ResponseError, match="the matrix is 3 x 3, expected"):
+        qr.press(surface, PLATE, given(low, np.eye(3)), [0, 0, 1], depth=0.3e-3)
+    with pytest.raises(qr.ResponseError, match="compliance has shape"):
+        given(low, np.zeros((2, 3, 2, 3))).prepared(surface)
+
+
+def test_given_blocks_are_kept_among_their_nodes_alone(surface: qr.Surface, tmp_path: Path) -> None:
+    nodes = [5, 3, 40]
+    blocks = np.random.default_rng(1).normal(size=(3, 3, 3, 3)) * 1e-3
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    given(nodes, blocks).prepared(surface).moved(turn).save(tmp_path / "blocks.npz")
+    with np.load(tmp_path / "blocks.npz") as stored:
+        assert stored["displacement"].shape == (9, 9)
+    again = qr.load_prepared(tmp_path / "blocks.npz")
+    along = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.6, 0.0]])
+    found = qr.response_matrix(surface.moved(turn), again, nodes, directions=along)
+    expected = np.einsum("ia,iajb,jb->ij", along @ turn, blocks, along @ turn)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("compliance", [[[1e-3]], np.full((1, 3, 1, 3), 1e-3)], ids=["matrix", "blocks"])
+def test_nodes_of_a_given_matrix_are_checked(compliance: np.ndarray, surface: qr.Surface) -> None:
+    for node in (642, -1):
+        with pytest.raises(qr.ResponseError, match=rf"`nodes\[0\]` is {node}, but there are 642 vertices"):
+            given([node], compliance).prepared(surface)
+    with pytest.raises(qr.ResponseError, match=r"`nodes` has shape"):
+        given([[0]], compliance).prepared(surface)
+    with pytest.raises(TypeError, match=r"`nodes` has dtype float64, expected integers"):
+        given([0.0], compliance).prepared(surface)
+
+
+def test_a_given_matrix_has_its_own_nodes(surface: qr.Surface) -> None:
+    skin = given([3, 1], np.eye(2) * 1e-3)
+    assert skin.prepared(surface, [1, 3]).nodes.tolist() == [3, 1]
+    with pytest.raises(qr.ResponseError, match="a GivenMatrix has its own 2 nodes: leave out `nodes`"):
+        skin.prepared(surface, [1])
+
+
+def test_nodes_out_of_range_and_what_is_no_matrix_are_refused(surface: qr.Surface) -> None:
+    skin, above = skin_of(qr.HalfSpace()), r"`nodes\[1\]` is 642, but there are 642 vertices"
+    with pytest.raises(qr.ResponseError, match=above):
+        skin.prepared(surface, [0, 642])
+    with pytest.raises(qr.ResponseError, match=above):
+        qr.response_matrix(surface, skin, [0, 642])
+    with pytest.raises(qr.ResponseError, match=above):
+        qr.initial_gaps(surface, skin, [0, 642], PLATE)
+    for matrix, message in (
+        (np.ones((2, 3)), r"shape \[2, 3\], expected \(k, k\)"),
+        ([[np.nan]], "not finite"),
+        ([1.0], r"shape \[1\]"),
+    ):
+        with pytest.raises(qr.ResponseError, match=message):
+            qr.definiteness(matrix)
