@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import subprocess
 import sys
@@ -62,6 +63,17 @@ def test_every_help_ends_with_an_example_that_works(
     assert program == "quasirigid"
     # The demo has just run for this folder.
     assert arguments == DEMO or run(arguments) == 0
+
+
+def test_the_press_on_the_page_of_usage_runs(in_demo_folder: Path) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "usage.md").read_text(encoding="utf-8")
+    block = re.search(r"^```sh\n(.*?)^```", page, flags=re.MULTILINE | re.DOTALL)
+    assert block is not None
+    # The demo has just run for this folder.
+    demo, press = block[1].replace("\\\n", "").splitlines()
+    assert demo == "quasirigid demo"
+    assert run(shlex.split(press)[1:]) == 0
+    assert (in_demo_folder / "pressed" / "contact.json").is_file()
 
 
 def test_no_words_at_all_print_the_help(capsys: pytest.CaptureFixture[str]) -> None:
