@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,12 +63,9 @@ class Skin:
     shear_modulus: float
     poisson_ratio: float
     response: Response
-    # None where the response depends on the surface.
-    _kernel: _core.Skin | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         """Build the kernel, and warn where it is not well posed."""
-        self.__setstate__(vars(self))
         why = None if self._kernel is None else self._kernel.ill_posedness()
         if why is not None:
             warnings.warn(why, ResponseRangeWarning, stacklevel=3)
@@ -76,10 +74,10 @@ class Skin:
         """Return all but the kernel, which is built again."""
         return {name: value for name, value in vars(self).items() if name != "_kernel"}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Build the kernel, without a warning: whoever made the skin has seen it."""
-        vars(self).update(state)
-        vars(self)["_kernel"] = build_kernel(self._constants, self.response)
+    @cached_property
+    def _kernel(self) -> _core.Skin | None:
+        """None where the response depends on the surface."""
+        return build_kernel(self._constants, self.response)
 
     def prepared(
         self,
