@@ -11,7 +11,7 @@ import numpy as np
 import quasirigid as qr
 from numpy.typing import NDArray
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[1] / "../shared/data"))
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 FINGER = DATA / "hands/makehuman_female_right_middle_1500.ply"
 HAND, JOINTS = DATA / "hands/makehuman_male_right_53k.ply", DATA / "hands/makehuman_male_right_joints.json"
 SLAB, MOUSE = DATA / "products/gen_phone_slab.ply", DATA / "products/tbm_computer_mouse.ply"

@@ -308,7 +308,7 @@ def main(with_times: bool) -> None:
         ),
         refined=f"{len(pressed[BODY, DEPTH].gap):,}",
     )
-    target = Path(__file__).with_name("paper.md")
+    target = Path(__file__).parents[1] / "paper.md"
     target.write_text(page, encoding="utf-8")
     print(f"wrote {target}", file=sys.stderr)
 

@@ -40,7 +40,7 @@ CURVES = {"printed, cut off at 15 mm": "#7a4fa3", "half-space, one-rings": "#8fb
 
 def save(figure: Figure, name: str) -> None:
     """Write docs/paper_<name>.png."""
-    target, drawn = Path(__file__).with_name(f"paper_{name}.png"), BytesIO()
+    target, drawn = Path(__file__).parents[1] / f"paper_{name}.png", BytesIO()
     figure.savefig(drawn, dpi=100)
     plt.close(figure)
     picture = Image.open(drawn).convert("RGB")

@@ -26,7 +26,7 @@ from quasirigid.plot.view import View
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[1] / "../shared/data"))
+DATA = Path(os.environ.get("QUASIRIGID_DATA", Path(__file__).parents[2] / "../shared/data"))
 RIGS = ("libhand", "makehuman_male", "webxr")
 SIZES = ("13k", "53k")
 HEIGHT = 420  # pixels of each picture
@@ -35,9 +35,9 @@ REPEATS = 10
 
 PAGE = """# Hands
 
-Written by `python docs/hand.py`, which needs the test meshes (`QUASIRIGID_DATA`). A hand is a closed skin,
-joints with WebXR's names, and by which joints each vertex is moved: built in, from arrays, from GLB, or from
-a mesh with its rig.
+Written by `python docs/scripts/hand.py`, which needs the test meshes (`QUASIRIGID_DATA`). A hand is a closed
+skin, joints with WebXR's names, and by which joints each vertex is moved: built in, from arrays, from GLB, or
+from a mesh with its rig.
 
 ## The built-in hand
 
@@ -187,10 +187,10 @@ def main() -> None:
     missing = [str(path) for path in paths.values() if not path.is_file()]
     if missing:
         sys.exit("missing: " + ", ".join(missing) + "; QUASIRIGID_DATA names the folder of meshes")
-    here = Path(__file__)
-    draw_built_in(here.with_name("hand.png"))
+    docs = Path(__file__).parents[1]
+    draw_built_in(docs / "hand.png")
     scanned = qr.read_hand(DATA / "hands/makehuman_male_right_53k.ply")
-    qr.plot.hand_figure(scanned.posed({}), regions=True).savefig(here.with_name("hand_regions.png"), dpi=100)
+    qr.plot.hand_figure(scanned.posed({}), regions=True).savefig(docs / "hand_regions.png", dpi=100)
     hands = {"built in": qr.models.hand()} | {rig: qr.read_hand(path) for rig, path in paths.items()}
     rows = [row for size in SIZES for row in times(size)]
     page = PAGE.format(
@@ -199,7 +199,7 @@ def main() -> None:
         repeats=REPEATS,
         cores=os.cpu_count(),
     )
-    target = here.with_suffix(".md")
+    target = docs / "hand.md"
     target.write_text(page, encoding="utf-8")
     print(f"wrote {target}", file=sys.stderr)
 

@@ -67,7 +67,7 @@ def main() -> None:
     right.set_yticks([0.2, 0.5, 1, 2], ["0.2", "0.5", "1", "2"])
     for axes in (left, right):
         axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(Path(__file__).with_name("hertz.png"), dpi=150)
+    figure.savefig(Path(__file__).parents[1] / "hertz.png", dpi=150)
 
 
 if __name__ == "__main__":

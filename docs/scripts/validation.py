@@ -351,13 +351,13 @@ def main() -> None:
     parts = [
         "# Validation",
         "The half-space against Hertz, then the body response against what is known of bodies. Measured by "
-        "`python docs/validation.py`, which writes this page; tests hold most of it to bounds.",
+        "`python docs/scripts/validation.py`, which writes this page; tests hold most of it to bounds.",
     ]
     for title, (words, measure) in SECTIONS.items():
         lines = measure()
         print(title, *lines, sep="\n", flush=True)
         parts += [f"## {title}", words, "\n".join(lines)]
-    target = Path(__file__).with_name("validation.md")
+    target = Path(__file__).parents[1] / "validation.md"
     target.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
     print(f"wrote {target}", file=sys.stderr)
 

@@ -4,9 +4,9 @@ PAGE = """\
 # The paper redone
 
 Xie, Kanai, Date 2011, "Simulating Deformable Contact Property of Digital Hand Skin" (*the paper*): its
-equations, constants and cases, with this package. Written by `python docs/paper.py`, which needs the test
-meshes (`QUASIRIGID_DATA`). G = 60 kPa, nu = 0.5 throughout, as in the paper. Its hand and products are not
-public, so forces can be compared in kind and not digit by digit. The skins here are MakeHuman's (CC0): a
+equations, constants and cases, with this package. Written by `python docs/scripts/paper.py`, which needs the
+test meshes (`QUASIRIGID_DATA`). G = 60 kPa, nu = 0.5 throughout, as in the paper. Its hand and products are
+not public, so forces can be compared in kind and not digit by digit. The skins here are MakeHuman's (CC0): a
 female middle finger of {finger_count} vertices, as the paper's finger of about 1,500, and a male hand of
 {hand_count}, as its dense hand of about 53,000. The paper names no product; here a flat slab as a phone
 (made for this collection, CC0) and a computer mouse (The Base Mesh, CC0). Depths are the largest overlap of

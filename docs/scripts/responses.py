@@ -27,7 +27,7 @@ draws into it ({bone_count} vertices, {tissue:.1f} mm of tissue over the pad), h
 a flat plate; G = 60 kPa, nu = 0.5. Percentages are off the body, which is the linear answer for this finger.
 The body is prepared for the {node_count} vertices that may touch; the skin is refined under the plate, as by
 default. † The contact reaches the cut, and warns of it: forces lack what lies beyond. Written by
-`python docs/responses.py`; {times}.
+`python docs/scripts/responses.py`; {times}.
 
 | response | set-up (s) | {heads} |
 |---|---|{dashes}|
@@ -157,7 +157,7 @@ def main(with_times: bool) -> None:
         width=WIDTH * 1e3,
         cutoff=CUTOFF * 1e3,
     )
-    target = Path(__file__).with_name("responses.md")
+    target = Path(__file__).parents[1] / "responses.md"
     target.write_text(page, encoding="utf-8")
     print(f"wrote {target}", file=sys.stderr)
 
