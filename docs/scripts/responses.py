@@ -43,37 +43,8 @@ default. † The contact reaches the cut, and warns of it: forces lack what lies
   fingertip, where tissue gives way sideways.
 - **body**: `Body(bone=models.bone_of(finger), fixed=cut)`.
 
-What follows was measured once, as each was built; the script does not measure it again.
-
-A whole hand with its bones (`PosedHand.skin`), 13,000 vertices, nu = 0.495: at most some 2,050 coarse
-vertices of the skin, 9 to 12 s and 1 GB of the whole process. Against edges of 3.6 mm everywhere, twice as
-many vertices (80 s, 4.2 GB), on refined contacts:
-
-- a ball of 15 mm (radius), 1, 2, 3 mm deep: thenar +0.7, +1.0, +1.2 %, hypothenar +0.2, +0.2, +0.3 %, pad of
-  the index finger +2.2, +2.2, +2.1 %, middle of the palm +1.5, +2.3, +2.9 %, head of the middle metacarpal
-  +2.1, +3.0, +3.6 %;
-- the same ball in the palm with only the skin within 15 mm of it prepared: +1.4, +1.9, +2.3 %, within 30 mm
-  +0.7, +1.1, +1.3 %, in 4 s. Where few nodes may be loaded their edges are the shorter, down to 0.4 of the
-  tissue's thickness; `accuracy.body_error` does not see how fast they grow beyond 15 mm;
-- balls of 5 to 20 mm, up to 3 mm deep, at 20 places of the palm and 20 of the digits: 1.1 and 1.2 % in the
-  median. The worst are 15 % on the palm side of the thumb's first bone, where the tissue is thin and the
-  default's own edges are shorter than 3.6 mm, and 5.2 % on a digit. `accuracy.body_error` covers 35 of the
-  40: 3.2 times the difference on the palm and 7.4 times on the digits, in the median; in the middle of the
-  palm it says 1.5 % of 2.9.
-
-Definiteness, by eigenvalues of the symmetric part. The half-space's Galerkin matrix is positive definite on
-any surface. A layer's collocation matrix on flat meshes was so from 0.1 to 100 mesh sizes of thickness,
-borders included, but for meshes of over 1,000 irregular nodes (vertices moved by 0.3 cells) under an
-incompressible layer of a tenth of a cell: -3e-5 of the largest eigenvalue, where Galerkin's is definite.
-Where the surface bends within the layer's reach neither has to be: 800 nodes around a fingertip under 1 mm,
-nu = 0.5, have -0.1 % (collocation) and -0.3 % (Galerkin). Galerkin assembly costs 9 to 12 times
-collocation's, 10 to 20 times for a layer, up to 60 times for one thinner than the mesh.
-
-A body in Galerkin form, `Body(discretization="galerkin")`, averages its near kernel; what is left of it is
-smooth and stays at the nodes. On the sphere with a core of docs/validation.md, uniform and turned at
-random, target error 0.005, four depths, nu = 0.3 and 0.495, the worst force is 1.2 % off under a plate and
-1.5 % under a ball of 15 mm with 642 vertices, 2.6 and 2.1 % with 162; by collocation 1.3 and 1.4, 2.6 and
-2.2 %. On two real fingers a press takes 3 to 8 times as long.
+What no script measures again is in [measured_once.md](measured_once.md): whole hands, definiteness, bodies in
+Galerkin form.
 """
 
 

@@ -132,8 +132,8 @@ class HalfSpace(_Response):
     Notes
     -----
     Take "galerkin" where collocation is found not to be positive definite, or where the figures count and the
-    mesh is coarse. Assembly takes longer (docs/responses.md); in large contacts the complementarity problem
-    outweighs it. docs/validation.md has the errors of both against Hertz.
+    mesh is coarse. Assembly takes longer (docs/measured_once.md); in large contacts the complementarity
+    problem outweighs it. docs/validation.md has the errors of both against Hertz.
 
     References
     ----------
