@@ -111,3 +111,30 @@ fn skin_that_folds_around_a_rod_presses_as_in_collocation() {
         assert!(pointwise.max_penetration_after < 0.05 * depth);
     }
 }
+
+#[test]
+fn on_an_obstacle_that_curves_away_from_the_press_no_vertex_keeps_more_of_a_gap_than_its_triangles_sag() {
+    let h = 0.1e-3;
+    let (radius, depth) = (10.0 * h, 5.0 * h);
+    for seed in 0..4 {
+        let surface =
+            lattice(24, [h * Vector3::x(), h * Vector3::y()], Vector3::zeros(), 0.25, &mut Random(seed));
+        let ball =
+            Obstacle::sphere(Vector3::new(0.0, 0.0, radius - depth), radius).expect("a valid obstacle");
+        let contact = solve(&surface, &ball, &galerkin());
+        // Where all triangles around carry force.
+        let is_inside = |vertex: usize| {
+            surface.neighbours(vertex).iter().all(|&other| contact.node_force[other as usize] > 0.0)
+        };
+        let inside: Vec<usize> = contact.active.iter().copied().filter(|&vertex| is_inside(vertex)).collect();
+        assert!(inside.len() > 50, "{}", inside.len());
+        let most = inside.iter().map(|&vertex| contact.gap[vertex].abs()).fold(0.0, f64::max);
+        let length = |a: usize, b: u32| (surface.vertices()[a] - surface.vertices()[b as usize]).norm();
+        let edges = inside
+            .iter()
+            .flat_map(|&vertex| surface.neighbours(vertex).iter().map(move |&other| (vertex, other)));
+        let longest = edges.map(|(a, b)| length(a, b)).fold(0.0, f64::max);
+        // A chord of the ball stands off it by as much.
+        assert!(most < longest * longest / (8.0 * radius), "{most}");
+    }
+}

@@ -68,20 +68,28 @@ pub(crate) fn measure(
     });
     let way_in = WayIn::new(scene, between, |row| reach[row]);
     measure_entries(&middles, |_| true, &scene.obstacle, &way_in, &mut at_middles)?;
-    for (row, shift) in shifts.iter().enumerate().filter(|(_, shift)| **shift != Vector3::zeros()) {
-        at_middles.distance[row] -= at_middles.normal[row].dot(shift);
-    }
-    for (&ends, gap) in around.edges.iter().zip(&mut at_middles.distance) {
+    let at_middles = around.edges.iter().zip(&shifts).enumerate().map(|(row, (&ends, &shift))| {
         let [a, b] = ends.map(at);
-        if a.is_on_line && b.is_on_line {
-            *gap = 0.5 * (a.distance + b.distance);
+        let normal = at_middles.normal[row];
+        let is_on_line = a.is_on_line && b.is_on_line;
+        let distance = if is_on_line {
+            0.5 * (a.distance + b.distance)
+        } else {
+            at_middles.distance[row] - normal.dot(&shift)
+        };
+        VertexGap { distance, normal, shift, is_on_line }
+    });
+    let at_middles: Vec<VertexGap> = at_middles.collect();
+    // A node's row of R is of displacements along its own normal, all around it.
+    let taken = |node: usize, there: &VertexGap| {
+        let own = at(node as u32);
+        if there.normal.dot(&own.normal) < OTHER_SIDE {
+            own.distance
+        } else {
+            there.distance + (there.normal - own.normal).dot(&there.shift)
         }
-    }
-    let own = |node: usize| at(node as u32);
-    let taken = |own: &VertexGap, gap: f64, normal: &Vector3<f64>| {
-        if normal.dot(&own.normal) < OTHER_SIDE { own.distance } else { gap }
     };
-    let at_vertex = |node, row: usize| taken(own(node), at_vertices[row].distance, &at_vertices[row].normal);
-    let at_middle = |node, row: usize| taken(own(node), at_middles.distance[row], &at_middles.normal[row]);
+    let at_vertex = |node, row: usize| taken(node, &at_vertices[row]);
+    let at_middle = |node, row: usize| taken(node, &at_middles[row]);
     Ok(around.averages(surface, basis, nodes, at_vertex, at_middle))
 }
