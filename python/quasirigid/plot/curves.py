@@ -9,7 +9,7 @@ import numpy as np
 from .._check import as_kind
 from .._units import MM
 from ..contact.swept import Sweep
-from .style import AFTER, BEFORE, INK, new_figure
+from .style import AFTER, BEFORE, INK, new_figure, plain_numbers
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,5 +56,6 @@ def sweep_figure(sweep: Sweep) -> Figure:
         ax.set_xlim(left=0.0)
         ax.set_ylim(bottom=0.0)
         ax.tick_params(colors=INK)
+        plain_numbers(ax)
         ax.spines[["top", "right"]].set_visible(False)
     return figure

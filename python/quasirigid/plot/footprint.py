@@ -10,7 +10,7 @@ from .._check import as_number
 from .._units import KPA, MM
 from ..contact.result import ContactError
 from .outline import contact_side
-from .style import FAINT, INK, axes_or_new, color_bar, pressure_colors, round_steps
+from .style import FAINT, INK, axes_or_new, color_bar, plain_numbers, pressure_colors, round_steps
 from .view import View, view_of
 
 if TYPE_CHECKING:
@@ -96,6 +96,7 @@ def _plane_axes(ax: Axes) -> Axes:
     ax.set_xlabel("across (mm)", color=INK)
     ax.set_ylabel("along (mm)", color=INK)
     ax.tick_params(labelsize=8.5, colors=INK)
+    plain_numbers(ax)
     return ax
 
 

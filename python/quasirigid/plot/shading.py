@@ -37,11 +37,9 @@ def lit_skin(
     """
     width = max(1, round(height * (window[1] - window[0]) / (window[3] - window[2])))
     frame = rasterise(view.project(vertices), faces, window, width * SAMPLES, height * SAMPLES)
-    normals = frame.interpolate(faces, view.project(vertex_normals(vertices, faces)))
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    normals = _unit(frame.interpolate(faces, view.project(vertex_normals(vertices, faces))))
     # Along a sharp rim the mean of both sides is neither: such faces are lit flat.
-    flat = view.project(face_normals(vertices, faces))[frame.face]
-    flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-12)
+    flat = _unit(view.project(face_normals(vertices, faces))[frame.face])
     normals = np.where(((normals * flat).sum(axis=1) < 0.8)[:, None], flat, normals)
     brightness = (
         0.36 + 0.56 * _lambert(normals, (-0.50, 0.55, 0.67)) + 0.22 * _lambert(normals, (0.75, -0.10, 0.65))
@@ -64,6 +62,12 @@ def lit_skin(
     summed[..., 3] /= SAMPLES**2
     averaged: Floats = summed
     return averaged
+
+
+def _unit(vectors: Floats) -> Floats:
+    """Return vectors (k, 3) of length 1; those of length 0 stay, whatever the unit."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.where(lengths > 0.0, lengths, 1.0)
 
 
 def _lambert(normals: Floats, light: tuple[float, float, float]) -> Floats:

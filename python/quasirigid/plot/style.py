@@ -107,8 +107,15 @@ def color_bar(ax: Axes, colors: Colormap, largest: float, label: str, *, beside:
     )
     bar.set_label(label, fontsize=9, color=INK)
     bar.ax.tick_params(labelsize=8.5, colors=INK, length=3)
+    plain_numbers(bar.ax)
     outline: Any = bar.outline
     outline.set_visible(False)
+
+
+def plain_numbers(ax: Axes) -> None:
+    """Write each number in full, as in 2e-10: a power of ten apart would lie on the axis' label."""
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter("{x:g}")
 
 
 def round_steps(largest: float) -> Floats:

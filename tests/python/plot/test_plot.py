@@ -21,7 +21,15 @@ from quasirigid.plot import section
 from quasirigid.plot.outline import contact_side
 from quasirigid.plot.raster import rasterise
 from quasirigid.plot.section import cut_lines, polylines
-from quasirigid.plot.style import new_figure, round_steps, scale_bar
+from quasirigid.plot.shading import lit_skin
+from quasirigid.plot.style import (
+    color_bar,
+    new_figure,
+    pressure_colors,
+    round_steps,
+    scale_bar,
+    window_around,
+)
 from quasirigid.plot.view import View
 from shapes import AS_GIVEN, SKIN, ball
 
@@ -110,6 +118,30 @@ def test_a_cut_through_a_mesh_is_one_closed_line(pressed: qr.Contact) -> None:
     line = polylines(cut_lines(faces, vertices[:, 0] - 1e-4, vertices[:, 1:]))
     assert np.isnan(line[:, 0]).sum() == 1
     assert line[0] == pytest.approx(line[-2])
+
+
+def test_the_light_on_the_skin_is_the_same_in_any_unit(pressed: qr.Contact) -> None:
+    vertices, faces = pressed.deformed.vertices, pressed.deformed.faces
+    nothing = np.zeros(len(vertices))
+    pictures = []
+    for points in (vertices, 1e-12 * vertices):
+        window = window_around(FRONT.project(points))
+        pictures.append(lit_skin(points, faces, FRONT, nothing, nothing, pressure_colors(), window, 60))
+    # Where rounding moves a rim by a pixel the colors differ, and nowhere else.
+    same = np.isclose(*pictures, rtol=0.0, atol=1e-6).all(axis=2)
+    assert same.mean() > 0.99
+
+
+def test_no_power_of_ten_lies_on_the_label_of_an_axis(pressed: qr.Contact) -> None:
+    for largest in (1e-9, 1e9):
+        figure = new_figure((3.0, 3.0))
+        ax = figure.subplots()
+        color_bar(ax, pressure_colors(), largest, "pressure (kPa)")
+        figure.draw_without_rendering()
+        bar = figure.axes[1].xaxis
+        assert bar.get_offset_text().get_text() == ""
+        numbers = [label.get_text().replace("\N{MINUS SIGN}", "-") for label in bar.get_ticklabels()]
+        assert 0.5 * largest < max(map(float, numbers)) <= 1.5 * largest
 
 
 @pytest.mark.parametrize("largest", [0.03, 1.0, 7.3, 64.0, 950.0])
