@@ -9,12 +9,14 @@ import numpy as np
 
 from .._arrays import Floats
 from .._check import as_direction, as_kind, as_vector, short
+from ..contact.parts import Patch
 from ..contact.result import Contact, ContactError
 
 __all__ = ["View", "pad_view"]
 
 _SQUARE = 1e-6  # largest dot product of two directions that are square, of unit vectors
 _OPPOSED = 0.5  # resultant over the sum of the forces, below which patches push against each other
+_INTO = 0.5  # cosine between force and inward skin normal, below which the force runs along the skin
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,7 +89,8 @@ def as_contact(name: str, value: Any) -> Contact:
 def pad_view(contact: Contact) -> View:
     """Return the view from the product onto the skin: along the force, the skin's long axis upwards.
 
-    Where patches push against each other it is along the force of the largest.
+    Where patches push against each other it is along the force of the largest, and where that runs along the
+    skin, as from the sides of a thin product deep in it, into the skin.
 
     Parameters
     ----------
@@ -99,11 +102,7 @@ def pad_view(contact: Contact) -> View:
     View
         An axis of the scene, where force or long axis come close to one.
     """
-    force = as_contact("contact", contact).force
-    if np.linalg.norm(force) < _OPPOSED * np.linalg.norm(contact.force_vectors, axis=1).sum():
-        force = max((patch.force for patch in contact.patches), key=np.linalg.norm)
-    pressed = np.isfinite(force).all() and np.any(force)
-    sight = force / np.linalg.norm(force) if pressed else np.array([0.0, 0.0, 1.0])
+    sight = _sight(as_contact("contact", contact))
     # A press along an axis of the scene is drawn square to that axis.
     axis = int(np.argmax(np.abs(sight)))
     if abs(sight[axis]) > 0.95:
@@ -118,3 +117,22 @@ def pad_view(contact: Contact) -> View:
     if abs(up[axis]) > 0.95:
         up = np.eye(3)[axis]
     return View.along(sight, up)
+
+
+def _sight(contact: Contact) -> Floats:
+    """Return the direction in which the skin is pressed, +z where it is not."""
+    force, loaded = contact.force, contact.active
+    if np.linalg.norm(force) < _OPPOSED * np.linalg.norm(contact.force_vectors, axis=1).sum():
+        largest = largest_patch(contact)
+        force, loaded = largest.force, largest.vertices
+    if not (np.isfinite(force).all() and np.any(force)):
+        return np.array([0.0, 0.0, 1.0])
+    inward = -contact.node_force[loaded] @ contact.surface.vertex_normals[loaded]
+    if force @ inward < _INTO * np.linalg.norm(force) * np.linalg.norm(inward):
+        force = inward
+    return force / np.linalg.norm(force)
+
+
+def largest_patch(contact: Contact) -> Patch:
+    """Return that with the largest force."""
+    return max(contact.patches, key=lambda patch: float(np.linalg.norm(patch.force)))
