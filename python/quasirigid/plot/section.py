@@ -9,7 +9,7 @@ import numpy as np
 from .._units import MM
 from ..scene import as_surface
 from .style import AFTER, BEFORE, BONE, INK, PRODUCT, PRODUCT_EDGE, axes_or_new, scale_bar
-from .view import View, view_of
+from .view import View, largest_patch, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["cut_lines", "plot_section", "polylines"]
 
+_REACH = 2.0  # of a cut beside the contact, over the skin's thickness there and the contact's width
+
 
 def plot_section(
     contact: Contact,
@@ -32,7 +34,8 @@ def plot_section(
 ) -> Axes:
     """Draw a cut through the contact, along the finger: skin before and after, and the product.
 
-    It goes through the center of pressure, of several patches that of the one with the largest force.
+    It goes through the center of pressure, of several patches that of the one with the largest force. Of a
+    long skin it shows what lies within twice its thickness there, or twice the width of that patch.
 
     A product with a material is filled as it was before, with a line where its mesh lies after.
 
@@ -57,11 +60,16 @@ def plot_section(
     view = view_of(contact, view)
     ax = axes_or_new(ax, (4.4, 6.0))
     before, after = contact.surface.vertices, contact.deformed.vertices
-    center = _center(contact)
-    if not np.isfinite(center).all():
-        center = after.mean(axis=0)
+    patch = largest_patch(contact) if contact.patches else None
+    center = after.mean(axis=0) if patch is None else patch.center_of_pressure
     cuts = [_cut(points, contact.deformed.faces, center, view) for points in (before, after)]
-    window = _section_window(cuts[1], view.project(center[None])[0] * MM)
+    drawn = cuts[1].reshape(-1, 2) if len(cuts[1]) > 0 else _flat(after, view)
+    middle = _flat(center[None], view)[0]
+    reach = np.inf
+    if patch is not None:
+        loaded = float(np.ptp(_flat(after[patch.vertices], view), axis=0).max())
+        reach = _REACH * max(_thickness(cuts[0], middle), loaded)
+    window = _section_window(drawn, middle, reach)
     _draw_product(ax, contact.obstacle, center, view, window)
     if bone is not None:
         _draw_bone(ax, _cut(bone.vertices, bone.faces, center, view))
@@ -85,14 +93,6 @@ def plot_section(
         fontsize=8.5, labelcolor=INK, handlelength=1.8, columnspacing=1.4,
     )  # fmt: skip
     return ax
-
-
-def _center(contact: Contact) -> Floats:
-    """Return where to cut (m): between several patches there may be no skin at all."""
-    if len(contact.patches) < 2:
-        return contact.center_of_pressure
-    largest = max(contact.patches, key=lambda patch: float(np.linalg.norm(patch.force)))
-    return largest.center_of_pressure
 
 
 def _draw_product(ax: Axes, obstacle: Obstacle, center: Floats, view: View, window: Window) -> None:
@@ -119,17 +119,28 @@ def _draw_bone(ax: Axes, segments: Floats) -> None:
 
 def _cut(vertices: Floats, faces: Indices, center: Floats, view: View) -> Floats:
     """Return segments (k, 2, 2) in mm of a mesh, cut through `center` square to the view's `right`."""
-    projected = view.project(vertices) * MM
-    offset = projected[:, 0] - view.project(center[None])[0, 0] * MM
-    return cut_lines(faces, offset, np.stack([projected[:, 1], -projected[:, 2]], axis=1))
+    return cut_lines(faces, (vertices - center) @ view.right, _flat(vertices, view))
 
 
-def _section_window(cut: Floats, center: Floats) -> Window:
-    """Return the window (mm) of the whole cut of a finger; of a long skin the 60 mm around the contact."""
-    points = cut.reshape(-1, 2)
+def _flat(points: Floats, view: View) -> Floats:
+    """Return points (n, 2) in mm: along the finger, and away from the viewer."""
+    projected = view.project(points) * MM
+    return np.stack([projected[:, 1], -projected[:, 2]], axis=1)
+
+
+def _thickness(cut: Floats, middle: Floats) -> float:
+    """Return how far the two sides of the skin beside `middle` lie apart (mm); 0 of a sheet."""
+    first, second = cut[:, 0, 0] > middle[0], cut[:, 1, 0] > middle[0]
+    sides = cut[first != second].mean(axis=1)[:, 1]
+    nearest = sides[np.argsort(np.abs(sides - middle[1]))[:2]]
+    return float(np.ptp(nearest)) if len(nearest) == 2 else 0.0
+
+
+def _section_window(points: Floats, middle: Floats, reach: float) -> Window:
+    """Return the window (mm) of the points of a cut within `reach` of `middle`, moved to them if need be."""
     low, high = points.min(axis=0), points.max(axis=0)
-    middle = np.array([center[1], -center[2]])
-    low, high = np.maximum(low, middle - 30.0), np.minimum(high, middle + 30.0)
+    middle = np.clip(middle, low, high)
+    low, high = np.maximum(low, middle - reach), np.minimum(high, middle + reach)
     rim = 0.08 * float((high - low).max())
     return float(low[0]) - rim, float(high[0]) + rim, float(low[1]) - 3.0 * rim, float(high[1]) + 2.0 * rim
 
