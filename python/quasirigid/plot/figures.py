@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -30,6 +32,8 @@ _TITLES = {
     "cut": "Cut through the contact",
     "footprint": "Footprint of pressure",
 }
+_IN_A_ROW = 4  # footprints side by side, at most
+_LINE, _LINES = 34, 4  # letters in a line of a name, and lines, that a footprint has room for
 
 
 def contact_figure(contact: Contact, *, bone: Surface | None = None, view: View | None = None) -> Figure:
@@ -98,12 +102,12 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     Parameters
     ----------
     contacts : mapping of str to Contact
-        The contacts under their names, which become titles; at least one.
+        The contacts under their names, which become titles as they are, wrapped; at least one.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One footprint beside the other, lengths in mm, pressures in kPa.
+        Footprints in rows of up to four, lengths in mm, pressures in kPa.
 
     Raises
     ------
@@ -116,17 +120,25 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
         raise ContactError("contacts is empty, expected at least one")
     for name, contact in contacts.items():
         as_contact(f"contacts[{name!r}]", contact)
-    figure = new_figure((5.2 * len(contacts) + 0.8, 5.4))
-    axes = figure.subplots(1, len(contacts), squeeze=False, sharex=True, sharey=True)[0]
+    rows = math.ceil(len(contacts) / _IN_A_ROW)
+    columns = math.ceil(len(contacts) / rows)
+    figure = new_figure((5.2 * columns + 0.8, 5.4 * rows))
+    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    axes, spare = panels.ravel()[: len(contacts)], panels.ravel()[len(contacts) :]
     top = max(float(np.nan_to_num(contact.pressure).max()) for contact in contacts.values()) * KPA
     for ax, (name, contact) in zip(axes, contacts.items(), strict=True):
         plot_footprint(contact, ax=ax, with_color_bar=False, top=top)
-        ax.set_title(f"{name}\n{_headline(contact)}", fontsize=11, color=INK, pad=8)
+        title = textwrap.fill(str(name), _LINE, max_lines=_LINES, placeholder="…")
+        ax.set_title(f"{title}\n{_headline(contact)}", fontsize=10, color=INK, pad=8, parse_math=False)
+        # Panels that share axes have numbers at the outer ones alone, of which some may be spare.
+        ax.tick_params(labelbottom=True, labelleft=True)
     reach = max(max(map(abs, (*ax.get_xlim(), *ax.get_ylim()))) for ax in axes)
     axes[0].set_xlim(-reach, reach)
     axes[0].set_ylim(-reach, reach)
     if top > 0.0:
-        color_bar(axes[-1], pressure_colors(), top, "pressure (kPa)", beside=True)
+        color_bar(list(panels[:, -1]), pressure_colors(), top, "pressure (kPa)", beside=True)
+    for ax in spare:
+        ax.remove()
     return figure
 
 

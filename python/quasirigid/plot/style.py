@@ -90,19 +90,22 @@ def scale_bar(ax: Axes, window: Window) -> None:
     )  # fmt: skip
 
 
-def color_bar(ax: Axes, colors: Colormap, largest: float, label: str, *, beside: bool = False) -> None:
-    """Draw a color bar from 0 to `largest`, under the picture or beside it, its label with the unit."""
+def color_bar(
+    ax: Axes | list[Axes], colors: Colormap, largest: float, label: str, *, beside: bool = False
+) -> None:
+    """Draw a color bar from 0 to `largest`, under the picture or beside one or a column, and its label."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    figure = ax.get_figure()
+    column = ax if isinstance(ax, list) else [ax]
+    figure = column[0].get_figure()
     assert figure is not None, "axes that are drawn on belong to a figure"
     bar = figure.colorbar(
         ScalarMappable(Normalize(0.0, largest), colors),
-        ax=ax,
+        ax=column,
         location="right" if beside else "bottom",
         shrink=0.78,
-        aspect=28,
+        aspect=28 * len(column),
         pad=0.03,
     )
     bar.set_label(label, fontsize=9, color=INK)
