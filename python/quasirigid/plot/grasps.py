@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,8 @@ from .view import View
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .._arrays import Floats
+    from .._arrays import Floats, Indices
+    from .style import Window
 
 __all__ = ["grasp_figure"]
 
@@ -28,6 +30,9 @@ _PALM_SIDE = (0.0, 0.6, -0.8)
 _HELD = (("from the thumb's side", _THUMB_SIDE), ("from the fingertips", _FINGER_SIDE))
 _SIZE = (15.0, 5.2)  # inches
 _PIXELS = 560  # height of a panel
+_AROUND = 0.5  # of a product shown beyond the hand on each side, over the hand's longer side
+_HIDDEN = 0.75  # share of the hand that a product hides, above which it is drawn translucent
+_OPACITY = 0.35  # of such a product
 
 
 def grasp_figure(grasp: Grasp) -> Figure:
@@ -41,7 +46,8 @@ def grasp_figure(grasp: Grasp) -> Figure:
     Returns
     -------
     Figure
-        The deformed hand with its pressure (kPa).
+        The deformed hand with its pressure (kPa). Of a product much larger than the hand the part around the
+        hand is shown; one that hides it is translucent.
     """
     as_kind("grasp", grasp, Grasp, "close_hand returns one")
     contact, palm = grasp.contact, np.array(grasp.posed.palm)
@@ -55,20 +61,12 @@ def grasp_figure(grasp: Grasp) -> Figure:
     panels = figure.subplots(1, len(views))
     for ax, (title, sight, with_product) in zip(panels, views, strict=True):
         view = View.along(sight, palm[:3, 1])
-        points, corners, values, colored = vertices, faces, pressure * KPA, inside
-        base = np.broadcast_to(SKIN, vertices.shape)
-        if with_product and product is not None:
-            count = len(product[0])
-            points, corners = (
-                np.vstack([vertices, product[0]]),
-                np.vstack([faces, product[1] + len(vertices)]),
-            )
-            values, colored = np.append(values, np.zeros(count)), np.append(inside, np.zeros(count))
-            base = np.vstack([base, np.broadcast_to(_rgb(PRODUCT), (count, 3))])
-        window = window_around(view.project(points) * MM)
-        picture = lit_skin(
-            points * MM, corners, view, values, colored, pressure_colors(), window, _PIXELS, base=base
-        )
+        window = window_around(view.project(vertices) * MM)
+        shown = product if with_product else None
+        if shown is not None:
+            window = _around(window, window_around(view.project(np.vstack([vertices, shown[0]])) * MM))
+        draw = partial(_picture, vertices, faces, view, pressure * KPA, inside, window)
+        picture = draw(None) if shown is None else _see_through(draw(None), draw(shown))
         ax.imshow(picture, extent=window, interpolation="antialiased")
         ax.set_axis_off()
         ax.set_title(title)
@@ -76,6 +74,47 @@ def grasp_figure(grasp: Grasp) -> Figure:
     if pressure.max(initial=0.0) > 0.0:
         color_bar(panels[-1], pressure_colors(), float(pressure.max()) * KPA, "pressure (kPa)")
     return figure
+
+
+def _around(hand: Window, whole: Window) -> Window:
+    """Return the part of the window on hand and product that is not far from the hand."""
+    rim = _AROUND * max(hand[1] - hand[0], hand[3] - hand[2])
+    return (
+        max(hand[0] - rim, whole[0]),
+        min(hand[1] + rim, whole[1]),
+        max(hand[2] - rim, whole[2]),
+        min(hand[3] + rim, whole[3]),
+    )
+
+
+def _picture(
+    vertices: Floats,
+    faces: Indices,
+    view: View,
+    values: Floats,
+    inside: Floats,
+    window: Window,
+    product: tuple[Floats, Indices] | None,
+) -> Floats:
+    """Return the hand, and the product with it, as `lit_skin` does."""
+    base = np.broadcast_to(SKIN, vertices.shape)
+    if product is not None:
+        points, triangles = product
+        faces = np.vstack([faces, triangles + len(vertices)])
+        vertices = np.vstack([vertices, points])
+        base = np.vstack([base, np.broadcast_to(_rgb(PRODUCT), points.shape)])
+        nothing = np.zeros(len(points))
+        values, inside = np.append(values, nothing), np.append(inside, nothing)
+    return lit_skin(vertices * MM, faces, view, values, inside, pressure_colors(), window, _PIXELS, base=base)
+
+
+def _see_through(hand: Floats, both: Floats) -> Floats:
+    """Return the picture of hand and product, through the product where it hides most of the hand."""
+    is_hand = hand[..., 3] > 0.0
+    hidden = is_hand & (np.abs(both - hand).max(axis=2) > 1e-9)
+    if hidden.sum() <= _HIDDEN * is_hand.sum():
+        return both
+    return np.where(hidden[..., None], _OPACITY * both + (1.0 - _OPACITY) * hand, both)
 
 
 def _pressed_sights(grasp: Grasp) -> list[tuple[str, Floats]]:
