@@ -327,9 +327,11 @@ def as_kind(name: str, value: Any, kind: type[_Kind], remedy: str) -> _Kind:
 
 
 def kind_of(value: Any) -> str:
-    """Return what a value is in words: a path, or its class."""
-    if isinstance(value, (str, PathLike)):
+    """Return what a value is in words: a path, a word, or its class."""
+    if isinstance(value, PathLike) or (isinstance(value, str) and any(mark in value for mark in "./\\")):
         return f"the path {short(str(value))}"
+    if isinstance(value, str):
+        return f"the word {short(value)}"
     return _with_article(type(value).__name__)
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import colorsys
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._check import as_kind
+from .._check import as_kind, short
 from ..errors import HandError
 from ..hand import PosedHand
 from .shading import lit_skin
@@ -52,14 +53,12 @@ def hand_figure(
     Raises
     ------
     HandError
-        If there is no such view; a TypeError if `hand` is not posed.
+        If there is no such view, or none at all; a TypeError if `hand` is not posed, or `views` no sequence.
     MissingExtraError
         If matplotlib is not installed.
     """
     as_kind("hand", hand, PosedHand, "hand.posed(pose) makes one of a Hand")
-    unknown = [view for view in views if view not in _SIGHTS]
-    if unknown:
-        raise HandError(f"views holds {unknown[0]!r}, expected some of {', '.join(_SIGHTS)}")
+    views = _known(views)
     palm, skin = hand.palm, hand.surface
     margin = _MARGIN * hand.hand.length
     drawn = []
@@ -88,6 +87,20 @@ def hand_figure(
         ax.set_title(name)
         ax.axis("off")
     return figure
+
+
+def _known(views: Sequence[str]) -> list[str]:
+    """Return the names of views, one or more."""
+    names = ", ".join(_SIGHTS)
+    if isinstance(views, str) or not isinstance(views, Iterable):
+        raise TypeError(f"views is {short(views)}, expected a sequence of some of {names}")
+    listed = list(views)
+    if not listed:
+        raise HandError(f"views is empty, expected some of {names}")
+    unknown = [view for view in listed if not isinstance(view, str) or view not in _SIGHTS]
+    if unknown:
+        raise HandError(f"views holds {short(unknown[0])}, expected some of {names}")
+    return listed
 
 
 def _color_of_each(labels: NDArray[np.str_]) -> Floats:

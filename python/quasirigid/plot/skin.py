@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_skin"]
 
+_MOST_PIXELS = 5e6  # of a picture; some 3 GB of memory
+
 
 class _Shown(StrEnum):
     PRESSURE = "pressure"
@@ -49,7 +51,7 @@ def plot_skin(
     view : View, optional
         From where; `pad_view` when left out.
     pixels : int
-        Height of the picture.
+        Height of the picture; five million in all at most.
 
     Returns
     -------
@@ -59,7 +61,7 @@ def plot_skin(
     Raises
     ------
     ContactError
-        If `show` is neither, or `pixels` is 0.
+        If `show` is neither, or `pixels` is 0 or makes too large a picture.
     """
     shown = as_choice("show", show, _Shown, ContactError)
     pixels = as_integer("pixels", pixels, ContactError, least=1)
@@ -77,6 +79,10 @@ def plot_skin(
         inside = np.where(contact.surface.skin_mask, -distance, -np.abs(distance))
         values, colors, label = inside.clip(0.0) * MM, overlap_colors(), "depth inside the product (mm)"
     window = window_around(view.project(vertices) * MM)
+    count = pixels**2 * (window[1] - window[0]) / (window[3] - window[2])
+    if count > _MOST_PIXELS:
+        found = f"pixels is {pixels}, which makes a picture of {count:.1e} pixels"
+        raise ContactError(f"{found}, expected at most {_MOST_PIXELS:.1e}: lower it")
     picture = lit_skin(vertices * MM, faces, view, values, inside, colors, window, pixels)
     ax.imshow(picture, extent=window, interpolation="antialiased")
     ax.set_axis_off()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from .._arrays import Floats
-from .._check import as_kind
+from .._check import as_kind, kind_of
 from .._extras import need_matplotlib
 
 if TYPE_CHECKING:
@@ -39,13 +39,16 @@ def new_figure(size: tuple[float, float]) -> Figure:
 
 
 def axes_or_new(ax: Axes | None, size: tuple[float, float]) -> Axes:
-    """Return the given axes, or those of a new figure; a TypeError of what is neither."""
+    """Return the given axes, or those of a new figure; a TypeError of what are no flat axes."""
     if ax is None:
         return new_figure(size).subplots()
     need_matplotlib()
     from matplotlib.axes import Axes
 
-    return as_kind("ax", ax, Axes, "plt.subplots() makes a figure and one")
+    remedy = "plt.subplots() makes a figure and one"
+    if as_kind("ax", ax, Axes, remedy).name != "rectilinear":
+        raise TypeError(f"ax is {kind_of(ax)} of projection {ax.name!r}, expected flat axes: {remedy}")
+    return ax
 
 
 def pressure_colors() -> Colormap:

@@ -18,6 +18,11 @@ def sparse_or_dense(request: pytest.FixtureRequest) -> qr.Hand:
     return qr.read_hand(hand_file(request.param))
 
 
+@pytest.fixture(scope="module")
+def drawn() -> qr.PosedHand:
+    return qr.models.hand(edge_length=4e-3).posed("flat")
+
+
 def test_every_vertex_has_a_region_in_one_piece(sparse_or_dense: qr.Hand) -> None:
     labels, faces = sparse_or_dense.labels, sparse_or_dense.surface.faces
     assert len(labels) == len(sparse_or_dense.surface.vertices)
@@ -88,16 +93,30 @@ def test_phalanges_end_at_their_joints(sparse_or_dense: qr.Hand) -> None:
                 assert np.abs((away @ frame[:3, 1]).mean()) < 4e-3
 
 
-def test_a_picture_shows_each_region_in_a_color_of_its_own_and_the_joints() -> None:
+@pytest.mark.parametrize(
+    ("views", "error", "message"),
+    [
+        (["side"], qr.HandError, "views holds 'side', expected some of palm, back, aslant"),
+        ([["palm"]], qr.HandError, r"views holds \['palm'\], expected some of"),
+        ((), qr.HandError, "views is empty, expected some of palm, back, aslant"),
+        ("palm", TypeError, "views is 'palm', expected a sequence of some of palm, back, aslant"),
+        (None, TypeError, "views is None, expected a sequence of some of"),
+    ],
+)
+def test_views_that_there_are_not_are_named(
+    views: object, error: type[Exception], message: str, drawn: qr.PosedHand
+) -> None:
+    with pytest.raises(error, match=message):
+        qr.plot.hand_figure(drawn, views=views)
+
+
+def test_a_picture_shows_each_region_in_a_color_of_its_own_and_the_joints(drawn: qr.PosedHand) -> None:
     colors = pytest.importorskip("matplotlib.colors")
-    posed = qr.models.hand(edge_length=4e-3).posed("flat")
     plain, regions = (
-        qr.plot.hand_figure(posed, views=["palm"], regions=regions).axes[0] for regions in (False, True)
+        qr.plot.hand_figure(drawn, views=["palm"], regions=regions).axes[0] for regions in (False, True)
     )
-    with pytest.raises(qr.HandError, match=r"views holds 'side', expected some of palm, back, aslant"):
-        qr.plot.hand_figure(posed, views=["side"])
     assert not plain.lines
-    assert len(regions.lines[0].get_xdata()) == len(posed.joints)
+    assert len(regions.lines[0].get_xdata()) == len(drawn.joints)
     hues = [
         colors.rgb_to_hsv(np.clip(ax.images[0].get_array()[..., :3], 0.0, 1.0)).reshape(-1, 3)
         for ax in (plain, regions)

@@ -303,6 +303,11 @@ def test_a_scale_bar_fits_into_any_picture_and_leaves_its_limits(size: float) ->
             'show is .foo., expected one of "pressure"',
         ),
         (lambda c: plot.plot_skin(c, pixels=0), qr.ContactError, "pixels is 0, expected an integer"),
+        (
+            lambda c: plot.plot_skin(c, pixels=10**7),
+            qr.ContactError,
+            r"pixels is 10000000, which makes a picture of .*e\+13 pixels, expected at most 5.0e\+06",
+        ),
         (lambda c: plot.plot_skin(c, pixels=2.5), TypeError, "pixels is 2.5, expected an integer"),
         (lambda c: plot.plot_footprint(c, top=0), qr.ContactError, "top is 0, expected a number above 0"),
         (lambda c: plot.comparison_figure({}), qr.ContactError, "contacts is empty"),
@@ -332,8 +337,17 @@ def test_a_scale_bar_fits_into_any_picture_and_leaves_its_limits(size: float) ->
                 plot.footprint_figure,
             )
         ),
-        (lambda c: plot.plot_footprint(c, ax="x"), TypeError, "ax is the path 'x', expected an Axes"),
+        (lambda c: plot.plot_footprint(c, ax="x"), TypeError, "ax is the word 'x', expected an Axes"),
+        *(
+            (
+                lambda c, draw=draw: draw(c, ax=new_figure((2.0, 2.0)).add_subplot(projection="3d")),
+                TypeError,
+                "ax is an Axes3D of projection '3d', expected flat axes",
+            )
+            for draw in (plot.plot_footprint, plot.plot_section, plot.plot_skin)
+        ),
         (lambda c: plot.plot_skin(c, view=[0, 0, 1]), TypeError, "view is a list, expected a View"),
+        (lambda c: plot.plot_skin(c, view="palm"), TypeError, "view is the word 'palm', expected a View"),
         (lambda c: plot.comparison_figure({"a": 1}), TypeError, r"contacts\['a'\] is an int"),
         (lambda c: plot.sweep_figure(c), TypeError, "sweep is a Contact, expected a Sweep"),
         (lambda c: plot.grasp_figure(c), TypeError, "grasp is a Contact, expected a Grasp"),
@@ -346,3 +360,9 @@ def test_what_cannot_be_drawn_or_written_is_named(
 ) -> None:
     with pytest.raises(error, match=message):
         draw(pressed)
+
+
+def test_a_skin_of_any_shape_is_drawn_at_the_height_left_out(fingertip: qr.Surface) -> None:
+    rod = qr.Surface(fingertip.vertices * [1e-2, 1.0, 1e-2], fingertip.faces)
+    contact = qr.solve_contact(rod, FLOOR, SKIN)
+    assert plot.plot_skin(contact, view=View.along(np.array(UP), np.array([1.0, 0.0, 0.0]))).images
