@@ -122,8 +122,9 @@ def sweep_table(sweep: Sweep) -> str:
     Returns
     -------
     str
-        A line for each step: depth (mm), force along the direction (N) and area (mm²) and peak pressure (kPa)
-        with the estimates of their errors, time (ms), status; a note where a peak is infinite.
+        A line for each step: its number from 0, the force that was asked for (N) or nothing of depths, depth
+        (mm), force along the direction (N) and area (mm²) and peak pressure (kPa) with the estimates of their
+        errors, time (ms), status; a note where a peak is infinite.
     """
     numbers = (
         ("depth (mm)", sweep.depth * MM),
@@ -140,7 +141,10 @@ def sweep_table(sweep: Sweep) -> str:
         for errors in (sweep.force_error, sweep.area_error, sweep.max_pressure_error)
     )
     status = ["status", *sweep.status]
-    columns = [depth, force, force_error, area, area_error, peak, peak_error, seconds, status]
+    step = ["step", *map(str, range(len(sweep)))]
+    forces = ["asked (N)", *(f"{value:.4g}" for value in sweep.asked)]
+    asked = [forces] if sweep._question.goal == "force" else []
+    columns = [step, *asked, depth, force, force_error, area, area_error, peak, peak_error, seconds, status]
     at_edge = np.isinf(sweep.max_pressure_error) & np.isfinite(sweep.force_error)
     note = ["peak with an error of inf %: infinite at an edge or a cut"] if at_edge.any() else []
     return "\n".join([*aligned(columns), *note])

@@ -157,8 +157,8 @@ def test_a_sweep_prints_and_writes_a_row_for_each_step(
 ) -> None:
     assert run(sweep_arguments("--depths", "0.4:1.2:3mm", "--out", "sweep-out")) == 0
     printed = capsys.readouterr().out.splitlines()
-    assert printed[0].split()[:2] == ["depth", "(mm)"]
-    assert [line.split()[0] for line in printed[1:4]] == ["0.4", "0.8", "1.2"]
+    assert printed[0].split()[:3] == ["step", "depth", "(mm)"]
+    assert [line.split()[1] for line in printed[1:4]] == ["0.4", "0.8", "1.2"]
     header, *rows = (in_demo_folder / "sweep-out" / "sweep.csv").read_text().splitlines()
     assert header.startswith("depth (m),normal_force (N),force_x (N),")
     assert [float(row.split(",")[0]) for row in rows] == pytest.approx([0.4e-3, 0.8e-3, 1.2e-3])
@@ -168,7 +168,9 @@ def test_a_sweep_prints_and_writes_a_row_for_each_step(
     assert 0.0 < forces[0] < forces[1] < forces[2]
     assert document["inputs"]["depths"]["unit"] == "m"
     assert run(sweep_arguments("--forces", "0.5,1N")) == 0
-    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:]] == ["0.5", "1"]
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[1:]]
+    # Asked for, and reached.
+    assert [[row[1], row[3]] for row in rows] == [["0.5", "0.5"], ["1", "1"]]
 
 
 def test_a_target_error_refines_as_far_as_asked(

@@ -314,6 +314,18 @@ def test_the_summary_of_a_sweep_is_its_table_and_what_it_warned_of(surface: qr.S
         for warning in warned:
             assert f"step {step}: warning: {warning}" in text.splitlines()
     assert text.splitlines()[-1] == f"step 1: not_reached: {curve.messages[1]}"
+    header, first, second = (line.split() for line in text.splitlines()[:3])
+    assert header[:3] == ["step", "asked", "(N)"]
+    assert (first[:2], first[-1]) == (["0", "0.1"], "solved")
+    assert (second[:2], second[-1]) == (["1", "1000"], "not_reached")
+
+
+def test_the_table_of_a_sweep_counts_its_steps(by_depth: qr.Sweep) -> None:
+    header, *rows = (line.split() for line in qr.io.sweep_table(by_depth).splitlines())
+    assert header[:3] == ["step", "depth", "(mm)"]
+    assert [row[:2] for row in rows] == [
+        [str(step), f"{1e3 * depth:.4g}"] for step, depth in enumerate(by_depth.asked)
+    ]
 
 
 @pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
