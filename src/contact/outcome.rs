@@ -217,7 +217,8 @@ pub struct Contact {
     pub status: ContactStatus,
     /// Force, moment, center of pressure, area, peak pressure of the whole contact.
     pub resultant: Resultant,
-    /// Deepest penetration of a skin vertex before (m, ≥ 0).
+    /// Deepest penetration of a skin vertex before (m, ≥ 0), to the plane through an edge or a bump of the obstacle where that
+    /// stands in a triangle of it.
     pub max_penetration_before: f64,
     /// Deepest penetration after, measured anew at the deformed skin against the deformed product, in the skin's triangles
     /// and of the product's sharp edges too (m, ≥ 0).

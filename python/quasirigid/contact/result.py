@@ -75,8 +75,9 @@ class Contact(Frozen):
         Largest pressure at a vertex (Pa), ``pressure.max()``. In Galerkin form the largest between vertices
         too; there and with ``pressure="one_ring"`` never below the mean over a patch's contact area.
     max_penetration_before, max_penetration_after : float
-        Deepest penetration (m): of a skin vertex before; after, measured anew at the deformed skin against
-        the deformed product, in the skin's triangles and of the product's sharp edges too.
+        Deepest penetration (m): before, of a skin vertex, to the plane through a product's edge or bump
+        where that stands in a triangle of it; after, measured anew at the deformed skin against the deformed
+        product, in the skin's triangles and of the product's sharp edges too.
     obstacle_share : float or None
         The product's share of what skin and product give way together, ``-f'u_P / f'(u_H - u_P)`` with
         the displacements of skin and product: 0 of a rigid product, None without contact.
