@@ -326,6 +326,16 @@ impl PySkin {
         Ok(released(py, || self.inner.moved(&motion))?.into())
     }
 
+    /// The same: nothing of it changes.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    /// The same, as for `__copy__`.
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
     /// Whether the surface is the one that this skin fits.
     fn check_surface(&self, surface: &PySurface) -> PyResult<()> {
         self.elastic().traits(&surface.inner).map(drop).map_err(IntoPyErr::into_py_err)

@@ -70,15 +70,14 @@ def test_no_result_can_be_changed(results: list[Any], copied: Callable[[Any], An
 
 
 def test_results_are_taken_apart_as_dataclasses(results: list[Any]) -> None:
-    # The core's skins that these hold cannot be copied.
-    with_skin = (qr.PreparedSkin, qr.CombinedSkin)
     taken_apart = set()
     for result in results:
-        if dataclasses.is_dataclass(result) and not isinstance(result, with_skin):
+        if dataclasses.is_dataclass(result):
             known = dataclasses.asdict(result)
             assert set(known) == {field.name for field in dataclasses.fields(result)}
             taken_apart.add(type(result))
-    assert {qr.Contact, qr.Grasp, qr.Skin, qr.Sweep, qr.surface.Repair} <= taken_apart
+    kinds = {qr.Contact, qr.Grasp, qr.Skin, qr.PreparedSkin, qr.CombinedSkin, qr.Sweep, qr.surface.Repair}
+    assert kinds <= taken_apart
 
 
 def fields_of(result: Any) -> list[str]:
