@@ -13,6 +13,8 @@ from .._arrays import Floats, Indices
 from .._check import as_array
 from ..errors import MeshFileError
 
+_FLOAT32_CHANGE = 1e-2  # of an edge: rounding moves its ends against each other by no more
+
 
 def check_values(vertices: Floats, faces: Indices, name: str) -> None:
     """Raise `MeshFileError` where a coordinate is not finite or a face names a vertex that is not there."""
@@ -33,6 +35,25 @@ def check_values(vertices: Floats, faces: Indices, name: str) -> None:
         raise MeshFileError(
             f"{name}: face {wrong[0]} refers to vertex {vertex}, but there are {len(vertices)} vertices,"
             f" {_how_many(len(wrong), 'faces')}"
+        )
+
+
+def check_float32(vertices: Floats, faces: Indices, name: str, advice: str) -> None:
+    """Raise `MeshFileError` with an advice where float32 would turn or stretch an edge by more than 1 %."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        rounding = vertices.astype(np.float32) - vertices
+        after = faces[:, [1, 2, 0]]
+        changes = np.linalg.norm(rounding[after] - rounding[faces], axis=2)
+        lengths = np.linalg.norm(vertices[after] - vertices[faces], axis=2)
+    # Of numbers that float32 does not hold the change is not finite.
+    is_kept = np.isfinite(changes) & (changes <= _FLOAT32_CHANGE * lengths)
+    wrong = np.flatnonzero(~is_kept.all(axis=1))
+    if len(wrong):
+        face = wrong[0]
+        corner = vertices[faces[face, 0]]
+        raise MeshFileError(
+            f"{name}: face {face} at {tuple(corner.tolist())}, its shortest edge {lengths[face].min():.3g},"
+            f" would lose its shape as float32, {_how_many(len(wrong), 'faces')}: {advice}"
         )
 
 

@@ -19,7 +19,7 @@ from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
 from .atomic import atomic_write, json_bytes, png_bytes, write_files
-from .check import check_values, triangle_rows
+from .check import check_float32, check_values, triangle_rows
 from .frame import vertex_data
 from .ply import ply_bytes
 from .record import contact_record, inputs_record
@@ -174,7 +174,8 @@ def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str],
     ------
     MeshFileError
         If a coordinate is no finite number, a face names a missing vertex, one of the arrays has another
-        shape, the path ends in something else, or the unit is not known.
+        shape, the path ends in something else, or the unit is not known. Of STL also where float32 would turn
+        or stretch an edge by more than 1 %, as far from the origin.
     """
     scale = metres_in(unit, MeshFileError)
     points, corners = _checked(vertices, faces, str(path))
@@ -183,6 +184,7 @@ def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str],
         case ".ply":
             content = _plain_ply(points, corners, unit)
         case ".stl":
+            check_float32(points, corners, str(path), "write .ply, or move the mesh to the origin first")
             content = stl_bytes(points, corners, unit)
         case ending:
             raise MeshFileError(f"{path}: the ending is '{ending}', expected .ply or .stl")

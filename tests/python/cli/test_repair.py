@@ -110,3 +110,14 @@ def test_crossing_faces_of_an_open_mesh_are_counted_on_demand(
     assert row.split() == ["crossing", "faces", "2", "pairs,", "the", "first", "0", "and", "2"]
     assert run(["info", "tip.ply", "--unit", "m", "--check-crossings"]) == 0
     assert "0 pairs" in capsys.readouterr().out
+
+
+def test_a_mesh_far_from_the_origin_is_not_written_as_stl(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tip = qr.read_surface("tip.ply", unit="m")
+    qr.io.write_mesh(tip.vertices + 1e6, tip.faces, "far.ply", unit="m")
+    assert run(["repair", "far.ply", "--unit", "m", "--out", "far.stl"]) == 2
+    assert "would lose its shape as float32" in capsys.readouterr().err
+    assert not Path("far.stl").exists()
+    assert run(["repair", "far.ply", "--unit", "m", "--out", "whole.ply"]) == 0

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import HandError
 from ...io.atomic import atomic_write
+from ...io.check import check_float32
 from ..bend import shares_of
 from ..rig.kinematics import inverse_motions
 
@@ -43,6 +44,7 @@ def save_glb(hand: Hand, path: str | PathLike[str], contact: Contact | None) -> 
         vertices, faces, weights = _on_mesh_of(contact, hand, weights)
         attributes = {"COLOR_0": _colors(contact.pressure), "_PRESSURE": contact.pressure[:, None]}
         targets = [{"POSITION": contact.deformed.vertices - vertices}]
+    check_float32(vertices, faces, str(file), "move the hand to the origin first")
     joints, shares = _sets(weights)
     attributes |= {"POSITION": vertices, "NORMAL": hand.surface.vertex_normals}
     if contact is not None:

@@ -13,6 +13,7 @@ import pytest
 import quasirigid as qr
 from glb_files import glb_parts, glb_with
 from hands import GLB
+from quasirigid.errors import MeshFileError
 from shared_meshes import hand_file
 
 
@@ -41,6 +42,13 @@ def test_a_saved_hand_is_read_back(hand: qr.Hand, tmp_path: Path) -> None:
     np.testing.assert_array_equal(again.surface.faces, hand.surface.faces)
     np.testing.assert_allclose(again.rest[order][:, :3, 3], hand.rest[:, :3, 3], atol=1e-7)
     np.testing.assert_allclose(again.rest[order][:, :3, 1], hand.rest[:, :3, 1], atol=1e-5)
+
+
+def test_a_hand_that_float32_would_collapse_is_not_saved(hand: qr.Hand, tmp_path: Path) -> None:
+    far = hand.moved(translation=(1e6, 0.0, 0.0))
+    with pytest.raises(MeshFileError, match=r"lose its shape as float32, .* move the hand to the origin"):
+        far.save(tmp_path / "hand.glb")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_joint_of_a_file_that_hangs_on_none_hangs_on_the_root(hand: qr.Hand, tmp_path: Path) -> None:
