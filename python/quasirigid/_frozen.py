@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import FrozenInstanceError
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self, TypeVar
 
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["Frozen", "ReadOnlyDict", "read_only"]
+__all__ = ["Frozen", "Made", "ReadOnlyDict", "read_only"]
 
 _Array = TypeVar("_Array", bound="NDArray[Any]")
 _Key = TypeVar("_Key")
@@ -56,6 +56,23 @@ class Frozen:
         """Take the attributes, read-only again."""
         vars(self).update(state)
         self._freeze()
+
+
+class Made(Frozen):
+    """Base of what functions alone make, as its parts belong together: `dataclasses.replace` swaps none."""
+
+    _makers: ClassVar[str]
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        """Refuse to be called."""
+        raise TypeError(f"a {type(self).__name__} is made by {self._makers}: its parts belong together")
+
+    @classmethod
+    def _of(cls, **parts: Any) -> Self:
+        made = object.__new__(cls)
+        vars(made).update(parts)
+        made._freeze()
+        return made
 
 
 def read_only(array: _Array) -> _Array:

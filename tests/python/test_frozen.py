@@ -80,6 +80,20 @@ def test_results_are_taken_apart_as_dataclasses(results: list[Any]) -> None:
     assert kinds <= taken_apart
 
 
+def test_a_skin_that_was_computed_takes_no_other_part() -> None:
+    sheet = qr.Surface(*grid(4, 1e-3))
+    other = dataclasses.replace(SKIN, shear_modulus=2.0 * SKIN.shear_modulus)
+    made = {
+        r"PreparedSkin is made by `Skin\.prepared` or `load_": (SKIN.prepared(sheet), {"skin": other}),
+        r"CombinedSkin is made by `Skin\.combined`": (SKIN.combined(sheet, {}), {"background": other}),
+    }
+    for message, (skin, change) in made.items():
+        with pytest.raises(TypeError, match=message):
+            dataclasses.replace(skin, **change)
+        with pytest.raises(TypeError, match=message):
+            type(skin)(**change, _response=None)
+
+
 def fields_of(result: Any) -> list[str]:
     """Names of what a result holds, of a surface those of its arrays."""
     if isinstance(result, qr.Surface):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from .. import _core
+from .._frozen import Made
 from ..errors import ResponseError
 from .core import restore_prepared
 from .given_mesh import forces_on_given_mesh
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 __all__ = ["PreparedSkin", "restore_skin"]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PreparedSkin:
+@dataclass(frozen=True, init=False, eq=False)
+class PreparedSkin(Made):
     """A skin whose response is computed for one surface; made by `Skin.prepared` or `load_prepared`.
 
     Attributes
@@ -38,6 +39,7 @@ class PreparedSkin:
 
     skin: Skin
     _response: _core.Skin
+    _makers: ClassVar[str] = "`Skin.prepared` or `load_prepared`"
 
     @property
     def nodes(self) -> NDArray[np.int64]:
@@ -92,7 +94,7 @@ class PreparedSkin:
         PreparedSkin
             For ``surface.moved(rotation, translation)``.
         """
-        return replace(self, _response=self._response.moved(rotation, translation))
+        return PreparedSkin._of(skin=self.skin, _response=self._response.moved(rotation, translation))
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write it to a file, whole or not at all.
@@ -139,4 +141,4 @@ def bone_pressures_of(
 
 def restore_skin(skin: Skin, stored: Mapping[str, NDArray[Any]]) -> PreparedSkin:
     """Return the prepared skin of a skin and the numbers that `_core.skin_parts` returned."""
-    return PreparedSkin(skin=skin, _response=restore_prepared(skin._constants, skin.response, stored))
+    return PreparedSkin._of(skin=skin, _response=restore_prepared(skin._constants, skin.response, stored))

@@ -6,13 +6,13 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from .. import _core
 from .._check import as_float, as_integer_or_none, as_reals
-from .._frozen import Frozen
+from .._frozen import Made
 from ..errors import ResponseError, ResponseRangeWarning
 from ..scene import as_surface
 from .core import ElasticConstants, build_kernel, build_prepared
@@ -125,7 +125,7 @@ class Skin:
             progress=as_progress(progress),
             num_threads=as_integer_or_none("num_threads", num_threads, ResponseError, least=1),
         )
-        return PreparedSkin(skin=self, _response=response)
+        return PreparedSkin._of(skin=self, _response=response)
 
     def combined(self, surface: Surface, parts: Mapping[str, tuple[CutOut, PreparedSkin]]) -> CombinedSkin:
         """Join bodies of parts of a skin with this kernel for the rest.
@@ -188,8 +188,8 @@ class Skin:
         return build_prepared(self._constants, self.response, surface, num_threads=num_threads)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CombinedSkin(Frozen):
+@dataclass(frozen=True, init=False, eq=False)
+class CombinedSkin(Made):
     """Bodies where they exist, a kernel off them; made by `Skin.combined`, goes wherever a `Skin` goes.
 
     Attributes
@@ -204,6 +204,7 @@ class CombinedSkin(Frozen):
     parts: Mapping[str, tuple[CutOut, PreparedSkin]]
     _surface: Surface
     _response: _core.Skin
+    _makers: ClassVar[str] = "`Skin.combined`"
 
     def without(self, *names: str) -> CombinedSkin:
         """Return the same with parts left to the kernel, as where a contact straddles their cut.
@@ -274,8 +275,12 @@ class CombinedSkin(Frozen):
             name: (replace(cut, surface=cut.surface.moved(*motion)), prepared.moved(*motion))
             for name, (cut, prepared) in self.parts.items()
         }
-        surface = self._surface.moved(*motion)
-        return replace(self, parts=parts, _surface=surface, _response=response)
+        return CombinedSkin._of(
+            background=self.background,
+            parts=parts,
+            _surface=self._surface.moved(*motion),
+            _response=response,
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle what it is made of."""
@@ -306,7 +311,7 @@ def _combine(
         for name, (cut, prepared) in parts.items()
     ]
     response = _core.Skin.combined(surface, background._kernel, given)
-    return CombinedSkin(background=background, parts=dict(parts), _surface=surface, _response=response)
+    return CombinedSkin._of(background=background, parts=dict(parts), _surface=surface, _response=response)
 
 
 def _check_part(name: object, part: Any) -> None:
