@@ -184,5 +184,6 @@ def restore_prepared(
 
 def _check_bone_pressure(bone: Surface | None, stored: NDArray[np.float64] | None) -> None:
     expected = 0 if bone is None else len(bone.vertices)
-    if stored is not None and len(stored) != expected:
-        raise ResponseError(f"stored bone pressure has {len(stored)} rows, expected {expected} for the bone")
+    rows = None if stored is None else len(np.atleast_1d(stored))
+    if rows not in (None, expected):
+        raise ResponseError(f"stored bone pressure has {rows} rows, expected {expected} for the bone")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import ResponseError
 from .prepared import PreparedSkin, restore_skin
@@ -10,7 +10,10 @@ from .skins import Skin
 from .storage import read_prepared, restored_response
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from os import PathLike
+
+    from numpy.typing import NDArray
 
 __all__ = ["load_prepared"]
 
@@ -38,14 +41,22 @@ def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
     """
     header, stored = read_prepared(path)
     try:
-        skin = Skin(
+        skin = _described(header, stored)
+        return restore_skin(skin, stored)
+    except KeyError as error:
+        raise ResponseError(f"{path} lacks or misnames a part of a prepared skin: {error}") from error
+    except ValueError as error:
+        # Whatever a damaged part leads to; its dtype was checked.
+        raise ResponseError(f"{path} holds no sound prepared skin: {error}") from error
+
+
+def _described(header: Mapping[str, Any], stored: Mapping[str, NDArray[Any]]) -> Skin:
+    """Return the skin that a header describes."""
+    try:
+        return Skin(
             shear_modulus=header["shear_modulus"],
             poisson_ratio=header["poisson_ratio"],
             response=restored_response(header, stored),
         )
-        return restore_skin(skin, stored)
-    except KeyError as error:
-        raise ResponseError(f"{path} lacks or misnames a part of a prepared skin: {error}") from error
-    except Exception as error:
-        # Whatever a damaged part leads to.
-        raise ResponseError(f"{path} holds no sound prepared skin: {error}") from error
+    except TypeError as error:
+        raise ValueError(error) from error

@@ -28,6 +28,9 @@ __all__ = ["read_prepared", "restored_response", "write_prepared"]
 
 _FORMAT = "quasirigid prepared skin"
 _VERSION = 2
+# What a part holds, where it is not float64.
+_DTYPES = dict.fromkeys(("nodes", "faces", "bone_faces", "coarse_nodes", "coarse_corners"), "int64")
+_DTYPES |= dict.fromkeys(("fixed", "held"), "bool")
 
 
 def write_prepared(
@@ -135,6 +138,12 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
         raise ResponseError(
             f"{path} lacks or misnames a part of a prepared skin: it holds {found}, expected {expected}"
         )
+    for name in found:
+        dtype, wanted = stored[name].dtype, _DTYPES.get(name, "float64")
+        if dtype != wanted:
+            raise ResponseError(
+                f"{path} holds no sound prepared skin: {name} has dtype {dtype}, expected {wanted}"
+            )
     return header, stored
 
 
@@ -161,7 +170,13 @@ def _array_of(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]
 
 
 def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[Any]]) -> Response:
-    """Return the response that `write_prepared` wrote; an exception of any kind where it lacks a part."""
+    """Return the response that `write_prepared` wrote.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        If the header or a part is damaged.
+    """
     kind = header["response"]
     if kind == "Body":
         return _restored_body(stored, header["numbers"])

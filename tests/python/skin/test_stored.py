@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from prepared_skins import RESPONSES, skin_of
+from quasirigid.skin import core as core_skins
 from shapes import PLATE
 
 # Scenes are coarse on purpose, and taken as they are.
@@ -163,6 +164,15 @@ class Witness:
         Witness.called = True
 
 
+def test_an_error_of_our_own_is_none_of_the_file(
+    surface: qr.Surface, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = saved(tmp_path, surface, "body")
+    monkeypatch.setattr(core_skins._core, "restore_body", lambda: None)
+    with pytest.raises(TypeError, match="<lambda>"):
+        qr.load_prepared(path)
+
+
 @pytest.mark.parametrize(
     "changed",
     [
@@ -171,6 +181,7 @@ class Witness:
         {"nodes": np.array([0.5])},
         {"matrix": np.zeros((2, 3))},
         {"matrix": np.array([["x"]])},
+        {"vertices": np.zeros((642, 3), dtype=np.float32)},
         {"vertices": np.full((642, 3), np.nan)},
         {"vertices": np.zeros((0, 3))},
         {"faces": np.array([[0, 1, 2**40]])},
