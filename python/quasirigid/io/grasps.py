@@ -15,6 +15,7 @@ from .._extras import need_matplotlib
 from .._text import aligned
 from .._units import KPA, MM
 from ..hand.grasp.crossings import in_words
+from ..hand.rig.joints import DIGITS
 from .atomic import json_bytes, png_bytes, write_files
 from .record import as_plain, figure, figures, inputs_record, patch_figures
 from .write import CONTACT_FILES, save_contact, save_pictures
@@ -71,7 +72,9 @@ def digit_table(grasp: Grasp) -> str:
         lines.append(f"the hand crosses itself: {in_words(grasp.posed.crossings)}")
     net, moment = _length(grasp.net_force), _length(grasp.net_moment)
     line = f"hand on product: {net:.4g} N, {moment:.4g} N m about its center of mass"
-    if net > _ONE_WAY * sum(forces):
+    thumb, *fingers = (_length(grasp.digits[name].force) if name in grasp.digits else 0.0 for name in DIGITS)
+    # Digits that do not touch, or are alone, cannot push against each other.
+    if net > _ONE_WAY * sum(forces) and thumb > 0.0 and any(fingers):
         line += (
             ": the digits push it away more than against each other; turn the hand so that the thumb comes"
             " from the other side"

@@ -79,6 +79,18 @@ def test_from_the_opposed_thumb_digits_push_a_bottle_against_each_other_and_not_
     assert told not in opposed.summary()
 
 
+def test_digits_that_no_thumb_meets_are_not_told_to_push_against_each_other(hand):
+    palm = np.array(hand.posed("relaxed").palm)
+    before = qr.Obstacle.sphere((palm @ [0.0, 0.03, 0.04, 1.0])[:3], 0.033)
+    alone = qr.close_hand(hand, before, skin(), force={"index": 2.0}, options=AS_GIVEN)
+    on_palm = qr.Obstacle.sphere((palm @ [0.0, 0.0, 4e-3, 1.0])[:3], 5e-3)
+    none = qr.close_hand(hand, on_palm, skin(), force={"index": 1.0}, end="flat", options=AS_GIVEN)
+    for grasp, digits in ((alone, ["index"]), (none, [])):
+        assert [name for name, force in forces(grasp).items() if force] == digits
+        assert np.linalg.norm(grasp.net_force) > 0.5 * np.linalg.norm(grasp.contact.force)
+        assert "against each other" not in grasp.summary()
+
+
 def tube(radius, wall, half_height):
     """A tube around the z axis, open at both ends (m)."""
     sides, corners = 96, 4
