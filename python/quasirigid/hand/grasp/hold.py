@@ -16,7 +16,7 @@ from ...contact.press import solve_quietly
 from ...errors import HandError
 from ...obstacle import Obstacle
 from ...skin import Body, HalfSpace, Skin
-from ..rig.joints import DIGITS
+from ..rig.joints import DIGITS, JOINTS_16
 from .search import Search
 
 if TYPE_CHECKING:
@@ -164,6 +164,13 @@ class Hold:
             raise HandError(
                 f"{within.sum()} of {len(near)} vertices of the hand stand in the product: check that both "
                 "have the same unit, and move the hand"
+            )
+        # Of a product that is the hand itself all vertices stand on its surface.
+        hinges = [posed.frame_of(name)[:3, 3] for name in JOINTS_16[1:]]
+        if (self.obstacle.signed_distance(hinges)[0] < 0.0).all():
+            raise HandError(
+                "the joints of all digits stand in the product, as in one that is the hand itself: check "
+                "that it is the product, and move the hand"
             )
         if within.any() or box is None:
             return

@@ -206,6 +206,9 @@ def test_products_in_the_hand_and_skins_of_one_pose_are_refused(hand, handle):
         qr.close_hand(hand, qr.Obstacle.sphere(middle, 3e-3), skin(), force=1.0)
     with pytest.raises(qr.HandError, match="stand in the product"):
         qr.close_hand(hand, qr.Obstacle.sphere(middle, 0.5), skin(), force=1.0)
+    itself = hand.posed("relaxed").surface
+    with pytest.raises(qr.HandError, match="joints of all digits stand in the product"):
+        qr.close_hand(hand, qr.Obstacle.mesh(itself.vertices, itself.faces), skin(), force=1.0)
     plane = qr.Obstacle.half_space([0.0, 0.0, -1.0], [0.0, 0.0, 1.0])
     with pytest.raises(qr.HandError, match="center of mass"):
         qr.close_hand(hand, plane, skin(), force=1.0)
