@@ -9,7 +9,7 @@ import numpy as np
 from .._check import as_array, as_vector, reals_or_empty, short
 from ..errors import HandError
 from ..obstacle import Obstacle
-from .rig.joints import REFERENCE_LENGTH, WEBXR_25, lacking, length_of
+from .rig.joints import DIGITS, EACH_DIGIT, JOINTS_OF, REFERENCE_LENGTH, WEBXR_25, lacking, length_of
 from .rig.rotations import nearest_rotations
 
 if TYPE_CHECKING:
@@ -119,9 +119,15 @@ def check_inside(surface: Surface, rest: Floats, names: tuple[str, ...]) -> None
     if len(outside):
         worst = outside[np.argmax(distance[outside])]
         place = as_vector("joint", rest[known[worst], :3, 3], HandError)
+        lost = {WEBXR_25[joint] for joint in outside}
+        whole = [digit for digit in DIGITS if lost.isdisjoint(JOINTS_OF[digit])]
+        bare = [digit for digit in DIGITS if lost.issuperset(JOINTS_OF[digit][2:])]
+        # In another unit or frame hardly a digit would fit.
+        missing = f"it holds those of {', '.join(whole)}, and {EACH_DIGIT}; or "
+        advice = (missing if whole and len(whole) + len(bare) == len(DIGITS) else "") + _CHECK
         raise HandError(
             f"the joint {WEBXR_25[worst]!r} at {short(place)} m lies {distance[worst] * 1e3:.2f} mm outside "
-            f"the skin ({len(outside)} joints do): {_CHECK}"
+            f"the skin ({len(outside)} joints do): {advice}"
         )
     if len(deep):
         worst = deep[np.argmin(distance[deep])]

@@ -10,6 +10,7 @@ import pytest
 import quasirigid as qr
 from hands import INDEX, parts_of
 from quasirigid.hand import JOINTS_16, JOINTS_21, OPENXR_26, WEBXR_25
+from quasirigid.hand.regions import digit_of_vertices
 
 
 def spin(axis: int, angle: float) -> np.ndarray:
@@ -186,6 +187,23 @@ def test_a_faulty_hand_is_refused(hand: qr.Hand, change: dict[str, Any], message
 def test_a_joint_outside_the_skin_is_named(hand: qr.Hand) -> None:
     with pytest.raises(qr.HandError, match=r"lies \d+\.\d+ mm outside the skin .* same unit and frame"):
         qr.Hand(hand.surface.vertices * 0.5, hand.surface.faces, **parts_of(hand))
+
+
+def test_a_hand_of_fewer_digits_is_told_what_each_needs(hand: qr.Hand) -> None:
+    parts = parts_of(hand)
+    own = [at for at, name in enumerate(hand.joint_names) if name == "wrist" or name.startswith("index")]
+    names = [hand.joint_names[at] for at in own]
+    alone = {"joint_names": names, "parents": np.arange(-1, len(own) - 1), "rest": hand.rest[own]}
+    told = "each digit needs skin and joints; `press` takes a finger alone"
+    with pytest.raises(qr.HandError, match=rf"has no joint 'thumb-metacarpal' \(19 of .* missing\): {told}"):
+        qr.Hand(hand.surface.vertices, hand.surface.faces, **(parts | alone))
+    # The skin of the palm and one finger.
+    keep = np.isin(digit_of_vertices(hand.regions), ("palm", "index"))
+    rest = qr.cut_out(hand.surface, keep=keep).surface
+    weights = np.ones((len(rest.vertices), 1))
+    skin = {"joints": np.zeros(weights.shape, dtype=int), "weights": weights}
+    with pytest.raises(qr.HandError, match=rf"outside the skin \(1\d joints do\): .* of index, and {told}"):
+        qr.Hand(rest.vertices, rest.faces, **(parts | skin))
 
 
 def test_crossing_skin_can_be_left_out_of_contact() -> None:

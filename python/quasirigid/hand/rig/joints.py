@@ -72,6 +72,9 @@ DIGIT_OF: dict[str, str] = {name: digit for digit in DIGITS for name in JOINTS_O
 REFERENCE_LENGTH = 0.19
 """`length_of` a hand (m) for which distances along its skin are given; others have them in proportion."""
 
+EACH_DIGIT = "each digit needs skin and joints; `press` takes a finger alone, its skin without joints"
+"""What to do where there are fewer digits."""
+
 
 def length_of(rest: Floats, names: Sequence[str]) -> float:
     """Return the way along the joints from the wrist to the tip joint of the middle finger (m)."""
@@ -80,7 +83,7 @@ def length_of(rest: Floats, names: Sequence[str]) -> float:
 
 
 def lacking(names: Iterable[str]) -> str:
-    """Return the first of WebXR's 25 joints that names lack, how many they are and a similar name; or ""."""
+    """Return the first of WebXR's 25 joints that names lack, how many they are and what to do; or ""."""
     known = list(names)
     missing = [name for name in WEBXR_25 if name not in known]
     if not missing:
@@ -88,8 +91,11 @@ def lacking(names: Iterable[str]) -> str:
     others = [name for name in known if name not in WEBXR_25]
     lower = {name.lower(): name for name in others}
     near = difflib.get_close_matches(missing[0], lower, n=1, cutoff=0.7)
-    offered = f"; is {lower[near[0]]!r} meant?" if near else ""
-    return f"joint {missing[0]!r} ({len(missing)} of WebXR's 25 are missing){offered}"
+    advice = f"; is {lower[near[0]]!r} meant?" if near else ""
+    digits = {DIGIT_OF[name] for name in known if name in DIGIT_OF}
+    if not near and 0 < len(digits) < len(DIGITS):
+        advice = f": {EACH_DIGIT}"
+    return f"joint {missing[0]!r} ({len(missing)} of WebXR's 25 are missing){advice}"
 
 
 def index_of(name: str, known: Iterable[str], what: str, offered: Iterable[str] | None = None) -> int:
