@@ -130,10 +130,19 @@ def warnings_record(warnings: Iterable[Warned]) -> list[dict[str, str]]:
 
 
 def inputs_record(inputs: Mapping[str, Any] | None) -> Any:
-    """Return what a contact was computed from as what JSON holds; a TypeError of what is no mapping."""
+    """Return what a contact was computed from as what JSON holds.
+
+    Raises
+    ------
+    TypeError
+        If it is no mapping; a ValueError of one that holds itself.
+    """
     if inputs is not None and not isinstance(inputs, Mapping):
         raise TypeError(f"inputs is a {type(inputs).__name__}, expected a mapping of names to values")
-    return as_plain(inputs or {})
+    try:
+        return as_plain(inputs or {})
+    except RecursionError:
+        raise ValueError("inputs holds itself, or mappings and lists too deep in each other") from None
 
 
 def _refinement(one: Refinement) -> dict[str, Any]:

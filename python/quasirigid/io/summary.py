@@ -69,6 +69,8 @@ def compare_contacts(
     str
         As `contact_summary`, with a column for each contact.
     """
+    if wrong := [name for name in contacts if not isinstance(name, str)]:
+        raise TypeError(f"a contact is named {wrong[0]!r}, expected a str")
     ending = {} if is_reached else {"status": NOT_REACHED}
     columns = [{"": name} | _rows(contact) | ending for name, contact in contacts.items()]
     names = list(dict.fromkeys(name for column in columns for name in column))

@@ -128,6 +128,14 @@ def test_words_and_booleans_stand_plain_whether_known_or_not(pressed: qr.Contact
         assert record == {name: {"value": getattr(accuracy, name), "unit": "1"} for name in figures}
 
 
+def test_inputs_that_hold_themselves_are_refused(apart: qr.Contact, tmp_path: Path) -> None:
+    endless: dict[str, Any] = {}
+    endless["again"] = [endless]
+    with pytest.raises(ValueError, match="inputs holds itself"):
+        save_contact(apart, tmp_path, inputs=endless)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_skin_among_the_inputs_is_named_and_holds_no_address(apart: qr.Contact, tmp_path: Path) -> None:
     skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.Layer(thickness=5e-3))
     save_contact(apart, tmp_path, inputs={"skin": skin})

@@ -135,6 +135,11 @@ def test_contacts_are_compared_column_by_column(pressed: qr.Contact, apart: qr.C
     assert len(notes) == len(set(notes))
 
 
+def test_a_contact_is_compared_under_a_word(apart: qr.Contact) -> None:
+    with pytest.raises(TypeError, match="a contact is named 5, expected a str"):
+        compare_contacts({5: apart})  # type: ignore[dict-item]
+
+
 def test_a_notebook_gets_the_summary_as_a_table(unsolved: qr.Contact) -> None:
     text = unsolved._repr_html_()
     rows = ElementTree.fromstring(f"<all>{text}</all>").findall(".//tr")
