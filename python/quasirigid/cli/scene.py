@@ -15,6 +15,7 @@ import typer
 import quasirigid as qr
 
 from .._units import UNITS
+from ..contact.options import options_to_core
 from ..io.record import figure
 from .arguments import (
     choice,
@@ -248,11 +249,13 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
 
 def options_of(words: SceneWords | GraspWords) -> qr.ContactOptions:
     """Return how the contact is to be solved."""
-    return qr.ContactOptions(
+    options = qr.ContactOptions(
         target_error=parse_target_error(words.target_error),
         max_nodes=words.max_nodes,
         couple_fingers=words.couple_fingers,
     )
+    options_to_core(options)  # refused before there is a scene to blame
+    return options
 
 
 def parse_goal(depth: str | None, force: str | None, overlap: str | None) -> dict[str, float]:

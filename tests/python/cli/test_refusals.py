@@ -111,6 +111,10 @@ BAD_INPUT = {
     "no target": ({"target_error": "fine"}, "--target-error: 'fine' is not a plain number"),
     "a target of nothing": ({"target_error": "0"}, "--target-error: 0 is not between 0 and 1"),
     "a target beyond all": ({"target_error": "2"}, "--target-error: 2 is not between 0 and 1"),
+    "more nodes than can be counted": (
+        {"max_nodes": "9" * 20},
+        f"max_nodes is {'9' * 20}, expected an integer of at least 1 and at most {sys.maxsize}\n",
+    ),
     "an unknown start": ({"start": "here"}, "--start: 'here' is not known"),
     "a missing option": ({"shear_modulus": None}, "Missing option '--shear-modulus'"),
     "a start in overlap": ({"start": "current", "translate": "0,19.2,-22mm"}, "penetrat"),
