@@ -11,6 +11,16 @@ const ROTATION_TOLERANCE: f64 = 1e-9;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RigidMotionError {
+    /// An entry of the matrix is no finite number.
+    #[error("the rotation must be finite, but entry ({row}, {column}) is {value}")]
+    NotFinite {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Its value.
+        value: f64,
+    },
     /// The matrix is no rotation.
     #[error(
         "the rotation must be orthonormal to {tolerance:e}, but |RᵀR - I| reaches {deviation:e}; \
@@ -59,6 +69,10 @@ pub fn rigid_motion(
 
 /// Checks that a matrix is a proper rotation, orthonormal to 1e-9.
 pub(crate) fn check_rotation(rotation: &Matrix3<f64>) -> Result<(), RigidMotionError> {
+    if let Some(at) = rotation.iter().position(|x| !x.is_finite()) {
+        let (row, column) = (at % 3, at / 3);
+        return Err(RigidMotionError::NotFinite { row, column, value: rotation[at] });
+    }
     let excess = rotation.transpose() * rotation - Matrix3::identity();
     let is_finite = excess.iter().all(|x| x.is_finite());
     let deviation = if is_finite { excess.amax() } else { f64::INFINITY };
@@ -89,8 +103,15 @@ mod tests {
             matches!(scaled, Err(RigidMotionError::NotOrthonormal { deviation, .. }) if deviation == 3.0)
         );
         let mut unknown = Matrix3::identity();
-        unknown[(0, 0)] = f64::NAN;
-        assert!(matches!(rigid_motion(&unknown, &none), Err(RigidMotionError::NotOrthonormal { .. })));
+        unknown[(0, 1)] = f64::NAN;
+        assert!(matches!(
+            rigid_motion(&unknown, &none),
+            Err(RigidMotionError::NotFinite { row: 0, column: 1, value }) if value.is_nan()
+        ));
+        let vast = rigid_motion(&(f64::MAX * Matrix3::identity()), &none);
+        assert!(
+            matches!(vast, Err(RigidMotionError::NotOrthonormal { deviation, .. }) if deviation == f64::INFINITY)
+        );
         let mirrored = rigid_motion(&-Matrix3::identity(), &none);
         assert!(matches!(mirrored, Err(RigidMotionError::Reflection { determinant }) if determinant == -1.0));
         let nowhere = rigid_motion(&Matrix3::identity(), &Vector3::new(0.0, f64::INFINITY, 0.0));

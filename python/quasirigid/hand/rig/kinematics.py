@@ -85,7 +85,8 @@ def moved_frames(
             motion[:3, 3], matrix = as_vector("rotation[:3, 3]", matrix[:3, 3], refusal), matrix[:3, :3]
         if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
             raise refusal(
-                f"rotation is {short(rotation)}, expected a (3, 3) rotation matrix or a (4, 4) rigid motion"
+                f"rotation is {short(rotation)}, expected a (3, 3) rotation matrix or a (4, 4) rigid motion,"
+                " of finite numbers"
             )
         deviation = np.abs(matrix.T @ matrix - np.eye(3)).max()
         if deviation > _ROTATION_TOLERANCE:
