@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::python::convert::number;
 use crate::reference::{self, Cone, CoredSphere, FlatPunch, Hertz};
@@ -20,6 +21,18 @@ fn positive(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     } else {
         Err(out_of_range(name, value, "a finite number above 0"))
     }
+}
+
+/// What pickle and copy make an object of anew: no positions, and keywords.
+type NewArguments<'py> = (Bound<'py, PyTuple>, Bound<'py, PyDict>);
+
+fn new_arguments<'py>(py: Python<'py>, keywords: [(&str, f64); 2]) -> PyResult<NewArguments<'py>> {
+    Ok((PyTuple::empty(py), keywords.into_py_dict(py)?))
+}
+
+fn shown(class: &str, keywords: [(&str, f64); 2]) -> String {
+    let [(first, one), (second, other)] = keywords;
+    format!("{class}({first}={one:?}, {second}={other:?})")
 }
 
 fn approach(value: &Bound<'_, PyAny>) -> PyResult<f64> {
@@ -99,6 +112,20 @@ impl PyHertz {
     fn approach(&self, #[pyo3(from_py_with = force)] force: f64) -> f64 {
         self.0.approach(force)
     }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        new_arguments(py, self.keywords())
+    }
+
+    fn __repr__(&self) -> String {
+        shown("Hertz", self.keywords())
+    }
+}
+
+impl PyHertz {
+    fn keywords(&self) -> [(&'static str, f64); 2] {
+        [("radius", self.0.radius), ("contact_modulus", self.0.contact_modulus)]
+    }
 }
 
 /// A rigid flat-ended cylinder pressed into an elastic half-space (Johnson 1985, section 3.8).
@@ -147,6 +174,20 @@ impl PyFlatPunch {
         #[pyo3(from_py_with = distance)] distance: f64,
     ) -> f64 {
         self.0.displacement(approach, distance)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        new_arguments(py, self.keywords())
+    }
+
+    fn __repr__(&self) -> String {
+        shown("FlatPunch", self.keywords())
+    }
+}
+
+impl PyFlatPunch {
+    fn keywords(&self) -> [(&'static str, f64); 2] {
+        [("radius", self.0.radius), ("contact_modulus", self.0.contact_modulus)]
     }
 }
 
@@ -200,6 +241,20 @@ impl PyCone {
     /// Return the stored elastic energy (J) at an approach (m).
     fn energy(&self, #[pyo3(from_py_with = approach)] approach: f64) -> f64 {
         self.0.energy(approach)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        new_arguments(py, self.keywords())
+    }
+
+    fn __repr__(&self) -> String {
+        shown("Cone", self.keywords())
+    }
+}
+
+impl PyCone {
+    fn keywords(&self) -> [(&'static str, f64); 2] {
+        [("semi_angle", self.0.semi_angle), ("contact_modulus", self.0.contact_modulus)]
     }
 }
 

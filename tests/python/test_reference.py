@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 from quasirigid import reference
@@ -18,6 +21,15 @@ def test_load_is_the_slope_of_the_energy(indenter: reference.Hertz | reference.C
     approach, step = 0.5e-3, 1e-8
     slope = (indenter.energy(approach + step) - indenter.energy(approach - step)) / (2 * step)
     assert indenter.force(approach) == pytest.approx(slope, rel=1e-8)
+
+
+@pytest.mark.parametrize("indenter", [SPHERE, PUNCH, CONE])
+def test_an_indenter_is_copied_and_shown_as_it_is_made(indenter: Any) -> None:
+    shown = repr(indenter)
+    assert repr(eval(shown, vars(reference))) == shown
+    for again in (pickle.loads(pickle.dumps(indenter)), copy.copy(indenter), copy.deepcopy(indenter)):
+        assert repr(again) == shown
+        assert again.force(0.5e-3) == indenter.force(0.5e-3)
 
 
 def test_pressures_end_where_the_contact_ends() -> None:
