@@ -9,6 +9,7 @@ from .errors import QuasirigidError
 __all__ = ["KPA", "MM", "UNITS", "LengthUnit", "metres_in"]
 
 LengthUnit: TypeAlias = Literal["m", "cm", "mm", "inch"]
+"""A unit that a mesh file may have."""
 
 #: Metres in one of each unit that a mesh file may have.
 UNITS: dict[LengthUnit, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "inch": 0.0254}

@@ -33,7 +33,10 @@ class Repair(Frozen):
     vertex_map : (n_before,) int64
         New number of each old vertex, -1 for a dropped one.
     report : mapping of str to int
-        Number of changes of each kind.
+        Number of changes of each kind: "welded_vertices"; "collapsed_faces", dropped as two of their corners
+        are one; "zero_area_faces"; "duplicate_faces", dropped as another has the same corners;
+        "unused_vertices", dropped; "flipped_faces", turned to agree with their neighbours or outwards; and
+        "turned_components", closed parts of these that were turned as a whole.
     """
 
     vertices: NDArray[np.float64] = field(repr=False)

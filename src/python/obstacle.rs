@@ -85,10 +85,17 @@ impl PyObstacle {
     ///
     /// Parameters
     /// ----------
-    /// mesh, unit
-    ///     As for `Surface.from_mesh`.
+    /// mesh : object
+    ///     Of trimesh, open3d, meshio or pyvista, as for `Surface.from_mesh`.
+    /// unit : {"m", "cm", "mm", "inch"}
+    ///     Unit of its coordinates.
     /// check_crossings : bool
     ///     As for `mesh`.
+    ///
+    /// Returns
+    /// -------
+    /// Obstacle
+    ///     The product, checked.
     ///
     /// Raises
     /// ------

@@ -6,6 +6,9 @@ import importlib
 import inspect
 import subprocess
 import sys
+from collections.abc import Iterator
+from enum import Enum
+from typing import Any
 
 import numpy as np
 import pytest
@@ -212,6 +215,28 @@ def test_what_is_warned_of_is_kept() -> None:
         contact = qr.solve_contact(SURFACE, huge, SKIN)
     assert contact.warnings == tuple((one.category, str(one.message)) for one in caught)
     assert contact.warnings[0].category is qr.SizeWarning
+
+
+def documented() -> Iterator[tuple[str, Any]]:
+    """Functions of the package, and methods of its classes in Python."""
+    for name in qr.__all__:
+        thing = getattr(qr, name)
+        if inspect.isfunction(thing):
+            yield name, thing
+        elif inspect.isclass(thing) and not issubclass(thing, (Enum, Exception)):
+            for method, found in inspect.getmembers(thing, inspect.isfunction):
+                if not method.startswith("_"):
+                    yield f"{name}.{method}", found
+
+
+def test_help_lists_every_parameter() -> None:
+    unlisted = {}
+    for name, thing in documented():
+        heads = [line.partition(" : ")[0] for line in inspect.getdoc(thing).splitlines() if " : " in line]
+        listed = {one.strip(" *") for head in heads for one in head.split(",")}
+        if missing := inspect.signature(thing).parameters.keys() - listed - {"self"}:
+            unlisted[name] = missing
+    assert not unlisted
 
 
 def test_help_says_what_returns() -> None:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Hand", "Side"]
 
 Side = Literal["right", "left"]
+"""Which hand it is."""
 
 
 class Hand(Frozen):
@@ -262,7 +263,13 @@ class Hand(Frozen):
         return self._with(self.surface.vertices @ motion[:3, :3].T + motion[:3, 3], frames)
 
     def scaled(self, factor: float) -> Hand:
-        """Return the hand with all lengths times a factor, about the origin."""
+        """Return the hand with all lengths times a factor, about the origin.
+
+        Parameters
+        ----------
+        factor : float
+            Dimensionless, > 0.
+        """
         factor = as_number("factor", factor, HandError)
         frames = self.rest.copy()
         frames[:, :3, 3] *= factor
@@ -275,12 +282,39 @@ class Hand(Frozen):
         return self._with(vertices, mirrored_frames(self.rest), faces=self.surface.faces[:, ::-1], side=side)
 
     def frame_of(self, joint: str) -> Floats:
-        """Return the frame (4, 4) of a joint at rest (m), by its name."""
+        """Return the frame of a joint at rest.
+
+        Parameters
+        ----------
+        joint : str
+            One of `joint_names`.
+
+        Returns
+        -------
+        (4, 4) float64
+            Axes in the first three columns, origin in the last (m).
+
+        Raises
+        ------
+        HandError
+            An unknown name; the nearest known one is offered.
+        """
         frame: Floats = self.rest[index_of(joint, self.joint_names, "the joint")]
         return frame
 
     def pivot_of(self, joint: str) -> Floats:
-        """Return the point (3,) that a joint turns about at rest (m), by its name."""
+        """Return the point that a joint turns about at rest.
+
+        Parameters
+        ----------
+        joint : str
+            One of `joint_names`.
+
+        Returns
+        -------
+        (3,) float64
+            The point (m).
+        """
         pivot: Floats = self._pivots[index_of(joint, self.joint_names, "the joint")]
         return pivot
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["ANGLES", "PRESETS", "Mixed", "Pose", "Preset", "mix", "turned_joint"]
 
 Preset = Literal["flat", "open", "opposed", "relaxed", "cylinder", "sphere", "pinch", "point", "fist"]
+"""A pose by its name, as `Hand.posed` takes it."""
 
 ANGLES = ("flexion", "abduction", "twist")
 
@@ -86,7 +87,15 @@ PRESETS: dict[str, dict[str, dict[str, float]]] = {
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Mixed:
-    """A pose between two: every joint so far on the shorter way from one to the other."""
+    """A pose between two: every joint so far on the shorter way from one to the other; made by `mix`.
+
+    Attributes
+    ----------
+    first, second : pose
+        The two, as for `Hand.posed`.
+    share : float
+        0 is the first, 1 the second.
+    """
 
     first: Pose
     second: Pose
@@ -96,7 +105,7 @@ class Mixed:
 Pose: TypeAlias = (
     Preset | Mapping[str, float | Mapping[str, float]] | NDArray[Any] | Sequence[Sequence[float]] | Mixed
 )
-"""A pose as `Hand.posed` takes it."""
+"""A pose as `Hand.posed` takes it: a preset, angles by joint, an array of turns, or one between two."""
 
 
 def mix(first: Pose, second: Pose, share: float) -> Mixed:

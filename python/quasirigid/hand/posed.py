@@ -269,6 +269,22 @@ class PosedHand(Frozen):
         return PalmFrame(frame, self.surface.with_skin_mask(is_palm & self.surface.skin_mask))
 
     def frame_of(self, joint: str) -> Floats:
-        """Return the frame (4, 4) of a joint (m), by its name."""
+        """Return the frame of a joint in this pose.
+
+        Parameters
+        ----------
+        joint : str
+            One of `Hand.joint_names`.
+
+        Returns
+        -------
+        (4, 4) float64
+            Axes in the first three columns, origin in the last (m).
+
+        Raises
+        ------
+        HandError
+            An unknown name; the nearest known one is offered.
+        """
         frame: Floats = self.joints[index_of(joint, self.hand.joint_names, "the joint")]
         return frame

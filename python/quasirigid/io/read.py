@@ -79,8 +79,10 @@ def read_surface(
 
     Parameters
     ----------
-    path, unit
-        As for `read_mesh`.
+    path : path
+        A .ply, .stl or .obj file, as for `read_mesh`.
+    unit : {"m", "cm", "mm", "inch"}
+        Unit of the coordinates in the file.
     skin_mask : (n,) array_like of bool, optional
         Vertices that may touch; all when left out. The flat cut of a scan is left out by
         ``surface.with_skin_mask(skin_without_caps(surface))``.
@@ -109,8 +111,10 @@ def read_obstacle(path: str | PathLike[str], *, unit: LengthUnit, check_crossing
 
     Parameters
     ----------
-    path, unit
-        As for `read_mesh`.
+    path : path
+        A .ply, .stl or .obj file, as for `read_mesh`.
+    unit : {"m", "cm", "mm", "inch"}
+        Unit of the coordinates in the file.
     check_crossings : bool
         Look for faces that cross each other, where inside and outside are undefined.
 

@@ -53,7 +53,20 @@ class CutOut(Frozen):
         return int(np.count_nonzero(self.source_vertices >= 0))
 
     def body(self, *, bone: Surface | None = None, bone_pressure: bool = False) -> Body:
-        """Return the body held at the cut, with `bone` inside if there is one."""
+        """Return the body held at the cut.
+
+        Parameters
+        ----------
+        bone : Surface, optional
+            Rigid bones inside the part, each a closed surface.
+        bone_pressure : bool
+            Keep the pressure on the bone too (`PreparedSkin.bone_pressure`).
+
+        Returns
+        -------
+        Body
+            A response for `surface`, with `fixed` held.
+        """
         return Body(bone=bone, fixed=self.fixed, bone_pressure=bone_pressure)
 
     def __repr__(self) -> str:

@@ -268,7 +268,20 @@ class CombinedSkin(Made):
         return found
 
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> CombinedSkin:
-        """Return the response of the surface after a rigid motion, as `PreparedSkin.moved`."""
+        """Return the response of the surface after a rigid motion, ``rotation @ x + translation``.
+
+        Parameters
+        ----------
+        rotation : (3, 3) or (4, 4) array_like, optional
+            Proper rotation; a (4, 4) matrix holds the shift too.
+        translation : (3,) array_like, optional
+            Shift (m).
+
+        Returns
+        -------
+        CombinedSkin
+            For ``surface.moved(rotation, translation)``; its parts are moved too.
+        """
         motion = (rotation, translation)
         response = self._response.moved(*motion)
         parts = {
