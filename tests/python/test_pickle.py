@@ -7,6 +7,7 @@ import dataclasses
 import pickle
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from shapes import TURN, ball, grid, tetrahedron
+from worker_tasks import press_in_place
 
 SHIFT = [0.01, -0.02, 1 / 3]
 OBSTACLES = {
@@ -148,19 +150,13 @@ def test_a_hand_its_pose_and_its_grasp_come_back(copied: Callable[[Any], Any]) -
     assert its_grasp.summary() == grasp.summary()
 
 
-def press_in_place(job: tuple[qr.Surface, qr.Obstacle, qr.Skin, qr.ContactOptions]) -> qr.Contact:
-    """What a worker process does."""
-    surface, obstacle, skin, options = job
-    return qr.solve_contact(surface, obstacle, skin, options=options)
-
-
 def test_a_contact_comes_back_from_another_process() -> None:
     surface = qr.Surface(*ball(8e-3, 3))
     plate = qr.Obstacle.half_space([0, 0, 0.5e-3], [0, 0, 1])
     skin = qr.Skin(**MATERIAL, response=qr.HalfSpace())
     job = (surface, plate, skin, qr.ContactOptions(num_threads=1))
     here = press_in_place(job)
-    with get_context("spawn").Pool(1) as pool:
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         (there,) = pool.map(press_in_place, [job])
     assert there.status is qr.ContactStatus.SOLVED
     np.testing.assert_array_equal(there.pressure, here.pressure)
