@@ -11,7 +11,9 @@ use quasirigid::response::{Kernel, KernelSkin};
 use quasirigid::surface::Surface;
 
 use crate::common::icosphere;
-use crate::{POISSON_RATIO, UP, along, ball, half_space, plate, press_up, pressed, skin, solve, upwards};
+use crate::{
+    POISSON_RATIO, UP, along, ball, galerkin, half_space, plate, press_up, pressed, skin, solve, upwards,
+};
 
 #[test]
 fn apart_means_no_contact_and_zeros() {
@@ -246,5 +248,24 @@ fn a_capsule_end_on_is_met_between_vertices_as_its_sphere_is() {
         let [pin, tip] = [capsule, sphere].map(|product| press_up(&surface, &product, &half_space(), 1e-4));
         assert_relative_eq!(pin.travel, tip.travel, max_relative = 1e-9);
         assert_relative_eq!(pin.resultant.force, tip.resultant.force, max_relative = 1e-9);
+    }
+}
+
+#[test]
+fn forces_stand_upright_on_a_ball_that_the_skin_folds_around() {
+    let (radius, depth) = (2e-3, 2e-3);
+    let centered = Obstacle::sphere(Vector3::new(0.0, 0.0, -5e-3), radius).expect("a valid obstacle");
+    let options = ContactOptions::default();
+    for skin in [half_space(), galerkin()] {
+        let contact = pressed(&ball(8e-3, 3), &centered, &skin, Goal::Depth(depth), &options);
+        let deformed = contact.drawn_skin(&skin, &options).expect("not interrupted").deformed;
+        let at_active: Vec<Vector3<f64>> = contact.active.iter().map(|&v| deformed.vertices()[v]).collect();
+        let normals = contact.obstacle.signed_distance(&at_active, None).expect("not interrupted").normal;
+        let off = contact.active.iter().zip(normals).map(|(&vertex, normal)| {
+            let force = contact.node_force[vertex];
+            force * (contact.force_vectors[vertex] / force - normal).norm_squared()
+        });
+        let turned = (off.sum::<f64>() / contact.node_force.iter().sum::<f64>()).sqrt();
+        assert!(turned <= 5.1e-3, "{turned}");
     }
 }

@@ -38,15 +38,21 @@ const LONGER_STEP: f64 = 1.5;
 /// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
 /// twice.
 const MOST_IN_VAIN: usize = 3;
+/// How far normals may turn, so that forces are off by some such share of theirs: on sides as steep as a ball's that the skin
+/// folds around, gaps vanish long before the forces stand upright on it.
+const MOST_TURNED: f64 = 5e-3;
 /// Least step from one linearization to the next.
 const LEAST_STEP: f64 = 0.125;
 
-/// Gaps of vertices under force and penetration of others after a linearization (m).
+/// What a linearization leaves.
 #[derive(Debug, Clone, Copy)]
 struct Left {
+    /// Gaps of vertices under force and penetration of others (m).
     largest: f64,
     /// Root of the mean square, over those that are more than rounded: it falls steadily where single vertices come and go.
     mean: f64,
+    /// How far the normals have turned from those that the forces act along: root of the mean square, by force.
+    turned: f64,
 }
 
 impl Left {
@@ -56,7 +62,12 @@ impl Left {
         for gap in gaps.filter(|gap| *gap > rounding) {
             (largest, squares, count) = (largest.max(gap), squares + gap * gap, count + 1);
         }
-        Self { largest, mean: (squares / count.max(1) as f64).sqrt() }
+        Self { largest, mean: (squares / count.max(1) as f64).sqrt(), turned: 0.0 }
+    }
+
+    /// * `allowed`: gap (m)
+    fn is_settled(&self, allowed: f64) -> bool {
+        self.largest <= allowed && self.turned <= MOST_TURNED
     }
 }
 
@@ -95,6 +106,7 @@ impl Deformed {
     /// The gaps that forces leave; in Galerkin form how far the averaged gaps of nodes under force are from those solved
     /// with.
     fn left(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<Left, ContactError> {
+        let turned = self.turned(forces);
         let rounding = PRESSED_SHARE * gaps.deepest();
         if traits.discretization == Discretization::Galerkin {
             // Solved, the gap is as far from nothing as another linearization changes it.
@@ -102,13 +114,25 @@ impl Deformed {
             anew.linearize(&self.vertices, &self.displacement, &self.measured);
             let [before, after] = [gaps, &anew].map(|gaps| gaps.averaged(traits.basis, &forces.active));
             let changes = before?.into_iter().zip(after?).map(|(before, after)| (after - before).abs());
-            return Ok(Left::of(changes, rounding));
+            return Ok(Left { turned, ..Left::of(changes, rounding) });
         }
         let rows = self.vertices.iter().zip(&self.measured.distance);
         let off = |(&vertex, &distance): (&usize, &f64)| {
             if forces.force[vertex] > 0.0 { distance.abs() } else { (-distance).max(0.0) }
         };
-        Ok(Left::of(rows.map(off), rounding))
+        Ok(Left { turned, ..Left::of(rows.map(off), rounding) })
+    }
+
+    fn turned(&self, forces: &NodeForces) -> f64 {
+        let (mut squares, mut total) = (0.0, 0.0);
+        for (&vertex, normal) in self.vertices.iter().zip(&self.measured.normal) {
+            let force = forces.force[vertex];
+            if force > 0.0 {
+                squares += force * (forces.vectors[vertex] / force - normal).norm_squared();
+                total += force;
+            }
+        }
+        if total > 0.0 { f64::sqrt(squares / total) } else { 0.0 }
     }
 }
 
@@ -134,7 +158,7 @@ pub(crate) fn solve_to_the_end<'a>(
     let allowed = options.gap_tolerance * gaps.deepest();
     let deformed = Deformed::new(gaps, response, &forces)?;
     let least = deformed.left(gaps, &traits, &forces)?;
-    if least.largest <= allowed {
+    if least.is_settled(allowed) {
         return Ok(forces);
     }
     // A kernel's matrix holds in every round; that of a body hangs on the normals.
@@ -142,7 +166,7 @@ pub(crate) fn solve_to_the_end<'a>(
     let keeping = response.with_skin(&kept);
     let is_kept = !response.traits.is_kernel || response.skin.kept_factors().is_some();
     let response = if is_kept { response } else { &keeping };
-    report.is_unsettled = options.max_linearizations > 1;
+    report.is_unsettled = options.max_linearizations > 1 && least.largest > allowed;
     let mut rounds = Linearizations {
         response,
         options,
@@ -156,7 +180,7 @@ pub(crate) fn solve_to_the_end<'a>(
         in_vain: if was_vain { MOST_IN_VAIN - 1 } else { 0 },
     };
     for _ in 1..options.max_linearizations {
-        if rounds.before.largest <= allowed || rounds.in_vain >= MOST_IN_VAIN {
+        if rounds.before.is_settled(allowed) || rounds.in_vain >= MOST_IN_VAIN {
             break;
         }
         rounds.add(gaps, report)?;
