@@ -19,7 +19,7 @@ pub struct ContactOptions<'a> {
     /// Most contact nodes of a refined mesh.
     pub max_nodes: usize,
     /// Gap that may be left at the deformed skin where it touches, as a share of the deepest penetration before (between 0 and
-    /// 1). The forces stand upright on the obstacle to 0.005 there, in the mean.
+    /// 1). The forces stand upright on the obstacle there to five times this, in the mean.
     pub gap_tolerance: f64,
     /// Most linear problems that a contact is solved with (≥ 1), each with gaps and normals taken at the skin as the one
     /// before deformed it; 1 takes them at the undeformed skin alone.

@@ -44,7 +44,7 @@ class ContactOptions:
     gap_tolerance : float
         Gap that may be left at the deformed skin where it touches, as a share of `max_penetration_before`
         (between 0 and 1); in Galerkin form how much another linearization may change an averaged one. The
-        forces stand upright on the product to 0.005 there, in the mean.
+        forces stand upright on the product to five times this share of theirs, in the mean.
     max_linearizations : int
         Most linear problems, each with gaps and normals taken at the skin as the one before deformed it; 1
         takes them at the undeformed skin alone.

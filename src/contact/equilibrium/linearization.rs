@@ -38,9 +38,9 @@ const LONGER_STEP: f64 = 1.5;
 /// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
 /// twice.
 const MOST_IN_VAIN: usize = 3;
-/// How far normals may turn, so that forces are off by some such share of theirs: on sides as steep as a ball's that the skin
-/// folds around, gaps vanish long before the forces stand upright on it.
-const MOST_TURNED: f64 = 5e-3;
+/// How far normals may turn, over the gap tolerance, so that forces are off by some such share of theirs: on sides as steep as a
+/// ball's that the skin folds around, gaps vanish long before the forces stand upright on it.
+const TURNED_PER_GAP: f64 = 5.0;
 /// Least step from one linearization to the next.
 const LEAST_STEP: f64 = 0.125;
 
@@ -65,9 +65,9 @@ impl Left {
         Self { largest, mean: (squares / count.max(1) as f64).sqrt(), turned: 0.0 }
     }
 
-    /// * `allowed`: gap (m)
-    fn is_settled(&self, allowed: f64) -> bool {
-        self.largest <= allowed && self.turned <= MOST_TURNED
+    /// * `tolerance`: of gaps, as a share of the deepest
+    fn is_settled(&self, tolerance: f64, deepest: f64) -> bool {
+        self.largest <= tolerance * deepest && self.turned <= TURNED_PER_GAP * tolerance
     }
 }
 
@@ -155,10 +155,10 @@ pub(crate) fn solve_to_the_end<'a>(
     if forces.failure.is_some() {
         return Ok(forces);
     }
-    let allowed = options.gap_tolerance * gaps.deepest();
+    let (tolerance, deepest) = (options.gap_tolerance, gaps.deepest());
     let deformed = Deformed::new(gaps, response, &forces)?;
     let least = deformed.left(gaps, &traits, &forces)?;
-    if least.is_settled(allowed) {
+    if least.is_settled(tolerance, deepest) {
         return Ok(forces);
     }
     // A kernel's matrix holds in every round; that of a body hangs on the normals.
@@ -166,7 +166,7 @@ pub(crate) fn solve_to_the_end<'a>(
     let keeping = response.with_skin(&kept);
     let is_kept = !response.traits.is_kernel || response.skin.kept_factors().is_some();
     let response = if is_kept { response } else { &keeping };
-    report.is_unsettled = options.max_linearizations > 1 && least.largest > allowed;
+    report.is_unsettled = options.max_linearizations > 1 && least.largest > tolerance * deepest;
     let mut rounds = Linearizations {
         response,
         options,
@@ -180,7 +180,7 @@ pub(crate) fn solve_to_the_end<'a>(
         in_vain: if was_vain { MOST_IN_VAIN - 1 } else { 0 },
     };
     for _ in 1..options.max_linearizations {
-        if rounds.before.is_settled(allowed) || rounds.in_vain >= MOST_IN_VAIN {
+        if rounds.before.is_settled(tolerance, deepest) || rounds.in_vain >= MOST_IN_VAIN {
             break;
         }
         rounds.add(gaps, report)?;
