@@ -266,6 +266,7 @@ fn forces_stand_upright_on_a_ball_that_the_skin_folds_around() {
             force * (contact.force_vectors[vertex] / force - normal).norm_squared()
         });
         let turned = (off.sum::<f64>() / contact.node_force.iter().sum::<f64>()).sqrt();
-        assert!(turned <= 5.1e-3, "{turned}");
+        // The drawn skin is moved to the tolerance of R.
+        assert!(turned <= 5.0 * options.gap_tolerance + 1e-6, "{turned}");
     }
 }

@@ -57,12 +57,13 @@ struct Left {
 
 impl Left {
     /// * `rounding`: of the gaps (m)
-    fn of(gaps: impl Iterator<Item = f64>, rounding: f64) -> Self {
+    /// * `turned`: [`Left::turned`]
+    fn of(gaps: impl Iterator<Item = f64>, rounding: f64, turned: f64) -> Self {
         let (mut largest, mut squares, mut count) = (0.0_f64, 0.0, 0_usize);
         for gap in gaps.filter(|gap| *gap > rounding) {
             (largest, squares, count) = (largest.max(gap), squares + gap * gap, count + 1);
         }
-        Self { largest, mean: (squares / count.max(1) as f64).sqrt(), turned: 0.0 }
+        Self { largest, mean: (squares / count.max(1) as f64).sqrt(), turned }
     }
 
     /// * `tolerance`: of gaps, as a share of the deepest
@@ -103,8 +104,7 @@ impl Deformed {
         Ok(Self { vertices, displacement, measured })
     }
 
-    /// The gaps that forces leave; in Galerkin form how far the averaged gaps of nodes under force are from those solved
-    /// with.
+    /// What forces leave; gaps in Galerkin form are how far the averaged ones of nodes under force are from those solved with.
     fn left(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<Left, ContactError> {
         let turned = self.turned(forces);
         let rounding = PRESSED_SHARE * gaps.deepest();
@@ -114,15 +114,16 @@ impl Deformed {
             anew.linearize(&self.vertices, &self.displacement, &self.measured);
             let [before, after] = [gaps, &anew].map(|gaps| gaps.averaged(traits.basis, &forces.active));
             let changes = before?.into_iter().zip(after?).map(|(before, after)| (after - before).abs());
-            return Ok(Left { turned, ..Left::of(changes, rounding) });
+            return Ok(Left::of(changes, rounding, turned));
         }
         let rows = self.vertices.iter().zip(&self.measured.distance);
         let off = |(&vertex, &distance): (&usize, &f64)| {
             if forces.force[vertex] > 0.0 { distance.abs() } else { (-distance).max(0.0) }
         };
-        Ok(Left { turned, ..Left::of(rows.map(off), rounding) })
+        Ok(Left::of(rows.map(off), rounding, turned))
     }
 
+    /// [`Left::turned`] of such forces.
     fn turned(&self, forces: &NodeForces) -> f64 {
         let (mut squares, mut total) = (0.0, 0.0);
         for (&vertex, normal) in self.vertices.iter().zip(&self.measured.normal) {
@@ -136,7 +137,8 @@ impl Deformed {
     }
 }
 
-/// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance.
+/// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance, and the forces
+/// stand upright on the obstacle to five times it.
 ///
 /// * `forces`: of the gaps as measured at the undeformed skin
 /// * `was_vain`: whether none of the linearizations of a contact nearby led to a better answer; one then says whether they do
