@@ -9,7 +9,7 @@ use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
 
 /// Relative error of the force where the edges are as long as the tissue is thick; it falls with their square.
-/// Fitted with [`ERROR_PER_LOSS`] to balls all over a hand's palm and digits (docs/responses.md).
+/// Fitted with [`ERROR_PER_LOSS`] to balls all over a hand's palm and digits (docs/measured_once.md).
 const ERROR_AT_THICKNESS: f64 = 0.06;
 
 /// Relative error of the force per share of the depth that interpolation between the body's vertices loses there.
