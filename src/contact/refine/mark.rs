@@ -101,36 +101,36 @@ pub(crate) fn pressed_between(
 /// Triangles without force that the obstacle touches between their vertices: they stand out so far that they touch where the
 /// skin has moved to, by more than a little, as another patch begins to; or something blunt stands in them.
 ///
-/// * `contact`: on `part` of the mesh
+/// * `part`: of the mesh that the contact is on; `None` for the given surface
 /// * `skin`: of that part
 pub(crate) fn touched_between(
     mesh: &MeshRefinement,
-    part: &RefinedSurface,
+    part: Option<&RefinedSurface>,
     contact: &Contact,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
 ) -> Result<Vec<usize>, ContactError> {
-    let mut felt = part.numbers(&contact.accuracy.discretization.felt(&part.surface, &contact.active));
+    let surface = contact.surface();
+    let number = |row| part.map_or(row, |part| part.number(row));
+    let row = |corner| part.map_or(Some(corner), |part| part.row(corner));
+    let felt = contact.accuracy.discretization.felt(surface, &contact.active);
+    let mut felt: Vec<usize> = felt.into_iter().map(number).collect();
     felt.sort_unstable();
     let is_felt = loaded(mesh, &felt);
-    let mask = part.surface.skin_mask();
+    let mask = surface.skin_mask();
     // Against an obstacle that is flat beside the triangle, with gaps that are no larger than they are where it moved.
     let may_touch = |leaf: &usize| {
-        let rows = mesh.corners(*leaf).map(|corner| part.row(corner));
+        let rows = mesh.corners(*leaf).map(row);
         let [Some(a), Some(b), Some(c)] = rows else { return false };
         let gaps = [[a, b], [b, c], [c, a]].map(|[from, to]| 0.5 * (contact.gap[from] + contact.gap[to]));
         let is_near = |(gap, bulge)| gap < (1.0 + BEYOND_MIDDLE) * bulge;
-        let most = (1.0 + BEYOND_MIDDLE) * FARTHEST_ON_CURVE * part.surface.longest_edge(a);
+        let most = (1.0 + BEYOND_MIDDLE) * FARTHEST_ON_CURVE * surface.longest_edge(a);
         let may_be_near = mask[a] && mask[b] && mask[c] && gaps.iter().any(|gap| *gap < most);
         may_be_near && gaps.into_iter().zip(mesh.bulges(*leaf)).any(is_near)
     };
     let unfelt = (0..is_felt.len()).filter(|&leaf| !is_felt[leaf]);
-    let unmet: HashSet<[usize; 3]> = contact
-        .clues
-        .unmet
-        .iter()
-        .map(|corners| ascending(corners.map(|corner| part.number(corner))))
-        .collect();
+    let unmet: HashSet<[usize; 3]> =
+        contact.clues.unmet.iter().map(|corners| ascending(corners.map(number))).collect();
     let (mut stood_in, leaves): (Vec<usize>, Vec<usize>) =
         unfelt.partition(|&leaf| unmet.contains(&ascending(mesh.corners(leaf))));
     let leaves: Vec<usize> = leaves.into_iter().filter(may_touch).collect();
@@ -140,7 +140,7 @@ pub(crate) fn touched_between(
     let mut corners: Vec<usize> = leaves.iter().flat_map(|&leaf| mesh.corners(leaf)).collect();
     corners.sort_unstable();
     corners.dedup();
-    let rows: Vec<usize> = corners.iter().filter_map(|&corner| part.row(corner)).collect();
+    let rows: Vec<usize> = corners.iter().filter_map(|&corner| row(corner)).collect();
     let moved = contact.moved(skin, &rows, options)?;
     let moved =
         |corner: usize| corners.binary_search(&corner).map_or_else(|_| Vector3::zeros(), |at| moved[at]);

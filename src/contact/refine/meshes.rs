@@ -91,7 +91,7 @@ impl Meshes {
         contact.refinements = known;
         let error = match contact.status {
             ContactStatus::Solved => {
-                let between = touched_between(&self.mesh, part, &contact, skin, options)?;
+                let between = touched_between(&self.mesh, Some(part), &contact, skin, options)?;
                 contact.clues.touched_between = between.len();
                 let coarser = last.accuracy.cells_per_radius / contact.accuracy.cells_per_radius;
                 ErrorEstimate::carried_over(&last.accuracy, coarser, coarser)

@@ -168,6 +168,9 @@ pub(crate) struct Rounds<'a> {
 impl Rounds<'_> {
     /// Refines until the target is met, or something else ends it: says what.
     pub fn run(&mut self) -> Result<RefinementEnd, ContactError> {
+        if self.is_given_enough()? {
+            return Ok(RefinementEnd::Target);
+        }
         let mut so_far = SoFar { unsettled: 0, worst: f64::INFINITY, left: f64::INFINITY };
         for _ in 0..MAX_ROUNDS {
             let started = Instant::now();
@@ -202,6 +205,15 @@ impl Rounds<'_> {
             }
         }
         Ok(RefinementEnd::MostRounds)
+    }
+
+    /// Whether the given mesh meets the target, and the obstacle with next to no penetration.
+    fn is_given_enough(&self) -> Result<bool, ContactError> {
+        let Meshes { given, mesh, .. } = &self.meshes;
+        if !(self.is_met(given) && given.is_free_of_penetration() && given.clues.unfelt.is_empty()) {
+            return Ok(false);
+        }
+        Ok(touched_between(mesh, None, given, self.skin, self.options)?.is_empty())
     }
 
     fn wanting(&self) -> Wanting<'_> {
@@ -325,7 +337,7 @@ impl Rounds<'_> {
         self.linearized_at = linearized.map(|(vertex, at)| (part.number(vertex), at)).collect();
         let mut contact = solved.contact(self.options)?;
         self.between = match contact.status {
-            ContactStatus::Solved => touched_between(finer, part, &contact, skin, self.options)?,
+            ContactStatus::Solved => touched_between(finer, Some(part), &contact, skin, self.options)?,
             _ => Vec::new(),
         };
         contact.clues.touched_between = self.between.len();

@@ -261,7 +261,7 @@ impl Setup<'_> {
         let Meshes { given, mesh, .. } = &warm.meshes;
         let (part, _) = warm.last();
         let skin = self.refined_skin(part)?;
-        let mut between = touched_between(mesh, part, contact, &*skin, self.options)?;
+        let mut between = touched_between(mesh, Some(part), contact, &*skin, self.options)?;
         if looks_around {
             let under_force = loaded(mesh, &part.numbers(&contact.active));
             between.extend(pressed_between(mesh, &given.gap, &contact.obstacle, &under_force)?);

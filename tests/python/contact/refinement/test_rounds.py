@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from refined import MATERIAL, TARGET, UP, jittered_ball
-from shapes import AS_GIVEN, PLATE, SKIN, TURN, grid
+from shapes import AS_GIVEN, PLATE, SKIN, TURN, ball, grid
 
 # Scenes are coarse on purpose, and taken as they are; some are metres wide.
 pytestmark = [
@@ -40,6 +40,27 @@ def test_without_a_target_the_mesh_is_taken_as_it_is() -> None:
     # Its errors are estimated all the same.
     assert contact.accuracy.force_error is not None
     assert contact.accuracy.force_error > TARGET
+
+
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+def test_a_given_mesh_that_meets_the_target_is_not_refined(discretization: qr.Discretization) -> None:
+    surface = qr.Surface(*ball(8e-3, 4))
+    skin = qr.Skin(**MATERIAL, response=qr.HalfSpace(discretization=discretization))
+
+    def pressed(target: float) -> qr.Contact:
+        options = qr.ContactOptions(target_error=target)
+        return qr.press(surface, PLATE, skin, UP, depth=2e-3, options=options)
+
+    contact, finer = pressed(0.05), pressed(0.005)
+    assert contact.surface is surface
+    assert [one.reason for one in contact.refinements] == ["target_error"]
+    assert finer.surface is not surface
+    force_error, area_error = contact.accuracy.force_error, contact.accuracy.area_error
+    assert force_error is not None
+    assert area_error is not None
+    assert max(force_error, area_error) <= 0.05
+    assert np.linalg.norm(contact.force - finer.force) < force_error * np.linalg.norm(contact.force)
+    assert abs(contact.contact_area - finer.contact_area) < area_error * contact.contact_area
 
 
 @pytest.mark.parametrize("kind", ["one rings", "given matrix"])
