@@ -1,5 +1,7 @@
 //! Questions that are posed well and are probably not meant: a wrong unit, a depth that no tissue has, an inverted mask.
 
+use std::f64::consts::PI;
+
 use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactStatus};
@@ -8,6 +10,7 @@ use crate::contact::scene::{Press, Start};
 use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::direction::unit;
+use crate::mesh::remesh::red_green::smallest_angle;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
 use crate::response::skin::elastic::ElasticSkin;
@@ -33,6 +36,8 @@ const LAYER_SHARE: f64 = 0.5;
 const GAUSSIAN_SHARE: f64 = 1.0 / 3.0;
 /// Mesh cells in the radius of a contact below which force and area are guesses.
 const FEW_CELLS: f64 = 1.5;
+/// Angle (rad) below which triangles are slivers: normals at their corners imply a skin that is uneven where it was smooth.
+const SLIVER_ANGLE: f64 = 10.0 * PI / 180.0;
 /// Share of the vertices that are few to touch: the flat cuts of hands and fingers are less.
 const FEW_MAY_TOUCH: f64 = 0.2;
 
@@ -79,6 +84,7 @@ impl Guarded<'_> {
             self.response_range(contact, deepest),
             product_range(contact),
             coarse_mesh(contact),
+            self.slivers(contact),
         ];
         contact.warnings.splice(0..0, found.into_iter().flatten());
     }
@@ -149,7 +155,7 @@ impl Guarded<'_> {
             }
             Kernel::GaussianCorrected { width, height, .. } if *height > 0.0 => {
                 let areas = contact.patches.iter().map(|patch| patch.resultant.contact_area);
-                let radius = (areas.fold(0.0, f64::max) / std::f64::consts::PI).sqrt();
+                let radius = (areas.fold(0.0, f64::max) / PI).sqrt();
                 let found = format!(
                     "the contact has a radius of {radius:.4e} m, more than a third of the {width:.4e} m of the Gaussian's width"
                 );
@@ -161,6 +167,28 @@ impl Guarded<'_> {
             kind: WarningKind::ResponseRange,
             message: format!(
                 "{found}: there it is too stiff, by half and more on a finger; take a body, or press less deep"
+            ),
+        })
+    }
+
+    /// Of the given mesh, which all finer ones follow.
+    fn slivers(&self, contact: &Contact) -> Option<Warning> {
+        let given: Vec<usize> =
+            contact.active.iter().copied().filter(|&vertex| vertex < contact.given_vertex_count()).collect();
+        let faces = self.surface.faces_at(&given);
+        let corners =
+            |face: u32| self.surface.faces()[face as usize].map(|v| self.surface.vertices()[v as usize]);
+        let angle = |&face: &u32| smallest_angle(corners(face));
+        let slivers = faces.iter().filter(|face| angle(face) < SLIVER_ANGLE);
+        let thinnest = slivers.clone().min_by(|one, other| angle(one).total_cmp(&angle(other)))?;
+        Some(Warning {
+            kind: WarningKind::CoarseMesh,
+            message: format!(
+                "{} of the {} triangles of the given mesh under force have angles below {:.0} degrees, down to {:.2} at face {thinnest}: the smooth skin that their normals imply is uneven, and area and peak pressure may be off by more than is told; remesh the skin there",
+                slivers.count(),
+                faces.len(),
+                SLIVER_ANGLE.to_degrees(),
+                angle(thinnest).to_degrees(),
             ),
         })
     }

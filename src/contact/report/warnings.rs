@@ -29,6 +29,9 @@ const COARSE_MESH: &str = "it does between vertices, so the mesh there is coarse
 /// The same beside a sharp edge, whose figures tell what the mesh costs them.
 const BESIDE_EDGE: &str = "it does between the vertices beside a sharp edge; refine the mesh there (`target_error`, `max_nodes`) where that matters";
 
+/// The same of averaged gaps, whose estimates of error hold nevertheless.
+const BETWEEN_AVERAGES: &str = "averages over triangles leave it beside what carries force; refine the mesh there (`target_error`, `max_nodes`), or take gaps at the nodes (collocation), where that matters";
+
 /// Share of the coarse edges that the square of the error asks for, so that those made of it meet the target: they come out
 /// longer than asked for by up to a fifth.
 const EDGE_MARGIN: f64 = 0.8;
@@ -236,9 +239,12 @@ impl Contact {
             self.warn(WarningKind::Refinement, message);
         }
         let (before, after) = (self.max_penetration_before, self.max_penetration_after);
-        let is_left = self.clues.edge.is_some() && after > SMALL_PENETRATION * before;
-        if (is_left || !self.is_free_of_penetration()) && after <= UNRESOLVED_SHARE * before {
-            let cause = if is_left { BESIDE_EDGE } else { COARSE_MESH };
+        if after > SMALL_PENETRATION * before && after <= UNRESOLVED_SHARE * before {
+            let cause = match self.accuracy.discretization {
+                _ if self.clues.edge.is_some() => BESIDE_EDGE,
+                Discretization::Collocation => COARSE_MESH,
+                Discretization::Galerkin => BETWEEN_AVERAGES,
+            };
             self.warn(WarningKind::Penetration, still_penetrates(after, before, cause));
         }
     }

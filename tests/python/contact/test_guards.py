@@ -60,6 +60,26 @@ def huge() -> qr.Surface:
     return qr.Surface(*ball(8.0, 3))
 
 
+def with_slivers() -> qr.Surface:
+    """A ball of which the faces on the plate are cut in three by a point beside one of their edges."""
+    vertices, faces = ball(8e-3, 3)
+    lowest = np.argsort(vertices[faces, 2].mean(axis=1))[:6]
+    a, b, c = faces[lowest].T
+    added = len(vertices) + np.arange(len(lowest))
+    beside = 0.49 * (vertices[a] + vertices[b]) + 0.02 * vertices[c]
+    parts = [np.c_[a, b, added], np.c_[b, c, added], np.c_[c, a, added]]
+    return qr.Surface(np.vstack([vertices, beside]), np.vstack([np.delete(faces, lowest, axis=0), *parts]))
+
+
+def pressed_on_rounded_corner() -> qr.Contact:
+    tip = qr.models.fingertip(edge_length=1.6e-3)
+    tip = tip.with_skin_mask(qr.skin_without_caps(tip))
+    corner = tip.vertices[:, 1].mean() + 0.012
+    box = qr.models.rounded_box(size=(0.03, 0.03, 0.009)).moved(translation=[0.013, corner, -0.05])
+    averaged = kernel(qr.HalfSpace(discretization="galerkin"))
+    return qr.press(tip, box, averaged, [0, 0, 1], depth=0.6e-3)
+
+
 def pressed_on_caps() -> qr.Contact:
     tip = qr.models.fingertip(edge_length=2.5e-3)
     caps = tip.with_skin_mask(~qr.skin_without_caps(tip))
@@ -109,6 +129,8 @@ CASES = {
         "mesh cells",
         lambda: pressed(qr.Surface(*ball(8e-3, 2)), depth=1e-4, options=AS_GIVEN),
     ),
+    "slivers": ("CoarseMeshWarning", "6 of the", lambda: pressed(with_slivers())),
+    "left by averages": ("PenetrationWarning", "averages over triangles", pressed_on_rounded_corner),
     "a body too coarse": (
         "RefinementWarning",
         "prepare it with coarse_edge_length",
