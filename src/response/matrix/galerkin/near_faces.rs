@@ -19,6 +19,8 @@ use crate::surface::checked::Surface;
 
 /// Rings around a vertex whose triangles are near it.
 const NEAR_RINGS: usize = 2;
+/// Edges are equally long within this share of their square.
+const EQUALLY_LONG: f64 = 1e-9;
 
 /// A triangle around some nodes.
 pub(crate) struct NodeFace {
@@ -36,7 +38,8 @@ pub(crate) struct NodeFace {
 impl NodeFace {
     /// The triangles around the nodes of a matrix, by the row and the column of each vertex.
     pub(crate) fn around(surface: &Surface, row_of: &[usize], column_of: &[usize]) -> Vec<Self> {
-        let face = |(&vertices, &area): (&[u32; 3], &f64)| {
+        let face = |(vertices, &area): (&[u32; 3], &f64)| {
+            let vertices = from_widest_corner(surface, *vertices);
             let rows = vertices.map(|v| row_of[v as usize]);
             let columns = vertices.map(|v| column_of[v as usize]);
             if rows == [NO_ROW; 3] && columns == [NO_ROW; 3] {
@@ -61,6 +64,17 @@ impl NodeFace {
     fn corner(&self, vertex: u32) -> usize {
         self.vertices.iter().position(|&own| own == vertex).expect("a corner")
     }
+}
+
+/// The corners of a triangle from that opposite to its longest edge on: rules for it are collapsed at the first, and what they
+/// leave must not hang on which comes first in the mesh.
+fn from_widest_corner(surface: &Surface, mut vertices: [u32; 3]) -> [u32; 3] {
+    let [a, b, c] = vertices.map(|v| surface.vertices()[v as usize]);
+    let opposite = [b - c, c - a, a - b].map(|edge| edge.norm_squared());
+    let longest = opposite.into_iter().fold(0.0, f64::max);
+    let widest = opposite.iter().position(|edge| *edge >= (1.0 - EQUALLY_LONG) * longest);
+    vertices.rotate_left(widest.expect("one of the three"));
+    vertices
 }
 
 /// `∫∫ hat_a(x) hat_b(y) / |x - y| dA dA` (m³) of the corners a of one triangle and b of another.
