@@ -136,11 +136,11 @@ def demo(
     quick: Annotated[bool, typer.Option("--quick", help="Coarse meshes: done in a moment.")] = False,
     target_error: TargetError = TARGET_ERROR,
 ) -> int:
-    """Press the built-in fingertip on two products, and close the built-in hand on two.
+    """Press the built-in fingertip on two products, and close the built-in hand on a bottle.
 
     The fingertip goes 1.12 mm deep on a handle and on a phone-sized box, each twice: as a half-space, which
     knows neither the finger's shape nor its bone, and as the body with its bone, whose compliance is computed
-    first and serves both. The hand holds a bottle with 20 N, to the target of `close_hand`.
+    first and serves both. The hand holds the bottle with 20 N, to the target of `close_hand`.
     Needs no file. Prints the figures and writes, in a folder for each product, what `press` writes and
     footprints of both responses, or what `grasp` writes, with one picture.
     Exit status 0: done; 2: bad input.
