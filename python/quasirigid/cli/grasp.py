@@ -148,7 +148,10 @@ def grasp(words: GraspWords, talk: ContactTalk) -> int:
     talk.save_and_tell(text, record, words.out, save)
     if held.contact.status not in ("solved", "no_contact"):
         return refuse(f"the contact did not end solved: {held.contact.advice}", status=1)
-    return 1 if held.missed else 0
+    if held.missed:
+        reasons = (f"{digit} {reason}" for digit, reason in held.missed.items())
+        return refuse("; ".join(reasons), status=1)
+    return 0
 
 
 def _read(words: GraspWords) -> _Asked:

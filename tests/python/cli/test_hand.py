@@ -286,8 +286,14 @@ def test_a_hand_grasps_with_the_force_asked_for(
     assert inputs["shift"] == {"value": [0.0, 0.0, 0.0], "unit": "m"}
     assert "contact.json" in {file.name for file in out.iterdir()} <= {*GRASP_FILES}
     # Far above the palm nothing is met: status 1, and the table says why.
-    assert run([*words, "--force", "5N", "--shift", "0,0,300mm"]) == 1
+    far = [*words, "--force", "5N", "--shift", "0,0,300mm"]
+    assert run(far) == 1
     assert "does not meet the product" in capsys.readouterr().out
+    assert run([*far, "--quiet", "--json"]) == 1
+    told = capsys.readouterr()
+    missed = json.loads(told.out)["missed"]
+    assert told.err.startswith("error: ")
+    assert all(f"{digit} {why}" in told.err for digit, why in missed.items())
 
 
 @pytest.mark.parametrize(
