@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from .. import _core
 from .._check import as_boolean, as_choice, as_float, as_integer_or_none, as_integers
 from .error import LcpError
@@ -13,7 +15,6 @@ from .error import LcpError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
 LcpMethodName = Literal["lemke", "block_pivoting", "projected_cg", "auto"]
@@ -81,6 +82,14 @@ class LcpOptions:
     definiteness: Literal["cheap", "always", "never"] = DEFAULTS["definiteness"]
     crash: bool = DEFAULTS["crash"]
     known_p_matrix: bool = False
+
+    def __post_init__(self) -> None:
+        """Keep arrays and lists as tuples, which compare and hash."""
+        for name in ("initial_active", "covering"):
+            given = getattr(self, name)
+            listed = given.tolist() if isinstance(given, np.ndarray) else given
+            if isinstance(listed, list):
+                object.__setattr__(self, name, tuple(listed))
 
 
 def options_to_core(options: LcpOptions) -> _core.LcpOptions:

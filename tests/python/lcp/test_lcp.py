@@ -90,6 +90,19 @@ def test_a_guess_may_be_any_sequence_of_integers() -> None:
         assert qr.solve_lcp([[2, 1], [1, 2]], [-5, -6], options=options).attempts[0].warm
 
 
+def test_options_of_the_same_arrays_are_equal_and_hash() -> None:
+    one, other, third = (
+        qr.LcpOptions(initial_active=guess, covering=covering)
+        for guess, covering in (
+            (np.array([1, 2]), np.array([1.0, 0.5, 2.0])),
+            ([1, 2], [1.0, 0.5, 2.0]),
+            ((1, 2), [1.0, 0.5, 3.0]),
+        )
+    )
+    assert one == other != third
+    assert len({one, other, third}) == 2
+
+
 def test_a_singular_matrix_is_not_said_to_have_one_solution() -> None:
     matrix = [[106, 90, -76], [90, 106, -92], [-76, -92, 80]]
     options = qr.LcpOptions(definiteness="always")
