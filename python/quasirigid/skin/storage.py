@@ -123,6 +123,8 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
                 raise ValueError("it holds no prepared skin")
             if len(set(names)) < len(names):
                 raise ValueError("it holds a part twice")
+            if any(member.compress_type != zipfile.ZIP_STORED for member in members):
+                raise ValueError("its parts are compressed, and such files are not read: save it with `save`")
             if sum(member.file_size for member in members) > file_path.stat().st_size:
                 raise ValueError("its parts are longer than itself")
             stored = {name: _array_of(archive, member) for name, member in zip(names, members, strict=True)}
@@ -149,8 +151,6 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
 
 def _array_of(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
     """Return a member's array, as NumPy writes it; a ValueError where it is not as long as it says."""
-    if member.compress_type != zipfile.ZIP_STORED:
-        raise ValueError(f"{member.filename} is compressed, which a saved skin never is")
     data = io.BytesIO(archive.read(member))
     version = np.lib.format.read_magic(data)
     read = {

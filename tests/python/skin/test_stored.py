@@ -131,12 +131,10 @@ def test_what_is_zipped_or_longer_than_its_file_is_refused_before_memory_is_take
     surface: qr.Surface, tmp_path: Path
 ) -> None:
     path = tmp_path / "bomb.npz"
-    np.savez_compressed(path, header=np.zeros(10_000_000))
-    with pytest.raises(qr.ResponseError, match="its parts are longer than itself"):
-        qr.load_prepared(path)
-    np.savez_compressed(path, header=np.zeros(3))
-    with pytest.raises(qr.ResponseError, match=r"header\.npy is compressed"):
-        qr.load_prepared(path)
+    for count in (3, 10_000_000):
+        np.savez_compressed(path, header=np.zeros(count))
+        with pytest.raises(qr.ResponseError, match="its parts are compressed"):
+            qr.load_prepared(path)
     vast = io.BytesIO()
     np.lib.format.write_array_header_1_0(vast, {"descr": "<f8", "fortran_order": False, "shape": (2**40,)})
     with zipfile.ZipFile(path, "w") as archive:
