@@ -52,7 +52,8 @@ class ContactOptions:
         Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
         entry (further vertices can never touch), 1 otherwise; what is pressed beyond them is found and added.
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
-        Solver of the complementarity problem.
+        Solver of the complementarity problem, as in `solve_lcp`. "projected_cg" needs a symmetric matrix,
+        which half-space and layer have with ``discretization="galerkin"``.
     num_threads : int or None
         Threads, at most four for each processor; None for all. Results are equal to the bit for any number.
     memory_limit : int or None

@@ -165,6 +165,20 @@ def test_the_galerkin_form_nears_hertz_with_a_symmetric_matrix() -> None:
     assert max(errors) < 3e-3
 
 
+def test_conjugate_gradients_name_the_form_that_is_symmetric() -> None:
+    surface = qr.Surface(*ball(8e-3, 4))
+    options = qr.ContactOptions(method="projected_cg", target_error=None)
+    with pytest.raises(qr.QuasirigidError, match=r"symmetric.*galerkin"):
+        qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=0.5e-3, options=options)
+    for response in (
+        qr.HalfSpace(discretization="galerkin"),
+        qr.Layer(thickness=4e-3, discretization="galerkin"),
+    ):
+        skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=response)
+        contact = qr.press(surface, PLATE, skin, [0, 0, 1], depth=0.5e-3, options=options)
+        assert contact.lcp_solutions[0].method == "projected_cg"
+
+
 def test_fingers_are_solved_apart_unless_asked_otherwise() -> None:
     vertices, faces = ball(8e-3, 3)
     two = np.concatenate([vertices, vertices + np.array([20e-3, 0, 0])])
