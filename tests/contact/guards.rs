@@ -146,6 +146,22 @@ fn a_gaussian_under_a_wide_contact_is_out_of_its_range() {
 }
 
 #[test]
+fn a_response_larger_than_the_skin_is_asked_for_its_unit() {
+    let surface = ball(8e-3, 3);
+    let diagonal = surface.bounding_box().diagonal();
+    let told_of = |kernel| press_up(&surface, &plate(), &skin(kernel), 0.3e-3);
+    let layer = |thickness: f64| told_of(Kernel::Layer { thickness: thickness.into() });
+    assert_told(&layer(8.2), WarningKind::ResponseRange, &["thickness is 8.2000e0 m", "8 mm is 8e-3"]);
+    assert!(told(&layer(0.9 * diagonal), WarningKind::ResponseRange).is_empty());
+    let constant = half_space().kernel_constant();
+    let gaussian = |width: f64| {
+        told_of(Kernel::GaussianCorrected { height: 0.2 * constant / width, width, cutoff: 2.0 * width })
+    };
+    assert_told(&gaussian(8.0), WarningKind::ResponseRange, &["width is 8.0000e0 m"]);
+    assert!(told(&gaussian(0.9 * diagonal), WarningKind::ResponseRange).is_empty());
+}
+
+#[test]
 fn a_mask_that_leaves_next_to_nothing_is_asked_whether_it_is_inverted() {
     let surface = ball(8e-3, 3);
     let leaving = |count: usize| {

@@ -82,6 +82,7 @@ impl Guarded<'_> {
             self.mask(),
             self.depth(contact, deepest),
             self.response_range(contact, deepest),
+            self.response_length(deepest),
             product_range(contact),
             coarse_mesh(contact),
             self.slivers(contact),
@@ -189,6 +190,23 @@ impl Guarded<'_> {
                 faces.len(),
                 SLIVER_ANGLE.to_degrees(),
                 angle(thinnest).to_degrees(),
+            ),
+        })
+    }
+
+    /// Of a layer thicker, or a Gaussian wider, than the skin is large: both are half-spaces there.
+    fn response_length(&self, deepest: Option<&DeepestVertex>) -> Option<Warning> {
+        let vertex = deepest?.vertex;
+        let (what, length) = match self.skin.kernel_at(vertex)?.kernel() {
+            Kernel::Layer { thickness } => ("layer's thickness", thickness.at(vertex)),
+            Kernel::GaussianCorrected { width, height, .. } if *height > 0.0 => ("Gaussian's width", *width),
+            _ => return None,
+        };
+        let size = self.surface.bounding_box().diagonal();
+        (length > size).then(|| Warning {
+            kind: WarningKind::ResponseRange,
+            message: format!(
+                "the {what} is {length:.4e} m, more than the {size:.4e} m that the skin is large: is it in another unit? So large it answers as a half-space; 8 mm is 8e-3"
             ),
         })
     }
