@@ -93,9 +93,13 @@ pub enum ContactError {
     /// An obstacle that turns finds no balance.
     #[error(
         "the obstacle finds no balance about ({x:.4}, {y:.4}, {z:.4}) m: a moment of {} N m is left about \
-         the tilt axes under {} N, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
-         skin that are to carry it, or press deeper",
-        Digits(*moment, 7), Digits(*force, 7), x = point[0], y = point[1], z = point[2]
+         the tilt axes under {} N{}, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
+         skin that are to carry it{}",
+        Digits(*moment, 7),
+        Digits(*force, 7),
+        asked.map_or(String::new(), |asked| format!(", where {} N is asked for", Given(asked))),
+        if asked.is_some() { "" } else { ", or press deeper" },
+        x = point[0], y = point[1], z = point[2]
     )]
     NotBalanced {
         /// The point that it turns about, where it stands now (m).
@@ -104,6 +108,8 @@ pub enum ContactError {
         moment: f64,
         /// Force on the skin (N).
         force: f64,
+        /// The force that is to be reached, if one is (N).
+        asked: Option<f64>,
         /// Angle that it has turned by (rad).
         angle: f64,
         /// What is in the way.

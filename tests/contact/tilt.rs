@@ -92,7 +92,7 @@ fn where_along_its_axis_the_point_lies_is_of_no_account() {
 fn a_point_beside_both_balls_leaves_its_moment() {
     let x = 3.0 * ARM;
     match tilted(&two_balls(0.0), Goal::Depth(1e-3), about(x)) {
-        Err(ContactError::NotBalanced { moment: told, force, contact, .. }) => {
+        Err(ContactError::NotBalanced { moment: told, force, asked: None, contact, .. }) => {
             let (left, scale) = moment(&contact.0, x);
             assert!((told / left.abs() - 1.0).abs() < 1e-12);
             assert_eq!(force, contact.0.resultant.force.norm());
@@ -100,6 +100,14 @@ fn a_point_beside_both_balls_leaves_its_moment() {
         }
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn a_force_that_finds_no_balance_is_told_and_no_depth_advised() {
+    let error = tilted(&two_balls(0.0), Goal::Force(0.25), about(3.0 * ARM)).expect_err("no balance");
+    assert!(matches!(error, ContactError::NotBalanced { asked: Some(0.25), .. }), "{error:?}");
+    let told = error.to_string();
+    assert!(told.contains("where 0.25 N is asked for") && !told.contains("deeper"), "{told}");
 }
 
 #[test]

@@ -280,6 +280,7 @@ impl MeshSearch for Tilted<'_> {
             point: self.point_at(&contact).into(),
             moment: DVector::from_vec(self.moments(&contact)).norm(),
             force: contact.resultant.force.norm(),
+            asked: self.force(),
             angle: self.turned_by(&posture.angles).rotation.angle(),
             why,
             contact: PressedContact(Box::new(contact)),
