@@ -146,6 +146,9 @@ fn a_refinement_that_ends_early_says_why() {
     assert_eq!(contact.status, ContactStatus::Solved);
     assert_eq!(contact.refinements.last().and_then(|one| one.end), Some(RefinementEnd::MaxNodes));
     assert!(contact.warnings.iter().any(|warning| warning.message.contains("max_nodes")));
+    let few = ContactOptions { target_error: Some(1e-9), ..few };
+    let contact = pressed(&surface, &plate(), &half_space(), Goal::Depth(0.6e-3), &few);
+    assert!(contact.warnings.iter().any(|warning| warning.message.contains("target of 1.00e-7 %")));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A number with so many digits: plain where that is short, else with a power of ten.
+/// A number with so many digits: plain where that is short, else with a power of ten; 0 is "0".
 pub(crate) struct Digits(pub f64, pub usize);
 
 /// Numbers from here to there are plain.
@@ -23,6 +23,9 @@ impl fmt::Display for Digits {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value, digits) = *self;
         let size = value.abs();
+        if size == 0.0 {
+            return formatter.write_str("0");
+        }
         if !(PLAIN_NUMBERS[0]..PLAIN_NUMBERS[1]).contains(&size) {
             return write!(formatter, "{value:.*e}", digits - 1);
         }
@@ -44,8 +47,8 @@ mod tests {
 
     #[test]
     fn numbers_are_plain_where_that_is_short() {
-        let written =
-            [1.547484, 12345.678, 0.00062, -3.0, 4.2e-5, 7.5e9].map(|value| Digits(value, 4).to_string());
-        assert_eq!(written, ["1.547", "12346", "0.0006200", "-3.000", "4.200e-5", "7.500e9"]);
+        let written = [1.547484, 12345.678, 0.00062, -3.0, 4.2e-5, 7.5e9, 0.0]
+            .map(|value| Digits(value, 4).to_string());
+        assert_eq!(written, ["1.547", "12346", "0.0006200", "-3.000", "4.200e-5", "7.500e9", "0"]);
     }
 }

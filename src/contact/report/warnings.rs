@@ -9,6 +9,7 @@ use crate::contact::figures::penetration::after::{Penetration, SMALL_PENETRATION
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::{Contact, RefinementEnd};
 use crate::contact::refine::product::errors_of_area_and_peak;
+use crate::contact::report::digits::Digits;
 use crate::contact::report::record::Report;
 use crate::contact::report::warning::WarningKind;
 use crate::geometry::solid_angle::winding_number;
@@ -200,7 +201,7 @@ impl Contact {
     /// Warns where the refinement ended before its target, and where a body's mesh costs more than that.
     pub(crate) fn warn_of_refinement(&mut self, end: RefinementEnd, target: f64) {
         let reason = end.as_str();
-        let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+        let percent = |share: f64| format!("{} %", Digits(100.0 * share, 3));
         let mut short = Vec::new();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
             && (self.unbalanced() * force).max(area) > target
