@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 import quasirigid as qr
@@ -46,6 +48,38 @@ def test_moving_turns_then_shifts_and_leaves_the_original_alone() -> None:
     assert moved.signed_distance([[0, 1, 2]])[0][0] == pytest.approx(-0.1, rel=1e-12)
     assert rod.signed_distance([[1, 0, 0]])[0][0] == pytest.approx(-0.1, rel=1e-12)
     np.testing.assert_allclose(moved.translation, [0, 0, 2])
+
+
+TURN = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("made", "words"),
+    [
+        (
+            lambda: qr.Obstacle.half_space([0, 0, 7], [1, 0, 0]).moved(translation=[1, 0, 0]),
+            ["(1, 0, 7)", "(1, 0, 0)"],
+        ),
+        (lambda: qr.Obstacle.half_space([0, 0, 0], [0, 0, 2]).moved(TURN), ["(0, 0, 0)", "(0, -1, 0)"]),
+        (lambda: qr.Obstacle.sphere([0, 0, 0.25], 0.02).moved(TURN), ["(0, -0.25, 0)", "radius 0.02 m"]),
+        (lambda: qr.Obstacle.box([0.01, 0.02, 0.03]).moved(TURN), ["(0.01, 0.02, 0.03)", "(1.570796, 0, 0)"]),
+        (
+            lambda: qr.Obstacle.capsule([0, 0, 0], [0, 0, 0.1], 0.01).moved(TURN),
+            ["(0, 0, 0)", "(0, -0.1, 0)", "0.01 m"],
+        ),
+        (lambda: qr.Obstacle.cylinder(0.06, 0.015).moved(TURN), ["(0, -1, 0)", "0.06 m", "0.015 m"]),
+        (
+            lambda: qr.models.rounded_box(size=(0.2, 0.1, 0.05)).moved(TURN, [0, 0, 0.5]),
+            ["(0, 0, 0.5)", "(0.2, 0.05, 0.1)", "faces"],
+        ),
+    ],
+    ids=["half-space", "turned half-space", "sphere", "box", "capsule", "cylinder", "mesh"],
+)
+def test_an_obstacle_is_shown_where_it_stands_and_how_large(
+    made: Callable[[], qr.Obstacle], words: list[str]
+) -> None:
+    for word in words:
+        assert word in repr(made())
 
 
 def test_bad_obstacles_are_named() -> None:
