@@ -23,6 +23,40 @@
 //! 5. [`lcp`]: the complementarity problem, its ending and its certificate;
 //! 6. [`contact`]: deformed skin, pressure map, force, moment, area, and how far each can be trusted.
 //!
+//! From arrays to figures (the crate reads no mesh files; bring vertices and faces from a reader of yours):
+//!
+//! ```
+//! use nalgebra::Vector3;
+//! use quasirigid::contact::{Balance, ContactOptions, Goal, Press, Start, press};
+//! use quasirigid::response::{Kernel, KernelSkin};
+//! use quasirigid::{obstacle::Obstacle, surface::Surface};
+//!
+//! // Flat skin in z = 0, outside above: 17 x 17 vertices, 0.5 mm apart.
+//! let n = 17;
+//! let place = |i: u32| 0.5e-3 * Vector3::new(f64::from(i % n) - 8.0, f64::from(i / n) - 8.0, 0.0);
+//! let vertices = (0..n * n).map(place).collect();
+//! let corners = (0..n * (n - 1)).filter(|i| i % n < n - 1);
+//! let faces = corners.flat_map(|i| [[i, i + 1, i + n + 1], [i, i + n + 1, i + n]]).collect();
+//! let skin = Surface::new(vertices, faces)?;
+//!
+//! let ball = Obstacle::sphere(Vector3::zeros(), 8e-3)?;
+//! let tissue = KernelSkin::new(60e3, 0.5, Kernel::HalfSpace)?;
+//! let goal = Goal::Depth(0.2e-3);
+//! let down = Press { direction: -Vector3::z(), goal, start: Start::Infinity, balance: Balance::None };
+//! let contact = press(&skin, &ball, &tissue, &down, &ContactOptions::default())?;
+//!
+//! println!("{} N on {} m²", contact.resultant.force.norm(), contact.resultant.contact_area);
+//! for (vertex, pressure) in contact.surface().vertices().iter().zip(&contact.pressure) {
+//!     println!("{vertex}: {pressure} Pa"); // the mesh is refined around the contact
+//! }
+//! for warning in &contact.warnings {
+//!     println!("{}", warning.message);
+//! }
+//! // Hertz: pi R d
+//! assert!((contact.resultant.contact_area / (std::f64::consts::PI * 8e-3 * 0.2e-3) - 1.0).abs() < 0.05);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Units are SI throughout: m, N, Pa, rad, s. Faces are counter-clockwise seen from outside.
 //!
 //! Sources: Xie, Kanai, Date 2011 ("Simulating Deformable Contact Property of Digital Hand Skin"); Pauly,
