@@ -40,7 +40,7 @@ class QuasirigidWarning(UserWarning):
 
 
 class SizeWarning(QuasirigidWarning):
-    """The size of skin, product or hand is unusual; check the unit."""
+    """The size of skin, product or hand, or a product's mass, is unusual; check the unit."""
 
 
 class DepthWarning(QuasirigidWarning):

@@ -11,7 +11,7 @@ import numpy as np
 from ..._check import as_boolean, as_number, as_vector
 from ...contact.options import ContactOptions, options_to_core
 from ...contact.press import end_of
-from ...errors import HandError, QuasirigidWarning
+from ...errors import HandError, QuasirigidWarning, SizeWarning
 from ...scene import as_obstacle
 from ...skin import Body, GivenMatrix, Skin
 from ...skin.progress import Progress, as_progress
@@ -35,6 +35,7 @@ __all__ = ["close_hand"]
 
 TARGET_ERROR = 0.05
 MOST_NODES = 1250
+_HEAVIEST = 50.0  # of what a hand holds (kg)
 _THUMB = 0.5  # its share of a force that is not told by digit
 
 
@@ -114,8 +115,8 @@ def close_hand(
     Warns
     -----
     QuasirigidWarning
-        What the last contact warns of, digits that were not asked for and stand inside the product at the
-        start, and regions of the hand that cross each other.
+        What the last contact warns of, a product too heavy for a hand, digits that were not asked for and
+        stand inside the product at the start, and regions of the hand that cross each other.
 
     Notes
     -----
@@ -147,7 +148,8 @@ def close_hand(
     options_to_core(options)
     throw = as_boolean("throw", throw)
     fall = as_vector("gravity", gravity, HandError)
-    weight = None if product_mass is None else as_number("product_mass", product_mass, HandError) * fall
+    mass = None if product_mass is None else as_number("product_mass", product_mass, HandError)
+    weight = None if mass is None else mass * fall
     middle = _middle_of(obstacle, center_of_mass)
     hold = Hold(
         closing=Closing(hand, start, end, rotation, translation),
@@ -160,6 +162,13 @@ def close_hand(
     )
     posed, contact = hold.run()
     end_of(contact, throw=throw, stacklevel=2)
+    if mass is not None and mass > _HEAVIEST:
+        warnings.warn(
+            f"product_mass is {mass:g} kg, more than the {_HEAVIEST:g} kg that a hand holds: is it in "
+            "another unit? 400 g is 0.4",
+            SizeWarning,
+            stacklevel=2,
+        )
     _warn(hold, posed)
     return _grasp(hold, posed, contact, weight=weight, middle=middle)
 

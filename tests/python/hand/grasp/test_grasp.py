@@ -40,6 +40,12 @@ def test_the_moment_is_about_the_center_of_mass_and_the_weight_is_what_nothing_b
     np.testing.assert_array_equal(held.unbalanced_moment, held.net_moment)
 
 
+@pytest.mark.filterwarnings("always::quasirigid.SizeWarning")
+def test_a_mass_that_no_hand_holds_is_asked_for_its_unit(hand, handle):
+    with pytest.warns(qr.SizeWarning, match=r"product_mass is 400 kg.*0\.4"):
+        qr.close_hand(hand, handle, skin(), overlap={"index": 1e-3}, product_mass=400, options=AS_GIVEN)
+
+
 def test_refined_meshes_hold_within_a_hundredth(hand, handle):
     grasp = qr.close_hand(hand, handle, skin(), force=10.0)
     assert grasp.missed == {}
