@@ -13,8 +13,8 @@ use quasirigid::reference::{Hertz, contact_modulus};
 use quasirigid::response::{ElasticSkin, Kernel, KernelSkin, PressureBasis};
 use quasirigid::surface::Surface;
 
-use crate::common::{Random, jittered_grid};
-use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, along, ball, half_space, plate, pressed};
+use crate::common::{Random, icosphere, jittered_grid, surface, v};
+use crate::{POISSON_RATIO, SHEAR_MODULUS, UP, along, ball, galerkin, half_space, plate, pressed};
 
 fn options(target_error: f64) -> ContactOptions<'static> {
     ContactOptions { target_error: Some(target_error), ..ContactOptions::default() }
@@ -97,6 +97,39 @@ fn the_mesh_stays_sound_and_round_and_keeps_its_vertices() {
     assert!(contact.candidates.iter().all(|&vertex| contact.gap[vertex].is_finite()));
     let total: Vector3<f64> = contact.force_vectors.iter().sum();
     assert_relative_eq!(total, contact.resultant.force, max_relative = 1e-12);
+}
+
+/// The same mesh with one more vertex in a face, at a share of its edges from its first corner, on the sphere that it is on.
+fn with_vertex_beside(mesh: &Surface, face: usize, share: f64) -> Surface {
+    let (mut vertices, mut faces) = (mesh.vertices().to_vec(), mesh.faces().to_vec());
+    let [a, b, c] = faces[face];
+    let [at_a, at_b, at_c] = faces[face].map(|corner| vertices[corner as usize]);
+    let own = vertices.len() as u32;
+    vertices.push((at_a + share * (at_b + at_c - 2.0 * at_a)).normalize() * at_a.norm());
+    faces[face] = [a, b, own];
+    faces.extend([[b, c, own], [c, a, own]]);
+    Surface::new(vertices, faces).expect("a valid surface")
+}
+
+#[test]
+fn pressures_are_those_of_the_skin_where_two_vertices_lie_close_together() {
+    let turn = Rotation3::new(v(0.4, -0.7, 1.1));
+    let (vertices, faces) = icosphere(8e-3, 4);
+    let ball = surface((vertices.iter().map(|vertex| turn * vertex).collect(), faces));
+    let (depth, target) = (0.6e-3, 0.02);
+    let truth = refined(&ball, &galerkin(), depth, target);
+    let middle =
+        |face: &usize| ball.faces()[*face].iter().map(|&v| ball.vertices()[v as usize].z).sum::<f64>();
+    let mut lowest: Vec<usize> = (0..ball.faces().len()).collect();
+    lowest.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
+    // At the peak, between it and the rim, and on the rim.
+    for (rank, share) in [(0, 1e-2), (0, 1e-3), (0, 1e-5), (3, 1e-9), (20, 1e-4), (42, 1e-4), (48, 1e-6)] {
+        let contact = refined(&with_vertex_beside(&ball, lowest[rank], share), &galerkin(), depth, target);
+        let [peak, right] = [&contact, &truth].map(|one| one.resultant.max_pressure);
+        assert_relative_eq!(peak, right, max_relative = 0.005);
+        let highest = contact.pressure.iter().copied().fold(0.0, f64::max);
+        assert!(highest <= peak, "{highest} Pa at a vertex");
+    }
 }
 
 #[test]
