@@ -10,6 +10,7 @@ use crate::contact::clues::Clues;
 use crate::contact::equilibrium::group::MOST_BY_PIVOTS;
 use crate::contact::error::ContactError;
 use crate::contact::figures::area::cells::mean_edge;
+use crate::contact::figures::penetration::after::SMALL_PENETRATION;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd, RefinementKind};
@@ -207,10 +208,11 @@ impl Rounds<'_> {
         Ok(RefinementEnd::MostRounds)
     }
 
-    /// Whether the given mesh meets the target, and the obstacle with next to no penetration.
+    /// Whether the given mesh meets the target with next to no penetration. On a sharp edge one mesh says too little.
     fn is_given_enough(&self) -> Result<bool, ContactError> {
         let Meshes { given, mesh, .. } = &self.meshes;
-        if !(self.is_met(given) && given.is_free_of_penetration() && given.clues.unfelt.is_empty()) {
+        let is_left = given.max_penetration_after > SMALL_PENETRATION * given.max_penetration_before;
+        if !self.is_met(given) || is_left || given.clues.edge.is_some() {
             return Ok(false);
         }
         Ok(touched_between(mesh, None, given, self.skin, self.options)?.is_empty())
