@@ -59,10 +59,10 @@ def sweep(
     """Press to several depths or forces, each from what the one before left.
 
     Takes one of `depths` and `forces`. A step goes on on the refined mesh of the step before, which is cut
-    where the rim of the contact comes to larger triangles. It begins on the given mesh where that did not
-    meet the target (a sharp edge), or where the contact's radius has changed by half. Its figures are those
-    of `press` within the estimated errors, to the bit with ``target_error=None``. A body that is not prepared
-    is, once.
+    where the rim of the contact comes to larger triangles. It begins on the given mesh where that step was on
+    it, where its mesh did not meet the target (a sharp edge), or where the contact's radius has changed by
+    half. Its figures are those of `press` within the estimated errors, to the bit with ``target_error=None``.
+    A body that is not prepared is, once.
 
     Parameters
     ----------
