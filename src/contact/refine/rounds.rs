@@ -14,17 +14,16 @@ use crate::contact::figures::penetration::after::SMALL_PENETRATION;
 use crate::contact::in_place::{InPlace, Known};
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd, RefinementKind};
-use crate::contact::refine::estimate::ErrorEstimate;
+use crate::contact::refine::given::{concluded, note_given};
 use crate::contact::refine::mark::{faces_near, touched_between};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::product::errors_of_area_and_peak;
-use crate::contact::refine::tissue::Tissue;
 use crate::contact::refine::wanting::{Finer, Wanting};
 use crate::contact::report::record::Report;
 use crate::contact::scene::Placement;
 use crate::lcp::solution::LcpStatus;
 use crate::response::error::ResponseError;
-use crate::response::skin::elastic::{ElasticSkin, Traits};
+use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
@@ -104,42 +103,6 @@ pub(crate) fn begin<'a>(
         options,
         target,
     })))
-}
-
-/// The contact on the given mesh alone, concluded.
-pub(crate) fn end_unrefined(
-    mut given: Contact,
-    started: Instant,
-    placement: Placement,
-    skin: &dyn ElasticSkin,
-) -> Result<Contact, ContactError> {
-    note_given(&mut given, started, placement, skin)?;
-    Ok(concluded(given, RefinementEnd::NoTarget, skin))
-}
-
-/// Notes what the given mesh gave; what the contact may rely on.
-fn note_given(
-    given: &mut Contact,
-    started: Instant,
-    placement: Placement,
-    skin: &dyn ElasticSkin,
-) -> Result<Traits, ContactError> {
-    let traits = skin.traits(given.surface())?.with_product(placement.obstacle.material());
-    if !traits.refines {
-        given.leave_out(
-            "estimates of error",
-            "one-rings and given matrices take no other mesh to compare with",
-        );
-    }
-    let error = (given.status == ContactStatus::Solved && traits.refines)
-        .then(|| ErrorEstimate::of_cells(given, Tissue::under(given, skin)));
-    given.note_round(error, started);
-    Ok(traits)
-}
-
-fn concluded(given: Contact, end: RefinementEnd, skin: &dyn ElasticSkin) -> Contact {
-    let at_facets = given.growth_at_facets(given.shear_modulus(skin));
-    given.concluded(end, at_facets)
 }
 
 /// How the rounds settle.
