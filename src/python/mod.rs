@@ -6,6 +6,7 @@ mod contact;
 mod contact_options;
 mod convert;
 mod cut_out;
+mod described;
 mod elastic;
 mod errors;
 mod forked;

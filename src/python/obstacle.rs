@@ -1,15 +1,16 @@
 //! `quasirigid.Obstacle`.
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::Matrix3;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use crate::contact::touching;
-use crate::obstacle::{MeshObstacleOptions, Obstacle, Primitive};
+use crate::obstacle::{MeshObstacleOptions, Obstacle};
 use crate::python::arrays_out::{faces_out, vector_out, vectors_out};
 use crate::python::convert::{
     boolean, faces, matrix3, mesh_arrays, motion, number, rotation_and_translation, vector, vectors,
 };
+use crate::python::described::described;
 use crate::python::errors::{IntoPyErr, ObstacleError};
 use crate::python::forked::released;
 use crate::python::interrupt::detached_with;
@@ -445,46 +446,6 @@ impl PyObstacle {
             Some(material) => format!("Obstacle({shape}, {})", material.repr()?),
         })
     }
-}
-
-/// Kind, place and size in the world, to the micrometre.
-fn described(obstacle: &Obstacle) -> String {
-    let pose = obstacle.pose();
-    let short = |v: Vector3<f64>| {
-        // No negative zero.
-        let [x, y, z] = v.map(|number| (1e6 * number).round() / 1e6 + 0.0).into();
-        format!("({x}, {y}, {z})")
-    };
-    let at = |point: &Vector3<f64>| short((pose * Point3::from(*point)).coords);
-    let along = |direction: &Vector3<f64>| short(pose.rotation * direction);
-    let center = short(pose.translation.vector);
-    let shape = match obstacle.primitive() {
-        None => {
-            let bounds = obstacle.bounding_box().expect("a mesh has one");
-            let faces = obstacle.own_triangles().map_or(0, |(_, faces)| faces.len());
-            let (middle, extents) = ((bounds.low + bounds.high) / 2.0, bounds.high - bounds.low);
-            format!("around {} m, extents {} m, {faces} faces", short(middle), short(extents))
-        }
-        Some(Primitive::HalfSpace { point, normal }) => {
-            format!("at {} m, normal {}", at(point), along(normal))
-        }
-        Some(Primitive::Sphere { center, radius }) => format!("at {} m, radius {radius} m", at(center)),
-        Some(Primitive::Cuboid { half_extents: half }) => {
-            let turned = short(pose.rotation.scaled_axis());
-            format!(
-                "at {center} m, half extents ({}, {}, {}) m, turned by {turned} rad",
-                half.x, half.y, half.z
-            )
-        }
-        Some(Primitive::Capsule { a, b, radius }) => {
-            format!("from {} to {} m, radius {radius} m", at(a), at(b))
-        }
-        Some(Primitive::Cylinder { half_height, radius }) => {
-            let axis = along(&Vector3::z());
-            format!("at {center} m, axis {axis}, half height {half_height} m, radius {radius} m")
-        }
-    };
-    format!("{} {shape}", obstacle.kind())
 }
 
 /// Return the obstacle of a pickle: kind, mesh or numbers of the primitive, pose, and material or None.
