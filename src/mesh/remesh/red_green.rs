@@ -1,7 +1,8 @@
 //! Red-green refinement: marked triangles are cut into four similar ones, their neighbours close the mesh.
 //!
-//! A triangle cut in four is red. One with one or two halved edges is cut in two or three, green, where that leaves it half
-//! of its smallest angle; else its longest edge is halved too, or it becomes red (Bank, Sherman, Weiser 1983; Rivara 1984).
+//! A triangle cut in four is red. One with one or two halved edges is cut in two or three, green, where that leaves half of
+//! the smallest angle of the given face; else its longest edge is halved too, or it becomes red (Bank, Sherman, Weiser 1983;
+//! Rivara 1984).
 //! Green cuts are undone before the next round, so that shapes stay what they were, and no choice hangs on the numbering or
 //! on rounding.
 
@@ -12,7 +13,7 @@ use nalgebra::Vector3;
 use crate::mesh::edge_map::{EdgeMap, edge};
 use crate::mesh::remesh::smooth::{SmoothMesh, curved_middle};
 
-/// Least share of its smallest angle that a green cut leaves a triangle.
+/// Least share of the smallest angle of the given face that a green cut leaves.
 const LEAST_ANGLE_SHARE: f64 = 0.5;
 
 /// A triangle that is not cut in four.
@@ -247,7 +248,7 @@ impl RedGreen {
             return Fate::TurnsRed;
         }
         let least = |corners: [u32; 3]| smallest_angle(corners.map(|vertex| self.point(mesh, vertex)));
-        let allowed = LEAST_ANGLE_SHARE * least(corners);
+        let allowed = LEAST_ANGLE_SHARE * least(mesh.faces[self.leaves[leaf].face as usize]);
         let worst = |cuts: &Replacement| cuts.triangles().map(least).fold(f64::INFINITY, f64::min);
         let [p, q, r] = corners;
         let (first, second) = (cuts.0.expect("the first edge is halved"), cuts.1);
