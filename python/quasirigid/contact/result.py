@@ -180,10 +180,10 @@ class Contact(Frozen):
     def deformed_obstacle(self) -> Surface | None:
         """The product's mesh, moved; None of a primitive.
 
-        Under a kernel the vertices around the contact move as the kernel says of its pressure, faded as the
-        skin is; a given matrix moves those that it knows, against their normals. Between its vertices the
-        mesh stays straight: a coarse one can stand in the drawn skin there, though the skin that was solved
-        does not.
+        Under a kernel the edges under the contact are halved until they are no longer than the skin's: the
+        product's vertices keep their numbers, those added follow. They move as the kernel says of the
+        contact's pressure, faded as the skin is. A given matrix moves those that it knows, against their
+        normals.
         """
         return self._drawing.obstacle(self.obstacle, len(self.gap)).deformed
 

@@ -4,3 +4,4 @@ pub(crate) mod coarsen;
 pub(crate) mod even_out;
 pub(crate) mod red_green;
 pub(crate) mod smooth;
+pub(crate) mod split_edges;

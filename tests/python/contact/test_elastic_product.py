@@ -58,8 +58,11 @@ def test_a_mesh_product_is_drawn_with_its_dent() -> None:
     assert still is not None
     assert moved is not None
     np.testing.assert_array_equal(still.vertices, rigid.obstacle.triangles()[0])  # type: ignore[index]
-    np.testing.assert_array_equal(moved.faces, faces)
-    way = moved.vertices - vertices
+    # Halved edges add vertices behind those of the product, under the contact alone.
+    assert len(moved.faces) > len(faces)
+    whole = (moved.faces[: len(faces)] == faces).all(axis=1)
+    assert whole[(vertices[faces, 2] < vertices[:, 2].max() - 0.02).all(axis=1)].all()
+    way = moved.vertices[: len(vertices)] - vertices
     deepest = np.abs(elastic.obstacle_displacement[:, 2]).max()
     # The product gives way down, by no more than where it is touched, and not at all on its far side.
     assert -1.02 * deepest < way[:, 2].min() < -0.5 * deepest

@@ -4,10 +4,12 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::contact::error::ContactError;
+use crate::contact::figures::area::cells::mean_edge;
 use crate::contact::figures::motion::fade::{fade, fade_distance};
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::geometry::bounds::Bounds;
+use crate::mesh::remesh::split_edges::split_long_edges;
 use crate::obstacle::material::{CheckedResponse, Material};
 use crate::response::kernel::skin::KernelSkin;
 use crate::response::skin::elastic::{ElasticSkin, Request};
@@ -27,8 +29,9 @@ impl Contact {
 
     /// The product's mesh moved under the forces of this contact; `None` of a primitive.
     ///
-    /// Under a kernel a vertex of the product moves as its kernel says of the contact's pressure, laid on the product where
-    /// it acts, faded to zero at the distance at which the skin's displacement has
+    /// Under a kernel its edges are halved until those under the contact are no longer than the skin's; its vertices keep their
+    /// numbers, those added follow. Each moves as the kernel says of the contact's pressure, laid on the
+    /// product where it acts, faded to zero at the distance at which the skin's displacement has
     /// ([`DrawnSkin::fade_distance`](crate::contact::DrawnSkin)) with one finger, in a straight line from the contact; forces
     /// on sides that face away from each other move their own side alone. A given matrix moves the vertices that it knows,
     /// against their normals. No figure is taken from it.
@@ -44,24 +47,50 @@ impl Contact {
             return Ok(Some(mesh));
         }
         with_threads(options, || {
-            let moved = self.product_vertices(&mesh, material, options)?;
-            Ok(Some(mesh.with_vertices(moved)))
+            let (mut vertices, mut faces) = (mesh.vertices().to_vec(), mesh.faces().to_vec());
+            if let CheckedResponse::Kernel(_) = &material.response {
+                self.cut_fine_under_patches(&mut vertices, &mut faces);
+            }
+            let moved = self.product_vertices(&vertices, material, options)?;
+            let mask = vec![true; moved.len()];
+            Ok(Some(Surface::from_sound_mesh(moved, faces, mask)))
         })
     }
 
-    /// Where the vertices of the product's mesh come to lie (m).
+    /// Halves edges of the product at rest: to no longer than the skin's under a patch, and to that and the distance beside one.
+    fn cut_fine_under_patches(&self, vertices: &mut Vec<Vector3<f64>>, faces: &mut Vec<[u32; 3]>) {
+        let touched = |vertices: &[usize]| {
+            let place = |&vertex: &usize| {
+                let row = self.candidates.binary_search(&vertex).expect("forces are on candidates");
+                self.surface().vertices()[vertex] + self.drawing.motion.displacement[row]
+            };
+            Bounds::around_each(vertices.iter().map(place))
+        };
+        let patches: Vec<(Bounds, f64)> = (self.patches.iter())
+            .map(|patch| (touched(&patch.vertices), mean_edge(self.surface(), &patch.vertices)))
+            .collect();
+        let is_too_long = |a: &Vector3<f64>, b: &Vector3<f64>| {
+            let edge = Bounds::around([a, b]);
+            patches.iter().any(|(patch, shortest)| (a - b).norm() > shortest + patch.distance(&edge))
+        };
+        split_long_edges(vertices, faces, is_too_long);
+    }
+
+    /// Where vertices of the product come to lie (m).
+    ///
+    /// * `at_rest`: those of its mesh, then any others (m)
     fn product_vertices(
         &self,
-        mesh: &Surface,
+        at_rest: &[Vector3<f64>],
         material: &Material,
         options: &ContactOptions,
     ) -> Result<Vec<Vector3<f64>>, ContactError> {
-        let mut vertices = mesh.vertices().to_vec();
+        let mut vertices = at_rest.to_vec();
         match &material.response {
             CheckedResponse::Matrix(given) => self.move_known(given, &mut vertices),
             CheckedResponse::Kernel(kernel) => {
                 for side in self.drawing.on_product.groups() {
-                    self.move_by_kernel(kernel, &side, mesh.vertices(), &mut vertices, options)?;
+                    self.move_by_kernel(kernel, &side, at_rest, &mut vertices, options)?;
                 }
             }
         }
