@@ -4,6 +4,10 @@ use nalgebra::Vector3;
 
 use crate::mesh::edge_map::{EdgeMap, edge};
 
+/// Rounds after which no edge is halved: a given one is down to a millionth of its length by then, but new ones across a
+/// triangle with long sides that may stay can be as long as these, again and again.
+const MOST_ROUNDS: usize = 20;
+
 /// Halves edges until none is too long, but diagonals of the last quads; the mesh stays conforming.
 ///
 /// Given vertices keep their numbers; what is added follows. A face that is cut keeps its number for its first part.
@@ -19,7 +23,7 @@ pub(crate) fn split_long_edges(
     let mut pieces: Vec<Piece> = faces.iter().copied().map(Piece::Triangle).collect();
     // Parts of an edge that is short are short, so that only what was cut is looked at again.
     let mut open: Vec<usize> = (0..pieces.len()).collect();
-    while !open.is_empty() {
+    for _ in 0..MOST_ROUNDS {
         let mut middles = EdgeMap::default();
         for [a, b] in open.iter().flat_map(|&number| pieces[number].sides()) {
             let [from, to] = [a, b].map(|end| vertices[end as usize]);
