@@ -9,7 +9,7 @@ use crate::obstacle::pose_matrix::PoseMatrix;
 const SHARP_COSINE: f64 = 0.966;
 
 /// Sides of the polygons that stand for the rims of a cylinder: 0.5 % of the radius within them.
-const RIM_SIDES: usize = 32;
+pub(super) const RIM_SIDES: usize = 32;
 
 /// A normal counts as between two others from this product of sines on, so that a face's own does not; or down to less than
 /// nothing by as much, so that it does.

@@ -20,6 +20,7 @@ pub(crate) mod convex_edge;
 pub(crate) mod distance;
 pub(crate) mod edges;
 pub(crate) mod error;
+pub(crate) mod faces_near;
 pub(crate) mod facets;
 pub(crate) mod material;
 pub(crate) mod mesh;

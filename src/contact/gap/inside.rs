@@ -1,4 +1,4 @@
-//! How deep corners and sharp edges of the obstacle stand in the skin.
+//! How deep corners, sharp edges and thin walls of the obstacle stand in the skin.
 
 use std::collections::{HashMap, HashSet};
 
@@ -8,34 +8,79 @@ use rayon::prelude::*;
 use crate::contact::gap::edge::SkinPart;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::{Faces, face_normals, face_tree};
+use crate::obstacle::faces_near::Triangle;
 use crate::obstacle::posed::Obstacle;
 
 /// Points of an edge per length of an edge of the skin.
 const POINTS_PER_EDGE: f64 = 6.0;
+
+/// Pieces of a face per length of an edge of the skin, the least ones.
+const PIECES_PER_EDGE: f64 = 3.0;
+
+/// A piece is halved as long as it may be deeper than the deepest by so much (dimensionless).
+const DEEPER: f64 = 1.05;
 
 /// Points that one task looks at.
 const POINTS_PER_TASK: usize = 64;
 
 impl SkinPart<'_> {
     /// How deep (m) corners of a mesh and points of sharp edges stand in the skin at the most; `least` (m) where none is
-    /// deeper.
+    /// deeper. Faces are searched where skin went through walls: elsewhere its own vertices and triangles are as deep.
     ///
     /// In a groove of the skin the deepest of an edge lies under no triangle, but nearest to the ground between two.
     ///
     /// * `at_rest`: the points before they moved (m)
     /// * `reach`: depth (m) that none exceeds
+    /// * `with_faces`: whether skin went through walls
     pub fn deepest_inside(
         &self,
         at_rest: &[Vector3<f64>],
         obstacle: &Obstacle,
         reach: f64,
         least: f64,
+        with_faces: bool,
     ) -> f64 {
         let around = Bounds::around(self.points).grown(reach);
-        let mut points: Vec<Vector3<f64>> = obstacle.corners_within(&around).collect();
+        let mut points = self.edge_points(obstacle, &around);
+        points.extend(obstacle.corners_within(&around));
+        let tree = face_tree(self.points, self.triangles);
+        let normals = face_normals(self.points, self.triangles);
+        let normals_at_rest = face_normals(at_rest, self.triangles);
+        let faces = Faces { vertices: self.points, corners: self.triangles, normals: &normals };
+        let border = self.border();
+        // Of a point before the skin less than none; `None` farther than `within`.
+        let depth = |point: &Vector3<f64>, within: f64| {
+            let (face, closest) = faces.closest_to_point(&tree, point, within)?;
+            let out = closest.point - point;
+            // Outside a ridge it is before one of the faces that meet there. A face that was turned over tells no side, and beyond
+            // the border there is more skin, or none.
+            let is_behind = |face: usize| {
+                let is_turned = normals[face].dot(&normals_at_rest[face]) <= 0.0;
+                let is_within = self.triangles[face].iter().all(|corner| !border.contains(corner));
+                is_within && !is_turned && out.dot(&normals[face]) > 0.0
+            };
+            let mut closest_faces = faces.all_closest_to_point(&tree, point, &closest);
+            let is_inside = is_behind(face) && closest_faces.all(is_behind);
+            let distance = out.norm();
+            Some(if is_inside && distance <= reach { distance } else { -distance })
+        };
+        let depths = points.par_iter().with_min_len(POINTS_PER_TASK).filter_map(|point| depth(point, reach));
+        let deepest = depths.reduce(|| least, f64::max);
+        if !with_faces {
+            return deepest;
+        }
+        let depth = |point: &Vector3<f64>| depth(point, f64::INFINITY).unwrap_or(f64::NEG_INFINITY);
+        let shortest = self.mean_edge() / PIECES_PER_EDGE;
+        let walls = obstacle.faces_near(&around).into_iter();
+        walls.fold(deepest, |deepest, wall| deepest_on(wall, &depth, shortest, deepest))
+    }
+
+    /// Points of sharp edges within a box.
+    fn edge_points(&self, obstacle: &Obstacle, around: &Bounds) -> Vec<Vector3<f64>> {
+        let mut points = Vec::new();
         let spacing = self.mean_edge() / POINTS_PER_EDGE;
         for edge in obstacle.sharp_edges() {
-            if !Bounds::around(&edge.ends).meets(&around) {
+            if !Bounds::around(&edge.ends).meets(around) {
                 continue;
             }
             let [from, to] = edge.ends;
@@ -49,26 +94,7 @@ impl SkinPart<'_> {
                 (0..=parts as usize).map(|part| from + (start + part as f64 / parts * (end - start)) * way);
             points.extend(along.filter(|point| around.contains(point)));
         }
-        let tree = face_tree(self.points, self.triangles);
-        let normals = face_normals(self.points, self.triangles);
-        let normals_at_rest = face_normals(at_rest, self.triangles);
-        let faces = Faces { vertices: self.points, corners: self.triangles, normals: &normals };
-        let border = self.border();
-        let depth = |point: &Vector3<f64>| {
-            let (face, closest) = faces.closest_to_point(&tree, point, reach)?;
-            let out = closest.point - point;
-            // Outside a ridge it is before one of the faces that meet there. A face that was turned over tells no side, and beyond
-            // the border there is more skin, or none.
-            let is_behind = |face: usize| {
-                let is_turned = normals[face].dot(&normals_at_rest[face]) <= 0.0;
-                let is_within = self.triangles[face].iter().all(|corner| !border.contains(corner));
-                is_within && !is_turned && out.dot(&normals[face]) > 0.0
-            };
-            let mut closest_faces = faces.all_closest_to_point(&tree, point, &closest);
-            (is_behind(face) && closest_faces.all(is_behind)).then(|| out.norm())
-        };
-        let depths = points.par_iter().with_min_len(POINTS_PER_TASK).filter_map(depth);
-        depths.reduce(|| least, f64::max)
+        points
     }
 
     /// Mean length of the edges (m).
@@ -89,6 +115,31 @@ impl SkinPart<'_> {
         }
         count.into_iter().filter(|(_, count)| *count == 1).flat_map(|(ends, _)| ends).collect()
     }
+}
+
+/// `deepest`, or how deep (m) a triangle stands in the skin at the most where that is more.
+///
+/// No point of it is deeper than its middle by more than it is far from that.
+///
+/// * `depth`: of a point (m)
+/// * `shortest`: longest side (m) of a piece that is small enough
+fn deepest_on(triangle: Triangle, depth: &impl Fn(&Vector3<f64>) -> f64, shortest: f64, deepest: f64) -> f64 {
+    let [a, b, c] = triangle;
+    let middle = (a + b + c) / 3.0;
+    let here = depth(&middle);
+    let deepest = deepest.max(here);
+    let half = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
+    let length = |[a, b, _]: &Triangle| (b - a).norm();
+    let turned = [[a, b, c], [b, c, a], [c, a, b]];
+    let [a, b, c] =
+        turned.into_iter().max_by(|one, other| length(one).total_cmp(&length(other))).expect("three");
+    if here + half <= DEEPER * deepest || (b - a).norm() <= shortest {
+        return deepest;
+    }
+    let middle = 0.5 * (a + b);
+    [[a, middle, c], [middle, b, c]]
+        .into_iter()
+        .fold(deepest, |deepest, part| deepest_on(part, depth, shortest, deepest))
 }
 
 #[cfg(test)]
@@ -117,8 +168,25 @@ mod tests {
         let distance = vec![0.0; points.len()];
         let of_triangles = skin.deepest_between(&edge_at(0.1), 0.5, 0.0, &distance);
         assert!(of_triangles < 0.099, "{of_triangles}");
-        assert!((skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.0) - 0.1).abs() < 1e-12);
-        assert_eq!(skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.2), 0.2);
-        assert_eq!(skin.deepest_inside(&points, &edge_at(-0.1), 0.5, 0.0), 0.0);
+        assert!((skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.0, false) - 0.1).abs() < 1e-12);
+        assert_eq!(skin.deepest_inside(&points, &edge_at(0.1), 0.5, 0.2, false), 0.2);
+        assert_eq!(skin.deepest_inside(&points, &edge_at(-0.1), 0.5, 0.0, false), 0.0);
+    }
+
+    #[test]
+    fn a_wall_that_skin_went_through_is_deepest_between_its_edges() {
+        let (mut points, triangles) = grid(8, 8, 0.25);
+        for point in &mut points {
+            *point -= Vector3::new(1.0, 1.0, 0.0);
+            point.z = -0.5 * point.x.abs();
+        }
+        let skin = SkinPart { points: &points, triangles: &triangles };
+        let wall = Obstacle::cuboid(Vector3::new(0.9, 3.0, 0.02)).expect("a box");
+        let wall = wall.translated(&Vector3::new(0.0, 0.0, -0.3));
+        // Its edges have left the skin. Under the ridge its lower side is deepest.
+        assert_eq!(skin.deepest_inside(&points, &wall, 0.5, 0.0, false), 0.0);
+        let deepest = skin.deepest_inside(&points, &wall, 0.5, 0.0, true);
+        let exact = 0.32 / 1.25_f64.sqrt();
+        assert!(deepest <= exact && exact <= DEEPER * deepest, "{deepest} of {exact}");
     }
 }

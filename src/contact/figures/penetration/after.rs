@@ -145,7 +145,8 @@ impl<'a> MovedSkin<'a> {
         }
         let at_rest = self.gaps.surface.vertices();
         let at_rest: Vec<Vector3<f64>> = self.vertices.iter().map(|&vertex| at_rest[vertex]).collect();
-        self.part().deepest_inside(&at_rest, &self.gaps.scene.obstacle, reach, deepest)
+        let went_through = self.gaps.entry.through_walls > 0;
+        self.part().deepest_inside(&at_rest, &self.gaps.scene.obstacle, reach, deepest, went_through)
     }
 
     /// Force (N) on a vertex by its own gap: the skin that drapes over an edge stands off it.
