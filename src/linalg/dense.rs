@@ -27,18 +27,12 @@ impl<T: Copy> Dense<T> {
     }
 
     /// Swaps rows and columns of a square matrix in place.
-    pub(crate) fn transpose(&mut self) {
+    pub(crate) fn transpose(&mut self)
+    where
+        T: Send,
+    {
         assert_eq!(self.rows, self.columns, "a square matrix");
-        let n = self.rows;
-        for first_row in (0..n).step_by(TILE) {
-            for first_column in (first_row..n).step_by(TILE) {
-                for j in first_column..n.min(first_column + TILE) {
-                    for i in first_row..j.min(first_row + TILE) {
-                        self.entries.swap(i + j * n, j + i * n);
-                    }
-                }
-            }
-        }
+        transpose(self.as_mut());
     }
 
     pub(crate) fn rows(&self) -> usize {
@@ -121,5 +115,35 @@ impl Dense {
             }
         }
         block
+    }
+}
+
+/// Swaps rows and columns of a square matrix, its quarters side by side.
+fn transpose<T: Copy + Send>(mut matrix: MatMut<'_, T>) {
+    let n = matrix.nrows();
+    if n > TILE {
+        let (upper_left, upper_right, lower_left, lower_right) = matrix.split_at_mut(n / 2, n / 2);
+        let on_diagonal = || rayon::join(|| transpose(upper_left), || transpose(lower_right));
+        rayon::join(on_diagonal, || swap_transposed(upper_right, lower_left));
+        return;
+    }
+    for (i, j) in (0..n).flat_map(|j| (0..j).map(move |i| (i, j))) {
+        (matrix[(i, j)], matrix[(j, i)]) = (matrix[(j, i)], matrix[(i, j)]);
+    }
+}
+
+/// Puts each of two matrices in the place of the other, rows as columns.
+fn swap_transposed<T: Copy + Send>(mut one: MatMut<'_, T>, mut other: MatMut<'_, T>) {
+    let (rows, columns) = (one.nrows(), one.ncols());
+    if rows.max(columns) > TILE && rows >= columns {
+        let (upper, lower) = one.split_at_row_mut(rows / 2);
+        let (left, right) = other.split_at_col_mut(rows / 2);
+        rayon::join(|| swap_transposed(upper, left), || swap_transposed(lower, right));
+    } else if columns > TILE {
+        swap_transposed(other, one);
+    } else {
+        for (i, j) in (0..columns).flat_map(|j| (0..rows).map(move |i| (i, j))) {
+            std::mem::swap(&mut one[(i, j)], &mut other[(j, i)]);
+        }
     }
 }

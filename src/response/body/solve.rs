@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Mat, MatRef, Par};
+use faer::{ColMut, Mat, MatRef, Par};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -98,16 +98,19 @@ impl Body {
         nodes: &[usize],
         options: &BodyOptions,
     ) -> Result<BodyCompliance, BodyError> {
-        let parts = self.prepare_in::<f64>(skin, [shear_modulus, poisson_ratio], nodes, options)?;
+        let parts = self.prepare_in::<f64>(skin, [shear_modulus, poisson_ratio], nodes, nodes, options)?;
         Ok(BodyCompliance::new(parts))
     }
 
     /// The same, with the equations solved to a precision.
+    ///
+    /// * `columns`: vertices that get columns: the nodes in their order, and among them others that no force moves
     pub(crate) fn prepare_in<T: Real>(
         &self,
         skin: &Surface,
-        [shear_modulus, poisson_ratio]: [f64; 2],
+        constants @ [shear_modulus, poisson_ratio]: [f64; 2],
         nodes: &[usize],
+        columns: &[usize],
         options: &BodyOptions,
     ) -> Result<BodyParts, BodyError> {
         if !SHEAR_MODULI.contains(&shear_modulus) {
@@ -123,9 +126,7 @@ impl Body {
         let fixed = self.held_vertices(skin)?;
         check_nodes(skin.vertices().len(), &fixed, nodes)?;
         check_uncrossed(skin)?;
-        options.with_threads(|options| {
-            self.solve::<T>(skin, shear_modulus, poisson_ratio, &fixed, nodes, options)
-        })
+        options.with_threads(|options| self.solve::<T>(skin, constants, &fixed, nodes, columns, options))
     }
 
     fn check_memory<T>(
@@ -149,10 +150,10 @@ impl Body {
     fn solve<T: Real>(
         &self,
         skin: &Surface,
-        shear_modulus: f64,
-        poisson_ratio: f64,
+        [shear_modulus, poisson_ratio]: [f64; 2],
         fixed: &[bool],
         nodes: &[usize],
+        columns: &[usize],
         options: &BodyOptions,
     ) -> Result<BodyParts, BodyError> {
         // Lengths in mean edges and G = 1: the same numbers in every unit system.
@@ -169,36 +170,31 @@ impl Body {
         let unknowns = 3 * body.points.len();
         let factor = factorize(equations.matrix, unknowns, &watch)?;
 
-        let columns = 3 * nodes.len();
-        let loads = MatRef::from_column_major_slice(&equations.loads, columns, unknowns);
+        let loads = MatRef::from_column_major_slice(&equations.loads, 3 * nodes.len(), unknowns);
         let (skin_rows, bone_rows) = (3 * skin.vertices().len(), 3 * self.bone_count());
-        let mut displacement = Mat::zeros(skin_rows, columns);
+        let mut displacement = Mat::zeros(skin_rows, 3 * columns.len());
         let bone_normals = self.bone.as_ref().filter(|_| options.bone_pressure).map(Surface::vertex_normals);
-        let mut pressure = Mat::zeros(bone_normals.map_or(0, <[_]>::len), columns);
+        let mut pressure = Mat::zeros(bone_normals.map_or(0, <[_]>::len), 3 * columns.len());
         let per_newton = 1.0 / (shear_modulus * length);
-        let width = solve_width(columns);
-        let results = displacement.par_col_chunks_mut(width).zip(pressure.par_col_chunks_mut(width));
+        let width = solve_width(loads.nrows());
+        let mut solved_columns =
+            [&mut displacement, &mut pressure].map(|all| columns_of(all, nodes, columns));
+        let [displacements, pressures] = &mut solved_columns;
+        let results = displacements.par_chunks_mut(width).zip(pressures.par_chunks_mut(width));
         let wanted = if bone_normals.is_some() { unknowns } else { skin_rows };
-        solve_columns(
-            &factor,
-            wanted,
-            loads,
-            &watch,
-            results,
-            |solved, (mut displacement, mut pressure)| {
-                for (column, solved) in solved.col_iter().enumerate() {
-                    for row in (0..skin_rows).filter(|row| !fixed[row / 3]) {
-                        displacement[(row, column)] = solved[bone_rows + row].into() * per_newton;
-                    }
-                    for (vertex, normal) in bone_normals.into_iter().flatten().enumerate() {
-                        let traction = Vector3::from_fn(|axis, _| solved[3 * vertex + axis].into());
-                        pressure[(vertex, column)] = traction.dot(normal) / (length * length);
-                    }
+        solve_columns(&factor, wanted, loads, &watch, results, |solved, (displacements, pressures)| {
+            for ((solved, displacement), pressure) in solved.col_iter().zip(displacements).zip(pressures) {
+                for row in (0..skin_rows).filter(|row| !fixed[row / 3]) {
+                    displacement[row] = solved[bone_rows + row].into() * per_newton;
                 }
-            },
-        )?;
+                for (vertex, normal) in bone_normals.into_iter().flatten().enumerate() {
+                    let traction = Vector3::from_fn(|axis, _| solved[3 * vertex + axis].into());
+                    pressure[vertex] = traction.dot(normal) / (length * length);
+                }
+            }
+        })?;
         Ok(BodyParts {
-            nodes: nodes.to_vec(),
+            nodes: columns.to_vec(),
             displacement,
             bone_pressure: bone_normals.map(|_| pressure),
             rotation: nalgebra::Matrix3::identity(),
@@ -206,6 +202,14 @@ impl Body {
             poisson_ratio,
         })
     }
+}
+
+/// Of three columns for each of some vertices those of the nodes among them.
+fn columns_of<'a>(matrix: &'a mut Mat<f64>, nodes: &[usize], vertices: &[usize]) -> Vec<ColMut<'a, f64>> {
+    let mut left = nodes.iter().peekable();
+    let is_node: Vec<bool> = vertices.iter().map(|vertex| left.next_if_eq(&vertex).is_some()).collect();
+    let all = matrix.col_iter_mut().enumerate();
+    all.filter(|(column, _)| is_node[column / 3]).map(|(_, entries)| entries).collect()
 }
 
 /// As many threads as the pool at hand has.

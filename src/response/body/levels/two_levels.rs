@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use crate::response::body::check::parts::{Range, check_counts, check_numbers, check_order, components};
-use crate::response::body::compliance::{BodyCompliance, BodyParts};
+use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::error::BodyError;
 use crate::response::body::levels::gathered::Gathered;
 use crate::response::body::levels::near::NearKernel;
@@ -123,10 +123,11 @@ impl TwoLevels {
         };
         let options = &BodyOptions { tolerance: options.tolerance.max(COARSE_TOLERANCE), ..*options };
         // Single precision changes a force by less than 1e-6 of it, and takes half the memory.
-        let solved = coarse_body.prepare_in::<f32>(
+        let mut solved = coarse_body.prepare_in::<f32>(
             &coarse.surface,
             [shear_modulus, poisson_ratio],
             &loaded,
+            &columns,
             options,
         )?;
 
@@ -139,12 +140,8 @@ impl TwoLevels {
             interrupt: options.interrupt,
             ..AssemblyOptions::default()
         };
-        let among_all = |matrix| with_held(matrix, &loaded, &columns);
-        let mut displacement = among_all(solved.displacement);
-        let bone_pressure = solved.bone_pressure.map(among_all);
-        take_off(&mut displacement, &near, &coarse.surface, &columns, &assembly)?;
-        let parts = BodyParts { nodes: columns, displacement, bone_pressure, ..solved };
-        let remainder = BodyCompliance::new(parts);
+        take_off(&mut solved.displacement, &near, &coarse.surface, &columns, &assembly)?;
+        let remainder = BodyCompliance::new(solved);
         let edges = coarse.surface.mean_edges();
         let edge = |place: &CoarsePlace| -> f64 {
             place.weights_of_corners().map(|(corner, weight)| weight * edges[corner as usize]).sum()
@@ -203,25 +200,6 @@ impl TwoLevels {
     }
 }
 
-/// Columns of three for each of some vertices among those of more, at which a force moves nothing.
-///
-/// * `loaded`: of the columns, ascending
-/// * `all`: them and others, ascending
-fn with_held(mut matrix: Mat<f64>, loaded: &[usize], all: &[usize]) -> Mat<f64> {
-    matrix.resize_with(matrix.nrows(), 3 * all.len(), |_, _| 0.0);
-    // From behind, so that none is written over before it has moved.
-    for (place, vertex) in all.iter().enumerate().rev() {
-        let (before, behind) = matrix.as_mut().split_at_col_mut(3 * place);
-        let mut columns = behind.subcols_mut(0, 3);
-        match loaded.binary_search(vertex) {
-            Ok(own) if own == place => break,
-            Ok(own) => columns.copy_from(before.subcols(3 * own, 3)),
-            Err(_) => columns.fill(0.0),
-        }
-    }
-    matrix
-}
-
 /// Takes N off B (3 n × 3 k, m/N) at every vertex of the coarse skin per newton at its vertices `columns`.
 fn take_off(
     displacement: &mut Mat<f64>,
@@ -268,8 +246,9 @@ mod tests {
         for poisson_ratio in [0.0, 0.3, 0.499, 0.5] {
             let constants = [60e3, poisson_ratio];
             let options = BodyOptions { bone_pressure: true, ..BodyOptions::default() };
-            let double = body.prepare_in::<f64>(&skin, constants, &[3, 40, 100], &options).expect("a body");
-            let single = body.prepare_in::<f32>(&skin, constants, &[3, 40, 100], &options).expect("a body");
+            let nodes = [3, 40, 100];
+            let double = body.prepare_in::<f64>(&skin, constants, &nodes, &nodes, &options).expect("a body");
+            let single = body.prepare_in::<f32>(&skin, constants, &nodes, &nodes, &options).expect("a body");
             let pressures = [&double, &single].map(|parts| parts.bone_pressure.as_ref().expect("asked for"));
             for [double, single] in [[&double.displacement, &single.displacement], pressures] {
                 let error = (single - double).norm_max() / double.norm_max();
