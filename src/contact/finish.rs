@@ -104,7 +104,7 @@ impl Contact {
             skin_edge,
             ends_at_edges: on_edges.share,
             is_between: forces.active.iter().all(is_blunt),
-            is_unsettled: report.is_unsettled,
+            is_unsettled: report.is_unsettled || gaps.steep_share.is_some(),
             apart: left.apart / gaps.deepest(),
             receding: left.receding,
             unfelt: left.unfelt,

@@ -29,6 +29,8 @@ pub(crate) struct Known {
     displacement: Vec<Vector3<f64>>,
     /// Whether linearized gaps led to no better answer.
     in_vain: bool,
+    /// [`Gaps::steep_share`].
+    steep_share: Option<f64>,
 }
 
 /// Node forces where the obstacle of a scene stands.
@@ -54,14 +56,16 @@ pub(crate) fn solve_in_place(
 impl Known {
     /// Vertices that are expected to carry force, ascending, and nothing else.
     pub fn of_active(active: Vec<usize>) -> Self {
-        Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false }
+        Self { active, vertices: Vec::new(), displacement: Vec::new(), in_vain: false, steep_share: None }
     }
 
     /// The same, with the displacement (m) that the gap of each vertex was linearized at, where it was.
-    pub fn linearized(active: Vec<usize>, at: Vec<Option<Vector3<f64>>>) -> Self {
+    ///
+    /// * `steep_share`: [`Gaps::steep_share`]
+    pub fn linearized(active: Vec<usize>, at: Vec<Option<Vector3<f64>>>, steep_share: Option<f64>) -> Self {
         let (vertices, displacement) =
             at.into_iter().enumerate().filter_map(|(vertex, at)| Some((vertex, at?))).unzip();
-        Self { active, vertices, displacement, in_vain: false }
+        Self { active, vertices, displacement, in_vain: false, steep_share }
     }
 
     /// Vertices whose gap was linearized, each with the displacement (m) that it was measured at.
@@ -122,6 +126,7 @@ impl<'a> InPlace<'a> {
         let response = response.with_product(&gaps)?;
         skin.expect(watched(&gaps));
         if let Some(known) = known {
+            gaps.steep_share = known.steep_share;
             // The plane to an edge or a line of the obstacle stays.
             let pairs = known.vertices.iter().zip(&known.displacement);
             let (vertices, displacement): (Vec<usize>, Vec<Vector3<f64>>) =
@@ -145,6 +150,11 @@ impl<'a> InPlace<'a> {
         self.forces.as_ref()
     }
 
+    /// [`Gaps::steep_share`].
+    pub fn steep_share(&self) -> Option<f64> {
+        self.gaps.steep_share
+    }
+
     /// What a contact nearby can take over; nothing where this one is apart or failed.
     pub fn known(&self) -> Option<Known> {
         let forces = self.forces.as_ref().filter(|forces| forces.failure.is_none())?;
@@ -152,7 +162,13 @@ impl<'a> InPlace<'a> {
         vertices.retain(|&vertex| self.gaps.linearized_at(vertex) != Vector3::zeros());
         let displacement = vertices.iter().map(|&vertex| self.gaps.linearized_at(vertex)).collect();
         let in_vain = self.report.is_unsettled;
-        Some(Known { active: forces.active.clone(), vertices, displacement, in_vain })
+        Some(Known {
+            active: forces.active.clone(),
+            vertices,
+            displacement,
+            in_vain,
+            steep_share: self.gaps.steep_share,
+        })
     }
 
     /// Seconds of each stage so far.

@@ -152,6 +152,32 @@ fn what_is_smaller_than_a_triangle_is_met_in_its_middle() {
 }
 
 #[test]
+fn a_ball_deeper_than_its_radius_presses_ever_harder_and_does_not_slip_through_a_fine_mesh() {
+    let radius = 0.6e-3;
+    let ball = Obstacle::sphere(Vector3::new(0.0, 0.0, -radius), radius).unwrap();
+    let ball = ball.translated(&(BELOW + Vector3::new(0.07e-3, 0.03e-3, 0.0)));
+    for skin in [half_space(), galerkin()] {
+        let forces = [(20, 2e-4), (40, 1e-4)].map(|(cells, spacing)| {
+            let surface = flat(cells, spacing);
+            [0.6, 0.9, 1.2, 1.5, 1.8].map(|share| {
+                let options = ContactOptions::on_given_mesh();
+                let contact = pressed(&surface, &ball, &skin, Goal::Depth(share * radius), &options);
+                let force = contact.resultant.force;
+                assert!(force.x.hypot(force.y) < 0.1 * force.z, "{force:?}");
+                force.z
+            })
+        });
+        println!("{forces:?}");
+        for on_mesh in &forces {
+            assert!(on_mesh.is_sorted(), "{forces:?}");
+        }
+        let [coarse, fine] = forces.map(|on_mesh| on_mesh[4]);
+        // So deep it is a guess, and a warning says so, but the same guess on any mesh.
+        assert!((fine / coarse - 1.0).abs() < 0.2, "{forces:?}");
+    }
+}
+
+#[test]
 fn a_flat_pin_presses_like_the_flat_punch() {
     // Sneddon: F = 4 G a d / (1 - nu), with nu = 1/2; the pad is much wider than the pin.
     for (radius, depth) in [(0.3e-3, 0.1e-3), (1e-3, 0.2e-3)] {

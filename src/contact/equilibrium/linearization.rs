@@ -8,7 +8,8 @@
 //! ```
 //!
 //! so that each round poses the same problem with other initial gaps and normals. The plane between a sharp edge and the
-//! undeformed skin stays: the skin that drapes over the edge has no normal of its own.
+//! undeformed skin stays: the skin that drapes over the edge has no normal of its own. So does, where much of the force would stand
+//! on steep sides, the plane of skin that would slip to them.
 
 use std::time::Instant;
 
@@ -19,6 +20,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::group::{Guess, Nearness};
 use crate::contact::equilibrium::growth::PRESSED_SHARE;
 use crate::contact::equilibrium::solve::solve;
+use crate::contact::equilibrium::steep::steep_share;
 use crate::contact::error::ContactError;
 use crate::contact::figures::motion::candidates::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
@@ -41,6 +43,9 @@ const MOST_IN_VAIN: usize = 3;
 /// How far normals may turn, over the gap tolerance, so that forces are off by some such share of theirs: on sides as steep as a
 /// ball's that the skin folds around, gaps vanish long before the forces stand upright on it.
 const TURNED_PER_GAP: f64 = 5.0;
+/// Share of the force on steep sides from which on skin slips to them: between that of a rod, a quarter at four times its radius
+/// while its force still rises, and of a ball whose force begins to fall, at 1.2 radii.
+const SLIPPING_SHARE: f64 = 0.35;
 /// Least step from one linearization to the next.
 const LEAST_STEP: f64 = 0.125;
 
@@ -138,7 +143,7 @@ impl Deformed {
 }
 
 /// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance, and the forces
-/// stand upright on the obstacle to five times it.
+/// stand upright on the obstacle to five times it. Where skin slipped to steep sides, it begins again, with skin kept off these.
 ///
 /// * `forces`: of the gaps as measured at the undeformed skin
 /// * `was_vain`: whether none of the linearizations of a contact nearby led to a better answer; one then says whether they do
@@ -167,6 +172,7 @@ pub(crate) fn solve_to_the_end<'a>(
     let kept = KeptSkin::new(response.skin);
     let keeping = response.with_skin(&kept);
     let is_kept = !response.traits.is_kernel || response.skin.kept_factors().is_some();
+    let given = response;
     let response = if is_kept { response } else { &keeping };
     report.is_unsettled = options.max_linearizations > 1 && least.largest > tolerance * deepest;
     let mut rounds = Linearizations {
@@ -177,6 +183,7 @@ pub(crate) fn solve_to_the_end<'a>(
         active: forces.active.clone(),
         force: forces.vectors.iter().sum(),
         best: (least.mean, forces, gaps.clone()),
+        first: None,
         before: least,
         step: 1.0,
         in_vain: if was_vain { MOST_IN_VAIN - 1 } else { 0 },
@@ -190,7 +197,21 @@ pub(crate) fn solve_to_the_end<'a>(
     }
     let (_, forces, of_best) = rounds.best;
     *gaps = of_best;
-    Ok(forces)
+    let share = steep_share(gaps.surface, &forces);
+    let has_slipped = share > SLIPPING_SHARE && options.max_linearizations > 1;
+    if gaps.steep_share.is_some() || !has_slipped {
+        return Ok(forces);
+    }
+    let mut kept_off = rounds.first.unwrap_or_else(|| gaps.clone());
+    kept_off.keep_off_steep_sides(share);
+    let guess =
+        Guess { active: &forces.active, nearness: Nearness::OfCoarser, fingers: Some(&forces.fingers) };
+    let again = solve(&kept_off, given, Some(guess), options, report)?;
+    if again.failure.is_some() || again.active.is_empty() {
+        return Ok(forces);
+    }
+    *gaps = kept_off;
+    solve_to_the_end(gaps, again, given, was_vain, options, report)
 }
 
 /// Linearizations one after the other.
@@ -204,6 +225,8 @@ struct Linearizations<'a, 'b> {
     force: Vector3<f64>,
     /// The least mean gap left (m), with its forces and the gaps that they were solved with.
     best: (f64, NodeForces, Gaps<'a>),
+    /// The gaps of the first forces, once others leave less.
+    first: Option<Gaps<'a>>,
     /// What the last round left.
     before: Left,
     /// Share of the way from the place of one linearization to the next.
@@ -262,7 +285,8 @@ impl<'a> Linearizations<'a, '_> {
         let vain = if is_same_force { 2 } else { 1 };
         self.in_vain = if left.mean < settling * least { 0 } else { self.in_vain + vain };
         if left.mean < least {
-            self.best = (left.mean, forces, gaps.clone());
+            let (.., before) = std::mem::replace(&mut self.best, (left.mean, forces, gaps.clone()));
+            self.first.get_or_insert(before);
             report.is_unsettled = false;
         }
         Ok(())

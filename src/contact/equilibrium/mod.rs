@@ -2,7 +2,7 @@
 //!
 //! [`linearization`] takes g0 anew where the skin goes, [`solve`] finds the forces of one g0 and lets the candidates grow
 //! ([`growth`]), [`group`] poses the problem of those that feel each other with R from [`compliance`]; [`product`] is what an
-//! elastic obstacle adds to it, [`forces`] what comes out.
+//! elastic obstacle adds to it, [`forces`] what comes out, [`steep`] how much of that is a guess.
 
 pub(crate) mod compliance;
 pub(crate) mod forces;
@@ -11,3 +11,4 @@ pub(crate) mod growth;
 pub(crate) mod linearization;
 pub(crate) mod product;
 pub(crate) mod solve;
+pub(crate) mod steep;

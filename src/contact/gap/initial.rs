@@ -25,6 +25,9 @@ const DEEP_SHARE: f64 = 0.7;
 const AROUND_PATCH: f64 = 2.0;
 /// How often the search distance is doubled for that.
 const MOST_DOUBLINGS: usize = 4;
+/// Cosine between the obstacle's normal and the inward normal of the skin below which a side is one that skin is kept off: 75
+/// degrees.
+const STEEPEST_COSINE: f64 = 0.25;
 
 /// Initial gap g0 (m) and obstacle normal of the skin's vertices, measured anew where somebody asks beyond the search
 /// distance.
@@ -48,6 +51,8 @@ pub(crate) struct Gaps<'a> {
     on_lines: BTreeMap<usize, Line>,
     /// Displacement (m) at which vertices were measured, where that is not 0.
     shifts: HashMap<usize, Vector3<f64>>,
+    /// Share of the force that stood on steep sides before skin was [kept off them](Self::keep_off_steep_sides).
+    pub steep_share: Option<f64>,
     /// Where the undeformed skin is pressed in deepest.
     pub deepest_vertex: Option<DeepestVertex>,
     /// g0 (m) averaged against the pressure of a node.
@@ -106,6 +111,7 @@ impl<'a> Gaps<'a> {
             undeformed: None,
             on_lines,
             shifts: HashMap::new(),
+            steep_share: None,
             averaged: RefCell::default(),
         })
     }
@@ -167,6 +173,14 @@ impl<'a> Gaps<'a> {
         Ok(measured)
     }
 
+    /// From now on vertices keep the plane that they had where they would come to a steep side from one that is not: linear skin
+    /// opens like a hole around what goes in deep, and lets it through.
+    ///
+    /// * `share`: of the force, that stands on steep sides else
+    pub fn keep_off_steep_sides(&mut self, share: f64) {
+        self.steep_share = Some(share);
+    }
+
     /// Takes the gaps of vertices from where a displacement (m) puts them.
     ///
     /// * `measured`: [`measured_at`](Self::measured_at)
@@ -175,6 +189,12 @@ impl<'a> Gaps<'a> {
         let known = self.measured.get_mut();
         for (row, &vertex) in vertices.iter().enumerate() {
             let normal = measured.normal[row];
+            let cosine = |normal: &Vector3<f64>| -normal.dot(&self.surface.vertex_normals()[vertex]);
+            let would_slip =
+                cosine(&normal) < STEEPEST_COSINE && cosine(&known.normal[vertex]) >= STEEPEST_COSINE;
+            if self.steep_share.is_some() && would_slip {
+                continue;
+            }
             known.distance[vertex] = measured.distance[row] - normal.dot(&displacement[row]);
             known.normal[vertex] = normal;
             self.shifts.insert(vertex, displacement[row]);

@@ -98,6 +98,7 @@ pub(crate) fn begin<'a>(
         between: Vec::new(),
         touches_elsewhere_alone: false,
         linearized_at,
+        steep_share: None,
         placement,
         skin,
         options,
@@ -123,6 +124,8 @@ pub(crate) struct Rounds<'a> {
     touches_elsewhere_alone: bool,
     /// Displacements (m) at which its gaps were linearized, by the vertex' number in the whole refined surface.
     linearized_at: HashMap<usize, Vector3<f64>>,
+    /// [`InPlace::steep_share`].
+    steep_share: Option<f64>,
     placement: Placement<'a>,
     skin: &'a dyn ElasticSkin,
     options: &'a ContactOptions<'a>,
@@ -298,6 +301,7 @@ impl Rounds<'_> {
         let kept = KeptSkin::new(&*skin);
         let skin = if skin.as_kernel().is_some() { &kept } else { &*skin };
         let solved = InPlace::solve_gaps(gaps, skin, Some(&known), self.options, report)?;
+        self.steep_share = solved.steep_share();
         let linearized = solved.known().into_iter().flat_map(Known::into_linearized);
         self.linearized_at = linearized.map(|(vertex, at)| (part.number(vertex), at)).collect();
         let mut contact = solved.contact(self.options)?;
@@ -315,7 +319,8 @@ impl Rounds<'_> {
         if self.options.max_linearizations == 1 {
             return Known::of_active(active);
         }
-        Known::linearized(active, part.inherit_known(&self.linearized_at, |a, b| 0.5 * (a + b)))
+        let linearized_at = part.inherit_known(&self.linearized_at, |a, b| 0.5 * (a + b));
+        Known::linearized(active, linearized_at, self.steep_share)
     }
 
     /// The last contact in the numbers of the whole skin, with why no further round followed.

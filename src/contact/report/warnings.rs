@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::contact::clues::LoadedEdge;
 use crate::contact::equilibrium::forces::NodeForces;
+use crate::contact::equilibrium::steep::{MOST_STEEP, PULLING_COSINE, steep_share};
 use crate::contact::error::ContactError;
 use crate::contact::figures::penetration::after::{Penetration, SMALL_PENETRATION};
 use crate::contact::gap::initial::Gaps;
@@ -36,15 +37,6 @@ const BETWEEN_AVERAGES: &str = "averages over triangles leave it beside what car
 /// Share of the coarse edges that the square of the error asks for, so that those made of it meet the target: they come out
 /// longer than asked for by up to a fifth.
 const EDGE_MARGIN: f64 = 0.8;
-
-/// Cosine between force and outward normal of the skin from which a vertex is pulled.
-const PULLING_COSINE: f64 = 0.5;
-
-/// Cosine between force and inward normal of the skin below which the obstacle stands steep there, at 60 degrees.
-const STEEP_COSINE: f64 = 0.5;
-/// Share of the force that steep sides may carry: between that of a ball at a depth of its radius, whose force rises with the
-/// depth as it should, and at 1.25 radii, where it is about to fall.
-const STEEP_SHARE: f64 = 0.15;
 
 impl Report {
     /// Warns where skin went through a wall.
@@ -131,21 +123,11 @@ impl Report {
 
     /// Warns of force on sides of the obstacle that are steep to the skin.
     pub fn warn_of_steep_sides(&mut self, gaps: &Gaps, forces: &NodeForces) {
-        let outward = gaps.surface.vertex_normals();
-        let (mut all, mut steep) = (0.0, 0.0);
-        for &vertex in &forces.active {
-            let force = forces.vectors[vertex];
-            all += force.norm();
-            // Beyond it is pulled.
-            let cosine = -force.dot(&outward[vertex]) / force.norm();
-            if (-PULLING_COSINE..STEEP_COSINE).contains(&cosine) {
-                steep += force.norm();
-            }
-        }
-        if steep > STEEP_SHARE * all {
+        let share = gaps.steep_share.unwrap_or_else(|| steep_share(gaps.surface, forces));
+        if share > MOST_STEEP {
             let message = format!(
                 "{:.0} % of the force stands on sides of the obstacle that are steeper than 60 degrees to the skin: the linear answer is for small slopes and lays no skin around what goes in so deep; force and area there are a guess, whatever their errors of the mesh: press less deep",
-                100.0 * steep / all
+                100.0 * share
             );
             self.warn(WarningKind::Depth, message);
         }

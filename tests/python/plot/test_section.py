@@ -79,8 +79,8 @@ def test_a_cut_between_two_bodies_shows_where_they_are() -> None:
 def test_a_needle_is_seen_from_where_it_comes(fingertip: qr.Surface) -> None:
     needle = qr.Obstacle.capsule([0.0, 0.02, -0.06], [0.0, 0.02, -0.03], 3e-4)
     contact = qr.press(fingertip, needle, SKIN, UP, depth=1.4e-3)
-    # Its tip went between the vertices: what is left stands on its flank and pushes aside.
-    assert abs(contact.force[2]) < 0.5 * np.linalg.norm(contact.force)
+    # It went in by almost five times its radius, and still pushes back the way it came.
+    assert contact.force[2] > 0.98 * np.linalg.norm(contact.force)
     assert plot.pad_view(contact).toward == pytest.approx([0.0, 0.0, -1.0])
     # The cut goes through the needle: its outline is that of 0.6 mm.
     ax = plot.plot_section(contact)
