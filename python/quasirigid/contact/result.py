@@ -77,7 +77,7 @@ class Contact(Frozen):
     max_penetration_before, max_penetration_after : float
         Deepest penetration (m): before, of a skin vertex, to the plane through a product's edge or bump
         where that stands in a triangle of it; after, measured anew at the deformed skin against the deformed
-        product, in the skin's triangles and of the product's sharp edges too.
+        product, in the skin's triangles and of the product's sharp edges and thin walls too.
     obstacle_share : float or None
         The product's share of what skin and product give way together, ``-f'u_P / f'(u_H - u_P)`` with
         the displacements of skin and product: 0 of a rigid product, None without contact.

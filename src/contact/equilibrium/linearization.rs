@@ -203,7 +203,7 @@ pub(crate) fn solve_to_the_end<'a>(
         return Ok(forces);
     }
     let mut kept_off = rounds.first.unwrap_or_else(|| gaps.clone());
-    kept_off.keep_off_steep_sides(share);
+    kept_off.steep_share = Some(share);
     let guess =
         Guess { active: &forces.active, nearness: Nearness::OfCoarser, fingers: Some(&forces.fingers) };
     let again = solve(&kept_off, given, Some(guess), options, report)?;

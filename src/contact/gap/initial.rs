@@ -51,7 +51,8 @@ pub(crate) struct Gaps<'a> {
     on_lines: BTreeMap<usize, Line>,
     /// Displacement (m) at which vertices were measured, where that is not 0.
     shifts: HashMap<usize, Vector3<f64>>,
-    /// Share of the force that stood on steep sides before skin was [kept off them](Self::keep_off_steep_sides).
+    /// Share of the force that stood on steep sides; where there is one, vertices keep the plane that they had where they would come
+    /// to a steep side from one that is not: linear skin opens like a hole around what goes in deep, and lets it through.
     pub steep_share: Option<f64>,
     /// Where the undeformed skin is pressed in deepest.
     pub deepest_vertex: Option<DeepestVertex>,
@@ -171,14 +172,6 @@ impl<'a> Gaps<'a> {
         let way_in = WayIn::new(self.scene, normals, |row| self.reach[vertices[row]]);
         measure_entries(&points, |_| true, &self.scene.obstacle, &way_in, &mut measured)?;
         Ok(measured)
-    }
-
-    /// From now on vertices keep the plane that they had where they would come to a steep side from one that is not: linear skin
-    /// opens like a hole around what goes in deep, and lets it through.
-    ///
-    /// * `share`: of the force, that stands on steep sides else
-    pub fn keep_off_steep_sides(&mut self, share: f64) {
-        self.steep_share = Some(share);
     }
 
     /// Takes the gaps of vertices from where a displacement (m) puts them.

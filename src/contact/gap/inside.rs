@@ -128,12 +128,12 @@ fn deepest_on(triangle: Triangle, depth: &impl Fn(&Vector3<f64>) -> f64, shortes
     let middle = (a + b + c) / 3.0;
     let here = depth(&middle);
     let deepest = deepest.max(here);
-    let half = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
+    let radius = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
     let length = |[a, b, _]: &Triangle| (b - a).norm();
     let turned = [[a, b, c], [b, c, a], [c, a, b]];
     let [a, b, c] =
         turned.into_iter().max_by(|one, other| length(one).total_cmp(&length(other))).expect("three");
-    if here + half <= DEEPER * deepest || (b - a).norm() <= shortest {
+    if here + radius <= DEEPER * deepest || (b - a).norm() <= shortest {
         return deepest;
     }
     let middle = 0.5 * (a + b);

@@ -1,5 +1,5 @@
 //! What penetration a contact leaves, measured anew at the deformed skin: at its vertices, in its triangles, and of the
-//! obstacle's edges in them.
+//! obstacle's edges, and walls that it went through, in them.
 
 use nalgebra::Vector3;
 
@@ -137,7 +137,7 @@ impl<'a> MovedSkin<'a> {
         PointsBetween::new(&self.points, &self.depths, &self.triangles).look(obstacle, of_edges)
     }
 
-    /// The deepest penetration (m), with corners and edges of the obstacle in the skin where a warning may tell the figure.
+    /// The deepest penetration (m), with corners, edges and walls of the obstacle in the skin where a warning may tell the figure.
     fn looked_at_closely(&self, deepest: f64) -> f64 {
         let reach = self.gaps.deepest();
         if deepest <= NEARLY_SMALL * SMALL_PENETRATION * reach {
