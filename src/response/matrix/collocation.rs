@@ -128,6 +128,6 @@ impl<'a> AtRows<'a> {
     /// Sets a column to the displacement (m) of all rows per newton at a vertex.
     fn fill(&self, scratch: &mut ColumnScratch, vertex: usize, column: &mut [f64]) {
         self.kernel.fill(scratch, &self.targets, &self.inverse_thickness, vertex);
-        self.targets.scatter(&scratch.values, column);
+        self.targets.in_rows(&scratch.values, column);
     }
 }

@@ -15,6 +15,8 @@ pub(crate) struct Targets {
     pub(crate) z: Vec<f64>,
     /// Row of each point in the matrix; shorter than the coordinates, which are padded by repeating the last.
     pub(crate) rows: Vec<u32>,
+    /// Place of each row in the coordinates, of targets by [`Targets::new`].
+    places: Vec<u32>,
     /// A box around the points, where one is known.
     around: Option<Bounds>,
 }
@@ -40,6 +42,8 @@ impl Targets {
             targets.y.push(point.y);
             targets.z.push(point.z);
         }
+        targets.places = vec![0; points.len()];
+        targets.rows.iter().zip(0..).for_each(|(&row, place)| targets.places[row as usize] = place);
         targets.pad();
         targets.around = Some(Bounds { low, high });
         targets
@@ -86,10 +90,11 @@ impl Targets {
         Vector3::new(self.x[place], self.y[place], self.z[place])
     }
 
-    /// Copies the values of a column, in the order of the points, to their rows.
-    pub(crate) fn scatter(&self, values: &[f64], column: &mut [f64]) {
-        for (&row, &value) in self.rows.iter().zip(values) {
-            column[row as usize] = value;
+    /// Copies the values of a column, in the order of the points, to their rows: these one after another, as they are not in
+    /// the cache.
+    pub(crate) fn in_rows(&self, values: &[f64], column: &mut [f64]) {
+        for (entry, &place) in column.iter_mut().zip(&self.places) {
+            *entry = values[place as usize];
         }
     }
 }
