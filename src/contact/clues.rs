@@ -29,6 +29,8 @@ pub(crate) struct Clues {
     pub is_between: bool,
     /// Whether gaps taken anew at the deformed skin led to no better answer.
     pub is_unsettled: bool,
+    /// Penetration left in the mean over the skin under force, as a share of that before.
+    pub mean_penetration: f64,
     /// How far off the obstacle the force acts in the mean, as a share of the penetration before.
     pub apart: f64,
     /// Where the obstacle recedes between vertices under force.

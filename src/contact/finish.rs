@@ -105,6 +105,7 @@ impl Contact {
             ends_at_edges: on_edges.share,
             is_between: forces.active.iter().all(is_blunt),
             is_unsettled: report.is_unsettled || gaps.steep_share.is_some(),
+            mean_penetration: left.mean / gaps.deepest(),
             apart: left.apart / gaps.deepest(),
             receding: left.receding,
             unfelt: left.unfelt,

@@ -9,7 +9,7 @@ use quasirigid::contact::{
     solve_contact,
 };
 use quasirigid::obstacle::Obstacle;
-use quasirigid::reference::{Hertz, contact_modulus};
+use quasirigid::reference::{FlatPunch, Hertz, contact_modulus};
 use quasirigid::response::{ElasticSkin, Kernel, KernelSkin, PressureBasis};
 use quasirigid::surface::Surface;
 
@@ -53,6 +53,25 @@ fn a_coarse_mesh_meets_hertz_within_its_estimates() {
         assert!(contact.accuracy.mesh_error.unwrap() <= 0.01 && contact.accuracy.area_error.unwrap() <= 0.01);
         assert_eq!(contact.refinements.last().and_then(|one| one.end), Some(RefinementEnd::Target));
         assert!(force.abs() <= 0.01 && area.abs() <= 0.012);
+    }
+}
+
+#[test]
+fn skin_in_the_rim_of_a_flat_punch_costs_no_more_than_its_share() {
+    let (radius, depth) = (3e-3, 0.2e-3);
+    let contact_modulus = contact_modulus(SHEAR_MODULUS, POISSON_RATIO);
+    let exact = FlatPunch { radius, contact_modulus }.force(depth);
+    for seed in 1..4 {
+        let surface = jittered(15, 2e-3, seed);
+        let punch = Obstacle::cylinder(5e-3, radius).expect("a cylinder");
+        let punch = punch.translated(&Vector3::new(0.3e-3, 0.2e-3, 5e-3 - depth));
+        let contact = solve_contact(&surface, &punch, &half_space(), &options(0.02)).expect("valid");
+        let error = (contact.resultant.force.norm() / exact - 1.0).abs();
+        let told = contact.accuracy.force_error.expect("a contact");
+        println!("{error:.4}, told {told:.4}, left {:.3}", contact.max_penetration_after / depth);
+        // Between vertices the rim cuts deep into the skin, on a narrow ring.
+        assert!(contact.max_penetration_after > 0.05 * depth);
+        assert!(error <= told && told < 0.05);
     }
 }
 

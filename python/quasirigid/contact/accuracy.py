@@ -50,7 +50,7 @@ class Accuracy:
     mesh_error, body_error : float or None
         Parts of `force_error`: from the mesh around the contact; from the coarse mesh of a body or of a
         product's given matrix. Penetration that a refined mesh leaves, over that before, is in `mesh_error`
-        and in the two below.
+        and `area_error` with its mean over the skin under force, in `max_pressure_error` with its largest.
     area_error : float or None
         Estimated error of `contact_area` over it, with what the body's mesh costs it.
     max_pressure_error : float or None

@@ -34,7 +34,7 @@ const AT_CUTS: [f64; 2] = [0.7, 2.0];
 /// Cells around a vertex and its neighbours, by which the deepest penetration between them is felt.
 const AROUND_DEEPEST: f64 = 10.0;
 /// Power of the depth that the force on a sphere goes with.
-const BY_DEPTH: f64 = 1.5;
+pub(super) const BY_DEPTH: f64 = 1.5;
 /// Share of the skin under force that touches at the least, where hollows are too fine for its triangles.
 const LEAST_TOUCHED: f64 = 0.1;
 /// What a round keeps at the least on a sharp edge, where figures settle with the first power of the cells' size or slower, as the

@@ -6,7 +6,7 @@ use crate::contact::clues::Clues;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::penetration::after::SMALL_PENETRATION;
 use crate::contact::outcome::{Contact, ContactStatus, Refinement, RefinementEnd, RefinementKind};
-use crate::contact::refine::estimate::{ErrorEstimate, KEPT_ON_EDGE};
+use crate::contact::refine::estimate::{BY_DEPTH, ErrorEstimate, KEPT_ON_EDGE};
 use crate::contact::refine::mesh_errors::MeshErrors;
 use crate::contact::refine::product::errors_of_area_and_peak;
 use crate::contact::refine::tissue::Tissue;
@@ -127,29 +127,22 @@ impl Contact {
         let [area, peak] = errors_of_area_and_peak(&self);
         let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
         let (of_area, of_peak) = (area + AREA_PER_BODY * body, peak + body);
-        let penetration = if end == RefinementEnd::NoTarget { 0.0 } else { self.unresolved_penetration() };
+        let is_told = end == RefinementEnd::NoTarget || self.is_free_of_penetration();
+        let deepest = self.max_penetration_after / self.max_penetration_before;
+        let [late, above] =
+            if is_told { [0.0; 2] } else { [BY_DEPTH * self.clues.mean_penetration, deepest] };
         let apart = if self.clues.apart > MOST_APART { PER_SHARE_APART * self.clues.apart } else { 0.0 };
-        let left = penetration + apart;
         let Accuracy { force_error, mesh_error, area_error, max_pressure_error, .. } = &mut self.accuracy;
         let more = [
-            (force_error, left),
-            (mesh_error, left),
-            (area_error, left + of_area),
-            (max_pressure_error, left + of_peak + at_facets),
+            (force_error, apart + late),
+            (mesh_error, apart + late),
+            (area_error, apart + late + of_area),
+            (max_pressure_error, apart + above + of_peak + at_facets),
         ];
         for (error, more) in more {
             *error = error.map(|error| error + more);
         }
         self
-    }
-
-    /// Penetration left on a mesh that is not fine enough for it, as a share of that before.
-    fn unresolved_penetration(&self) -> f64 {
-        if self.is_free_of_penetration() {
-            0.0
-        } else {
-            self.max_penetration_after / self.max_penetration_before
-        }
     }
 }
 

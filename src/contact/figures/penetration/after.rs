@@ -29,6 +29,8 @@ const BLUNT_DEPTH: f64 = 0.25;
 pub(crate) struct Penetration {
     /// The deepest (m, ≥ 0).
     pub depth: f64,
+    /// The mean over all skin under force (m).
+    pub mean: f64,
     /// How far off the obstacle the force acts in the mean (m), where gaps that are zero at vertices did not settle.
     pub apart: f64,
     /// Whether a vertex of the skin is that deep, not only a point between vertices.
@@ -55,6 +57,7 @@ pub(crate) fn penetration_after(
         let is_at_vertex = of_vertices.into_iter().any(|gap| -gap >= depth);
         return Ok(Penetration {
             depth,
+            mean: depth,
             apart: 0.0,
             is_at_vertex,
             receding: Receding::default(),
@@ -69,6 +72,7 @@ pub(crate) fn penetration_after(
     let modulus = 4.0 * skin.shear_modulus_at(moved.vertices[0]).unwrap_or(0.0);
     Ok(Penetration {
         depth,
+        mean: moved.mean_depth(&of_faces).unwrap_or(depth),
         apart: moved.apart(),
         is_at_vertex: moved.deepest_vertex() >= depth,
         receding: moved.receding(&middles, modulus),
@@ -147,6 +151,24 @@ impl<'a> MovedSkin<'a> {
         let at_rest: Vec<Vector3<f64>> = self.vertices.iter().map(|&vertex| at_rest[vertex]).collect();
         let went_through = self.gaps.entry.through_walls > 0;
         self.part().deepest_inside(&at_rest, &self.gaps.scene.obstacle, reach, deepest, went_through)
+    }
+
+    /// How deep all triangles stand in the obstacle, in the mean over those under force (m); `None` without such.
+    ///
+    /// * `of_faces`: of each at the most, between its corners (m); none where the obstacle is flat
+    fn mean_depth(&self, of_faces: &[f64]) -> Option<f64> {
+        let (mut volume, mut loaded) = (0.0, 0.0);
+        for (face, triangle) in self.triangles.iter().enumerate() {
+            let corners = triangle.map(|corner| corner as usize);
+            let [a, b, c] = corners.map(|corner| self.points[corner]);
+            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let between = of_faces.get(face).copied().unwrap_or_default();
+            volume += area * corners.iter().map(|&corner| self.depths[corner]).fold(between, f64::max);
+            if !corners.iter().all(|&corner| self.is_free(self.vertices[corner])) {
+                loaded += area;
+            }
+        }
+        (loaded > 0.0).then(|| volume / loaded)
     }
 
     /// Force (N) on a vertex by its own gap: the skin that drapes over an edge stands off it.
