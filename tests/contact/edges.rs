@@ -183,6 +183,19 @@ fn a_ball_deeper_than_its_radius_presses_ever_harder_and_does_not_slip_through_a
 }
 
 #[test]
+fn the_estimates_cover_blades_thicker_and_thinner_than_the_cells() {
+    let (pad, finer) = (flat(40, 0.6e-3), flat(160, 0.15e-3));
+    for (width, depth) in [(1e-3, 1e-3), (0.1e-3, 1e-3), (0.01e-3, 1e-3), (0.01e-3, 2e-3)] {
+        let blade = Obstacle::cuboid(Vector3::new(5e-3, 0.5 * width, 5e-3)).expect("a box");
+        let blade = blade.translated(&(BELOW + Vector3::new(0.11e-3, 0.07e-3, -5e-3)));
+        let [coarse, fine] = [&pad, &finer].map(|pad| settled(pad, &blade, depth));
+        let told = [&coarse, &fine].map(|contact| contact.accuracy.force_error.expect("a contact"));
+        let [coarse, fine] = [coarse, fine].map(|contact| contact.resultant.force.z);
+        assert!((fine - coarse).abs() <= told[0] * coarse + told[1] * fine);
+    }
+}
+
+#[test]
 fn a_flat_pin_presses_like_the_flat_punch() {
     // Sneddon: F = 4 G a d / (1 - nu), with nu = 1/2; the pad is much wider than the pin.
     for (radius, depth) in [(0.3e-3, 0.1e-3), (1e-3, 0.2e-3)] {

@@ -26,6 +26,9 @@ const TRIANGLES_PER_TASK: usize = 64;
 /// Share of a box' size that rounding may move it.
 const BOX_ROUNDING: f64 = 1e-6;
 
+/// Share of a triangle's size that rounding may move a corner into an obstacle.
+const DISTANCE_ROUNDING: f64 = 1e-9;
+
 /// Triangles of the skin, as corners among some points.
 pub(crate) struct SkinPart<'a> {
     /// Positions (k, m).
@@ -221,9 +224,12 @@ impl SkinPart<'_> {
         triangles.filter(is_unmet).filter_map(meeting).collect()
     }
 
-    /// Whether no corner of a triangle is in the obstacle.
+    /// Whether no corner of a triangle is in the obstacle by more than rounding: one may lie on a side of it.
     pub(super) fn is_unmet(&self, triangle: usize, distance: &[f64]) -> bool {
-        self.triangles[triangle].iter().all(|&corner| distance[corner as usize] >= 0.0)
+        let corners = self.triangles[triangle].map(|corner| corner as usize);
+        let [a, b, c] = corners.map(|corner| self.points[corner]);
+        let least = -DISTANCE_ROUNDING * (b - a).norm().max((c - a).norm());
+        corners.iter().all(|&corner| distance[corner] >= least)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::area::cells::{mean_bulge, mean_edge};
 use crate::contact::figures::penetration::receding::Receding;
 use crate::contact::outcome::{Contact, RefinementKind};
-use crate::contact::refine::mesh_errors::{MeshErrors, Settling};
+use crate::contact::refine::mesh_errors::{MeshErrors, SLOWEST_CHANGE, Settling};
 use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
 
@@ -39,8 +39,12 @@ pub(super) const BY_DEPTH: f64 = 1.5;
 const LEAST_TOUCHED: f64 = 0.1;
 /// What a round keeps at the least on a sharp edge, where figures settle with the first power of the cells' size or slower, as the
 /// last rounds show: fitted to fingers on ridges, rims and thin plates.
-pub(super) const KEPT_ON_EDGE: f64 = 0.65;
+pub(super) const KEPT_ON_EDGE: f64 = 0.55;
 const ON_EDGE_ROUND: Settling = Settling { next: KEPT_ON_EDGE, least: 0.2 };
+/// The same where all force is on the edge, as under a blade thinner than the cells: figures go with the logarithm of their size.
+const ON_LINE_ROUND: Settling = Settling { next: SLOWEST_CHANGE, ..ON_EDGE_ROUND };
+/// Share of the force on an edge from which that is all.
+const ON_LINE: f64 = 0.95;
 
 impl ErrorEstimate {
     /// Of the mesh as it is, from its cells and what the nodes do not feel.
@@ -90,7 +94,8 @@ impl ErrorEstimate {
         let earlier =
             before.refinements.iter().filter(|round| round.kind == RefinementKind::Mesh).nth_back(1);
         let earlier = earlier.filter(|_| last.clues.edge.is_some());
-        let [of_force, of_area, of_peak] = match last.clues.edge {
+        let [of_force, of_area, of_peak] = match &last.clues.edge {
+            Some(edge) if edge.share > ON_LINE => [ON_LINE_ROUND; 3],
             Some(_) => [ON_EDGE_ROUND; 3],
             None => MeshErrors::of(last.accuracy.discretization).settling,
         };

@@ -40,7 +40,7 @@ const GALERKIN: MeshErrors = MeshErrors {
 };
 
 /// The largest share of a round's change that the last rounds are taken to show for the next.
-const SLOWEST_CHANGE: f64 = 0.8;
+pub(super) const SLOWEST_CHANGE: f64 = 0.8;
 
 impl MeshErrors {
     pub fn of(discretization: Discretization) -> &'static Self {

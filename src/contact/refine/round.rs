@@ -56,7 +56,7 @@ impl Contact {
         let error = ErrorEstimate::of_rounds(previous, self);
         let [of_force, of_area] = match finer {
             Finer::Pressed => return Some(error),
-            Finer::Larger => [KEPT_ON_EDGE; 2],
+            Finer::Larger { share } => [1.0 - (1.0 - KEPT_ON_EDGE) * share; 2],
             Finer::Rim => MeshErrors::of(self.accuracy.discretization).left_by_rim,
             Finer::Elsewhere => [1.0; 2],
         };

@@ -24,8 +24,8 @@ const FEW_LARGER: f64 = 0.03;
 pub(crate) enum Finer {
     /// Wherever the skin is pressed.
     Pressed,
-    /// On a sharp edge, where triangles are larger than that has use for.
-    Larger,
+    /// On a sharp edge, where triangles are larger than that has use for: so large a share of those there.
+    Larger { share: f64 },
     /// At the rim of what is pressed.
     Rim,
     /// Where it is touched away from all force.
@@ -53,7 +53,7 @@ impl Wanting<'_> {
                 return Break(RefinementEnd::SharpEdge);
             }
             if share < 1.0 - FEW_LARGER && !touches_elsewhere_alone {
-                return Continue(Finer::Larger);
+                return Continue(Finer::Larger { share });
             }
         }
         Continue(if touches_elsewhere_alone {
@@ -94,7 +94,7 @@ impl Wanting<'_> {
         let at_rim = |&vertex: &usize| part.surface.neighbours(vertex).iter().any(is_free);
         match finer {
             Finer::Pressed => self.pressed(),
-            Finer::Larger => {
+            Finer::Larger { .. } => {
                 let held = contact.clues.edge.as_ref().map_or(Vec::new(), |edge| part.numbers(&edge.held));
                 let larger = self.larger();
                 let leaves = (0..larger.len()).filter(|&leaf| larger[leaf]);
@@ -127,7 +127,7 @@ impl Wanting<'_> {
         between: &[usize],
     ) -> Result<Vec<bool>, ContactError> {
         let mut marked = match finer {
-            Finer::Larger => self.larger(),
+            Finer::Larger { .. } => self.larger(),
             _ => loaded(&self.meshes.mesh, wanting),
         };
         if finer == Finer::Rim {
