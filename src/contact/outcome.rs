@@ -132,6 +132,8 @@ pub enum RefinementEnd {
     UnsettledGaps,
     /// There is no force to refine the mesh under.
     NoForce,
+    /// On a finer mesh nothing carries force any more.
+    ForceLost,
     /// There were as many rounds as there may be.
     MostRounds,
     /// A complementarity problem did not end solved.
@@ -156,6 +158,7 @@ impl RefinementEnd {
             Self::Unsettled => "force or area does not settle",
             Self::UnsettledGaps => "gaps that do not settle",
             Self::NoForce => "nothing carries force",
+            Self::ForceLost => "no force on a finer mesh",
             Self::MostRounds => "the most rounds",
             Self::NotSolved => "a complementarity problem did not end solved",
             Self::NotSolvedOnFiner => "a problem of many nodes that block exchanges do not end",

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
-use quasirigid::contact::{Contact, ContactOptions, Goal};
+use quasirigid::contact::{Contact, ContactOptions, Goal, RefinementEnd};
 use quasirigid::obstacle::{MeshObstacleOptions, Obstacle};
 use quasirigid::response::KernelSkin;
 use quasirigid::surface::Surface;
@@ -180,6 +180,25 @@ fn a_ball_deeper_than_its_radius_presses_ever_harder_and_does_not_slip_through_a
         // So deep it is a guess, and a warning says so, but the same one on any mesh, to less than a cell in three.
         assert!((fine / coarse - 1.0).abs() < 0.2, "{forces:?}");
     }
+}
+
+#[test]
+fn what_a_finer_mesh_loses_is_kept_with_an_error_without_bound() {
+    let ball = bead(0.2e-3).translated(&(BELOW + Vector3::new(0.7e-3, 0.4e-3, 0.0)));
+    let contact = settled(&flat(8, 2e-3), &ball, 1e-3);
+    assert!(contact.resultant.force.z > 0.0);
+    assert_eq!(contact.accuracy.force_error, Some(f64::INFINITY));
+    assert_eq!(contact.refinements.last().and_then(|round| round.end), Some(RefinementEnd::ForceLost));
+    assert!(contact.warnings.iter().any(|warning| warning.message.contains("on a finer mesh nothing")));
+}
+
+#[test]
+fn gaps_that_did_not_settle_are_no_met_target() {
+    let ball = bead(1e-3).translated(&BELOW);
+    let contact = settled(&flat(16, 1e-3), &ball, 2e-3);
+    assert!(contact.accuracy.force_error > Some(0.02), "{:?}", contact.accuracy);
+    let end = contact.refinements.last().and_then(|round| round.end);
+    assert_ne!(end, Some(RefinementEnd::Target));
 }
 
 #[test]

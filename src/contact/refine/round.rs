@@ -43,6 +43,11 @@ impl Contact {
             || self.max_penetration_after <= SMALL_PENETRATION * self.max_penetration_before
     }
 
+    /// Whether the force acts so far off the obstacle that the gaps did not settle.
+    pub(crate) fn is_apart(&self) -> bool {
+        self.clues.apart > MOST_APART
+    }
+
     /// What the mesh is estimated to cost after `previous`; `None` without contact.
     ///
     /// * `finer`: where the mesh was made finer since
@@ -131,7 +136,11 @@ impl Contact {
         let deepest = self.max_penetration_after / self.max_penetration_before;
         let [late, above] =
             if is_told { [0.0; 2] } else { [BY_DEPTH * self.clues.mean_penetration, deepest] };
-        let apart = if self.clues.apart > MOST_APART { PER_SHARE_APART * self.clues.apart } else { 0.0 };
+        let apart = match end {
+            RefinementEnd::ForceLost => f64::INFINITY,
+            _ if self.is_apart() => PER_SHARE_APART * self.clues.apart,
+            _ => 0.0,
+        };
         let Accuracy { force_error, mesh_error, area_error, max_pressure_error, .. } = &mut self.accuracy;
         let more = [
             (force_error, apart + late),

@@ -178,7 +178,7 @@ impl Rounds<'_> {
     fn is_given_enough(&self) -> Result<bool, ContactError> {
         let Meshes { given, mesh, .. } = &self.meshes;
         let is_left = given.max_penetration_after > SMALL_PENETRATION * given.max_penetration_before;
-        if !self.is_met(given) || is_left || given.clues.edge.is_some() {
+        if !self.is_met(given) || is_left || given.is_apart() || given.clues.edge.is_some() {
             return Ok(false);
         }
         Ok(touched_between(mesh, None, given, self.skin, self.options)?.is_empty())
@@ -232,6 +232,12 @@ impl Rounds<'_> {
                 None => return Ok(Break(RefinementEnd::MaxNodes)),
             },
         };
+        let is_lost = !matches!(contact.status, ContactStatus::Failed(_))
+            && contact.pressed().is_empty()
+            && self.between.is_empty();
+        if is_lost && !self.meshes.finest().active.is_empty() {
+            return Ok(Break(RefinementEnd::ForceLost));
+        }
         let has_no_end =
             matches!(contact.status, ContactStatus::Failed(LcpStatus::Breakdown | LcpStatus::PivotLimit));
         if has_no_end && contact.candidates.len() > MOST_BY_PIVOTS {
@@ -258,7 +264,11 @@ impl Rounds<'_> {
                 || so_far.left > SETTLING_SHARE * left_before
                 || contact.candidates.len() > FEW_NODES);
         if is_met && is_resolved {
-            return Some(RefinementEnd::Target);
+            return Some(if contact.is_apart() {
+                RefinementEnd::UnsettledGaps
+            } else {
+                RefinementEnd::Target
+            });
         }
         let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_UNDER_FORCE;
         let is_unsettled = !is_met && share > SETTLING_SHARE * so_far.worst && may_settle;

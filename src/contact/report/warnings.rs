@@ -184,15 +184,25 @@ impl Contact {
     pub(crate) fn warn_of_refinement(&mut self, end: RefinementEnd, target: f64) {
         let reason = end.as_str();
         let percent = |share: f64| format!("{} %", Digits(100.0 * share, 3));
+        let cost_of = |share: f64| match share.is_finite() {
+            true => format!("about {}", percent(share)),
+            false => "an unknown part".to_string(),
+        };
         let mut short = Vec::new();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
             && (self.unbalanced() * force).max(area) > target
         {
             let carried = if self.patches.len() > 1 { " that the patches carry" } else { "" };
-            let (force, area) = (percent(self.unbalanced() * force), percent(area));
+            let (force, area) = (cost_of(self.unbalanced() * force), cost_of(area));
             short.push(format!(
-                "the mesh around the contact costs about {force} of the force{carried} and {area} of the area: the refinement ended by {reason}"
+                "the mesh around the contact costs {force} of the force{carried} and {area} of the area: the refinement ended by {reason}"
             ));
+        }
+        if end == RefinementEnd::ForceLost {
+            short.push(
+                "on a finer mesh nothing carries force: force and area are a guess; press less deep"
+                    .to_string(),
+            );
         }
         let places = self.clues.touched_between + self.clues.unfelt.len();
         if places > 0 {
