@@ -30,6 +30,11 @@ impl<'a> Setup<'a> {
         self.surface.bounding_box().diagonal() + of_obstacle
     }
 
+    /// Whether a finer mesh may follow the given one.
+    pub fn may_refine(&self) -> Result<bool, ContactError> {
+        Ok(self.options.target_error.is_some() && self.skin.traits(self.surface)?.refines)
+    }
+
     /// The skin on a mesh that the given one was refined to.
     pub fn refined_skin(&self, part: &RefinedSurface) -> Result<Box<dyn ElasticSkin + 'a>, ContactError> {
         Ok(self.skin.refined(part)?.expect("a skin that was refined before"))

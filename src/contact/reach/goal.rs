@@ -45,7 +45,11 @@ impl Task<'_> {
         };
         let (contact, found) = match on_given.reach(self.target.quantity, &search, None, None)? {
             Reached::Goal { contact, power } => (contact, Searched { hint: power, why: None }),
-            Reached::Short { contact, why } => (contact, Searched { hint: search.power, why: Some(why) }),
+            // What a coarse mesh jumps over a finer one may not.
+            Reached::Short { above: Some(above), .. } if self.setup.may_refine()? => {
+                (on_given.solve(above)?, Searched { hint: search.power, why: None })
+            }
+            Reached::Short { contact, why, .. } => (contact, Searched { hint: search.power, why: Some(why) }),
         };
         search_on_refined(self, &on_given, started, contact, found)
     }
@@ -79,7 +83,7 @@ impl MeshSearch for Task<'_> {
         let known = rounds.known_on(part);
         let (contact, why) = match on_part.reach(self.target.quantity, &search, Some(known), Some(last))? {
             Reached::Goal { contact, .. } => (contact, None),
-            Reached::Short { contact, why } => (contact, Some(why)),
+            Reached::Short { contact, why, .. } => (contact, Some(why)),
         };
         rounds.meshes.replace_last(contact, started, &*skin, self.setup.options)?;
         Ok(Some(Searched { hint: power, why }))

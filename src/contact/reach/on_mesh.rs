@@ -36,8 +36,8 @@ pub(crate) struct OnMesh<'a> {
 pub(crate) enum Reached {
     /// With the quantity, and the power of the depth that it rises with there.
     Goal { contact: Contact, power: f64 },
-    /// Without: the largest contact below, and why there is no larger one.
-    Short { contact: Contact, why: String },
+    /// Without: the largest contact below, the least way past the touch (m) with one above, and why there is none between.
+    Short { contact: Contact, above: Option<f64>, why: String },
 }
 
 /// What the trials of a search take over from each other.
@@ -104,13 +104,13 @@ impl OnMesh<'_> {
         let found = search.run(|past| self.trial(quantity, past, &mut trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),
-            Found::NotReached { largest: Some(at), why } => (at, Err(why)),
-            Found::NotReached { largest: None, why } => match (last, trials.refusal.take()) {
+            Found::NotReached { largest: Some(at), above, why } => (at, Err((above, why))),
+            Found::NotReached { largest: None, above, why } => match (last, trials.refusal.take()) {
                 (Some(contact), _) if quantity.of(contact, &self.setup.approach.direction) < search.value => {
-                    return Ok(Reached::Short { contact: contact.clone(), why });
+                    return Ok(Reached::Short { contact: contact.clone(), above, why });
                 }
                 (_, Some(error)) => return Err(error),
-                (_, None) => (0.0, Err(why)),
+                (_, None) => (0.0, Err((above, why))),
             },
         };
         let is_refined = self.inherited.is_some();
@@ -126,7 +126,7 @@ impl OnMesh<'_> {
                 }
                 self.reach_exactly(quantity, &Search { known: Some((at, value)), power, ..*search }, contact)
             }
-            Err(why) => Ok(Reached::Short { contact, why }),
+            Err((above, why)) => Ok(Reached::Short { contact, above, why }),
         }
     }
 

@@ -89,7 +89,7 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
         let met = (end == RefinementEnd::Target).then_some(rounds.target);
         let Some(again) = search.search_again(&mut rounds, &hint)? else {
             let (rounds, end) = before.unwrap_or((rounds, end));
-            return rounds.conclude(end);
+            return search.unless_missed(rounds.conclude(end)?);
         };
         hint = again.hint;
         if let Some(why) = again.why {

@@ -45,8 +45,8 @@ pub(crate) enum Found {
     /// With the value, or as near to it as jumps of no more than [`Search::UNEVENNESS`] allow; with the power of the argument
     /// that the function rises with there.
     Close { at: f64, power: f64 },
-    /// Without: where the largest value below was found, if any, and what is in the way.
-    NotReached { largest: Option<f64>, why: String },
+    /// Without: where the largest value below was found, if any, where the function jumps to one above, and what is in the way.
+    NotReached { largest: Option<f64>, above: Option<f64>, why: String },
 }
 
 /// What is known on the way; arguments and values as logarithms, values relative to the one looked for.
@@ -220,7 +220,8 @@ impl Bracket {
         if self.nearest.1.abs() <= Search::UNEVENNESS {
             return Found::Close { at: self.nearest.0.exp(), power: self.power(search) };
         }
-        Found::NotReached { largest: self.largest.map(|(at, _)| at.exp()), why: self.why }
+        let above = self.above.and_then(|(at, value)| value.map(|_| at.exp()));
+        Found::NotReached { largest: self.largest.map(|(at, _)| at.exp()), above, why: self.why }
     }
 }
 
@@ -311,7 +312,7 @@ mod tests {
         let short = |function: fn(f64) -> Trial, reason: &str| match search(10.0)
             .run(|x| -> Result<_, ()> { Ok(function(x)) })
         {
-            Ok(Found::NotReached { largest: Some(at), why }) => {
+            Ok(Found::NotReached { largest: Some(at), above: None, why }) => {
                 assert!((6.5..7.0).contains(&at), "{at}");
                 assert_eq!(why, reason);
             }

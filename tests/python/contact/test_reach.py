@@ -140,6 +140,20 @@ def test_a_force_on_a_flat_end_is_that_of_the_depth_found(degrees: float, force:
 
 
 @pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize("force", [0.05, 0.1])
+def test_a_force_that_the_given_mesh_jumps_over_is_found_on_a_finer_one(force: float) -> None:
+    # The mesh is four times as coarse as the pin is broad: it feels nothing of it, and then a vertex.
+    skin = qr.models.fingertip()
+    pin = qr.Obstacle.cylinder(0.02, 0.3e-3).moved(np.eye(3), [0.0, 0.019, -0.1])
+    with pytest.raises(qr.ContactError, match="is not reached"):
+        qr.press(skin, pin, SKIN, UP, force=force, options=AS_GIVEN)
+    contact = qr.press(skin, pin, SKIN, UP, force=force)
+    assert contact.force[2] == pytest.approx(force, rel=1e-6)
+    # Sneddon: F = 8 G a d, as the pin is a flat punch much smaller than the skin is round.
+    assert contact.depth == pytest.approx(force / (8 * 60e3 * 0.3e-3), rel=0.03)
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
 @pytest.mark.parametrize(
     ("response", "force", "options"),
     [
