@@ -15,6 +15,9 @@ const ERROR_AT_THICKNESS: f64 = 0.06;
 /// Relative error of the force per share of the depth that interpolation between the body's vertices loses there.
 const ERROR_PER_LOSS: f64 = 0.4;
 
+/// Tissue counts as no thicker than so many mean thicknesses of the body: fitted to balls and ellipsoids of which a part is held.
+const MOST_THICKNESSES: f64 = 1.3;
+
 /// How much more of the former compressible tissue costs, times `(1 - 2 ν)³`: the near kernel is that of flat skin, and on curved
 /// skin such tissue has more that is not smooth. Fitted to plates on balls with a core.
 const COMPRESSIBLE_ERROR: f64 = 3.0;
@@ -80,7 +83,11 @@ impl Coarseness {
         thickness: Option<&Arc<[f64]>>,
         poisson_ratio: f64,
     ) -> Self {
-        let thickness = thickness.map_or_else(|| vec![mean_thickness(skin); edges.len()].into(), Arc::clone);
+        let mean = mean_thickness(skin);
+        let thickness = match thickness {
+            Some(known) => known.iter().map(|known| known.min(MOST_THICKNESSES * mean)).collect(),
+            None => vec![mean; edges.len()].into(),
+        };
         Self { edges, thickness, poisson_ratio }
     }
 
@@ -110,5 +117,26 @@ impl Coarseness {
                 + at_thickness * mean(&|node| (self.edges[node] / self.thickness[node]).powi(2)),
             edge_length: mean(&|node| self.edges[node]),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sample::icosphere;
+
+    #[test]
+    fn tissue_with_nothing_near_behind_it_is_no_better_known_than_the_body_is_thick() {
+        let (vertices, faces) = icosphere(8e-3, 1);
+        let skin = Surface::new(vertices, faces).expect("a ball");
+        let mean = mean_thickness(&skin);
+        let count = skin.vertices().len();
+        let error_at = |thickness: f64| {
+            let edges = vec![0.5 * mean; count].into();
+            let coarseness = Coarseness::new(&skin, edges, Some(&vec![thickness; count].into()), 0.5);
+            coarseness.doubt(&[0], &[Vector3::z()], 0.0).force_error
+        };
+        assert!((error_at(mean) / error_at(0.5 * mean) - 0.25).abs() < 1e-12);
+        assert_eq!(error_at(1.5 * mean), error_at(3.0 * mean));
     }
 }
