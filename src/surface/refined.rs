@@ -33,6 +33,14 @@ pub struct RefinedSurface {
     parents: Vec<[usize; 2]>,
 }
 
+/// Where curved edges are looked at, from one end to the other.
+pub(crate) const PLACES_ON_EDGE: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// How far a curved edge stands out there, over how far its middle does.
+pub(crate) fn height_on_edge(place: f64) -> f64 {
+    4.0 * place * (1.0 - place)
+}
+
 impl MeshRefinement {
     /// Nothing refined yet; only `faces` can be.
     pub fn new(given: &Surface, faces: impl IntoIterator<Item = u32>) -> Self {
@@ -87,7 +95,18 @@ impl MeshRefinement {
         [middle(a, b), middle(b, c), middle(c, a)]
     }
 
-    /// How far these stand out from the straight edges along the outward normals (m).
+    /// Points at [`PLACES_ON_EDGE`] of each curved edge of a triangle, along the quadratic through its ends and its middle (m).
+    pub fn on_curved_edges(&self, leaf: usize) -> [Vector3<f64>; 9] {
+        let (mesh, corners) = (smooth(&self.given), self.mesh.leaves[leaf].corners);
+        let (ends, middles) = (corners.map(|end| self.mesh.point(&mesh, end)), self.curved_middles(leaf));
+        std::array::from_fn(|at| {
+            let (side, place) = (at / 3, PLACES_ON_EDGE[at % 3]);
+            let (from, to) = (ends[side], ends[(side + 1) % 3]);
+            from.lerp(&to, place) + height_on_edge(place) * (middles[side] - 0.5 * (from + to))
+        })
+    }
+
+    /// How far the middles stand out from the straight edges along the outward normals (m).
     pub fn bulges(&self, leaf: usize) -> [f64; 3] {
         let (mesh, corners) = (smooth(&self.given), self.mesh.leaves[leaf].corners);
         let middles = self.curved_middles(leaf);

@@ -1,12 +1,14 @@
 //! Presses one after the other, each from what the one before leaves.
 
 use approx::assert_relative_eq;
+use nalgebra::{Rotation3, Vector3};
 use quasirigid::contact::{
     Contact, ContactError, ContactOptions, Goal, RefinementKind, WarmStart, press_after,
 };
 use quasirigid::reference::{Hertz, contact_modulus};
 use quasirigid::surface::Surface;
 
+use crate::common::{Random, joined, surface};
 use crate::{POISSON_RATIO, SHEAR_MODULUS, ball, half_space, plate, pressed, upwards};
 
 const RADIUS: f64 = 8e-3;
@@ -43,6 +45,39 @@ fn a_press_goes_on_on_the_mesh_before_and_keeps_to_hertz() {
             max_relative = error + depth / RADIUS
         );
     }
+}
+
+#[test]
+fn a_second_patch_is_met_wherever_in_a_coarse_triangle_it_begins() {
+    let mut random = Random(11);
+    let mut turned = || {
+        let axis = Vector3::from_fn(|_, _| random.signed());
+        Rotation3::from_scaled_axis(3.0 * axis)
+    };
+    let (mut begun, drawn) = (0, ball(RADIUS, 2));
+    for _ in 0..20 {
+        let (one, other) = (turned(), turned());
+        let middle = Vector3::new(0.0, 0.0, RADIUS);
+        // Its lowest point is 30 um higher.
+        let aside = Vector3::new(40e-3, 0.0, 30e-6);
+        let balls = [(one, Vector3::zeros()), (other, aside)].map(|(turn, place)| {
+            let vertices = drawn.vertices().iter().map(|x| turn * (x - middle) + middle + place).collect();
+            (vertices, drawn.faces().to_vec())
+        });
+        let surface = surface(joined(&balls[0], &balls[1]));
+        let mut before = WarmStart::default();
+        for step in 0..8 {
+            let depth = 26e-6 + 6e-6 * f64::from(step);
+            let warm = after(&surface, Goal::Depth(depth), &mut before).expect("a depth");
+            let alone = alone(&surface, Goal::Depth(depth));
+            let told = [&warm, &alone].map(|contact| contact.accuracy.force_error.expect("an estimate"));
+            let change = warm.resultant.force.z / alone.resultant.force.z - 1.0;
+            assert!(change.abs() <= told[0] + told[1], "step {step}: {change:+.4}, {told:?}");
+            assert_eq!(warm.patches.len(), alone.patches.len(), "step {step}");
+            begun += usize::from(warm.patches.len() == 2);
+        }
+    }
+    assert!(begun > 0);
 }
 
 #[test]

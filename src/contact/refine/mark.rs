@@ -1,4 +1,4 @@
-//! Triangles that must be finer: those that carry force, and those whose curved middle is pressed where no vertex is.
+//! Triangles that must be finer: those that carry force, and those with a curved edge that is pressed where no vertex is.
 
 use std::collections::HashSet;
 
@@ -12,10 +12,10 @@ use crate::contact::outcome::Contact;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::{ElasticSkin, Traits};
 use crate::surface::checked::Surface;
-use crate::surface::refined::{MeshRefinement, RefinedSurface};
+use crate::surface::refined::{MeshRefinement, PLACES_ON_EDGE, RefinedSurface, height_on_edge};
 
-/// How much farther than its middle a curved face may stand out from the straight edge: where it is cut, a quarter is left.
-const BEYOND_MIDDLE: f64 = 0.25;
+/// How much farther than a curved edge its face may stand out from the straight one: where it is cut, a quarter is left.
+const BEYOND_EDGE: f64 = 0.25;
 /// Farthest that a point of a curved face lies from its nearest corner, as a share of the longest edge: in its plane
 /// 1/√3, and a quarter over it, as edges meet at no more than sharp angles.
 const FARTHEST_ON_CURVE: f64 = 0.85;
@@ -75,7 +75,7 @@ pub(crate) fn too_large(mesh: &MeshRefinement, longest: impl Fn(usize) -> Option
     (0..mesh.leaf_count()).map(is_large).collect()
 }
 
-/// Triangles of the given surface that a curved middle of is in the obstacle and no vertex need be.
+/// Triangles of the given surface that a curved edge of is in the obstacle and no vertex need be.
 ///
 /// * `gap`: of the given surface's vertices (m)
 /// * `is_marked`: triangles that are not looked at
@@ -95,7 +95,7 @@ pub(crate) fn pressed_between(
                 .any(|&vertex| gap[vertex] < FARTHEST_ON_CURVE * mesh.given().longest_edge(vertex))
     };
     let leaves = (0..is_marked.len()).filter(|&leaf| !is_marked[leaf]).filter(may_press).collect();
-    with_pressed_middle(mesh, leaves, obstacle, |_| 0.0, |_| Vector3::zeros())
+    with_pressed_edge(mesh, leaves, obstacle, |_| 0.0, |_| Vector3::zeros())
 }
 
 /// Triangles without force that the obstacle touches between their vertices: they stand out so far that they touch where the
@@ -122,11 +122,18 @@ pub(crate) fn touched_between(
     let may_touch = |leaf: &usize| {
         let rows = mesh.corners(*leaf).map(row);
         let [Some(a), Some(b), Some(c)] = rows else { return false };
-        let gaps = [[a, b], [b, c], [c, a]].map(|[from, to]| 0.5 * (contact.gap[from] + contact.gap[to]));
-        let is_near = |(gap, bulge)| gap < (1.0 + BEYOND_MIDDLE) * bulge;
-        let most = (1.0 + BEYOND_MIDDLE) * FARTHEST_ON_CURVE * surface.longest_edge(a);
-        let may_be_near = mask[a] && mask[b] && mask[c] && gaps.iter().any(|gap| *gap < most);
-        may_be_near && gaps.into_iter().zip(mesh.bulges(*leaf)).any(is_near)
+        let nearest = [a, b, c].map(|corner| contact.gap[corner]).into_iter().fold(f64::INFINITY, f64::min);
+        let most = (1.0 + BEYOND_EDGE) * FARTHEST_ON_CURVE * surface.longest_edge(a);
+        if !(mask[a] && mask[b] && mask[c]) || nearest >= most {
+            return false;
+        }
+        let is_near = |([from, to], bulge): ([usize; 2], f64)| {
+            PLACES_ON_EDGE.into_iter().any(|place| {
+                let straight = (1.0 - place) * contact.gap[from] + place * contact.gap[to];
+                straight < (1.0 + BEYOND_EDGE) * height_on_edge(place) * bulge
+            })
+        };
+        [[a, b], [b, c], [c, a]].into_iter().zip(mesh.bulges(*leaf)).any(is_near)
     };
     let unfelt = (0..is_felt.len()).filter(|&leaf| !is_felt[leaf]);
     let unmet: HashSet<[usize; 3]> =
@@ -145,8 +152,8 @@ pub(crate) fn touched_between(
     let moved =
         |corner: usize| corners.binary_search(&corner).map_or_else(|_| Vector3::zeros(), |at| moved[at]);
     let little = SMALL_PENETRATION * contact.max_penetration_before;
-    let beyond = |bulge| BEYOND_MIDDLE * bulge - little;
-    stood_in.extend(with_pressed_middle(mesh, leaves, &contact.obstacle, beyond, moved)?);
+    let beyond = |bulge| BEYOND_EDGE * bulge - little;
+    stood_in.extend(with_pressed_edge(mesh, leaves, &contact.obstacle, beyond, moved)?);
     Ok(stood_in)
 }
 
@@ -155,28 +162,31 @@ fn ascending(mut corners: [usize; 3]) -> [usize; 3] {
     corners
 }
 
-/// Those of some triangles that have a curved middle as near to the obstacle, or as deep in it, as is asked for.
+/// Those of some triangles that have a point of a curved edge as near to the obstacle, or as deep in it, as is asked for.
 ///
-/// * `most`: gap (m) of a middle below which it is, by how far it stands out from the straight edge (m)
+/// * `most`: gap (m) of a point below which it is, by how far it stands out from the straight edge (m)
 /// * `moved`: how far corners have moved (m)
-pub(crate) fn with_pressed_middle(
+pub(crate) fn with_pressed_edge(
     mesh: &MeshRefinement,
     mut leaves: Vec<usize>,
     obstacle: &Obstacle,
     most: impl Fn(f64) -> f64,
     moved: impl Fn(usize) -> Vector3<f64>,
 ) -> Result<Vec<usize>, ContactError> {
-    let places = leaves.iter().flat_map(|&leaf| {
-        let [a, b, c] = mesh.corners(leaf).map(&moved);
-        let [ab, bc, ca] = mesh.curved_middles(leaf);
-        [ab + 0.5 * (a + b), bc + 0.5 * (b + c), ca + 0.5 * (c + a)]
-    });
-    let most: Vec<f64> = leaves.iter().flat_map(|&leaf| mesh.bulges(leaf)).map(most).collect();
-    let reach = most.iter().copied().fold(0.0, f64::max);
-    let measured = Measured::near(&places.collect::<Vec<_>>(), obstacle, reach, None)?;
+    let (mut places, mut gaps) = (Vec::new(), Vec::new());
+    for &leaf in &leaves {
+        let (moved, bulges) = (mesh.corners(leaf).map(&moved), mesh.bulges(leaf));
+        for (at, point) in mesh.on_curved_edges(leaf).into_iter().enumerate() {
+            let (side, place) = (at / 3, PLACES_ON_EDGE[at % 3]);
+            places.push(point + moved[side].lerp(&moved[(side + 1) % 3], place));
+            gaps.push(most(height_on_edge(place) * bulges[side]));
+        }
+    }
+    let reach = gaps.iter().copied().fold(0.0, f64::max);
+    let measured = Measured::near(&places, obstacle, reach, None)?;
     let is_pressed =
-        |(gaps, most): (&[f64; 3], &[f64; 3])| gaps.iter().zip(most).any(|(gap, most)| gap < most);
-    let mut pressed = measured.distance.as_chunks().0.iter().zip(most.as_chunks().0).map(is_pressed);
+        |(found, most): (&[f64; 9], &[f64; 9])| found.iter().zip(most).any(|(gap, most)| gap < most);
+    let mut pressed = measured.distance.as_chunks().0.iter().zip(gaps.as_chunks().0).map(is_pressed);
     leaves.retain(|_| pressed.next().is_some_and(|is_pressed| is_pressed));
     Ok(leaves)
 }

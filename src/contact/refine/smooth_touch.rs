@@ -5,13 +5,13 @@ use nalgebra::Vector3;
 use crate::contact::error::ContactError;
 use crate::contact::first_touch::first_touch;
 use crate::contact::options::ContactOptions;
-use crate::contact::refine::mark::with_pressed_middle;
+use crate::contact::refine::mark::with_pressed_edge;
 use crate::contact::scene::{Approach, Start};
 use crate::obstacle::posed::Obstacle;
 use crate::surface::checked::Surface;
 use crate::surface::refined::MeshRefinement;
 
-/// Most times that a triangle is cut to find a first touch: each quarters how far its middle stands out.
+/// Most times that a triangle is cut to find a first touch: each quarters how far its edges stand out.
 const MOST_CUTS: usize = 8;
 
 impl Approach {
@@ -31,7 +31,7 @@ impl Approach {
 }
 
 /// Travel (m) at which the obstacle, coming from infinity along a unit direction, first touches the smooth skin: triangles
-/// are cut until no curved middle is touched before the vertices.
+/// are cut until no curved edge is touched before the vertices.
 fn touch_of_smooth_skin(
     surface: &Surface,
     obstacle: &Obstacle,
@@ -40,7 +40,7 @@ fn touch_of_smooth_skin(
     let mut travel = first_touch(surface, obstacle, direction)?;
     let pressed_at = |mesh: &MeshRefinement, travel: f64| {
         let placed = obstacle.translated(&(travel * direction));
-        with_pressed_middle(mesh, (0..mesh.leaf_count()).collect(), &placed, |_| 0.0, |_| Vector3::zeros())
+        with_pressed_edge(mesh, (0..mesh.leaf_count()).collect(), &placed, |_| 0.0, |_| Vector3::zeros())
     };
     let mask = surface.skin_mask();
     let may_touch = |face: &u32| surface.faces()[*face as usize].iter().all(|&corner| mask[corner as usize]);
