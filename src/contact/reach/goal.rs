@@ -93,7 +93,7 @@ impl MeshSearch for Task<'_> {
         to.travel - from.travel
     }
 
-    fn unless_missed(&self, contact: Contact) -> Result<Contact, ContactError> {
+    fn unless_missed(&self, contact: Contact, _: &f64) -> Result<Contact, ContactError> {
         let value = self.target.quantity.of(&contact, &self.setup.approach.direction);
         // As jumps of the quantity are allowed to keep it.
         let is_near = (value / self.target.value - 1.0).abs() <= Search::UNEVENNESS;

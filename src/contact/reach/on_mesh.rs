@@ -223,7 +223,7 @@ impl OnMesh<'_> {
     }
 
     /// The deepest penetration so far past the touch (m).
-    fn overlap(&self, past: f64) -> Result<f64, ContactError> {
+    pub fn overlap(&self, past: f64) -> Result<f64, ContactError> {
         let Setup { surface, options, .. } = self.setup;
         Ok(Gaps::measure(surface, &self.scene(past), options.search_distance)?.deepest())
     }

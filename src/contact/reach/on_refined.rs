@@ -40,9 +40,7 @@ pub(crate) trait MeshSearch {
     fn way_between(&self, from: &Contact, to: &Contact) -> f64;
 
     /// A contact on a mesh that is not refined, or why it is not what was searched.
-    fn unless_missed(&self, contact: Contact) -> Result<Contact, ContactError> {
-        Ok(contact)
-    }
+    fn unless_missed(&self, contact: Contact, hint: &Self::Hint) -> Result<Contact, ContactError>;
 
     /// The error that says where a search ended in vain.
     fn missed(&self, contact: Contact, hint: &Self::Hint, why: String) -> ContactError;
@@ -81,7 +79,7 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
         left -= 1;
         let placement = turned(&hint).at(given.pressed_depth());
         let mut rounds = match begin(given, started, placement, skin, options)? {
-            Begun::Ended(contact) => return search.unless_missed(*contact),
+            Begun::Ended(contact) => return search.unless_missed(*contact, &hint),
             Begun::Rounds(rounds) => *rounds,
         };
         let end = rounds.run()?;
@@ -89,7 +87,7 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
         let met = (end == RefinementEnd::Target).then_some(rounds.target);
         let Some(again) = search.search_again(&mut rounds, &hint)? else {
             let (rounds, end) = before.unwrap_or((rounds, end));
-            return search.unless_missed(rounds.conclude(end)?);
+            return search.unless_missed(rounds.conclude(end)?, &hint);
         };
         hint = again.hint;
         if let Some(why) = again.why {

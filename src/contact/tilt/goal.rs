@@ -26,6 +26,8 @@ const UNEVENNESS: f64 = 1e-3;
 const FREE_FORCE: f64 = 1e-4;
 /// That many times as much is left of a force where it ends in doing so.
 const SWINGING_FORCE: f64 = 100.0;
+/// Overlap, over that at the beginning, beyond which a step went too far: it may put a product through a hand.
+const MOST_OVERLAPS: f64 = 10.0;
 /// Length of the first step and of those that a stiffness is measured with, as shares of the depth past the touch.
 const STEP_LENGTHS: [f64; 2] = [0.5, 1e-2];
 
@@ -66,7 +68,11 @@ impl Tilted<'_> {
         let first = on_given.solve(depth - on_given.touch.depth)?;
         let upright =
             Posture { angles: vec![0.0; self.axes.len()], stiffness: None, lever: self.lever(&first) };
-        let (contact, found) = self.settle(&on_given, first, upright)?;
+        let (contact, mut found) = self.settle(&on_given, first, upright)?;
+        if contact.status == ContactStatus::Solved && self.setup.may_refine()? {
+            // A contact that changes by jumps on a coarse mesh may not on a finer one.
+            found.why = None;
+        }
         let approach = approach.on_part(surface, obstacle, options)?;
         let refined = Self { setup: Setup { approach, ..self.setup }, axes: self.axes.clone(), ..*self };
         let on_given = OnMesh { setup: refined.setup, ..on_given };
@@ -99,6 +105,7 @@ impl Tilted<'_> {
         let mut timings = std::mem::take(&mut first.timings);
         let started = Beginning { at, stiffness, lengths: STEP_LENGTHS.map(|share| share * past) };
         let free = FREE_FORCE * first.resultant.force.norm();
+        let deepest = MOST_OVERLAPS * first.max_penetration_before;
         let first = self.place(first, lever, free);
         let room = |at: &DVector<f64>, step: &DVector<f64>| {
             let end = angles_at(&(at + step));
@@ -110,6 +117,9 @@ impl Tilted<'_> {
             let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.depth), past)? else {
                 return Ok(None);
             };
+            if turned.overlap(past)? > deepest {
+                return Ok(None);
+            }
             let mut contact = match turned.solve_with(past, &mut trials) {
                 Err(error) if error.is_of_deeper() => return Ok(None),
                 other => other?,
@@ -275,14 +285,22 @@ impl MeshSearch for Tilted<'_> {
         to.active.iter().map(moved).fold(0.0, f64::max)
     }
 
+    fn unless_missed(&self, contact: Contact, posture: &Posture) -> Result<Contact, ContactError> {
+        if contact.status != ContactStatus::Solved || self.off(&contact) <= UNEVENNESS / TOLERANCE {
+            return Ok(contact);
+        }
+        Err(self.missed(contact, posture, "it does not settle".to_string()))
+    }
+
     fn missed(&self, contact: Contact, posture: &Posture, why: String) -> ContactError {
+        let has_left = contact.resultant.force.norm() == 0.0;
         ContactError::NotBalanced {
             point: self.point_at(&contact).into(),
             moment: DVector::from_vec(self.moments(&contact)).norm(),
             force: contact.resultant.force.norm(),
             asked: self.force(),
             angle: self.turned_by(&posture.angles).rotation.angle(),
-            why,
+            why: if has_left { "it has left the skin".to_string() } else { why },
             contact: PressedContact(Box::new(contact)),
         }
     }

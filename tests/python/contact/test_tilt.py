@@ -10,6 +10,7 @@ import pytest
 import quasirigid as qr
 from numpy.typing import NDArray
 from shapes import AS_GIVEN, SKIN, ball
+from shared_meshes import hand_file
 
 UP = np.array([0.0, 0.0, 1.0])
 POINT = np.array([0.0, 0.0, -0.02])
@@ -89,6 +90,21 @@ def test_a_symmetric_press_keeps_its_pose(options: qr.ContactOptions | None) -> 
     plain = qr.press(surface, PLATE, SKIN, UP, depth=1e-3, options=options)
     np.testing.assert_allclose(turned.force, plain.force, rtol=0, atol=1e-9 * plain.force[2])
     assert turned.travel == plain.travel
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_a_light_plate_settles_on_an_open_hand_that_its_mesh_feels_by_jumps() -> None:
+    hand = qr.read_surface(hand_file("makehuman_male_right_13k"), unit="m")
+    hand = hand.with_skin_mask(qr.skin_without_caps(hand))
+    plate = qr.Obstacle.half_space([0.0, 0.0, -0.3], [0, 0, 1])
+    about = np.array([0.0, 0.11, -0.3])
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.45, response=qr.HalfSpace())
+    contact = qr.press(hand, plate, skin, [0, 0, 1], force=0.05, balance="tilt", tilt_point=about)
+    assert contact.force[2] == pytest.approx(0.05, rel=1e-6)
+    point = about + contact.travel * np.array(UP)
+    moment = contact.moment - np.cross(point, contact.force)
+    lever = np.linalg.norm(contact.surface.vertices[contact.active] - point, axis=1).max()
+    assert np.linalg.norm(moment[:2]) <= 1e-6 * np.linalg.norm(contact.force) * lever
 
 
 def test_a_plate_sinks_deeper_into_the_softer_ball() -> None:
