@@ -6,6 +6,8 @@ use crate::geometry::bounds::is_within_range;
 
 /// Largest entry of `|RᵀR − I|` of a matrix that is taken for a rotation.
 const ROTATION_TOLERANCE: f64 = 1e-9;
+/// That of a rotation in single precision.
+const SINGLE_PRECISION: f64 = 1e-5;
 
 /// Why a matrix and a vector are no rigid motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -24,7 +26,12 @@ pub enum RigidMotionError {
     /// The matrix is no rotation.
     #[error(
         "the rotation must be orthonormal to {tolerance:e}, but |RᵀR - I| reaches {deviation:e}; \
-         scale or shear the mesh itself instead"
+         {}",
+        if *deviation < SINGLE_PRECISION {
+            "make it orthonormal in double precision"
+        } else {
+            "scale or shear the mesh itself instead"
+        }
     )]
     NotOrthonormal {
         /// Largest entry of `|RᵀR - I|`.

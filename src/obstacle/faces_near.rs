@@ -16,7 +16,7 @@ pub(crate) type Triangle = [Vector3<f64>; 3];
 impl Obstacle {
     /// The faces of a mesh, a box or a cylinder that may meet a box; none of a primitive without flat faces.
     ///
-    /// The sides of a cylinder are flat.
+    /// Round sides of a cylinder are those of the prism with [`RIM_SIDES`] sides in it, up to 0.5 % of the radius within them.
     pub(crate) fn faces_near(&self, bounds: &Bounds) -> Vec<Triangle> {
         let pose = self.pose_matrix();
         let own: Vec<Triangle> = match self.shape() {

@@ -143,7 +143,7 @@ def cut_out(
     given = [name for name, value in plane.items() if value is not None]
     if (keep is None) == (not given) or (keep is None and len(given) < 3):
         found = ", ".join(given + ["keep"] * (keep is not None)) or "none of them"
-        raise TypeError(f"cut_out takes tip, point and normal, or keep; given: {found}")
+        raise TypeError(f"cut_out takes tip, point and normal together, or keep; given: {found}")
     count = len(surface.vertices)
     if keep is not None:
         parts = _core.cut_out_marked(surface, as_mask("keep", keep, count, SurfaceError))

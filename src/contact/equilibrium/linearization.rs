@@ -88,8 +88,13 @@ struct Deformed {
 }
 
 impl Deformed {
-    fn new(gaps: &Gaps, response: &Compliance, forces: &NodeForces) -> Result<Self, ContactError> {
-        let surface = gaps.surface;
+    fn new(
+        gaps: &Gaps,
+        response: &Compliance,
+        forces: &NodeForces,
+        report: &mut Report,
+    ) -> Result<Self, ContactError> {
+        let (started, surface) = (Instant::now(), gaps.surface);
         let is_other =
             |vertex: &usize| surface.skin_mask()[*vertex] && forces.candidates.binary_search(vertex).is_err();
         let mut beside = surface.k_ring(&forces.active, 1);
@@ -101,11 +106,19 @@ impl Deformed {
         moved.retain(|(vertex, _)| gaps.line_at(*vertex).is_none());
         moved.sort_unstable_by_key(|(vertex, _)| *vertex);
         let (vertices, displacement) = moved.into_iter().unzip();
-        Self::at(gaps, vertices, displacement)
+        report.clock("response", started);
+        Self::at(gaps, vertices, displacement, report)
     }
 
-    fn at(gaps: &Gaps, vertices: Vec<usize>, displacement: Vec<Vector3<f64>>) -> Result<Self, ContactError> {
+    fn at(
+        gaps: &Gaps,
+        vertices: Vec<usize>,
+        displacement: Vec<Vector3<f64>>,
+        report: &mut Report,
+    ) -> Result<Self, ContactError> {
+        let started = Instant::now();
         let measured = gaps.measured_at(&vertices, &displacement)?;
+        report.clock("signed_distance", started);
         Ok(Self { vertices, displacement, measured })
     }
 
@@ -163,7 +176,7 @@ pub(crate) fn solve_to_the_end<'a>(
         return Ok(forces);
     }
     let (tolerance, deepest) = (options.gap_tolerance, gaps.deepest());
-    let deformed = Deformed::new(gaps, response, &forces)?;
+    let deformed = Deformed::new(gaps, response, &forces, report)?;
     let least = deformed.left(gaps, &traits, &forces)?;
     if least.is_settled(tolerance, deepest) {
         return Ok(forces);
@@ -241,7 +254,7 @@ impl<'a> Linearizations<'a, '_> {
         let Deformed { vertices, displacement, .. } = &self.deformed;
         let shift = vertices.iter().zip(displacement);
         let shift = shift.map(|(&vertex, u)| gaps.linearized_at(vertex).lerp(u, self.step)).collect();
-        let there = Deformed::at(gaps, vertices.clone(), shift)?;
+        let there = Deformed::at(gaps, vertices.clone(), shift, report)?;
         let last = gaps.clone();
         gaps.linearize(&there.vertices, &there.displacement, &there.measured);
         // The last attempt looks for an answer far away as well.
@@ -268,7 +281,7 @@ impl<'a> Linearizations<'a, '_> {
         report: &mut Report,
     ) -> Result<(), ContactError> {
         self.active.clone_from(&forces.active);
-        self.deformed = Deformed::new(gaps, self.response, &forces)?;
+        self.deformed = Deformed::new(gaps, self.response, &forces, report)?;
         let left = self.deformed.left(gaps, &self.response.traits, &forces)?;
         let total: Vector3<f64> = forces.vectors.iter().sum();
         let is_same_force = (total - self.force).norm() <= self.options.gap_tolerance * total.norm();

@@ -25,7 +25,7 @@ impl Report {
             ),
             (
                 "the rim of the skin mask",
-                "let the skin beyond it touch too (`skin_mask=` of the surface), or cut the mesh farther from the contact",
+                "let the skin beyond it touch too (`skin_mask`), or cut the mesh farther from the contact",
             ),
             ("the open border of the mesh", "take a mesh that goes on beyond it"),
         ];

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..._check import as_boolean, as_number, as_vector
+from ...contact.ending import ContactStatus
 from ...contact.options import ContactOptions, options_to_core
 from ...contact.press import end_of
 from ...errors import HandError, QuasirigidWarning, SizeWarning
@@ -169,7 +170,7 @@ def close_hand(
             SizeWarning,
             stacklevel=2,
         )
-    _warn(hold, posed)
+    _warn(hold, posed, contact)
     return _grasp(hold, posed, contact, weight=weight, middle=middle)
 
 
@@ -186,12 +187,20 @@ def _check_skin(skin: Skin) -> None:
         )
 
 
-def _warn(hold: Hold, posed: PosedHand) -> None:
-    """Warn of digits that stay inside the product and of regions that cross each other."""
+def _warn(hold: Hold, posed: PosedHand, contact: Contact) -> None:
+    """Warn of digits that stay inside the product, of one that none holds and of regions that cross."""
     for digit, depth in hold.standing.items():
         warnings.warn(
             f"{digit} was not asked for and stands {1e3 * depth:.3g} mm inside the product: it stays at the "
             "start; name it too, start in another pose, or move the hand",
+            QuasirigidWarning,
+            stacklevel=3,
+        )
+    missed = hold.missed()
+    if missed and contact.status is ContactStatus.NO_CONTACT:
+        warnings.warn(
+            f"no digit holds the product, {', '.join(missed)} missed it: move the hand to it, or end in "
+            "another pose; `Grasp.missed` says why",
             QuasirigidWarning,
             stacklevel=3,
         )
