@@ -209,7 +209,7 @@ impl Setup<'_> {
         let edges = (contact.travel - warm.meshes.given.travel).abs() / self.surface.mean_edge_length();
         let has_more_patches = contact.patches.len() > warm.last().1.patches.len();
         if edges <= FARTHEST_MOVE && !has_more_patches {
-            let is_touched = self.cut_between(warm, contact)?;
+            let is_touched = self.cut_between(warm, contact, false)?;
             return Ok(Some(if is_touched { View::Another } else { View::Same }));
         }
         let depth = contact.pressed_depth();
@@ -241,7 +241,7 @@ impl Setup<'_> {
         };
         warm.meshes.given.travel = contact.travel;
         let is_wider = warm.meshes.mesh.take(near);
-        let is_touched = self.cut_between(warm, contact)?;
+        let is_touched = self.cut_between(warm, contact, true)?;
         Ok(Some(match (is_felt_anew || is_touched || edges > FARTHEST_KNOWN, is_wider) {
             (true, _) => View::Another,
             (false, true) => View::Wider,
@@ -249,15 +249,23 @@ impl Setup<'_> {
         }))
     }
 
-    /// Cuts triangles without force that the obstacle touches between their vertices, and those of the given mesh that a curved
-    /// edge of is in the obstacle before the skin moves; whether there are some.
-    fn cut_between(&self, warm: &mut WarmMesh, contact: &Contact) -> Result<bool, ContactError> {
+    /// Cuts triangles without force that the obstacle touches between their vertices; whether there are some.
+    ///
+    /// * `looks_around`: also those of the given mesh that a curved edge of is in the obstacle before the skin moves
+    fn cut_between(
+        &self,
+        warm: &mut WarmMesh,
+        contact: &Contact,
+        looks_around: bool,
+    ) -> Result<bool, ContactError> {
         let Meshes { given, mesh, .. } = &warm.meshes;
         let (part, _) = warm.last();
         let skin = self.refined_skin(part)?;
         let mut between = touched_between(mesh, Some(part), contact, &*skin, self.options)?;
-        let under_force = loaded(mesh, &part.numbers(&contact.active));
-        between.extend(pressed_between(mesh, &given.gap, &contact.obstacle, &under_force)?);
+        if looks_around {
+            let under_force = loaded(mesh, &part.numbers(&contact.active));
+            between.extend(pressed_between(mesh, &given.gap, &contact.obstacle, &under_force)?);
+        }
         let mut marked = vec![false; mesh.leaf_count()];
         between.iter().for_each(|&leaf| marked[leaf] = true);
         warm.meshes.mesh.refine(&marked);
