@@ -195,15 +195,17 @@ def press(
     Notes
     -----
     Under a force or an overlap the depth is searched to a relative 1e-6 of the value, on the given mesh, and
-    again on the mesh that is refined there. A press to `Contact.depth` gives the force back: to the bit on
-    the given mesh (``target_error=None``), else as far as two refined meshes agree, some `target_error`.
+    again on the mesh that is refined there; what a coarse given mesh jumps over is found on that alone. Where
+    it jumps by less than 1 % on the last mesh, the nearest is returned with a RefinementWarning. A press to
+    `Contact.depth` gives the force back: to the bit on the given mesh (``target_error=None``), else as far as
+    two refined meshes agree, some `target_error`.
 
     With ``balance="tilt"`` the depth is the travel of `tilt_point` beyond the first touch of the obstacle as
     it was given: the first touch of the turned one would jump from finger to finger as it turns. Force and
-    overlap are those of the turned obstacle. The moment is balanced, on the given mesh and again on the
-    refined one, to 1e-6 of the force times the largest distance of a loaded vertex from the point. There is
-    no balance where the point lies beside all that can carry the obstacle, or where a depth is too small for
-    the fingers on both sides of the point to be reached.
+    overlap are those of the turned obstacle. The moment is balanced, on the given mesh, where that has a
+    balance, and on the refined one, to 1e-6 of the force times the largest distance of a loaded vertex from
+    the point. There is no balance where the point lies beside all that can carry the obstacle, or where a
+    depth is too small for the fingers on both sides of the point to be reached.
 
     A vertex that came in through another side of the obstacle than its closest one (beside an edge, through a
     thin wall) has its gap measured back along the press, to where the obstacle met it; `left_out` counts
