@@ -214,16 +214,32 @@ impl OnMesh<'_> {
 
     /// The contact so far past the touch, with what trials before it know.
     pub fn solve_with(&self, past: f64, trials: &mut Trials) -> Result<Contact, ContactError> {
-        let scene = self.scene(past);
-        let solved = self.in_place(&scene, trials)?;
+        let contact = self.solve_within(past, f64::INFINITY, trials)?;
+        Ok(contact.expect("no overlap is deeper"))
+    }
+
+    /// The same, `None` where skin and obstacle overlap by more than `deepest` (m).
+    pub fn solve_within(
+        &self,
+        past: f64,
+        deepest: f64,
+        trials: &mut Trials,
+    ) -> Result<Option<Contact>, ContactError> {
+        let (scene, Setup { surface, options, .. }) = (self.scene(past), self.setup);
+        let mut report = Report::default();
+        let gaps = InPlace::gaps(surface, &scene, options, &mut report)?;
+        if gaps.deepest() > deepest {
+            return Ok(None);
+        }
+        let solved = InPlace::solve_gaps(gaps, trials.skin, trials.known.as_ref(), options, report)?;
         if let Some(known) = solved.known() {
             trials.known = Some(known);
         }
-        solved.contact(self.setup.options)
+        solved.contact(options).map(Some)
     }
 
     /// The deepest penetration so far past the touch (m).
-    pub fn overlap(&self, past: f64) -> Result<f64, ContactError> {
+    fn overlap(&self, past: f64) -> Result<f64, ContactError> {
         let Setup { surface, options, .. } = self.setup;
         Ok(Gaps::measure(surface, &self.scene(past), options.search_distance)?.deepest())
     }

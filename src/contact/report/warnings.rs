@@ -184,9 +184,12 @@ impl Contact {
     pub(crate) fn warn_of_refinement(&mut self, end: RefinementEnd, target: f64) {
         let reason = end.as_str();
         let percent = |share: f64| format!("{} %", Digits(100.0 * share, 3));
-        let cost_of = |share: f64| match share.is_finite() {
-            true => format!("about {}", percent(share)),
-            false => "an unknown part".to_string(),
+        let cost_of = |share: f64| {
+            if share.is_finite() {
+                format!("about {}", percent(share))
+            } else {
+                "an unknown part".to_string()
+            }
         };
         let mut short = Vec::new();
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)

@@ -117,12 +117,11 @@ impl Tilted<'_> {
             let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.depth), past)? else {
                 return Ok(None);
             };
-            if turned.overlap(past)? > deepest {
-                return Ok(None);
-            }
-            let mut contact = match turned.solve_with(past, &mut trials) {
+            let mut contact = match turned.solve_within(past, deepest, &mut trials) {
+                Ok(Some(contact)) => contact,
+                Ok(None) => return Ok(None),
                 Err(error) if error.is_of_deeper() => return Ok(None),
-                other => other?,
+                Err(error) => return Err(error),
             };
             add_timings(&mut trials.timings, &std::mem::take(&mut contact.timings));
             let is_answer = !matches!(contact.status, ContactStatus::Failed(_));
