@@ -182,6 +182,9 @@ mod tests {
             [error.force, error.area]
         };
         assert_eq!(after(Finer::Elsewhere), [0.2, 0.3]);
+        let larger = |share: f64| after(Finer::Larger { share });
+        assert_eq!(larger(0.0), [0.2, 0.3]);
+        assert!(larger(0.1)[0] > 0.18 && larger(0.1)[0] > larger(1.0)[0]);
         // Two rounds may agree by chance.
         let [force, area] = after(Finer::Pressed);
         assert!((force - 0.04).abs() < 1e-12 && (area - 0.06).abs() < 1e-12, "{force} {area}");

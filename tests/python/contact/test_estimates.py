@@ -227,3 +227,21 @@ def test_a_contact_within_one_triangle_has_no_known_error() -> None:
     accuracy = contact.accuracy
     assert (accuracy.force_error, accuracy.area_error, accuracy.max_pressure_error) == (np.inf,) * 3
     assert "not known: mesh too coarse" in contact.summary()
+
+
+def test_a_blade_thinner_than_the_cells_is_told_to_be_far_off() -> None:
+    tip = qr.models.fingertip(edge_length=0.6e-3)
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+
+    def pressed(thickness: float, target: float) -> tuple[float, float]:
+        blade = qr.Obstacle.box([0.05, 0.5 * thickness, 0.025]).moved(translation=[0.0, 0.019, -0.1])
+        options = qr.ContactOptions(target_error=target)
+        contact = qr.press(tip, blade, skin, UP, depth=2e-3, options=options)
+        assert contact.accuracy.force_error is not None
+        return float(contact.force[2]), contact.accuracy.force_error
+
+    force, told = pressed(1e-5, 0.02)
+    # A thicker blade, which the cells resolve, takes no less.
+    most, most_told = pressed(1e-4, 2e-4)
+    assert most_told < 0.05
+    assert force * (1.0 - told) <= most * (1.0 + most_told)
