@@ -58,12 +58,7 @@ fn a_coarse_skin_is_closed_lies_on_the_fine_one_and_keeps_the_outline_of_its_cut
     let wanted = vec![2.5e-3; fine.vertices().len()];
     let coarse = CoarseSkin::new(&fine, &wanted, &held).expect("a sound mesh");
     let (count, all) = (coarse.fine_vertices.len(), fine.vertices().len());
-    println!(
-        "{all} to {count} vertices, {:.2e} m off, edges {:.2e} m",
-        coarse.deviation,
-        coarse.surface.mean_edge_length()
-    );
-    assert!(count < all / 6 && count > 60);
+    assert!(count < all / 6 && count > 60, "{all} to {count} vertices");
     assert!(coarse.surface.is_closed() && coarse.surface.topology().component_count() == 1);
     assert!((1.5e-3..3e-3).contains(&coarse.surface.mean_edge_length()));
     assert!(coarse.deviation < 0.5e-3);
@@ -102,7 +97,6 @@ fn a_plate_on_a_sphere_with_a_core_meets_the_finite_element_force_on_two_levels(
         assert!(coarse_count(&two).is_some_and(|count| count < 300));
         for (depth, expected) in indentations {
             let force = plate_force(&skin, &two, depth);
-            println!("nu {poisson_ratio}, depth {:.2} mm: {force:.4} N of {expected} N", depth * 1e3);
             assert_relative_eq!(force, expected, max_relative = 0.03);
         }
     }
@@ -135,8 +129,7 @@ fn finer_coarse_meshes_come_closer_to_one_level() {
     let force = |length| plate_force(&skin, &prepared(&body(length), &skin, 0.5, &nodes), 1e-3);
     let expected = force(0.0);
     let errors = [4e-3, 2e-3].map(|length| (force(length) / expected - 1.0).abs());
-    println!("off one level by {errors:?}");
-    assert!(errors[0] < 0.05 && errors[1] < 0.015 && errors[1] < errors[0]);
+    assert!(errors[0] < 0.05 && errors[1] < 0.015 && errors[1] < errors[0], "off one level by {errors:?}");
 }
 
 #[test]
@@ -158,9 +151,8 @@ fn a_turned_body_answers_as_one_that_is_solved_where_it_stands() {
     let [moved_matrix, anew_matrix] =
         [&moved, &anew].map(|body| body.matrix(&asked, &directions).expect("prepared"));
     let difference = (&moved_matrix - &anew_matrix).norm_max() / anew_matrix.norm_max();
-    println!("differ by {difference:.1e}");
     // The coarse mesh follows lengths that rounding moves; the integrals keep 1e-6.
-    assert!(difference < 1e-5);
+    assert!(difference < 1e-5, "differ by {difference:.1e}");
 
     // A newton at each node: few vertices move as they do among all, and as R says.
     let at = |vertices: &[usize]| moved.displace(&asked, &directions, vertices).expect("prepared");

@@ -106,16 +106,8 @@ fn a_finger_comes_out_of_a_whole_hand() {
     let finger = cut_out(&hand, tip, &point, &Vector3::y()).expect("a finger");
     check_part(&hand, &finger);
     let Bounds { low, high } = finger.surface.bounding_box();
-    println!(
-        "{} of {} vertices, {} in the caps, {:.1} x {:.1} x {:.1} mm",
-        finger.surface.vertices().len(),
-        hand.vertices().len(),
-        finger.source_vertices.iter().filter(|source| source.is_none()).count(),
-        (high.x - low.x) * 1e3,
-        (high.y - low.y) * 1e3,
-        (high.z - low.z) * 1e3
-    );
-    assert!((high.y - low.y - 45e-3).abs() < 4e-3 && high.x - low.x < 30e-3 && high.z - low.z < 35e-3);
+    let size = high - low;
+    assert!((size.y - 45e-3).abs() < 4e-3 && size.x < 30e-3 && size.z < 35e-3, "{size:?} m");
     Body::of_part(&finger, None).held_vertices(&finger.surface).expect("a sound body");
 }
 

@@ -10,7 +10,7 @@ use crate::contact::scene::{Press, Start};
 use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::direction::unit;
-use crate::mesh::remesh::red_green::smallest_angle;
+use crate::mesh::remesh::green::smallest_angle;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
 use crate::response::skin::elastic::ElasticSkin;

@@ -1,20 +1,17 @@
 //! Red-green refinement: marked triangles are cut into four similar ones, their neighbours close the mesh.
 //!
-//! A triangle cut in four is red. One with one or two halved edges is cut in two or three, green, where that leaves half of
-//! the smallest angle of the given face; else its longest edge is halved too, or it becomes red (Bank, Sherman, Weiser 1983;
-//! Rivara 1984).
-//! Green cuts are undone before the next round, so that shapes stay what they were, and no choice hangs on the numbering or
-//! on rounding.
+//! A triangle cut in four is red; [`green`] says what becomes of one with one or two halved edges. Green cuts are undone
+//! before the next round, so that shapes stay what they were (Bank, Sherman, Weiser 1983).
+//!
+//! [`green`]: super::green
 
 use std::collections::HashSet;
 
 use nalgebra::Vector3;
 
 use crate::mesh::edge_map::{EdgeMap, edge};
+use crate::mesh::remesh::green::Fate;
 use crate::mesh::remesh::smooth::{SmoothMesh, curved_middle};
-
-/// Least share of the smallest angle of the given face that a green cut leaves.
-const LEAST_ANGLE_SHARE: f64 = 0.5;
 
 /// A triangle that is not cut in four.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +134,7 @@ impl RedGreen {
     }
 
     /// Vertex in the middle of an edge, if it is halved.
-    fn middle_of(&self, a: u32, b: u32) -> Option<u32> {
+    pub(super) fn middle_of(&self, a: u32, b: u32) -> Option<u32> {
         self.sides.get(&edge(a, b)).map(|side| side.middle).filter(|&middle| middle != NO_INDEX)
     }
 
@@ -226,61 +223,6 @@ impl RedGreen {
         curved_middle(ends.map(|end| (self.point(mesh, end), normal(end))), of_faces)
     }
 
-    /// What becomes of a leaf with the halved edges that it has.
-    fn fate(&self, mesh: &SmoothMesh, leaf: usize) -> Fate {
-        let [a, b, c] = self.leaves[leaf].corners;
-        let middles = [[a, b], [b, c], [c, a]].map(|[from, to]| self.middle_of(from, to));
-        // Turned so that the first edge is halved, or the first two of them.
-        let turns = [[a, b, c], [b, c, a], [c, a, b]];
-        let turned = |k: usize| (turns[k], middles[k], middles[(k + 1) % 3]);
-        let (corners, cuts) = match middles.map(|middle| middle.is_some()) {
-            [false, false, false] => return Fate::Stays(Replacement::none([a, b, c])),
-            [true, true, true] => return Fate::TurnsRed,
-            [true, false, false] | [true, true, false] => (turned(0).0, (turned(0).1, turned(0).2)),
-            [false, true, false] | [false, true, true] => (turned(1).0, (turned(1).1, turned(1).2)),
-            [false, false, true] | [true, false, true] => (turned(2).0, (turned(2).1, turned(2).2)),
-        };
-        let halves_are_whole = [(corners[0], corners[1], cuts.0), (corners[1], corners[2], cuts.1)]
-            .into_iter()
-            .filter_map(|(from, to, middle)| middle.map(|middle| [[from, middle], [middle, to]]))
-            .all(|halves| halves.iter().all(|&[from, to]| self.middle_of(from, to).is_none()));
-        if !halves_are_whole {
-            return Fate::TurnsRed;
-        }
-        let least = |corners: [u32; 3]| smallest_angle(corners.map(|vertex| self.point(mesh, vertex)));
-        let allowed = LEAST_ANGLE_SHARE * least(mesh.faces[self.leaves[leaf].face as usize]);
-        let worst = |cuts: &Replacement| cuts.triangles().map(least).fold(f64::INFINITY, f64::min);
-        let [p, q, r] = corners;
-        let (first, second) = (cuts.0.expect("the first edge is halved"), cuts.1);
-        let Some(second) = second else {
-            let cut = Replacement { count: 2, all: [[p, first, r], [first, q, r], [p; 3]] };
-            if worst(&cut) >= allowed {
-                return Fate::Stays(cut);
-            }
-            let longest = self.longest_edge(mesh, corners).filter(|&[a, b]| self.middle_of(a, b).is_none());
-            return longest.map_or(Fate::TurnsRed, Fate::HalvesToo);
-        };
-        let ways = [
-            Replacement { count: 3, all: [[first, q, second], [p, first, second], [p, second, r]] },
-            Replacement { count: 3, all: [[first, q, second], [p, first, r], [first, second, r]] },
-        ];
-        let angles = ways.each_ref().map(worst);
-        let better = usize::from(angles[1] > angles[0]);
-        if angles[better] < allowed || (angles[0] - angles[1]).abs() < SAME_RATIO * angles[better] {
-            return Fate::TurnsRed;
-        }
-        Fate::Stays(ways[better])
-    }
-
-    /// The longest edge of a triangle, if there is one.
-    fn longest_edge(&self, mesh: &SmoothMesh, corners: [u32; 3]) -> Option<[u32; 2]> {
-        let length = |[from, to]: [u32; 2]| (self.point(mesh, from) - self.point(mesh, to)).norm();
-        let [a, b, c] = corners;
-        let mut edges = [[a, b], [b, c], [c, a]].map(|ends| (length(ends), ends));
-        edges.sort_by(|a, b| b.0.total_cmp(&a.0));
-        (edges[0].0 > (1.0 + SAME_RATIO) * edges[1].0).then_some(edges[0].1)
-    }
-
     /// The triangles with their green cuts, each with the given face that it is a part of; conforming.
     pub fn triangles(&self, mesh: &SmoothMesh) -> Vec<(usize, [u32; 3])> {
         let mut all = Vec::with_capacity(self.leaves.len() + self.leaves.len() / 4);
@@ -290,42 +232,6 @@ impl RedGreen {
         }
         all
     }
-}
-
-/// Lengths and angles whose ratio is nearer to one are the same.
-const SAME_RATIO: f64 = 1e-6;
-
-/// What becomes of a leaf beside halved edges.
-enum Fate {
-    Stays(Replacement),
-    HalvesToo([u32; 2]),
-    TurnsRed,
-}
-
-/// One to three triangles in the place of a leaf.
-#[derive(Clone, Copy)]
-struct Replacement {
-    count: usize,
-    all: [[u32; 3]; 3],
-}
-
-impl Replacement {
-    fn none(corners: [u32; 3]) -> Self {
-        Self { count: 1, all: [corners; 3] }
-    }
-
-    fn triangles(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
-        self.all.into_iter().take(self.count)
-    }
-}
-
-/// Smallest angle of a triangle (rad).
-pub(crate) fn smallest_angle(corners: [Vector3<f64>; 3]) -> f64 {
-    let angle = |k: usize| {
-        let (u, v) = (corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]);
-        u.cross(&v).norm().atan2(u.dot(&v))
-    };
-    angle(0).min(angle(1)).min(angle(2))
 }
 
 #[cfg(test)]

@@ -333,7 +333,6 @@ pub(crate) mod tests {
                         }
                     }
                 }
-                println!("tolerance {tolerance:e}, rule {number} from {ratio:.1} radii: {worst:.2e}");
                 assert!(
                     worst < tolerance,
                     "tolerance {tolerance:e}, rule {number}: {worst:e} at {ratio} radii"
