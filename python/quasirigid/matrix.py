@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from .surface import Surface
 
 __all__ = ["Definiteness", "NetVolume", "definiteness", "initial_gaps", "net_volume", "response_matrix"]
-
-# Lengths of directions may be off 1 by this, as of normals in single precision.
-_UNIT_TOLERANCE = 1e-6
 
 
 def response_matrix(
@@ -76,26 +73,10 @@ def response_matrix(
         as_surface("surface", surface),
         core_skin(skin, surface, num_threads),
         nodes,
-        directions=None if directions is None else _as_unit_vectors("directions", directions),
+        directions=directions,
         tolerance=as_float("tolerance", tolerance),
         num_threads=num_threads,
     )
-
-
-def _as_unit_vectors(name: str, value: Any) -> Any:
-    """Return rows of three numbers of length 1; what is no such array stays, for the core to refuse."""
-    try:
-        rows = np.asarray(value)
-    except ValueError:
-        return value
-    if rows.dtype.kind not in "fiu" or rows.ndim != 2 or rows.shape[1] != 3:
-        return value
-    with np.errstate(over="ignore"):
-        lengths = np.hypot.reduce(rows.astype(np.float64), axis=1)
-    wrong = np.flatnonzero(~(np.abs(lengths - 1.0) <= _UNIT_TOLERANCE))
-    if wrong.size > 0:
-        raise ResponseError(f"{name}[{wrong[0]}] has length {lengths[wrong[0]]:.9g}, expected a unit vector")
-    return value
 
 
 def initial_gaps(

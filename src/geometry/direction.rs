@@ -2,6 +2,8 @@
 
 use nalgebra::Vector3;
 
+/// Lengths of unit vectors may be off 1 by this, as of normals in single precision.
+const UNIT_TOLERANCE: f64 = 1e-6;
 /// Two unit directions no farther apart are one.
 const SAME_DIRECTION: f64 = 1e-10;
 
@@ -21,6 +23,12 @@ pub(crate) fn unit(direction: &Vector3<f64>) -> Option<Vector3<f64>> {
     let scaled = direction / direction.amax();
     let length = scaled.norm();
     (length > 0.0 && length.is_finite()).then(|| scaled / length)
+}
+
+/// The first that is no unit vector, and its length.
+pub(crate) fn first_off_unit(directions: &[Vector3<f64>]) -> Option<(usize, f64)> {
+    let mut lengths = directions.iter().map(Vector3::norm).enumerate();
+    lengths.find(|&(_, length)| length.is_nan() || (length - 1.0).abs() > UNIT_TOLERANCE)
 }
 
 /// A unit vector perpendicular to `axis`, fixed by it: across the coordinate axis that `axis` is farthest from.

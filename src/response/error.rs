@@ -35,13 +35,13 @@ pub enum ResponseError {
         /// Nodes given.
         nodes: usize,
     },
-    /// A direction is not finite or is zero.
-    #[error("direction {index} is ({}, {}, {}), but must be finite and not zero", value[0], value[1], value[2])]
+    /// A direction is no unit vector.
+    #[error("directions[{index}] has length {length}, expected a unit vector")]
     Direction {
         /// Position in the list of directions.
         index: usize,
-        /// The value found.
-        value: [f64; 3],
+        /// Its length.
+        length: f64,
     },
     /// The number of thicknesses differs from the number of vertices.
     #[error("{thicknesses} thicknesses were given for a surface of {vertex_count} vertices")]

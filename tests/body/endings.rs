@@ -37,7 +37,6 @@ fn prepare(body: &Body, nodes: &[usize], options: &BodyOptions) -> Result<BodyCo
 
 fn refusal(body: &Body) -> BodyError {
     let error = body.held_vertices(&skin()).expect_err("it cannot be prepared");
-    println!("{error}");
     let same = prepare(body, &[0], &BodyOptions::default()).expect_err("it cannot be prepared");
     assert_eq!(same, error);
     error
@@ -198,7 +197,6 @@ fn the_memory_limit_is_kept_and_says_what_would_fit() {
     let nodes: Vec<usize> = (0..10).collect();
     let options = BodyOptions { memory_limit: Some(cost.peak_bytes - 1), ..BodyOptions::default() };
     let error = prepare(&with_core(), &nodes, &options).expect_err("one byte short");
-    println!("{error}");
     let BodyError::MemoryLimit { needed, limit, affordable, .. } = error else { panic!("{error}") };
     assert_eq!((needed, limit), (cost.peak_bytes, cost.peak_bytes - 1));
     assert!(affordable > 0 && affordable < 120);

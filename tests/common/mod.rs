@@ -37,16 +37,19 @@ pub fn galerkin() -> KernelSkin {
     half_space().with_discretization(Discretization::Galerkin).expect("a half-space has it")
 }
 
-/// The folder of test meshes: `QUASIRIGID_DATA`, default `../shared/data`; prints why if it is absent.
+/// The folder of test meshes: `QUASIRIGID_DATA`, default `../shared/data`; prints why if that is absent.
+///
+/// Panics if the variable names a folder that holds none.
 pub fn data_dir() -> Option<PathBuf> {
-    let default = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let path = std::env::var_os("QUASIRIGID_DATA").map_or_else(default, PathBuf::from);
+    let named = std::env::var_os("QUASIRIGID_DATA").map(PathBuf::from);
+    let is_named = named.is_some();
+    let path = named.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data"));
     if path.join("hands").is_dir() {
-        Some(path)
-    } else {
-        println!("skipped: no meshes in {} (set QUASIRIGID_DATA)", path.display());
-        None
+        return Some(path);
     }
+    assert!(!is_named, "QUASIRIGID_DATA: no meshes in {}", path.display());
+    println!("skipped: no meshes in {} (set QUASIRIGID_DATA)", path.display());
+    None
 }
 
 /// Reads a binary little-endian PLY of float32 points and triangles (list uchar int), and nothing else.

@@ -132,9 +132,6 @@ fn galerkin_beats_collocation_in_force_peak_and_area_over_places_on_every_mesh()
         for (cells, places) in [(4, 12), (8, 5)] {
             let errors = |skin| hertz_errors(skin, cells, f64::to_radians(degrees), jitter, places);
             let (collocation, galerkin) = (errors(&half_space()), errors(&galerkin()));
-            println!(
-                "{mesh}, {cells} cells: force, peak, area {galerkin:.5?}, collocation {collocation:.5?}"
-            );
             for (k, figure) in ["force", "peak", "area"].into_iter().enumerate() {
                 assert!(
                     galerkin[k] < collocation[k],

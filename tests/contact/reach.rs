@@ -182,8 +182,7 @@ fn a_force_out_of_reach_gives_the_largest_contact() {
     let cases = [(small, half_space(), 100.0), (plate(), skin(constants), 10.0)];
     for (obstacle, skin, force) in cases {
         match refused(&ball(8e-3, 3), &obstacle, &skin, Goal::Force(force)) {
-            ContactError::NotReached { asked, found, depth, contact, why, .. } => {
-                println!("{found} N at {depth} m; {why}");
+            ContactError::NotReached { asked, found, depth, contact, .. } => {
                 assert_eq!(asked, force);
                 assert_eq!(contact.0.status, ContactStatus::Solved);
                 assert_eq!((contact.0.resultant.force.z, contact.0.depth), (found, Some(depth)));

@@ -66,7 +66,6 @@ fn a_huge_solution_is_not_called_impossible() {
                 assert!(solution.advice().contains("up to rounding"), "{}", solution.advice());
             }
         }
-        println!("{method}: {} {:?}", solution.advice(), solution.attempts);
         if method == LcpMethodName::Auto {
             assert!(solution.attempts.len() > 1, "a ray to rounding is no end for auto");
         }

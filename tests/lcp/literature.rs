@@ -8,10 +8,9 @@ use crate::{assert_solves, run_with};
 #[test]
 fn exponential_examples_end_solved_by_every_method() {
     for n in [1, 2, 5, 10, 15, 20] {
-        for (name, m, q) in exponential_examples(n) {
+        for (_, m, q) in exponential_examples(n) {
             for method in [LcpMethodName::Lemke, LcpMethodName::BlockPivoting, LcpMethodName::Auto] {
                 let solution = run_with(&m, &q, method, &LcpOptions::default());
-                println!("{name} {n} {method}: {} pivots, {} runs", solution.pivots, solution.attempts.len());
                 assert_solves(&m, &q, &solution, 1e-12);
             }
         }
@@ -51,7 +50,6 @@ fn graded_p_matrices_are_solved_up_to_condition_1e14() {
             let q: Vec<f64> = (0..n).map(|_| noise.value()).collect();
             for method in [LcpMethodName::Lemke, LcpMethodName::Auto] {
                 let solution = run_with(&m, &q, method, &LcpOptions::default());
-                println!("1e{exponent}, {n}, {method}: {:e}", solution.natural_residual);
                 assert_eq!(solution.status, LcpStatus::Solved, "{}", solution.advice());
             }
         }

@@ -67,15 +67,17 @@ fn enumerate(m: &Mat<f64>, q: &[f64]) -> Vec<Vec<f64>> {
 
 fn agree_with_enumeration(method: LcpMethodName, cases: usize, seed: u64, largest: usize) {
     let mut noise = Noise(seed);
-    let mut endings = std::collections::BTreeMap::<String, usize>::new();
+    let mut solved = 0;
     for case in 0..cases {
         let (m, q, kind) = small_problem(&mut noise, largest);
         let solution = run_with(&m, &q, method, &LcpOptions::default());
-        *endings.entry(format!("{kind}: {}", solution.status)).or_default() += 1;
         let context =
             || format!("case {case} ({kind}): {} for {m:?} {q:?} {:?}", solution.advice(), solution.attempts);
         match solution.status {
-            LcpStatus::Solved => assert_solves(&m, &q, &solution, 1e-9),
+            LcpStatus::Solved => {
+                assert_solves(&m, &q, &solution, 1e-9);
+                solved += 1;
+            }
             LcpStatus::Ray => {
                 let ray = solution.ray.as_ref().expect("a ray comes with its direction");
                 let none =
@@ -86,7 +88,7 @@ fn agree_with_enumeration(method: LcpMethodName, cases: usize, seed: u64, larges
             _ => panic!("{}", context()),
         }
     }
-    println!("{endings:#?}");
+    assert!(solved > cases / 2 && solved < cases, "{solved} of {cases} solved");
 }
 
 #[test]

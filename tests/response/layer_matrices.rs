@@ -102,7 +102,6 @@ fn an_incompressible_layer_displaces_no_net_volume_on_flat_meshes_of_any_shape()
         let options = AssemblyOptions { tolerance: 1e-9, ..Default::default() };
         let skin = skin(0.5, thickness * CELL, Discretization::Collocation);
         let volume = net_volume(&surface, &skin, cells / 2 * (cells + 2), &options).expect("valid");
-        println!("{cells} {jitter} {thickness}: {:e}", volume.net / volume.gross);
         assert!(volume.net.abs() < 1e-6 * volume.gross, "{cells}, {jitter}, {thickness}: {volume:?}");
     }
 }

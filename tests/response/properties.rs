@@ -75,7 +75,6 @@ fn patches_of_real_fingers_are_positive_definite_in_both_discretizations() {
             let r = assemble(&surface, &skin, &nodes, &options).expect("valid");
             let found = spectrum(r.as_ref());
             assert!(found.is_positive_definite() && found.condition < 1e3, "{name}: {found:?}");
-            println!("{name}: {found:?}");
         }
     }
 }

@@ -217,10 +217,7 @@ def _principal_axis(finger: Surface, caps: NDArray[np.bool_], tip: Floats | None
 
 
 def _as_cut(cut: ArrayLike, count: int) -> NDArray[np.bool_]:
-    try:
-        mask = as_mask("cut", cut, count, SurfaceError)
-    except TypeError as error:
-        raise SurfaceError(str(error)) from None
+    mask = as_mask("cut", cut, count, SurfaceError)
     if mask.all() or not mask.any():
         raise SurfaceError(
             f"`cut` marks {np.count_nonzero(mask)} of the {count} vertices, expected those of the cut at the "

@@ -59,7 +59,7 @@ class PreparedSkin(Made):
         -------
         (m,) float64
             Pressure (Pa) at each vertex of the bone, positive where tissue pushes on it. At nu = 0.5 a
-            uniform pressure on the skin arrives unchanged, but for the mesh: some 2 % where the body is
+            uniform pressure on the skin arrives unchanged, but for the mesh: 2 to 3 % where the body is
             solved on a coarse one, as by default; with ``coarse_edge_length=0`` 0.2 % on 642 vertices.
 
         Raises

@@ -23,7 +23,7 @@ use crate::response::kernel::basis::Discretization;
 /// than their assembly.
 const EXAMINED_SIZE: usize = 64;
 /// Rings around the vertices that are expected to carry force which enter the problem with them.
-const EXPECTED_RINGS: usize = 1;
+pub(super) const EXPECTED_RINGS: usize = 1;
 /// Share of a group from which all of it enters at once.
 const MOST_OF_A_GROUP: f64 = 0.95;
 
@@ -149,12 +149,14 @@ impl GroupProblem<'_> {
         let normals = gaps.at(nodes)?.normal;
         let matrix = response.matrix(nodes, &normals, forces.applied())?;
         report.clock("response", started);
+        let started = Instant::now();
+        let q = response.traits.discretization.initial_gap(gaps, response, nodes)?;
+        report.clock("signed_distance", started);
         let is_examined = options.condition || nodes.len() <= EXAMINED_SIZE;
         let started = Instant::now();
         let is_interrupted = || options.is_interrupted();
         let spectrum = is_examined.then(|| spectrum_until(matrix.as_ref(), &is_interrupted));
         let definiteness = spectrum.map_or(Definiteness::Unknown, |spectrum| spectrum.definiteness);
-        let q = response.traits.discretization.initial_gap(gaps, response, nodes)?;
         // What fingers feel of each other may change with the candidates.
         let kept = response.kept_factors(&normals).filter(|_| forces.fingers.coupling.extremes()[1] == 0.0);
         let problem = LcpProblem::new(matrix.as_ref(), &q)?

@@ -7,7 +7,7 @@ use crate::contact::candidate::groups::{uncoupled_groups, with_rings};
 use crate::contact::discretization::prepared;
 use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
-use crate::contact::equilibrium::group::{GroupProblem, Guess};
+use crate::contact::equilibrium::group::{EXPECTED_RINGS, GroupProblem, Guess};
 use crate::contact::equilibrium::growth::wanting;
 use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
@@ -33,7 +33,7 @@ pub(crate) fn solve(
     let mut candidates = traits.discretization.start_set(gaps, response, rings)?;
     if let Some(guess) = guess.filter(|_| traits.negative_entries) {
         // What it grew by before would be found again, one solve later.
-        candidates.extend(prepared(gaps, response, with_rings(gaps.surface, guess.active, 1)));
+        candidates.extend(prepared(gaps, response, with_rings(gaps.surface, guess.active, EXPECTED_RINGS)));
         candidates.sort_unstable();
         candidates.dedup();
     }

@@ -39,7 +39,7 @@ const GALERKIN: MeshErrors = MeshErrors {
     left_by_rim: [1.0, 0.45],
 };
 
-/// The largest share of a round's change that the last rounds are taken to show for the next.
+/// The largest share of a round's change that the last rounds are taken to show for the next: what keeps more does not settle.
 pub(super) const SLOWEST_CHANGE: f64 = 0.8;
 
 impl MeshErrors {

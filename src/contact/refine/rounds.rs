@@ -16,6 +16,7 @@ use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd, RefinementKind};
 use crate::contact::refine::given::{concluded, note_given};
 use crate::contact::refine::mark::{faces_near, touched_between};
+use crate::contact::refine::mesh_errors::SLOWEST_CHANGE;
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::product::errors_of_area_and_peak;
 use crate::contact::refine::wanting::{Finer, Wanting};
@@ -33,8 +34,6 @@ const UNSETTLED_ROUNDS: usize = 2;
 const FEW_UNDER_FORCE: usize = 100;
 /// A mesh with more contact nodes is not refined for the penetration between them alone.
 pub(crate) const FEW_NODES: usize = 300;
-/// A figure that keeps more than this share from one round to the next does not settle.
-const SETTLING_SHARE: f64 = 0.8;
 /// Rounds at the most.
 const MAX_ROUNDS: usize = 12;
 /// What a round leaves of the edges.
@@ -261,7 +260,7 @@ impl Rounds<'_> {
         let is_met = self.is_met(contact);
         let is_resolved = !self.touches_elsewhere(contact)
             && (contact.is_free_of_penetration()
-                || so_far.left > SETTLING_SHARE * left_before
+                || so_far.left > SLOWEST_CHANGE * left_before
                 || contact.candidates.len() > FEW_NODES);
         if is_met && is_resolved {
             return Some(if contact.is_apart() {
@@ -271,7 +270,7 @@ impl Rounds<'_> {
             });
         }
         let may_settle = contact.clues.edge.is_none() && contact.active.len() >= FEW_UNDER_FORCE;
-        let is_unsettled = !is_met && share > SETTLING_SHARE * so_far.worst && may_settle;
+        let is_unsettled = !is_met && share > SLOWEST_CHANGE * so_far.worst && may_settle;
         so_far.unsettled = if is_unsettled { so_far.unsettled + 1 } else { 0 };
         so_far.worst = share;
         (so_far.unsettled >= UNSETTLED_ROUNDS).then_some(RefinementEnd::Unsettled)

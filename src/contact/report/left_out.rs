@@ -80,7 +80,10 @@ impl Report {
             self.leave_out("coupling between groups of candidates", why);
         }
         if options.tolerance > 0.0 {
-            let why = format!("quadrature keeps every entry within {:.0e} relative", options.tolerance);
+            let why = format!(
+                "quadrature keeps every entry within {:.0e} of the half-space's, K/r",
+                options.tolerance
+            );
             self.leave_out("exact integrals of far pairs", why);
         }
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
+use crate::geometry::direction::first_off_unit;
 use crate::geometry::rigid_motion::check_rotation;
 use crate::response::body::check::parts::{Range, check_counts, check_numbers, entries};
 use crate::response::body::check::tissue::check_nodes;
@@ -34,9 +35,6 @@ pub struct BodyCompliance {
     parts: Arc<BodyParts>,
     rotation: Matrix3<f64>,
 }
-
-/// Deviation of a direction's length from 1 that still counts as rounding.
-const UNIT_LENGTH_ERROR: f64 = 1e-9;
 
 impl BodyCompliance {
     pub(crate) fn new(parts: BodyParts) -> Self {
@@ -127,11 +125,8 @@ impl BodyCompliance {
     /// [`BodyError::Length`], [`BodyError::DirectionLength`].
     pub fn response_along(&self, directions: &[Vector3<f64>]) -> Result<Mat<f64>, BodyError> {
         check_length("directions", directions.len(), self.parts.nodes.len())?;
-        for (index, direction) in directions.iter().enumerate() {
-            let length = direction.norm();
-            if length.is_nan() || (length - 1.0).abs() > UNIT_LENGTH_ERROR {
-                return Err(BodyError::DirectionLength { index, length });
-            }
+        if let Some((index, length)) = first_off_unit(directions) {
+            return Err(BodyError::DirectionLength { index, length });
         }
         let everything: Vec<usize> = (0..self.parts.nodes.len()).collect();
         Ok(self.response_among(&everything, directions))

@@ -246,8 +246,8 @@ pub enum BodyError {
         /// Number of nodes.
         expected: usize,
     },
-    /// A direction is not a unit vector.
-    #[error("direction {index} has length {length}, expected 1")]
+    /// A direction is no unit vector.
+    #[error("directions[{index}] has length {length}, expected a unit vector")]
     DirectionLength {
         /// Position in the list.
         index: usize,

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use nalgebra::Vector3;
 
+use crate::geometry::direction::first_off_unit;
 use crate::linalg::memory::free_memory;
 use crate::response::error::ResponseError;
 
@@ -46,14 +47,13 @@ impl AssemblyOptions<'_> {
     }
 }
 
-/// Checks that there is a direction for each of `nodes` nodes.
+/// Checks that there is a unit vector for each of `nodes` nodes.
 pub(crate) fn check_directions(directions: &[Vector3<f64>], nodes: usize) -> Result<(), ResponseError> {
     if directions.len() != nodes {
         return Err(ResponseError::DirectionCount { directions: directions.len(), nodes });
     }
-    let bad = |d: &Vector3<f64>| !(d.norm().is_finite() && d.norm() > 0.0);
-    match directions.iter().position(bad) {
-        Some(index) => Err(ResponseError::Direction { index, value: directions[index].into() }),
+    match first_off_unit(directions) {
+        Some((index, length)) => Err(ResponseError::Direction { index, length }),
         None => Ok(()),
     }
 }

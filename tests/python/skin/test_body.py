@@ -203,16 +203,17 @@ def test_a_uniform_pressure_reaches_the_bone_unchanged() -> None:
     np.testing.assert_allclose(found, pressure, rtol=0.01)
 
 
-@pytest.mark.parametrize(("coarse_edge_length", "error"), [(None, 0.025), (0.0, 0.002)])
-def test_a_coarse_mesh_costs_a_uniform_pressure_what_the_docstring_says(
-    coarse_edge_length: float | None, error: float
-) -> None:
+def test_a_coarse_mesh_costs_a_uniform_pressure_no_more_than_the_docstring_says() -> None:
     surface, core = at(ball(8e-3, 3), 0.0), at(ball(3e-3, 2), 0.0)
-    skin = skin_of(bone=core, bone_pressure=True, coarse_edge_length=coarse_edge_length)
-    found = skin.prepared(surface).bone_pressure(
-        -1e3 * surface.vertex_areas[:, None] * surface.vertex_normals
-    )
-    assert np.abs(found / 1e3 - 1.0).max() == pytest.approx(error, rel=0.2)
+    forces = -1e3 * surface.vertex_areas[:, None] * surface.vertex_normals
+
+    def error(coarse_edge_length: float | None) -> float:
+        skin = skin_of(bone=core, bone_pressure=True, coarse_edge_length=coarse_edge_length)
+        return float(np.abs(skin.prepared(surface).bone_pressure(forces) / 1e3 - 1.0).max())
+
+    coarse, own = error(None), error(0.0)
+    assert own < coarse < 0.03
+    assert own < 0.003
 
 
 @pytest.mark.filterwarnings("ignore:the target of .*coarse mesh of the body:quasirigid.RefinementWarning")
