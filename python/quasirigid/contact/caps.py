@@ -1,4 +1,4 @@
-"""Contacts on the flat cut face of a scan that no mask leaves out; the core knows masks alone."""
+"""Contacts on the flat cut face of a scan that no mask leaves out."""
 
 from __future__ import annotations
 

@@ -16,20 +16,16 @@ use std::time::Instant;
 use nalgebra::Vector3;
 
 use crate::contact::equilibrium::compliance::Compliance;
+use crate::contact::equilibrium::deformed::{Deformed, Left};
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::group::{Guess, Nearness};
-use crate::contact::equilibrium::growth::PRESSED_SHARE;
 use crate::contact::equilibrium::solve::solve;
 use crate::contact::equilibrium::steep::steep_share;
 use crate::contact::error::ContactError;
-use crate::contact::figures::motion::candidates::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
-use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::{Refinement, RefinementKind};
 use crate::contact::report::record::Report;
-use crate::response::kernel::basis::Discretization;
-use crate::response::skin::elastic::Traits;
 use crate::response::skin::kept::KeptSkin;
 
 /// Share of the gaps that a linearization at a full step leaves at the most; more, and one of half the step follows. A shorter
@@ -40,120 +36,11 @@ const LONGER_STEP: f64 = 1.5;
 /// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
 /// twice.
 const MOST_IN_VAIN: usize = 3;
-/// How far normals may turn, over the gap tolerance, so that forces are off by some such share of theirs: on sides as steep as a
-/// ball's that the skin folds around, gaps vanish long before the forces stand upright on it.
-const TURNED_PER_GAP: f64 = 5.0;
 /// Share of the force on steep sides from which on skin slips to them: between that of a rod, a quarter at four times its radius
 /// while its force still rises, and of a ball whose force begins to fall, at 1.2 radii.
 const SLIPPING_SHARE: f64 = 0.35;
 /// Least step from one linearization to the next.
 const LEAST_STEP: f64 = 0.125;
-
-/// What a linearization leaves.
-#[derive(Debug, Clone, Copy)]
-struct Left {
-    /// Gaps of vertices under force and penetration of others (m).
-    largest: f64,
-    /// Root of the mean square, over those that are more than rounded: it falls steadily where single vertices come and go.
-    mean: f64,
-    /// How far the normals have turned from those that the forces act along: root of the mean square, by force.
-    turned: f64,
-}
-
-impl Left {
-    /// * `rounding`: of the gaps (m)
-    /// * `turned`: [`Left::turned`]
-    fn of(gaps: impl Iterator<Item = f64>, rounding: f64, turned: f64) -> Self {
-        let (mut largest, mut squares, mut count) = (0.0_f64, 0.0, 0_usize);
-        for gap in gaps.filter(|gap| *gap > rounding) {
-            (largest, squares, count) = (largest.max(gap), squares + gap * gap, count + 1);
-        }
-        Self { largest, mean: (squares / count.max(1) as f64).sqrt(), turned }
-    }
-
-    /// * `tolerance`: of gaps, as a share of the deepest
-    fn is_settled(&self, tolerance: f64, deepest: f64) -> bool {
-        self.largest <= tolerance * deepest && self.turned <= TURNED_PER_GAP * tolerance
-    }
-}
-
-/// The skin around a contact where its forces put it.
-struct Deformed {
-    /// Candidates and the vertices beside the active ones, but for those on sharp edges, ascending.
-    vertices: Vec<usize>,
-    /// u (m).
-    displacement: Vec<Vector3<f64>>,
-    /// Signed distance (m) and normal there.
-    measured: Measured,
-}
-
-impl Deformed {
-    fn new(
-        gaps: &Gaps,
-        response: &Compliance,
-        forces: &NodeForces,
-        report: &mut Report,
-    ) -> Result<Self, ContactError> {
-        let (started, surface) = (Instant::now(), gaps.surface);
-        let is_other =
-            |vertex: &usize| surface.skin_mask()[*vertex] && forces.candidates.binary_search(vertex).is_err();
-        let mut beside = surface.k_ring(&forces.active, 1);
-        beside.retain(|vertex| is_other(vertex) && response.is_prepared(*vertex));
-        let found = response.displace_coarsely(forces.applied(), &beside)?;
-        let motion = CandidateMotion::new(gaps, response, forces)?;
-        let candidates = forces.candidates.iter().copied().zip(motion.displacement);
-        let mut moved: Vec<(usize, Vector3<f64>)> = candidates.chain(beside.into_iter().zip(found)).collect();
-        moved.retain(|(vertex, _)| gaps.line_at(*vertex).is_none());
-        moved.sort_unstable_by_key(|(vertex, _)| *vertex);
-        let (vertices, displacement) = moved.into_iter().unzip();
-        report.clock("response", started);
-        Self::at(gaps, vertices, displacement, report)
-    }
-
-    fn at(
-        gaps: &Gaps,
-        vertices: Vec<usize>,
-        displacement: Vec<Vector3<f64>>,
-        report: &mut Report,
-    ) -> Result<Self, ContactError> {
-        let started = Instant::now();
-        let measured = gaps.measured_at(&vertices, &displacement)?;
-        report.clock("signed_distance", started);
-        Ok(Self { vertices, displacement, measured })
-    }
-
-    /// What forces leave; gaps in Galerkin form are how far the averaged ones of nodes under force are from those solved with.
-    fn left(&self, gaps: &Gaps, traits: &Traits, forces: &NodeForces) -> Result<Left, ContactError> {
-        let turned = self.turned(forces);
-        let rounding = PRESSED_SHARE * gaps.deepest();
-        if traits.discretization == Discretization::Galerkin {
-            // Solved, the gap is as far from nothing as another linearization changes it.
-            let mut anew = gaps.clone();
-            anew.linearize(&self.vertices, &self.displacement, &self.measured);
-            let [before, after] = [gaps, &anew].map(|gaps| gaps.averaged(traits.basis, &forces.active));
-            let changes = before?.into_iter().zip(after?).map(|(before, after)| (after - before).abs());
-            return Ok(Left::of(changes, rounding, turned));
-        }
-        let rows = self.vertices.iter().zip(&self.measured.distance);
-        let off = |(&vertex, &distance): (&usize, &f64)| {
-            if forces.force[vertex] > 0.0 { distance.abs() } else { (-distance).max(0.0) }
-        };
-        Ok(Left::of(rows.map(off), rounding, turned))
-    }
-
-    /// [`Left::turned`] of such forces.
-    fn turned(&self, forces: &NodeForces) -> f64 {
-        let (mut squares, mut total) = (0.0, 0.0);
-        for (&vertex, normal) in self.vertices.iter().zip(&self.measured.normal) {
-            let force = forces.force[vertex];
-            if force > 0.0 {
-                squares += force * (forces.vectors[vertex] / force - normal).norm_squared();
-                total += force;
-            }
-        }
-        if total > 0.0 { f64::sqrt(squares / total) } else { 0.0 }
-    }
-}
 
 /// Takes gaps and normals anew at the deformed skin until no gap of a vertex in contact is above the tolerance, and the forces
 /// stand upright on the obstacle to five times it. Where skin slipped to steep sides, it begins again, with skin kept off these.
@@ -171,25 +58,48 @@ pub(crate) fn solve_to_the_end<'a>(
     options: &ContactOptions,
     report: &mut Report,
 ) -> Result<NodeForces, ContactError> {
-    let traits = response.traits;
-    if forces.failure.is_some() {
+    let (forces, first) = settle(gaps, forces, response, was_vain, options, report)?;
+    let Some(mut kept_off) = first.filter(|_| gaps.steep_share.is_none()) else { return Ok(forces) };
+    let share = steep_share(gaps.surface, &forces);
+    if share <= SLIPPING_SHARE {
         return Ok(forces);
+    }
+    kept_off.steep_share = Some(share);
+    let guess =
+        Guess { active: &forces.active, nearness: Nearness::OfCoarser, fingers: Some(&forces.fingers) };
+    let again = solve(&kept_off, response, Some(guess), options, report)?;
+    if again.failure.is_some() || again.active.is_empty() {
+        return Ok(forces);
+    }
+    *gaps = kept_off;
+    Ok(settle(gaps, again, response, was_vain, options, report)?.0)
+}
+
+/// As [`solve_to_the_end`], wherever skin slips to. With the forces it returns the first gaps, where others were tried.
+fn settle<'a>(
+    gaps: &mut Gaps<'a>,
+    forces: NodeForces,
+    response: &Compliance,
+    was_vain: bool,
+    options: &ContactOptions,
+    report: &mut Report,
+) -> Result<(NodeForces, Option<Gaps<'a>>), ContactError> {
+    if forces.failure.is_some() {
+        return Ok((forces, None));
     }
     let (tolerance, deepest) = (options.gap_tolerance, gaps.deepest());
     let deformed = Deformed::new(gaps, response, &forces, report)?;
-    let least = deformed.left(gaps, &traits, &forces)?;
-    if least.is_settled(tolerance, deepest) {
-        return Ok(forces);
+    let least = deformed.left(gaps, &response.traits, &forces)?;
+    if least.is_settled(tolerance, deepest) || options.max_linearizations == 1 {
+        return Ok((forces, None));
     }
     // A kernel's matrix holds in every round; that of a body hangs on the normals.
     let kept = KeptSkin::new(response.skin);
     let keeping = response.with_skin(&kept);
     let is_kept = !response.traits.is_kernel || response.skin.kept_factors().is_some();
-    let given = response;
-    let response = if is_kept { response } else { &keeping };
-    report.is_unsettled = options.max_linearizations > 1 && least.largest > tolerance * deepest;
+    report.is_unsettled = least.largest > tolerance * deepest;
     let mut rounds = Linearizations {
-        response,
+        response: if is_kept { response } else { &keeping },
         options,
         was_vain,
         deformed,
@@ -210,21 +120,7 @@ pub(crate) fn solve_to_the_end<'a>(
     }
     let (_, forces, of_best) = rounds.best;
     *gaps = of_best;
-    let share = steep_share(gaps.surface, &forces);
-    let has_slipped = share > SLIPPING_SHARE && options.max_linearizations > 1;
-    if gaps.steep_share.is_some() || !has_slipped {
-        return Ok(forces);
-    }
-    let mut kept_off = rounds.first.unwrap_or_else(|| gaps.clone());
-    kept_off.steep_share = Some(share);
-    let guess =
-        Guess { active: &forces.active, nearness: Nearness::OfCoarser, fingers: Some(&forces.fingers) };
-    let again = solve(&kept_off, given, Some(guess), options, report)?;
-    if again.failure.is_some() || again.active.is_empty() {
-        return Ok(forces);
-    }
-    *gaps = kept_off;
-    solve_to_the_end(gaps, again, given, was_vain, options, report)
+    Ok((forces, Some(rounds.first.unwrap_or_else(|| gaps.clone()))))
 }
 
 /// Linearizations one after the other.
