@@ -63,6 +63,9 @@ pub(crate) struct Approach {
     pub known_touch: Option<f64>,
 }
 
+/// Steepest slope that an obstacle has where it touches: so much a way across the press changes where that ends.
+const STEEPEST: f64 = 0.25;
+
 /// Where on its way an obstacle touches.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
@@ -125,7 +128,8 @@ impl Placement<'_> {
             }
             touch => touch?,
         };
-        Ok(approach.scene(depth, surface, self.obstacle, touch))
+        let turned = approach.turned_touch(touch, surface, self.obstacle)?;
+        Ok(approach.scene(depth, surface, self.obstacle, turned.unwrap_or(touch)))
     }
 }
 
@@ -141,10 +145,14 @@ impl Approach {
         let way = travel * self.direction;
         let mut placed = obstacle.translated(&way);
         let past = (depth - touch.depth).max(0.0);
-        let mut deepest = past;
-        let turned = self.turn.map(|turn| Turn { point: turn.point + way, ..turn });
+        let mut turned = self.turn.map(|turn| Turn { point: turn.point + way, ..turn });
         if let Some(turn) = &turned {
             placed = turn.of(&placed);
+        }
+        // From infinity it came as it is turned now: the touch is its own.
+        turned = turned.filter(|_| self.start == Start::Current);
+        let mut deepest = past;
+        if let Some(turn) = &turned {
             let farthest = skin_vertices(surface).map(|(_, position)| (position - turn.point).norm());
             deepest += turn.farthest(farthest.fold(0.0, f64::max));
         }
@@ -157,7 +165,21 @@ impl Approach {
         }
     }
 
-    /// Where on its way the obstacle touches.
+    /// A touch as the obstacle is turned, where it comes from infinity so; `None` where it never does.
+    pub fn turned_touch(
+        &self,
+        touch: Touch,
+        surface: &Surface,
+        obstacle: &Obstacle,
+    ) -> Result<Option<Touch>, ContactError> {
+        let Some(turn) = self.turn.filter(|_| self.start == Start::Infinity) else { return Ok(Some(touch)) };
+        match first_touch(surface, &turn.of(obstacle), &self.direction) {
+            Err(ContactError::NeverTouches { .. }) => Ok(None),
+            travel => Ok(Some(Touch { depth: travel? - touch.begin, ..touch })),
+        }
+    }
+
+    /// Where on its way the obstacle touches that does not turn.
     pub fn touch(&self, surface: &Surface, obstacle: &Obstacle) -> Result<Touch, ContactError> {
         if self.start == Start::Infinity {
             return Ok(Touch { begin: self.first_touch(surface, obstacle)?, depth: 0.0 });
@@ -212,16 +234,16 @@ pub(crate) struct Travel {
     /// Its length (m), and how much of that is past the touch.
     pub depth: f64,
     pub past: f64,
-    /// How the obstacle turned there.
+    /// How the obstacle turned there, where it did not come from infinity so.
     pub turned: Option<Turn>,
     /// A penetration that none exceeds (m): the way past the touch where the obstacle did not turn.
     pub deepest: f64,
 }
 
 impl Travel {
-    /// How far the obstacle came along the direction to a place, past the touch (m).
+    /// How far the obstacle came along the direction to a place, past the touch (m): with a turn it brings other points there.
     pub fn way_to(&self, place: &Vector3<f64>) -> f64 {
-        let by_turning = self.turned.map_or(0.0, |turn| self.direction.dot(&turn.way_to(place)));
-        self.past + by_turning
+        let turned = self.turned.map_or(Vector3::zeros(), |turn| turn.way_to(place));
+        self.past + self.direction.dot(&turned) + STEEPEST * turned.norm()
     }
 }

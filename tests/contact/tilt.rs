@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use quasirigid::contact::{
     Balance, Contact, ContactError, ContactOptions, Goal, Press, Start, Tilt, TiltAxes, press,
 };
+use quasirigid::obstacle::Obstacle;
 use quasirigid::surface::Surface;
 
 use crate::common::icosphere;
@@ -14,20 +15,28 @@ const ARM: f64 = 0.03;
 
 /// Two balls of 8 mm on the x axis, the second one higher (m).
 fn two_balls(higher: f64) -> Surface {
+    balls(&[Vector3::new(-ARM, 0.0, 0.0), Vector3::new(ARM, 0.0, higher)])
+}
+
+/// Balls of 8 mm that stand on some places.
+fn balls(places: &[Vector3<f64>]) -> Surface {
     let (mut vertices, mut faces) = (Vec::new(), Vec::new());
-    for (side, height) in [(-1.0, 0.0), (1.0, higher)] {
+    for place in places {
         let (own, own_faces) = icosphere(8e-3, 3);
         let first = vertices.len() as u32;
         faces.extend(own_faces.iter().map(|face| face.map(|corner| corner + first)));
-        let shift = Vector3::new(side * ARM, 0.0, 8e-3 + height);
-        vertices.extend(own.iter().map(|vertex| vertex + shift));
+        vertices.extend(own.iter().map(|vertex| vertex + place + Vector3::new(0.0, 0.0, 8e-3)));
     }
     Surface::new(vertices, faces).expect("a valid surface")
 }
 
 fn tilted(surface: &Surface, goal: Goal, tilt: Tilt) -> Result<Contact, ContactError> {
+    turned(surface, &plate(), goal, tilt)
+}
+
+fn turned(surface: &Surface, obstacle: &Obstacle, goal: Goal, tilt: Tilt) -> Result<Contact, ContactError> {
     let upwards = Press { direction: UP, goal, start: Start::Infinity, balance: Balance::Tilt(tilt) };
-    press(surface, &plate(), &half_space(), &upwards, &ContactOptions::on_given_mesh())
+    press(surface, obstacle, &half_space(), &upwards, &ContactOptions::on_given_mesh())
 }
 
 /// The depth counts from where the lower ball is touched, which the plate turns away from.
@@ -71,6 +80,26 @@ fn a_seesaw_shares_a_force_by_its_arms() {
     let loads: Vec<f64> = contact.patches.iter().map(|patch| patch.resultant.force.z).collect();
     // The contacts slide on the balls and the plate sinks by some 2 mm of 60 in turning.
     assert!((loads[0] / loads[1] - 2.0).abs() < 0.2, "{loads:?}");
+}
+
+/// A sheet that skin comes through turns off one ball until two others carry their parts, and presses as it does as it lies.
+#[test]
+fn a_sheet_thinner_than_the_depth_turns_until_three_balls_carry_it() {
+    let surface = balls(&[
+        Vector3::new(-0.07, -0.05, 0.0),
+        Vector3::new(0.06, -0.01, 0.02),
+        Vector3::new(-0.01, 0.06, 0.02),
+    ]);
+    let sheet = Obstacle::cuboid(Vector3::new(0.08, 0.08, 2e-3)).expect("a sheet");
+    let tilt = Tilt { point: Vector3::zeros(), axes: TiltAxes::Across };
+    let on_three = turned(&surface, &sheet, Goal::Force(10.0), tilt).expect("a balance");
+    assert_eq!(on_three.patches.len(), 3);
+    let upright =
+        Press { direction: UP, goal: Goal::Force(10.0), start: Start::Infinity, balance: Balance::None };
+    let as_it_lies = on_three.obstacle.translated(&(-0.1 * UP));
+    let again = press(&surface, &as_it_lies, &half_space(), &upright, &ContactOptions::on_given_mesh());
+    let moments = [again.expect("the force"), on_three].map(|contact| contact.resultant.moment);
+    assert!((moments[0] - moments[1]).norm() < 1e-6 * moments[1].norm().max(10.0 * 0.1), "{moments:?}");
 }
 
 #[test]

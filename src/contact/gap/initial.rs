@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, HashMap};
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
+use crate::contact::first_touch::touch_rounding;
 use crate::contact::gap::averaged::{self, VertexGap};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::gap::edge::{Line, SkinPart, triangles_among};
@@ -92,7 +93,13 @@ impl<'a> Gaps<'a> {
                 (measured, entry, entered) = Self::within(surface, scene, &reach)?;
             }
         }
-        let deepest = depth_bound.map_or_else(|| reach.clone(), |depth| vec![depth; reach.len()]);
+        let deepest = match &scene.press {
+            Some(press) => {
+                let rounding = touch_rounding(surface);
+                surface.vertices().iter().map(|place| (press.way_to(place) + rounding).max(0.0)).collect()
+            }
+            None => reach.clone(),
+        };
         let on_lines = take_edges(surface, &scene.obstacle, &deepest, &mut measured);
         let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
         let penetrating: Vec<usize> = (0..measured.distance.len()).filter(is_inside).collect();

@@ -42,6 +42,7 @@ impl Task<'_> {
             power: self.target.quantity.power(),
             limit: self.setup.limit(),
             known: None,
+            tolerance: Search::TOLERANCE,
         };
         let (contact, found) = match on_given.reach(self.target.quantity, &search, None, None)? {
             Reached::Goal { contact, power } => (contact, Searched { hint: power, why: None }),
@@ -79,6 +80,7 @@ impl MeshSearch for Task<'_> {
             power,
             limit: self.setup.limit(),
             known: is_known.then_some((past, value)),
+            tolerance: Search::TOLERANCE,
         };
         let known = rounds.known_on(part);
         let (contact, why) = match on_part.reach(self.target.quantity, &search, Some(known), Some(last))? {

@@ -9,7 +9,7 @@ use crate::contact::gap::initial::Gaps;
 use crate::contact::in_place::{InPlace, Known, solve_in_place};
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
-use crate::contact::reach::target::Quantity;
+use crate::contact::reach::target::{Quantity, Target};
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::report::advice::advice;
 use crate::contact::report::digits::{Digits, Given};
@@ -22,6 +22,9 @@ use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::response::skin::elastic::ElasticSkin;
 use crate::response::skin::kept::KeptSkin;
 use crate::surface::refined::RefinedSurface;
+
+/// Share of the promised tolerance to which a value is found where more is to follow from it.
+const CLOSE: f64 = 0.1;
 
 /// One mesh of the skin, and the press that is carried out on it.
 pub(crate) struct OnMesh<'a> {
@@ -47,13 +50,15 @@ pub(crate) struct Trials<'a> {
     pub known: Option<Known>,
     /// What all of them took.
     pub timings: Vec<Timing>,
+    /// Overlap of skin and obstacle beyond which none is of use (m).
+    pub deepest: f64,
     refusal: Option<ContactError>,
 }
 
 impl<'a> Trials<'a> {
     /// * `known`: what the first trial begins from
     pub fn new(skin: &'a dyn ElasticSkin, known: Option<Known>) -> Self {
-        Self { skin, known, timings: Vec::new(), refusal: None }
+        Self { skin, known, timings: Vec::new(), deepest: f64::INFINITY, refusal: None }
     }
 }
 
@@ -161,7 +166,7 @@ impl OnMesh<'_> {
     }
 
     /// Warns where the contact changes by jumps around the goal.
-    fn warn_of_jump(&self, quantity: Quantity, value: f64, contact: &mut Contact) {
+    pub fn warn_of_jump(&self, quantity: Quantity, value: f64, contact: &mut Contact) {
         let found = quantity.of(contact, &self.setup.approach.direction);
         if (found / value - 1.0).abs() > Search::TOLERANCE {
             let (name, unit) = quantity.name_and_unit();
@@ -194,7 +199,9 @@ impl OnMesh<'_> {
     /// The force so far past the touch.
     fn force(&self, past: f64, trials: &mut Trials) -> Result<Trial, ContactError> {
         let scene = self.scene(past);
-        let solved = self.in_place(&scene, trials)?;
+        let Some(solved) = self.in_place(&scene, trials)? else {
+            return Ok(Trial::Blocked("deeper skin and product overlap by more than is of use".into()));
+        };
         add_timings(&mut trials.timings, solved.timings());
         let Some(forces) = solved.forces() else { return Ok(Trial::Value(0.0)) };
         match forces.failure {
@@ -207,35 +214,34 @@ impl OnMesh<'_> {
         }
     }
 
-    fn in_place<'b>(&'b self, scene: &'b Scene, trials: &Trials<'b>) -> Result<InPlace<'b>, ContactError> {
+    /// `None` where skin and obstacle overlap by more than is of use.
+    fn in_place<'b>(
+        &'b self,
+        scene: &'b Scene,
+        trials: &Trials<'b>,
+    ) -> Result<Option<InPlace<'b>>, ContactError> {
         let Setup { surface, options, .. } = self.setup;
-        InPlace::solve(surface, scene, trials.skin, trials.known.as_ref(), options, Report::default())
+        let mut report = Report::default();
+        let gaps = InPlace::gaps(surface, scene, options, &mut report)?;
+        if gaps.deepest() > trials.deepest {
+            return Ok(None);
+        }
+        InPlace::solve_gaps(gaps, trials.skin, trials.known.as_ref(), options, report).map(Some)
     }
 
     /// The contact so far past the touch, with what trials before it know.
     pub fn solve_with(&self, past: f64, trials: &mut Trials) -> Result<Contact, ContactError> {
-        let contact = self.solve_within(past, f64::INFINITY, trials)?;
-        Ok(contact.expect("no overlap is deeper"))
+        Ok(self.solve_within(past, trials)?.expect("any overlap is of use"))
     }
 
-    /// The same, `None` where skin and obstacle overlap by more than `deepest` (m).
-    pub fn solve_within(
-        &self,
-        past: f64,
-        deepest: f64,
-        trials: &mut Trials,
-    ) -> Result<Option<Contact>, ContactError> {
-        let (scene, Setup { surface, options, .. }) = (self.scene(past), self.setup);
-        let mut report = Report::default();
-        let gaps = InPlace::gaps(surface, &scene, options, &mut report)?;
-        if gaps.deepest() > deepest {
-            return Ok(None);
-        }
-        let solved = InPlace::solve_gaps(gaps, trials.skin, trials.known.as_ref(), options, report)?;
+    /// The same; `None` where skin and obstacle overlap by more than is of use.
+    pub fn solve_within(&self, past: f64, trials: &mut Trials) -> Result<Option<Contact>, ContactError> {
+        let scene = self.scene(past);
+        let Some(solved) = self.in_place(&scene, trials)? else { return Ok(None) };
         if let Some(known) = solved.known() {
             trials.known = Some(known);
         }
-        solved.contact(options).map(Some)
+        solved.contact(self.setup.options).map(Some)
     }
 
     /// The deepest penetration so far past the touch (m).
@@ -244,22 +250,38 @@ impl OnMesh<'_> {
         Ok(Gaps::measure(surface, &self.scene(past), options.search_distance)?.deepest())
     }
 
-    /// The way past the touch to an overlap (m); `None` where it is not reached.
+    /// The way past the touch to a value (m); `None` where it is not reached.
     ///
-    /// * `near`: about where
-    pub fn past_at_overlap(&self, overlap: f64, near: f64) -> Result<Option<f64>, ContactError> {
-        let power = Quantity::Overlap.power();
-        let search = Search { value: overlap, first: near, power, limit: self.setup.limit(), known: None };
-        match search.run(|past| self.overlap(past).map(Trial::Value))? {
-            Found::Close { at, .. } => Ok(Some(at)),
+    /// * `begins`: the way at which the quantity may be taken to begin to rise (m)
+    /// * `first`: way past that which is tried first (m)
+    pub fn past_at(
+        &self,
+        Target { quantity, value }: Target,
+        begins: f64,
+        first: f64,
+        trials: &mut Trials,
+    ) -> Result<Option<f64>, ContactError> {
+        let search = Search {
+            value,
+            first,
+            power: quantity.power(),
+            limit: self.setup.limit(),
+            known: None,
+            tolerance: CLOSE * Search::TOLERANCE,
+        };
+        match search.run(|past| self.trial(quantity, begins + past, trials))? {
+            Found::Close { at, .. } => Ok(Some(begins + at)),
             Found::NotReached { .. } => Ok(None),
         }
     }
 
-    /// The same with the obstacle turned.
-    pub fn turned(&self, turn: Turn) -> OnMesh<'_> {
+    /// The same with the obstacle turned; `None` where it never touches so.
+    pub fn turned(&self, turn: Turn) -> Result<Option<OnMesh<'_>>, ContactError> {
+        let Setup { surface, obstacle, .. } = self.setup;
         let approach = Approach { turn: Some(turn), ..self.setup.approach };
-        OnMesh { setup: Setup { approach, ..self.setup }, inherited: self.inherited.clone(), ..*self }
+        let touch = approach.turned_touch(self.touch, surface, obstacle)?;
+        let (setup, inherited) = (Setup { approach, ..self.setup }, self.inherited.clone());
+        Ok(touch.map(|touch| OnMesh { setup, inherited, touch }))
     }
 
     /// The contact so far past the touch.

@@ -102,8 +102,9 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
             return rounds.conclude(end);
         };
         started = Instant::now();
-        let turned = OnMesh { setup: turned(&hint), inherited: None, touch: on_given.touch };
-        given = turned.solve(on_given.touch.past(found))?;
+        let turned = search.turn(&hint).map(|turn| on_given.turned(turn)).transpose()?.flatten();
+        let on = turned.as_ref().unwrap_or(on_given);
+        given = on.solve(on.touch.past(found))?;
         before = Some((rounds, end));
     }
 }

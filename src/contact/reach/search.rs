@@ -30,6 +30,8 @@ pub(crate) struct Search {
     pub limit: f64,
     /// Argument and value of one point, where known.
     pub known: Option<(f64, f64)>,
+    /// Relative distance from the value at which the search ends.
+    pub tolerance: f64,
 }
 
 /// What one argument gave.
@@ -69,7 +71,7 @@ struct Bracket {
 }
 
 impl Search {
-    /// Relative distance from the value asked for at which the search ends.
+    /// Relative distance from the value asked for that is promised.
     pub const TOLERANCE: f64 = 1e-6;
     /// How near to it is good enough where no value is nearer, as contacts are solved to a gap: half of what a mesh may cost by
     /// default.
@@ -94,7 +96,7 @@ impl Search {
         }
         for _ in 0..MAX_TRIALS {
             match trial(at)? {
-                Trial::Value(value) if (value / self.value - 1.0).abs() <= Self::TOLERANCE => {
+                Trial::Value(value) if (value / self.value - 1.0).abs() <= self.tolerance => {
                     return Ok(Found::Close { at, power: bracket.power(self) });
                 }
                 Trial::Value(value) => bracket.add(at.ln(), (value / self.value).ln()),
@@ -230,7 +232,7 @@ mod tests {
     use super::*;
 
     fn search(value: f64) -> Search {
-        Search { value, first: 1.0, power: 1.5, limit: 1e3, known: None }
+        Search { value, first: 1.0, power: 1.5, limit: 1e3, known: None, tolerance: Search::TOLERANCE }
     }
 
     /// Trials and the argument found.

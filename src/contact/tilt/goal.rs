@@ -7,8 +7,9 @@ use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
 use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::reach::goal::reach;
-use crate::contact::reach::on_mesh::{OnMesh, Trials};
+use crate::contact::reach::on_mesh::OnMesh;
 use crate::contact::reach::on_refined::{MeshSearch, Searched, search_on_refined};
+use crate::contact::reach::search::Search;
 use crate::contact::reach::target::{Aim, Quantity, Target};
 use crate::contact::refine::rounds::Rounds;
 use crate::contact::report::record::add_timings;
@@ -16,9 +17,10 @@ use crate::contact::report::warning::WarningKind;
 use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
 use crate::contact::tilt::rest::{Beginning, Ended, Place, find};
+use crate::contact::tilt::turns::Turns;
 use crate::response::skin::kept::KeptSkin;
 
-/// Moment that is left, over force times lever, and error of the force; the promise is 1e-6.
+/// Moment that is left, over force times lever; the promise is 1e-6.
 const TOLERANCE: f64 = 0.9e-6;
 /// The same where contacts that are solved to a gap change by jumps.
 const UNEVENNESS: f64 = 1e-3;
@@ -26,8 +28,6 @@ const UNEVENNESS: f64 = 1e-3;
 const FREE_FORCE: f64 = 1e-4;
 /// That many times as much is left of a force where it ends in doing so.
 const SWINGING_FORCE: f64 = 100.0;
-/// Overlap, over that at the beginning, beyond which a step went too far: it may put a product through a hand.
-const MOST_OVERLAPS: f64 = 10.0;
 /// Length of the first step and of those that a stiffness is measured with, as shares of the depth past the touch.
 const STEP_LENGTHS: [f64; 2] = [0.5, 1e-2];
 
@@ -79,63 +79,63 @@ impl Tilted<'_> {
         search_on_refined(&refined, &on_given, started, contact, found)
     }
 
-    /// Turns the obstacle, and moves it under a force, until nothing is left to turn it.
+    /// Turns the obstacle until nothing is left to turn it, at the depth, force or overlap that is asked for.
     ///
-    /// * `first`: the contact in the posture `from`
+    /// * `first`: a contact near that, in the posture `from`
     fn settle(
         &self,
         on: &OnMesh,
         mut first: Contact,
         from: Posture,
     ) -> Result<(Contact, Searched<Posture>), ContactError> {
-        let (depth, past) = (first.pressed_depth(), on.touch.past(&first));
+        let kept = KeptSkin::new(on.setup.skin);
+        let mut turns = Turns::new(self, on, &kept, &first, &from.angles)?;
+        let past = turns.past();
         if first.status != ContactStatus::Solved || past <= 0.0 {
             return Ok((first, Searched { hint: from, why: None }));
         }
-        let Posture { angles, stiffness, lever } = from;
-        let is_force = self.force().is_some();
-        let own_depth = is_force.then_some(depth);
-        let at = own_depth.into_iter().chain(angles.iter().map(|angle| angle * lever));
-        let at = DVector::from_iterator(self.axes.len() + usize::from(is_force), at);
-        let angles_at = |at: &DVector<f64>| -> Vec<f64> {
-            at.iter().skip(usize::from(is_force)).map(|length| length / lever).collect()
-        };
-        let kept = KeptSkin::new(on.setup.skin);
-        let mut trials = Trials::new(&kept, None);
         let mut timings = std::mem::take(&mut first.timings);
-        let started = Beginning { at, stiffness, lengths: STEP_LENGTHS.map(|share| share * past) };
+        if self.is_off_value(&first, Search::TOLERANCE) {
+            first = match turns.contact(&from.angles)? {
+                Some(contact) => contact,
+                None => {
+                    let why = Some("what is asked for is not reached on the refined mesh".to_string());
+                    return Ok((first, Searched { hint: from, why }));
+                }
+            };
+        }
+        let Posture { angles, stiffness, lever } = from;
+        let at = DVector::from_vec(angles) * lever;
+        let angles_at = |at: &DVector<f64>| -> Vec<f64> { (at / lever).as_slice().to_vec() };
+        let begun = Beginning { at, stiffness, lengths: STEP_LENGTHS.map(|share| share * past) };
         let free = FREE_FORCE * first.resultant.force.norm();
-        let deepest = MOST_OVERLAPS * first.max_penetration_before;
         let first = self.place(first, lever, free);
         let room = |at: &DVector<f64>, step: &DVector<f64>| {
             let end = angles_at(&(at + step));
             self.room(&angles_at(at), &end)
         };
-        let ended = find(started, first, room, |at| -> Result<_, ContactError> {
-            self.setup.options.check_interrupt("search for the balance")?;
-            let turned = on.turned(self.turned_by(&angles_at(at)));
-            let Some(past) = self.past(&turned, is_force.then(|| at[0] - on.touch.depth), past)? else {
-                return Ok(None);
-            };
-            let mut contact = match turned.solve_within(past, deepest, &mut trials) {
-                Ok(Some(contact)) => contact,
-                Ok(None) => return Ok(None),
-                Err(error) if error.is_of_deeper() => return Ok(None),
-                Err(error) => return Err(error),
-            };
-            add_timings(&mut trials.timings, &std::mem::take(&mut contact.timings));
-            let is_answer = !matches!(contact.status, ContactStatus::Failed(_));
-            Ok(is_answer.then(|| self.place(contact, lever, free)))
+        let ended = find(begun, first, room, |at| -> Result<_, ContactError> {
+            let contact = turns.contact(&angles_at(at))?;
+            Ok(contact.map(|contact| self.place(contact, lever, free)))
         })?;
         let Ended { at, found: mut contact, stiffness, mut why } = ended;
-        if why.is_some() && !is_force && contact.resultant.force.norm() < SWINGING_FORCE * free {
+        if why.is_some() && contact.resultant.force.norm() < SWINGING_FORCE * free {
             why = Some("the obstacle swings free of the skin");
         }
         let why = why.filter(|reason| !self.is_nearly_balanced(&mut contact, reason));
-        add_timings(&mut timings, &trials.timings);
+        if let Aim::Value(Target { quantity, value }) = self.aim {
+            on.warn_of_jump(quantity, value, &mut contact);
+        }
+        add_timings(&mut timings, turns.timings());
         contact.timings = timings;
         let hint = Posture { angles: angles_at(&at), stiffness, lever };
         Ok((contact, Searched { hint, why: why.map(String::from) }))
+    }
+
+    /// Whether a contact is not at the value asked for.
+    fn is_off_value(&self, contact: &Contact, tolerance: f64) -> bool {
+        let Aim::Value(Target { quantity, value }) = self.aim else { return false };
+        (quantity.of(contact, &self.setup.approach.direction) / value - 1.0).abs() > tolerance
     }
 
     /// Whether next to nothing is left to turn the obstacle, of which the contact then warns.
@@ -153,42 +153,23 @@ impl Tilted<'_> {
         is_balanced
     }
 
-    /// Way past the touch at some angles (m); `None` where the overlap is not reached.
-    ///
-    /// * `own`: where it is searched together with the angles
-    /// * `near`: as it was at others
-    fn past(&self, on: &OnMesh, own: Option<f64>, near: f64) -> Result<Option<f64>, ContactError> {
-        match (self.aim, own) {
-            (_, Some(past)) => Ok(Some(past.max(0.0))),
-            (Aim::Value(Target { quantity: Quantity::Overlap, value }), _) => on.past_at_overlap(value, near),
-            _ => Ok(Some(near)),
-        }
-    }
-
     /// What a contact says of the way to the balance.
     ///
-    /// * `free`: force below which there is nothing to be balanced (N); a force to be reached pulls back by itself
+    /// * `free`: force below which there is nothing to be balanced (N)
     fn place(&self, contact: Contact, lever: f64, free: f64) -> Place<Contact> {
-        let along = Quantity::Force.of(&contact, &self.setup.approach.direction);
-        let excess = self.force().map(|force| along - force);
-        let moments = self.moments(&contact);
-        let parts = excess.into_iter().chain(moments.iter().map(|moment| moment / lever));
-        let gradient = DVector::from_vec(parts.collect());
-        let is_free = excess.is_none() && contact.resultant.force.norm() < free;
+        let gradient = DVector::from_vec(self.moments(&contact)) / lever;
+        let is_free = contact.resultant.force.norm() < free;
         let off = if is_free { f64::INFINITY } else { self.off(&contact) };
         Place { gradient, off, is_free, found: contact }
     }
 
-    /// How far from balance and force a contact is: 1 is near enough.
+    /// How far from balance a contact is: 1 is near enough.
     fn off(&self, contact: &Contact) -> f64 {
         let force = contact.resultant.force.norm();
         if force == 0.0 {
             return f64::INFINITY;
         }
-        let moments = DVector::from_vec(self.moments(contact)).norm() / (force * self.lever(contact));
-        let along = Quantity::Force.of(contact, &self.setup.approach.direction);
-        let excess = self.force().map_or(0.0, |force| (along / force - 1.0).abs());
-        moments.max(excess) / TOLERANCE
+        DVector::from_vec(self.moments(contact)).norm() / (force * self.lever(contact)) / TOLERANCE
     }
 
     /// The force to be reached along the direction (N).
@@ -200,7 +181,7 @@ impl Tilted<'_> {
     }
 
     /// Moments on the skin about the axes (N m).
-    fn moments(&self, contact: &Contact) -> Vec<f64> {
+    pub(super) fn moments(&self, contact: &Contact) -> Vec<f64> {
         let point = self.point_at(contact);
         let total = contact.resultant.moment - point.cross(&contact.resultant.force);
         self.axes.iter().map(|axis| axis.dot(&total)).collect()
@@ -227,7 +208,7 @@ impl Tilted<'_> {
         if largest > 0.0 { largest } else { surface.bounding_box().diagonal() }
     }
 
-    fn turned_by(&self, angles: &[f64]) -> Turn {
+    pub(super) fn turned_by(&self, angles: &[f64]) -> Turn {
         let turn: Vector3<f64> = self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum();
         Turn { rotation: UnitQuaternion::from_scaled_axis(turn), point: self.point }
     }
@@ -285,7 +266,9 @@ impl MeshSearch for Tilted<'_> {
     }
 
     fn unless_missed(&self, contact: Contact, posture: &Posture) -> Result<Contact, ContactError> {
-        if contact.status != ContactStatus::Solved || self.off(&contact) <= UNEVENNESS / TOLERANCE {
+        let is_near =
+            self.off(&contact) <= UNEVENNESS / TOLERANCE && !self.is_off_value(&contact, Search::UNEVENNESS);
+        if contact.status != ContactStatus::Solved || is_near {
             return Ok(contact);
         }
         Err(self.missed(contact, posture, "it does not settle".to_string()))

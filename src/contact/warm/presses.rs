@@ -189,7 +189,14 @@ impl Setup<'_> {
                 let power = quantity.power();
                 // Of the mesh before, where that has changed: no more than a guess.
                 let first = past * (value / reached).powf(1.0 / power);
-                let search = Search { value, first, power, limit: setup.limit(), known: None };
+                let search = Search {
+                    value,
+                    first,
+                    power,
+                    limit: setup.limit(),
+                    known: None,
+                    tolerance: Search::TOLERANCE,
+                };
                 match on.reach(quantity, &search, before, None)? {
                     Reached::Short { .. } => return Ok(None),
                     Reached::Goal { contact, .. } => {
