@@ -242,10 +242,10 @@ def as_integer(name: str, value: Any, refusal: type[ValueError] = ValueError, le
     number = _index_or_none(value)
     if number is None:
         raise TypeError(f"{name} is {value!r}, expected an integer")
-    if not least <= number <= sys.maxsize:
-        raise refusal(
-            f"{name} is {number}, expected an integer of at least {least} and at most {sys.maxsize}"
-        )
+    if number < least:
+        raise refusal(f"{name} is {number}, expected an integer of at least {least}")
+    if number > sys.maxsize:
+        raise refusal(f"{name} is {number}, expected an integer of at most {sys.maxsize}")
     return number
 
 

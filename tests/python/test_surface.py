@@ -81,8 +81,8 @@ def test_neighbourhoods_and_patches() -> None:
         surface.patches([-1])
     with pytest.raises(qr.SurfaceError, match=r"`nodes` has shape \[1, 1\]"):
         surface.patches([[0]])
-    for rings in (-1, 2**70):
-        with pytest.raises(qr.SurfaceError, match=f"rings is {rings}, expected an integer of at least 0"):
+    for rings, range_of in ((-1, "at least 0"), (2**70, "at most")):
+        with pytest.raises(qr.SurfaceError, match=f"rings is {rings}, expected an integer of {range_of}"):
             surface.k_ring([middle], rings)
     with pytest.raises(TypeError, match=r"rings is 0\.5, expected an integer"):
         surface.k_ring([middle], 0.5)  # type: ignore[arg-type]

@@ -238,7 +238,7 @@ def test_counts_below_the_least_are_errors_of_the_contact(
 ) -> None:
     plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
     counts: dict[str, Any] = {name: least - below}
-    expected = f"^{name} is {least - below}, expected an integer of at least {least} "
+    expected = f"^{name} is {least - below}, expected an integer of at least {least}$"
     with pytest.raises(qr.ContactError, match=expected):
         qr.press(fingertip, plate, SKIN, [0, 0, 1], depth=1e-3, options=qr.ContactOptions(**counts))
 
