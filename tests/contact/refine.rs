@@ -38,6 +38,28 @@ fn smallest_angle(surface: &Surface, face: usize) -> f64 {
     (0..3).map(angle).fold(f64::INFINITY, f64::min)
 }
 
+/// A vertex that a scan put too high by a hundredth of the depth: the peak is a seventh too high, force and area hardly.
+#[test]
+fn the_estimate_of_a_peak_on_a_single_bump_of_the_skin_is_of_the_size_of_its_error() {
+    let (radius, depth, cells) = (2.0, 5e-7, 24);
+    let hertz = Hertz { radius, contact_modulus: contact_modulus(SHEAR_MODULUS, POISSON_RATIO) };
+    let spacing = hertz.contact_radius(depth) / 6.0;
+    let flat = jittered(cells, spacing, 3);
+    let middle = (cells / 2) * (cells + 1) + cells / 2;
+    let sphere = Obstacle::sphere(Vector3::new(0.0, 0.0, radius - depth), radius).expect("a sphere");
+    for place in [middle, middle + 2 * cells + 3] {
+        let mut vertices = flat.vertices().to_vec();
+        vertices[place].z = 0.01 * depth;
+        let surface = Surface::new(vertices, flat.faces().to_vec()).expect("a valid surface");
+        for options in [ContactOptions::on_given_mesh(), options(0.02)] {
+            let contact = solve_contact(&surface, &sphere, &half_space(), &options).expect("valid");
+            let error = contact.resultant.max_pressure / hertz.max_pressure(depth) - 1.0;
+            let estimate = contact.accuracy.max_pressure_error.expect("an estimate");
+            assert!(error > 0.05 && (0.8..10.0).contains(&(estimate / error)), "{error} of {estimate}");
+        }
+    }
+}
+
 #[test]
 fn a_coarse_mesh_meets_hertz_within_its_estimates() {
     let (radius, depth) = (100.0, 5e-5);

@@ -57,6 +57,7 @@ class Accuracy:
         Estimated error of `max_pressure` over it; infinite where a sharp edge carries force, or a vertex at
         a cut or the rim of the skin mask, too. Where facets of a product's mesh meet under the peak, they
         make it grow as cells get smaller, without end: what cells a quarter as large would add is in it.
+        So is how far the peak stands out from what is beside it, as on a bump or a crease of a scanned skin.
     """
 
     natural_residual: float

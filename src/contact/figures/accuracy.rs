@@ -37,7 +37,8 @@ pub struct Accuracy {
     /// Estimated error of the contact area over it, with what the body's mesh costs it.
     pub area_error: Option<f64>,
     /// Estimated error of the largest pressure over it, with what cells a quarter as large would add where facets of the
-    /// obstacle meet; infinite where a sharp edge carries force, or a vertex at a cut.
+    /// obstacle meet, and how far it stands out from what is beside it; infinite where a sharp edge carries force, or a vertex at a
+    /// cut.
     pub max_pressure_error: Option<f64>,
 }
 

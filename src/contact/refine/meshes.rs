@@ -137,12 +137,12 @@ impl Meshes {
         target: f64,
         skin: &dyn ElasticSkin,
     ) -> Result<Contact, ContactError> {
-        let at_facets = self.finest().growth_at_facets(self.given.shear_modulus(skin));
+        let of_peak = self.finest().errors_of_peak(self.given.shear_modulus(skin));
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
         };
         contact.warn_of_refinement(end, target);
-        Ok(contact.concluded(end, at_facets))
+        Ok(contact.concluded(end, of_peak))
     }
 }

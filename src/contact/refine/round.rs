@@ -122,8 +122,8 @@ impl Contact {
 
     /// Says why no further round followed.
     ///
-    /// * `at_facets`: [`growth_at_facets`](Self::growth_at_facets)
-    pub(crate) fn concluded(mut self, end: RefinementEnd, at_facets: f64) -> Self {
+    /// * `shapes`: [`errors_of_peak`](Self::errors_of_peak)
+    pub(crate) fn concluded(mut self, end: RefinementEnd, shapes: [f64; 2]) -> Self {
         if self.status == ContactStatus::NoContact {
             self.leave_out("estimates of error", "there is no contact");
         }
@@ -141,7 +141,9 @@ impl Contact {
             _ if self.is_apart() => PER_SHARE_APART * self.clues.apart,
             _ => 0.0,
         };
+        let [at_facets, at_creases] = shapes;
         let Accuracy { force_error, mesh_error, area_error, max_pressure_error, .. } = &mut self.accuracy;
+        *max_pressure_error = max_pressure_error.map(|error| error.max(at_creases));
         let more = [
             (force_error, apart + late),
             (mesh_error, apart + late),

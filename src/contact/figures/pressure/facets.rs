@@ -22,11 +22,20 @@ impl Contact {
         self.candidates.iter().chain([&0]).find_map(|&vertex| skin.shear_modulus_at(vertex))
     }
 
+    /// What facets of the product add to the error of the peak pressure, relative to it, and the least that this is at creases of
+    /// the skin: a peak on facets stands out by these.
+    ///
+    /// * `shear_modulus`: of the skin (Pa)
+    pub(crate) fn errors_of_peak(&self, shear_modulus: Option<f64>) -> [f64; 2] {
+        let at_facets = self.growth_at_facets(shear_modulus);
+        [at_facets, if at_facets > 0.0 { 0.0 } else { self.peak_at_creases() }]
+    }
+
     /// What smaller cells may add to the peak pressure at the facets of the product, over it. Of a contact on a refined part:
     /// the whole surface is not made for this.
     ///
     /// * `shear_modulus`: of the skin (Pa)
-    pub(crate) fn growth_at_facets(&self, shear_modulus: Option<f64>) -> f64 {
+    fn growth_at_facets(&self, shear_modulus: Option<f64>) -> f64 {
         let (surface, peak) = (self.surface(), self.resultant.max_pressure);
         let growth = |(&vertex, moved): (&usize, &Vector3<f64>)| {
             let reach = surface.vertex_areas()[vertex].sqrt();

@@ -1,5 +1,6 @@
-//! Pressure at the vertices, its means over discs, and what facets do to its peak.
+//! Pressure at the vertices, its means over discs, and what facets and creases do to its peak.
 
+pub(crate) mod creases;
 pub(crate) mod facets;
 pub(crate) mod means;
 pub(crate) mod recovery;
