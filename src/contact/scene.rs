@@ -63,7 +63,7 @@ pub(crate) struct Approach {
     pub known_touch: Option<f64>,
 }
 
-/// Steepest slope that an obstacle has where it touches: so much a way across the press changes where that ends.
+/// Slope of an obstacle where it touches, at the steepest: what a turn moves across the press is so much deeper there.
 const STEEPEST: f64 = 0.25;
 
 /// Where on its way an obstacle touches.

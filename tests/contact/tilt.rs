@@ -91,15 +91,20 @@ fn a_sheet_thinner_than_the_depth_turns_until_three_balls_carry_it() {
         Vector3::new(-0.01, 0.06, 0.02),
     ]);
     let sheet = Obstacle::cuboid(Vector3::new(0.08, 0.08, 2e-3)).expect("a sheet");
-    let tilt = Tilt { point: Vector3::zeros(), axes: TiltAxes::Across };
-    let on_three = turned(&surface, &sheet, Goal::Force(10.0), tilt).expect("a balance");
-    assert_eq!(on_three.patches.len(), 3);
-    let upright =
-        Press { direction: UP, goal: Goal::Force(10.0), start: Start::Infinity, balance: Balance::None };
-    let as_it_lies = on_three.obstacle.translated(&(-0.1 * UP));
-    let again = press(&surface, &as_it_lies, &half_space(), &upright, &ContactOptions::on_given_mesh());
-    let moments = [again.expect("the force"), on_three].map(|contact| contact.resultant.moment);
-    assert!((moments[0] - moments[1]).norm() < 1e-6 * moments[1].norm().max(10.0 * 0.1), "{moments:?}");
+    let options = ContactOptions::on_given_mesh();
+    for start in [Start::Infinity, Start::Current] {
+        let below = if start == Start::Current { -4e-3 } else { 0.0 };
+        let tilt = Tilt { point: Vector3::new(0.0, 0.0, below), axes: TiltAxes::Across };
+        let tilting = Press { direction: UP, goal: Goal::Force(10.0), start, balance: Balance::Tilt(tilt) };
+        let placed = sheet.translated(&(below * UP));
+        let on_three = press(&surface, &placed, &half_space(), &tilting, &options).expect("a balance");
+        assert_eq!(on_three.patches.len(), 3);
+        let upright = Press { start: Start::Infinity, balance: Balance::None, ..tilting };
+        let as_it_lies = on_three.obstacle.translated(&(-0.1 * UP));
+        let again = press(&surface, &as_it_lies, &half_space(), &upright, &options).expect("the force");
+        let moments = [again, on_three].map(|contact| contact.resultant.moment);
+        assert!((moments[0] - moments[1]).norm() < 1e-6 * 10.0 * 0.1, "{moments:?}");
+    }
 }
 
 #[test]
