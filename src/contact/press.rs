@@ -12,7 +12,7 @@ use crate::contact::scene::{Approach, Press};
 use crate::contact::setup::Setup;
 use crate::contact::solve::solve;
 use crate::contact::tilt::axes::Balance;
-use crate::contact::tilt::goal::Tilted;
+use crate::contact::tilt::tilted::Tilted;
 use crate::geometry::direction::unit;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;

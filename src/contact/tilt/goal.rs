@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use nalgebra::{DMatrix, DVector, Point3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, Point3};
 
 use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::outcome::{Contact, ContactStatus};
@@ -10,13 +10,14 @@ use crate::contact::reach::goal::reach;
 use crate::contact::reach::on_mesh::OnMesh;
 use crate::contact::reach::on_refined::{MeshSearch, Searched, search_on_refined};
 use crate::contact::reach::search::Search;
-use crate::contact::reach::target::{Aim, Quantity, Target};
+use crate::contact::reach::target::{Aim, Target};
 use crate::contact::refine::rounds::Rounds;
 use crate::contact::report::record::add_timings;
 use crate::contact::report::warning::WarningKind;
 use crate::contact::setup::Setup;
-use crate::contact::tilt::axes::{LARGEST_ANGLE, Turn};
+use crate::contact::tilt::axes::Turn;
 use crate::contact::tilt::rest::{Beginning, Ended, Place, find};
+use crate::contact::tilt::tilted::Tilted;
 use crate::contact::tilt::turns::Turns;
 use crate::response::skin::kept::KeptSkin;
 
@@ -30,16 +31,6 @@ const FREE_FORCE: f64 = 1e-4;
 const SWINGING_FORCE: f64 = 100.0;
 /// Length of the first step and of those that a stiffness is measured with, as shares of the depth past the touch.
 const STEP_LENGTHS: [f64; 2] = [0.5, 1e-2];
-
-/// What is pressed on what, and turns meanwhile.
-pub(crate) struct Tilted<'a> {
-    pub setup: Setup<'a>,
-    pub aim: Aim,
-    /// Unit axes, one or two.
-    pub axes: Vec<Vector3<f64>>,
-    /// Point that they go through, before any travel (m).
-    pub point: Vector3<f64>,
-}
 
 /// How the obstacle stands on one mesh.
 #[derive(Clone)]
@@ -170,63 +161,6 @@ impl Tilted<'_> {
             return f64::INFINITY;
         }
         DVector::from_vec(self.moments(contact)).norm() / (force * self.lever(contact)) / TOLERANCE
-    }
-
-    /// The force to be reached along the direction (N).
-    fn force(&self) -> Option<f64> {
-        match self.aim {
-            Aim::Value(Target { quantity: Quantity::Force, value }) => Some(value),
-            _ => None,
-        }
-    }
-
-    /// Moments on the skin about the axes (N m).
-    pub(super) fn moments(&self, contact: &Contact) -> Vec<f64> {
-        let point = self.point_at(contact);
-        let total = contact.resultant.moment - point.cross(&contact.resultant.force);
-        self.axes.iter().map(|axis| axis.dot(&total)).collect()
-    }
-
-    /// The point where it stands (m).
-    fn point_at(&self, contact: &Contact) -> Vector3<f64> {
-        self.point + contact.travel * self.setup.approach.direction
-    }
-
-    /// Largest distance of a vertex under force from the point, or from the axis where that is one (m); the size of the skin
-    /// without any.
-    fn lever(&self, contact: &Contact) -> f64 {
-        let point = self.point_at(contact);
-        let surface = contact.surface();
-        let distance = |&vertex: &usize| {
-            let arm = surface.vertices()[vertex] - point;
-            match &self.axes[..] {
-                [axis] => axis.cross(&arm).norm(),
-                _ => arm.norm(),
-            }
-        };
-        let largest = contact.active.iter().map(distance).fold(0.0, f64::max);
-        if largest > 0.0 { largest } else { surface.bounding_box().diagonal() }
-    }
-
-    pub(super) fn turned_by(&self, angles: &[f64]) -> Turn {
-        let turn: Vector3<f64> = self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum();
-        Turn { rotation: UnitQuaternion::from_scaled_axis(turn), point: self.point }
-    }
-
-    /// Share of a step between angles (rad) that stays within the largest angle.
-    fn room(&self, from: &[f64], to: &[f64]) -> f64 {
-        let total = |angles: &[f64]| -> Vector3<f64> {
-            self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum()
-        };
-        let (from, to) = (total(from), total(to));
-        if to.norm() <= LARGEST_ANGLE {
-            return 1.0;
-        }
-        // |from + s way| = largest
-        let way = to - from;
-        let (a, b) = (way.norm_squared(), from.dot(&way));
-        let c = from.norm_squared() - LARGEST_ANGLE * LARGEST_ANGLE;
-        ((b * b - a * c).max(0.0).sqrt() - b) / a
     }
 }
 

@@ -8,10 +8,11 @@
 //! ```
 //!
 //! so that the balance `a_k . M = 0`, at a depth or under a force, is where E (less the work of the force) is least.
-//! [`axes`] says what may turn, [`turns`] solves the contact at some angles, [`rest`] looks for those at rest, [`goal`] does so on the
-//! given mesh and on the refined one.
+//! [`axes`] says what may turn, [`tilted`] which moments are left, [`turns`] solves the contact at some angles, [`rest`] looks for
+//! those at rest, [`goal`] does so on the given mesh and on the refined one.
 
 pub(crate) mod axes;
 pub(crate) mod goal;
 pub(crate) mod rest;
+pub(crate) mod tilted;
 pub(crate) mod turns;

@@ -6,7 +6,7 @@ use crate::contact::reach::on_mesh::{OnMesh, Trials};
 use crate::contact::reach::target::{Aim, Quantity, Target};
 use crate::contact::report::record::add_timings;
 use crate::contact::scene::Start;
-use crate::contact::tilt::goal::Tilted;
+use crate::contact::tilt::tilted::Tilted;
 use crate::response::skin::elastic::ElasticSkin;
 
 /// Overlap, over that at the beginning, beyond which a step went too far: it may put a product through a hand.
