@@ -41,6 +41,6 @@ pub(super) fn note_given(
 }
 
 pub(super) fn concluded(given: Contact, end: RefinementEnd, skin: &dyn ElasticSkin) -> Contact {
-    let of_peak = given.errors_of_peak(given.shear_modulus(skin));
-    given.concluded(end, of_peak)
+    let shapes = given.errors_of_peak(given.shear_modulus(skin));
+    given.concluded(end, shapes)
 }

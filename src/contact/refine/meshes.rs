@@ -137,12 +137,12 @@ impl Meshes {
         target: f64,
         skin: &dyn ElasticSkin,
     ) -> Result<Contact, ContactError> {
-        let of_peak = self.finest().errors_of_peak(self.given.shear_modulus(skin));
+        let shapes = self.finest().errors_of_peak(self.given.shear_modulus(skin));
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
         };
         contact.warn_of_refinement(end, target);
-        Ok(contact.concluded(end, of_peak))
+        Ok(contact.concluded(end, shapes))
     }
 }

@@ -90,7 +90,9 @@ impl Tilted<'_> {
             first = match turns.contact(&from.angles)? {
                 Some(contact) => contact,
                 None => {
-                    let why = Some("what is asked for is not reached on the refined mesh".to_string());
+                    add_timings(&mut timings, turns.timings());
+                    first.timings = timings;
+                    let why = Some("what is asked for is not reached as the obstacle stands".to_string());
                     return Ok((first, Searched { hint: from, why }));
                 }
             };

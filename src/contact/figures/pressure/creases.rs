@@ -5,8 +5,8 @@
 
 use crate::contact::outcome::Contact;
 
-/// What the pressure of a smooth contact falls by from its peak to the next vertices, times their number: of Hertz's ellipses, of
-/// which up to two lie side by side.
+/// What the pressure of a smooth contact falls by from its peak to the next vertices, times the vertices under force: π/2 of
+/// Hertz's spheres with cells of one size, where r cells in the radius make it 1/(2 r²); twice that of ellipses and uneven cells.
 const SMOOTH_PEAK: f64 = 3.0;
 /// What the peak errs over what it stands out: fitted to paraboloids of poor triangles and to single bumps, of which a refined mesh
 /// shows half.
@@ -18,15 +18,13 @@ impl Contact {
     pub(crate) fn peak_at_creases(&self) -> f64 {
         let largest = |a: &&usize, b: &&usize| self.pressure[**a].total_cmp(&self.pressure[**b]);
         let Some(&peak) = self.active.iter().max_by(largest) else { return 0.0 };
-        let beside = self.surface().neighbours(peak).iter().map(|&vertex| self.pressure[vertex as usize]);
-        let (mut sum, mut count) = (0.0, 0.0);
-        beside
-            .filter(|pressure| *pressure > 0.0)
-            .for_each(|pressure| (sum, count) = (sum + pressure, count + 1.0));
-        if count == 0.0 {
+        let around = self.surface().neighbours(peak).iter().map(|&vertex| self.pressure[vertex as usize]);
+        let beside: Vec<f64> = around.filter(|pressure| *pressure > 0.0).collect();
+        if beside.is_empty() {
             return 0.0;
         }
-        let stands_out = self.pressure[peak] * count / sum - 1.0 - SMOOTH_PEAK / self.active.len() as f64;
+        let mean = beside.iter().sum::<f64>() / beside.len() as f64;
+        let stands_out = self.pressure[peak] / mean - 1.0 - SMOOTH_PEAK / self.active.len() as f64;
         AT_CREASES * stands_out.max(0.0)
     }
 }
