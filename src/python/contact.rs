@@ -1,7 +1,7 @@
 //! `solve_contact` and `press`.
 
 use std::mem::take;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -247,7 +247,7 @@ pub(super) fn press(
     run(skin, options, |skin, options| match warm {
         None => contact::press(&surface.inner, &obstacle.inner, skin, &press, options),
         Some(PyWarmStart(before)) => {
-            let mut before = before.lock().expect("no panic while the lock is held");
+            let mut before = before.lock().unwrap_or_else(PoisonError::into_inner);
             contact::press_after(&surface.inner, &obstacle.inner, skin, &press, options, &mut before)
         }
     })

@@ -73,5 +73,9 @@ def sweep(
     bad = [step for step, status in enumerate(curve.status) if status not in ("solved", "no_contact")]
     if not bad:
         return 0
-    status, message = curve.status[bad[0]], curve.messages[bad[0]]
-    return refuse(f"{len(bad)} of {len(curve)} presses ended with {status!r}: {message}", status=1)
+    first = bad[0]
+    status, message = curve.status[first], curve.messages[first]
+    return refuse(
+        f"{len(bad)} of {len(curve)} presses did not end solved; the first is step {first}, with {status!r}: {message}",
+        status=1,
+    )

@@ -43,8 +43,8 @@ class Contact(Frozen):
     status : ContactStatus
         "solved", "no_contact" (no error: force, moment, area and pressure are 0) or the ending of the
         complementarity problem. For any other ending force, moment, area and peak are nan, `pressure`,
-        `node_force`, `force_vectors` and `gap` are nan on the candidates, the displacement is 0, and `advice`
-        says what to try.
+        `node_force`, `force_vectors` and `gap` are nan at the nodes of a problem that did not end solved, the
+        displacement is 0, and `advice` says what to try.
     surface : Surface
         The undeformed skin on the mesh that was solved: the given object itself, or that refined around the
         contact, whose first vertices are the given ones.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import as_path
+from .._check import as_float_or_none, as_path
 from ..errors import ResponseError
 from ..io.atomic import atomic_write
 from ..surface import Surface
@@ -74,7 +74,7 @@ def _numbers(response: Response) -> dict[str, Any]:
     numbers: dict[str, Any] = {}
     if isinstance(response, Body):
         return {
-            "coarse_edge_length": response.coarse_edge_length,
+            "coarse_edge_length": as_float_or_none("coarse_edge_length", response.coarse_edge_length),
             "discretization": response.discretization,
         }
     if not isinstance(response, GivenMatrix):

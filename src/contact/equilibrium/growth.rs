@@ -43,9 +43,7 @@ fn pressed_outside(
     // How far a vertex may sink at the most; the obstacle's normal there may not be known yet.
     let sinking: Vec<usize> = {
         let distance = gaps.distances();
-        // An unmeasured vertex stays clear unless it sinks by more than the search distance.
-        let clear = |vertex: usize| distance[vertex].min(gaps.search_distance);
-        (0..outside.len()).filter(|&row| clear(outside[row]) < moved[row].norm()).collect()
+        (0..outside.len()).filter(|&row| distance[outside[row]] < moved[row].norm()).collect()
     };
     let vertices: Vec<usize> = sinking.iter().map(|&row| outside[row]).collect();
     let there = gaps.at(&vertices)?;

@@ -18,7 +18,7 @@ pub struct Accuracy {
     pub integration_tolerance: f64,
     /// How gaps were taken on the mesh that was solved.
     pub discretization: Discretization,
-    /// Largest condition number of the response matrices' symmetric parts, where they were examined.
+    /// Largest condition number of the response matrices' symmetric parts, where all were examined.
     pub condition: Option<f64>,
     /// Whether the symmetric part of every response matrix was shown to be positive definite: the answer is
     /// then the only one. False of one that is singular to rounding, too; `None`: not examined.

@@ -8,11 +8,14 @@ use crate::contact::reach::on_mesh::{OnMesh, Reached};
 use crate::contact::reach::on_refined::{MeshSearch, Searched, search_on_refined};
 use crate::contact::reach::search::Search;
 use crate::contact::reach::target::{Quantity, Target};
+use crate::contact::refine::given::end_unrefined;
 use crate::contact::refine::rounds::Rounds;
+use crate::contact::report::record::add_timings;
 use crate::contact::setup::Setup;
 
 /// First depth tried for a force, in sizes of the obstacle, where that is smaller than the edges of the mesh.
 const FIRST_OF_OBSTACLE: f64 = 0.1;
+
 /// A target, and what is pressed on what.
 struct Task<'a> {
     setup: Setup<'a>,
@@ -24,11 +27,40 @@ pub(crate) fn reach(setup: Setup, target: Target) -> Result<Contact, ContactErro
     Task { setup, target }.run()
 }
 
+/// The contact on the given mesh that reaches the target.
+pub(crate) fn reach_on(on_given: &OnMesh, target: Target) -> Result<Contact, ContactError> {
+    let task = Task { setup: on_given.setup, target };
+    let started = Instant::now();
+    match task.reach_on(on_given)? {
+        Reached::Goal { contact, power } => task.unless_missed(contact, &power),
+        Reached::Short { contact, why, .. } => {
+            let placement = task.setup.at(contact.pressed_depth());
+            let contact = end_unrefined(contact, started, placement, task.setup.skin)?;
+            Err(task.missed(contact, &target.quantity.power(), why))
+        }
+    }
+}
+
 impl Task<'_> {
     fn run(&self) -> Result<Contact, ContactError> {
         let started = Instant::now();
-        let Setup { surface, obstacle, .. } = self.setup;
         let on_given = OnMesh::given(self.setup)?;
+        let power = self.target.quantity.power();
+        let (contact, found) = match self.reach_on(&on_given)? {
+            Reached::Goal { contact, power } => (contact, Searched { hint: power, why: None }),
+            // What a coarse mesh jumps over a finer one may not.
+            Reached::Short { contact, above: Some(above), .. } if self.setup.may_refine()? => {
+                let mut beyond = on_given.solve(above)?;
+                add_timings(&mut beyond.timings, &contact.timings);
+                (beyond, Searched { hint: power, why: None })
+            }
+            Reached::Short { contact, why, .. } => (contact, Searched { hint: power, why: Some(why) }),
+        };
+        search_on_refined(self, &on_given, started, contact, found)
+    }
+
+    fn reach_on(&self, on_given: &OnMesh) -> Result<Reached, ContactError> {
+        let Setup { surface, obstacle, .. } = self.setup;
         let first = match self.target.quantity {
             Quantity::Force => {
                 let of_obstacle = obstacle.bounding_box().map_or(f64::INFINITY, |bounds| bounds.diagonal());
@@ -44,15 +76,7 @@ impl Task<'_> {
             known: None,
             tolerance: Search::TOLERANCE,
         };
-        let (contact, found) = match on_given.reach(self.target.quantity, &search, None, None)? {
-            Reached::Goal { contact, power } => (contact, Searched { hint: power, why: None }),
-            // What a coarse mesh jumps over a finer one may not.
-            Reached::Short { above: Some(above), .. } if self.setup.may_refine()? => {
-                (on_given.solve(above)?, Searched { hint: search.power, why: None })
-            }
-            Reached::Short { contact, why, .. } => (contact, Searched { hint: search.power, why: Some(why) }),
-        };
-        search_on_refined(self, &on_given, started, contact, found)
+        on_given.reach(self.target.quantity, &search, None, None)
     }
 }
 
@@ -66,13 +90,13 @@ impl MeshSearch for Task<'_> {
         if matches!(last.status, ContactStatus::Failed(_)) {
             return Ok(None);
         }
-        let skin = self.setup.refined_skin(part)?;
-        let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
-        let past = on_part.touch.past(last);
         let value = self.target.quantity.of(last, &self.setup.approach.direction);
         if (value / self.target.value - 1.0).abs() <= Search::TOLERANCE {
             return Ok(Some(Searched { hint: power, why: None }));
         }
+        let skin = self.setup.refined_skin(part)?;
+        let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
+        let past = on_part.touch.past(last);
         let is_known = past > 0.0 && value > 0.0;
         let search = Search {
             value: self.target.value,
@@ -83,10 +107,12 @@ impl MeshSearch for Task<'_> {
             tolerance: Search::TOLERANCE,
         };
         let known = rounds.known_on(part);
-        let (contact, why) = match on_part.reach(self.target.quantity, &search, Some(known), Some(last))? {
-            Reached::Goal { contact, .. } => (contact, None),
-            Reached::Short { contact, why, .. } => (contact, Some(why)),
-        };
+        let (mut contact, why) =
+            match on_part.reach(self.target.quantity, &search, Some(known), Some(last))? {
+                Reached::Goal { contact, .. } => (contact, None),
+                Reached::Short { contact, why, .. } => (contact, Some(why)),
+            };
+        add_timings(&mut contact.timings, &last.timings);
         rounds.meshes.replace_last(contact, started, &*skin, self.setup.options)?;
         Ok(Some(Searched { hint: power, why }))
     }

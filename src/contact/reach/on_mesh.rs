@@ -5,7 +5,6 @@ use std::time::Instant;
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
-use crate::contact::gap::initial::Gaps;
 use crate::contact::in_place::{InPlace, Known, solve_in_place};
 use crate::contact::outcome::{Contact, ContactStatus, Timing};
 use crate::contact::reach::search::{Found, Search, Trial};
@@ -33,6 +32,8 @@ pub(crate) struct OnMesh<'a> {
     /// What a refined mesh takes over from the given one.
     pub inherited: Option<Inherited>,
     pub touch: Touch,
+    /// How long it took to find that (s).
+    pub touched_in: f64,
 }
 
 /// How the search on one mesh ended: in both cases with a contact.
@@ -65,9 +66,10 @@ impl<'a> Trials<'a> {
 impl<'a> OnMesh<'a> {
     /// The press on the given mesh.
     pub fn given(setup: Setup<'a>) -> Result<Self, ContactError> {
+        let started = Instant::now();
         setup.approach.check_start(setup.surface, setup.obstacle)?;
         let touch = setup.approach.touch(setup.surface, setup.obstacle)?;
-        Ok(Self { setup, inherited: None, touch })
+        Ok(Self { setup, inherited: None, touch, touched_in: started.elapsed().as_secs_f64() })
     }
 
     /// The press on a mesh that the given one was refined to.
@@ -80,9 +82,11 @@ impl<'a> OnMesh<'a> {
         part: &'a RefinedSurface,
         skin: &'a dyn ElasticSkin,
     ) -> Result<Self, ContactError> {
+        let started = Instant::now();
         let touch = setup.approach.touch(&part.surface, setup.obstacle)?;
+        let touched_in = started.elapsed().as_secs_f64();
         let inherited = Some(meshes.inherited_by(part, setup.skin));
-        Ok(Self { setup: Setup { surface: &part.surface, skin, ..setup }, inherited, touch })
+        Ok(Self { setup: Setup { surface: &part.surface, skin, ..setup }, inherited, touch, touched_in })
     }
 }
 
@@ -106,13 +110,15 @@ impl OnMesh<'_> {
         let kept = (!is_kept).then(|| KeptSkin::new(self.setup.skin));
         let skin = kept.as_ref().map_or(self.setup.skin, |kept| kept);
         let mut trials = Trials::new(skin, known);
+        self.add_first_touch(&mut trials.timings);
         let found = search.run(|past| self.trial(quantity, past, &mut trials))?;
         let (at, end) = match found {
             Found::Close { at, power } => (at, Ok(power)),
             Found::NotReached { largest: Some(at), above, why } => (at, Err((above, why))),
             Found::NotReached { largest: None, above, why } => match (last, trials.refusal.take()) {
                 (Some(contact), _) if quantity.of(contact, &self.setup.approach.direction) < search.value => {
-                    return Ok(Reached::Short { contact: contact.clone(), above, why });
+                    let contact = Contact { timings: trials.timings, ..contact.clone() };
+                    return Ok(Reached::Short { contact, above, why });
                 }
                 (_, Some(error)) => return Err(error),
                 (_, None) => (0.0, Err((above, why))),
@@ -144,13 +150,18 @@ impl OnMesh<'_> {
         search: &Search,
         near: Contact,
     ) -> Result<Reached, ContactError> {
+        let mut timings = near.timings.clone();
         let mut best = near;
-        let timings = std::mem::take(&mut best.timings);
         let off = |contact: &Contact| {
             (quantity.of(contact, &self.setup.approach.direction) / search.value - 1.0).abs()
         };
         search.run(|past| -> Result<_, ContactError> {
-            let contact = self.solve(past)?;
+            self.setup.options.check_interrupt("search for the depth")?;
+            let contact = match self.solve(past) {
+                Err(error) if error.is_of_deeper() => return Ok(Trial::Blocked(error.to_string())),
+                other => other?,
+            };
+            add_timings(&mut timings, &contact.timings);
             if let ContactStatus::Failed(status) = contact.status {
                 return Ok(blocked(status, &contact.lcp_solutions));
             }
@@ -160,7 +171,7 @@ impl OnMesh<'_> {
             }
             Ok(Trial::Value(value))
         })?;
-        add_timings(&mut best.timings, &timings);
+        best.timings = timings;
         self.warn_of_jump(quantity, search.value, &mut best);
         Ok(Reached::Goal { contact: best, power: search.power })
     }
@@ -184,7 +195,7 @@ impl OnMesh<'_> {
         self.setup.options.check_interrupt("search for the depth")?;
         let tried = match quantity {
             Quantity::Force => self.force(past, trials),
-            Quantity::Overlap => self.overlap(past).map(Trial::Value),
+            Quantity::Overlap => self.overlap(past, trials).map(Trial::Value),
         };
         match tried {
             Err(error) if error.is_of_deeper() => {
@@ -245,9 +256,12 @@ impl OnMesh<'_> {
     }
 
     /// The deepest penetration so far past the touch (m).
-    fn overlap(&self, past: f64) -> Result<f64, ContactError> {
+    fn overlap(&self, past: f64, trials: &mut Trials) -> Result<f64, ContactError> {
         let Setup { surface, options, .. } = self.setup;
-        Ok(Gaps::measure(surface, &self.scene(past), options.search_distance)?.deepest())
+        let mut report = Report::default();
+        let deepest = InPlace::gaps(surface, &self.scene(past), options, &mut report)?.deepest();
+        add_timings(&mut trials.timings, &report.timings);
+        Ok(deepest)
     }
 
     /// The way past the touch to a value (m); `None` where it is not reached.
@@ -281,17 +295,18 @@ impl OnMesh<'_> {
         let approach = Approach { turn: Some(turn), ..self.setup.approach };
         let touch = approach.turned_touch(self.touch, surface, obstacle)?;
         let (setup, inherited) = (Setup { approach, ..self.setup }, self.inherited.clone());
-        Ok(touch.map(|touch| OnMesh { setup, inherited, touch }))
+        Ok(touch.map(|touch| OnMesh { setup, inherited, touch, touched_in: 0.0 }))
     }
 
     /// The contact so far past the touch.
     pub fn solve(&self, past: f64) -> Result<Contact, ContactError> {
-        let started = Instant::now();
         let Setup { surface, skin, options, .. } = self.setup;
-        let scene = self.scene(past);
-        let mut report = Report::default();
-        report.clock("first_touch", started);
-        solve_in_place(surface, &scene, skin, options, report)
+        solve_in_place(surface, &self.scene(past), skin, options, Report::default())
+    }
+
+    /// Adds the time that the first touch took, which serves all presses on this mesh.
+    pub fn add_first_touch(&self, timings: &mut Vec<Timing>) {
+        add_timings(timings, &[Timing { stage: "first_touch", seconds: self.touched_in }]);
     }
 
     fn scene(&self, past: f64) -> Scene {

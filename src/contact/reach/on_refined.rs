@@ -7,6 +7,7 @@ use crate::contact::outcome::{Contact, RefinementEnd};
 use crate::contact::reach::on_mesh::OnMesh;
 use crate::contact::refine::given::end_unrefined;
 use crate::contact::refine::rounds::{Begun, Rounds, begin};
+use crate::contact::report::record::add_timings;
 use crate::contact::scene::Approach;
 use crate::contact::setup::Setup;
 use crate::contact::tilt::axes::Turn;
@@ -105,6 +106,7 @@ pub(crate) fn search_on_refined<S: MeshSearch>(
         let turned = search.turn(&hint).map(|turn| on_given.turned(turn)).transpose()?.flatten();
         let on = turned.as_ref().unwrap_or(on_given);
         given = on.solve(on.touch.past(found))?;
+        add_timings(&mut given.timings, &found.timings);
         before = Some((rounds, end));
     }
 }

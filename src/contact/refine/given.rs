@@ -7,7 +7,7 @@ use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::tissue::Tissue;
 use crate::contact::scene::Placement;
-use crate::response::skin::elastic::{ElasticSkin, Traits};
+use crate::response::skin::elastic::{ElasticSkin, Traits, shear_modulus_under};
 
 /// The contact on the given mesh alone, concluded.
 pub(crate) fn end_unrefined(
@@ -41,6 +41,6 @@ pub(super) fn note_given(
 }
 
 pub(super) fn concluded(given: Contact, end: RefinementEnd, skin: &dyn ElasticSkin) -> Contact {
-    let shapes = given.errors_of_peak(given.shear_modulus(skin));
+    let shapes = given.errors_of_peak(shear_modulus_under(skin, given.candidates.iter().copied()));
     given.concluded(end, shapes)
 }

@@ -123,7 +123,8 @@ pub(crate) fn touched_between(
         let rows = mesh.corners(*leaf).map(row);
         let [Some(a), Some(b), Some(c)] = rows else { return false };
         let nearest = [a, b, c].map(|corner| contact.gap[corner]).into_iter().fold(f64::INFINITY, f64::min);
-        let most = (1.0 + BEYOND_EDGE) * FARTHEST_ON_CURVE * surface.longest_edge(a);
+        let longest = [a, b, c].map(|corner| surface.longest_edge(corner)).into_iter().fold(0.0, f64::max);
+        let most = (1.0 + BEYOND_EDGE) * FARTHEST_ON_CURVE * longest;
         if !(mask[a] && mask[b] && mask[c]) || nearest >= most {
             return false;
         }

@@ -15,7 +15,7 @@ use crate::contact::refine::estimate::ErrorEstimate;
 use crate::contact::refine::mark::touched_between;
 use crate::contact::refine::whole::into_whole;
 use crate::contact::scene::Inherited;
-use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::elastic::{ElasticSkin, shear_modulus_under};
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// A contact with a radius so many times that of another, or as many times smaller, wants a mesh of its own.
@@ -137,7 +137,8 @@ impl Meshes {
         target: f64,
         skin: &dyn ElasticSkin,
     ) -> Result<Contact, ContactError> {
-        let shapes = self.finest().errors_of_peak(self.given.shear_modulus(skin));
+        let modulus = shear_modulus_under(skin, self.given.candidates.iter().copied());
+        let shapes = self.finest().errors_of_peak(modulus);
         let mut contact = match self.last {
             None => self.given,
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,

@@ -20,7 +20,7 @@ use crate::contact::refine::mesh_errors::SLOWEST_CHANGE;
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::product::errors_of_area_and_peak;
 use crate::contact::refine::wanting::{Finer, Wanting};
-use crate::contact::report::record::Report;
+use crate::contact::report::record::{Report, add_timings};
 use crate::contact::scene::Placement;
 use crate::lcp::solution::LcpStatus;
 use crate::response::error::ResponseError;
@@ -156,6 +156,7 @@ impl Rounds<'_> {
             self.meshes.mesh = finer;
             let previous = self.meshes.finest();
             contact.refinements = [&previous.refinements[..], &contact.refinements].concat();
+            add_timings(&mut contact.timings, &previous.timings);
             let has_failed = matches!(contact.status, ContactStatus::Failed(_));
             let error = if has_failed { None } else { contact.error_after(previous, next) };
             contact.note_round(error, started);

@@ -89,7 +89,7 @@ impl Wanting<'_> {
 
     /// Vertices whose triangles are too large, by their numbers in the whole refined surface.
     pub fn vertices(&self, finer: Finer) -> Vec<usize> {
-        let Some((part, contact)) = &self.meshes.last else { return self.meshes.given.pressed() };
+        let Some((part, contact)) = &self.meshes.last else { return self.pressed() };
         let is_free = |&other: &u32| contact.node_force[other as usize] == 0.0;
         let at_rim = |&vertex: &usize| part.surface.neighbours(vertex).iter().any(is_free);
         match finer {
@@ -110,7 +110,7 @@ impl Wanting<'_> {
         }
     }
 
-    /// Vertices under force, by their numbers in the whole refined surface, ascending.
+    /// Vertices under force or in the obstacle without feeling any, by their numbers in the whole refined surface, ascending.
     fn pressed(&self) -> Vec<usize> {
         let Some((part, contact)) = &self.meshes.last else { return self.meshes.given.pressed() };
         contact.pressed().into_iter().map(|vertex| part.number(vertex)).collect()

@@ -9,7 +9,6 @@ use crate::contact::figures::motion::candidates::{CandidateMotion, Drawing};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactMesh, LeftOut, Patch};
 use crate::contact::report::left_out::{FAR_VERTICES, MASKED_VERTICES};
-use crate::contact::report::record::add_timings;
 use crate::surface::refined::{MeshRefinement, RefinedSurface};
 
 /// `contact` on `part` as a contact on the whole skin.
@@ -45,8 +44,6 @@ pub(crate) fn into_whole(
         ..contact.clues.clone()
     };
     let left_out = left_out(&given.left_out, &contact.left_out);
-    let mut timings = given.timings;
-    add_timings(&mut timings, &contact.timings);
     Ok(Contact {
         pressure: spread(&contact.pressure, part, count, 0.0),
         node_force: spread(&contact.node_force, part, count, 0.0),
@@ -58,7 +55,6 @@ pub(crate) fn into_whole(
         loaded: contact.loaded.in_whole(part, [mesh.given().vertices().len(), count]),
         mesh: ContactMesh::refined(mesh),
         clues,
-        timings,
         left_out,
         drawing,
         ..contact

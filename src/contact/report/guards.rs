@@ -13,7 +13,7 @@ use crate::geometry::direction::unit;
 use crate::mesh::remesh::green::smallest_angle;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
-use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::elastic::{ElasticSkin, shear_modulus_under};
 use crate::surface::checked::Surface;
 
 /// Largest extent that a skin has (m): from a finger's tip to a hand with its arm.
@@ -93,7 +93,7 @@ impl Guarded<'_> {
     fn modulus(&self, contact: &Contact) -> Option<Warning> {
         let given =
             contact.candidates.iter().copied().filter(|&vertex| vertex < contact.given_vertex_count());
-        let modulus = given.chain([0]).find_map(|vertex| self.skin.shear_modulus_at(vertex))?;
+        let modulus = shear_modulus_under(self.skin, given)?;
         unit_of_modulus("shear modulus", modulus, MODULI, "tissue")
     }
 

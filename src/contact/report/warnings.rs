@@ -198,7 +198,7 @@ impl Contact {
             let carried = if self.patches.len() > 1 { " that the patches carry" } else { "" };
             let (force, area) = (cost_of(self.unbalanced() * force), cost_of(area));
             short.push(format!(
-                "the mesh around the contact costs {force} of the force{carried} and {area} of the area: the refinement ended by {reason}"
+                "the mesh around the contact costs {force} of the force{carried} and {area} of the area: the refinement ended: {reason}"
             ));
         }
         if end == RefinementEnd::ForceLost {
@@ -210,7 +210,7 @@ impl Contact {
         let places = self.clues.touched_between + self.clues.unfelt.len();
         if places > 0 {
             short.push(format!(
-                "the product touches the skin at {places} places away from all force that the mesh is too coarse for: the refinement ended by {reason}"
+                "the product touches the skin at {places} places away from all force that the mesh is too coarse for: the refinement ended: {reason}"
             ));
         }
         if let Some(doubt) = self.clues.body.filter(|doubt| doubt.force_error > target) {

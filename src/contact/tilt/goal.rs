@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector, Point3};
 
 use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::outcome::{Contact, ContactStatus};
-use crate::contact::reach::goal::reach;
+use crate::contact::reach::goal::reach_on;
 use crate::contact::reach::on_mesh::OnMesh;
 use crate::contact::reach::on_refined::{MeshSearch, Searched, search_on_refined};
 use crate::contact::reach::search::Search;
@@ -47,16 +47,15 @@ impl Tilted<'_> {
     pub fn run(&self) -> Result<Contact, ContactError> {
         let started = Instant::now();
         let Setup { surface, obstacle, options, approach, .. } = self.setup;
-        let unrefined = options.unrefined();
-        let depth = match self.aim {
-            Aim::Depth(depth) => depth,
-            Aim::Value(target) => {
-                let untilted = reach(Setup { options: &unrefined, ..self.setup }, target)?;
-                untilted.pressed_depth()
-            }
-        };
         let on_given = OnMesh::given(self.setup)?;
-        let first = on_given.solve(depth - on_given.touch.depth)?;
+        let first = match self.aim {
+            Aim::Depth(depth) => {
+                let mut first = on_given.solve(depth - on_given.touch.depth)?;
+                on_given.add_first_touch(&mut first.timings);
+                first
+            }
+            Aim::Value(target) => reach_on(&on_given, target)?,
+        };
         let upright =
             Posture { angles: vec![0.0; self.axes.len()], stiffness: None, lever: self.lever(&first) };
         let (contact, mut found) = self.settle(&on_given, first, upright)?;
@@ -185,7 +184,8 @@ impl MeshSearch for Tilted<'_> {
         }
         let skin = self.setup.refined_skin(part)?;
         let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
-        let (contact, found) = self.settle(&on_part, last.clone(), posture.clone())?;
+        let (mut contact, found) = self.settle(&on_part, last.clone(), posture.clone())?;
+        on_part.add_first_touch(&mut contact.timings);
         rounds.meshes.replace_last(contact, started, &*skin, self.setup.options)?;
         Ok(Some(found))
     }

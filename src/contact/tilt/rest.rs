@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 const MAX_STEPS: usize = 40;
 /// Cuts of one step at the most.
 const MAX_CUTS: usize = 8;
-/// A step is long enough where the slope along it has fallen to this share.
-const SLOPE_SHARE: f64 = 0.5;
+/// A step is short enough where the energy at its end rises along it by no more than this share of how it fell at first.
+const MOST_RISE: f64 = 0.5;
 /// Least share of a step that a cut leaves, and largest.
 const CUT_SHARES: [f64; 2] = [0.1, 0.8];
 /// A stiffness below this share of the largest is no hold for a step.
@@ -110,8 +110,8 @@ pub(crate) fn find<T, E>(
     ended(at, here.found, known, why)
 }
 
-/// The share of a step at which the energy no longer falls as it did, or the place is one of rest, and that place; `None`
-/// where no cut leads to one.
+/// The share of a step at whose end the energy has not begun to rise again by much, or the place is one of rest, and that
+/// place; `None` where no cut leads to one.
 ///
 /// * `slope`: along the step where it begins (N m)
 fn fallen_along<T, E>(
@@ -126,7 +126,7 @@ fn fallen_along<T, E>(
             Some(place) if place.off <= 1.0 => return Ok(Some((cut, place))),
             Some(place) if !place.is_free => {
                 let slope_there = place.gradient.dot(step);
-                if slope_there <= -SLOPE_SHARE * slope {
+                if slope_there <= -MOST_RISE * slope {
                     return Ok(Some((cut, place)));
                 }
                 (slope / (slope - slope_there)).clamp(CUT_SHARES[0], CUT_SHARES[1])

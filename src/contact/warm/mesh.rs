@@ -143,8 +143,6 @@ impl WarmMesh {
     ) -> Result<Contact, ContactError> {
         contact.note_round(error, started);
         self.put_contact(contact);
-        // The time of the given mesh is that of the press that it was solved for.
-        self.meshes.given.timings.clear();
         self.meshes.clone().conclude(RefinementEnd::Target, target, skin)
     }
 }

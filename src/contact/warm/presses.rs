@@ -10,7 +10,7 @@ use crate::contact::in_place::Known;
 use crate::contact::options::{ContactOptions, with_threads};
 use crate::contact::outcome::{Contact, ContactStatus, RefinementEnd};
 use crate::contact::press::{press, unit_direction};
-use crate::contact::reach::goal::reach;
+use crate::contact::reach::goal::{reach, reach_on};
 use crate::contact::reach::on_mesh::{OnMesh, Reached, Trials};
 use crate::contact::reach::on_refined::FARTHEST_MOVE;
 use crate::contact::reach::search::Search;
@@ -19,6 +19,7 @@ use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_
 use crate::contact::refine::meshes::Meshes;
 use crate::contact::refine::rounds::{Begun, begin};
 use crate::contact::report::guards::Guarded;
+use crate::contact::report::record::add_timings;
 use crate::contact::scene::{Approach, Press, Touch};
 use crate::contact::setup::Setup;
 use crate::contact::solve::on_given_mesh;
@@ -79,35 +80,36 @@ impl Setup<'_> {
         {
             return Ok((contact, Some(warm)));
         }
+        let started = Instant::now();
         match aim {
             Aim::Value(target) => {
-                let unrefined = self.options.unrefined();
-                let near = reach(Setup { options: &unrefined, ..*self }, target)?;
-                let (_, warm) = self.begin_anew(near.pressed_depth())?;
-                if let Some(warm) = warm
+                let near = reach_on(&OnMesh::given(*self)?, target)?;
+                if let Begun::Rounds(mut rounds) = self.begun(near, started)?
+                    && rounds.run()? == RefinementEnd::Target
+                    && let Some(warm) = self.warm(&rounds.meshes)?
                     && let Some((contact, warm)) = self.go_on(aim, warm)?
                 {
                     return Ok((contact, Some(warm)));
                 }
                 Ok((reach(*self, target)?, None))
             }
-            Aim::Depth(depth) => self.begin_anew(depth),
-        }
-    }
-
-    /// The contact at a depth, from the given mesh.
-    fn begin_anew(&self, depth: f64) -> Result<(Contact, Option<WarmMesh>), ContactError> {
-        let started = Instant::now();
-        let placement = self.at(depth);
-        let given = on_given_mesh(self.surface, &placement, self.skin, self.options)?;
-        match begin(given, started, placement, self.skin, self.options)? {
-            Begun::Ended(contact) => Ok((*contact, None)),
-            Begun::Rounds(mut rounds) => {
+            Aim::Depth(depth) => {
+                let given = on_given_mesh(self.surface, &self.at(depth), self.skin, self.options)?;
+                let mut rounds = match self.begun(given, started)? {
+                    Begun::Ended(contact) => return Ok((*contact, None)),
+                    Begun::Rounds(rounds) => *rounds,
+                };
                 let end = rounds.run()?;
                 let warm = if end == RefinementEnd::Target { self.warm(&rounds.meshes)? } else { None };
                 Ok((rounds.conclude(end)?, warm))
             }
         }
+    }
+
+    /// What is to be done about the mesh of a contact on the given one.
+    fn begun(&self, given: Contact, started: Instant) -> Result<Begun<'_>, ContactError> {
+        let placement = self.at(given.pressed_depth());
+        begin(given, started, placement, self.skin, self.options)
     }
 
     /// What a contact leaves.
@@ -137,20 +139,23 @@ impl Setup<'_> {
         {
             return Ok(None);
         }
+        let mut timings = Vec::new();
         for _ in 0..MOST_CHANGES {
             self.options.check_interrupt("refinement")?;
             let contact = match self.solve_on(&mut warm, aim) {
                 Err(error) if error.is_of_deeper() => return Ok(None),
                 other => other?,
             };
-            let Some(contact) = contact else { return Ok(None) };
+            let Some(mut contact) = contact else { return Ok(None) };
             if !warm.serves(&contact) {
                 return Ok(None);
             }
+            add_timings(&mut timings, &contact.timings);
             let Some(view) = self.look_around(&mut warm, &contact)? else { return Ok(None) };
             if view != View::Another {
                 match warm.error(&contact) {
                     Ok(error) => {
+                        contact.timings = timings;
                         let contact = warm.conclude(contact, error, started, target, self.skin)?;
                         if view == View::Wider {
                             self.onto_mesh(&mut warm)?;
@@ -174,7 +179,8 @@ impl Setup<'_> {
         let skin = self.refined_skin(part)?;
         let kept = KeptSkin::with(&*skin, Arc::clone(&warm.kept));
         let setup = Setup { surface: &part.surface, skin: &kept, ..*self };
-        let on = OnMesh { setup, inherited: Some(warm.inherited.clone()), touch: warm.touch };
+        let on =
+            OnMesh { setup, inherited: Some(warm.inherited.clone()), touch: warm.touch, touched_in: 0.0 };
         let (contact, known) = match aim {
             Aim::Depth(depth) => {
                 let mut trials = Trials::new(&kept, before);

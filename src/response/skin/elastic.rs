@@ -96,7 +96,7 @@ pub trait ElasticSkin: Sync {
         None
     }
 
-    /// Shear modulus at `vertex` (Pa), where one is known; asked on the given mesh alone.
+    /// Shear modulus at `vertex` (Pa), where one is known.
     fn shear_modulus_at(&self, vertex: usize) -> Option<f64> {
         self.kernel_at(vertex).map(KernelSkin::shear_modulus)
     }
@@ -144,4 +144,12 @@ pub trait ElasticSkin: Sync {
         forces: &[Vector3<f64>],
         vertices: &[usize],
     ) -> Result<Vec<Vector3<f64>>, ResponseError>;
+}
+
+/// Shear modulus (Pa) of a skin at the first of some vertices where one is known, or else at its first.
+pub(crate) fn shear_modulus_under(
+    skin: &dyn ElasticSkin,
+    vertices: impl IntoIterator<Item = usize>,
+) -> Option<f64> {
+    vertices.into_iter().chain([0]).find_map(|vertex| skin.shear_modulus_at(vertex))
 }

@@ -247,6 +247,10 @@ impl ElasticSkin for BodyOnMesh {
         self.response.kept.expect(lists);
     }
 
+    fn shear_modulus_at(&self, _: usize) -> Option<f64> {
+        Some(self.response.near.shear_modulus())
+    }
+
     fn doubt(
         &self,
         asked: &Request,

@@ -76,7 +76,9 @@ def test_a_sweep_prints_and_writes_why_a_press_failed(
     message = json.loads((folder / "out" / "sweep.json").read_text())["columns"]["message"]
     assert message[0] == ""
     assert "the largest force found is" in message[1]
-    assert error == f"error: 1 of 2 presses ended with 'not_reached': {message[1]}\n"
+    assert error == (
+        f"error: 1 of 2 presses did not end solved; the first is step 1, with 'not_reached': {message[1]}\n"
+    )
     header, *rows = csv.reader((folder / "out" / "sweep.csv").read_text().splitlines())
     assert header[-2:] == ["status", "message"]
     assert [row[-2:] for row in rows] == [["solved", ""], ["not_reached", message[1]]]

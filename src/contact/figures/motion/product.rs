@@ -138,8 +138,9 @@ impl Contact {
         let first = points.len();
         points.extend(near.iter().map(|&row| at_rest[row]));
         // Nothing fades on the triangles themselves.
-        let edge = |[a, b, _]: &[u32; 3]| (points[*a as usize] - points[*b as usize]).norm();
-        let cell = faces.iter().map(edge).fold(0.0, f64::max);
+        let edges = |&[a, b, c]: &[u32; 3]| [[a, b], [b, c], [c, a]];
+        let length = |[from, to]: [u32; 2]| (points[from as usize] - points[to as usize]).norm();
+        let cell = faces.iter().flat_map(edges).map(length).fold(0.0, f64::max);
         let share = |point: &Vector3<f64>| {
             let squares = points[..first].iter().map(|load| (load - point).norm_squared());
             fade((squares.fold(f64::INFINITY, f64::min).sqrt() - cell) / distance)

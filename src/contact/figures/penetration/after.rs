@@ -13,7 +13,7 @@ use crate::contact::figures::penetration::receding::{DeformedCorners, Receding};
 use crate::contact::gap::edge::{SkinPart, triangles_among};
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
-use crate::response::skin::elastic::ElasticSkin;
+use crate::response::skin::elastic::{ElasticSkin, shear_modulus_under};
 
 /// Penetration left that is next to none, as a share of that before.
 pub(crate) const SMALL_PENETRATION: f64 = 0.02;
@@ -53,13 +53,12 @@ pub(crate) fn penetration_after(
 ) -> Result<Penetration, ContactError> {
     if forces.candidates.is_empty() {
         // Nothing has moved.
-        let (depth, of_vertices) = (gaps.deepest(), gaps.undeformed());
-        let is_at_vertex = of_vertices.into_iter().any(|gap| -gap >= depth);
+        let depth = gaps.deepest();
         return Ok(Penetration {
             depth,
             mean: depth,
             apart: 0.0,
-            is_at_vertex,
+            is_at_vertex: true,
             receding: Receding::default(),
             unfelt: gaps.penetrating.clone(),
             unmet: Vec::new(),
@@ -69,7 +68,7 @@ pub(crate) fn penetration_after(
     let Between { deepest, middles, of_faces } = moved.between()?;
     let depth = moved.looked_at_closely(deepest);
     // E* of tissue that keeps its volume.
-    let modulus = 4.0 * skin.shear_modulus_at(moved.vertices[0]).unwrap_or(0.0);
+    let modulus = 4.0 * shear_modulus_under(skin, forces.candidates.iter().copied()).unwrap_or(0.0);
     Ok(Penetration {
         depth,
         mean: moved.mean_depth(&of_faces).unwrap_or(depth),

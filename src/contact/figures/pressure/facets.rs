@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::contact::outcome::Contact;
-use crate::response::skin::elastic::ElasticSkin;
 
 /// The cells' size over that for which the peak is still covered, as a logarithm: of cells a quarter as large.
 const SMALLER_CELLS: f64 = 2.0 * std::f64::consts::LN_2;
@@ -17,11 +16,6 @@ const NEAR_PEAK: f64 = 0.8;
 const NODES_PER_TASK: usize = 64;
 
 impl Contact {
-    /// Shear modulus (Pa) of the skin under a contact on the given mesh, where one is known.
-    pub(crate) fn shear_modulus(&self, skin: &dyn ElasticSkin) -> Option<f64> {
-        self.candidates.iter().chain([&0]).find_map(|&vertex| skin.shear_modulus_at(vertex))
-    }
-
     /// What facets of the product add to the error of the peak pressure, relative to it, and the least that this is at creases of
     /// the skin: a peak on facets stands out by these.
     ///

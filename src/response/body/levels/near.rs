@@ -59,6 +59,11 @@ impl NearKernel {
         Ok(Self { half_space: kernel(Kernel::HalfSpace)?, layer: layer.transpose()? })
     }
 
+    /// In Pa.
+    pub fn shear_modulus(&self) -> f64 {
+        self.half_space.shear_modulus()
+    }
+
     /// The same on a refinement of the surface, or of one that it is a part of: the thickness is linear along edges.
     ///
     /// * `own`: vertex of this surface for a given vertex
