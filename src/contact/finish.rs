@@ -79,11 +79,7 @@ impl Contact {
         report.warn_of_pull(gaps, &forces);
         report.warn_of_steep_sides(gaps, &forces);
         let beside = Beside::new(gaps, response, &forces, &motion)?;
-        let mut left = penetration_after(gaps, &forces, response.skin, &motion, &beside)?;
-        if discretization == Discretization::Galerkin {
-            // Averaged gaps of nodes are closed, not those of vertices.
-            left.apart = 0.0;
-        }
+        let left = penetration_after(gaps, &forces, response, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
         let at_cuts = report.warn_of_cuts(gaps, response.skin, &forces);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);

@@ -22,7 +22,7 @@ pub struct ContactOptions<'a> {
     /// 1). The forces stand upright on the obstacle there to five times this, in the mean.
     pub gap_tolerance: f64,
     /// Most linear problems that a contact is solved with (≥ 1), each with gaps and normals taken at the skin as the one
-    /// before deformed it; 1 takes them at the undeformed skin alone.
+    /// before deformed it; 1 takes them at the undeformed skin alone. As many again where skin slipped to steep sides.
     pub max_linearizations: usize,
     /// Rings of neighbours added to the penetrating vertices. `None`: none where the response has no negative
     /// entry (further vertices can never touch), 1 otherwise; what is pressed beyond them is found and added.

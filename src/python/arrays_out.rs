@@ -1,7 +1,7 @@
 //! NumPy arrays out.
 
 use faer::Mat;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use numpy::ndarray::Dimension;
 use numpy::{Element, PyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -29,6 +29,12 @@ pub(super) fn vector_out<'py>(py: Python<'py>, vector: &Vector3<f64>) -> Bound<'
     PyArray1::from_slice(py, vector.as_slice())
 }
 
+/// (3, 3) array of a rotation matrix.
+pub(super) fn rotation_out<'py>(py: Python<'py>, rotation: &Matrix3<f64>) -> Bound<'py, PyArray2<f64>> {
+    let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
+    vectors_out(py, &rows)
+}
+
 /// (m, 3) int64 array of faces.
 pub(super) fn faces_out<'py>(py: Python<'py>, faces: &[[u32; 3]]) -> Bound<'py, PyArray2<i64>> {
     let flat: Vec<i64> = faces.iter().flatten().map(|&index| i64::from(index)).collect();
@@ -44,6 +50,11 @@ pub(super) fn pairs_out<'py>(py: Python<'py>, pairs: &[[usize; 2]]) -> Bound<'py
 /// (k,) int64 array of vertex numbers.
 pub(super) fn nodes_out<'py>(py: Python<'py>, nodes: &[usize]) -> Bound<'py, PyArray1<i64>> {
     PyArray1::from_vec(py, nodes.iter().map(|&node| node as i64).collect())
+}
+
+/// (n,) int64 array of vertex numbers, -1 for none.
+pub(super) fn numbers_out<'py>(py: Python<'py>, numbers: &[Option<usize>]) -> Bound<'py, PyArray1<i64>> {
+    PyArray1::from_iter(py, numbers.iter().map(|number| number.map_or(-1, |n| n as i64)))
 }
 
 /// (n, m) array, C order.

@@ -3,7 +3,7 @@
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::python::arrays_out::read_only;
+use crate::python::arrays_out::{numbers_out, read_only};
 use crate::python::convert::{mask, vector};
 use crate::python::errors::{IntoPyErr, SurfaceError};
 use crate::python::forked::released;
@@ -12,11 +12,6 @@ use crate::surface::{self, CutOut, CutOutError};
 
 /// A part of a skin: its surface, fixed vertices, and the vertex numbers both ways (-1 for none).
 type CutOutParts = (PySurface, Py<PyArray1<bool>>, Py<PyArray1<i64>>, Py<PyArray1<i64>>);
-
-fn numbers_out(py: Python<'_>, numbers: &[Option<usize>]) -> Py<PyArray1<i64>> {
-    let numbers = numbers.iter().map(|number| number.map_or(-1, |n| n as i64));
-    read_only(PyArray1::from_iter(py, numbers))
-}
 
 /// The part of a surface around a vertex in front of a plane, closed.
 #[pyfunction]
@@ -52,7 +47,7 @@ fn parts_out(part: Result<CutOut, CutOutError>, py: Python<'_>) -> PyResult<CutO
     Ok((
         part.surface.into(),
         read_only(PyArray1::from_slice(py, &part.fixed)),
-        numbers_out(py, &part.source_vertices),
-        numbers_out(py, &part.part_vertices),
+        read_only(numbers_out(py, &part.source_vertices)),
+        read_only(numbers_out(py, &part.part_vertices)),
     ))
 }

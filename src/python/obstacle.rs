@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::contact::touching;
 use crate::obstacle::{MeshObstacleOptions, Obstacle};
-use crate::python::arrays_out::{faces_out, vector_out, vectors_out};
+use crate::python::arrays_out::{faces_out, rotation_out, vector_out, vectors_out};
 use crate::python::convert::{
     boolean, faces, matrix3, mesh_arrays, motion, number, rotation_and_translation, vector, vectors,
 };
@@ -423,9 +423,7 @@ impl PyObstacle {
     /// (3, 3) float64: rotation of the pose.
     #[getter]
     fn rotation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        let rotation = self.inner.pose().rotation.to_rotation_matrix();
-        let rows: Vec<_> = (0..3).map(|row| rotation.matrix().row(row).transpose()).collect();
-        vectors_out(py, &rows)
+        rotation_out(py, self.inner.pose().rotation.to_rotation_matrix().matrix())
     }
 
     /// (3,) float64: translation of the pose (m).

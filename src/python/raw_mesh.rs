@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 
 use crate::geometry::bounds::is_within_range;
 use crate::mesh::RepairOptions;
-use crate::python::arrays_out::{faces_out, pairs_out, vectors_out};
+use crate::python::arrays_out::{faces_out, numbers_out, pairs_out, vectors_out};
 use crate::python::convert::{faces as faces_in, vectors};
 use crate::python::errors::SurfaceError;
 use crate::python::forked::released;
@@ -55,8 +55,6 @@ pub(super) fn repair<'py>(
     let faces = faces_in(faces, "faces", SurfaceError::new_err)?;
     let repaired = released(py, || crate::mesh::repair(&vertices, &faces, &RepairOptions { weld_tolerance }))
         .map_err(|error| SurfaceError::new_err(error.to_string()))?;
-    let map: Vec<i64> =
-        repaired.vertex_map.iter().map(|vertex| vertex.map_or(-1, |vertex| vertex as i64)).collect();
     let report = PyDict::new(py);
     let counts = &repaired.report;
     report.set_item("welded_vertices", counts.welded_vertices)?;
@@ -69,7 +67,7 @@ pub(super) fn repair<'py>(
     Ok((
         vectors_out(py, &repaired.vertices),
         faces_out(py, &repaired.faces),
-        PyArray1::from_vec(py, map),
+        numbers_out(py, &repaired.vertex_map),
         report,
     ))
 }

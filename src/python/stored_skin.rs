@@ -7,7 +7,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::python::arrays_out::{faces_out, matrix_out, nodes_out, vectors_out};
+use crate::python::arrays_out::{faces_out, matrix_out, nodes_out, rotation_out, vectors_out};
 use crate::python::convert::{MatrixArgument, faces, mask, matrix3, nodes, scalars, vectors};
 use crate::python::elastic::Elastic;
 use crate::python::errors::{IntoPyErr, ResponseError};
@@ -66,10 +66,9 @@ pub(super) fn skin_parts<'py>(py: Python<'py>, skin: &PySkin) -> PyResult<Bound<
 
 /// Adds blocks as they are stored, and how they have turned since.
 fn set_blocks(parts: &Bound<'_, PyDict>, compliance: &BodyCompliance) -> PyResult<()> {
-    let (py, rotation) = (parts.py(), compliance.rotation());
+    let py = parts.py();
     parts.set_item("displacement", matrix_out(py, &compliance.parts().displacement))?;
-    let rows: Vec<_> = (0..3).map(|row| rotation.row(row).transpose()).collect();
-    parts.set_item("rotation", vectors_out(py, &rows))
+    parts.set_item("rotation", rotation_out(py, compliance.rotation()))
 }
 
 /// Blocks of a body: `displacement` (3 n, 3 k) and `bone_pressure` (m, 3 k) as

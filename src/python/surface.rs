@@ -1,13 +1,14 @@
 //! `quasirigid.Surface`.
 
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::ndarray::Dimension;
+use numpy::{Element, PyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use crate::geometry::ray::first_hit;
 use crate::geometry::rigid_motion;
 use crate::mesh::check::check_elements;
-use crate::python::arrays_out::{faces_out, nodes_out, vectors_out};
+use crate::python::arrays_out::{faces_out, nodes_out, read_only, vectors_out};
 use crate::python::convert::{faces, integer, mask, mesh_arrays, nodes, rotation_and_translation, vectors};
 use crate::python::errors::{IntoPyErr, SurfaceError};
 use crate::python::forked::released;
@@ -66,17 +67,12 @@ impl From<Surface> for PySurface {
 }
 
 /// The array made once, read-only since it is shared.
-macro_rules! shared_array {
-    ($cell:expr, $py:expr, $make:expr) => {
-        $cell
-            .get_or_init($py, || {
-                let array = $make;
-                array.readwrite().make_nonwriteable();
-                array.unbind()
-            })
-            .bind($py)
-            .clone()
-    };
+fn shared<'py, T: Element, D: Dimension>(
+    known: &PyOnceLock<Py<PyArray<T, D>>>,
+    py: Python<'py>,
+    make: impl FnOnce() -> Bound<'py, PyArray<T, D>>,
+) -> Bound<'py, PyArray<T, D>> {
+    known.get_or_init(py, || read_only(make())).bind(py).clone()
 }
 
 #[pymethods]
@@ -140,31 +136,31 @@ impl PySurface {
     /// (n, 3) float64: positions (m).
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        shared_array!(self.vertices, py, vectors_out(py, self.inner.vertices()))
+        shared(&self.vertices, py, || vectors_out(py, self.inner.vertices()))
     }
 
     /// (m, 3) int64: corners of each triangle.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i64>> {
-        shared_array!(self.faces, py, faces_out(py, self.inner.faces()))
+        shared(&self.faces, py, || faces_out(py, self.inner.faces()))
     }
 
     /// (n, 3) float64: outward unit normals.
     #[getter]
     fn vertex_normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        shared_array!(self.vertex_normals, py, vectors_out(py, self.inner.vertex_normals()))
+        shared(&self.vertex_normals, py, || vectors_out(py, self.inner.vertex_normals()))
     }
 
     /// (n,) float64: a third of the area of the triangles around each vertex (m^2).
     #[getter]
     fn vertex_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        shared_array!(self.vertex_areas, py, PyArray1::from_slice(py, self.inner.vertex_areas()))
+        shared(&self.vertex_areas, py, || PyArray1::from_slice(py, self.inner.vertex_areas()))
     }
 
     /// (n,) bool: vertices that may touch.
     #[getter]
     fn skin_mask<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        shared_array!(self.skin_mask, py, PyArray1::from_slice(py, self.inner.skin_mask()))
+        shared(&self.skin_mask, py, || PyArray1::from_slice(py, self.inner.skin_mask()))
     }
 
     /// Area (m^2).

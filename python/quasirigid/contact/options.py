@@ -47,7 +47,7 @@ class ContactOptions:
         forces stand upright on the product to five times this share of theirs, in the mean.
     max_linearizations : int
         Most linear problems, each with gaps and normals taken at the skin as the one before deformed it; 1
-        takes them at the undeformed skin alone.
+        takes them at the undeformed skin alone. As many again where skin slipped to steep sides.
     rings : int or None
         Rings of neighbours added to the penetrating vertices. None: 0 where the response has no negative
         entry (further vertices can never touch), 1 otherwise; what is pressed beyond them is found and added.

@@ -131,7 +131,10 @@ class Sweep(Frozen):
             If `step` is no integer; an IndexError if there is no such step.
         """
         step, warm = as_place("step", step, len(self), "a sweep"), _core.WarmStart()
-        for before in range(step):
+        options = self._question.options
+        # A mesh taken as it is leaves nothing to the next step.
+        is_warm = options is None or options.target_error is not None
+        for before in range(step if is_warm else 0):
             with suppress(ContactError, ResponseError):
                 self._question.answer(before, warm)
         return end_of(self._question.answer(step, warm), throw=False, stacklevel=2)

@@ -45,6 +45,28 @@ pub(crate) fn measure(
         let row = around.vertices.binary_search(&(vertex as usize)).expect("the edges join the vertices");
         &at_vertices[row]
     };
+    let at_middles = measure_middles(surface, scene, &around, at)?;
+    // A node's row of R is of displacements along its own normal, all around it.
+    let taken = |node: usize, there: &VertexGap| {
+        let own = at(node as u32);
+        if there.normal.dot(&own.normal) < OTHER_SIDE {
+            own.distance
+        } else {
+            there.distance + (there.normal - own.normal).dot(&there.shift)
+        }
+    };
+    let at_vertex = |node, row: usize| taken(node, &at_vertices[row]);
+    let at_middle = |node, row: usize| taken(node, &at_middles[row]);
+    Ok(around.averages(surface, basis, nodes, at_vertex, at_middle))
+}
+
+/// Initial gaps at the middles of the edges, where the skin moves as it does at their ends in the mean.
+fn measure_middles<'a>(
+    surface: &Surface,
+    scene: &Scene,
+    around: &AveragePoints,
+    at: impl Fn(u32) -> &'a VertexGap,
+) -> Result<Vec<VertexGap>, ContactError> {
     // A distance changes by no more than the way, so no middle is beyond the reach.
     let mut reach = Vec::with_capacity(around.edges.len());
     let mut middles = around.middles(surface);
@@ -60,36 +82,24 @@ pub(crate) fn measure(
         shifts.push(shift);
     }
     let found = scene.obstacle.signed_distance(&middles, reach.iter().copied().reduce(f64::max))?;
-    let mut at_middles = Measured { distance: found.distance, normal: found.normal };
+    let mut measured = Measured { distance: found.distance, normal: found.normal };
     let normals = surface.vertex_normals();
     let between = around.edges.iter().map(|ends| {
         let [a, b] = ends.map(|end| normals[end as usize]);
         (a + b).try_normalize(0.0).unwrap_or(a)
     });
     let way_in = WayIn::new(scene, between, |row| reach[row]);
-    measure_entries(&middles, |_| true, &scene.obstacle, &way_in, &mut at_middles)?;
-    let at_middles = around.edges.iter().zip(&shifts).enumerate().map(|(row, (&ends, &shift))| {
-        let [a, b] = ends.map(at);
-        let normal = at_middles.normal[row];
+    measure_entries(&middles, |_| true, &scene.obstacle, &way_in, &mut measured)?;
+    let gaps = around.edges.iter().zip(shifts).enumerate().map(|(row, (&ends, shift))| {
+        let [a, b] = ends.map(&at);
+        let normal = measured.normal[row];
         let is_on_line = a.is_on_line && b.is_on_line;
         let distance = if is_on_line {
             0.5 * (a.distance + b.distance)
         } else {
-            at_middles.distance[row] - normal.dot(&shift)
+            measured.distance[row] - normal.dot(&shift)
         };
         VertexGap { distance, normal, shift, is_on_line }
     });
-    let at_middles: Vec<VertexGap> = at_middles.collect();
-    // A node's row of R is of displacements along its own normal, all around it.
-    let taken = |node: usize, there: &VertexGap| {
-        let own = at(node as u32);
-        if there.normal.dot(&own.normal) < OTHER_SIDE {
-            own.distance
-        } else {
-            there.distance + (there.normal - own.normal).dot(&there.shift)
-        }
-    };
-    let at_vertex = |node, row: usize| taken(node, &at_vertices[row]);
-    let at_middle = |node, row: usize| taken(node, &at_middles[row]);
-    Ok(around.averages(surface, basis, nodes, at_vertex, at_middle))
+    Ok(gaps.collect())
 }

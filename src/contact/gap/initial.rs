@@ -2,6 +2,7 @@
 
 use std::cell::{Ref, RefCell};
 use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
 
 use nalgebra::Vector3;
 
@@ -31,7 +32,7 @@ const MOST_DOUBLINGS: usize = 4;
 const STEEPEST_COSINE: f64 = 0.25;
 
 /// Initial gap g0 (m) and obstacle normal of the skin's vertices, measured anew where somebody asks beyond the search
-/// distance.
+/// distance. A clone shares what the whole skin knows until one of the two learns more.
 #[derive(Clone)]
 pub(crate) struct Gaps<'a> {
     pub surface: &'a Surface,
@@ -39,15 +40,15 @@ pub(crate) struct Gaps<'a> {
     /// Every vertex not measured is at least this far from the obstacle, outside it (m).
     pub search_distance: f64,
     /// How far back along its inward normal each vertex in overlap looks for the way that it came in (n, m).
-    reach: Vec<f64>,
+    reach: Rc<[f64]>,
     /// Vertices whose gap is measured back the way they came.
     pub entry: EntryGap,
     /// Vertices that may touch with g0 < 0, ascending.
     pub penetrating: Vec<usize>,
     /// As the problem takes them: linearized where the skin was measured after it was deformed.
-    measured: RefCell<Measured>,
+    measured: RefCell<Rc<Measured>>,
     /// g0 (n, m) of the undeformed skin, once it differs.
-    undeformed: Option<Vec<f64>>,
+    undeformed: Option<Rc<[f64]>>,
     /// Vertices whose gap is to a line of the obstacle between them.
     on_lines: BTreeMap<usize, Line>,
     /// Displacement (m) at which vertices were measured, where that is not 0.
@@ -107,7 +108,7 @@ impl<'a> Gaps<'a> {
             surface,
             scene,
             search_distance: farthest(&reach),
-            reach,
+            reach: reach.into(),
             entry,
             deepest_vertex: deepest_of(&penetrating, &measured).map(|vertex| DeepestVertex {
                 vertex,
@@ -115,7 +116,7 @@ impl<'a> Gaps<'a> {
                 normal: measured.normal[vertex],
             }),
             penetrating,
-            measured: RefCell::new(measured),
+            measured: RefCell::new(Rc::new(measured)),
             undeformed: None,
             on_lines,
             shifts: HashMap::new(),
@@ -146,7 +147,7 @@ impl<'a> Gaps<'a> {
 
     /// g0 (n, m) of the undeformed skin as measured so far.
     pub fn undeformed(&self) -> Vec<f64> {
-        self.undeformed.clone().unwrap_or_else(|| self.distances().to_vec())
+        self.undeformed.as_ref().map_or_else(|| self.distances().to_vec(), |undeformed| undeformed.to_vec())
     }
 
     /// The line of the obstacle that the gap of a vertex is to, as the undeformed skin met it.
@@ -185,8 +186,9 @@ impl<'a> Gaps<'a> {
     ///
     /// * `measured`: [`measured_at`](Self::measured_at)
     pub fn linearize(&mut self, vertices: &[usize], displacement: &[Vector3<f64>], measured: &Measured) {
-        let undeformed = self.undeformed.get_or_insert_with(|| self.measured.borrow().distance.clone());
-        let known = self.measured.get_mut();
+        let undeformed =
+            self.undeformed.get_or_insert_with(|| self.measured.borrow().distance.as_slice().into());
+        let known = Rc::make_mut(self.measured.get_mut());
         for (row, &vertex) in vertices.iter().enumerate() {
             let normal = measured.normal[row];
             let cosine = |normal: &Vector3<f64>| -normal.dot(&self.surface.vertex_normals()[vertex]);
@@ -221,9 +223,12 @@ impl<'a> Gaps<'a> {
 
     /// g0 (m) and obstacle normal of `vertices`, measured without limit where they have not been yet.
     pub fn at(&self, vertices: &[usize]) -> Result<Measured, ContactError> {
-        let mut measured = self.measured.borrow_mut();
-        measured.complete(self.surface.vertices(), &self.scene.obstacle, vertices)?;
-        Ok(measured.rows(vertices))
+        let missing = self.measured.borrow().missing(vertices);
+        if !missing.is_empty() {
+            let measured = &mut *self.measured.borrow_mut();
+            Rc::make_mut(measured).fill(self.surface.vertices(), &self.scene.obstacle, &missing, None)?;
+        }
+        Ok(self.measured.borrow().rows(vertices))
     }
 
     /// g0 (m) of `nodes`, averaged against their pressures.

@@ -58,19 +58,15 @@ impl Measured {
         }
     }
 
-    /// Measures `wanted` without limit where they have not been measured yet.
-    pub fn complete(
-        &mut self,
-        points: &[Vector3<f64>],
-        obstacle: &Obstacle,
-        wanted: &[usize],
-    ) -> Result<(), ContactError> {
-        let missing: Vec<usize> =
-            wanted.iter().copied().filter(|&point| self.distance[point].is_infinite()).collect();
-        self.fill(points, obstacle, &missing, None)
+    /// Those of some points that have not been measured yet.
+    pub fn missing(&self, points: &[usize]) -> Vec<usize> {
+        points.iter().copied().filter(|&point| self.distance[point].is_infinite()).collect()
     }
 
-    fn fill(
+    /// Measures some of the points.
+    ///
+    /// * `max_distance`: (m); `None`: without limit
+    pub fn fill(
         &mut self,
         points: &[Vector3<f64>],
         obstacle: &Obstacle,

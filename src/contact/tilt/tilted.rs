@@ -55,16 +55,17 @@ impl Tilted<'_> {
     }
 
     pub fn turned_by(&self, angles: &[f64]) -> Turn {
-        let turn: Vector3<f64> = self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum();
-        Turn { rotation: UnitQuaternion::from_scaled_axis(turn), point: self.point }
+        Turn { rotation: UnitQuaternion::from_scaled_axis(self.rotation(angles)), point: self.point }
+    }
+
+    /// The axis of a turn, as long as its angle (rad).
+    fn rotation(&self, angles: &[f64]) -> Vector3<f64> {
+        self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum()
     }
 
     /// Share of a step between angles (rad) that stays within the largest angle.
     pub fn room(&self, from: &[f64], to: &[f64]) -> f64 {
-        let total = |angles: &[f64]| -> Vector3<f64> {
-            self.axes.iter().zip(angles).map(|(axis, &angle)| angle * axis).sum()
-        };
-        let (from, to) = (total(from), total(to));
+        let (from, to) = (self.rotation(from), self.rotation(to));
         if to.norm() <= LARGEST_ANGLE {
             return 1.0;
         }

@@ -68,8 +68,12 @@ pub fn balanced_height(kernel_constant: f64, width: f64, cutoff: f64) -> Result<
             return Err(ResponseError::Constant { name, value, expected });
         }
     }
-    let taken = -(-0.5 * (cutoff / width).powi(2)).exp_m1() * width * width;
-    Ok(kernel_constant * cutoff / taken)
+    Ok(kernel_constant * cutoff / gaussian_integral(width, cutoff))
+}
+
+/// `∫ exp(-r²/2w²) r dr` (m²) from 0 to the cutoff (m).
+fn gaussian_integral(width: f64, cutoff: f64) -> f64 {
+    -(-0.5 * (cutoff / width).powi(2)).exp_m1() * width * width
 }
 
 /// `∫ f(r) dr` from 0 to `end` by a Gauss rule on each of `panels` parts.
@@ -100,8 +104,7 @@ impl KernelSkin {
         let (g, nu) = (self.shear_modulus(), self.poisson_ratio());
         match self.kernel() {
             Kernel::GaussianCorrected { height, width, cutoff } if cutoff.is_finite() => {
-                let taken = -(-0.5 * (cutoff / width).powi(2)).exp_m1() * width * width;
-                TAU * (self.kernel_constant() * cutoff - height * taken)
+                TAU * (self.kernel_constant() * cutoff - height * gaussian_integral(*width, *cutoff))
             }
             // confined compression: h / (2 G (1-ν) / (1-2ν))
             Kernel::Layer { thickness } => thickness.largest() * (1.0 - 2.0 * nu) / (2.0 * g * (1.0 - nu)),

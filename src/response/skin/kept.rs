@@ -130,7 +130,10 @@ impl ElasticSkin for KeptSkin<'_> {
     }
 
     fn expect(&self, lists: Vec<Vec<usize>>) {
-        self.kept.entries.expect(lists);
+        match self.skin.as_kernel() {
+            Some(_) => self.kept.entries.expect(lists),
+            None => self.skin.expect(lists),
+        }
     }
 
     fn is_held(&self, vertex: usize) -> bool {

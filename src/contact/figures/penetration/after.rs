@@ -3,6 +3,7 @@
 
 use nalgebra::Vector3;
 
+use crate::contact::equilibrium::compliance::Compliance;
 use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::area::beside::Beside;
@@ -13,6 +14,7 @@ use crate::contact::figures::penetration::receding::{DeformedCorners, Receding};
 use crate::contact::gap::edge::{SkinPart, triangles_among};
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
+use crate::response::kernel::basis::Discretization;
 use crate::response::skin::elastic::{ElasticSkin, shear_modulus_under};
 
 /// Penetration left that is next to none, as a share of that before.
@@ -47,7 +49,7 @@ pub(crate) struct Penetration {
 pub(crate) fn penetration_after(
     gaps: &Gaps,
     forces: &NodeForces,
-    skin: &dyn ElasticSkin,
+    response: &Compliance,
     motion: &CandidateMotion,
     beside: &Beside,
 ) -> Result<Penetration, ContactError> {
@@ -64,6 +66,7 @@ pub(crate) fn penetration_after(
             unmet: Vec::new(),
         });
     }
+    let Compliance { skin, traits, .. } = *response;
     let moved = MovedSkin::new(gaps, forces, skin, motion, beside)?;
     let Between { deepest, middles, of_faces } = moved.between()?;
     let depth = moved.looked_at_closely(deepest);
@@ -72,7 +75,11 @@ pub(crate) fn penetration_after(
     Ok(Penetration {
         depth,
         mean: moved.mean_depth(&of_faces).unwrap_or(depth),
-        apart: moved.apart(),
+        apart: match traits.discretization {
+            Discretization::Collocation => moved.apart(),
+            // Averaged gaps of nodes are closed, not those of vertices.
+            Discretization::Galerkin => 0.0,
+        },
         is_at_vertex: moved.deepest_vertex() >= depth,
         receding: moved.receding(&middles, modulus),
         unfelt: moved.unfelt(),
