@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 
 _INTERRUPTED = 130
 
@@ -26,11 +27,14 @@ def main() -> None:
 def _run() -> int:
     try:
         from .cli import run
+        from .errors import QuasirigidWarning
     except ModuleNotFoundError as error:
         if (error.name or "").split(".")[0] not in ("typer", "rich", "click"):
             raise
         print("error: the command line needs typer and rich: pip install 'quasirigid[cli]'", file=sys.stderr)
         return 2
+    # Not Python's filter but --quiet says what is told.
+    warnings.simplefilter("default", QuasirigidWarning)
     return run(sys.argv[1:])
 
 

@@ -43,6 +43,10 @@ class SizeWarning(QuasirigidWarning):
     """The size of skin, product or hand, or a product's mass, is unusual; check the unit."""
 
 
+class DirectionWarning(QuasirigidWarning):
+    """A press goes the other way than the product stands."""
+
+
 class DepthWarning(QuasirigidWarning):
     """A press is deeper than the tissue or the part allows."""
 

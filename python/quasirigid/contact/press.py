@@ -169,7 +169,7 @@ def press(
     -------
     Contact
         As `solve_contact`; `depth` is the depth that was found (m), and `travel` the way of the obstacle (m),
-        negative where it started in overlap.
+        negative where it started in overlap or behind the skin.
 
     Raises
     ------
@@ -187,8 +187,9 @@ def press(
 
     Warns
     -----
-    SizeWarning, DepthWarning, ModulusWarning, MaskWarning, ResponseRangeWarning
-        Where the question is probably not meant: a wrong unit, a depth that no tissue has, an inverted mask.
+    SizeWarning, DirectionWarning, DepthWarning, ModulusWarning, MaskWarning, ResponseRangeWarning
+        Where the question is probably not meant: a wrong unit, a product behind the skin, a depth that no
+        tissue has, an inverted mask.
     CoarseMeshWarning, CutWarning, PenetrationWarning, RefinementWarning
         Where the figures lack something. `Contact.warnings` keeps them all, whatever Python's filter shows.
 

@@ -9,6 +9,7 @@ from ..errors import (
     CoarseMeshWarning,
     CutWarning,
     DepthWarning,
+    DirectionWarning,
     MaskWarning,
     ModulusWarning,
     PenetrationWarning,
@@ -22,6 +23,7 @@ __all__ = ["Warned", "warn_of", "warned"]
 
 _CATEGORIES: dict[str, type[QuasirigidWarning]] = {
     "size": SizeWarning,
+    "direction": DirectionWarning,
     "depth": DepthWarning,
     "modulus": ModulusWarning,
     "coarse_mesh": CoarseMeshWarning,

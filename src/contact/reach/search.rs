@@ -141,7 +141,9 @@ impl Bracket {
             self.below = Some((at, value));
         } else {
             self.above = Some((at, None));
-            self.why = "deeper it falls again".into();
+            self.why =
+                "deeper it falls again, and what comes beyond is not searched: a press by depth tells it"
+                    .into();
         }
         if value < 0.0 && value >= largest {
             self.largest = Some((at, value));
@@ -320,7 +322,10 @@ mod tests {
             }
             _ => panic!("found"),
         };
-        short(|x| Trial::Value(if x < 7.0 { x } else { 0.5 }), "deeper it falls again");
+        short(
+            |x| Trial::Value(if x < 7.0 { x } else { 0.5 }),
+            "deeper it falls again, and what comes beyond is not searched: a press by depth tells it",
+        );
         short(|x| if x < 7.0 { Trial::Value(x) } else { Trial::Blocked("wall".into()) }, "wall");
         match search(1e9).run(|x| -> Result<_, ()> { Ok(Trial::Value(x)) }) {
             Ok(Found::NotReached { largest: Some(at), .. }) => assert!((at / 1e3 - 1.0).abs() < 1e-12),

@@ -6,6 +6,8 @@
 pub enum WarningKind {
     /// Skin or product has a size that no hand or product has: it is in another unit.
     Size,
+    /// The press goes the other way than the product stands.
+    Direction,
     /// The depth is more than tissue or part can give.
     Depth,
     /// The shear modulus is none of tissue.
@@ -29,6 +31,7 @@ impl WarningKind {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Size => "size",
+            Self::Direction => "direction",
             Self::Depth => "depth",
             Self::Modulus => "modulus",
             Self::CoarseMesh => "coarse_mesh",

@@ -14,6 +14,7 @@ from shapes import AS_GIVEN, PLATE, SKIN, ball
 
 CATEGORIES = (
     "SizeWarning",
+    "DirectionWarning",
     "DepthWarning",
     "ModulusWarning",
     "CoarseMeshWarning",
@@ -100,6 +101,17 @@ CASES = {
         "DepthWarning",
         "8.1000e-3 m",
         lambda: pressed(qr.Surface(*ball(8e-3, 3)), depth=8.1e-3),
+    ),
+    "away from the product": (
+        "DirectionWarning",
+        "taken back by",
+        lambda: qr.press(
+            qr.Surface(*ball(8e-3, 3)),
+            qr.Obstacle.sphere([0, 0, 0.05], 0.01),
+            kernel(qr.HalfSpace()),
+            [0, 0, 1],
+            depth=1e-3,
+        ),
     ),
     "a modulus in kPa": (
         "ModulusWarning",
