@@ -94,15 +94,17 @@ impl<'a> Gaps<'a> {
                 (measured, entry, entered) = Self::within(surface, scene, &reach)?;
             }
         }
+        let rounding = touch_rounding(surface);
         let deepest = match &scene.press {
             Some(press) => {
-                let rounding = touch_rounding(surface);
                 surface.vertices().iter().map(|place| (press.way_to(place) + rounding).max(0.0)).collect()
             }
             None => reach.clone(),
         };
         let on_lines = take_edges(surface, &scene.obstacle, &deepest, &mut measured);
-        let is_inside = |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < 0.0;
+        // Where the obstacle only touches, some are in it by rounding.
+        let is_inside =
+            |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < -rounding;
         let penetrating: Vec<usize> = (0..measured.distance.len()).filter(is_inside).collect();
         Ok(Self {
             surface,
