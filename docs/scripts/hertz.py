@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-RADIUS, APPROACH, SHEAR_MODULUS, POISSON_RATIO = 0.2, 0.5e-3, 60e3, 0.5
+# So shallow that the sphere is the parabola of Hertz.
+RADIUS, APPROACH, SHEAR_MODULUS, POISSON_RATIO = 20.0, 20e-6, 60e3, 0.5
 CELLS = (3, 4, 6, 8, 12, 16)
 
 
@@ -52,8 +53,6 @@ def main() -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(8.5, 3.2), layout="constrained")
     left.loglog(cells_, 100 * np.abs(force_error), "o-", label="force")
     left.loglog(cells_, 100 * np.abs(peak_error), "s-", label="peak pressure")
-    left.axhline(0.1, color="grey", linewidth=0.8, linestyle=":")
-    left.text(7, 0.107, "true sphere against Hertz's parabola", fontsize=7, color="grey")
     left.set(xlabel="cells per contact radius", ylabel="error against Hertz (%)")
     left.legend(frameon=False)
     right.loglog(1e3 * seconds_, 100 * np.abs(peak_error), "s-", color="C1")

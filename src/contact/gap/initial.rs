@@ -18,6 +18,8 @@ use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::basis::PressureBasis;
 use crate::surface::checked::Surface;
 
+/// Rounding of a distance, in extents of the skin: where an obstacle only touches, some vertices are in it by that.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Default search distance beyond the depth, in mean edge lengths.
 const SEARCH_EDGES: f64 = 2.0;
 /// Where skin in overlap stands deeper than this share of the search distance, some may stand deeper than that.
@@ -94,15 +96,15 @@ impl<'a> Gaps<'a> {
                 (measured, entry, entered) = Self::within(surface, scene, &reach)?;
             }
         }
-        let rounding = touch_rounding(surface);
         let deepest = match &scene.press {
             Some(press) => {
+                let rounding = touch_rounding(surface);
                 surface.vertices().iter().map(|place| (press.way_to(place) + rounding).max(0.0)).collect()
             }
             None => reach.clone(),
         };
         let on_lines = take_edges(surface, &scene.obstacle, &deepest, &mut measured);
-        // Where the obstacle only touches, some are in it by rounding.
+        let rounding = ROUNDING * surface.bounding_box().diagonal();
         let is_inside =
             |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < -rounding;
         let penetrating: Vec<usize> = (0..measured.distance.len()).filter(is_inside).collect();

@@ -71,7 +71,7 @@ def _draw(ax: Axes, curves: Mapping[str, Sequence[Row]], error: str) -> None:
             if row["knee"]:
                 at = (1e3 * row["seconds"], 100 * abs(row[error]))
                 ax.plot(*at, "o", markersize=12, markerfacecolor="none", markeredgecolor=INK)
-                ax.annotate("knee", at, xytext=(9, 7), textcoords="offset points", fontsize=8, color=INK)
+                ax.annotate("knee", at, xytext=(-34, -12), textcoords="offset points", fontsize=8, color=INK)
 
 
 def _label(row: Row) -> str:
