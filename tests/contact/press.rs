@@ -30,6 +30,21 @@ fn apart_means_no_contact_and_zeros() {
 }
 
 #[test]
+fn what_only_touches_is_not_pressed() {
+    let surface = ball(8e-3, 3);
+    for place in [[0.0, 0.0], [1.3e-3, -0.7e-3], [-2.1e-3, 0.4e-3], [0.2e-3, 3.1e-3]] {
+        let center = Vector3::new(place[0], place[1], -0.1);
+        let obstacle = Obstacle::sphere(center, 5e-3).expect("a sphere");
+        let options = ContactOptions::default();
+        let contact = pressed(&surface, &obstacle, &half_space(), Goal::Depth(0.0), &options);
+        assert_eq!(contact.status, ContactStatus::NoContact, "{place:?}");
+        assert_eq!(contact.resultant.contact_area, 0.0);
+        let mut messages = contact.warnings.iter().map(|warning| &warning.message);
+        assert!(messages.all(|message| !message.contains("lies inside the skin")));
+    }
+}
+
+#[test]
 fn a_solved_contact_is_complementary_and_free_of_penetration() {
     let depth = 0.5e-3;
     let contact = press_up(&ball(8e-3, 4), &plate(), &half_space(), depth);

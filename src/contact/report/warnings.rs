@@ -7,6 +7,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::equilibrium::steep::{MOST_STEEP, PULLING_COSINE, steep_share};
 use crate::contact::error::ContactError;
 use crate::contact::figures::penetration::after::{Penetration, SMALL_PENETRATION};
+use crate::contact::first_touch::touch_rounding;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::outcome::{Contact, RefinementEnd};
 use crate::contact::refine::product::errors_of_area_and_peak;
@@ -80,6 +81,10 @@ impl Report {
             (0..distances.len()).min_by(order).expect("a surface has vertices")
         };
         let measured = gaps.at(&[nearest])?;
+        // Where it touches, the point is on the skin.
+        if measured.distance[0] <= touch_rounding(surface) {
+            return Ok(());
+        }
         let inwards = measured.distance[0] * measured.normal[0];
         let is_inside = if surface.is_closed() {
             let on_obstacle = surface.vertices()[nearest] - inwards;
