@@ -18,6 +18,7 @@ from quasirigid.io import (
     patch_table,
     refinement_table,
 )
+from quasirigid.io.record import mean_pressure
 from shapes import AS_GIVEN, grid
 
 
@@ -149,3 +150,17 @@ def test_a_notebook_gets_the_summary_as_a_table(unsolved: qr.Contact) -> None:
 
 def test_a_record_is_ready_for_json(apart: qr.Contact) -> None:
     json.dumps(contact_record(apart), allow_nan=False)
+
+
+def test_a_mean_within_the_cell_of_the_peak_is_no_mean(fingertip: qr.Surface) -> None:
+    skin = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.HalfSpace())
+    plate = qr.Obstacle.half_space([0, 0, -1], [0, 0, 1])
+    as_given = qr.ContactOptions(target_error=None)
+    contact = qr.press(fingertip, plate, skin, [0, 0, 1], depth=1e-3, options=as_given)
+    cell = contact.surface.vertex_areas[np.argmax(contact.pressure)]
+    # Cells that the rim cuts are smaller.
+    mean_cell = contact.contact_area / len(contact.active)
+    assert mean_cell < 0.9 * cell
+    assert contact.mean_pressure(0.95 * cell) == pytest.approx(contact.max_pressure)
+    assert mean_pressure(contact, 0.95 * cell) is None
+    assert mean_pressure(contact, 4 * cell) == contact.mean_pressure(4 * cell) < contact.max_pressure
