@@ -76,6 +76,7 @@ def sweep(
     first = bad[0]
     status, message = curve.status[first], curve.messages[first]
     return refuse(
-        f"{len(bad)} of {len(curve)} presses did not end solved; the first is step {first}, with {status!r}: {message}",
+        f"{len(bad)} of {len(curve)} presses did not end solved; "
+        f"the first is step {first}, with {status!r}: {message}",
         status=1,
     )

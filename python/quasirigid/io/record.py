@@ -29,7 +29,6 @@ __all__ = [
     "warnings_record",
 ]
 
-_ROUNDING = 1e-12  # of the same sum in another order
 # Unit of each figure; "1" is dimensionless.
 _CONTACT = {
     "force": "N",
@@ -121,11 +120,9 @@ def contact_record(contact: Contact, *, unreached: str | None = None) -> dict[st
 
 def mean_pressure(contact: Contact, area: float) -> float | None:
     """Return the largest mean pressure over an area (m²); None where the cells of the mesh are larger."""
-    mean = contact.mean_pressure(area)
-    is_within_mean_cell = contact.contact_area > area * len(contact.active)
-    # As in a disc within the cell of the peak, whatever the others are.
-    is_peak = 0.0 < (1.0 - _ROUNDING) * contact.max_pressure <= mean
-    return None if is_within_mean_cell or is_peak else mean
+    # One node force over the disc would be as high as the peak.
+    is_within_cell = np.max(contact.node_force) > area * contact.max_pressure
+    return None if is_within_cell else contact.mean_pressure(area)
 
 
 def warnings_record(warnings: Iterable[Warned]) -> list[dict[str, str]]:

@@ -40,7 +40,8 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Parts]:
 def test_a_numpy_length_is_stored_as_any_other(tmp_path: Path) -> None:
     length = np.float32(2.5e-3)
     prepared(coarse_edge_length=length).save(tmp_path / "skin.npz")
-    response = qr.PreparedSkin.load(tmp_path / "skin.npz", SURFACE).skin.response
+    response = qr.load_prepared(tmp_path / "skin.npz").skin.response
+    assert isinstance(response, qr.Body)
     assert response.coarse_edge_length == float(length)
 
 
