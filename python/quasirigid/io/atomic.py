@@ -33,7 +33,12 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         raise IsADirectoryError(errno.EISDIR, "is a folder, expected a file", str(target))
     draft = target.with_name(f".{target.name}.{os.urandom(4).hex()}")
     try:
-        with draft.open("xb") as file:
+        file = draft.open("xb")
+    except OSError as error:
+        error.filename = str(target)
+        raise
+    try:
+        with file:
             yield file
         draft.replace(target)
     finally:

@@ -64,6 +64,7 @@ def contact_figure(contact: Contact, *, bone: Surface | None = None, view: View 
         [["before", "after", "cut"], ["before", "after", "footprint"]],
         width_ratios=[1.0, 1.0, 1.15],
         height_ratios=[1.0, 1.2],
+        gridspec_kw={"hspace": 0.1},  # between the legend of the cut and the title below it
     )
     plot_skin(contact, show="overlap", ax=axes["before"], view=view)
     plot_skin(contact, show="pressure", ax=axes["after"], view=view)
@@ -151,4 +152,4 @@ def _headline(contact: Contact) -> str:
     force = f"{np.linalg.norm(contact.force):.3g} N" + with_error(accuracy.force_error, unbounded)
     area = f"{contact.contact_area * MM**2:.3g} mm²" + with_error(accuracy.area_error, unbounded)
     peak = f"{contact.max_pressure * KPA:.3g} kPa" + with_error(accuracy.max_pressure_error, unbounded)
-    return f"{force} on {area}, {contact.max_penetration_before * MM:.3g} mm deep\nup to {peak}"
+    return f"{force} on {area}, overlap {contact.max_penetration_before * MM:.3g} mm\nup to {peak}"

@@ -101,7 +101,10 @@ def _plane_axes(ax: Axes) -> Axes:
 
 
 def _note(ax: Axes, height: float, text: str) -> Axes:
-    ax.text(0.5, height, text, transform=ax.transAxes, ha="center", va="center", color=FAINT, fontsize=8.5)
+    ax.text(
+        0.5, height, text, transform=ax.transAxes, ha="center", va="center", color=FAINT, fontsize=8.5,
+        zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.9, "pad": 1.5 if text else 0.0},
+    )  # fmt: skip
     return ax
 
 
@@ -140,4 +143,6 @@ def _draw_pressure(ax: Axes, net: Triangulation, pressure: Floats, top: float, c
     outline = ax.tricontour(net, side, levels=[0.0], colors=INK, linewidths=1.5, zorder=3)
     for drawn in (filled, lines):
         drawn.set_clip_path(outline.get_paths()[0], transform=ax.transData)
-    ax.plot(0.0, 0.0, marker="+", color="white", markersize=9, markeredgewidth=1.4, zorder=4)
+    # White on dark, and dark on white where no pressure is.
+    for color, width in ((INK, 2.6), ("white", 1.4)):
+        ax.plot(0.0, 0.0, marker="+", color=color, markersize=9, markeredgewidth=width, zorder=4)

@@ -104,8 +104,11 @@ def _known(views: Sequence[str]) -> list[str]:
 
 
 def _color_of_each(labels: NDArray[np.str_]) -> Floats:
-    """Return colors (n, 3) by label, those of labels that follow each other far apart."""
+    """Return colors (n, 3) by label, far apart for labels that follow each other, and none twice."""
     names, of_vertex = np.unique(labels, return_inverse=True)
     golden = 0.5 * (np.sqrt(5.0) - 1.0)
-    colors = np.array([colorsys.hsv_to_rgb(golden * at % 1.0, 0.5, 0.95) for at in range(len(names))])
+    tones = ((0.45, 0.95), (0.75, 0.8), (0.3, 0.7))  # saturation and value
+    colors = np.array(
+        [colorsys.hsv_to_rgb(golden * at % 1.0, *tones[at % len(tones)]) for at in range(len(names))]
+    )
     return colors[of_vertex]

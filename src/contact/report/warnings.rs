@@ -146,7 +146,7 @@ impl Report {
         for (whose, ends) in [("obstacle", obstacle), ("skin", skin.map(|edge| edge.ends))] {
             let Some([a, b]) = &ends else { continue };
             let why = format!(
-                "a sharp edge of the {whose} carries force, as from {} to {} m, where the pressure is infinite: take means over an area",
+                "a sharp edge of the {whose} carries force, as from {} to {} m, where the pressure is infinite: take means over an area; an edge that stands for a round one wants a finer mesh of the {whose}",
                 point(a),
                 point(b)
             );

@@ -51,7 +51,7 @@ def size_of(hand_length: Any, hand_breadth: Any, percentile: Any, sex: Any) -> t
     if (hand_length, hand_breadth) != DEFAULT:
         raise SurfaceError("`percentile` and `sex` replace the hand's length and breadth: give one pair")
     if not isinstance(sex, str) or sex not in ("female", "male"):
-        raise SurfaceError(f'sex is {sex!r}, expected "female" or "male" beside `percentile`')
+        raise SurfaceError(f'sex is {sex!r}, expected "female" or "male" beside `percentile` (5, 50 or 95)')
     known = isinstance(percentile, (int, float, np.integer, np.floating)) and not isinstance(percentile, bool)
     if not known or (sex, percentile) not in PERCENTILES:
         raise SurfaceError(f"percentile is {percentile!r}, expected 5, 50 or 95 beside `sex`")
