@@ -39,6 +39,9 @@ const MOST_IN_VAIN: usize = 3;
 /// Share of the force on steep sides from which on skin slips to them: between that of a rod, a quarter at four times its radius
 /// while its force still rises, and of a ball whose force begins to fall, at 1.2 radii.
 const SLIPPING_SHARE: f64 = 0.35;
+/// Relative difference below which two linearizations leave the same gap: skin that goes from facet to facet and back comes to
+/// the same forces again, and no rounding is to say which of the two is taken.
+const SAME_GAP: f64 = 1e-6;
 /// Least step from one linearization to the next.
 const LEAST_STEP: f64 = 0.125;
 
@@ -193,7 +196,7 @@ impl<'a> Linearizations<'a, '_> {
         let least = self.best.0;
         let vain = if is_same_force { 2 } else { 1 };
         self.in_vain = if left.mean < settling * least { 0 } else { self.in_vain + vain };
-        if left.mean < least {
+        if left.mean < (1.0 - SAME_GAP) * least {
             let (.., before) = std::mem::replace(&mut self.best, (left.mean, forces, gaps.clone()));
             self.first.get_or_insert(before);
             report.is_unsettled = false;
