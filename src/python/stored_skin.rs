@@ -28,8 +28,8 @@ pub(super) fn skin_parts<'py>(py: Python<'py>, skin: &PySkin) -> PyResult<Bound<
     let nodes = skin.inner().nodes()?;
     let parts = PyDict::new(py);
     parts.set_item("nodes", nodes_out(py, nodes.list()))?;
-    parts.set_item("vertices", vectors_out(py, nodes.vertices()))?;
-    parts.set_item("faces", faces_out(py, nodes.faces()))?;
+    parts.set_item("vertices", vectors_out(py, nodes.surface().vertices()))?;
+    parts.set_item("faces", faces_out(py, nodes.surface().faces()))?;
     match skin.inner() {
         Elastic::PreparedKernel(skin) => {
             parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?;

@@ -104,6 +104,11 @@ impl Surface {
         }
     }
 
+    /// Whether it shares vertices and faces with another, as copies and those with another mask do.
+    pub(crate) fn has_mesh_of(&self, other: &Surface) -> bool {
+        Arc::ptr_eq(&self.vertices, &other.vertices) && Arc::ptr_eq(&self.faces, &other.faces)
+    }
+
     /// The surface after a rigid motion.
     pub fn moved(&self, pose: &Isometry3<f64>) -> Surface {
         let vertices = self.vertices.iter().map(|point| pose.rotation * point + pose.translation.vector);

@@ -94,7 +94,7 @@ impl GivenProduct<'_> {
 
     /// Mean length of the edges of the product's triangles opposite vertices of the skin (m).
     fn edge_length(&self, vertices: &[usize]) -> f64 {
-        let points = self.given.nodes().vertices();
+        let points = self.given.nodes().surface().vertices();
         let around = |&vertex: &usize| {
             let [a, b, c] = self.place(vertex).corners.map(|corner| points[corner as usize]);
             ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0

@@ -64,7 +64,7 @@ impl BodyPart for Part {
         if found != expected {
             return Err(mismatch(format!("{found} entries for the {expected} vertices of the whole skin")));
         }
-        let own_count = self.prepared.nodes().vertices().len();
+        let own_count = self.prepared.nodes().surface().vertices().len();
         if self.fixed.len() != own_count {
             return Err(mismatch(format!(
                 "{} entries tell which of its {own_count} vertices are fixed",
@@ -74,7 +74,7 @@ impl BodyPart for Part {
         let allowed = SAME_SHAPE_DISTANCE * surface.mean_edge_length();
         for (vertex, own) in self.part_vertices.iter().enumerate() {
             let Some(own) = *own else { continue };
-            let place = self.prepared.nodes().vertices().get(own);
+            let place = self.prepared.nodes().surface().vertices().get(own);
             let place = place.ok_or_else(|| mismatch(format!("vertex {own} of {own_count}")))?;
             let distance = (surface.vertices()[vertex] - place).norm();
             if distance > allowed {

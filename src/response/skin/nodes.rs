@@ -19,8 +19,7 @@ pub struct PreparedNodes {
     nodes: Arc<[usize]>,
     /// Row of each vertex, [`NO_ROW`] for none.
     row_of: Arc<[usize]>,
-    vertices: Arc<[Vector3<f64>]>,
-    faces: Arc<[[u32; 3]]>,
+    surface: Surface,
 }
 
 impl PreparedNodes {
@@ -28,8 +27,7 @@ impl PreparedNodes {
     /// [`ResponseError::Nodes`].
     pub(crate) fn new(surface: &Surface, nodes: &[usize]) -> Result<Self, ResponseError> {
         let row_of = rows_of_vertices(surface.vertices().len(), nodes)?;
-        let (vertices, faces) = (surface.vertices().into(), surface.faces().into());
-        Ok(Self { nodes: nodes.into(), row_of: row_of.into(), vertices, faces })
+        Ok(Self { nodes: nodes.into(), row_of: row_of.into(), surface: surface.clone() })
     }
 
     /// The nodes, in the order of the rows.
@@ -37,14 +35,9 @@ impl PreparedNodes {
         &self.nodes
     }
 
-    /// Vertices (m) of the surface that they lie on, where it stands now.
-    pub fn vertices(&self) -> &[Vector3<f64>] {
-        &self.vertices
-    }
-
-    /// Faces of the surface that they lie on.
-    pub fn faces(&self) -> &[[u32; 3]] {
-        &self.faces
+    /// The surface that they lie on, where it stands now.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
     }
 
     /// Row of a vertex, if it is a node.
@@ -82,24 +75,26 @@ impl PreparedNodes {
 
     /// The same nodes after a rigid motion of the surface.
     pub(crate) fn moved(&self, motion: &Isometry3<f64>) -> Self {
-        let turn = motion.rotation.to_rotation_matrix();
-        let shift = motion.translation.vector;
-        Self { vertices: self.vertices.iter().map(|vertex| turn * vertex + shift).collect(), ..self.clone() }
+        Self { surface: self.surface.moved(motion), ..self.clone() }
     }
 
     /// # Errors
     /// [`ResponseError::OtherSurface`], [`ResponseError::OtherShape`]: they lie on another surface.
     pub(crate) fn check_surface(&self, surface: &Surface) -> Result<(), ResponseError> {
-        let (found, expected) = (surface.vertices().len(), self.vertices.len());
+        if surface.has_mesh_of(&self.surface) {
+            return Ok(());
+        }
+        let (vertices, faces) = (self.surface.vertices(), self.surface.faces());
+        let (found, expected) = (surface.vertices().len(), vertices.len());
         if found != expected {
             return Err(ResponseError::OtherSurface { what: "number of vertices", found, expected });
         }
-        if surface.faces() != &self.faces[..] {
-            let found = surface.faces().iter().zip(self.faces.iter()).filter(|(a, b)| a != b).count();
+        if surface.faces() != faces {
+            let found = surface.faces().iter().zip(faces).filter(|(a, b)| a != b).count();
             return Err(ResponseError::OtherSurface { what: "faces that differ", found, expected: 0 });
         }
         let allowed = SAME_SHAPE_DISTANCE * surface.mean_edge_length();
-        let distance = |vertex: usize| (surface.vertices()[vertex] - self.vertices[vertex]).norm();
+        let distance = |vertex: usize| (surface.vertices()[vertex] - vertices[vertex]).norm();
         match (0..found).find(|&vertex| distance(vertex) > allowed) {
             Some(vertex) => Err(ResponseError::OtherShape { vertex, distance: distance(vertex), allowed }),
             None => Ok(()),

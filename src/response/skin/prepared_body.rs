@@ -25,7 +25,6 @@ use crate::surface::refined::RefinedSurface;
 pub struct PreparedBody {
     levels: Levels,
     nodes: PreparedNodes,
-    surface: Surface,
     coarseness: Coarseness,
     discretization: Discretization,
 }
@@ -82,7 +81,7 @@ impl PreparedBody {
             }
         };
         let discretization = Discretization::Collocation;
-        Ok(Self { levels, nodes, surface: surface.clone(), coarseness, discretization })
+        Ok(Self { levels, nodes, coarseness, discretization })
     }
 
     /// The same body in another discretization: in Galerkin form its near kernel is averaged, and the rest of it, which is
@@ -118,9 +117,7 @@ impl PreparedBody {
             }),
             Levels::Two(two) => Levels::Two(two.moved(rotation.matrix())?),
         };
-        let nodes = self.nodes.moved(motion);
-        let surface = self.surface.with_vertices(nodes.vertices().to_vec());
-        Ok(Self { levels, nodes, surface, ..self.clone() })
+        Ok(Self { levels, nodes: self.nodes.moved(motion), ..self.clone() })
     }
 
     /// On a refinement of the skin, or of a skin that this one is a part of.
@@ -132,7 +129,7 @@ impl PreparedBody {
         own: impl Fn(usize) -> Option<usize>,
     ) -> Result<BodyOnMesh, ResponseError> {
         let response = match &self.levels {
-            Levels::One(one) => one.near_and_far(&self.surface, self.discretization)?,
+            Levels::One(one) => one.near_and_far(self.nodes.surface(), self.discretization)?,
             Levels::Two(two) => two.near_and_far(self.discretization),
         };
         let coarseness = self.coarseness.on_refined(mesh, &own);
@@ -145,7 +142,7 @@ impl PreparedBody {
     /// # Errors
     /// [`ResponseError::ForceCount`]; [`ResponseError::NotPrepared`] for a force where the response is not known.
     pub fn bone_pressures(&self, forces: &[Vector3<f64>]) -> Result<Option<Vec<f64>>, ResponseError> {
-        let (found, expected) = (forces.len(), self.nodes.vertices().len());
+        let (found, expected) = (forces.len(), self.nodes.surface().vertices().len());
         if found != expected {
             return Err(ResponseError::ForceCount { found, expected });
         }
@@ -203,7 +200,7 @@ impl ElasticSkin for PreparedBody {
 
     fn matrix(&self, asked: &Request, directions: &[Vector3<f64>]) -> Result<Mat<f64>, ResponseError> {
         let rows = self.nodes.checked_rows(asked.nodes, directions)?;
-        let asked = &Request { surface: &self.surface, ..*asked };
+        let asked = &Request { surface: self.nodes.surface(), ..*asked };
         match &self.levels {
             Levels::One(one) => {
                 let at_nodes = one.compliance.response_among(&rows, directions);
@@ -226,7 +223,7 @@ impl ElasticSkin for PreparedBody {
         Ok(match &self.levels {
             Levels::One(one) => one.compliance.displacements_among(vertices, &rows, forces),
             Levels::Two(two) => two.near_and_far(self.discretization).displacements(
-                &Request { surface: &self.surface, ..*asked },
+                &Request { surface: self.nodes.surface(), ..*asked },
                 forces,
                 vertices,
             )?,
