@@ -92,14 +92,14 @@ pub(crate) struct Scene {
     /// A penetration that no skin vertex exceeds (m), where known.
     pub depth_bound: Option<f64>,
     /// What a refined mesh takes over from the given one.
-    pub inherited: Option<Inherited>,
+    pub inherited: Option<Arc<Inherited>>,
 }
 
 /// What a refined mesh takes over from the given one.
 #[derive(Debug, Clone)]
 pub(crate) struct Inherited {
     /// The fingers of the given mesh.
-    pub fingers: Arc<KnownFingers>,
+    pub fingers: KnownFingers,
     /// Where the skin ends.
     pub cuts: Cuts,
     /// How far skin in overlap looks for the way that it came in (m): no shorter on finer edges.

@@ -1,5 +1,6 @@
 //! The search for a depth on one mesh.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use nalgebra::Vector3;
@@ -30,7 +31,7 @@ pub(crate) struct OnMesh<'a> {
     /// With the surface and the skin of this mesh.
     pub setup: Setup<'a>,
     /// What a refined mesh takes over from the given one.
-    pub inherited: Option<Inherited>,
+    pub inherited: Option<Arc<Inherited>>,
     pub touch: Touch,
     /// How long it took to find that (s).
     pub touched_in: f64,

@@ -66,12 +66,12 @@ impl Meshes {
     }
 
     /// What a refined part takes over from the given mesh.
-    pub fn inherited_by(&self, part: &RefinedSurface, skin: &dyn ElasticSkin) -> Inherited {
-        Inherited {
-            fingers: Arc::new(KnownFingers::of(&self.given, skin, part)),
+    pub fn inherited_by(&self, part: &RefinedSurface, skin: &dyn ElasticSkin) -> Arc<Inherited> {
+        Arc::new(Inherited {
+            fingers: KnownFingers::of(&self.given, skin, part),
             cuts: Cuts::on_refined(self.given.surface(), skin, part),
             search_distance: search_distance_in_overlap(self.given.surface()),
-        }
+        })
     }
 
     /// Puts a contact at another depth in the place of the last one, on the same mesh.

@@ -29,7 +29,7 @@ pub(crate) struct WarmMesh {
     pub refined_for: RefinedFor,
     /// On the refined mesh.
     pub touch: Touch,
-    pub inherited: Inherited,
+    pub inherited: Arc<Inherited>,
     pub kept: Arc<KeptMatrices>,
     pub known: Option<Known>,
 }

@@ -179,8 +179,12 @@ impl Setup<'_> {
         let skin = self.refined_skin(part)?;
         let kept = KeptSkin::with(&*skin, Arc::clone(&warm.kept));
         let setup = Setup { surface: &part.surface, skin: &kept, ..*self };
-        let on =
-            OnMesh { setup, inherited: Some(warm.inherited.clone()), touch: warm.touch, touched_in: 0.0 };
+        let on = OnMesh {
+            setup,
+            inherited: Some(Arc::clone(&warm.inherited)),
+            touch: warm.touch,
+            touched_in: 0.0,
+        };
         let (contact, known) = match aim {
             Aim::Depth(depth) => {
                 let mut trials = Trials::new(&kept, before);
