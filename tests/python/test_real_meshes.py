@@ -140,3 +140,28 @@ def test_a_mug_from_below_meets_the_palm_of_a_whole_hand() -> None:
     assert contact.status == "solved"
     assert contact.force[2] > 0
     assert any("far" in what for what, _ in contact.left_out)
+
+
+# Skin that goes back and forth between facets of the bottle comes to the same forces twice.
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize("seed", [231, 441, 736, 1110])
+def test_where_a_product_comes_from_changes_nothing(seed: int) -> None:
+    surface = finger("webxr_right_middle_1500")
+    vertices, faces = qr.read_mesh(DATA / "products" / "ycb_bleach_bottle.ply", unit="m")
+    random = np.random.default_rng(seed)
+    vertex = random.choice(np.flatnonzero(surface.skin_mask))
+    way = -surface.vertex_normals[vertex] + 0.3 * random.normal(size=3)
+    way /= np.linalg.norm(way)
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    place = surface.vertices[vertex] - turn @ random.choice(vertices) - 0.5 * way
+    depth = random.uniform(0.3e-3, 2e-3)
+    near, *farther = (
+        qr.press(
+            surface, qr.Obstacle.mesh(vertices, faces).moved(turn, place - back * way), SKIN, way, depth=depth
+        )
+        for back in (0.0, 0.1, 0.2)
+    )
+    for far in farther:
+        np.testing.assert_allclose(far.force, near.force, atol=1e-9 * np.linalg.norm(near.force))
+        assert far.contact_area == pytest.approx(near.contact_area, rel=1e-9)
