@@ -96,14 +96,12 @@ impl<'a> Gaps<'a> {
                 (measured, entry, entered) = Self::within(surface, scene, &reach)?;
             }
         }
-        let deepest = match &scene.press {
-            Some(press) => {
-                let rounding = touch_rounding(surface);
-                surface.vertices().iter().map(|place| (press.way_to(place) + rounding).max(0.0)).collect()
-            }
-            None => reach.clone(),
+        let of_touch = touch_rounding(surface);
+        let deepest = |vertex: usize| match &scene.press {
+            Some(press) => (press.way_to(&surface.vertices()[vertex]) + of_touch).max(0.0),
+            None => reach[vertex],
         };
-        let on_lines = take_edges(surface, &scene.obstacle, &deepest, &mut measured);
+        let on_lines = take_edges(surface, &scene.obstacle, deepest, &mut measured);
         let rounding = ROUNDING * surface.bounding_box().diagonal();
         let is_inside =
             |&vertex: &usize| surface.skin_mask()[vertex] && measured.distance[vertex] < -rounding;
@@ -299,13 +297,13 @@ fn reach_farther(surface: &Surface, entered: &[usize], measured: &Measured, reac
 
 /// Takes the gaps to sharp edges where vertices were measured.
 ///
-/// * `deepest`: under a vertex (n, m)
+/// * `deepest`: under a vertex (m)
 ///
 /// Returns the vertices that have such a gap, with the line.
 fn take_edges(
     surface: &Surface,
     obstacle: &Obstacle,
-    deepest: &[f64],
+    deepest: impl Fn(usize) -> f64,
     measured: &mut Measured,
 ) -> BTreeMap<usize, Line> {
     let near: Vec<usize> =
@@ -314,7 +312,7 @@ fn take_edges(
     let triangles = triangles_among(surface, &near);
     let mut at_near = measured.rows(&near);
     let part = SkinPart { points: &points, triangles: &triangles };
-    let deepest: Vec<f64> = near.iter().map(|&vertex| deepest[vertex]).collect();
+    let deepest: Vec<f64> = near.iter().map(|&vertex| deepest(vertex)).collect();
     let taken = part.take_edges(obstacle, &deepest, &mut at_near);
     for &row in taken.keys() {
         (measured.distance[near[row]], measured.normal[near[row]]) =
