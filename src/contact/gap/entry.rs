@@ -98,6 +98,8 @@ impl<'a> WayIn<'a> {
     }
 }
 
+/// A point is in the obstacle from this share of its reach on: skin in contact lies on it, but for rounding.
+const ON_SURFACE: f64 = 1e-7;
 /// A normal faces against the way in from this cosine on: that of a side is no more than rounded.
 pub(crate) const FACING_BACK: f64 = -1e-3;
 
@@ -125,11 +127,12 @@ pub(crate) fn measure_entries(
     gaps: &mut Measured,
 ) -> Result<(EntryGap, Vec<usize>), ContactError> {
     let cosine = |row: usize| gaps.normal[row].dot(&way_in.direction(row));
-    let reach = |row: usize| way_in.reach(row, &points[row], gaps.distance[row] < 0.0);
+    let is_inside = |row: usize| gaps.distance[row] < -ON_SURFACE * way_in.reach(row, &points[row], true);
+    let reach = |row: usize| way_in.reach(row, &points[row], is_inside(row));
     let suspects: Vec<usize> = (0..gaps.distance.len())
         .filter(|&row| may_touch(row) && gaps.distance[row] < reach(row))
-        .filter(|&row| gaps.distance[row] < 0.0 || way_in.may_pass(row))
-        .filter(|&row| cosine(row) < if gaps.distance[row] < 0.0 { OTHER_SIDE } else { FACING_BACK })
+        .filter(|&row| is_inside(row) || way_in.may_pass(row))
+        .filter(|&row| cosine(row) < if is_inside(row) { OTHER_SIDE } else { FACING_BACK })
         .collect();
     if suspects.is_empty() {
         return Ok((EntryGap::default(), Vec::new()));
