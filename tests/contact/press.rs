@@ -7,12 +7,13 @@ use nalgebra::{Isometry3, Rotation3, Translation3, Vector3};
 use quasirigid::contact::{Balance, ContactError, ContactOptions, ContactStatus, Goal, Press, Start, press};
 use quasirigid::lcp::LcpStatus;
 use quasirigid::obstacle::Obstacle;
-use quasirigid::response::{Kernel, KernelSkin};
+use quasirigid::response::{Kernel, KernelSkin, Thickness};
 use quasirigid::surface::Surface;
 
 use crate::common::icosphere;
 use crate::{
-    POISSON_RATIO, UP, along, ball, galerkin, half_space, plate, press_up, pressed, skin, solve, upwards,
+    POISSON_RATIO, SHEAR_MODULUS, UP, along, ball, galerkin, half_space, plate, press_up, pressed, skin,
+    solve, upwards,
 };
 
 #[test]
@@ -27,6 +28,19 @@ fn apart_means_no_contact_and_zeros() {
     let left_out: Vec<&str> = contact.left_out.iter().map(|entry| entry.what).collect();
     assert!(left_out.contains(&"response matrix") && left_out.contains(&"complementarity problem"));
     assert!(contact.timings.iter().all(|timing| timing.stage != "response" && timing.stage != "lcp"));
+}
+
+#[test]
+fn tissue_without_end_leaves_out_the_bone() {
+    let thickness = Thickness::Uniform(5e-3);
+    let layer = KernelSkin::new(SHEAR_MODULUS, POISSON_RATIO, Kernel::Layer { thickness });
+    for (skin, knows_bone) in [(half_space(), false), (layer.expect("a layer"), true)] {
+        for options in [ContactOptions::on_given_mesh(), ContactOptions::default()] {
+            let goal = Goal::Depth(0.3e-3);
+            let contact = pressed(&ball(8e-3, 3), &plate(), &skin, goal, &options);
+            assert_eq!(contact.left_out.iter().all(|one| one.what != "bone"), knows_bone);
+        }
+    }
 }
 
 #[test]

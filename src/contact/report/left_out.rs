@@ -64,6 +64,15 @@ impl Report {
             let why = format!("only the {} candidates are assembled", forces.candidates.len());
             self.leave_out("response of the remaining vertices", why);
         }
+        let has_no_end = |&vertex: &usize| {
+            let kernel = response.skin.kernel_at(vertex);
+            kernel.is_some_and(|kernel| kernel.layer_at(vertex).is_none())
+        };
+        if forces.active.iter().any(has_no_end) {
+            let why =
+                "the response is that of tissue without end, too soft over a bone: a layer or a body has one";
+            self.leave_out("bone", why);
+        }
         let fingers = forces.fingers.candidates.len();
         if fingers > 1 {
             self.leave_out(FINGER_COUPLING, apart(&forces.fingers, response));
