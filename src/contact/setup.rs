@@ -2,6 +2,8 @@
 
 use crate::contact::error::ContactError;
 use crate::contact::options::ContactOptions;
+use crate::contact::reach::search::Search;
+use crate::contact::reach::target::Target;
 use crate::contact::scene::{Approach, Placement};
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::ElasticSkin;
@@ -28,6 +30,14 @@ impl<'a> Setup<'a> {
     pub fn limit(&self) -> f64 {
         let of_obstacle = self.obstacle.bounding_box().map_or(0.0, |bounds| bounds.diagonal());
         self.surface.bounding_box().diagonal() + of_obstacle
+    }
+
+    /// The search for the way past the touch to a target.
+    ///
+    /// * `first`: the way that is tried first (m)
+    pub fn search(&self, Target { quantity, value }: Target, first: f64) -> Search {
+        let (power, limit) = (quantity.power(), self.limit());
+        Search { value, first, power, limit, known: None, tolerance: Search::TOLERANCE }
     }
 
     /// Whether a finer mesh may follow the given one.

@@ -68,15 +68,7 @@ impl Task<'_> {
             }
             Quantity::Overlap => self.target.value,
         };
-        let search = Search {
-            value: self.target.value,
-            first,
-            power: self.target.quantity.power(),
-            limit: self.setup.limit(),
-            known: None,
-            tolerance: Search::TOLERANCE,
-        };
-        on_given.reach(self.target.quantity, &search, None, None)
+        on_given.reach(self.target.quantity, &self.setup.search(self.target, first), None, None)
     }
 }
 
@@ -98,14 +90,9 @@ impl MeshSearch for Task<'_> {
         let on_part = OnMesh::refined(self.setup, &rounds.meshes, part, &*skin)?;
         let past = on_part.touch.past(last);
         let is_known = past > 0.0 && value > 0.0;
-        let search = Search {
-            value: self.target.value,
-            first: if past > 0.0 { past } else { part.surface.mean_edge_length() },
-            power,
-            limit: self.setup.limit(),
-            known: is_known.then_some((past, value)),
-            tolerance: Search::TOLERANCE,
-        };
+        let first = if past > 0.0 { past } else { part.surface.mean_edge_length() };
+        let known_point = is_known.then_some((past, value));
+        let search = Search { power, known: known_point, ..self.setup.search(self.target, first) };
         let known = rounds.known_on(part);
         let (mut contact, why) =
             match on_part.reach(self.target.quantity, &search, Some(known), Some(last))? {

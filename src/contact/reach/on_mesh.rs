@@ -271,20 +271,13 @@ impl OnMesh<'_> {
     /// * `first`: way past that which is tried first (m)
     pub fn past_at(
         &self,
-        Target { quantity, value }: Target,
+        target: Target,
         begins: f64,
         first: f64,
         trials: &mut Trials,
     ) -> Result<Option<f64>, ContactError> {
-        let search = Search {
-            value,
-            first,
-            power: quantity.power(),
-            limit: self.setup.limit(),
-            known: None,
-            tolerance: CLOSE * Search::TOLERANCE,
-        };
-        match search.run(|past| self.trial(quantity, begins + past, trials))? {
+        let search = Search { tolerance: CLOSE * Search::TOLERANCE, ..self.setup.search(target, first) };
+        match search.run(|past| self.trial(target.quantity, begins + past, trials))? {
             Found::Close { at, .. } => Ok(Some(begins + at)),
             Found::NotReached { .. } => Ok(None),
         }

@@ -13,7 +13,6 @@ use crate::contact::press::{press, unit_direction};
 use crate::contact::reach::goal::{reach, reach_on};
 use crate::contact::reach::on_mesh::{OnMesh, Reached, Trials};
 use crate::contact::reach::on_refined::FARTHEST_MOVE;
-use crate::contact::reach::search::Search;
 use crate::contact::reach::target::{Aim, Target};
 use crate::contact::refine::mark::{faces_near, loaded, pressed_between, touched_between};
 use crate::contact::refine::meshes::Meshes;
@@ -190,24 +189,16 @@ impl Setup<'_> {
                 let mut trials = Trials::new(&kept, before);
                 (on.solve_with(depth - warm.touch.depth, &mut trials)?, trials.known)
             }
-            Aim::Value(Target { quantity, value }) => {
+            Aim::Value(target) => {
+                let Target { quantity, value } = target;
                 let past = warm.touch.past(last);
                 let reached = quantity.of(last, &self.approach.direction);
                 if past <= 0.0 || reached <= 0.0 {
                     return Ok(None);
                 }
-                let power = quantity.power();
                 // Of the mesh before, where that has changed: no more than a guess.
-                let first = past * (value / reached).powf(1.0 / power);
-                let search = Search {
-                    value,
-                    first,
-                    power,
-                    limit: setup.limit(),
-                    known: None,
-                    tolerance: Search::TOLERANCE,
-                };
-                match on.reach(quantity, &search, before, None)? {
+                let first = past * (value / reached).powf(1.0 / quantity.power());
+                match on.reach(quantity, &setup.search(target, first), before, None)? {
                     Reached::Short { .. } => return Ok(None),
                     Reached::Goal { contact, .. } => {
                         let known = Known::of_active(contact.active.clone());
