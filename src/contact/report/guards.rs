@@ -112,12 +112,12 @@ impl Guarded<'_> {
 
     /// Of a product that stands behind all of the skin, from where it was taken to the other side.
     fn direction(&self, contact: &Contact) -> Option<Warning> {
-        let direction = unit(&self.press?.direction)?;
+        let direction = unit(&self.press.filter(|_| contact.travel < 0.0)?.direction)?;
         let Bounds { low, high } = self.obstacle.bounding_box()?;
         let nearest = 0.5 * ((low + high).dot(&direction) - (high - low).dot(&direction.abs()));
         let along = self.surface.vertices().iter().map(|vertex| vertex.dot(&direction));
         let end_of_skin = along.fold(f64::NEG_INFINITY, f64::max);
-        (contact.travel < 0.0 && nearest >= end_of_skin).then(|| Warning {
+        (nearest >= end_of_skin).then(|| Warning {
             kind: WarningKind::Direction,
             message: format!(
                 "the product stands behind the skin along the direction and was taken back by {:.4e} m to press the other side: the direction is the one that the product travels in; turn it around where that is not meant",
