@@ -20,7 +20,7 @@ use crate::contact::figures::penetration::at_rest::penetration_between;
 use crate::contact::figures::pressure::vertices::VertexPressure;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
-use crate::contact::outcome::{Contact, ContactMesh, ContactStatus};
+use crate::contact::outcome::{Contact, ContactMesh, ContactPart, ContactStatus};
 use crate::contact::report::record::Report;
 use crate::lcp::solution::LcpStatus;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
@@ -133,7 +133,7 @@ impl Contact {
         report: Report,
     ) -> Self {
         let surface = gaps.surface;
-        let resultant = figures.loaded.resultant();
+        let ContactPart { resultant, patches } = figures.loaded.whole();
         let cells = cells_per_radius(surface, &forces.active, resultant.contact_area);
         let (solutions, spectra) = (&forces.solutions, &forces.spectra);
         let accuracy = Accuracy::new(solutions, spectra, options.tolerance, figures.discretization, cells);
@@ -149,7 +149,7 @@ impl Contact {
             gap: forces.gap,
             candidates: forces.candidates,
             active: forces.active,
-            patches: figures.loaded.patches(),
+            patches,
             loaded: figures.loaded,
             mesh: ContactMesh::given(surface),
             refinements: report.linearizations,

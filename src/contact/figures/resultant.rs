@@ -92,14 +92,9 @@ impl LoadedVertices {
         Self { vertex_counts, ..self }
     }
 
-    /// Figures of the whole; NaN of a contact that did not solve.
-    pub fn resultant(&self) -> Resultant {
-        self.figures(&self.list.iter().collect::<Vec<_>>())
-    }
-
-    /// The connected parts.
-    pub fn patches(&self) -> Vec<Patch> {
-        patches(&self.list.iter().collect::<Vec<_>>())
+    /// Figures of the whole, NaN of a contact that did not solve, and its connected parts.
+    pub fn whole(&self) -> ContactPart {
+        self.of(&self.list.iter().collect::<Vec<_>>())
     }
 
     /// [`Contact::part`].
@@ -110,7 +105,7 @@ impl LoadedVertices {
             return Err(ContactError::MaskLength { found: mask.len(), given, whole });
         }
         let chosen: Vec<&LoadedVertex> = self.list.iter().filter(|one| mask[of_mask(one)]).collect();
-        Ok(ContactPart { resultant: self.figures(&chosen), patches: patches(&chosen) })
+        Ok(self.of(&chosen))
     }
 
     /// [`Contact::mean_pressure`].
@@ -122,8 +117,14 @@ impl LoadedVertices {
         Ok(if self.is_known { largest_mean(&all, area) } else { f64::NAN })
     }
 
-    fn figures(&self, loaded: &[&LoadedVertex]) -> Resultant {
-        if self.is_known { Resultant::of(loaded) } else { Resultant::unknown() }
+    fn of(&self, loaded: &[&LoadedVertex]) -> ContactPart {
+        let patches = patches(loaded);
+        let resultant = match &patches[..] {
+            _ if !self.is_known => Resultant::unknown(),
+            [all] => all.resultant.clone(),
+            _ => Resultant::of(loaded),
+        };
+        ContactPart { resultant, patches }
     }
 }
 
