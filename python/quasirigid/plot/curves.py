@@ -38,7 +38,7 @@ def sweep_figure(sweep: Sweep) -> Figure:
     as_kind("sweep", sweep, Sweep, "qr.sweep returns one")
     figure = new_figure((9.0, 4.0))
     curves = (
-        ("force (N)", sweep.normal_force, sweep.force_error, AFTER),
+        ("force along the press (N)", sweep.normal_force, sweep.force_error, AFTER),
         ("contact area (mm²)", sweep.contact_area * MM**2, sweep.area_error, BEFORE),
     )
     good = np.flatnonzero(np.isfinite(sweep.normal_force) & np.isfinite(sweep.depth))
