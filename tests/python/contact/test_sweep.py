@@ -270,7 +270,7 @@ def test_a_sweep_becomes_a_data_frame(by_depth: qr.Sweep) -> None:
 def test_a_sweep_is_drawn_over_its_depth(by_depth: qr.Sweep) -> None:
     pytest.importorskip("matplotlib")
     axes = by_depth.plot().axes
-    assert [ax.get_ylabel() for ax in axes] == ["force (N)", "contact area (mm²)"]
+    assert [ax.get_ylabel() for ax in axes] == ["force along the press (N)", "contact area (mm²)"]
     # In the order of the depths, in mm.
     np.testing.assert_allclose(axes[0].lines[0].get_xdata(), [0.0, 0.4, 1.0])
     np.testing.assert_allclose(axes[0].lines[0].get_ydata(), by_depth.normal_force[[1, 2, 0]])
