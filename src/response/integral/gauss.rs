@@ -8,14 +8,30 @@ pub(crate) const MAX_TRIANGLE_POINTS: usize = 24;
 /// A point of a triangle rule: weights of the three corners, which sum to 1, and the share of the area.
 pub(crate) type RulePoint = ([f64; 3], f64);
 
-/// Gauss rule over a triangle with n × n points, collapsed at corner 0 (Stroud 1971, conical product).
-///
-/// Exact for polynomials of degree 2n - 1; the weights are positive and sum to 1.
+/// Gauss rule over a triangle, exact for polynomials of degree 2n - 1: n × n points, collapsed at corner 0 (Stroud 1971,
+/// conical product), or the seven of Radon (1948) for n = 3. The weights are positive and sum to 1.
 pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
     static RULES: [OnceLock<Vec<RulePoint>>; MAX_TRIANGLE_POINTS + 1] =
         [const { OnceLock::new() }; MAX_TRIANGLE_POINTS + 1];
     let n = n.clamp(1, MAX_TRIANGLE_POINTS);
-    RULES[n].get_or_init(|| product(&gauss(n, 1.0), &gauss(n, 0.0), |u, v| [1.0 - u, u * (1.0 - v), u * v]))
+    RULES[n].get_or_init(|| match n {
+        3 => radon_rule(),
+        _ => product(&gauss(n, 1.0), &gauss(n, 0.0), |u, v| [1.0 - u, u * (1.0 - v), u * v]),
+    })
+}
+
+fn radon_rule() -> Vec<RulePoint> {
+    let root = 15_f64.sqrt();
+    let orbit = |sign: f64| {
+        let (share, weight) = ((6.0 + sign * root) / 21.0, (155.0 + sign * root) / 1200.0);
+        [0, 1, 2].map(|k| {
+            let mut shares = [share; 3];
+            shares[k] = 1.0 - 2.0 * share;
+            (shares, weight)
+        })
+    };
+    let center = ([1.0 / 3.0; 3], 9.0 / 40.0);
+    [center].into_iter().chain(orbit(1.0)).chain(orbit(-1.0)).collect()
 }
 
 /// All pairs of the points of two intervals, each at a place of the triangle.
@@ -26,24 +42,21 @@ fn product(across: &[(f64, f64)], along: &[(f64, f64)], place: fn(f64, f64) -> [
 
 /// A rule with n × n points drawn to the edges of the triangle, for integrands with weak singularities there.
 ///
-/// Both directions of the collapsed triangle run through t²(3 - 2t), which turns a term d log d at the distance
-/// d from an edge into t³ log t: the error then falls with n⁻⁸. The weights are positive and sum to 1.
-pub(crate) fn graded_triangle_rule(n: usize) -> &'static [RulePoint] {
-    static RULES: [OnceLock<Vec<RulePoint>>; MAX_GRADED_POINTS + 1] =
-        [const { OnceLock::new() }; MAX_GRADED_POINTS + 1];
-    let n = n.clamp(1, MAX_GRADED_POINTS);
-    RULES[n].get_or_init(|| {
-        let bent: Vec<(f64, f64)> = gauss(n, 0.0)
-            .into_iter()
-            .map(|(t, w)| (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) * w))
-            .collect();
-        let weighted: Vec<(f64, f64)> = bent.iter().map(|&(u, w)| (u, 2.0 * u * w)).collect();
-        product(&weighted, &bent, |u, v| [1.0 - u, u * (1.0 - v), u * v])
-    })
+/// Both directions of the collapsed triangle run through [`graded_interval`]. The weights are positive and sum to 1.
+pub(crate) fn graded_triangle_rule(n: usize) -> Vec<RulePoint> {
+    let bent = graded_interval(n);
+    let weighted: Vec<(f64, f64)> = bent.iter().map(|&(u, w)| (u, 2.0 * u * w)).collect();
+    product(&weighted, &bent, |u, v| [1.0 - u, u * (1.0 - v), u * v])
 }
 
-/// The largest number of points in each direction that [`graded_triangle_rule`] offers.
-pub(crate) const MAX_GRADED_POINTS: usize = 12;
+/// A rule on [0, 1] with n points drawn to both ends, for integrands with weak singularities there.
+///
+/// It runs through t²(3 - 2t), which turns a term d log d at the distance d from an end into t³ log t: the error then
+/// falls with n⁻⁸.
+pub(crate) fn graded_interval(n: usize) -> Vec<(f64, f64)> {
+    let bent = |&(t, w): &(f64, f64)| (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t) * w);
+    gauss_interval(n).iter().map(bent).collect()
+}
 
 /// The largest number of points that [`gauss_interval`] offers.
 const MAX_INTERVAL_POINTS: usize = 40;
@@ -122,7 +135,7 @@ mod tests {
 
     #[test]
     fn graded_rule_integrates_polynomials_and_logarithms_at_edges() {
-        let rule = graded_triangle_rule(MAX_GRADED_POINTS);
+        let rule = graded_triangle_rule(12);
         let sum = |f: &dyn Fn(&[f64; 3]) -> f64| rule.iter().map(|(l, w)| w * f(l)).sum::<f64>();
         assert_relative_eq!(sum(&|_| 1.0), 1.0, max_relative = 1e-13);
         assert_relative_eq!(sum(&|l| l[1] * l[2]), 1.0 / 12.0, max_relative = 1e-13);

@@ -34,6 +34,9 @@ struct Outer<'a> {
     /// Faces around these rows, and the last column in which each face was one.
     faces: Vec<u32>,
     seen_in: Vec<usize>,
+    /// The last column in which each of these was near its node, and averages over it there (m³).
+    near_in: Vec<usize>,
+    averages: Vec<[f64; 3]>,
     /// Means of 1/r by the moments of the loads, in the order of the rows (1/m).
     means: Vec<f64>,
 }
@@ -78,8 +81,7 @@ struct GalerkinColumns<'a> {
 ///
 /// Far from each other two nodes of a half-space feel the moments of their pressures. Else the inner integral is exact and
 /// the outer one a Gauss rule whose order falls with distance: that of a node's pressure over triangles farther from it,
-/// those of hats over near triangles. On triangles that touch it is good to some 5e-7 of the 1/r
-/// part, 5e-6 on badly shaped ones, also for smaller tolerances.
+/// those of hats over near triangles, and over an edge of those that touch.
 /// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
 pub(crate) fn galerkin_block(
     surface: &Surface,
@@ -122,6 +124,8 @@ pub(crate) fn galerkin_block(
         is_due: vec![false; rows.len()],
         faces: Vec::new(),
         seen_in: vec![usize::MAX; shared.faces.len()],
+        near_in: vec![usize::MAX; shared.faces.len()],
+        averages: vec![[0.0; 3]; shared.faces.len()],
         means: Vec::new(),
     };
     let size = [rows.len(), columns.len()];
@@ -180,8 +184,8 @@ fn ring_by_ring(surface: &Surface, rows: &[usize]) -> Vec<u32> {
 impl<'a> GalerkinColumns<'a> {
     fn fill(&self, outer: &mut Outer<'a>, j: usize, column: &mut [f64]) {
         let vertex = self.columns[j];
-        column.fill(0.0);
         self.fill_far(outer, j, column);
+        self.note_near(outer, j);
         self.place_points(outer, j, ColumnFaces::Far);
         let Outer { scratch, targets, inverse_thickness, .. } = outer;
         self.kernel.fill(scratch, targets, inverse_thickness, vertex);
@@ -227,6 +231,17 @@ impl<'a> GalerkinColumns<'a> {
         }
     }
 
+    /// Notes the near ones of those faces.
+    fn note_near(&self, outer: &mut Outer, j: usize) {
+        let vertex = self.columns[j];
+        for &face in self.near.of(vertex) {
+            let index = face as usize;
+            if outer.seen_in[index] == j && self.is_within_reach(&self.faces[index], vertex) {
+                (outer.near_in[index], outer.averages[index]) = (j, [0.0; 3]);
+            }
+        }
+    }
+
     /// Whether no part of a face is beyond the reach of a layer's kernel from a vertex.
     fn is_within_reach(&self, face: &NodeFace, vertex: usize) -> bool {
         let Some((layer, thickness)) = &self.kernel.layer else { return true };
@@ -237,7 +252,7 @@ impl<'a> GalerkinColumns<'a> {
 
     /// Sets the targets to the points of the outer rule on the faces of one part whose rows are due in column `j`.
     fn place_points(&self, outer: &mut Outer<'a>, j: usize, part: ColumnFaces) {
-        let Outer { targets, inverse_thickness, used, faces, .. } = outer;
+        let Outer { targets, inverse_thickness, used, faces, near_in, .. } = outer;
         let vertex = self.columns[j];
         let center = self.surface.vertices()[vertex];
         let radius = self.surface.longest_edge(vertex);
@@ -251,8 +266,7 @@ impl<'a> GalerkinColumns<'a> {
         used.clear();
         for &index in &*faces {
             let face = &self.faces[index as usize];
-            let is_beside = self.near.of(vertex).binary_search(&index).is_ok();
-            let is_near = is_beside && self.is_within_reach(face, vertex);
+            let is_near = near_in[index as usize] == j;
             let distance = (face.center - center).norm() - radius;
             let is_silent = distance > silent + face.radius;
             if is_near != (part == ColumnFaces::NearSmooth) || is_silent {
@@ -262,7 +276,7 @@ impl<'a> GalerkinColumns<'a> {
             let smooth = 2.0 * own_thickness;
             let rule = match part {
                 ColumnFaces::NearSmooth => self.rules.apart(face.radius, smooth),
-                ColumnFaces::Far if is_beside => &self.rules.touching,
+                ColumnFaces::Far if distance < face.radius => &self.rules.touching,
                 ColumnFaces::Far => self.rules.apart(face.radius, distance.min(smooth)),
             };
             for range in (0..3).step_by(together).map(|k| k..k + together) {
@@ -301,16 +315,15 @@ impl<'a> GalerkinColumns<'a> {
     }
 
     /// Adds the averages of 1/r over the near triangles.
-    fn add_near(&self, outer: &Outer, j: usize, column: &mut [f64]) {
+    fn add_near(&self, outer: &mut Outer, j: usize, column: &mut [f64]) {
         let vertex = self.columns[j];
         let amplitude = self.constant / self.surface.vertex_areas()[vertex];
-        for &at in self.near.of(vertex) {
-            let face = &self.faces[at as usize];
-            if outer.seen_in[at as usize] == j && self.is_within_reach(face, vertex) {
-                let averages = self.near.averages(self.faces, at, vertex, self.pressure);
-                let hats = averages.map(|average| amplitude * average);
-                self.add(face, &hats, 0..3, &outer.is_due, column);
-            }
+        let Outer { near_in, averages, is_due, .. } = outer;
+        let is_near = |face: u32| near_in[face as usize] == j;
+        self.near.add_averages(self.faces, vertex, self.pressure, is_near, averages);
+        for &face in self.near.of(vertex).iter().filter(|&&face| is_near(face)) {
+            let hats = averages[face as usize].map(|average| amplitude * average);
+            self.add(&self.faces[face as usize], &hats, 0..3, is_due, column);
         }
     }
 

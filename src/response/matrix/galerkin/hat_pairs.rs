@@ -25,7 +25,7 @@ use crate::surface::checked::Surface;
 
 /// Degrees that a sum can end at, and of each the share of `((s + s') / r)^(degree + 2)` that it leaves out, s the means of
 /// that power of the places in the two loads and r their distance: as measured on meshes of all shapes.
-const SUM_DEGREES: [(usize, f64); 2] = [(4, 0.4), (6, 0.3)];
+const SUM_DEGREES: [(usize, f64); 2] = [(4, 0.9), (6, 0.9)];
 const HIGHEST_DEGREE: usize = 6;
 /// Real numbers of the moments: of each degree l from l² on, of each order m its real and, for m > 0, its imaginary part.
 const MOMENT_COUNT: usize = (HIGHEST_DEGREE + 1) * (HIGHEST_DEGREE + 1);
@@ -229,13 +229,17 @@ impl WithSimd for Means<'_> {
             let mut next = 0;
             for l in 4..=degree {
                 for own in 2..=l - 2 {
-                    for moment in &mut moments[l * l..(l + 1) * (l + 1)] {
-                        for list in &rows.moments[own * own..(own + 1) * (own + 1)] {
-                            let mine = Lanes::load(simd, list, at);
-                            *moment = mine.mul_add(any.all(factors[next]), *moment);
-                            next += 1;
+                    let lists = &rows.moments[own * own..(own + 1) * (own + 1)];
+                    let moments = &mut moments[l * l..(l + 1) * (l + 1)];
+                    // each list at all moments, which do not wait for each other
+                    for (k, list) in lists.iter().enumerate() {
+                        let mine = Lanes::load(simd, list, at);
+                        for (row, moment) in moments.iter_mut().enumerate() {
+                            let factor = factors[next + row * lists.len() + k];
+                            *moment = mine.mul_add(any.all(factor), *moment);
                         }
                     }
+                    next += lists.len() * moments.len();
                 }
             }
             expansion(&way, &moments, degree).store(values, place * S::F64_LANES);

@@ -2,6 +2,7 @@
 //! both, the rest by quadrature over the outer triangles.
 
 pub(crate) mod block;
+pub(crate) mod face_pair;
 pub(crate) mod hat_pairs;
 pub(crate) mod near_faces;
 pub(crate) mod outer_rule;

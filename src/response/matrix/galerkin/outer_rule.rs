@@ -1,16 +1,25 @@
 //! The rules by which a potential is averaged over a triangle: Gauss rules whose order falls with the distance of its load.
 
-use crate::response::integral::gauss::{MAX_GRADED_POINTS, graded_triangle_rule, triangle_rule};
+use crate::response::integral::gauss::{RulePoint, graded_interval, graded_triangle_rule, triangle_rule};
 use crate::response::integral::rule_lists::RuleLists;
+use crate::response::simd::points::POINTS_PER_BLOCK;
 
 /// Fewest and most points in each direction of the rules on triangles that do not touch the load.
 const APART_POINTS: std::ops::RangeInclusive<usize> = 2..=10;
 
+/// Points in each direction of the rule on triangles at the load.
+const GRADED_POINTS: usize = 12;
+/// Points of the rules on edges beside triangles longer than [`SLENDER`] times their height.
+const SLENDER_POINTS: usize = 40;
+pub(crate) const SLENDER: f64 = 6.0;
+
 /// The rules that keep a tolerance.
 #[derive(Debug)]
 pub(crate) struct OuterRules {
-    /// On triangles that touch the load, where the inner potential behaves like d log d at the distance d from edges.
+    /// On triangles at the load, where the inner potential behaves like d log d at the distance d from edges.
     pub(crate) touching: RuleLists,
+    /// On an edge of a triangle that touches the load, by the corner opposite to it; the second ones beside slender triangles.
+    edges: [[RuleLists; 3]; 2],
     /// On all others, each with the distance over the triangle's radius from which on it keeps the tolerance; the last one
     /// from 0.
     apart: Vec<(f64, RuleLists)>,
@@ -18,18 +27,24 @@ pub(crate) struct OuterRules {
 
 impl OuterRules {
     pub(crate) fn new(tolerance: f64) -> Self {
-        // The error of the graded rule falls with n⁻⁸.
-        let graded = (7.0 * (1e-3 / tolerance).powf(0.125)).ceil();
-        let graded = graded.clamp(5.0, MAX_GRADED_POINTS as f64) as usize;
+        // The error of a graded rule falls with n⁻⁸.
+        let along = (12.0 * (1e-6 / tolerance.max(1e-12)).powf(0.125)).ceil() as usize;
+        let along = along.next_multiple_of(POINTS_PER_BLOCK).min(SLENDER_POINTS);
         // The best polynomial of degree 2n - 1 errs by some `(radius / 2 distance)^2n`.
         let farther = |n: usize| match n {
             n if n == *APART_POINTS.end() => 0.0,
-            n => 0.5 * (0.25 * tolerance.max(1e-12)).powf(-0.5 / n as f64),
+            n => 0.5 * tolerance.max(1e-12).powf(-0.5 / n as f64),
         };
         Self {
-            touching: RuleLists::new(graded_triangle_rule(graded)),
+            touching: RuleLists::new(&graded_triangle_rule(GRADED_POINTS)),
+            edges: [along, SLENDER_POINTS].map(|n| [0, 1, 2].map(|corner| edge_rule(corner, n))),
             apart: APART_POINTS.map(|n| (farther(n), RuleLists::new(triangle_rule(n)))).collect(),
         }
+    }
+
+    /// The rule on the edge opposite to a corner of a triangle that touches the load.
+    pub(crate) fn edge(&self, corner: usize, is_slender: bool) -> &RuleLists {
+        &self.edges[usize::from(is_slender)][corner]
     }
 
     /// The rule for a triangle of such a radius (m) whose center is at such a distance (m) from the load.
@@ -38,4 +53,15 @@ impl OuterRules {
         let keeps = |(farther, _): &&(f64, RuleLists)| ratio >= *farther;
         &self.apart.iter().find(keeps).expect("the last rule holds everywhere").1
     }
+}
+
+/// n points on the edge opposite to a corner.
+fn edge_rule(corner: usize, n: usize) -> RuleLists {
+    let at = |(t, weight): (f64, f64)| {
+        let mut shares = [1.0 - t, t, 0.0];
+        shares.rotate_right((corner + 1) % 3);
+        (shares, weight)
+    };
+    let points: Vec<RulePoint> = graded_interval(n).into_iter().map(at).collect();
+    RuleLists::new(&points)
 }
