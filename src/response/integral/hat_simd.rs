@@ -77,35 +77,48 @@ impl NearFace {
     #[inline(always)]
     fn uniform<S: Simd>(&self, x: [Lanes<S>; 3]) -> Uniform<S> {
         let any = x[0];
-        let zero = any.all(0.0);
         let a = from_point(&self.corners[0], &x);
         let b = from_point(&self.corners[1], &x);
         let c = from_point(&self.corners[2], &x);
         let (ra, rb, rc) = (dot(&a, &a).sqrt(), dot(&b, &b).sqrt(), dot(&c, &c).sqrt());
         let height = along(&a, &self.normal);
         let height_squared = height * height;
-        let mut potential = zero;
-        let mut terms = [zero; 3];
-        for (k, start, end, r0, r1) in [(0, &b, &c, rb, rc), (1, &c, &a, rc, ra), (2, &a, &b, ra, rb)] {
-            // of the two ends the nearer one gives the distance with the least rounding
-            let (d0, d1) = (along(start, &self.outward[k]), along(end, &self.outward[k]));
-            let d = r0.at_most(r1).pick(d0, d1);
-            let (s0, s1) = (along(start, &self.tangents[k]), along(end, &self.tangents[k]));
-            let rho_squared = d.mul_add(d, height_squared);
-            // asinh(s1/ρ) - asinh(s0/ρ) as the logarithm of a ratio of sums of positive parts: t0 t1 / ρ² where
-            // the foot of the point lies on the edge, t1 / t0 before it, t0 / t1 behind it
-            let (t0, t1) = (r0 + s0.abs(), r1 + s1.abs());
-            let (before, behind) = (zero.less(s0), s1.less(zero));
-            let numerator = before.pick(t1, behind.pick(t0, t0 * t1));
-            let denominator = before.pick(t0, behind.pick(t1, rho_squared));
-            let log = ln_ratio(numerator, denominator, any.all(self.lengths[k]), r0 + r1);
-            potential = d.mul_add(log, potential);
-            terms[k] = rho_squared.mul_add(log, s1 * r1 - s0 * r0);
-        }
+        let of_edges = [
+            self.edge_terms(0, [&b, &c], [rb, rc], height_squared),
+            self.edge_terms(1, [&c, &a], [rc, ra], height_squared),
+            self.edge_terms(2, [&a, &b], [ra, rb], height_squared),
+        ];
+        let potential = of_edges[0].0 + of_edges[1].0 + of_edges[2].0;
+        let terms = [of_edges[0].1, of_edges[1].1, of_edges[2].1];
         let lifted = height.abs();
         let solid = ra * rb * rc + dot(&a, &b) * rc + dot(&a, &c) * rb + dot(&b, &c) * ra;
-        potential = potential - any.all(2.0) * lifted * angle(any.all(self.double_area) * lifted, solid);
+        let potential = potential - any.all(2.0) * lifted * angle(any.all(self.double_area) * lifted, solid);
         Uniform { to_corner: a, potential, terms }
+    }
+
+    /// What an edge gives to the potential, and its term; its ends as seen from the points, and their distances.
+    #[inline(always)]
+    fn edge_terms<S: Simd>(
+        &self,
+        k: usize,
+        [start, end]: [&[Lanes<S>; 3]; 2],
+        [r0, r1]: [Lanes<S>; 2],
+        height_squared: Lanes<S>,
+    ) -> (Lanes<S>, Lanes<S>) {
+        let zero = r0.all(0.0);
+        // of the two ends the nearer one gives the distance with the least rounding
+        let (d0, d1) = (along(start, &self.outward[k]), along(end, &self.outward[k]));
+        let d = r0.at_most(r1).pick(d0, d1);
+        let (s0, s1) = (along(start, &self.tangents[k]), along(end, &self.tangents[k]));
+        let rho_squared = d.mul_add(d, height_squared);
+        // asinh(s1/ρ) - asinh(s0/ρ) as the logarithm of a ratio of sums of positive parts: t0 t1 / ρ² where
+        // the foot of the point lies on the edge, t1 / t0 before it, t0 / t1 behind it
+        let (t0, t1) = (r0 + s0.abs(), r1 + s1.abs());
+        let (before, behind) = (zero.less(s0), s1.less(zero));
+        let numerator = before.pick(t1, behind.pick(t0, t0 * t1));
+        let denominator = before.pick(t0, behind.pick(t1, rho_squared));
+        let log = ln_ratio(numerator, denominator, r0.all(self.lengths[k]), r0 + r1);
+        (d * log, rho_squared.mul_add(log, s1 * r1 - s0 * r0))
     }
 }
 
