@@ -10,15 +10,16 @@
 //! About their centers of force loads have no moment of degree 1, so that up to degree 3 the means of the two loads add up,
 //! and from there on few products of them join.
 
-use nalgebra::{Complex, Vector3};
+use nalgebra::Complex;
 use pulp::{Simd, WithSimd};
 
-use crate::response::column::load::{LoadedFace, loaded_faces, weighted};
+use crate::response::column::load::{LoadedFace, loaded_faces};
 use crate::response::error::ResponseError;
-use crate::response::integral::gauss::triangle_rule;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::matrix::fill::fill_items;
+use crate::response::matrix::galerkin::node_load::{HIGHEST_DEGREE, MOMENT_COUNT, NodeLoad};
 use crate::response::matrix::options::AssemblyOptions;
+use crate::response::series::point_loads::PointLoads;
 use crate::response::simd::lanes::{Lanes, dot};
 use crate::response::simd::points::POINTS_PER_BLOCK;
 use crate::surface::checked::Surface;
@@ -26,13 +27,8 @@ use crate::surface::checked::Surface;
 /// Degrees that a sum can end at, and of each the share of `((s + s') / r)^(degree + 2)` that it leaves out, s the means of
 /// that power of the places in the two loads and r their distance: as measured on meshes of all shapes.
 const SUM_DEGREES: [(usize, f64); 2] = [(4, 0.9), (6, 0.9)];
-const HIGHEST_DEGREE: usize = 6;
-/// Real numbers of the moments: of each degree l from l² on, of each order m its real and, for m > 0, its imaginary part.
-const MOMENT_COUNT: usize = (HIGHEST_DEGREE + 1) * (HIGHEST_DEGREE + 1);
 /// Distance over the sum of two such means below which that share says little.
 const LEAST_RATIO: f64 = 2.5;
-/// Points in each direction of a triangle that give the moments exactly.
-const MOMENT_POINTS: usize = 4;
 
 /// Unit forces at nodes, each spread over the triangles around it, and laid out for vector code.
 #[derive(Debug)]
@@ -55,12 +51,12 @@ impl LoadMoments {
         pressure: PressureBasis,
         options: &AssemblyOptions,
     ) -> Result<Self, ResponseError> {
-        let mut loads =
-            vec![NodeLoad { center: Vector3::zeros(), moments: [0.0; MOMENT_COUNT], size: 0.0 }; nodes.len()];
-        fill_items(&mut loads, options, Vec::new, |faces, at, load| {
+        let mut loads = vec![NodeLoad::default(); nodes.len()];
+        let scratch = || (Vec::<LoadedFace>::new(), PointLoads::default());
+        fill_items(&mut loads, options, scratch, |(faces, forces), at, load| {
             faces.clear();
             loaded_faces(surface, nodes[at], pressure, faces);
-            *load = NodeLoad::new(faces);
+            *load = NodeLoad::new(faces, forces);
         })?;
         let padded = nodes.len().next_multiple_of(POINTS_PER_BLOCK);
         let list = |of: &dyn Fn(&NodeLoad) -> f64| {
@@ -91,62 +87,6 @@ impl LoadMoments {
     pub(crate) fn means(&self, others: &Self, column: usize, first: usize, values: &mut [f64]) {
         pulp::Arch::new().dispatch(Means { rows: self, others, column, first, values });
     }
-}
-
-/// A unit force at a node.
-#[derive(Debug, Clone)]
-struct NodeLoad {
-    center: Vector3<f64>,
-    moments: [f64; MOMENT_COUNT],
-    size: f64,
-}
-
-impl NodeLoad {
-    /// Of a load that sums to 1.
-    fn new(faces: &[LoadedFace]) -> Self {
-        let mut forces = Vec::with_capacity(faces.len() * MOMENT_POINTS * MOMENT_POINTS);
-        for face in faces {
-            let [a, b, c] = face.frame.vertices;
-            forces.extend(triangle_rule(MOMENT_POINTS).iter().map(|(l, weight)| {
-                (a * l[0] + b * l[1] + c * l[2], weight * face.frame.area * weighted(&face.density, l))
-            }));
-        }
-        let center: Vector3<f64> = forces.iter().map(|(place, force)| place * *force).sum();
-        let (mut moments, mut sixth) = ([0.0; MOMENT_COUNT], 0.0);
-        for (place, force) in forces {
-            let from = place - center;
-            sixth += force * from.norm_squared().powi(3);
-            for (sum, one) in moments.iter_mut().zip(regular(&from)) {
-                *sum += force * one;
-            }
-        }
-        Self { center, moments, size: sixth.max(0.0).powf(1.0 / 6.0) }
-    }
-}
-
-/// The moments of a unit force at a place.
-fn regular(place: &Vector3<f64>) -> [f64; MOMENT_COUNT] {
-    let zero = Complex::new(0.0, 0.0);
-    let squared = place.norm_squared();
-    let mut moments = [0.0; MOMENT_COUNT];
-    let mut first = Complex::new(1.0, 0.0);
-    for m in 0..=HIGHEST_DEGREE {
-        if m > 0 {
-            first *= Complex::new(place.x, place.y) * (-0.5 / m as f64);
-        }
-        let (mut before, mut own) = (zero, first);
-        for l in m..=HIGHEST_DEGREE {
-            if l > m {
-                let top = own * ((2 * l - 1) as f64 * place.z) - before * squared;
-                (before, own) = (own, top / ((l + m) * (l - m)) as f64);
-            }
-            if m > 0 {
-                moments[l * l + 2 * m - 1] = own.re;
-            }
-            moments[l * l + 2 * m] = if m > 0 { own.im } else { own.re };
-        }
-    }
-    moments
 }
 
 /// The moments of one degree by their orders, of which 0 stands in the middle; 0 of an order that there is not.
@@ -284,7 +224,11 @@ fn expansion<S: Simd>(way: &[Lanes<S>; 3], moments: &[Lanes<S>; MOMENT_COUNT], d
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
+    use crate::response::column::load::weighted;
+    use crate::response::integral::gauss::triangle_rule;
     use crate::sample::{Random, jittered_grid};
 
     /// The load of a node about its center of force.

@@ -5,4 +5,5 @@ pub(crate) mod block;
 pub(crate) mod face_pair;
 pub(crate) mod hat_pairs;
 pub(crate) mod near_faces;
+pub(crate) mod node_load;
 pub(crate) mod outer_rule;
