@@ -95,6 +95,40 @@ fn a_thick_galerkin_layer_is_the_galerkin_half_space() {
 }
 
 #[test]
+fn galerkin_layers_keep_the_tolerance_of_the_half_space_s_entries() {
+    let surface = flat(6, CELL, 0.25);
+    let nodes: Vec<usize> = (0..surface.vertices().len()).collect();
+    let matrix = |skin: &KernelSkin, tolerance| {
+        let options = AssemblyOptions { tolerance, ..AssemblyOptions::default() };
+        assemble(&surface, skin, &nodes, &options).expect("valid")
+    };
+    let half_space = KernelSkin::new(60e3, 0.45, Kernel::HalfSpace).expect("valid constants");
+    let half_space = half_space.with_discretization(Discretization::Galerkin).expect("it has both");
+    let scale = matrix(&half_space, 1e-6);
+    let layer = |cells: f64| skin(0.45, cells * CELL, Discretization::Galerkin);
+    let assert_close = |found: &faer::Mat<f64>, expected: &dyn Fn(usize, usize) -> f64, tolerance: f64| {
+        for (j, i) in (0..nodes.len()).flat_map(|j| (0..nodes.len()).map(move |i| (j, i))) {
+            let error = (found[(i, j)] - expected(i, j)).abs() / scale[(i, j)];
+            assert!(error < tolerance, "({i}, {j}) at {tolerance:e}: {error:e}");
+        }
+    };
+    for cells in [0.3, 2.0, 5.0, 8.0] {
+        let exact = matrix(&layer(cells), 1e-10);
+        for tolerance in [1e-4, 1e-5, 1e-6] {
+            assert_close(&matrix(&layer(cells), tolerance), &|i, j| exact[(i, j)], tolerance);
+        }
+    }
+    // Of two nodes the thinner layer counts, whichever is the column.
+    let is_thin = |node: usize| surface.vertices()[node].x < surface.vertices()[nodes.len() / 2].x;
+    let cells = |node: usize| if is_thin(node) { 0.3 * CELL } else { 8.0 * CELL };
+    let varying: Vec<f64> = nodes.iter().map(|&node| cells(node)).collect();
+    let varying = skin(0.45, Thickness::PerVertex(varying.into()), Discretization::Galerkin);
+    let [thin, thick] = [0.3, 8.0].map(|cells| matrix(&layer(cells), 1e-10));
+    let expected = |i, j| if is_thin(i) || is_thin(j) { thin[(i, j)] } else { thick[(i, j)] };
+    assert_close(&matrix(&varying, 1e-6), &expected, 1e-6);
+}
+
+#[test]
 fn an_incompressible_layer_displaces_no_net_volume_on_flat_meshes_of_any_shape() {
     // regular, alternating and jittered triangles; the kernel fades as exp(-0.76 r / h)
     for (cells, jitter, thickness) in [(44, 0.0, 1.0), (44, 0.3, 1.0), (50, 0.2, 0.5), (64, 0.3, 1.5)] {

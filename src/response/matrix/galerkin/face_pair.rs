@@ -60,7 +60,7 @@ impl<'a> FacePairs<'a> {
             if is_swapped { (second, first, hats[0]) } else { (first, second, hats[1]) };
         let distance = (outer.center - inner.center).norm() - inner.radius;
         let rule = if distance < outer.radius {
-            &self.rules.touching
+            &self.rules.close
         } else {
             self.rules.apart(outer.radius, distance)
         };

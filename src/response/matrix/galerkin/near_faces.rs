@@ -33,13 +33,14 @@ pub(crate) struct NodeFace {
 impl NodeFace {
     /// The triangles around the nodes of a matrix, by the row and the column of each vertex.
     pub(crate) fn around(surface: &Surface, row_of: &[usize], column_of: &[usize]) -> Vec<Self> {
+        let is_node = |&v: &u32| row_of[v as usize] != NO_ROW || column_of[v as usize] != NO_ROW;
         let face = |(vertices, &area): (&[u32; 3], &f64)| {
+            if !vertices.iter().any(is_node) {
+                return None;
+            }
             let vertices = from_widest_corner(surface, *vertices);
             let rows = vertices.map(|v| row_of[v as usize]);
             let columns = vertices.map(|v| column_of[v as usize]);
-            if rows == [NO_ROW; 3] && columns == [NO_ROW; 3] {
-                return None;
-            }
             let corners = vertices.map(|v| surface.vertices()[v as usize]);
             let (center, radius) = ball_around(&corners);
             Some(Self { corners, vertices, rows, columns, center, radius, area })

@@ -4,11 +4,10 @@ use crate::response::integral::gauss::{RulePoint, graded_interval, graded_triang
 use crate::response::integral::rule_lists::RuleLists;
 use crate::response::simd::points::POINTS_PER_BLOCK;
 
-/// Fewest and most points in each direction of the rules on triangles that do not touch the load.
+/// Fewest and most points in each direction of the rules on triangles apart from the load.
 const APART_POINTS: std::ops::RangeInclusive<usize> = 2..=10;
-
-/// Points in each direction of the rule on triangles at the load.
-const GRADED_POINTS: usize = 12;
+/// Fewest and most points in each direction of the rules on triangles at the load.
+const GRADED_POINTS: [usize; 2] = [5, 12];
 /// Points of the rules on edges beside triangles longer than [`SLENDER`] times their height.
 const SLENDER_POINTS: usize = 40;
 pub(crate) const SLENDER: f64 = 6.0;
@@ -18,25 +17,31 @@ pub(crate) const SLENDER: f64 = 6.0;
 pub(crate) struct OuterRules {
     /// On triangles at the load, where the inner potential behaves like d log d at the distance d from edges.
     pub(crate) touching: RuleLists,
+    /// The finest of these, for pairs that do not touch and are closer than their size.
+    pub(crate) close: RuleLists,
     /// On an edge of a triangle that touches the load, by the corner opposite to it; the second ones beside slender triangles.
     edges: [[RuleLists; 3]; 2],
-    /// On all others, each with the distance over the triangle's radius from which on it keeps the tolerance; the last one
-    /// from 0.
-    apart: Vec<(f64, RuleLists)>,
+    /// On all others, each with the distances over the triangle's radius from which on it keeps the tolerance for 1/r and for
+    /// a smooth kernel; the last one from 0.
+    apart: Vec<([f64; 2], RuleLists)>,
 }
 
 impl OuterRules {
     pub(crate) fn new(tolerance: f64) -> Self {
-        // The error of a graded rule falls with n⁻⁸.
-        let along = (12.0 * (1e-6 / tolerance.max(1e-12)).powf(0.125)).ceil() as usize;
-        let along = along.next_multiple_of(POINTS_PER_BLOCK).min(SLENDER_POINTS);
-        // The best polynomial of degree 2n - 1 errs by some `(radius / 2 distance)^2n`.
+        // The errors of graded rules fall with n⁻⁸.
+        let graded = |n: f64, error: f64| (n * (error / tolerance.max(1e-12)).powf(0.125)).ceil() as usize;
+        let [fewest, most] = GRADED_POINTS;
+        let along = graded(12.0, 1e-6).next_multiple_of(POINTS_PER_BLOCK).min(SLENDER_POINTS);
+        // The best polynomial of degree 2n - 1 errs by some `(radius / 2 distance)^2n`, and one that a hat multiplies by one
+        // power less, which shows where all of a kernel is smooth.
+        let allowed = 0.5 * tolerance.max(1e-12);
         let farther = |n: usize| match n {
-            n if n == *APART_POINTS.end() => 0.0,
-            n => 0.5 * tolerance.max(1e-12).powf(-0.5 / n as f64),
+            n if n == *APART_POINTS.end() => [0.0; 2],
+            n => [2 * n, 2 * n - 1].map(|power| 0.5 * allowed.powf(-1.0 / power as f64)),
         };
         Self {
-            touching: RuleLists::new(&graded_triangle_rule(GRADED_POINTS)),
+            touching: RuleLists::new(&graded_triangle_rule(graded(7.0, 1e-3).clamp(fewest, most))),
+            close: RuleLists::new(&graded_triangle_rule(most)),
             edges: [along, SLENDER_POINTS].map(|n| [0, 1, 2].map(|corner| edge_rule(corner, n))),
             apart: APART_POINTS.map(|n| (farther(n), RuleLists::new(triangle_rule(n)))).collect(),
         }
@@ -49,8 +54,16 @@ impl OuterRules {
 
     /// The rule for a triangle of such a radius (m) whose center is at such a distance (m) from the load.
     pub(crate) fn apart(&self, radius: f64, distance: f64) -> &RuleLists {
-        let ratio = (distance / radius).max(1.0);
-        let keeps = |(farther, _): &&(f64, RuleLists)| ratio >= *farther;
+        self.from((distance / radius).max(1.0), 0)
+    }
+
+    /// The rule for a kernel that is smooth up to such a distance (m) out of the skin.
+    pub(crate) fn smooth(&self, radius: f64, distance: f64) -> &RuleLists {
+        self.from((distance / radius).max(1.0), 1)
+    }
+
+    fn from(&self, ratio: f64, kind: usize) -> &RuleLists {
+        let keeps = |(farther, _): &&([f64; 2], RuleLists)| ratio >= farther[kind];
         &self.apart.iter().find(keeps).expect("the last rule holds everywhere").1
     }
 }
