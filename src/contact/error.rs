@@ -93,7 +93,7 @@ pub enum ContactError {
     /// An obstacle that turns finds no balance.
     #[error(
         "the obstacle finds no balance about ({x:.4}, {y:.4}, {z:.4}) m: a moment of {} N m is left about \
-         the tilt axes under {} N{}, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
+         the tilt axes under {} N along the direction{}, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
          skin that are to carry it{}",
         Digits(*moment, 7),
         Digits(*force, 7),
@@ -106,7 +106,7 @@ pub enum ContactError {
         point: [f64; 3],
         /// Moment on the skin about the axes that is left (N m, ≥ 0).
         moment: f64,
-        /// Force on the skin (N).
+        /// Force on the skin along the direction (N).
         force: f64,
         /// The force that is to be reached, if one is (N).
         asked: Option<f64>,

@@ -305,7 +305,8 @@ class Contact(Frozen):
         Parameters
         ----------
         folder : path
-            The folder; made where it is missing. Files of these names are replaced, others stay.
+            The folder; made where it is missing. Files of these names are replaced, those of an earlier
+            contact removed; others stay.
         inputs : mapping, optional
             What the contact was computed from, for contact.json.
         pictures : bool

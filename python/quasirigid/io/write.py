@@ -73,8 +73,9 @@ def save_contact(
     contact : Contact
         The contact.
     folder : path
-        Made where it is missing. Files of the same names are replaced, each of them whole; others stay.
-        Pictures come last: where one cannot be drawn, all numbers are there.
+        Made where it is missing. Files of these names are replaced, each of them whole; beside the
+        `contact.json` of an earlier contact the rest of them is removed; others stay. Pictures come last:
+        where one cannot be drawn, all numbers are there.
     inputs : mapping, optional
         What the contact was computed from, for `contact.json`.
     pictures : bool
@@ -98,7 +99,10 @@ def save_contact(
     """
     if as_boolean("pictures", pictures):
         need_matplotlib()
+    is_second = (Path(folder) / "contact.json").exists()
     files = write_files(folder, dict(_files(contact, inputs_record(inputs), unreached)))
+    for name in set(CONTACT_FILES) - {file.name for file in files} if is_second else ():
+        (Path(folder) / name).unlink(missing_ok=True)
     return files + save_pictures(contact, folder, bone=bone) if pictures else files
 
 

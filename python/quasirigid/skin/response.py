@@ -285,8 +285,9 @@ class GivenMatrix(_Response):
         Vertices that it is known for; all that touch must be among them.
     compliance : (k, k) or (k, 3, k, 3) array_like
         Displacement per newton (m/N) in the order of the nodes. (k, k): along the force, as `response_matrix`
-        of a kernel has it; a contact with normals ``n`` takes it times ``n @ n.T``. (k, 3, k, 3): as vectors.
-        One that was measured along the nodes' own normals is
+        of a kernel by collocation has it; a contact with normals ``n`` takes it times ``n @ n.T``, and its
+        gaps at the vertices, which a matrix in Galerkin form does not fit. (k, 3, k, 3): as vectors. One that
+        was measured along the nodes' own normals is
         ``m[:, None, :, None] * n[:, :, None, None] * n`` as vectors.
 
     Raises

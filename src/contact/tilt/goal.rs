@@ -215,7 +215,7 @@ impl MeshSearch for Tilted<'_> {
         ContactError::NotBalanced {
             point: self.point_at(&contact).into(),
             moment: DVector::from_vec(self.moments(&contact)).norm(),
-            force: contact.resultant.force.norm(),
+            force: contact.resultant.force.dot(&self.setup.approach.direction),
             asked: self.force(),
             angle: self.turned_by(&posture.angles).rotation.angle(),
             why: if has_left { "it has left the skin".to_string() } else { why },

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from refined import UP, Floats, jittered_ball
-from shapes import PLATE, SKIN
+from shapes import PLATE, SKIN, grid, slab
 from shared_meshes import hand_file
 
 # Scenes are coarse on purpose, and taken as they are; some are metres wide.
@@ -129,3 +129,15 @@ def test_a_refined_contact_pickles_and_saves(tmp_path: Path) -> None:
         given = archive["vertices"][:count] - archive["displacement"][:count]
         np.testing.assert_allclose(given, jittered_ball(1).vertices, atol=1e-15)
         np.testing.assert_array_equal(archive["parents"], contact.parents)
+
+
+def test_a_second_contact_leaves_no_file_of_the_first_beside_its_own(tmp_path: Path) -> None:
+    notes = tmp_path / "skin.png"
+    notes.write_text("mine")
+    product = qr.Obstacle.mesh(*slab(grid(8, 10e-3), 5e-3)).moved(translation=-1.0 * UP)
+    first = qr.press(jittered_ball(1), product, SKIN, UP, depth=0.5e-3)
+    assert tmp_path / "product.ply" in first.save(tmp_path)
+    assert notes.read_text() == "mine"  # no contact was there before
+    second = qr.press(jittered_ball(1), PLATE, SKIN, UP, depth=0.5e-3)
+    files = second.save(tmp_path)
+    assert set(files) == set(tmp_path.iterdir())
