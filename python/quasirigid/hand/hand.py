@@ -332,7 +332,8 @@ class Hand(Frozen):
             A file that ends in .glb.
         contact : Contact, optional
             One of this hand's skin, posed or not: the mesh that was solved, with pressure as color and as
-            the attribute ``_PRESSURE`` (Pa), and the deformed skin as a morph target.
+            the attribute ``_PRESSURE`` (Pa), and the deformed skin as a morph target. Posed again, that finer
+            mesh comes to lie some mm elsewhere at bent joints.
         """
         from .files.save import save_glb
 
