@@ -1,5 +1,7 @@
 //! The nine averages of 1/r against the hats of two triangles.
 
+use std::sync::OnceLock;
+
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 
@@ -22,8 +24,11 @@ fn transposed(products: &Products) -> Products {
 
 /// What all pairs of some triangles share.
 pub(crate) struct FacePairs<'a> {
+    surface: &'a Surface,
     faces: &'a [NodeFace],
-    hats: Vec<Hats>,
+    /// Of those that have been in a pair.
+    hats: Vec<OnceLock<Box<Hats>>>,
+    tolerance: f64,
     rules: &'a OuterRules,
     /// Whether there is a slender triangle around each vertex of the surface.
     is_slender: Vec<bool>,
@@ -32,7 +37,7 @@ pub(crate) struct FacePairs<'a> {
 impl<'a> FacePairs<'a> {
     /// * `around`: triangles around each vertex of the surface
     pub(crate) fn new(
-        surface: &Surface,
+        surface: &'a Surface,
         faces: &'a [NodeFace],
         around: &[Vec<u32>],
         rules: &'a OuterRules,
@@ -40,17 +45,24 @@ impl<'a> FacePairs<'a> {
     ) -> Self {
         let is_slender = |face: &u32| faces[*face as usize].slenderness() > SLENDER;
         Self {
+            surface,
             faces,
-            hats: faces.iter().map(|face| Hats::new(surface, face, tolerance)).collect(),
+            hats: faces.iter().map(|_| OnceLock::new()).collect(),
+            tolerance,
             rules,
             is_slender: around.iter().map(|faces| faces.iter().any(is_slender)).collect(),
         }
     }
 
+    fn hats(&self, index: usize) -> &Hats {
+        let new = || Box::new(Hats::new(self.surface, &self.faces[index], self.tolerance));
+        self.hats[index].get_or_init(new)
+    }
+
     /// Of two triangles, by their indices.
     pub(crate) fn products(&self, pair: [usize; 2]) -> Products {
         let [first, second] = pair.map(|index| &self.faces[index]);
-        let hats = pair.map(|index| &self.hats[index]);
+        let hats = pair.map(|index| self.hats(index));
         if first.vertices.iter().any(|vertex| second.vertices.contains(vertex)) {
             return self.touching([first, second], hats);
         }

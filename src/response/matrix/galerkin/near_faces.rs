@@ -31,7 +31,7 @@ pub(crate) struct NodeFace {
 }
 
 impl NodeFace {
-    /// The triangles around the nodes of a matrix, by the row and the column of each vertex.
+    /// The triangles around the nodes of a matrix, by the row and the column of each vertex; those with a column first.
     pub(crate) fn around(surface: &Surface, row_of: &[usize], column_of: &[usize]) -> Vec<Self> {
         let is_node = |&v: &u32| row_of[v as usize] != NO_ROW || column_of[v as usize] != NO_ROW;
         let face = |(vertices, &area): (&[u32; 3], &f64)| {
@@ -45,7 +45,10 @@ impl NodeFace {
             let (center, radius) = ball_around(&corners);
             Some(Self { corners, vertices, rows, columns, center, radius, area })
         };
-        surface.faces().iter().zip(surface.face_areas()).filter_map(face).collect()
+        let mut faces: Vec<Self> =
+            surface.faces().iter().zip(surface.face_areas()).filter_map(face).collect();
+        faces.sort_by_key(|face| !face.has_column());
+        faces
     }
 
     /// The longest edge over the height on it.
@@ -82,10 +85,10 @@ fn from_widest_corner(surface: &Surface, mut vertices: [u32; 3]) -> [u32; 3] {
 
 /// The averages of all pairs of near triangles.
 pub(crate) struct NearFaces {
-    /// Triangles around each vertex of the surface, and those near it.
+    /// Triangles around each vertex of the surface, and those near it, if one around it has a column.
     around: Vec<Vec<u32>>,
     near: Vec<Vec<u32>>,
-    /// Of each triangle, with the near ones that have no lower number.
+    /// Of each triangle with a column, with the near ones that have no lower number.
     products: Vec<Vec<Products>>,
     /// The near triangles of each, and where in the list of the lower of both their products are.
     places: Vec<Vec<(u32, u32)>>,
@@ -104,13 +107,12 @@ impl NearFaces {
         }
         let near = near_vertices(faces, &around, options)?;
         let averages = FacePairs::new(surface, faces, &around, rules, options.tolerance);
-        let mut pairs = vec![(Vec::new(), Vec::new()); faces.len()];
+        let with_columns = faces.partition_point(NodeFace::has_column);
+        let mut pairs = vec![(Vec::new(), Vec::new()); with_columns];
         let unmet = || vec![usize::MAX; faces.len()];
         fill_items(&mut pairs, options, unmet, |met_at: &mut Vec<usize>, first, (seconds, all)| {
             let face = &faces[first];
-            let is_asked = |other: &NodeFace| {
-                face.has_row() && other.has_column() || face.has_column() && other.has_row()
-            };
+            let is_asked = |other: &NodeFace| other.has_row() || face.has_row() && other.has_column();
             for &second in face.vertices.iter().flat_map(|&v| &near[v as usize]) {
                 if second as usize >= first
                     && is_first_at(first, met_at, second)
@@ -173,24 +175,28 @@ impl NearFaces {
     }
 }
 
-/// Triangles in the near rings of each vertex that `around` lists triangles of.
+/// Triangles in the near rings of each vertex around which `around` lists one with a column.
 fn near_vertices(
     faces: &[NodeFace],
     around: &[Vec<u32>],
     options: &AssemblyOptions,
 ) -> Result<Vec<Vec<u32>>, ResponseError> {
-    let mut near = around.to_vec();
+    let has_column = |near: &Vec<u32>| near.iter().any(|&face| faces[face as usize].has_column());
+    let mut found: Vec<(usize, Vec<u32>)> =
+        around.iter().cloned().enumerate().filter(|(_, near)| has_column(near)).collect();
     let unmet = || vec![usize::MAX; faces.len()];
-    fill_items(&mut near, options, unmet, |met_at: &mut Vec<usize>, vertex, near: &mut Vec<u32>| {
-        near.iter().for_each(|&face| met_at[face as usize] = vertex);
+    fill_items(&mut found, options, unmet, |met_at: &mut Vec<usize>, _, (vertex, near)| {
+        near.iter().for_each(|&face| met_at[face as usize] = *vertex);
         let mut front = 0;
         for _ in 0..NEAR_RINGS {
             for k in std::mem::replace(&mut front, near.len())..near.len() {
                 let touching = faces[near[k] as usize].vertices.iter().flat_map(|&v| &around[v as usize]);
-                near.extend(touching.filter(|&&face| is_first_at(vertex, met_at, face)));
+                near.extend(touching.filter(|&&face| is_first_at(*vertex, met_at, face)));
             }
         }
     })?;
+    let mut near = vec![Vec::new(); around.len()];
+    found.into_iter().for_each(|(vertex, list)| near[vertex] = list);
     Ok(near)
 }
 
