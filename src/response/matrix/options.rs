@@ -16,7 +16,7 @@ pub(crate) const TOLERANCES: RangeInclusive<f64> = 0.0..=0.1;
 pub struct AssemblyOptions<'a> {
     /// Largest error of an entry from numerical integration (dimensionless, 0 ..= 0.1), relative to K/r, the
     /// half-space's entry. Entries of fading kernels are smaller, so their relative error is larger. 0 means as exact as
-    /// double precision allows; what Galerkin entries keep stands there.
+    /// double precision allows; in Galerkin form some 1e-8, and less beside poor triangles.
     pub tolerance: f64,
     /// Threads (>= 1), at most four for each processor; `None` means rayon's global pool. The result is equal to the bit
     /// for any number.

@@ -81,9 +81,8 @@ struct GalerkinColumns<'a> {
 ///
 /// Far from each other two nodes of a half-space feel the moments of their pressures. Else the inner integral is exact and
 /// the outer one a Gauss rule whose order falls with distance: that of a node's pressure over triangles farther from it,
-/// those of hats over near triangles, and over an edge of those that touch. Entries keep the tolerance down to some 1e-8,
-/// beside triangles of angles below 3 degrees to 1e-4, and to 1e-3 where triangles that do not touch are closer than a
-/// fifth of their size.
+/// those of hats over near triangles, and over an edge of those that touch. Entries keep tolerances from some 1e-8 on, from
+/// 1e-4 with angles below 3 degrees, from 1e-3 where triangles come closer than a fifth of their size and do not touch.
 /// For equal rows and columns each pair is computed once and mirrored, so the matrix is symmetric to the bit.
 pub(crate) fn galerkin_block(
     surface: &Surface,
