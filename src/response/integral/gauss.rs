@@ -2,6 +2,8 @@
 
 use std::sync::OnceLock;
 
+use crate::response::integral::symmetric_rule::DEGREE_5;
+
 /// The largest number of points in each direction that [`triangle_rule`] offers.
 pub(crate) const MAX_TRIANGLE_POINTS: usize = 24;
 
@@ -9,29 +11,15 @@ pub(crate) const MAX_TRIANGLE_POINTS: usize = 24;
 pub(crate) type RulePoint = ([f64; 3], f64);
 
 /// Gauss rule over a triangle, exact for polynomials of degree 2n - 1: n × n points, collapsed at corner 0 (Stroud 1971,
-/// conical product), or the seven of Radon (1948) for n = 3. The weights are positive and sum to 1.
+/// conical product), or the seven of [`DEGREE_5`] for n = 3. The weights are positive and sum to 1.
 pub(crate) fn triangle_rule(n: usize) -> &'static [RulePoint] {
     static RULES: [OnceLock<Vec<RulePoint>>; MAX_TRIANGLE_POINTS + 1] =
         [const { OnceLock::new() }; MAX_TRIANGLE_POINTS + 1];
     let n = n.clamp(1, MAX_TRIANGLE_POINTS);
-    RULES[n].get_or_init(|| match n {
-        3 => radon_rule(),
-        _ => product(&gauss(n, 1.0), &gauss(n, 0.0), |u, v| [1.0 - u, u * (1.0 - v), u * v]),
-    })
-}
-
-fn radon_rule() -> Vec<RulePoint> {
-    let root = 15_f64.sqrt();
-    let orbit = |sign: f64| {
-        let (share, weight) = ((6.0 + sign * root) / 21.0, (155.0 + sign * root) / 1200.0);
-        [0, 1, 2].map(|k| {
-            let mut shares = [share; 3];
-            shares[k] = 1.0 - 2.0 * share;
-            (shares, weight)
-        })
-    };
-    let center = ([1.0 / 3.0; 3], 9.0 / 40.0);
-    [center].into_iter().chain(orbit(1.0)).chain(orbit(-1.0)).collect()
+    if n == 3 {
+        return &DEGREE_5;
+    }
+    RULES[n].get_or_init(|| product(&gauss(n, 1.0), &gauss(n, 0.0), |u, v| [1.0 - u, u * (1.0 - v), u * v]))
 }
 
 /// All pairs of the points of two intervals, each at a place of the triangle.

@@ -12,3 +12,4 @@ pub(crate) mod hat;
 pub(crate) mod hat_simd;
 mod piece;
 pub(crate) mod rule_lists;
+pub(crate) mod symmetric_rule;
