@@ -93,8 +93,8 @@ pub enum ContactError {
     /// An obstacle that turns finds no balance.
     #[error(
         "the obstacle finds no balance about ({x:.4}, {y:.4}, {z:.4}) m: a moment of {} N m is left about \
-         the tilt axes under {} N along the direction{}, turned by {angle:.4} rad; {why}: move tilt_point between the parts of the \
-         skin that are to carry it{}",
+         the tilt axes under {} N along the direction{}, turned by {angle:.4} rad; {why}: move tilt_point between \
+         the parts of the skin that are to carry it{}",
         Digits(*moment, 7),
         Digits(*force, 7),
         asked.map_or(String::new(), |asked| format!(", where {} N is asked for", Given(asked))),

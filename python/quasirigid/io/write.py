@@ -99,10 +99,12 @@ def save_contact(
     """
     if as_boolean("pictures", pictures):
         need_matplotlib()
+    # Without its figures nothing says that files of these names are an earlier contact's.
     is_second = (Path(folder) / "contact.json").exists()
     files = write_files(folder, dict(_files(contact, inputs_record(inputs), unreached)))
-    for name in set(CONTACT_FILES) - {file.name for file in files} if is_second else ():
-        (Path(folder) / name).unlink(missing_ok=True)
+    if is_second:
+        for name in set(CONTACT_FILES) - {file.name for file in files}:
+            (Path(folder) / name).unlink(missing_ok=True)
     return files + save_pictures(contact, folder, bone=bone) if pictures else files
 
 

@@ -55,8 +55,7 @@ impl<'a> FacePairs<'a> {
     }
 
     fn hats(&self, index: usize) -> &Hats {
-        let new = || Box::new(Hats::new(self.surface, &self.faces[index], self.tolerance));
-        self.hats[index].get_or_init(new)
+        self.hats[index].get_or_init(|| Box::new(Hats::new(self.surface, &self.faces[index])))
     }
 
     /// Of two triangles, by their indices.
@@ -76,7 +75,8 @@ impl<'a> FacePairs<'a> {
         } else {
             self.rules.apart(outer.radius, distance)
         };
-        let found = hats.averages(outer, rule, distance + 2.0 * inner.radius + outer.radius);
+        let reach = distance + 2.0 * inner.radius + outer.radius;
+        let found = hats.averages(outer, rule, reach, self.tolerance);
         let found = found.map(|row| row.map(|average| outer.area * average));
         if is_swapped { transposed(&found) } else { found }
     }
@@ -93,8 +93,11 @@ impl<'a> FacePairs<'a> {
         for (k, &vertex) in first.vertices.iter().enumerate() {
             let Some(l) = second.vertices.iter().position(|&other| other == vertex) else { continue };
             let is_slender = self.is_slender[vertex as usize];
-            let on_first = hats[1].averages(first, self.rules.edge(k, is_slender), reach);
-            let on_second = transposed(&hats[0].averages(second, self.rules.edge(l, is_slender), reach));
+            let [on_first, on_second] =
+                [(hats[1], first, k), (hats[0], second, l)].map(|(hats, outer, corner)| {
+                    hats.averages(outer, self.rules.edge(corner, is_slender), reach, self.tolerance)
+                });
+            let on_second = transposed(&on_second);
             let flow = std::array::from_fn(|a| {
                 std::array::from_fn(|b| 2.0 * (first.area * on_first[a][b] + second.area * on_second[a][b]))
             });
@@ -133,22 +136,21 @@ struct Hats {
     vertices: [Vector3<f64>; 3],
     near: NearHats,
     loaded: LoadedFace,
-    tolerance: f64,
 }
 
 impl Hats {
-    fn new(surface: &Surface, face: &NodeFace, tolerance: f64) -> Self {
+    fn new(surface: &Surface, face: &NodeFace) -> Self {
         let share = |&v: &u32| 1.0 / surface.vertex_areas()[v as usize];
         let density = [face.vertices.iter().map(share).fold(0.0, f64::max); 3];
         let loaded = LoadedFace { frame: TriangleFrame::new(face.corners), density };
-        Self { vertices: face.corners, near: NearHats::new(&loaded.frame), loaded, tolerance }
+        Self { vertices: face.corners, near: NearHats::new(&loaded.frame), loaded }
     }
 
     /// Averages over `outer` (m) of its hats, the rows, times the potentials of these.
     ///
     /// * `reach`: no point of `outer` is farther (m) from this triangle
-    fn averages(&self, outer: &NodeFace, rule: &RuleLists, reach: f64) -> Products {
-        match self.loaded.error_beyond_closed_form(reach, self.tolerance) {
+    fn averages(&self, outer: &NodeFace, rule: &RuleLists, reach: f64, tolerance: f64) -> Products {
+        match self.loaded.error_beyond_closed_form(reach, tolerance) {
             None => pulp::Arch::new().dispatch(Averages { hats: self, outer, rule }),
             Some(allowed) => {
                 let mut sums = [[0.0; 3]; 3];
