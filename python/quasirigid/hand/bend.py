@@ -35,13 +35,24 @@ class Bend(NamedTuple):
 
     def turned(self, vectors: Floats, share: Floats) -> Floats:
         """Return vectors (..., 3) after shares (...) of the turn, blended as dual quaternions."""
-        half = 0.5 * self.angle
-        angle = 2.0 * np.arctan2(share * math.sin(half), 1.0 - share + share * math.cos(half))[..., None]
+        angle = self.angle_of(share)[..., None]
         along = (vectors @ self.axis)[..., None] * self.axis
         turned: Floats = (
             along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(self.axis, vectors)
         )
         return turned
+
+    def angle_of(self, share: Floats) -> Floats:
+        """Return the angles (...) (rad) of shares (...) of the turn, blended as dual quaternions."""
+        half = 0.5 * self.angle
+        angle: Floats = 2.0 * np.arctan2(share * math.sin(half), 1.0 - share + share * math.cos(half))
+        return angle
+
+    def share_of(self, angle: Floats) -> Floats:
+        """Return the shares (...) of the turn that angles (...) (rad) are."""
+        done, left = np.sin(0.5 * angle), np.sin(0.5 * (self.angle - angle))
+        share: Floats = done / (done + left)
+        return share
 
 
 def moved_by(parents: NDArray[np.int64]) -> NDArray[np.bool_]:

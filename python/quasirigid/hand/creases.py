@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._sides import sides_of
 from .bend import RIGHT_ANGLE, Bend, moved_by
 from .pose import bend_at_rest
-from .regions import digit_of_vertices
 from .rig.joints import DIGITS, JOINTS_OF
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from numpy.typing import NDArray
 
     from .._arrays import Floats
     from .hand import Hand
 
-_MOST_ROUNDS = 60
-_VAIN_ROUNDS = 10  # after which no more faces are won back
-_PATIENCE = 4  # rounds before one ring of faces more is smoothed
-_SPREAD = 0.01  # of the shares at the corners of a face, below which no bend turns it over
-_OTHERS = 0.1  # share of other joints from which skin is left to them
-_BORDER = 8  # rings of faces around those over which a joint's share changes
+_SLACK = 0.2  # of the growth that turns skin over: pivots are found anew after, and meshes are coarse
+_ACROSS = 4.0  # times as much growth may there be across a bend, where none turns skin over
+_OPPOSITE = np.arange(4) / 4.0  # places on the side opposite to a corner, from its first end on
+_SPREAD = 0.01  # of the angle (rad) in a face, below which no bend turns it over
+_SETTLED = 1e-5  # change of an angle (rad) that is none
+_TINY = np.finfo(np.float64).tiny
 
 
 def without_folds(hand: Hand, pivots: Floats, shares: Floats) -> Floats:
@@ -37,29 +32,16 @@ def without_folds(hand: Hand, pivots: Floats, shares: Floats) -> Floats:
 
     Skin at a distance y from the axis of a joint, on the side that it bends to, turns over where the angle
     grows by more than 1/y along the digit: where a rig's weights change too fast. There what moves with the
-    joint is smoothed along the skin, round by round as far as it takes; all other weights are the rig's.
+    joint grows as slowly as it must, as far before the rig's as behind it; all other weights are the rig's.
     """
-    shares, moved, on = shares.copy(), moved_by(hand.parents), digit_of_vertices(hand.regions)
+    shares, moved = shares.copy(), moved_by(hand.parents)
     turns = RIGHT_ANGLE - np.minimum(bend_at_rest(hand), 0.0)
-
-    def smooth(digits: Sequence[str], links: list[tuple[int, int]]) -> None:
-        joints, following = (list(column) for column in zip(*links, strict=True))
+    chains = [[hand.joint_names.index(name) for name in JOINTS_OF[digit][1:-1]] for digit in DIGITS]
+    for joints in ([chain[0] for chain in chains[1:]], *([joint] for chain in chains for joint in chain)):
         middle = joints[len(joints) // 2]
-        bend = Bend.of(hand, middle, pivots[middle], turns[middle])
-        # What bends with the next joint, and other digits, go with this one as they did.
-        kept = ((shares @ moved[following].T).max(axis=1) > _OTHERS) | ~np.isin(on, [*digits, "palm"])
+        slopes = _Slopes(hand, Bend.of(hand, middle, pivots[middle], turns[middle]))
         before = shares @ moved[joints].T
-        _set_totals(shares, moved[joints], joints, hand.parents, before, _smoothed(hand, before, bend, kept))
-
-    chains = {
-        digit: list(pairwise(hand.joint_names.index(name) for name in JOINTS_OF[digit][1:]))
-        for digit in DIGITS
-    }
-    for _ in range(2):
-        smooth(DIGITS[1:], [chains[digit][0] for digit in DIGITS[1:]])
-        for digit, chain in chains.items():
-            for link in chain:
-                smooth([digit], [link])
+        _set_totals(shares, moved[joints], joints, hand.parents, before, slopes.limited(before))
     return shares
 
 
@@ -92,79 +74,71 @@ def _over(new: Floats, old: Floats) -> Floats:
     return (np.where(old == 0.0, 0.0, new) / np.where(old == 0.0, 1.0, old))[:, None]
 
 
-def _smoothed(hand: Hand, shares: Floats, bend: Bend, kept: NDArray[np.bool_]) -> Floats:
-    """Return shares (n, k) of a bend, smoothed where faces turn over by their sums; those kept (n,) stay."""
-    faces, points = hand.surface.faces, hand.surface.vertices
-    first, second, third = (total := shares.sum(axis=1))[faces.T]
-    spread = np.maximum(np.maximum(first, second), third) - np.minimum(np.minimum(first, second), third)
-    hinge = faces[spread > _SPREAD]
-    if not _turns_over(bend, points[hinge], total[hinge]).any():
-        return shares
-    rows = np.zeros(len(shares), dtype=bool)
-    rows[hinge] = True
-    _grow(rows, faces, _BORDER)
-    part = _Part(faces[rows[faces].all(axis=1)])
-    corners, local = points[part.vertices][part.faces], shares[part.vertices]
-    over = np.zeros(len(corners), dtype=bool)
-    changed, fewest, since = np.arange(len(corners)), len(corners) + 1, 0
-    for round_ in range(_MOST_ROUNDS):
-        over[changed] = _turns_over(bend, corners[changed], local.sum(axis=1)[part.faces[changed]])
-        count = int(np.count_nonzero(over))
-        fewest, since = (count, 0) if count < fewest else (fewest, since + 1)
-        if count == 0 or since == _VAIN_ROUNDS:
-            break
-        rings = 1 + round_ // _PATIENCE
-        near = np.zeros(len(local), dtype=bool)
-        near[part.faces[over]] = True
-        _grow(near, part.faces, rings + 1)
-        near &= ~kept[part.vertices]
-        part.smooth(local, near, rings)
-        changed = np.flatnonzero(_touching(near, part.faces))
-    smoothed = shares.copy()
-    smoothed[part.vertices] = local
-    return smoothed
+class _Slopes:
+    """How fast the angle of a bend may grow along the skin of a hand.
 
+    A direction v along skin at an arm r from the axis a becomes v + (grad angle . v) a x r, turned. The skin
+    turns over where the angle grows along t, the part of r x a in the skin, by more than 1 / |t|.
+    """
 
-def _turns_over(bend: Bend, corners: Floats, share: Floats) -> NDArray[np.bool_]:
-    """Return which faces (k, 3, 3) look the other way after shares (k, 3) of the turn."""
-    at_rest = bend.turned(_normals(corners), share.mean(axis=1))
-    over: NDArray[np.bool_] = (at_rest * _normals(bend.moved(corners, share))).sum(axis=1) < 0.0
-    return over
+    def __init__(self, hand: Hand, bend: Bend) -> None:
+        self._bend, self._points, self._faces = bend, hand.surface.vertices, hand.surface.faces
+        self._corners = np.ascontiguousarray(self._faces.T)
+        self._most = np.empty((len(self._faces), 3, len(_OPPOSITE)))
+        self._known = np.zeros(len(self._faces), dtype=bool)
 
+    def limited(self, shares: Floats) -> Floats:
+        """Return shares (n, k) of the bend whose angles, and that of their sum, grow slowly enough."""
+        limited = np.stack([self._limited(share) for share in shares.T], axis=1)
+        if shares.shape[1] > 1:
+            total = limited.sum(axis=1)
+            limited *= _over(self._limited(np.minimum(total, 1.0)), total)
+        return limited
 
-class _Part:
-    """Some faces of a skin, and which of its vertices are neighbours there."""
+    def _limited(self, share: Floats) -> Floats:
+        """Return the mean of the least share (n,) above and the greatest below that grow slowly enough.
 
-    def __init__(self, faces: NDArray[np.int64]) -> None:
-        self.vertices, local = np.unique(faces, return_inverse=True)
-        self.faces = local.reshape(-1, 3)
-        sides = sides_of(self.faces)
-        sides = np.concatenate([sides, sides[:, ::-1]]) @ [len(self.vertices), 1]
-        self._of, self._neighbours = np.divmod(np.unique(sides), len(self.vertices))
-        self._counts = np.bincount(self._of)
+        The bound is convex: a mean keeps it too. Where the share itself does, all of them are the same.
+        """
+        angle = self._bend.angle_of(share)
+        mean = 0.5 * (self._above(angle, 1.0) - self._above(-angle, -1.0))
+        return np.where(mean == angle, share, self._bend.share_of(mean))
 
-    def smooth(self, values: Floats, chosen: NDArray[np.bool_], times: int) -> None:
-        """Move values (n, k) of some vertices half of the way to the means of their neighbours'."""
-        neighbours = self._neighbours[chosen[self._of]]
-        counts = self._counts[chosen]
-        firsts = np.cumsum(counts) - counts
-        for _ in range(times):
-            means = np.add.reduceat(values[neighbours], firsts) / counts[:, None]
-            values[chosen] = 0.5 * (values[chosen] + means)
+    def _above(self, angle: Floats, way: float) -> Floats:
+        """Return the least angle (n,) (rad) above that grows slowly enough along the bend (1) or back (-1).
 
+        From a large one it falls as distances grow along the skin: an eikonal equation, solved by rounds.
+        """
+        angle = angle.copy()
+        faces = np.flatnonzero(np.ptp(angle[self._corners], axis=0) > _SPREAD)
+        while len(faces) > 0:
+            values = angle[self._faces[faces]]
+            first, second = (np.roll(values, -step, axis=1)[..., None] for step in (1, 2))
+            most = way * self._most_of(faces)
+            least = np.where(most > 0.0, first + _OPPOSITE * (second - first) - most, -np.inf).max(axis=2)
+            before = angle.copy()
+            np.maximum.at(angle, self._faces[faces], least)
+            moved = (angle > before + _SETTLED)[self._corners]
+            faces = np.flatnonzero(moved[0] | moved[1] | moved[2])
+        return angle
 
-def _grow(chosen: NDArray[np.bool_], faces: NDArray[np.int64], rings: int) -> None:
-    """Choose as well the vertices of so many rings of faces around those chosen."""
-    for _ in range(rings):
-        chosen[faces[_touching(chosen, faces)]] = True
+    def _most_of(self, faces: NDArray[np.int64]) -> Floats:
+        """Return by how much (k, 3, 4) (rad) the angle may grow from corners of faces to places opposite.
 
-
-def _touching(chosen: NDArray[np.bool_], faces: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which faces (m, 3) have some corner among those chosen (n,)."""
-    first, second, third = faces.T
-    touching: NDArray[np.bool_] = chosen[first] | chosen[second] | chosen[third]
-    return touching
-
-
-def _normals(corners: Floats) -> Floats:
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        Negative where the place lies behind the corner: by so much from there to the corner.
+        """
+        new = faces[~self._known[faces]]
+        corner = self._points[self._faces[new]]
+        first, second = (np.roll(corner, -step, axis=1) for step in (1, 2))
+        span = (first - corner)[:, :, None] + _OPPOSITE[:, None] * (second - first)[:, :, None]
+        normal = np.cross(span[:, 0, 0], second[:, 0] - corner[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1), _TINY)[:, None]
+        arm = np.cross(corner.mean(axis=1) - self._bend.pivot, self._bend.axis)
+        arm -= (arm * normal).sum(axis=1)[:, None] * normal
+        length = np.maximum(np.linalg.norm(arm, axis=1), _TINY)[:, None, None]
+        along = np.einsum("fcpx,fx->fcp", span, arm) / length
+        across = np.maximum((span * span).sum(axis=-1) - along * along, 0.0)
+        size = np.sqrt(along * along + _ACROSS * _ACROSS * across)
+        self._most[new], self._known[new] = np.copysign((1.0 - _SLACK) * size / length, along), True
+        most: Floats = self._most[faces]
+        return most

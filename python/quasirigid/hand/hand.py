@@ -333,7 +333,7 @@ class Hand(Frozen):
         contact : Contact, optional
             One of this hand's skin, posed or not: the mesh that was solved, with pressure as color and as
             the attribute ``_PRESSURE`` (Pa), and the deformed skin as a morph target. Posed again, that finer
-            mesh comes to lie some mm elsewhere at bent joints.
+            mesh comes to lie some tenths of a mm elsewhere.
         """
         from .files.save import save_glb
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from hands import INDEX
-from quasirigid import _core
 from quasirigid.hand import kept
-from shared_meshes import hand_file
+from quasirigid.hand.bones import Bone, fitted
+from shapes import ball, grid, slab
 
 MATERIAL = {"shear_modulus": 60e3, "poisson_ratio": 0.495}
 
@@ -138,17 +138,19 @@ def test_a_hand_without_room_for_a_bone_is_refused_with_its_length(hand: qr.Hand
         _ = posed.bones
 
 
-def test_bones_keep_clear_of_a_fold_that_reaches_in_between_their_vertices() -> None:
-    posed = qr.read_hand(hand_file("libhand_right_13k")).posed("relaxed")
-    assert posed.crossings == ()
-    skin, bones = posed.surface, posed.bones
-    pairs = _core.find_crossings(
-        np.concatenate([skin.vertices, bones.vertices]),
-        np.concatenate([skin.faces, bones.faces + len(skin.vertices)]),
-    )
-    assert len(pairs) == 0
-    assert {name for name, share in posed.bone_shares.items() if share < 1.0} == {"middle-proximal"}
-    assert words_of(posed)
+def test_a_bone_keeps_clear_of_a_fold_that_reaches_in_between_its_vertices() -> None:
+    points, faces = ball(20e-3, subdivisions=3)
+    points -= points.mean(axis=0)
+    fold = np.argmax(points[:, 0])
+    points[fold] = [5e-3, 0.0, 0.0]
+    rod, rod_faces = slab(grid(1, 16e-3), 20e-3)
+    rod += [0.0, 0.0, 10e-3]
+    ends = np.array([[0.0, 0.0, -10e-3], [0.0, 0.0, 10e-3]])
+    bone = Bone(name="rod", joint=0, vertices=rod, faces=rod_faces, ends=ends, share=1.0)
+    (slim,) = fitted([bone], qr.Surface(points, faces))
+    # Steps of 0.85 from 8 mm to the first below the 5 mm where the fold ends.
+    assert slim.share == pytest.approx(0.85**3)
+    assert np.linalg.norm(slim.vertices - points[fold], axis=1).min() > 5e-3
 
 
 class Stop(Exception):
@@ -169,7 +171,7 @@ def words_of(posed: qr.PosedHand) -> list[str]:
 
 def test_a_whole_hand_is_solved_on_a_bounded_number_of_vertices(hand: qr.Hand) -> None:
     words = words_of(hand.posed({}))
-    assert int(words[2]) < 1700
+    assert int(words[2]) < 1800
     assert float(words[words.index("GB,") - 1]) < 1.0
 
 
@@ -182,7 +184,7 @@ def test_fingers_that_all_but_touch_are_a_body_too(hand: qr.Hand) -> None:
     index, middle = (posed.surface.vertices[digit == name] for name in ("index", "middle"))
     apart = np.linalg.norm(index[:, None] - middle, axis=2).min()
     assert apart < 0.5 * hand.surface.mean_edge_length
-    assert int(words_of(posed)[2]) < 1700
+    assert int(words_of(posed)[2]) < 1800
 
 
 def test_a_round_wrist_is_no_cut_and_the_bones_hold_the_hand(

@@ -13,6 +13,7 @@ import quasirigid as qr
 from hands import GLB, INDEX, RIGS
 from quasirigid._sides import sides_of
 from quasirigid.hand import DIGITS, JOINTS_21
+from quasirigid.hand.bend import shares_of
 from quasirigid.hand.pose import bend_at_rest
 from shared_meshes import hand_file
 
@@ -109,6 +110,28 @@ def test_next_to_no_skin_turns_over_where_knuckles_bend_and_fists_close(bendable
         assert turned_over(right_angles(bendable, digit, ["proximal"])) < 3e-3
     # Up to 2e-2 by the weights of the files.
     assert turned_over("fist") < 4e-3
+
+
+def test_a_pose_hangs_little_on_how_fine_the_mesh_is(bendable: qr.Hand) -> None:
+    points, faces, count = bendable.surface.vertices, bendable.surface.faces, len(bendable.labels)
+    ends, middles = np.unique(np.sort(sides_of(faces), axis=1), axis=0, return_inverse=True)
+    a, b, c = faces.T
+    ab, bc, ca = count + middles.reshape(3, -1)
+    quarters = np.concatenate([(a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca)], axis=1).T
+    shares = shares_of(bendable)
+    shares = np.concatenate([shares, shares[ends].mean(axis=1)])
+    finer = qr.Hand(
+        np.concatenate([points, points[ends].mean(axis=1)]),
+        quarters,
+        joint_names=bendable.joint_names,
+        parents=bendable.parents,
+        rest=bendable.rest,
+        joints=np.tile(np.arange(shares.shape[1]), (len(shares), 1)),
+        weights=shares,
+    )
+    off = finer.posed("relaxed").surface.vertices[:count] - bendable.posed("relaxed").surface.vertices
+    # Rounds of smoothing by neighbours moved it by up to 2.2 of them.
+    assert np.linalg.norm(off, axis=1).max() < 0.5 * bendable.surface.mean_edge_length
 
 
 def test_flexion_leads_towards_the_palm_and_abduction_away_from_the_middle_finger(rigged: qr.Hand) -> None:
