@@ -8,7 +8,8 @@ use crate::linalg::definiteness::Definiteness;
 /// `delta = max(-q)` is the length they are divided by; where it is zero, z = 0 is exact and they are zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Certificate {
-    /// `max |min(M_ii z_i, w_i)| / delta`; a row whose diagonal is not positive is scaled by its largest entry.
+    /// `max |min(M_ii z_i, w_i)| / delta`; where `M_ii z_i` is the smaller, `max |M_ji| z_i` over j stands for it, and
+    /// the largest entry of a row for a diagonal that is not positive.
     pub natural_residual: f64,
     /// `Σ |z_i w_i| / (delta max(delta / mean diagonal, Σ z))`.
     pub complementarity: f64,
@@ -36,8 +37,7 @@ impl Certificate {
         }
         let (mut natural, mut products, mut infeasibility, mut total) = (0.0, 0.0, 0.0, 0.0);
         for (i, (&z, &w)) in z.iter().zip(w).enumerate() {
-            let force = if z == 0.0 { 0.0 } else { problem.diagonal_scale(i) * z };
-            natural = nan_max(natural, force.min(w).abs() / delta);
+            natural = nan_max(natural, problem.force_beside(i, z, w).min(w).abs() / delta);
             infeasibility = nan_max(infeasibility, (-w).max(0.0) / delta);
             if z < 0.0 || !w.is_finite() {
                 natural = nan_max(natural, f64::INFINITY);

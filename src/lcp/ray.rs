@@ -58,7 +58,7 @@ impl LcpRay {
         let mut residual = 0.0_f64;
         let (mut curvature, mut weight) = (0.0, 0.0);
         for i in 0..n {
-            let force = if z[i] > 0.0 { problem.diagonal_scale(i) * z[i] } else { 0.0 };
+            let force = problem.force_beside(i, z[i], w[i]);
             residual = nan_max(nan_max(residual, force.min(w[i]).abs()), -w[i]);
             curvature += z[i] * product[i];
             weight += z[i].abs() * magnitudes[i];

@@ -76,6 +76,31 @@ fn a_huge_solution_is_not_called_impossible() {
 }
 
 #[test]
+fn a_tiny_diagonal_hides_no_unknown_that_carries_other_rows() {
+    let (pair, turned) = (mat![[1e-12, -1.0], [1.0, 1e-15]], mat![[1e-15, 1.0], [-1.0, 1.0]]);
+    let three = mat![[0.0, 0.0, 2.0], [2.0, 1.03e-11, -2.0], [1.0, 1.0, 1.3e-14]];
+    for method in [LcpMethodName::BlockPivoting, LcpMethodName::Lemke, LcpMethodName::Auto] {
+        for (m, q, z) in [
+            (&pair, &[1.0, -3.0][..], &[3.0, 1.0][..]),
+            (&turned, &[-1.0, 1e-3], &[1.001, 1.0]),
+            (&three, &[3.0, 1.0, -3.0], &[0.0, 3.0, 0.5]),
+        ] {
+            let solution = run_with(m, q, method, &LcpOptions::default());
+            assert_eq!(solution.status, LcpStatus::Solved, "{method} {m:?}: {}", solution.advice());
+            for (found, z) in solution.z.iter().zip(z) {
+                assert!((found - z).abs() < 1e-10, "{method} {m:?}: {:?}", solution.z);
+            }
+        }
+    }
+    // Both rows hold at (2, -1); without what is below zero w is (1, 1).
+    let pair = mat![[1e-12, 1.0], [1.0, 1.0]];
+    let options =
+        LcpOptions { initial_active: Some(vec![0, 1]), max_pivots: Some(0), ..LcpOptions::default() };
+    let solution = run_with(&pair, &[1.0, -1.0], LcpMethodName::BlockPivoting, &options);
+    assert_ne!(solution.status, LcpStatus::Solved, "{:?}", solution.z);
+}
+
+#[test]
 fn the_unit_of_m_changes_no_ending_where_a_diagonal_is_zero() {
     let m = mat![[2.0, 1.0, 2.0], [1.0, 2.0, -3.0], [-2.0, 3.0, 0.0]];
     let q = [-3.0, -4.0, -3.0];

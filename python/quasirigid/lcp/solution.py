@@ -54,7 +54,8 @@ class Certificate:
     Attributes
     ----------
     natural_residual : float
-        ``max |min(M_ii z_i, w_i)| / max(-q)``.
+        ``max |min(M_ii z_i, w_i)| / max(-q)``; where ``M_ii z_i`` is the smaller, ``max |M_ji| z_i`` over j
+        stands for it.
     complementarity : float
         ``sum |z_i w_i|`` over ``delta max(delta / mean diagonal, sum z)`` with ``delta = max(-q)``.
     infeasibility : float
