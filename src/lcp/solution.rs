@@ -183,7 +183,7 @@ impl LcpSolution {
                 let what = match self.method {
                     LcpMethodName::ProjectedCg => {
                         "conjugate gradients stalled or met a direction without curvature; usually M is not positive \
-                         definite"
+                         definite, or so unlike a contact's that unknowns are let in and cut off in turns"
                     }
                     LcpMethodName::BlockPivoting => {
                         "an active block had no usable factor; usually M is singular or no P-matrix"

@@ -62,7 +62,7 @@ def solve_lcp(
     method : {"lemke", "block_pivoting", "projected_cg", "auto"}
         "lemke" takes any M, and begins from a crash basis (Dirkse, Ferris) where
         `LcpOptions.crash` allows; "block_pivoting" is fast for P-matrices; "projected_cg" needs a symmetric M
-        and is for large problems; "auto" chooses and says in `LcpSolution.attempts` what it did.
+        and is for large contacts; "auto" chooses and says in `LcpSolution.attempts` what it did.
     options : LcpOptions, optional
         How it is solved.
     throw : bool
