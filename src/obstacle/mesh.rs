@@ -139,6 +139,12 @@ impl MeshShape {
 
     /// Signed distance and normal from the closest point on `face`.
     fn signed(&self, p: &Vector3<f64>, face: usize, closest: &Closest) -> Nearest {
+        let offset = p - closest.point;
+        let length = offset.norm();
+        if length > self.size {
+            // Nothing inside is so far from the surface; from farther away rounding would choose the face and the side.
+            return Nearest { distance: length, closest: closest.point, normal: offset / length };
+        }
         let pseudo_normals = self.tree.pseudo_normals_if_oriented().expect("the tree is built oriented");
         let pseudo_normal = match closest.feature {
             Feature::Face => {
@@ -155,8 +161,6 @@ impl MeshShape {
         // A knife edge folded flat has none; its face's normal is as good as any.
         let pseudo_normal = pseudo_normal.try_normalize(0.0).unwrap_or(self.normals[face]);
 
-        let offset = p - closest.point;
-        let length = offset.norm();
         let height = offset.dot(&pseudo_normal);
         if length <= SURFACE_TOLERANCE * self.size {
             return Nearest {

@@ -123,6 +123,22 @@ fn scanned_and_drawn_meshes_answer_as_all_their_triangles_do() {
 }
 
 #[test]
+fn points_at_any_distance_outside_are_outside() {
+    let (vertices, faces) = icosphere(0.05, 2);
+    let mesh = mesh_obstacle((vertices, faces));
+    let mut random = Random(8);
+    for exponent in -1..40 {
+        let points: Vec<_> =
+            (0..100).map(|_| random_direction(&mut random) * 10.0_f64.powi(exponent)).collect();
+        let found = mesh.signed_distance(&points, None).unwrap();
+        for (point, (distance, normal)) in points.iter().zip(found.distance.iter().zip(&found.normal)) {
+            assert!((distance - point.norm()).abs() <= 0.05 + 4.0 * f64::EPSILON * point.norm(), "{point:?}");
+            assert!(normal.dot(&point.normalize()) > 0.9, "{point:?}");
+        }
+    }
+}
+
+#[test]
 fn a_knife_edge_has_the_right_sign_on_both_sides() {
     // Two faces that meet at 2e-7 rad: near the plane of the blade the pseudo-normal sees points edge on.
     let thin = 1e-7;
