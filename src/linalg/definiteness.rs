@@ -1,17 +1,19 @@
 //! Whether the symmetric part of a matrix is positive definite, and how well it is conditioned.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::{Accum, Mat, MatRef, Par};
 
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::dense::Dense;
 use crate::linalg::factor::{Interrupt, NoFactor};
-use crate::linalg::lanczos::ritz_values;
+use crate::linalg::lanczos::{extremes, krylov_space, ritz_values};
 
 /// Up to this order all eigenvalues are computed; beyond it the extreme ones are estimated.
 const EXACT_ORDER: usize = 192;
 /// Lanczos steps beyond that.
 const LANCZOS_STEPS: usize = 80;
+/// Of these so many are multiplied by the matrix between two asks of the interrupt.
+const STRIP_STEPS: usize = 8;
 
 /// What is known of the symmetric part `(A + A')/2` of a square matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -64,7 +66,8 @@ impl Spectrum {
 ///
 /// Definite is what a Cholesky factor proves (n³/3 operations): of the matrix with its diagonal lowered by the share
 /// `n (n + 8) ε`, more than rounding in the factor amounts to. Eigenvalues are exact up to order 192 and beyond it
-/// estimated by 80 Lanczos steps with the matrix and with the inverse of that factor (to some 1e-3 or better).
+/// estimated from 80 Lanczos steps with the matrix, the smallest from the matrix on as many with the inverse of that
+/// factor (to some 1e-3 or better).
 ///
 /// * `matrix`: (k × k), finite
 ///
@@ -86,17 +89,11 @@ pub(crate) fn spectrum_until(matrix: MatRef<f64>, interrupted: Interrupt) -> Spe
     let (smallest, largest) = if n == 0 || interrupted() {
         (f64::NAN, f64::NAN)
     } else if n <= EXACT_ORDER {
-        let values = symmetric.as_ref().self_adjoint_eigenvalues(Side::Lower);
-        values.map_or((f64::NAN, f64::NAN), |values| (values[0], values[n - 1]))
+        extremes(symmetric.as_ref())
     } else {
-        let (low, high) = ritz_values(n, LANCZOS_STEPS, interrupted, |v| times(symmetric.as_ref(), v));
-        let inverse = |factor: &Cholesky, v: &Mat<f64>| {
-            let x = factor.solve(v.col_as_slice(0));
-            Mat::from_fn(n, 1, |i, _| x[i])
-        };
-        let smallest = factor
-            .as_ref()
-            .map(|factor| 1.0 / ritz_values(n, LANCZOS_STEPS, interrupted, |v| inverse(factor, v)).1);
+        let times_matrix = |v: &Mat<f64>| times(symmetric.as_ref(), v.as_ref());
+        let (low, high) = ritz_values(n, LANCZOS_STEPS, interrupted, times_matrix);
+        let smallest = factor.map(|factor| smallest_eigenvalue(symmetric.as_ref(), &factor, interrupted));
         (smallest.unwrap_or(low.min(0.0)), high)
     };
     let condition = match definiteness {
@@ -107,10 +104,34 @@ pub(crate) fn spectrum_until(matrix: MatRef<f64>, interrupted: Interrupt) -> Spe
     Spectrum { definiteness, smallest, largest, condition, estimated: n > EXACT_ORDER }
 }
 
+/// Smallest eigenvalue of a positive definite matrix, a little too large; NaN once it is interrupted.
+///
+/// Rayleigh and Ritz: the least of the matrix itself on the directions that the inverse of its factor stretches most. The
+/// factor's own eigenvalues are lower by as much as its diagonal, which may be more than the smallest is.
+fn smallest_eigenvalue(matrix: MatRef<f64>, factor: &Cholesky, interrupted: Interrupt) -> f64 {
+    let n = matrix.nrows();
+    let inverse = |v: &Mat<f64>| {
+        let x = factor.solve(v.col_as_slice(0));
+        Mat::from_fn(n, 1, |i, _| x[i])
+    };
+    let Some((basis, _)) = krylov_space(n, LANCZOS_STEPS, interrupted, inverse) else { return f64::NAN };
+    let steps = basis.ncols();
+    let mut projected = Mat::zeros(steps, steps);
+    for first in (0..steps).step_by(STRIP_STEPS) {
+        if interrupted() {
+            return f64::NAN;
+        }
+        let width = STRIP_STEPS.min(steps - first);
+        let strip = times(matrix, basis.subcols(first, width));
+        projected.subcols_mut(first, width).copy_from(times(basis.transpose(), strip.as_ref()));
+    }
+    extremes(projected.as_ref()).0
+}
+
 /// A product whose sums hang on no number of threads.
-fn times(matrix: MatRef<f64>, v: &Mat<f64>) -> Mat<f64> {
+fn times(matrix: MatRef<f64>, v: MatRef<f64>) -> Mat<f64> {
     let mut product = Mat::zeros(matrix.nrows(), v.ncols());
-    matmul(product.as_mut(), Accum::Replace, matrix, v.as_ref(), 1.0, Par::Seq);
+    matmul(product.as_mut(), Accum::Replace, matrix, v, 1.0, Par::Seq);
     product
 }
 

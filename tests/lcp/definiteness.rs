@@ -85,6 +85,28 @@ fn estimates_of_large_matrices_match_their_known_spectrum() {
 }
 
 #[test]
+fn estimates_near_what_rounding_hides_are_those_of_the_matrix_as_given() {
+    // Reflections turn a diagonal with known entries; their rounding is 1e-5 of the smallest.
+    let n = 400;
+    let lowest = |i: usize| 10f64.powf(-10.3 + 2.0 * i as f64).min(1.0);
+    for decay in [0.0, 0.02] {
+        let mut noise = Noise(3);
+        let mut m = Mat::from_fn(n, n, |i, j| if i == j { lowest(i) } else { 0.0 });
+        for _ in 0..2 {
+            // A direction over all coordinates, or over some tens of them.
+            let u = Mat::from_fn(n, 1, |i, _| (noise.integer(9) + 0.5) * (-decay * i as f64).exp());
+            let u = &u / faer::Scale(u.norm_l2());
+            let reflection = Mat::<f64>::identity(n, n) - &u * u.transpose() * faer::Scale(2.0);
+            m = &reflection * m * &reflection;
+        }
+        let d = spectrum(m.as_ref());
+        assert!(d.estimated && d.is_positive_definite());
+        assert!((d.smallest / lowest(0) - 1.0).abs() < 1e-3, "{:e}", d.smallest);
+        assert!((d.condition * lowest(0) - 1.0).abs() < 1e-3, "{:e}", d.condition);
+    }
+}
+
+#[test]
 fn a_singular_matrix_has_no_finite_condition() {
     // B B' of integers with determinant 0, whose last pivot is rounding above zero.
     let three = mat![[106.0, 90.0, -76.0], [90.0, 106.0, -92.0], [-76.0, -92.0, 80.0]];
