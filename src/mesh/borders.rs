@@ -10,6 +10,9 @@ use crate::mesh::topology::are_joined;
 
 /// Border vertices closer than this part of the mean edge length are one vertex left unwelded (dimensionless).
 const UNWELDED_DISTANCE: f64 = 1e-3;
+/// Two border vertices farther apart than this part of the edges at one of them are no twins, however fine the mesh is
+/// there: neighbours of one vertex are that close only where the border turns back at less than 15° (dimensionless).
+const LOCAL_DISTANCE: f64 = 0.25;
 /// How far to look for the twins of border vertices once some are known to be unwelded, in mean edge lengths.
 const TWIN_DISTANCE: f64 = 0.05;
 
@@ -34,7 +37,14 @@ pub(super) fn check_borders(
     ids.sort_unstable();
     ids.dedup();
     let points: Vec<Vector3<f64>> = ids.iter().map(|id| vertices[*id as usize]).collect();
-    let border = Border { ids, points, faces, incident };
+    let shortest_edge = |id: &u32| {
+        let corners = incident.row(*id as usize).iter().flat_map(|face| faces[*face as usize]);
+        let others = corners.filter(|corner| corner != id);
+        let lengths = others.map(|other| (vertices[other as usize] - vertices[*id as usize]).norm());
+        lengths.fold(f64::INFINITY, f64::min)
+    };
+    let reaches = ids.iter().map(|id| LOCAL_DISTANCE * shortest_edge(id)).collect();
+    let border = Border { ids, points, reaches, faces, incident };
     border.check_twins(mean_edge_length)?;
     border.check_edges(vertices, &edges, mean_edge_length)
 }
@@ -48,6 +58,8 @@ struct BorderEdge {
 struct Border<'a> {
     ids: Vec<u32>,
     points: Vec<Vector3<f64>>,
+    /// Farthest that a twin of each may be (m).
+    reaches: Vec<f64>,
     faces: &'a [[u32; 3]],
     incident: &'a Csr,
 }
@@ -60,11 +72,12 @@ impl Border<'_> {
     /// For every border vertex the nearest one within `radius` that no edge joins to it.
     fn twins(&self, radius: f64) -> Vec<Option<(u32, f64)>> {
         let grid = PointGrid::new(&self.points, radius);
-        let nearest = |(i, point)| {
+        let nearest = |(i, point): (usize, &Vector3<f64>)| {
             let mut best: Option<(u32, f64)> = None;
             grid.for_each_near(point, |j, distance| {
                 let nearer = best.is_none_or(|(other, least)| (distance, self.ids[j]) < (least, other));
-                if nearer && !self.are_joined(self.ids[i], self.ids[j]) {
+                let is_twin = distance <= self.reaches[i].min(self.reaches[j]);
+                if nearer && is_twin && !self.are_joined(self.ids[i], self.ids[j]) {
                     best = Some((self.ids[j], distance));
                 }
             });
@@ -115,7 +128,7 @@ impl Border<'_> {
                     let id = self.ids[j];
                     let s = (self.points[j] - a).dot(&way) / way.norm_squared();
                     let distance = (self.points[j] - (a + way * s)).norm();
-                    let is_on = s > 0.0 && s < 1.0 && distance <= tolerance;
+                    let is_on = s > 0.0 && s < 1.0 && distance <= tolerance.min(self.reaches[j]);
                     // The tip of a thin face on the border may come this close to its own border edge.
                     if is_on && !edge.ends.contains(&id) && id != edge.opposite {
                         found.push((id, edge.ends, distance));

@@ -169,6 +169,31 @@ fn borders_closer_than_1e_3_of_an_edge_are_unwelded_and_wider_ones_are_not() {
 }
 
 #[test]
+fn a_border_that_is_graded_to_fine_edges_is_welded_and_a_gap_in_it_is_found() {
+    // 22 columns of cells at x = 0, 1e-6, 3e-6, 7e-6 ..., with 12 rows of 0.5; straight and with corners of 45°.
+    let graded = |slope: f64| {
+        let (mut vertices, faces) = grid(22, 12, 1.0);
+        for vertex in &mut vertices {
+            let y = 0.5 * vertex.y;
+            *vertex = Vector3::new(1e-6 * (2f64.powf(vertex.x) - 1.0) + slope * y, y, 0.0);
+        }
+        (vertices, faces)
+    };
+    for slope in [0.0, 1.0] {
+        let mesh = graded(slope);
+        assert_eq!(check(&mesh.0, &mesh.1).unwrap().boundary_loops().len(), 1);
+        let across = |p: &Vector3<f64>| Vector3::new(2.0 * slope * p.y - p.x - 1e-9, p.y, 0.0);
+        let gap = joined(&mesh, &(mesh.0.iter().map(across).collect(), flipped(&mesh.1)));
+        let MeshError::Unwelded { count, weld_tolerance, .. } = error_of(&gap) else {
+            panic!("another error");
+        };
+        assert_eq!(count, 2 * 13);
+        let mended = welded(&gap, weld_tolerance).unwrap();
+        assert_eq!((mended.vertices.len(), mended.faces.len()), ((23 + 22) * 13, 2 * 2 * 22 * 12));
+    }
+}
+
+#[test]
 fn a_slit_that_runs_along_a_single_loop_is_unwelded() {
     let (mut vertices, mut faces) = grid(4, 4, 1.0);
     // vertex 12 in the middle gets a twin for the faces below it
