@@ -79,6 +79,12 @@ pub enum CutOutError {
     /// A cap folds however many faces at its rim are left out.
     #[error("the cap over the border folds: cut along a smoother border, or by a plane")]
     Folds,
+    /// The same where a plane cuts.
+    #[error(
+        "the cap over the plane's cut folds: the plane has no end and may run through several fingers; move or tilt it, \
+         or give `keep`"
+    )]
+    PlaneFolds,
     /// The closed part is no sound surface.
     #[error(transparent)]
     Surface(#[from] SurfaceError),
@@ -97,7 +103,7 @@ pub enum CutOutError {
 /// * `normal`: the plane's normal, towards the part to keep; of any length
 ///
 /// # Errors
-/// [`CutOutError`] by variant; [`CutOutError::Folds`] if the border is so crooked that its cap folds.
+/// [`CutOutError`] by variant; [`CutOutError::PlaneFolds`] if the border is so crooked that its cap folds.
 pub fn cut_out(
     skin: &Surface,
     tip: usize,
@@ -121,7 +127,10 @@ pub fn cut_out(
     };
     let tip_cut_off =
         || CutOutError::TipCutOff { tip, distance: (skin.vertices()[tip] - point).dot(&normal) };
-    closed_without_folds(skin, allowed, around_tip, tip_cut_off)?.ok_or(CutOutError::NothingCut { tip })
+    match closed_without_folds(skin, allowed, around_tip, tip_cut_off) {
+        Err(CutOutError::Folds) => Err(CutOutError::PlaneFolds),
+        cut => cut?.ok_or(CutOutError::NothingCut { tip }),
+    }
 }
 
 /// The part of a skin that a mask marks, as a closed surface: [`cut_out`] with the faces whose corners are all marked.

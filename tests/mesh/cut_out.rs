@@ -128,6 +128,19 @@ fn a_cut_that_leaves_nothing_or_everything_is_named() {
 }
 
 #[test]
+fn a_cut_whose_cap_folds_is_named_with_what_a_plane_or_a_mask_can_do() {
+    // A ball bent to a crescent, whose middle lies outside of it.
+    let (vertices, faces) = icosphere(1.0, 4);
+    let bent = |p: &Vector3<f64>| 8e-3 * Vector3::new(p.x, 0.15 * p.y + 2.0 * p.x * p.x, p.z);
+    let skin = surface((vertices.iter().map(bent).collect(), faces));
+    let tip = lowest(&skin);
+    let by_plane = cut_out(&skin, tip, &Vector3::zeros(), &-Vector3::z()).unwrap_err();
+    assert_eq!(by_plane, CutOutError::PlaneFolds);
+    let keep: Vec<bool> = skin.vertices().iter().map(|vertex| vertex.z < 0.0).collect();
+    assert_eq!(cut_out_marked(&skin, &keep).unwrap_err(), CutOutError::Folds);
+}
+
+#[test]
 fn a_mask_cuts_what_the_plane_between_its_vertices_cuts() {
     let skin = sphere(3);
     let normal = Vector3::new(0.0, 0.0, -1.0);
