@@ -15,6 +15,9 @@ use crate::mesh::topology::Topology;
 const SAMPLE_POINTS: usize = 64;
 /// Points closer to a component than this part of the mean edge length lie on it (dimensionless).
 const COINCIDENT_DISTANCE: f64 = 1e-3;
+/// The same of components turned opposite ways, between which there is a wall, however thin: no more than rounding of the
+/// coordinates (dimensionless).
+const COINCIDENT_OPPOSITE_DISTANCE: f64 = 1e-9;
 
 /// Volume of every component by the divergence theorem (m³); nan where a component is open.
 ///
@@ -45,8 +48,7 @@ pub fn check_nesting(
     let components = closed_components(vertices, faces, topology);
     let closed: Vec<&ClosedComponent> = components.iter().flatten().collect();
     let mean_edge = mean_edge_length(vertices, faces, &topology.across, topology.edge_count);
-    let tolerance = COINCIDENT_DISTANCE * mean_edge;
-    let surroundings = find_surroundings(vertices, &closed, tolerance);
+    let surroundings = find_surroundings(vertices, &closed, mean_edge);
 
     let first_where = |is_fault: &dyn Fn(&Surroundings, &ClosedComponent) -> bool| {
         let faults = surroundings.iter().filter(|found| is_fault(found, closed[found.component]));
@@ -89,7 +91,7 @@ pub(super) fn components_to_turn(
     mean_edge_length: f64,
 ) -> Vec<usize> {
     let closed: Vec<&ClosedComponent> = components.iter().flatten().collect();
-    find_surroundings(vertices, &closed, COINCIDENT_DISTANCE * mean_edge_length)
+    find_surroundings(vertices, &closed, mean_edge_length)
         .iter()
         .filter(|found| (closed[found.component].volume < 0.0) != found.is_cavity())
         .map(|found| closed[found.component].label)
@@ -114,10 +116,14 @@ impl Surroundings {
 fn find_surroundings(
     vertices: &[Vector3<f64>],
     closed: &[&ClosedComponent],
-    tolerance: f64,
+    mean_edge_length: f64,
 ) -> Vec<Surroundings> {
+    let tolerance = |outer: usize, inner: usize| {
+        let is_wall = (closed[outer].volume < 0.0) != (closed[inner].volume < 0.0);
+        mean_edge_length * if is_wall { COINCIDENT_OPPOSITE_DISTANCE } else { COINCIDENT_DISTANCE }
+    };
     let may_hold = |outer: usize, inner: usize| {
-        let (bounds, around) = (closed[inner].bounds, closed[outer].bounds.grown(tolerance));
+        let (bounds, around) = (closed[inner].bounds, closed[outer].bounds.grown(tolerance(outer, inner)));
         inner != outer && around.contains(&bounds.low) && around.contains(&bounds.high)
     };
     let relations_to = |outer: usize| -> Vec<(usize, Relation)> {
@@ -126,8 +132,7 @@ fn find_surroundings(
             return Vec::new();
         }
         let shell = Shell::new(vertices, &closed[outer].faces);
-        let relation =
-            |inner: usize| shell.relate(&closed[inner].samples(vertices, SAMPLE_POINTS), tolerance);
+        let relation = |inner: usize| shell.relate(closed[inner], tolerance(outer, inner));
         held.into_par_iter().map(|inner| (inner, relation(inner))).collect()
     };
     let relations: Vec<Vec<(usize, Relation)>> =
@@ -172,14 +177,14 @@ impl<'a> Shell<'a> {
         Shell { vertices, corners, normals, tree: face_tree(vertices, corners) }
     }
 
-    /// Places the points of another component inside, on or outside (or across) this one, whichever way it is turned.
-    fn relate(&self, samples: &[Vector3<f64>], tolerance: f64) -> Relation {
+    /// Places another component inside, on or outside (or across) this one, whichever way it is turned.
+    fn relate(&self, other: &ClosedComponent, tolerance: f64) -> Relation {
         let (mut farthest, mut is_inside) = (0.0f64, false);
-        for point in samples {
-            let closest = self.faces().closest_to_point(&self.tree, point, tolerance);
+        for point in other.samples(self.vertices, SAMPLE_POINTS) {
+            let closest = self.faces().closest_to_point(&self.tree, &point, tolerance);
             match closest.map(|(_, closest)| closest.distance_squared.sqrt()) {
                 Some(distance) if distance <= tolerance => farthest = farthest.max(distance),
-                _ if self.goes_around(point) => is_inside = true,
+                _ if self.goes_around(&point) => is_inside = true,
                 _ => return Relation::Apart,
             }
         }

@@ -98,6 +98,21 @@ fn a_body_that_touches_the_one_around_it_is_nested_and_not_coincident() {
     assert!(matches!(error, MeshError::NestedShell { component: 0, outer: 1, count: 1, .. }), "{error}");
 }
 
+#[test]
+fn a_wall_may_be_thin_next_to_its_edges() {
+    let inward = |(vertices, faces): Mesh| (vertices, flipped(&faces));
+    for wall in [1e-3, 1e-5, 1e-7] {
+        let hollow = joined(&cube(1.0), &inward(cube(1.0 - wall)));
+        nesting(&hollow).unwrap();
+        assert!(welded(&hollow, 0.0).unwrap().report.is_unchanged());
+        let mended = welded(&inward(hollow.clone()), 0.0).unwrap();
+        assert_eq!((mended.vertices, mended.faces), hollow);
+        // Turned the same way there is no wall: it is given twice.
+        let twice = nesting(&joined(&cube(1.0), &cube(1.0 - wall)));
+        assert!(matches!(twice, Err(MeshError::CoincidentShell { component: 1, other: 0, .. })));
+    }
+}
+
 /// Cube about the origin, two faces a side.
 fn cube(half: f64) -> Mesh {
     let vertices =
