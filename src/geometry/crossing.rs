@@ -41,15 +41,35 @@ pub(crate) fn triangles_cross(vertices: &[Vector3<f64>], [first, second]: [[u32;
 
 /// Whether two triangles, as closed sets, have a point in common.
 pub(crate) fn triangles_meet(first: Corners, second: Corners) -> bool {
-    let separates = |[a, b, c]: Corners, other: Corners| {
-        let [x, y, z] = other.map(|p| sign_3d(a, b, c, p));
-        x == y && y == z && x != Ordering::Equal
-    };
     // Their common points form a segment that ends on edges, or a polygon in one plane with corners on edges.
     !separates(first, second)
         && !separates(second, first)
         && (edges(first).into_iter().any(|edge| segment_meets_triangle(edge, second))
             || edges(second).into_iter().any(|edge| segment_meets_triangle(edge, first)))
+}
+
+/// Whether an edge of one of two triangles passes through the inside of the other: they cross, and do not only touch.
+pub(crate) fn triangles_pierce(first: Corners, second: Corners) -> bool {
+    !separates(first, second)
+        && !separates(second, first)
+        && (edges(first).into_iter().any(|edge| segment_pierces_triangle(edge, second))
+            || edges(second).into_iter().any(|edge| segment_pierces_triangle(edge, first)))
+}
+
+/// Whether the other triangle lies on one side of the plane of this one, and off it.
+fn separates([a, b, c]: Corners, other: Corners) -> bool {
+    let [x, y, z] = other.map(|p| sign_3d(a, b, c, p));
+    x == y && y == z && x != Ordering::Equal
+}
+
+fn segment_pierces_triangle([p, q]: [&Vector3<f64>; 2], triangle: Corners) -> bool {
+    let [a, b, c] = triangle;
+    let sides = [sign_3d(a, b, c, p), sign_3d(a, b, c, q)];
+    if !(sides.contains(&Ordering::Less) && sides.contains(&Ordering::Greater)) {
+        return false;
+    }
+    let around = edges(triangle).map(|[s, e]| sign_3d(p, q, s, e));
+    same_side(around) && !around.contains(&Ordering::Equal)
 }
 
 fn edges<'a>([a, b, c]: Corners<'a>) -> [[&'a Vector3<f64>; 2]; 3] {

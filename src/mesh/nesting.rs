@@ -4,7 +4,9 @@ use nalgebra::Vector3;
 use parry3d_f64::partitioning::Bvh;
 use rayon::prelude::*;
 
-use crate::geometry::face_tree::{Faces, face_normals, face_tree};
+use crate::geometry::bounds::Bounds;
+use crate::geometry::crossing::triangles_pierce;
+use crate::geometry::face_tree::{Faces, face_normals, face_tree, node_bounds};
 use crate::geometry::solid_angle::winding_number;
 use crate::mesh::check::{first_and_count, mean_edge_length};
 use crate::mesh::component::{ClosedComponent, closed_components};
@@ -188,7 +190,23 @@ impl<'a> Shell<'a> {
                 _ => return Relation::Apart,
             }
         }
-        if is_inside { Relation::Inside } else { Relation::On(farthest) }
+        if !is_inside {
+            Relation::On(farthest)
+        } else if self.crosses(other) {
+            Relation::Apart
+        } else {
+            Relation::Inside
+        }
+    }
+
+    /// Whether another component passes through this one's faces; one that touches them does not.
+    fn crosses(&self, other: &ClosedComponent) -> bool {
+        other.faces.par_iter().any(|face| {
+            let triangle = face.map(|vertex| &self.vertices[vertex as usize]);
+            let bounds = Bounds::around(triangle);
+            let mut close = self.tree.leaves(|node| node_bounds(node).meets(&bounds));
+            close.any(|own| triangles_pierce(self.faces().triangle(own as usize), triangle))
+        })
     }
 
     fn goes_around(&self, point: &Vector3<f64>) -> bool {

@@ -113,6 +113,30 @@ fn a_wall_may_be_thin_next_to_its_edges() {
     }
 }
 
+#[test]
+fn a_body_of_which_one_tip_or_the_others_leaves_the_other_is_beside_it() {
+    let (outer, inner) = (icosphere(1.0, 3), icosphere(0.5, 4));
+    let with_tip = |(vertices, faces): &Mesh, tip: usize, share: f64| {
+        let mut vertices = vertices.clone();
+        vertices[tip] *= share;
+        (vertices, faces.clone())
+    };
+    // Away from the axes a tip 1.2 long stays in the box around the outer one.
+    let tips = |(vertices, _): &Mesh| {
+        let tips = (0..vertices.len()).filter(|&tip| vertices[tip].normalize().amax() < 0.8);
+        tips.step_by(97).collect::<Vec<_>>()
+    };
+    let spiked = tips(&inner).into_iter().map(|tip| (outer.clone(), with_tip(&inner, tip, 2.4)));
+    let dented = tips(&outer).into_iter().map(|tip| (with_tip(&outer, tip, 0.3), inner.clone()));
+    for (outer, (vertices, faces)) in spiked.chain(dented) {
+        let beside = joined(&outer, &(vertices.clone(), faces.clone()));
+        nesting(&beside).unwrap();
+        assert!(welded(&beside, 0.0).unwrap().report.is_unchanged());
+        let inverted = nesting(&joined(&outer, &(vertices, flipped(&faces))));
+        assert!(matches!(inverted, Err(MeshError::InsideOut { component: 1, expected: '+', .. })));
+    }
+}
+
 /// Cube about the origin, two faces a side.
 fn cube(half: f64) -> Mesh {
     let vertices =
