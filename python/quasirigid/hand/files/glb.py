@@ -191,20 +191,32 @@ def _scale_of(file: Gltf, node: int) -> float:
 
 
 def _parents(file: Gltf, names: list[str]) -> list[int]:
-    """Return the parent of each joint: WebXR's for its joints, that of the file or the root for others."""
+    """Return the parent of each joint: that of the file, else the root; between WebXR's may stand others."""
     nodes, above = _nodes(file), _holders(file)
-    parents = []
-    for name, node in zip(names, nodes, strict=True):
-        known: Any = PARENTS.get(name, name)
-        if known is None or known == name:
-            holder = above.get(node)
-            parents.append(nodes.index(holder) if holder in nodes else -1)
-        else:
-            parents.append(names.index(known))
+    parents = [_joint_above(node, nodes, above) for node in nodes]
+    of_file = parents.copy()
+    for joint, name in enumerate(names):
+        known = PARENTS.get(name)
+        if known is None:
+            continue
+        first = of_file[joint]
+        while first >= 0 and names[first] not in PARENTS:
+            first = of_file[first]
+        if first < 0 or names[first] != known:
+            parents[joint] = names.index(known)
     root = names.index("wrist")
     for _ in names:
         root = parents[root] if parents[root] >= 0 else root
     return [root if at < 0 and joint != root else at for joint, at in enumerate(parents)]
+
+
+def _joint_above(node: int, nodes: list[int], above: dict[int, int]) -> int:
+    """Return the number of the joint that a node hangs on, with what is no joint between; -1 of none."""
+    while node in above:
+        node = above[node]
+        if node in nodes:
+            return nodes.index(node)
+    return -1
 
 
 def _holders(file: Gltf) -> dict[int, int]:

@@ -70,9 +70,10 @@ def read_hand(
     one pair ``<mesh>_joint`` and ``<mesh>_weight`` (n, k), found by the number of vertices; ``side`` ("right"
     or "left") is optional, the joints tell it.
 
-    Of glTF, bit-equal points are welded, as texture seams need. Its joints get frames of this package: +y to
-    the next joint, +x the axis of flexion as the file has it. Which hand it is shows in the place of the
-    thumb. Scales of its bind matrices and nodes count.
+    Of glTF, bit-equal points are welded, as texture seams need. WebXR's joints hang on each other as there,
+    joints of the file that stand between them included. All get frames of this package: +y to the next
+    joint, +x the axis of flexion as the file has it. Which hand it is shows in the place of the thumb. Scales
+    of its bind matrices and nodes count.
     """
     file = as_path("path", path)
     try:

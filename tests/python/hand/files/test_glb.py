@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from glb_files import glb_parts, glb_with
-from hands import GLB
+from hands import GLB, parts_of
 from quasirigid.errors import MeshFileError
 from shared_meshes import hand_file
 
@@ -62,6 +62,27 @@ def test_a_joint_of_a_file_that_hangs_on_none_hangs_on_the_root(hand: qr.Hand, t
     again = qr.read_hand(glb_with(part, tmp_path, path))
     assert {again.joint_names[joint] for joint in np.flatnonzero(again.parents < 0)} == {"wrist"}
     assert again.joint_names[again.parents[again.joint_names.index("forearm")]] == "wrist"
+
+
+def test_a_joint_between_those_of_webxr_is_read_back_there(tmp_path: Path) -> None:
+    made = qr.models.hand(edge_length=5e-3)
+    names, parents = [*made.joint_names, "carpus"], [*made.parents, made.joint_names.index("wrist")]
+    for joint, name in enumerate(made.joint_names):
+        if name.endswith("metacarpal"):
+            parents[joint] = names.index("carpus")
+    rest = np.concatenate([made.rest, made.rest[made.joint_names.index("wrist")][None]])
+    parts = parts_of(made) | {"joint_names": names, "parents": parents, "rest": rest}
+    hand = qr.Hand(made.surface.vertices, made.surface.faces, **parts)
+    path = tmp_path / "saved.glb"
+    hand.save(path)
+    again = qr.read_hand(path)
+    assert again.joint_names == hand.joint_names
+    np.testing.assert_array_equal(again.parents, hand.parents)
+    # Joints that hang side by side, as exporters write them, have WebXR's parents.
+    flat = glb_with(lambda file: [node.pop("children", None) for node in file["nodes"]], tmp_path, path)
+    parents = qr.read_hand(flat).parents
+    np.testing.assert_array_equal(parents[:-1], made.parents)
+    assert names[parents[-1]] == "wrist"
 
 
 def test_a_saved_contact_holds_pressure_and_the_pressed_skin(hand: qr.Hand, tmp_path: Path) -> None:
