@@ -28,7 +28,7 @@ def sweep_figure(sweep: Sweep) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Depths in mm, forces in N, areas in mm²; bars show the estimated errors.
+        Depths in mm, forces in N, areas in mm²; bars show the estimated errors that are finite.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def sweep_figure(sweep: Sweep) -> Figure:
         figure.suptitle(title, fontsize=11, color=INK, x=0.02, ha="left")
     order = good[np.argsort(sweep.depth[good], kind="stable")]
     for ax, (label, values, errors, color) in zip(figure.subplots(1, 2), curves, strict=True):
-        bars = np.nan_to_num(errors[order]) * np.abs(values[order])
+        bars = np.nan_to_num(errors[order], posinf=0.0) * np.abs(values[order])
         ax.errorbar(
             sweep.depth[order] * MM, values[order], bars, color=color, marker="o", markersize=4, capsize=2
         )

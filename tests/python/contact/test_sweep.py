@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +151,14 @@ def test_forces_are_found_one_by_one(surface: qr.Surface) -> None:
     np.testing.assert_allclose(curve.normal_force, forces, rtol=1e-6)
     assert curve.depth[0] > curve.depth[3] > curve.depth[2] > curve.depth[1] > 0.0
     assert curve[1].depth == curve.depth[1]
+
+
+def test_an_infinite_error_has_no_bar(by_depth: qr.Sweep) -> None:
+    pytest.importorskip("matplotlib")
+    unknown = np.array([np.nan, np.nan, np.inf])
+    curve = replace(by_depth, force_error=unknown, area_error=unknown)
+    for ax, values in zip(curve.plot().axes, (curve.normal_force, 1e6 * curve.contact_area), strict=True):
+        assert values.max() < ax.get_ylim()[1] < 1.2 * values.max()
 
 
 @pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")  # of the step out of reach
