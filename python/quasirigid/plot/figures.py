@@ -74,7 +74,7 @@ def contact_figure(contact: Contact, *, bone: Surface | None = None, view: View 
         axes[name].set_title(title, fontsize=11, color=INK, pad=8)
     for name in ("before", "after", "cut"):
         axes[name].set_anchor("N")
-    figure.suptitle(_headline(contact), fontsize=13, color=INK, x=0.02, ha="left", weight="bold")
+    figure.suptitle(headline(contact), fontsize=13, color=INK, x=0.02, ha="left", weight="bold")
     return figure
 
 
@@ -93,7 +93,7 @@ def footprint_figure(contact: Contact, *, view: View | None = None) -> Figure:
     """
     figure = new_figure((6.6, 5.6))
     plot_footprint(contact, ax=figure.subplots(), view=view)
-    figure.suptitle(_headline(contact), fontsize=12, color=INK, x=0.03, ha="left", weight="bold")
+    figure.suptitle(headline(contact), fontsize=12, color=INK, x=0.03, ha="left", weight="bold")
     return figure
 
 
@@ -130,7 +130,7 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     for ax, (name, contact) in zip(axes, contacts.items(), strict=True):
         plot_footprint(contact, ax=ax, with_color_bar=False, top=top)
         title = textwrap.fill(str(name), _LINE, max_lines=_LINES, placeholder="…")
-        ax.set_title(f"{title}\n{_headline(contact)}", fontsize=10, color=INK, pad=8, parse_math=False)
+        ax.set_title(f"{title}\n{headline(contact)}", fontsize=10, color=INK, pad=8, parse_math=False)
         # Panels that share axes have numbers at the outer ones alone, of which some may be spare.
         ax.tick_params(labelbottom=True, labelleft=True)
     reach = max(max(map(abs, (*ax.get_xlim(), *ax.get_ylim()))) for ax in axes)
@@ -143,7 +143,8 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     return figure
 
 
-def _headline(contact: Contact) -> str:
+def headline(contact: Contact) -> str:
+    """Return force, area, overlap and peak with their errors; of another ending, which it was."""
     if contact.status == "no_contact":
         return "No contact"
     if contact.status != "solved":

@@ -9,10 +9,12 @@ import numpy as np
 
 from .._check import as_kind
 from .._units import KPA, MM
+from ..contact.ending import ContactStatus
 from ..hand import Grasp
+from .figures import headline
 from .outline import contact_side
 from .shading import SKIN, lit_skin
-from .style import PRODUCT, color_bar, new_figure, pressure_colors, scale_bar, window_around
+from .style import INK, PRODUCT, color_bar, new_figure, pressure_colors, scale_bar, window_around
 from .view import View
 
 if TYPE_CHECKING:
@@ -41,7 +43,7 @@ def grasp_figure(grasp: Grasp) -> Figure:
     Parameters
     ----------
     grasp : Grasp
-        The grasp. A product that is a primitive has no triangles and is not drawn.
+        The grasp; any ending can be drawn. A product that is a primitive has no triangles and is not drawn.
 
     Returns
     -------
@@ -73,6 +75,8 @@ def grasp_figure(grasp: Grasp) -> Figure:
         scale_bar(ax, window)
     if pressure.max(initial=0.0) > 0.0:
         color_bar(panels[-1], pressure_colors(), float(pressure.max()) * KPA, "pressure (kPa)")
+    if contact.status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
+        figure.suptitle(headline(contact), fontsize=13, color=INK, x=0.02, ha="left", weight="bold")
     return figure
 
 
@@ -133,8 +137,8 @@ def _pressed_sights(grasp: Grasp) -> list[tuple[str, Floats]]:
 
 
 def _direction(forces: list[Floats]) -> Floats:
-    """Return that of the sum of forces, zero of none."""
-    total: Floats = np.sum(forces, axis=0)
+    """Return that of the sum of forces, zero of none and of those that are not known."""
+    total: Floats = np.nan_to_num(np.sum(forces, axis=0))
     return total / (np.linalg.norm(total) or 1.0)
 
 

@@ -365,3 +365,16 @@ def test_digits_are_checked_before_a_file_is_read(
     monkeypatch.setattr(qr, "read_hand", never)
     assert run(["grasp", str(saved), str(bottle), "--force", "thumb=8N,pinky=4N"]) == 2
     assert "--force: the digit 'pinky' is not known" in capsys.readouterr().err
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_a_grasp_that_did_not_end_solved_is_written_and_no_bad_input(
+    saved: Path, bottle: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("matplotlib")
+    words = ["--product-unit", "mm", "--start", "opposed", "--target-error", "none"]
+    # The paper's constants have no solution there.
+    words += ["--force", "thumb=4N,index=2N", "--response", "gaussian:height=0.8mm/N,width=5mm,cutoff=15mm"]
+    assert run(["grasp", str(saved), str(bottle), *words, "--out", str(tmp_path)]) == 1
+    assert capsys.readouterr().err.splitlines()[-1].startswith("error: the contact did not end solved: ray: ")
+    assert (tmp_path / "grasp.png").exists()

@@ -40,6 +40,7 @@ _SEARCH_LINEARIZATIONS = 2  # there, where that is a start alone
 _MOST_ROUNDS = 8  # with all options
 _STEP = 1.5e-3  # m, of a hand of REFERENCE_LENGTH: a digit that goes on by more at once steps through walls
 _BESIDE = 8e-3  # m, of that hand: skin so near the product is where a body is solved most finely
+_UNSOLVED = "has no force that is known: the contact ended with '{}'"  # of a digit, by the status
 _MET = "target_error"  # reason of a mesh that is as fine as was asked
 _ONE_FINENESS = 2.5  # nodes over a coarser mesh's, too few for the next finer one
 _HERTZ = 2.0 / 3.0  # the power of a force that grows in a straight line with the depth
@@ -108,6 +109,9 @@ class Hold:
 
     def missed(self) -> dict[str, str]:
         """Return the digits that do not hold what they should, and why."""
+        status = ContactStatus.NO_CONTACT if self.solved is None else self.solved.contact.status
+        if self.by_force and status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
+            return dict.fromkeys((DIGITS[at] for at in self.searches), _UNSOLVED.format(status))
         unit, size = ("N", 1.0) if self.by_force else ("mm", 1e3)
         reasons = {}
         for at, search in self.searches.items():

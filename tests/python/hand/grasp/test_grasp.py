@@ -53,6 +53,18 @@ def test_refined_meshes_hold_within_a_hundredth(hand, handle):
     assert grasp.unbalanced_force is None
 
 
+def test_a_contact_without_an_end_is_why_a_digit_misses_and_is_drawn(hand):
+    pytest.importorskip("matplotlib")
+    # The paper's constants, at a depth at which they have no solution.
+    paper = skin(qr.GaussianCorrected(height=0.8e-3, width=5e-3, cutoff=15e-3))
+    bottle = qr.models.bottle(edge_length=3e-3).placed(hand.posed("opposed").palm)
+    asked = {"thumb": 4.0, "index": 2.0}
+    grasp = qr.close_hand(hand, bottle, paper, force=asked, start="opposed", options=AS_GIVEN, throw=False)
+    assert grasp.contact.status == "ray"
+    assert grasp.missed == dict.fromkeys(asked, "has no force that is known: the contact ended with 'ray'")
+    assert grasp.plot().get_suptitle() == "No result: the contact ended with 'ray'"
+
+
 def test_a_digit_that_is_not_named_stays_and_others_hold_what_is_asked_of_them(hand, handle):
     grasp = qr.close_hand(hand, handle, skin(), force={"index": 1.0, "ring": 3.0}, options=AS_GIVEN)
     found = forces(grasp)
