@@ -73,6 +73,14 @@ _ACCURACY = dict.fromkeys(
 PATCH_UNITS = {
     name: _CONTACT[name] for name in ("force", "moment", "center_of_pressure", "contact_area", "max_pressure")
 } | {"mean_pressure": "Pa"}
+# What `Obstacle` makes each primitive of: its arguments, how many numbers each, and their units.
+_SHAPES = {
+    "half_space": (("point", 3, "m"), ("normal", 3, "1")),
+    "sphere": (("center", 3, "m"), ("radius", 1, "m")),
+    "box": (("half_extents", 3, "m"),),
+    "capsule": (("a", 3, "m"), ("b", 3, "m"), ("radius", 1, "m")),
+    "cylinder": (("half_height", 1, "m"), ("radius", 1, "m")),
+}
 # Areas (m²) over which the whole contact has its mean pressures.
 MEAN_AREAS = {"1 cm²": 1e-4, "1 mm²": 1e-6}
 NOT_REACHED = "not_reached"  # status of a contact that is the nearest to what was asked for
@@ -197,11 +205,24 @@ def _product(contact: Contact) -> dict[str, Any]:
     obstacle = contact.obstacle
     return {
         "kind": obstacle.kind,
+        "shape": _shape(obstacle),
         "rotation": as_plain(obstacle.rotation),
         "translation": figure(obstacle.translation, "m"),
         "bounding_box": figure(obstacle.bounding_box, "m"),
         "material": _material(obstacle),
     }
+
+
+def _shape(obstacle: Obstacle) -> dict[str, Any] | None:
+    """Return the arguments that make a primitive, before rotation and translation; None of a mesh."""
+    if obstacle.kind not in _SHAPES:
+        return None
+    _, numbers, *_ = obstacle.__reduce__()[1]
+    shape, at = {}, 0
+    for name, count, unit in _SHAPES[obstacle.kind]:
+        shape[name] = figure(numbers[at] if count == 1 else numbers[at : at + count], unit)
+        at += count
+    return shape
 
 
 def _material(obstacle: Obstacle) -> dict[str, Any] | None:

@@ -64,9 +64,9 @@ def save_contact(
     `vertex_data` returns; `contact.npz` the arrays, named as on `Contact`, with `vertices`, `faces` and
     `skin_mask` of the deformed skin; `contact.json` status, figures with their units, accuracy, what
     each round of refinement gave, timings, what was left out, and `inputs`; `product.ply` the triangles
-    of the product where it stands (a primitive has none, and `contact.json` says so), and
-    `deformed_product.ply` those of one with a material under the forces; `skin.png` and `footprint.png` the
-    pictures.
+    of the product where it stands (a primitive has none, and `contact.json` the arguments that make it, its
+    `rotation` and `translation`), and `deformed_product.ply` those of one with a material under the forces;
+    `skin.png` and `footprint.png` the pictures.
 
     Parameters
     ----------
