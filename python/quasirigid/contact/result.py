@@ -306,7 +306,7 @@ class Contact(Frozen):
         ----------
         folder : path
             The folder; made where it is missing. Files of these names are replaced, those of an earlier
-            contact removed; others stay.
+            contact or grasp removed; others stay.
         inputs : mapping, optional
             What the contact was computed from, for contact.json.
         pictures : bool

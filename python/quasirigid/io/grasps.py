@@ -18,7 +18,7 @@ from ..hand.grasp.crossings import in_words
 from ..hand.rig.joints import DIGITS
 from .atomic import json_bytes, png_bytes, write_files
 from .record import as_plain, figure, figures, inputs_record, patch_figures
-from .write import CONTACT_FILES, save_contact, save_pictures
+from .write import CONTACT_FILES, GRASP_OWN_FILES, save_contact, save_pictures
 
 if TYPE_CHECKING:
     from ..hand import Grasp
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["GRASP_FILES", "digit_table", "grasp_record", "save_grasp"]
 
 # All that `save_grasp` may write.
-GRASP_FILES = (*CONTACT_FILES, "grasp.json", "grasp.png", "hand.glb")
+GRASP_FILES = (*CONTACT_FILES, *GRASP_OWN_FILES)
 
 _ONE_WAY = 0.5  # of all forces: beyond, most of them are against nothing
 _BALANCE = {"net_force": "N", "net_moment": "N m", "unbalanced_force": "N", "unbalanced_moment": "N m"}

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ..contact.result import Contact
     from ..surface import Surface
 
-__all__ = ["CONTACT_FILES", "save_contact", "save_pictures", "write_mesh"]
+__all__ = ["CONTACT_FILES", "GRASP_OWN_FILES", "save_contact", "save_pictures", "write_mesh"]
 
 # All that `save_contact` may write.
 CONTACT_FILES = (
@@ -45,6 +45,10 @@ CONTACT_FILES = (
     "product.ply",
     "skin.png",
 )
+# What else `save_grasp` may write.
+GRASP_OWN_FILES = ("grasp.json", "grasp.png", "hand.glb")
+# Without its record nothing says that files of these names are an earlier result's.
+_BY_RECORD = {"contact.json": CONTACT_FILES, "grasp.json": GRASP_OWN_FILES}
 
 _NO_TRIANGLES = "not written: a primitive has no triangles"
 
@@ -74,8 +78,8 @@ def save_contact(
         The contact.
     folder : path
         Made where it is missing. Files of these names are replaced, each of them whole; beside the
-        `contact.json` of an earlier contact the rest of them is removed; others stay. Pictures come last:
-        where one cannot be drawn, all numbers are there.
+        `contact.json` of an earlier contact the rest of them is removed, and beside a `grasp.json` what is a
+        grasp's alone; others stay. Pictures come last: where one cannot be drawn, all numbers are there.
     inputs : mapping, optional
         What the contact was computed from, for `contact.json`.
     pictures : bool
@@ -99,12 +103,11 @@ def save_contact(
     """
     if as_boolean("pictures", pictures):
         need_matplotlib()
-    # Without its figures nothing says that files of these names are an earlier contact's.
-    is_second = (Path(folder) / "contact.json").exists()
+    records = [record for record in _BY_RECORD if (Path(folder) / record).exists()]
     files = write_files(folder, dict(_files(contact, inputs_record(inputs), unreached)))
-    if is_second:
-        for name in set(CONTACT_FILES) - {file.name for file in files}:
-            (Path(folder) / name).unlink(missing_ok=True)
+    earlier = {name for record in records for name in _BY_RECORD[record]}
+    for name in earlier - {file.name for file in files}:
+        (Path(folder) / name).unlink(missing_ok=True)
     return files + save_pictures(contact, folder, bone=bone) if pictures else files
 
 

@@ -92,7 +92,7 @@ class Grasp(Frozen):
         Parameters
         ----------
         folder : path
-            The folder; made where it is missing.
+            The folder; made where it is missing. Files are replaced and removed as by `Contact.save`.
         inputs : mapping, optional
             What the grasp was computed from, to be written too.
         pictures : bool

@@ -275,3 +275,15 @@ def test_progress_is_told(hand, handle):
     assert told[0] == ("approach", 0.0)
     assert all(0.0 <= done <= 1.0 for _, done in told)
     assert {what for what, _ in told} == {"approach", "closing"}
+
+
+def test_files_of_an_earlier_grasp_go_with_it(held, tmp_path):
+    (tmp_path / "grasp.png").write_text("of somebody")
+    own = {"grasp.json", "hand.glb"}
+    first = {file.name for file in held.save(tmp_path)}
+    assert own < first
+    assert {file.name for file in tmp_path.iterdir()} == first | {"grasp.png"}
+    held.save(tmp_path)
+    assert {file.name for file in tmp_path.iterdir()} == first
+    held.contact.save(tmp_path)
+    assert {file.name for file in tmp_path.iterdir()} == first - own
