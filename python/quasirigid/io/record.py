@@ -12,6 +12,8 @@ import numpy as np
 from .._core import __version__
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from ..contact.accuracy import Accuracy, Refinement
     from ..contact.parts import Part, Patch
     from ..contact.result import Contact
@@ -164,7 +166,7 @@ def _accuracy(accuracy: Accuracy) -> dict[str, Any]:
 
 
 def as_plain(value: Any) -> Any:
-    """Return any value as what JSON holds: arrays as lists, nan as None, infinity as a word.
+    """Return any value as what JSON holds: what is like an array as lists, nan as None, infinity as a word.
 
     The word is "Infinity" or "-Infinity", which ``float`` reads, and ``Number`` in JavaScript.
     """
@@ -174,16 +176,24 @@ def as_plain(value: Any) -> Any:
         if math.isinf(value):
             return "Infinity" if value > 0.0 else "-Infinity"
         return None if math.isnan(value) else value
-    if isinstance(value, (np.generic, np.ndarray)):
-        return as_plain(value.tolist())
     if isinstance(value, Mapping):
         return {str(key): as_plain(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
         return [as_plain(entry) for entry in value]
+    if hasattr(value, "__array__") and not isinstance(value, type):
+        return as_plain(_listed(value if isinstance(value, np.ndarray) else np.asarray(value)))
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         public = (field.name for field in dataclasses.fields(value) if not field.name.startswith("_"))
         return {"type": type(value).__name__} | {name: as_plain(getattr(value, name)) for name in public}
     return str(value)
+
+
+def _listed(array: NDArray[Any]) -> Any:
+    """Return what an array holds as numbers and words of Python."""
+    # Python has no such numbers, nor times to the nanosecond: `tolist` would leave them, or count.
+    plain = {np.dtype(np.longdouble): np.float64, np.dtype(np.clongdouble): np.complex128}
+    kind = np.str_ if array.dtype.kind in "mM" else plain.get(array.dtype)
+    return (array if kind is None else array.astype(kind)).tolist()
 
 
 def figure(value: Any, unit: str) -> dict[str, Any]:
