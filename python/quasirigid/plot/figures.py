@@ -128,7 +128,7 @@ def comparison_figure(contacts: Mapping[str, Contact]) -> Figure:
     axes, spare = panels.ravel()[: len(contacts)], panels.ravel()[len(contacts) :]
     top = max(float(np.nan_to_num(contact.pressure).max()) for contact in contacts.values()) * KPA
     for ax, (name, contact) in zip(axes, contacts.items(), strict=True):
-        plot_footprint(contact, ax=ax, with_color_bar=False, top=top)
+        plot_footprint(contact, ax=ax, with_color_bar=False, top=top or None)
         title = textwrap.fill(str(name), _LINE, max_lines=_LINES, placeholder="…")
         ax.set_title(f"{title}\n{headline(contact)}", fontsize=10, color=INK, pad=8, parse_math=False)
         # Panels that share axes have numbers at the outer ones alone, of which some may be spare.

@@ -40,3 +40,9 @@ def test_many_footprints_stand_in_rows(pressed: qr.Contact, count: int, rows: in
     assert len({round(place.x0, 2) for place in places}) == columns
     # All of them say where they are.
     assert all(any(label.get_text() for label in ax.get_xticklabels()) for ax in panels)
+
+
+def test_contacts_without_force_are_compared(apart: qr.Contact, unsolved: qr.Contact) -> None:
+    figure = plot.comparison_figure({"apart": apart, "unsolved": unsolved})
+    figure.draw_without_rendering()
+    assert [ax.texts[0].get_text() for ax in figure.axes] == ["no pressure", "no pressure"]
