@@ -6,17 +6,20 @@ import json
 import math
 import pickle
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from quasirigid.errors import MissingExtraError
-from quasirigid.evaluation.extremes import alone
+from quasirigid.evaluation.extremes import alone, flat
 from quasirigid.evaluation.extremes.alone import row_of_alone
 from quasirigid.evaluation.extremes.case import Case, ends_with, holds, near, row_of
 from quasirigid.evaluation.extremes.lcps import natural_residual
 from quasirigid.evaluation.extremes.problems import problems
 from quasirigid.evaluation.extremes.run import all_cases, run_cases
+from quasirigid.evaluation.extremes.scaling import off
 from quasirigid.evaluation.ladder import picture, run
 from quasirigid.evaluation.ladder.ellipse import EllipticHertz
 from quasirigid.evaluation.ladder.pixels import pixel_tasks
@@ -182,6 +185,20 @@ def test_a_case_with_a_wrong_expectation_is_off(tmp_path: Path) -> None:
 def test_an_error_that_is_no_number_is_off() -> None:
     assert not near("a number", math.nan, 1.0).ok
     assert near("exact", 0.0, 0.0).ok
+
+
+@pytest.mark.parametrize("name", ["force", "contact_area", "max_pressure"])
+def test_a_figure_that_is_no_number_is_off(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    figures = {"force": np.array([0.0, 0.0, 1.0]), "contact_area": 1.0, "max_pressure": 1.0}
+    wanted: Any = SimpleNamespace(**figures)
+    unknown: Any = SimpleNamespace(**(figures | {name: math.nan * figures[name]}))
+    assert off(wanted, wanted) == 0.0
+    assert math.isnan(off(unknown, wanted))
+    for judge in ("_as_without", "length_judge", "modulus_judge"):
+        monkeypatch.setattr(flat, judge, lambda *_: near("right", 0.5, 1.0))
+    assert flat._all_scaled(lambda _: wanted, 1.0, far=False).ok
+    monkeypatch.setattr(flat, "length_judge", lambda *_: near("wrong", off(unknown, wanted), 1.0))
+    assert not flat._all_scaled(lambda _: wanted, 1.0, far=False).ok
 
 
 @pytest.mark.parametrize("kind", [ZeroDivisionError, Panic, qr.SurfaceError])

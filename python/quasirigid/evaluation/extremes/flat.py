@@ -123,4 +123,5 @@ def _all_scaled(build: Build, smallest: float, *, far: bool) -> Outcome:
     ]
     if far:
         outcomes.append(place_judge(build, smallest))
-    return max(outcomes, key=lambda one: (one.error or 0.0) / (one.limit or 1.0))
+    # Of an error that is no number no order says that it is the largest.
+    return max(outcomes, key=lambda one: (not one.ok, (one.error or 0.0) / (one.limit or 1.0)))

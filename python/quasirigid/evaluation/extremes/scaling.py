@@ -55,7 +55,10 @@ Build = Callable[[Setting], Contact]
 
 
 def off(found: Contact, wanted: Contact, *, force: float = 1.0, length: float = 1.0) -> float:
-    """Return how far force, area and peak are from another contact's, in units of force and length."""
+    """Return how far force, area and peak are from another contact's, in units of force and length.
+
+    It is nan or infinite where one of them is not known.
+    """
     pressure = force / length**2
     pairs = (
         (found.force, force * wanted.force),
@@ -64,7 +67,8 @@ def off(found: Contact, wanted: Contact, *, force: float = 1.0, length: float = 
     )
     sizes = [float(np.linalg.norm(there)) for _, there in pairs]
     ways = [float(np.linalg.norm(here - there)) for here, there in pairs]
-    return max(way / size if size > 0.0 else math.inf for way, size in zip(ways, sizes, strict=True))
+    errors = [way / size if size > 0.0 else math.inf for way, size in zip(ways, sizes, strict=True)]
+    return float(np.max(errors))
 
 
 def rounding_limit(contact: Contact, smallest: float) -> float:
