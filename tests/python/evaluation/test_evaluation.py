@@ -274,6 +274,7 @@ def test_the_natural_residual_is_computed_as_defined() -> None:
     assert natural_residual(matrix, vector, np.array([1.0, 0.0])) == 0.5
     # The second row has no entry: z = 3 counts by its largest entry, 0, and w = 1 is not missed.
     assert natural_residual(matrix, vector, np.array([2.0, 3.0])) == 0.0
+    assert math.isnan(natural_residual(matrix, vector, np.array([2.0, math.nan])))
 
 
 def test_chosen_answers_solve_their_problems() -> None:

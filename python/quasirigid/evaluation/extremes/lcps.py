@@ -66,7 +66,7 @@ def natural_residual(matrix: Floats, vector: Floats, z: Floats) -> float:
         w = block @ wide + vector[rows]
         diagonal = matrix.diagonal()[rows]
         scale = np.where(diagonal > 0, diagonal, np.abs(matrix[rows]).max(axis=1))
-        worst = max(worst, np.abs(np.minimum(scale * wide[rows], w)).max())
+        worst = np.maximum(worst, np.abs(np.minimum(scale * wide[rows], w)).max())
     return float(worst / max(-vector.min(), np.finfo(np.float64).tiny))
 
 
