@@ -30,6 +30,8 @@ __all__ = [
     "with_error",
 ]
 
+_LEFT_OUT = "left out: "
+
 
 def contact_summary(contact: Contact) -> str:
     """Return the figures of a contact as a text table, and what the solve left out.
@@ -67,7 +69,8 @@ def compare_contacts(
     Returns
     -------
     str
-        As `contact_summary`, with a column for each contact.
+        As `contact_summary`, with a column for each contact; of several, warnings and advice say whose they
+        are.
     """
     if wrong := [name for name in contacts if not isinstance(name, str)]:
         raise TypeError(f"a contact is named {wrong[0]!r}, expected a str")
@@ -75,12 +78,14 @@ def compare_contacts(
     columns = [{"": name} | _rows(contact) | ending for name, contact in contacts.items()]
     names = list(dict.fromkeys(name for column in columns for name in column))
     rows = [[column.get(name, "") for name in names] for column in columns]
-    notes = dict.fromkeys(
-        note for contact in contacts.values() for note in _notes(contact, verbose, warnings)
-    )
+    owners: dict[str, list[str]] = {}
+    for name, contact in contacts.items():
+        for note in dict.fromkeys(_notes(contact, verbose, warnings)):
+            owners.setdefault(note, []).append(name)
+    notes = [_owned(note, of, len(contacts)) for note, of in owners.items()]
     omitted = dict.fromkeys(what for contact in contacts.values() for what, _ in contact.left_out)
     if omitted and not verbose:
-        notes["left out: " + ", ".join(omitted)] = None
+        notes.append(_LEFT_OUT + ", ".join(omitted))
     return "\n".join([*filter(None, aligned([names, *rows])), *notes])
 
 
@@ -309,5 +314,10 @@ def _vector(values: ArrayLike, scale: float) -> str:
 def _notes(contact: Contact, verbose: bool = True, warnings: bool = True) -> list[str]:
     advice = [f"advice: {contact.advice}"] if contact.advice else []
     warned = [f"warning: {warning}" for warning in contact.warnings] if warnings else []
-    omitted = [f"left out: {what} ({why})" for what, why in contact.left_out] if verbose else []
+    omitted = [f"{_LEFT_OUT}{what} ({why})" for what, why in contact.left_out] if verbose else []
     return [*warned, *omitted, *advice]
+
+
+def _owned(note: str, owners: list[str], count: int) -> str:
+    """Return a warning or an advice after the names of its contacts, where it is one of several."""
+    return note if count == 1 or note.startswith(_LEFT_OUT) else f"{', '.join(owners)}: {note}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 from pathlib import Path
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 import quasirigid as qr
 from edge_press import pressed_as_given, pressed_by_edge
+from quasirigid.contact.warned import Warned
 from quasirigid.io import (
     compare_contacts,
     contact_record,
@@ -134,6 +136,21 @@ def test_contacts_are_compared_column_by_column(pressed: qr.Contact, apart: qr.C
     # What both left out is noted once.
     notes = [line for line in lines if line.startswith("left out: ")]
     assert len(notes) == len(set(notes))
+
+
+def test_warnings_and_advice_of_several_say_whose_they_are(apart: qr.Contact, unsolved: qr.Contact) -> None:
+    warned = dataclasses.replace(apart, warnings=(Warned(qr.SizeWarning, "of one"),))
+    both = dataclasses.replace(unsolved, warnings=(Warned(qr.SizeWarning, "of two"), *warned.warnings))
+    lines = compare_contacts({"a": warned, "b": both}).splitlines()
+    told = [line for line in lines if "warning: " in line or "advice: " in line]
+    expected = {
+        "a, b: warning: SizeWarning: of one",
+        "b: warning: SizeWarning: of two",
+        f"b: advice: {unsolved.advice}",
+    }
+    assert set(told) == expected
+    assert len(told) == len(expected)
+    assert "warning: SizeWarning: of one" in compare_contacts({"a": warned}).splitlines()
 
 
 def test_a_contact_is_compared_under_a_word(apart: qr.Contact) -> None:
