@@ -38,7 +38,7 @@ def mesh_arrays(
     Returns
     -------
     vertices : (n, 3) float64
-        Positions (m), in its order.
+        Positions (m), in its order; a copy, as the faces are.
     faces : (m, 3) int64
         Triangles, in its order.
 
@@ -64,7 +64,7 @@ def mesh_arrays(
         vertices = as_reals("vertices", points)
     except ValueError as error:
         raise refusal(f"{type(mesh).__name__} {error}") from None
-    return (vertices if unit == "m" else vertices * scale), faces
+    return vertices * scale, faces
 
 
 def _attributes(mesh: Any) -> tuple[Any, NDArray[np.int64]]:

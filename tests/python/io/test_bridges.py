@@ -49,6 +49,16 @@ def test_meshes_of_other_libraries_become_surfaces_and_obstacles(mesh: Any) -> N
     assert np.array_equal(triangles[1], FACES)
 
 
+@pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES.keys())
+def test_arrays_of_a_mesh_object_are_copies(mesh: Any) -> None:
+    vertices, faces = mesh_arrays(mesh)
+    vertices += 1.0
+    faces += 1
+    again, rows = mesh_arrays(mesh)
+    assert np.array_equal(again, CORNERS)
+    assert np.array_equal(rows, FACES)
+
+
 def test_unit_and_mask_of_a_mesh_object_are_kept() -> None:
     mask = np.array([True, False, True, True])
     surface = qr.Surface.from_mesh(MESHES["trimesh"], unit="inch", skin_mask=mask)
