@@ -181,7 +181,7 @@ def as_vertex_labels(name: str, value: Any, counts: tuple[int, int], refusal: Re
     if missing:
         raise refusal(f"`{name}[{missing[0]}]` is {entries[missing[0]]!r}, {expected}")
     if all(isinstance(entry, str) for entry in entries):
-        return entries.astype(np.str_)
+        return np.array(entries.tolist(), dtype=np.str_)
     whole = [isinstance(entry, (int, np.integer)) and not isinstance(entry, bool) for entry in entries]
     if entries.dtype.kind == "O" and all(whole):
         bounds = np.iinfo(np.int64)
