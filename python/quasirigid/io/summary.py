@@ -58,7 +58,7 @@ def compare_contacts(
     Parameters
     ----------
     contacts : mapping of str to Contact
-        The contacts under their names.
+        The contacts under their names; at least one.
     verbose : bool
         Say why each thing was left out; else name them on one line.
     warnings : bool
@@ -71,7 +71,16 @@ def compare_contacts(
     str
         As `contact_summary`, with a column for each contact; of several, warnings and advice say whose they
         are.
+
+    Raises
+    ------
+    ContactError
+        If there is no contact; a TypeError if a name is no str.
     """
+    if not contacts:
+        from ..contact.result import ContactError
+
+        raise ContactError("contacts is empty, expected at least one")
     if wrong := [name for name in contacts if not isinstance(name, str)]:
         raise TypeError(f"a contact is named {wrong[0]!r}, expected a str")
     ending = {} if is_reached else {"status": NOT_REACHED}

@@ -153,6 +153,11 @@ def test_warnings_and_advice_of_several_say_whose_they_are(apart: qr.Contact, un
     assert "warning: SizeWarning: of one" in compare_contacts({"a": warned}).splitlines()
 
 
+def test_no_contacts_are_named() -> None:
+    with pytest.raises(qr.ContactError, match="contacts is empty, expected at least one"):
+        compare_contacts({})
+
+
 def test_a_contact_is_compared_under_a_word(apart: qr.Contact) -> None:
     with pytest.raises(TypeError, match="a contact is named 5, expected a str"):
         compare_contacts({5: apart})  # type: ignore[dict-item]
