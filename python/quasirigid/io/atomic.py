@@ -27,11 +27,13 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         If its folder does not exist or cannot be written to, or a folder has its name.
     """
     target = Path(path)
-    if not target.parent.is_dir():
+    # A link stays one, and what it leads to is replaced.
+    place = Path(os.path.realpath(target))
+    if not place.parent.is_dir():
         raise FileNotFoundError(errno.ENOENT, "its folder does not exist", str(target))
     if target.is_dir():
         raise IsADirectoryError(errno.EISDIR, "is a folder, expected a file", str(target))
-    draft = target.with_name(f".{target.name}.{os.urandom(4).hex()}")
+    draft = place.with_name(f".{place.name}.{os.urandom(4).hex()}")
     try:
         file = draft.open("xb")
     except OSError as error:
@@ -40,7 +42,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     try:
         with file:
             yield file
-        draft.replace(target)
+        draft.replace(place)
     finally:
         draft.unlink(missing_ok=True)
 

@@ -258,6 +258,22 @@ def test_a_write_that_fails_leaves_the_old_file_and_no_draft(tmp_path: Path) -> 
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_link_stays_one_and_its_file_is_written(tmp_path: Path) -> None:
+    kept, link = tmp_path / "kept" / "file", tmp_path / "link"
+    kept.parent.mkdir()
+    link.symlink_to(kept)
+    for content in (b"new", b"whole"):
+        with atomic_write(link) as file:
+            file.write(content)
+        assert link.is_symlink()
+        assert kept.read_bytes() == content
+    assert list(kept.parent.iterdir()) == [kept]
+    kept.unlink()
+    kept.parent.rmdir()
+    with pytest.raises(FileNotFoundError, match=r"its folder does not exist: .*/link'$"), atomic_write(link):
+        pass
+
+
 def test_a_file_in_the_place_of_the_folder_is_refused(pressed: qr.Contact, tmp_path: Path) -> None:
     (tmp_path / "out").write_text("a file")
     with pytest.raises(NotADirectoryError, match="is a file"):
