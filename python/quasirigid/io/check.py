@@ -13,6 +13,7 @@ from .._arrays import Floats, Indices
 from .._check import as_array
 from ..errors import MeshFileError
 
+_FLAT = 1e-12  # of a triangle's longest edge: one no higher has no area, as for the core
 _FLOAT32_CHANGE = 1e-2  # of an edge: rounding moves its ends against each other by no more
 
 
@@ -93,7 +94,7 @@ def to_int(word: str) -> int:
 def fans(corners: list[list[int]], points: Floats, name: str) -> Indices:
     """Return faces of three or more corners as triangles from their first corner, in order.
 
-    One that bends inwards is cut ear by ear.
+    One that bends inwards, or has a triangle without area there, is cut ear by ear.
     """
     triangles = _fans(corners)
     counts = np.array([len(face) - 2 for face in corners], dtype=np.int64)
@@ -101,14 +102,17 @@ def fans(corners: list[list[int]], points: Floats, name: str) -> Indices:
     if (counts <= 1).all() or not is_known.all():
         return triangles
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    for face in np.unique(np.repeat(np.arange(len(corners)), counts)[_is_folded(triangles, points, first)]):
-        own = corners[face]
+    is_folded, is_flat = _folded_and_flat(triangles, points, first)
+    is_bad = np.logical_or.reduceat(is_folded | is_flat, first) & (counts > 1)
+    for face in np.flatnonzero(is_bad):
+        own, rows = corners[face], slice(first[face], first[face] + counts[face])
         ears = _ears(points[own])
-        if ears is None:
+        if ears is not None:
+            triangles[rows] = np.array(own)[ears]
+        elif is_folded[rows].any():
             raise MeshFileError(
                 f"{name}: face {face} has {len(own)} corners and crosses itself: cut it into triangles"
             )
-        triangles[first[face] : first[face] + counts[face]] = np.array(own)[ears]
     return triangles
 
 
@@ -118,42 +122,74 @@ def _fans(corners: list[list[int]]) -> Indices:
 
 
 def _ears(points: Floats) -> Indices | None:
-    """Return the triangles of a polygon (n, 3) in its own corners; None where it crosses itself."""
+    """Return the triangles of a polygon (n, 3) in its own corners; None where it crosses itself.
+
+    A corner on the line through its neighbours is left out first, as ears would leave triangles without area
+    there; it then cuts in two the triangle on that line.
+    """
     normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
     # Seen along the largest component, as it turns counter-clockwise.
     axis = int(np.abs(normal).argmax())
-    flat = np.roll(points, -1 - axis, axis=1)[:, :2] * [np.sign(normal[axis]), 1.0]
+    plane = np.roll(points, -1 - axis, axis=1)[:, :2] * [np.sign(normal[axis]), 1.0]
 
     def turn(a: Floats, b: Floats, c: Floats) -> Floats:
-        found: Floats = (b[0] - a[0]) * (c[..., 1] - a[1]) - (b[1] - a[1]) * (c[..., 0] - a[0])
+        ab, ac = b - a, c - a
+        found: Floats = ab[..., 0] * ac[..., 1] - ab[..., 1] * ac[..., 0]
         return found
 
-    def is_ear(triangle: list[int], rest: list[int]) -> bool:
-        a, b, c = flat[triangle]
-        others = flat[rest]
-        others = others[~(others[:, None] == flat[triangle]).all(axis=2).any(axis=1)]
-        sides = (turn(one, other, others) for one, other in ((a, b), (b, c), (c, a)))
-        return bool(turn(a, b, c) > 0.0 and not np.all([side >= 0.0 for side in sides], axis=0).any())
+    def is_empty(triangle: Indices, rest: list[int]) -> bool:
+        a, b, c = plane[triangle]
+        others = plane[rest]
+        others = others[~(others[:, None] == plane[triangle]).all(axis=2).any(axis=1)]
+        sides = ((one, other, -_FLAT * ((other - one) ** 2).sum()) for one, other in ((a, b), (b, c), (c, a)))
+        return not np.all([turn(one, other, others) >= least for one, other, least in sides], axis=0).any()
 
-    left, ears = list(range(len(points))), []
+    left, ears, between = list(range(len(points))), [], []
     while len(left) > 3:
-        triangles = ([left[k - 1], left[k], left[(k + 1) % len(left)]] for k in range(len(left)))
-        ear = next((triangle for triangle in triangles if is_ear(triangle, left)), None)
-        if ear is None:
-            return None
-        ears.append(ear)
-        left.remove(ear[1])
-    return np.array([*ears, left], dtype=np.int64)
+        around = np.stack([np.roll(left, 1), left, np.roll(left, -1)], axis=1)
+        a, b, c = plane[around].swapaxes(0, 1)
+        turns = turn(a, b, c)
+        is_level = np.abs(turns) <= _FLAT * ((c - a) ** 2).sum(axis=1)
+        is_between = is_level & (((b - a) * (c - b)).sum(axis=1) >= 0.0)
+        if is_between.any():
+            at = int(is_between.argmax())
+            between.append(around[at].tolist())
+        else:
+            found = (int(k) for k in np.flatnonzero(turns > 0.0) if is_empty(around[k], left))
+            at = next(found, -1)
+            if at < 0:
+                return None
+            ears.append(around[at].tolist())
+        del left[at]
+    if turn(*plane[left]) < 0.0:
+        return None
+    return _cut_between([*ears, left], between)
 
 
-def _is_folded(triangles: Indices, points: Floats, first: Indices) -> NDArray[np.bool_]:
-    """Return which triangles face away from the face, from `first[k]` on those of face k."""
-    a, b, c = points[triangles].swapaxes(0, 1)
+def _cut_between(triangles: list[list[int]], between: list[list[int]]) -> Indices:
+    """Return triangles with corners put into their edges, the last first: each between two others."""
+    for start, middle, end in reversed(between):
+        for at, (a, b, c) in enumerate(triangles):
+            if (start, end) in ((a, b), (b, c), (c, a)):
+                third = a + b + c - start - end
+                triangles[at] = [start, middle, third]
+                triangles.append([middle, end, third])
+                break
+    return np.array(triangles, dtype=np.int64)
+
+
+def _folded_and_flat(
+    triangles: Indices, points: Floats, first: Indices
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which triangles face away from the face, and which lack area; face k's begin at `first[k]`."""
+    corners = points[triangles]
+    a, b, c = corners.swapaxes(0, 1)
     areas = np.cross(b - a, c - a)
     whole = np.add.reduceat(areas, first)
     counts = np.diff(np.append(first, len(triangles)))
-    is_folded: NDArray[np.bool_] = (areas * np.repeat(whole, counts, axis=0)).sum(axis=1) < 0.0
-    return is_folded
+    is_folded = (areas * np.repeat(whole, counts, axis=0)).sum(axis=1) < 0.0
+    longest = ((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=2).max(axis=1)
+    return is_folded, np.linalg.norm(areas, axis=1) <= _FLAT * longest
 
 
 def weld_equal(points: Floats) -> tuple[Indices, Indices]:

@@ -50,7 +50,8 @@ def read_mesh(path: str | PathLike[str], *, unit: LengthUnit) -> tuple[Floats, I
         Positions (m), in the order of the file. STL and OBJ join points with equal coordinates, as those
         formats need, and nothing else is joined or dropped.
     faces : (m, 3) int64
-        In the order of the file; a face of more than three corners becomes a fan from its first corner.
+        In the order of the file; a face of more than three corners becomes a fan from its first corner, or is
+        cut ear by ear where that would fold or hold a triangle without area.
 
     Raises
     ------

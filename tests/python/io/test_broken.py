@@ -202,8 +202,17 @@ def test_a_signalling_nan_is_refused_without_a_warning_of_numpy(tmp_path: Path) 
         qr.read_mesh(tmp_path / "signal.stl", unit="m")
 
 
-def test_a_face_that_crosses_itself_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "bow.obj"
-    path.write_text("v 1 3 0\nv 2 0 0\nv 3 2 0\nv 3 0 0\nv 0 3 0\nv 0 2 0\nf 1 2 3 4 5 6\n")
-    with pytest.raises(qr.MeshFileError, match="face 0 has 6 corners and crosses itself"):
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [(1, 3), (2, 0), (3, 2), (3, 0), (0, 3), (0, 2)],
+        # Its one ear leaves a triangle that faces away.
+        [(0, 0), (4, 0), (4, 3), (1, -0.25)],
+    ],
+)
+def test_a_face_that_crosses_itself_is_refused(tmp_path: Path, corners: list[tuple[float, float]]) -> None:
+    count, path = len(corners), tmp_path / "bow.obj"
+    face = " ".join(str(at + 1) for at in range(count))
+    path.write_text("".join(f"v {x} {y} 0\n" for x, y in corners) + f"f {face}\n")
+    with pytest.raises(qr.MeshFileError, match=f"face 0 has {count} corners and crosses itself"):
         qr.read_surface(path, unit="m")

@@ -213,6 +213,48 @@ def test_a_face_that_bends_inwards_is_cut_ear_by_ear(tmp_path: Path) -> None:
             assert height[height < 0].sum() == pytest.approx(-area)
 
 
+def turned(rows: list[int], start: int) -> str:
+    """The line of a face from another of its corners."""
+    return "f " + " ".join(str(corner + 1) for corner in rows[start:] + rows[:start]) + "\n"
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize("cuts", [(1, 0, 0), (2, 1, 0), (3, 2, 2)])
+def test_corners_in_line_leave_no_triangle_without_area(
+    tmp_path: Path, cuts: tuple[int, int, int], turn: float
+) -> None:
+    # A prism over a right triangle, whose upper edges have further corners, which their side faces share.
+    ends = np.array([(0, 0, 1), (1, 0, 1), (0, 1, 1)], dtype=float)
+    points = [np.array(point, dtype=float) for point in ((0, 0, 0), (1, 0, 0), (0, 1, 0))]
+    edges = []
+    for at, count in enumerate(cuts):
+        edges.append(list(range(len(points), len(points) + count + 1)))
+        points += [ends[at] + (ends[at - 2] - ends[at]) * k / (count + 1) for k in range(count + 1)]
+    sides = [[at, (at + 1) % 3, edges[(at + 1) % 3][0], *edges[at][::-1]] for at in range(3)]
+    axes = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(turn), -np.sin(turn)], [0.0, np.sin(turn), np.cos(turn)]])
+    lines = [f"v {x!r} {y!r} {z!r}\n" for x, y, z in (np.array(points) @ axes.T).tolist()]
+    top = [corner for edge in edges for corner in edge]
+    path = tmp_path / "prism.obj"
+    for start in range(len(top)):
+        faces = [[0, 2, 1], top, *sides]
+        path.write_text("".join(lines + [turned(face, start % len(face)) for face in faces]))
+        surface = qr.read_surface(path, unit="m")
+        assert surface.is_closed
+        assert surface.volume == pytest.approx(0.5, rel=1e-12)
+        assert surface.area == pytest.approx(3.0 + np.sqrt(2.0), rel=1e-12)
+        assert len(surface.faces) == 8 + 2 * sum(cuts)
+
+
+def test_a_real_solid_with_corners_in_line_is_sound(shared_files: list[Path]) -> None:
+    path = next(path for path in shared_files if path.name == "trimesh_wallhole.obj")
+    product = qr.read_obstacle(path, unit="m").triangles()
+    assert product is not None
+    surface = qr.Surface(*product)
+    assert surface.is_closed
+    # As its planar faces enclose it, however they are cut: so that collection's own list has it.
+    assert surface.volume == pytest.approx(1066.6666666667)
+
+
 def test_a_byte_order_mark_is_no_part_of_the_first_word(tmp_path: Path) -> None:
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
     path = tmp_path / "marked.obj"
