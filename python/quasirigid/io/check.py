@@ -127,6 +127,8 @@ def _ears(points: Floats) -> Indices | None:
     A corner on the line through its neighbours is left out first, as ears would leave triangles without area
     there; it then cuts in two the triangle on that line.
     """
+    # Far from the origin, products of coordinates would lose the polygon.
+    points = points - points[0]
     normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
     # Seen along the largest component, as it turns counter-clockwise.
     axis = int(np.abs(normal).argmax())

@@ -213,6 +213,19 @@ def test_a_face_that_bends_inwards_is_cut_ear_by_ear(tmp_path: Path) -> None:
             assert height[height < 0].sum() == pytest.approx(-area)
 
 
+@pytest.mark.parametrize("far", [0.0, 1e7])
+def test_a_face_that_bends_inwards_is_cut_far_from_the_origin_too(tmp_path: Path, far: float) -> None:
+    # An arrow head of powers of two, which are not rounded there; a fan from its first corner would fold.
+    outline = np.array([(0, 0), (2, 1), (0, 2), (1, 1)]) * 2.0**-7
+    path = tmp_path / "far.obj"
+    for axis in range(3):
+        points = far + np.roll(np.column_stack([outline, np.zeros(4)]), axis, axis=1)
+        path.write_text("".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in points.tolist()) + "f 1 2 3 4\n")
+        vertices, faces = qr.read_mesh(path, unit="m")
+        a, b, c = vertices[faces].swapaxes(0, 1)
+        assert np.cross(b - a, c - a)[:, axis - 1].tolist() == [2.0**-14, 2.0**-14]
+
+
 def turned(rows: list[int], start: int) -> str:
     """The line of a face from another of its corners."""
     return "f " + " ".join(str(corner + 1) for corner in rows[start:] + rows[:start]) + "\n"
