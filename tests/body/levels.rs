@@ -1,6 +1,8 @@
 //! Bodies on two levels: the coarse skin, the near kernel with its remainder, and what both leave as it was.
 
 use approx::assert_relative_eq;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
 use nalgebra::{Isometry3, Vector3};
 use quasirigid::obstacle::Obstacle;
 use quasirigid::reference::{CoredSphere, plate_on_cored_sphere};
@@ -130,6 +132,53 @@ fn finer_coarse_meshes_come_closer_to_one_level() {
     let expected = force(0.0);
     let errors = [4e-3, 2e-3].map(|length| (force(length) / expected - 1.0).abs());
     assert!(errors[0] < 0.05 && errors[1] < 0.015 && errors[1] < errors[0], "off one level by {errors:?}");
+}
+
+/// Lamé's thick shell, fixed inside: `u = (b - a³/b²) / (3 K + 4 G a³/b³)` per Pa.
+#[test]
+fn skin_under_pressure_all_round_follows_lame_on_two_levels() {
+    let skin = sphere(RADIUS, 3);
+    let (nodes, normals) = (all_nodes(&skin), skin.vertex_normals());
+    let asked = Request { surface: &skin, nodes: &nodes, options: &AssemblyOptions::default() };
+    let body = with_bone(sphere(CoredSphere::CORE_RADIUS, 2));
+    let core = CoredSphere::CORE_RADIUS;
+    let inward = |ratio: f64| {
+        let bulk = 2.0 * SHEAR_MODULUS * (1.0 + ratio) / (3.0 * (1.0 - 2.0 * ratio));
+        (RADIUS - core.powi(3) / RADIUS.powi(2))
+            / (3.0 * bulk + 4.0 * SHEAR_MODULUS * (core / RADIUS).powi(3))
+    };
+    for ratio in [0.3, 0.45, 0.499] {
+        let two = prepared(&body, &skin, ratio, &nodes);
+        assert!(coarse_count(&two).is_some_and(|count| count < 300));
+        let response = two.matrix(&asked, normals).expect("prepared");
+        let moved =
+            |row: usize| -> f64 { nodes.iter().map(|&j| response[(row, j)] * skin.vertex_areas()[j]).sum() };
+        let mean = nodes.iter().map(|&row| moved(row)).sum::<f64>() / nodes.len() as f64;
+        // Near incompressible tissue hardly moves: what it is off counts against tissue that does.
+        let error = (mean - inward(ratio)) / inward(0.3);
+        assert!(error.abs() < 0.025, "{error:.3} at {ratio}");
+    }
+}
+
+#[test]
+fn a_ring_around_incompressible_tissue_presses_on_two_levels_as_on_one() {
+    let skin = sphere(RADIUS, 3);
+    let points = skin.vertices();
+    let nodes: Vec<usize> = (0..points.len()).filter(|&v| points[v].z.abs() < 0.7 * RADIUS).collect();
+    let normals: Vec<Vector3<f64>> = nodes.iter().map(|&v| skin.vertex_normals()[v]).collect();
+    let asked = Request { surface: &skin, nodes: &nodes, options: &AssemblyOptions::default() };
+    let [two, one] = [None, Some(0.0)].map(|coarse_edge_length| {
+        let body = Body { coarse_edge_length, ..with_bone(sphere(CoredSphere::CORE_RADIUS, 2)) };
+        let response = prepared(&body, &skin, 0.5, &nodes).matrix(&asked, &normals).expect("prepared");
+        let symmetric =
+            Mat::from_fn(nodes.len(), nodes.len(), |i, j| 0.5 * (response[(i, j)] + response[(j, i)]));
+        let least = symmetric.self_adjoint_eigenvalues(Side::Lower).expect("finite")[0];
+        assert!(least > 0.0, "{least:e} at {coarse_edge_length:?}");
+        // All of the ring goes in by 1 m: linear.
+        let forces = response.partial_piv_lu().solve(Mat::<f64>::from_fn(nodes.len(), 1, |_, _| 1.0));
+        (0..nodes.len()).map(|i| forces[(i, 0)]).sum::<f64>()
+    });
+    assert_relative_eq!(two, one, max_relative = 0.05);
 }
 
 #[test]

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["kept"]
 
 _MOST_BYTES = 5e8  # of all bodies in memory: about three whole hands
-_VERSION = b"3"  # another one where the same body is solved otherwise
+_VERSION = b"4"  # another one where the same body is solved otherwise
 
 _known: OrderedDict[str, tuple[PreparedSkin, int]] = OrderedDict()
 _lock = Lock()

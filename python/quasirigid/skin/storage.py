@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["read_prepared", "restored_response", "write_prepared"]
 
 _FORMAT = "quasirigid prepared skin"
-_VERSION = 2
+_VERSION = 3
 # What a part holds, where it is not float64.
 _DTYPES = dict.fromkeys(("nodes", "faces", "bone_faces", "coarse_nodes", "coarse_corners"), "int64")
 _DTYPES |= dict.fromkeys(("fixed", "held"), "bool")

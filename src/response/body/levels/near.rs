@@ -3,11 +3,17 @@
 //! Per newton at distance r, with `r^` the unit vector along r, K = (1-ν)/(2πG) and φ the layer's smooth part,
 //!
 //! ```text
-//! N = 1/(2πG r) [(1-ν) I + ν r^ r^' + (1/2 - ν) (r^ n' - n r^')]  -  K φ(r/h)/h I
+//! N = 1/(2πG r) { (1-ν) I + [ν r^ r^' + (1/2 - ν) (r^ n' - n r^')] / (1 + r⁶/ρ⁶) }  -  K φ(r/h)/h I
 //! ```
 //!
-//! The first term is the displacement of a half-space's surface (Boussinesq, Cerruti; Johnson 1985, §3.2, 3.6), n the mean of
-//! the outward normals at both ends; at ν = 1/2 it is twice Kelvin's solution. h is the thickness of the tissue at hand.
+//! But for its denominator the first term is the displacement of a half-space's surface (Boussinesq, Cerruti; Johnson 1985,
+//! §3.2, 3.6), n the mean of the outward normals at both ends; at ν = 1/2 it is twice Kelvin's solution. h is the thickness of
+//! the tissue at hand.
+//!
+//! What is alike along every direction ends with the tissue's thickness, by φ. The rest would not: around a finger it would
+//! push the far side outward, and under a pressure all round it would be as large as what one force does, where tissue that
+//! keeps its volume moves by next to nothing; what a coarse mesh errs in it is more. It ends at a reach ρ that goes with h.
+//! Without anything behind the tissue it has no end.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -39,12 +45,23 @@ const ROWS_PER_TASK: usize = 128;
 /// squares it is 3.900.
 const EVEN_LOAD: f64 = 3.921;
 
+/// ρ over the thickness of the tissue. Up to 1 the compliance of incompressible fingers is definite on their coarse mesh; the
+/// shorter it is, the more that mesh has to carry where normals lean.
+const REACH_OVER_THICKNESS: f64 = 0.8;
+
 /// The near kernel of one body.
 #[derive(Debug, Clone)]
 pub(crate) struct NearKernel {
     half_space: KernelSkin,
     /// The layer over what does not move; `None` without any.
     layer: Option<KernelSkin>,
+}
+
+/// `1 / (1 + r⁶/ρ⁶)` at a distance squared (m²), ρ² the product of ρ at both ends, of which 1/ρ is given (1/m).
+#[inline(always)]
+pub(super) fn fade(distance_squared: f64, [to, from]: [f64; 2]) -> f64 {
+    let share = distance_squared * (to * from);
+    1.0 / (1.0 + share * share * share)
 }
 
 impl NearKernel {
@@ -62,6 +79,14 @@ impl NearKernel {
     /// In Pa.
     pub fn shear_modulus(&self) -> f64 {
         self.half_space.shear_modulus()
+    }
+
+    /// 1/ρ at a vertex (1/m).
+    pub(super) fn per_reach(&self, vertex: usize) -> f64 {
+        match self.layer.as_ref().map(KernelSkin::kernel) {
+            Some(Kernel::Layer { thickness }) => 1.0 / (REACH_OVER_THICKNESS * thickness.at(vertex)),
+            _ => 0.0,
+        }
     }
 
     /// The same on a refinement of the surface, or of one that it is a part of: the thickness is linear along edges.
@@ -100,9 +125,11 @@ impl NearKernel {
         let [along_x, along_y, along_z] = coordinates(directions.iter());
         let normals = asked.nodes.iter().map(|&vertex| &asked.surface.vertex_normals()[vertex]);
         let [normal_x, normal_y, normal_z] = coordinates(normals);
+        let per_reach: Vec<f64> = asked.nodes.iter().map(|&vertex| self.per_reach(vertex)).collect();
         let (factor, skew) = (self.outer_factor(), 0.5 * self.skew_factor());
         par_columns(&mut response).enumerate().for_each(|(j, entries)| {
             let count = entries.len();
+            let per_reach = &per_reach[..count];
             let [x, y, z] = [&x[..count], &y[..count], &z[..count]];
             let [along_x, along_y, along_z] = [&along_x[..count], &along_y[..count], &along_z[..count]];
             let [normal_x, normal_y, normal_z] = [&normal_x[..count], &normal_y[..count], &normal_z[..count]];
@@ -120,7 +147,8 @@ impl NearKernel {
                         let turned = row * dot(&load, &normal) - column * dot(&along, &normal);
                         let squared = squared(&way);
                         let rest = factor * row * column / squared.sqrt() + skew * turned;
-                        *entry = *entry * dot(&along, &load) + rest / squared;
+                        let faded = fade(squared, [per_reach[i], per_reach[j]]) * rest / squared;
+                        *entry = *entry * dot(&along, &load) + faded;
                     }
                 },
             );
@@ -152,10 +180,12 @@ impl NearKernel {
         let (points, normals) = (asked.surface.vertices(), asked.surface.vertex_normals());
         let [x, y, z] = coordinates(vertices.iter().map(|&vertex| &points[vertex]));
         let [normal_x, normal_y, normal_z] = coordinates(vertices.iter().map(|&vertex| &normals[vertex]));
+        let per_reach: Vec<f64> = vertices.iter().map(|&vertex| self.per_reach(vertex)).collect();
         let (factor, skew) = (self.outer_factor(), 0.5 * self.skew_factor());
         let moved = |first: usize| {
             let rows = first..vertices.len().min(first + ROWS_PER_TASK);
             let count = rows.len();
+            let per_reach = &per_reach[rows.clone()];
             let [x, y, z] = [&x[rows.clone()], &y[rows.clone()], &z[rows.clone()]];
             let [normal_x, normal_y, normal_z] =
                 [&normal_x[rows.clone()], &normal_y[rows.clone()], &normal_z[rows.clone()]];
@@ -168,7 +198,7 @@ impl NearKernel {
                         [&mut sum_x[..count], &mut sum_y[..count], &mut sum_z[..count]];
                     for (j, (&node, force)) in asked.nodes.iter().zip(forces).enumerate() {
                         let (to, own) = (&points[node], &normals[node]);
-                        let load = [force.x, force.y, force.z];
+                        let (load, from) = ([force.x, force.y, force.z], self.per_reach(node));
                         let scalar = &scalar.col_as_slice(j)[first..][..count];
                         for i in 0..count {
                             let way = [x[i] - to.x, y[i] - to.y, z[i] - to.z];
@@ -178,7 +208,7 @@ impl NearKernel {
                             let along = factor * column / squared.sqrt() + skew * dot(&load, &normal);
                             let across = skew * column;
                             // Multiplied last: 0 at the node itself, however soft the tissue.
-                            let inverse = 1.0 / squared;
+                            let inverse = fade(squared, [per_reach[i], from]) / squared;
                             sum_x[i] += scalar[i] * load[0] + (along * way[0] - across * normal[0]) * inverse;
                             sum_y[i] += scalar[i] * load[1] + (along * way[1] - across * normal[1]) * inverse;
                             sum_z[i] += scalar[i] * load[2] + (along * way[2] - across * normal[2]) * inverse;

@@ -9,7 +9,7 @@ use crate::response::body::equations::quadrature::{
     Integration, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
 };
 use crate::response::body::equations::triangle::Triangle;
-use crate::response::body::levels::near::{NEAR_TOLERANCE, NearKernel};
+use crate::response::body::levels::near::{NEAR_TOLERANCE, NearKernel, fade};
 use crate::response::error::ResponseError;
 use crate::response::matrix::collocation::assemble_block;
 use crate::response::matrix::fill::filled_columns;
@@ -30,8 +30,8 @@ pub(crate) struct NearBlocks {
     skew_factor: f64,
 }
 
-/// Place (m) and normal of a vertex.
-type End = (Vector3<f64>, Vector3<f64>);
+/// Place (m), normal and 1/ρ (1/m) of a vertex.
+type End = (Vector3<f64>, Vector3<f64>, f64);
 
 impl NearKernel {
     /// Blocks of the displacement of `rows` per newton at `columns`, vertices of `surface`, against the hats but
@@ -69,7 +69,9 @@ impl NearKernel {
                 }
             });
         })?;
-        let end = |&vertex: &usize| (surface.vertices()[vertex], surface.vertex_normals()[vertex]);
+        let end = |&vertex: &usize| {
+            (surface.vertices()[vertex], surface.vertex_normals()[vertex], self.per_reach(vertex))
+        };
         let ends = [rows, columns].map(|vertices| vertices.iter().map(end).collect());
         Ok(NearBlocks { scalar, outer, ends, skew_factor: self.skew_factor() })
     }
@@ -92,13 +94,14 @@ impl NearBlocks {
     pub fn block(&self, row: usize, column: usize) -> Matrix3<f64> {
         let [xx, xy, xz, yy, yz, zz] = self.outer.col_as_slice(row).as_chunks().0[column];
         let outer = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let [(to, normal), (from, other)] = [self.ends[0][row], self.ends[1][column]];
+        let [(to, normal, per_reach), (from, other, per_other)] = [self.ends[0][row], self.ends[1][column]];
         let way = to - from;
         let turned = way * (0.5 * (normal + other)).transpose();
         // 0 at the vertex itself, however soft the tissue.
-        let skew =
-            self.skew_factor * (turned - turned.transpose()) / way.norm_squared().max(f64::MIN_POSITIVE);
-        outer + skew + Matrix3::from_diagonal_element(self.scalar[(row, column)])
+        let squared = way.norm_squared();
+        let skew = self.skew_factor * (turned - turned.transpose()) / squared.max(f64::MIN_POSITIVE);
+        (outer + skew) * fade(squared, [per_reach, per_other])
+            + Matrix3::from_diagonal_element(self.scalar[(row, column)])
     }
 }
 
