@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _SLACK = 0.2  # of the growth that turns skin over: pivots are found anew after, and meshes are coarse
 _ACROSS = 4.0  # times as much growth may there be across a bend, where none turns skin over
-_OPPOSITE = np.arange(4) / 4.0  # places on the side opposite to a corner, from its first end on
+_OPPOSITE = np.linspace(0.0, 1.0, 5)  # places on the side opposite to a corner
 _SPREAD = 0.01  # of the angle (rad) in a face, below which no bend turns it over
 _SETTLED = 1e-5  # change of an angle (rad) that is none
 _TINY = np.finfo(np.float64).tiny
@@ -123,7 +123,7 @@ class _Slopes:
         return angle
 
     def _most_of(self, faces: NDArray[np.int64]) -> Floats:
-        """Return by how much (k, 3, 4) (rad) the angle may grow from corners of faces to places opposite.
+        """Return by how much (k, 3, 5) (rad) the angle may grow from corners of faces to places opposite.
 
         Negative where the place lies behind the corner: by so much from there to the corner.
         """
