@@ -44,7 +44,8 @@ class Accuracy:
     cells_per_radius : float
         Mesh cells per contact radius, taken as 2 area / rim length. Below about 4 the mesh is coarse.
     force_error : float or None
-        Estimated error of the force over its length: `mesh_error` + `body_error`. None, here and below, where
+        Estimated error of the force over its length: `mesh_error` + `body_error`. Where patches balance each
+        other, as in a pinch, little force is left, and it may be above 1. None, here and below, where
         no estimate was made; `Contact.left_out` says why. Infinite where the mesh is too coarse to tell, as
         where it penetrates and nothing carries force.
     mesh_error, body_error : float or None

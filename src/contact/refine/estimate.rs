@@ -10,7 +10,10 @@ use crate::contact::refine::mesh_errors::{MeshErrors, SLOWEST_CHANGE, Settling};
 use crate::contact::refine::tissue::Tissue;
 use crate::response::kernel::basis::Discretization;
 
-/// Relative errors of force, area and peak pressure.
+/// Relative errors of force, area and peak pressure: that of the force over the length of its resultant.
+///
+/// What cells and shapes cost each patch is a share of what the patch carries, of which a resultant is the less the more the
+/// patches balance each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ErrorEstimate {
     pub force: f64,
@@ -69,6 +72,7 @@ impl ErrorEstimate {
             // Always too high, of which no more than all is wrong.
             let [force, area] = [(ON_EDGE[0], steeper), (ON_EDGE[1], 1.0)]
                 .map(|((factor, power), more)| more * factor / (more * factor + cells.powf(power)));
+            let force = force / contact.unbalanced();
             return Self { force, area, pressure }.with_shapes(contact).with_cuts(contact);
         }
         let deepest = contact.max_penetration_before;
@@ -88,7 +92,7 @@ impl ErrorEstimate {
         // The powers that figures go with the depth of a sphere.
         let [force, area, pressure] = [(force, BY_DEPTH * steeper), (area, 1.0), (pressure, 0.5)]
             .map(|(of_cells, power)| add(of_cells, power * late));
-        Self { force, area, pressure }.with_shapes(contact).with_cuts(contact)
+        Self { force: force / contact.unbalanced(), area, pressure }.with_shapes(contact).with_cuts(contact)
     }
 
     /// From the last two rounds; on a sharp edge from the last three.
@@ -126,7 +130,7 @@ impl ErrorEstimate {
         // As if all of the obstacle were that much farther away.
         let late = BY_DEPTH * height / contact.max_penetration_before;
         Self {
-            force: self.force + of_skin + at_rim + late,
+            force: self.force + (of_skin + at_rim + late) / contact.unbalanced(),
             area: self.area + of_skin + share,
             pressure: self.pressure + share / (1.0 - share).max(LEAST_TOUCHED) + at_bumps,
         }
@@ -139,7 +143,7 @@ impl ErrorEstimate {
             return self;
         }
         let [force, area] = AT_CUTS.map(|factor| factor * share / contact.accuracy.cells_per_radius);
-        Self { force: self.force + force, area: self.area + area, ..self }
+        Self { force: self.force + force / contact.unbalanced(), area: self.area + area, ..self }
     }
 
     /// From the estimate for another contact.

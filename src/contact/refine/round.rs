@@ -78,7 +78,8 @@ impl Contact {
     pub(crate) fn note_round(&mut self, error: Option<ErrorEstimate>, started: Instant) {
         let doubts = [self.clues.body, self.clues.product].into_iter().flatten();
         // A sum of none would be -0.
-        let body = doubts.map(|doubt| doubt.force_error).fold(0.0, |sum, error| sum + error);
+        let body =
+            doubts.map(|doubt| doubt.force_error).fold(0.0, |sum, error| sum + error) / self.unbalanced();
         self.accuracy.mesh_error = error.map(|error| error.force);
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
@@ -141,12 +142,13 @@ impl Contact {
             _ if self.is_apart() => PER_SHARE_APART * self.clues.apart,
             _ => 0.0,
         };
+        let of_force = (apart + late) / self.unbalanced();
         let [at_facets, at_creases] = shapes;
         let Accuracy { force_error, mesh_error, area_error, max_pressure_error, .. } = &mut self.accuracy;
         *max_pressure_error = max_pressure_error.map(|error| error.max(at_creases));
         let more = [
-            (force_error, apart + late),
-            (mesh_error, apart + late),
+            (force_error, of_force),
+            (mesh_error, of_force),
             (area_error, apart + late + of_area),
             (max_pressure_error, apart + above + of_peak + at_facets),
         ];

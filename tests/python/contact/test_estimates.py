@@ -245,3 +245,24 @@ def test_a_blade_thinner_than_the_cells_is_told_to_be_far_off() -> None:
     most, most_told = pressed(1e-4, 2e-4)
     assert most_told < 0.05
     assert force * (1.0 - told) <= most * (1.0 + most_told)
+
+
+def test_the_error_of_a_pinch_is_over_the_force_that_is_left() -> None:
+    points, faces = ball(8e-3, 3)
+    points -= points.mean(axis=0)
+    # No mesh is alike at both ends, so that what is left of the force is error alone.
+    points += np.random.default_rng(3).normal(scale=1e-4, size=points.shape)
+    points *= 8e-3 / np.linalg.norm(points, axis=1)[:, None]
+    block, sides = slab(grid(4, 20e-3), 5e-3)
+    above = block + np.array([0.0, 0.0, 12.5e-3])
+    jaws = qr.Obstacle.mesh(
+        np.concatenate([above, above * [1.0, -1.0, -1.0]]), np.concatenate([sides, sides + len(above)])
+    )
+    for target in (None, 0.02):
+        options = qr.ContactOptions(target_error=target)
+        contact = qr.solve_contact(qr.Surface(points, faces), jaws, soft(), options=options)
+        assert len(contact.patches) == 2
+        assert contact.accuracy.force_error is not None
+        assert contact.accuracy.force_error > 1.0
+        carried = sum(np.linalg.norm(patch.force) for patch in contact.patches)
+        assert np.linalg.norm(contact.force) < 0.03 * carried
