@@ -84,7 +84,8 @@ impl Contact {
         let at_cuts = report.warn_of_cuts(gaps, response.skin, &forces);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let on_edges = RimOnEdges::new(gaps, &forces)?;
-        let within_rim = areas_within_rim(gaps, response, &forces, &beside, &on_edges)?;
+        let (motion, obstacle_share) = motion.with_product(response, &forces)?;
+        let within_rim = areas_within_rim(gaps, response, obstacle_share, &forces, &beside, &on_edges)?;
         let [body, product] = response.doubts(&forces.active, &forces.active_vectors(), gaps.deepest())?;
         let edge = LoadedEdge::of_obstacle(gaps, &forces);
         let skin_edge = LoadedEdge::of_skin(gaps, &forces);
@@ -114,7 +115,6 @@ impl Contact {
         if discretization == Discretization::Galerkin || traits.basis == PressureBasis::OneRing {
             pressure.raise_to_means(surface, &forces, areas);
         }
-        let (motion, obstacle_share) = motion.with_product(response, &forces)?;
         let figures = Figures::new(gaps, &forces, pressure, areas, motion, left.depth, discretization);
         report.clock("outcome", started);
         Ok(Self {

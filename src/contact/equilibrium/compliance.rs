@@ -99,6 +99,11 @@ impl<'a> Compliance<'a> {
         Ok(self)
     }
 
+    /// What answers for a product that gives way, at the skin's vertices.
+    pub fn product(&self) -> Option<&dyn ElasticSkin> {
+        self.product.as_ref().map(|product| &*product.response as &dyn ElasticSkin)
+    }
+
     /// The same with another skin of the same answers.
     pub fn with_skin<'b>(&self, skin: &'b dyn ElasticSkin) -> Compliance<'b>
     where

@@ -310,3 +310,27 @@ def test_a_matrix_of_the_product_names_what_it_lacks() -> None:
         pressed(few.moved(np.eye(3), [0, 0, -0.04]))
     with pytest.raises(qr.ResponseError, match="but there are 2562 vertices"):
         soft(BALL, qr.GivenMatrix(nodes=[2562], compliance=[[1e-4]]))
+
+
+# A skin as hard as steel, on cells as long as the layer is thick.
+@pytest.mark.filterwarnings("ignore::quasirigid.ModulusWarning")
+@pytest.mark.filterwarnings("ignore::quasirigid.PenetrationWarning")
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+@pytest.mark.parametrize("target_error", [None, 0.02])
+def test_a_layer_touches_as_much_on_the_product_as_on_the_skin(
+    discretization: str, target_error: float | None
+) -> None:
+    surface = qr.Surface(*grid(24, 20e-3 / 24))
+    indenter = qr.Obstacle.sphere([0.3e-3, 0.2e-3, 50e-3], 50e-3)
+    gives = {"shear_modulus": 30e3, "poisson_ratio": 0.5}
+    hard = {"shear_modulus": 1e12, "poisson_ratio": 0.4}
+    on_skin = qr.Skin(**gives, response=qr.Layer(thickness=0.5e-3, discretization=discretization))
+    under = qr.Skin(**hard, response=qr.HalfSpace(discretization=discretization))
+    on_product = indenter.with_material(**gives, response=qr.Layer(thickness=0.5e-3))
+    options = qr.ContactOptions(target_error=target_error)
+    one, other = (
+        qr.press(surface, obstacle, skin, [0.0, 0.0, -1.0], depth=0.2e-3, options=options)
+        for obstacle, skin in ((indenter, on_skin), (on_product, under))
+    )
+    assert other.force[2] == pytest.approx(one.force[2], rel=1e-3)
+    assert other.contact_area == pytest.approx(one.contact_area, rel=1e-3)

@@ -6,6 +6,7 @@ use crate::contact::error::ContactError;
 use crate::contact::figures::area::beside::Beside;
 use crate::contact::figures::area::rim::RimOnEdges;
 use crate::contact::gap::initial::Gaps;
+use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 
 /// Power of the gap that grows with the distance from the rim of a smooth contact.
@@ -16,9 +17,12 @@ const SMOOTH_RIM: f64 = 2.0 / 3.0;
 const HALF_SPRINGS: [f64; 2] = [0.35, 2.6];
 
 /// Contact area at each vertex (n, m²), within the rim that sharp edges and the gaps beside it place.
+///
+/// * `obstacle_share`: of the work that goes into the obstacle
 pub(crate) fn areas_within_rim(
     gaps: &Gaps,
     response: &Compliance,
+    obstacle_share: Option<f64>,
     forces: &NodeForces,
     beside: &Beside,
     on_edges: &RimOnEdges,
@@ -32,12 +36,18 @@ pub(crate) fn areas_within_rim(
         (gap[across.vertex], is_across[across.vertex]) = (across.distance, true);
     }
     let (touches, active) = (forces.touching(), &forces.active);
-    let power = |vertex: usize| {
-        let layer =
-            response.skin.kernel_at(vertex).and_then(|kernel| Some((kernel, kernel.layer_at(vertex)?)));
+    let power_on = |side: &dyn ElasticSkin, vertex: usize| {
+        let layer = side.kernel_at(vertex).and_then(|kernel| Some((kernel, kernel.layer_at(vertex)?)));
         layer.map_or(SMOOTH_RIM, |(kernel, thickness)| {
             rim_on_layer(gaps.surface.shortest_edge(vertex) / thickness, kernel.poisson_ratio())
         })
+    };
+    let power = |vertex: usize| {
+        let of_skin = power_on(response.skin, vertex);
+        response
+            .product()
+            .zip(obstacle_share)
+            .map_or(of_skin, |(product, share)| of_skin + share * (power_on(product, vertex) - of_skin))
     };
     let beside = GapsBeside { gap: &gap, is_across: &is_across, power: &power };
     Ok(contact_areas(gaps.surface, rim_shift, &beside, &touches, &forces.force, active))
