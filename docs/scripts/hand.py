@@ -71,8 +71,8 @@ hinges.
 - Rigs have the joints of digits at any depth below the back, where a bend gains or loses volume. Here they
   turn at the depth at which a right angle keeps it (`hand.pivot_of`).
 - Weights that change over a short way turn skin over in the crease of a joint. There, and nowhere else, they
-  grow as slowly as they must: at a distance y from the axis by less than 1/y for a turn of 1 rad.
-  `hand.weights` are the file's.
+  change as slowly as they must: at a distance y from the axis the angle grows along the digit by less than
+  1/y. `hand.weights` are the file's.
 - Pivots hang on the mesh a little: with each triangle split into four, the same skin comes to lie up to
   0.04 to 0.8 mm elsewhere in "relaxed" and 0.5 to 2.6 mm in "fist", by the rig (13,000 vertices at most 0.5
   and 1.0 mm); that of a saved contact by up to 0.2 mm.

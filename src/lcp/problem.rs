@@ -245,7 +245,7 @@ impl<'a> LcpProblem<'a> {
     }
 
     /// The most by which an unknown moves any w; 0 of one that is not above zero.
-    pub(super) fn reach(&self, column: usize, z: f64) -> f64 {
+    pub(super) fn largest_effect(&self, column: usize, z: f64) -> f64 {
         if z > 0.0 {
             (0..self.size()).fold(0.0, |largest: f64, row| largest.max((self.m[(row, column)] * z).abs()))
         } else {
@@ -258,7 +258,7 @@ impl<'a> LcpProblem<'a> {
     /// A tiny diagonal would otherwise take a z for none that carries other rows.
     pub(super) fn force_beside(&self, i: usize, z: f64, w: f64) -> f64 {
         let own = if z > 0.0 { self.diagonal_scale(i) * z } else { 0.0 };
-        if own < w { own.max(self.reach(i, z)) } else { own }
+        if own < w { own.max(self.largest_effect(i, z)) } else { own }
     }
 }
 

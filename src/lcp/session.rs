@@ -111,7 +111,8 @@ impl<'a> Session<'a> {
         let bearable = ZERO_SHARE * self.options.tolerance * self.problem.deficit();
         let zero = (ZERO_TOLERANCE * self.largest_force(&z)).min(bearable);
         for (i, z) in z.iter_mut().enumerate() {
-            if self.scaled(i, *z) <= zero && self.problem.reach(i, *z) <= zero {
+            // All of a column is looked at for the few that the diagonal calls zero.
+            if self.scaled(i, *z) <= zero && self.problem.largest_effect(i, *z) <= zero {
                 *z = 0.0;
             }
         }

@@ -154,7 +154,8 @@ fn skin_under_pressure_all_round_follows_lame_on_two_levels() {
         let moved =
             |row: usize| -> f64 { nodes.iter().map(|&j| response[(row, j)] * skin.vertex_areas()[j]).sum() };
         let mean = nodes.iter().map(|&row| moved(row)).sum::<f64>() / nodes.len() as f64;
-        // Near incompressible tissue hardly moves: what it is off counts against tissue that does.
+        // Near incompressible tissue hardly moves: what it is off counts against tissue that does, where the coarse mesh
+        // of some 240 vertices costs 2 %.
         let error = (mean - inward(ratio)) / inward(0.3);
         assert!(error.abs() < 0.025, "{error:.3} at {ratio}");
     }
@@ -178,6 +179,7 @@ fn a_ring_around_incompressible_tissue_presses_on_two_levels_as_on_one() {
         let forces = response.partial_piv_lu().solve(Mat::<f64>::from_fn(nodes.len(), 1, |_, _| 1.0));
         (0..nodes.len()).map(|i| forces[(i, 0)]).sum::<f64>()
     });
+    // What the coarse mesh is told to cost such a contact is 3 to 4 %.
     assert_relative_eq!(two, one, max_relative = 0.05);
 }
 

@@ -181,14 +181,14 @@ fn a_border_that_is_graded_to_fine_edges_is_welded_and_a_gap_in_it_is_found() {
     };
     for slope in [0.0, 1.0] {
         let mesh = graded(slope);
-        assert_eq!(check(&mesh.0, &mesh.1).unwrap().boundary_loops().len(), 1);
+        assert_eq!(check(&mesh.0, &mesh.1).expect("it is welded").boundary_loops().len(), 1);
         let across = |p: &Vector3<f64>| Vector3::new(2.0 * slope * p.y - p.x - 1e-9, p.y, 0.0);
         let gap = joined(&mesh, &(mesh.0.iter().map(across).collect(), flipped(&mesh.1)));
         let MeshError::Unwelded { count, weld_tolerance, .. } = error_of(&gap) else {
             panic!("another error");
         };
         assert_eq!(count, 2 * 13);
-        let mended = welded(&gap, weld_tolerance).unwrap();
+        let mended = welded(&gap, weld_tolerance).expect("the tolerance that was named");
         assert_eq!((mended.vertices.len(), mended.faces.len()), ((23 + 22) * 13, 2 * 2 * 22 * 12));
     }
 }

@@ -103,9 +103,10 @@ fn a_wall_may_be_thin_next_to_its_edges() {
     let inward = |(vertices, faces): Mesh| (vertices, flipped(&faces));
     for wall in [1e-3, 1e-5, 1e-7] {
         let hollow = joined(&cube(1.0), &inward(cube(1.0 - wall)));
-        nesting(&hollow).unwrap();
-        assert!(welded(&hollow, 0.0).unwrap().report.is_unchanged());
-        let mended = welded(&inward(hollow.clone()), 0.0).unwrap();
+        nesting(&hollow).expect("a cavity");
+        let repaired = |mesh: &Mesh| welded(mesh, 0.0).expect("shells that are closed");
+        assert!(repaired(&hollow).report.is_unchanged());
+        let mended = repaired(&inward(hollow.clone()));
         assert_eq!((mended.vertices, mended.faces), hollow);
         // Turned the same way there is no wall: it is given twice.
         let twice = nesting(&joined(&cube(1.0), &cube(1.0 - wall)));
@@ -130,8 +131,8 @@ fn a_body_of_which_one_tip_or_the_others_leaves_the_other_is_beside_it() {
     let dented = tips(&outer).into_iter().map(|tip| (with_tip(&outer, tip, 0.3), inner.clone()));
     for (outer, (vertices, faces)) in spiked.chain(dented) {
         let beside = joined(&outer, &(vertices.clone(), faces.clone()));
-        nesting(&beside).unwrap();
-        assert!(welded(&beside, 0.0).unwrap().report.is_unchanged());
+        nesting(&beside).expect("side by side");
+        assert!(welded(&beside, 0.0).expect("shells that are closed").report.is_unchanged());
         let inverted = nesting(&joined(&outer, &(vertices, flipped(&faces))));
         assert!(matches!(inverted, Err(MeshError::InsideOut { component: 1, expected: '+', .. })));
     }

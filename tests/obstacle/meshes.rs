@@ -130,7 +130,7 @@ fn points_at_any_distance_outside_are_outside() {
     for exponent in -1..40 {
         let points: Vec<_> =
             (0..100).map(|_| random_direction(&mut random) * 10.0_f64.powi(exponent)).collect();
-        let found = mesh.signed_distance(&points, None).unwrap();
+        let found = mesh.signed_distance(&points, None).expect("finite points");
         for (point, (distance, normal)) in points.iter().zip(found.distance.iter().zip(&found.normal)) {
             assert!((distance - point.norm()).abs() <= 0.05 + 4.0 * f64::EPSILON * point.norm(), "{point:?}");
             assert!(normal.dot(&point.normalize()) > 0.9, "{point:?}");
