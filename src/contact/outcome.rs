@@ -88,7 +88,7 @@ pub struct LeftOut {
 /// Seconds spent in one stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timing {
-    /// `first_touch`, `signed_distance`, `response`, `lcp` or `outcome`.
+    /// `first_touch`, `signed_distance`, `response`, `lcp` or `outcome`; `refinement` is what its rounds take beside these.
     pub stage: &'static str,
     /// Wall time (s).
     pub seconds: f64,

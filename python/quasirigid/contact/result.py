@@ -104,8 +104,8 @@ class Contact(Frozen):
         How far the figures can be trusted.
     timings : mapping of str to float
         Seconds per stage of the solve, on all meshes and for all depths that were tried: "first_touch",
-        "signed_distance", "response", "lcp" and "outcome". The drawn skin is none of them, nor is the making
-        of finer meshes.
+        "signed_distance", "response", "lcp" and "outcome"; "refinement" is what its rounds take beside these.
+        The drawn skin is none of them.
     left_out : tuple of LeftOut
         What the solve left out, and why.
     warnings : tuple of (category, message)

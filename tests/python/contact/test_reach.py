@@ -60,9 +60,8 @@ def test_the_stages_take_the_time_of_all_meshes(fingertip: qr.Surface) -> None:
         assert len(meshes) > 2
         return sum(contact.timings.values()) / sum(meshes)
 
-    # The rest makes the meshes. Of the first and the last alone it is less than half; a busy machine may
-    # stop between stages.
-    assert max(share_in_stages() for _ in range(3)) > 0.6
+    # Of the first and the last mesh alone it is less than half; a busy machine may stop between stages.
+    assert max(share_in_stages() for _ in range(3)) > 0.9
 
 
 def test_the_overlap_asked_for_is_the_penetration_before(fingertip: qr.Surface) -> None:
