@@ -137,8 +137,11 @@ def close_stdout() -> None:
 
 # An argument of the library in a message, as `unit="mm"` or `Body(fixed=)`.
 _ARGUMENT = re.compile(r"`(?:\w+\()?(\w+)(?:=[^`]*)?`")
-# The one of `repair`, which other commands advise too, with its value (m).
+# The one of `repair`, which other commands advise too, and that of a body, with their values (m).
 _WELDING = re.compile(r"\bweld_tolerance\b(?: = ([\d.e+-]+) m\b)?")
+_COARSE_EDGES = re.compile(r"\bcoarse_edge_length = ([\d.e+-]+) m\b")
+# How Python leaves out flat cut faces.
+_WITHOUT_CAPS = "`surface.with_skin_mask(qr.skin_without_caps(surface))`"
 # What the command at work has for them: its options, and the commands, which keep their names.
 _words: dict[str, str] = {}
 
@@ -156,12 +159,22 @@ def speak_for(program: typer.Context) -> None:
 
 def _in_options(message: str) -> str:
     """Return a message of the library with options for its arguments; others are told to be Python's."""
+    if "skin_mask" in _words:
+        message = message.replace(_WITHOUT_CAPS, "--skin-mask caps")
+    if "product_unit" in _words and message.startswith("the product is "):
+        message = message.replace("`unit=", "`product_unit=")
     told = _ARGUMENT.sub(lambda found: _words.get(found[1], f"{found[0]} of Python"), message)
-    # No command leaves that check out.
+    # No command leaves that check out, nor chooses how problems are solved.
     told = told.replace("check_crossings = false", "`check_crossings=False` of Python")
+    told = re.sub(r"\bmethod auto\b", '`method="auto"` of Python', told)
+    told = _COARSE_EDGES.sub(lambda found: f"--response body:coarse_edge_length={_in_mm(found[1])}", told)
     return _WELDING.sub(
-        lambda found: "--weld-tolerance" + (f" {float(found[1]) * MM:.12g}mm" if found[1] else ""), told
+        lambda found: "--weld-tolerance" + (f" {_in_mm(found[1])}" if found[1] else ""), told
     )
+
+
+def _in_mm(metres: str) -> str:
+    return f"{float(metres) * MM:.12g}mm"
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:

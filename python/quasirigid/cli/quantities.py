@@ -25,6 +25,9 @@ MASS = {"kg": 1.0, "g": 1e-3}
 ANGLE = {"rad": 1.0, "deg": math.pi / 180.0}
 COMPLIANCE = {"m/N": 1.0, "mm/N": 1e-3}
 
+_EXAMPLES = (("1.12", "mm"), ("5", "N"), ("60", "kPa"), ("0.3", "kg"), ("90", "deg"), ("0.8", "mm/N"))
+_STEPS_EXAMPLE = "1:5:9"
+
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 _STEPS = re.compile(
@@ -94,11 +97,11 @@ def parse_quantities(text: str, count: int, units: dict[str, float], what: str) 
         match = _NUMBER.match(part)
         unit = part[match.end() :].strip() if match else ""
         if match is None or (unit and unit not in units):
-            raise QuantityError(f"{what}: '{part}' is not a number with a unit, {_allowed(units, part)}")
+            raise QuantityError(f"{what}: '{part}' is not a number with a unit, {_expected(units)}")
         if unit:
             factor = units[unit]
         if factor is None:
-            raise QuantityError(f"{what}: '{text}' has no unit, {_allowed(units, text)}")
+            raise QuantityError(f"{what}: '{text}' has no unit, {_expected(units)}")
         values.append(_finite(match.group(), what) * factor)
     return values[::-1]
 
@@ -119,7 +122,7 @@ def parse_steps(text: str, units: dict[str, float], what: str) -> list[float]:
     if match is None or int(match["count"]) < 2:
         raise QuantityError(
             f"{what}: '{text}' is not of the form first:last:count with a unit and a count of 2 or more,"
-            f" as in 1:5:9{_best(units)}"
+            f" as in {_STEPS_EXAMPLE}{_example(units)[1]}"
         )
     count = int(match["count"])
     if count > _MOST_STEPS:
@@ -127,8 +130,7 @@ def parse_steps(text: str, units: dict[str, float], what: str) -> list[float]:
     unit = match["unit"]
     if unit not in units:
         found = f"the unit '{unit}'" if unit else "no unit"
-        stem = text.strip().removesuffix(unit).strip()
-        raise QuantityError(f"{what}: '{text}' has {found}, {_expected(units, stem)}")
+        raise QuantityError(f"{what}: '{text}' has {found}, {_expected(units, _STEPS_EXAMPLE)}")
     ends = f"{match['first']},{match['last']}{unit}"
     first, last = parse_quantities(ends, 2, units, what)
     return [first + (last - first) * (step / (count - 1)) for step in range(count)]
@@ -165,16 +167,13 @@ def _finite(text: str, what: str) -> float:
     return value
 
 
-def _allowed(units: dict[str, float], example: str) -> str:
-    number = _NUMBER.match(example.split(",")[-1].strip())
-    return _expected(units, number.group() if number else "1")
+def _expected(units: dict[str, float], sample: str | None = None) -> str:
+    """Return the units that are allowed, with an example: not of the number given, which may be meant in SI."""
+    *names, last = units
+    number, unit = _example(units)
+    return f"expected {', '.join(names)} or {last} after it, as in {sample or number}{unit}"
 
 
-def _expected(units: dict[str, float], sample: str) -> str:
-    names = list(units)
-    return f"expected {', '.join(names[:-1])} or {names[-1]} after it, as in {sample}{_best(units)}"
-
-
-def _best(units: dict[str, float]) -> str:
-    """Return the unit that suits fingers."""
-    return next((name for name in ("mm", "N", "kg") if name in units), list(units)[1])
+def _example(units: dict[str, float]) -> tuple[str, str]:
+    """Return a number and its unit as they are usual of fingers."""
+    return next(example for example in _EXAMPLES if example[1] in units)

@@ -43,6 +43,8 @@ def test_a_unit_counts_for_the_bare_numbers_before_it() -> None:
     ("text", "message"),
     [
         ("1.12", "--depth: '1.12' has no unit, expected m, cm, mm, um or inch after it, as in 1.12mm"),
+        # In metres, it may be: no example makes millimetres of it.
+        ("0.002", "'0.002' has no unit, expected m, cm, mm, um or inch after it, as in 1.12mm"),
         ("1.12kPa", "'1.12kPa' is not a number with a unit"),
         ("deep", "'deep' is not a number with a unit"),
         ("", "'' is not a number with a unit"),

@@ -31,12 +31,12 @@ pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
         (["--depths", "1:2:1mm"], "not of the form first:last:count"),
         (
             ["--depths", "1:2:3"],
-            "'1:2:3' has no unit, expected m, cm, mm, um or inch after it, as in 1:2:3mm",
+            "'1:2:3' has no unit, expected m, cm, mm, um or inch after it, as in 1:5:9mm",
         ),
         (["--depths", "-1:2:3mm"], "--depths: '-1:2:3mm' holds a depth below 0"),
         (
             ["--forces", "1:2:3 mm"],
-            "'1:2:3 mm' has the unit 'mm', expected N, kN or mN after it, as in 1:2:3N",
+            "'1:2:3 mm' has the unit 'mm', expected N, kN or mN after it, as in 1:5:9N",
         ),
         (["--forces", "0:2:3N"], "--forces: '0:2:3N' holds a force that is not above 0"),
     ],
@@ -164,6 +164,22 @@ def test_bad_input_is_one_line_and_status_2(
             "press",
             "(`repair` with a weld_tolerance if they meet)",
             "(`repair` with a --weld-tolerance if they meet)",
+        ),
+        (
+            "press",
+            "mask it out, as by `surface.with_skin_mask(qr.skin_without_caps(surface))`",
+            "mask it out, as by --skin-mask caps",
+        ),
+        (
+            "press",
+            "prepare it with coarse_edge_length = 6.84e-4 m",
+            "prepare it with --response body:coarse_edge_length=0.684mm",
+        ),
+        ("press", "a coarser mesh, or method auto", 'a coarser mesh, or `method="auto"` of Python'),
+        (
+            "press",
+            'the product is 1e-4 m large: `unit="mm"` converts a file',
+            "the product is 1e-4 m large: --product-unit converts a file",
         ),
         # What this command calls so looks for more crossings, not for fewer.
         (
