@@ -174,10 +174,7 @@ def _of_array(pose: ArrayLike, count: int) -> Floats:
 
 def _of_preset(pose: str, hand: Hand) -> Floats:
     """Return the turns of a preset, the same bend of the digits whatever their bend at rest."""
-    try:
-        index_of(pose, PRESETS, "the pose")
-    except HandError as error:
-        raise HandError(f"{error}, of {', '.join(PRESETS)}") from None
+    index_of(pose, PRESETS, "the pose")
     bend = bend_at_rest(hand)
     angles = np.zeros((len(hand.joint_names), 3))
     for name, wanted in PRESETS[pose].items():

@@ -303,7 +303,11 @@ def test_a_hand_grasps_with_the_force_asked_for(
         (["--force", "5N", "--overlap", "1mm"], "given: both"),
         (["--force", "5"], "has no unit"),
         (["--force", "5N", "--shift", "0,0,3mm", "--as-placed"], "leave out --as-placed"),
-        (["--force", "pinky=5N"], "--force: the digit 'pinky' is not known; the nearest is 'little'"),
+        (
+            ["--force", "pinky=5N"],
+            "--force: the digit 'pinky' is not known; the nearest is 'little', of thumb, index, middle, ring,"
+            " little",
+        ),
         (["--force", "index=5N,index=6N"], "'index' stands there twice"),
         (["--force", "5N", "--start", "fits"], "the nearest is 'fist'"),
         (["--force", "5N", "--product-mass", "3"], "has no unit, expected kg or g after it, as in 0.3kg"),

@@ -99,7 +99,10 @@ def lacking(names: Iterable[str]) -> str:
 
 
 def index_of(name: str, known: Iterable[str], what: str, offered: Iterable[str] | None = None) -> int:
-    """Return the place of a name among those known; a refusal offers the nearest one, of some where given."""
+    """Return the place of a name among those known; a refusal offers the nearest one, of some where given.
+
+    A refusal lists all where they are few, as poses and digits are.
+    """
     names = list(known)
     if name in names:
         return names.index(name)
@@ -107,4 +110,5 @@ def index_of(name: str, known: Iterable[str], what: str, offered: Iterable[str] 
     # WebXR's word for a finger that is the little one here.
     meant = "little" if name == "pinky" and "little" in names else str(name)
     near = difflib.get_close_matches(meant, names, n=1, cutoff=0.0)
-    raise HandError(f"{what} {name!r} is not known; the nearest is {near[0]!r}")
+    every = f", of {', '.join(names)}" if 1 < len(names) < 10 else ""
+    raise HandError(f"{what} {name!r} is not known; the nearest is {near[0]!r}{every}")
