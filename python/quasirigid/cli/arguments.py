@@ -95,11 +95,11 @@ def parse_response(text: str) -> _Named:
     return response(**arguments)
 
 
-def parse_poisson_ratio(text: str) -> float:
-    """Return the ratio of `--poisson-ratio`."""
-    ratio = parse_numbers(text, 1, "--poisson-ratio")[0]
+def parse_poisson_ratio(text: str, option: str = "--poisson-ratio") -> float:
+    """Return a Poisson's ratio."""
+    ratio = parse_numbers(text, 1, option)[0]
     if not 0.0 <= ratio <= 0.5:
-        raise QuantityError(f"--poisson-ratio: {text} is not from 0 to 0.5")
+        raise QuantityError(f"{option}: {text} is not from 0 to 0.5")
     return ratio
 
 

@@ -36,13 +36,13 @@ from .gather import gathered
 from .grasp import GRASP_EXAMPLE, grasp
 from .hand import HAND_EXAMPLE, hand
 from .meshes import INFO_EXAMPLE, REPAIR_EXAMPLE, info, repair
+from .quantities import LENGTH, parse_goal, parse_quantities
 from .scene import (
     GOAL_UNITS,
     TARGET_ERROR,
     SceneWords,
     TargetError,
     naming_scene,
-    parse_goal,
     prepared_skin,
     read_scene,
 )
@@ -163,6 +163,13 @@ def press(
     overlap: Annotated[
         str | None, typer.Option(help="Deepest overlap with the undeformed skin, as in 1.12mm.")
     ] = None,
+    tilt_point: Annotated[
+        str | None,
+        typer.Option(
+            help="Let the product turn about this point of it, before it travels, until the skin leaves no"
+            " moment about it, as in 0,19.2,-40mm. [default: it keeps its attitude]"
+        ),
+    ] = None,
     pictures: Annotated[bool, typer.Option(help="Draw skin.png and footprint.png.")] = True,
 ) -> int:
     """Press a product against a skin mesh to a depth, a force or an overlap, and write what happens.
@@ -174,12 +181,15 @@ def press(
     """
     # Everything is read and checked before anything is computed.
     goal = parse_goal(depth, force, overlap)
+    tilt: dict[str, Any] = {}
+    if tilt_point is not None:
+        tilt = {"balance": "tilt", "tilt_point": parse_quantities(tilt_point, 3, LENGTH, "--tilt-point")}
     if pictures and scene.out is not None:
         need_matplotlib()
     read = read_scene(scene, CONTACT_FILES)
     with naming_scene(scene):
-        skin = prepared_skin(read, goal, talk)
-    asked: dict[str, Any] = {**read.motion, **goal}
+        skin = prepared_skin(read, goal | tilt, talk)
+    asked: dict[str, Any] = {**read.motion, **goal, **tilt}
     unreached = None
     with progress("pressing"), naming_scene(scene):
         try:
@@ -189,6 +199,7 @@ def press(
                 raise
             contact, unreached = error.contact, str(error)
     inputs = dict(read.inputs) | {name: figure(value, GOAL_UNITS[name]) for name, value in goal.items()}
+    inputs |= {"tilt_point": figure(tilt.get("tilt_point"), "m")}
     text = _press_text(scene.skin_file.stem, contact, verbose=talk.verbose, is_reached=unreached is None)
     record = contact_record(contact, unreached=unreached) | {"inputs": as_plain(inputs)}
     bone = read.body.bone if read.body else None

@@ -167,10 +167,9 @@ def _in_options(message: str) -> str:
     # No command leaves that check out, nor chooses how problems are solved.
     told = told.replace("check_crossings = false", "`check_crossings=False` of Python")
     told = re.sub(r"\bmethod auto\b", '`method="auto"` of Python', told)
+    told = re.sub(r"\btilt_point\b", "--tilt-point", told)
     told = _COARSE_EDGES.sub(lambda found: f"--response body:coarse_edge_length={_in_mm(found[1])}", told)
-    return _WELDING.sub(
-        lambda found: "--weld-tolerance" + (f" {_in_mm(found[1])}" if found[1] else ""), told
-    )
+    return _WELDING.sub(lambda found: "--weld-tolerance" + (f" {_in_mm(found[1])}" if found[1] else ""), told)
 
 
 def _in_mm(metres: str) -> str:

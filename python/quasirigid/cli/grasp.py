@@ -33,6 +33,7 @@ from .hand import (
     read_pose_word,
     read_rigged,
 )
+from .product import ProductPoissonRatio, ProductShearModulus, parse_material
 from .quantities import (
     ANGLE,
     FORCE,
@@ -104,6 +105,8 @@ class GraspWords:
     product_mass: Annotated[str | None, typer.Option(help="As in 0.3kg: what is out of balance is told.")] = (
         None
     )
+    product_shear_modulus: ProductShearModulus = None
+    product_poisson_ratio: ProductPoissonRatio = None
     shear_modulus: ShearModulus = "60kPa"
     poisson_ratio: PoissonRatio = "0.495"
     response: Annotated[
@@ -164,6 +167,7 @@ def _read(words: GraspWords) -> _Asked:
     options = options_of(words)
     modulus = parse_positive(words.shear_modulus, STRESS, "--shear-modulus")
     ratio = parse_poisson_ratio(words.poisson_ratio)
+    material = parse_material(words.product_shear_modulus, words.product_poisson_ratio)
     skin = qr.Skin(shear_modulus=modulus, poisson_ratio=ratio, response=parse_response(words.response))
     angles = parse_quantities(words.rotate, 3, ANGLE, "--rotate")
     way = parse_quantities(words.shift, 3, LENGTH, "--shift")
@@ -180,7 +184,7 @@ def _read(words: GraspWords) -> _Asked:
         hand = read_rigged(words.hand, words.rig, words.unit)
         check_joints(words.start, poses["start"], hand)
         check_joints(words.end, poses["end"], hand)
-        obstacle = qr.read_obstacle(words.product, unit=in_unit)
+        obstacle = material.given_to(qr.read_obstacle(words.product, unit=in_unit))
     if not words.as_placed:
         obstacle = _in_palm(obstacle, hand.posed(poses["start"]).palm, rotation(angles), way)
     record = {
@@ -193,6 +197,7 @@ def _read(words: GraspWords) -> _Asked:
         "shift": figure(way, "m"),
         "as_placed": words.as_placed,
         "product_mass": None if mass is None else figure(mass, "kg"),
+        **material.inputs,
         **{name: figure(value, GOAL_UNITS[name]) for name, value in goal.items()},
         "start": words.start,
         "end": words.end,

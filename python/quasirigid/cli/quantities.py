@@ -9,6 +9,7 @@ from ..errors import QuasirigidError
 
 __all__ = [
     "QuantityError",
+    "parse_goal",
     "parse_not_negative",
     "parse_numbers",
     "parse_positive",
@@ -136,6 +137,18 @@ def parse_steps(text: str, units: dict[str, float], what: str) -> list[float]:
     return [first + (last - first) * (step / (count - 1)) for step in range(count)]
 
 
+def parse_goal(depth: str | None, force: str | None, overlap: str | None) -> dict[str, float]:
+    """Return the one that is given of depth (m), force (N) and overlap (m), under its name."""
+    words = {"depth": depth, "force": force, "overlap": overlap}
+    given = {name: text for name, text in words.items() if text is not None}
+    if len(given) != 1:
+        found = " and ".join(f"--{name}" for name in given) or "none of them"
+        raise QuantityError(f"give one of --depth, --force and --overlap; given: {found}")
+    ((name, text),) = given.items()
+    parse = parse_not_negative if name == "depth" else parse_positive
+    return {name: parse(text, FORCE if name == "force" else LENGTH, f"--{name}")}
+
+
 def parse_numbers(text: str, count: int, what: str) -> list[float]:
     """Read `count` plain numbers parted by commas.
 
@@ -168,7 +181,7 @@ def _finite(text: str, what: str) -> float:
 
 
 def _expected(units: dict[str, float], sample: str | None = None) -> str:
-    """Return the units that are allowed, with an example: not of the number given, which may be meant in SI."""
+    """Return the allowed units and an example: not of the number given, which may be meant in SI."""
     *names, last = units
     number, unit = _example(units)
     return f"expected {', '.join(names)} or {last} after it, as in {sample or number}{unit}"

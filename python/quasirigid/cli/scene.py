@@ -32,13 +32,12 @@ from .console import Talk, progress
 from .folder import OutFolder, check_file, check_folder, check_inputs
 from .kept import kept_body
 from .nodes import free_nodes, may_touch
+from .product import ProductPoissonRatio, ProductShearModulus, parse_material
 from .quantities import (
     ANGLE,
-    FORCE,
     LENGTH,
     STRESS,
     QuantityError,
-    parse_not_negative,
     parse_numbers,
     parse_positive,
     parse_quantities,
@@ -58,7 +57,6 @@ __all__ = [
     "TargetError",
     "naming_scene",
     "options_of",
-    "parse_goal",
     "prepared_skin",
     "read_scene",
 ]
@@ -151,6 +149,8 @@ class SceneWords:
     product_unit: ProductUnit = None
     translate: Translate = "0,0,0mm"
     rotate: Rotate = "0,0,0deg"
+    product_shear_modulus: ProductShearModulus = None
+    product_poisson_ratio: ProductPoissonRatio = None
     response: ResponseName = "half-space"
     bone: Bone = None
     fixed: Fixed = None
@@ -204,6 +204,7 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         _only_for_a_body(words.prepared, "--prepared")
     modulus = parse_positive(words.shear_modulus, STRESS, "--shear-modulus")
     ratio = parse_poisson_ratio(words.poisson_ratio)
+    material = parse_material(words.product_shear_modulus, words.product_poisson_ratio)
     skin = qr.Skin(
         shear_modulus=modulus,
         poisson_ratio=ratio,
@@ -213,7 +214,8 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
     product_unit = file_unit(words.product_unit or words.unit, "--product-unit")
     with progress(f"reading {words.skin_file} and {words.product_file}"):
         surface = with_skin_mask(qr.read_surface(words.skin_file, unit=unit), words.skin_mask)
-        obstacle = qr.read_obstacle(words.product_file, unit=product_unit).moved(rotation(angles), shift)
+        product = qr.read_obstacle(words.product_file, unit=product_unit).moved(rotation(angles), shift)
+        obstacle = material.given_to(product)
     body, held = None, {}
     if isinstance(response, qr.Body):
         held = {"bone": words.bone or "auto", "fixed": words.fixed or "caps"}
@@ -226,6 +228,7 @@ def read_scene(words: SceneWords, names: Sequence[str]) -> Scene:
         "translate": figure(shift, "m"),
         "rotate": figure(angles, "rad"),
         **motion,
+        **material.inputs,
         "shear_modulus": figure(modulus, "Pa"),
         "poisson_ratio": figure(ratio, "1"),
         "response": words.response,
@@ -258,19 +261,7 @@ def options_of(words: SceneWords | GraspWords) -> qr.ContactOptions:
     return options
 
 
-def parse_goal(depth: str | None, force: str | None, overlap: str | None) -> dict[str, float]:
-    """Return the one that is given of depth (m), force (N) and overlap (m), under its name."""
-    words = {"depth": depth, "force": force, "overlap": overlap}
-    given = {name: text for name, text in words.items() if text is not None}
-    if len(given) != 1:
-        found = " and ".join(f"--{name}" for name in given) or "none of them"
-        raise QuantityError(f"give one of --depth, --force and --overlap; given: {found}")
-    ((name, text),) = given.items()
-    parse = parse_not_negative if name == "depth" else parse_positive
-    return {name: parse(text, FORCE if name == "force" else LENGTH, f"--{name}")}
-
-
-def prepared_skin(scene: Scene, goal: Mapping[str, float], talk: Talk) -> qr.Skin | qr.PreparedSkin:
+def prepared_skin(scene: Scene, goal: Mapping[str, Any], talk: Talk) -> qr.Skin | qr.PreparedSkin:
     """Return the skin that is pressed: a body is prepared where a press to `goal` may touch it."""
     if scene.body is None:
         return scene.skin
@@ -287,8 +278,8 @@ def prepared_skin(scene: Scene, goal: Mapping[str, float], talk: Talk) -> qr.Ski
             contact = error.contact
     # Where the half-space comes near the product, the body may touch it; no other vertex needs its response.
     depth = contact.depth or 0.0
-    if "force" in goal:
-        # A body may be softer than the half-space: up to twice as deep.
+    if "force" in goal or "balance" in goal:
+        # A body may be softer than the half-space, or tilt the product farther: up to twice as deep.
         depth *= 2.0
     nodes = may_touch(scene.surface, contact.obstacle, depth)
     if len(nodes) == 0:

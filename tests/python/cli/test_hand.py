@@ -312,6 +312,7 @@ def test_a_hand_grasps_with_the_force_asked_for(
         (["--force", "5N", "--start", "fits"], "the nearest is 'fist'"),
         (["--force", "5N", "--product-mass", "3"], "has no unit, expected kg or g after it, as in 0.3kg"),
         (["--force", "5N", "--product-mass", "-0.4kg"], "--product-mass: '-0.4kg' is not above 0"),
+        (["--force", "5N", "--product-shear-modulus", "1MPa"], "needs --product-poisson-ratio too"),
         (["--force", "-20N"], "--force: '-20N' is not above 0"),
         (["--overlap", "index=0mm"], "--overlap: '0mm' is not above 0"),
     ],
