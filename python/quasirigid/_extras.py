@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from types import ModuleType
 
+from ._interrupt import heard_interrupt
 from .errors import MissingExtraError
 
 __all__ = ["import_extra", "need_matplotlib"]
@@ -25,15 +26,20 @@ def import_extra(module: str, use: str, install: str) -> ModuleType:
     Raises
     ------
     MissingExtraError
-        If it is not installed; the message says how to get it.
+        If it is not installed; the message says how to get it. Of one that is there and cannot be imported,
+        it says why.
     """
     try:
         return import_module(module)
-    except ModuleNotFoundError as error:
-        # Of a library that is there and lacks another one, that other one is the news.
-        if error.name != module:
-            raise
-        raise MissingExtraError(f"{use} need {module}: pip install {install}") from error
+    except Exception as error:
+        if isinstance(error, ModuleNotFoundError) and error.name == module:
+            raise MissingExtraError(f"{use} need {module}: pip install {install}") from error
+        if heard_interrupt():
+            raise KeyboardInterrupt from error
+        # Another library is missing or of the wrong version, or an environment variable has a bad value.
+        raise MissingExtraError(
+            f"{use} need {module}, which is installed and cannot be imported: {error}"
+        ) from error
 
 
 def need_matplotlib() -> None:

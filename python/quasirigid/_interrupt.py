@@ -8,11 +8,16 @@ TYPE_CHECKING = False  # `typing` takes a while to import
 if TYPE_CHECKING:
     from types import FrameType, TracebackType
 
-__all__: list[str] = []
+__all__ = ["heard_interrupt"]
 
 # What `sys.argv` begins with while `quasirigid` or `python -m quasirigid` imports the package.
 _PROGRAMS = ("quasirigid", "quasirigid.exe", "-m")
 _heard: list[int] = []
+
+
+def heard_interrupt() -> bool:
+    """Return whether Ctrl-C cut an import off; what the import raises then is no fault of the library."""
+    return bool(_heard)
 
 
 def _hear(number: int, frame: FrameType | None) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import quasirigid as qr
+from quasirigid._extras import import_extra
 from quasirigid.errors import MissingExtraError
 from quasirigid.io import contact_dataframe, contact_pyvista, contact_trimesh, mesh_arrays
 from shapes import tetrahedron
@@ -231,3 +233,15 @@ def test_a_missing_library_is_named_with_its_remedy(
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(MissingExtraError, match=f"need {library}: pip install {library}"):
         make(pressed)
+
+
+@pytest.mark.parametrize("fault", ["import lacking_one", "raise ValueError('wrong version')"])
+def test_a_library_that_cannot_be_imported_is_named_with_the_reason(
+    fault: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "broken_one.py").write_text(fault)
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(
+        MissingExtraError, match=r"^pictures need broken_one, .*: .*(lacking_one|wrong version)"
+    ):
+        import_extra("broken_one", "pictures", "it")
