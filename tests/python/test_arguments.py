@@ -392,3 +392,22 @@ def test_the_number_of_an_open_file_is_no_path(read: Any) -> None:
         with pytest.raises(TypeError, match=r"^path is \d+, expected a path$"):
             read(file.fileno())
         assert file.read(1)
+
+
+@pytest.mark.parametrize(
+    ("name", "save"),
+    [
+        (
+            "folder",
+            qr.press(SURFACE, BALL.moved(translation=[-9.0, 0, -0.1]), SKIN, [0, 0, 1], depth=0.0).save,
+        ),
+        ("folder", qr.sweep(SURFACE, PLATE, SKIN, [0, 0, 1], depths=[0.0]).save),
+        ("path", SKIN.prepared(SURFACE, [0]).save),
+        ("path", HAND.save),
+        ("path", lambda path: qr.io.write_mesh(MESH.vertices, MESH.faces, path, unit="m")),
+    ],
+    ids=["contact", "sweep", "prepared", "hand", "mesh"],
+)
+def test_a_number_is_no_place_to_write_to(name: str, save: Any) -> None:
+    with pytest.raises(TypeError, match=f"^{name} is 3, expected a path$"):
+        save(3)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 import re
 import subprocess
 import sys
@@ -42,8 +44,30 @@ def test_the_finger_with_its_bone_serves_every_depth(depth: float) -> None:
     assert contact.status == "solved"
 
 
+def run_pipeline(place: int, folder: Path) -> None:
+    """Run a script of the page on pipelines in a folder."""
+    script = folder / "pipeline.py"
+    script.write_text(python_of("docs/pipelines.md")[place])
+    subprocess.run([sys.executable, script], cwd=folder, timeout=120, check=True)
+
+
 @pytest.mark.parametrize("place", [0, 1])
 def test_the_python_about_threads_and_processes_runs(place: int, tmp_path: Path) -> None:
-    script = tmp_path / "pipeline.py"
-    script.write_text(python_of("docs/pipelines.md")[place])
-    subprocess.run([sys.executable, script], cwd=tmp_path, timeout=120, check=True)
+    run_pipeline(place, tmp_path)
+
+
+def test_many_scenes_of_the_page_have_a_row_each_and_go_on_where_they_ended(tmp_path: Path) -> None:
+    run_pipeline(2, tmp_path)
+    with (tmp_path / "results.csv").open(newline="") as file:
+        status = [row["status"].partition(":")[0] for row in csv.DictReader(file)]
+    assert status == ["solved", "solved", "ObstacleError"]
+    # One is there, in words of ours; one was ended before its record was written.
+    kept, ended = (tmp_path / "results" / f"ball {radius}" / "contact.json" for radius in (0.01, 0.005))
+    kept.write_text(kept.read_text().replace('"solved"', '"kept"'))
+    before = json.loads(ended.read_text())
+    ended.unlink()
+    run_pipeline(2, tmp_path)
+    assert '"kept"' in kept.read_text()
+    after = json.loads(ended.read_text())
+    for name in ("force", "moment", "contact_area", "max_pressure", "travel"):
+        assert after[name] == before[name]

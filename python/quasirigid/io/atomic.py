@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from .._check import as_path
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -26,7 +28,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     OSError
         If its folder does not exist or cannot be written to, or a folder has its name.
     """
-    target = Path(path)
+    target = as_path("path", path)
     # A link stays one, and what it leads to is replaced.
     place = Path(os.path.realpath(target))
     if not place.parent.is_dir():
@@ -62,7 +64,7 @@ def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -
     OSError
         If the folder is a file or cannot be written to.
     """
-    folder = Path(folder)
+    folder = as_path("folder", folder)
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
     folder.mkdir(parents=True, exist_ok=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._check import as_boolean
+from .._check import as_boolean, as_path
 from .._core import __version__
 from .._extras import need_matplotlib
 from .._text import aligned
@@ -122,14 +122,13 @@ def save_grasp(
     pictures: bool = False,
 ) -> tuple[Path, ...]:
     """Write a grasp into a folder, as `Grasp.save` describes."""
-    folder = Path(folder)
+    folder = as_path("folder", folder)
     if as_boolean("pictures", pictures):
         need_matplotlib()
     files = save_contact(grasp.contact, folder, inputs=inputs)
     record = grasp_record(grasp) | {"inputs": inputs_record(inputs)}
-    files += write_files(folder, {"grasp.json": json_bytes(record)})
     grasp.posed.hand.save(folder / "hand.glb", grasp.contact)
-    files += (folder / "hand.glb",)
+    files += (folder / "hand.glb", *write_files(folder, {"grasp.json": json_bytes(record)}))
     if pictures:
         from ..plot.grasps import grasp_figure
 

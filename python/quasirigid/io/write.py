@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._arrays import Floats, Indices
-from .._check import as_boolean, reals_or_empty, short
+from .._check import as_boolean, as_path, reals_or_empty, short
 from .._extras import need_matplotlib
 from .._units import LengthUnit, metres_in
 from ..errors import MeshFileError
@@ -79,7 +79,8 @@ def save_contact(
     folder : path
         Made where it is missing. Files of these names are replaced, each of them whole; beside the
         `contact.json` of an earlier contact the rest of them is removed, and beside a `grasp.json` what is a
-        grasp's alone; others stay. Pictures come last: where one cannot be drawn, all numbers are there.
+        grasp's alone; others stay. `contact.json` comes after all other files but the pictures: a new folder
+        that has it has all numbers, also where a run was ended or a picture cannot be drawn.
     inputs : mapping, optional
         What the contact was computed from, for `contact.json`.
     pictures : bool
@@ -103,12 +104,13 @@ def save_contact(
     """
     if as_boolean("pictures", pictures):
         need_matplotlib()
-    records = [record for record in _BY_RECORD if (Path(folder) / record).exists()]
-    files = write_files(folder, dict(_files(contact, inputs_record(inputs), unreached)))
+    place = as_path("folder", folder)
+    records = [record for record in _BY_RECORD if (place / record).exists()]
+    files = write_files(place, dict(_files(contact, inputs_record(inputs), unreached)))
     earlier = {name for record in records for name in _BY_RECORD[record]}
     for name in earlier - {file.name for file in files}:
-        (Path(folder) / name).unlink(missing_ok=True)
-    return files + save_pictures(contact, folder, bone=bone) if pictures else files
+        (place / name).unlink(missing_ok=True)
+    return files + save_pictures(contact, place, bone=bone) if pictures else files
 
 
 def save_pictures(
@@ -133,12 +135,13 @@ def _files(contact: Contact, inputs: Any, unreached: str | None) -> Iterator[tup
     record = contact_record(contact, unreached=unreached)
     record["product"] |= note
     record["inputs"] = inputs
-    yield "contact.json", json_bytes(record)
     if product:
         yield "product.ply", _plain_ply(*product, "m")
     if contact.obstacle.material is not None and contact.deformed_obstacle is not None:
         moved = contact.deformed_obstacle
         yield "deformed_product.ply", _plain_ply(moved.vertices, moved.faces, "m")
+    # Last, so that a new folder that has it has them all.
+    yield "contact.json", json_bytes(record)
 
 
 def _deformed_ply(contact: Contact) -> bytes:
@@ -189,7 +192,7 @@ def write_mesh(vertices: ArrayLike, faces: ArrayLike, path: str | PathLike[str],
     scale = metres_in(unit, MeshFileError)
     points, corners = _checked(vertices, faces, str(path))
     points /= scale
-    match Path(path).suffix.lower():
+    match as_path("path", path).suffix.lower():
         case ".ply":
             content = _plain_ply(points, corners, unit)
         case ".stl":

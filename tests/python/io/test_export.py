@@ -111,6 +111,17 @@ def test_the_json_has_every_scalar_with_its_unit(pressed: qr.Contact, folder: Pa
     assert len(document["patches"]) == len(pressed.patches) == 1
 
 
+def test_a_record_in_a_new_folder_says_that_all_is_there(
+    pressed: qr.Contact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = []
+    monkeypatch.setattr(Path, "replace", lambda draft, place: written.append(place.name))
+    moved = pressed.obstacle.with_material(shear_modulus=1e6, poisson_ratio=0.4)
+    save_contact(dataclasses.replace(pressed, obstacle=moved), tmp_path)
+    assert written[-1] == "contact.json"
+    assert len(written) == len(set(written)) > 3
+
+
 def test_what_is_not_known_is_null(apart: qr.Contact, tmp_path: Path) -> None:
     save_contact(apart, tmp_path)
     document = read_record(tmp_path)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import struct
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..._check import as_path
 from ...errors import HandError
 from ...io.atomic import atomic_write
 from ...io.check import check_float32
@@ -33,7 +33,7 @@ _TYPES = {1: "SCALAR", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 def save_glb(hand: Hand, path: str | PathLike[str], contact: Contact | None) -> None:
     """Write a hand at rest, as `Hand.save` describes."""
-    file = Path(path)
+    file = as_path("path", path)
     if file.suffix.lower() != ".glb":
         raise HandError(f"{file}: the ending is '{file.suffix}', expected .glb")
     vertices, faces = hand.surface.vertices, hand.surface.faces
