@@ -41,10 +41,10 @@ def as_share(name: str, value: Any, refusal: Refusal) -> float:
 
 
 def real_or_nan(value: Any) -> float:
-    """Return a float; nan of what is no number, as words and booleans are none."""
+    """Return a float; nan of what is no number, as for `as_float`."""
     try:
-        return float("nan") if isinstance(value, (str, bytes, bool, np.bool_)) else float(value)
-    except (TypeError, ValueError, OverflowError):
+        return as_float("", value)
+    except TypeError:
         return float("nan")
 
 
@@ -54,7 +54,7 @@ def as_float(name: str, value: Any) -> float:
     Raises
     ------
     TypeError
-        If it is no number, as booleans are none, or one that no float holds.
+        If it is no number, as words and booleans are none, or one that no float holds.
     """
     try:
         if not isinstance(value, (str, bytes, bool, np.bool_)):
