@@ -293,30 +293,18 @@ def end_of(contact: Contact, *, throw: bool, stacklevel: int) -> Contact:
 
 def _from_core(core: _core.Contact, surface: Surface) -> Contact:
     total, accuracy = core.resultant, core.accuracy
-    return Contact(
+    return from_core(
+        Contact,
+        core,
         status=ContactStatus(core.status),
-        given_vertex_count=core.given_vertex_count,
-        parents=core.parents,
         refinements=tuple(
             from_core(Refinement, one, kind=RefinementKind(one.kind)) for one in core.refinements
         ),
-        obstacle=core.obstacle,
-        travel=core.travel,
-        depth=core.depth,
         force=total.force,
         moment=total.moment,
         center_of_pressure=total.center_of_pressure,
         contact_area=total.contact_area,
         max_pressure=total.max_pressure,
-        max_penetration_before=core.max_penetration_before,
-        max_penetration_after=core.max_penetration_after,
-        obstacle_share=core.obstacle_share,
-        pressure=core.pressure,
-        node_force=core.node_force,
-        force_vectors=core.force_vectors,
-        gap=core.gap,
-        candidates=core.candidates,
-        active=core.active,
         patches=patches_of(core.patches),
         lcp_solutions=tuple(solution_from_core(solution) for solution in core.lcp_solutions),
         natural_residual=accuracy.natural_residual,
@@ -324,7 +312,6 @@ def _from_core(core: _core.Contact, surface: Surface) -> Contact:
         timings=dict(core.timings),
         left_out=tuple(LeftOut(what, why) for what, why in core.left_out),
         warnings=warned(core.warnings) + warned_of_caps(core, surface),
-        advice=core.advice,
         _loaded=core.loaded,
         _drawing=Drawing(core.drawing, None if len(core.parents) else surface),
     )

@@ -152,16 +152,9 @@ def _deformed_ply(contact: Contact) -> bytes:
 
 
 def _archive(contact: Contact) -> bytes:
-    names = ["pressure", "node_force", "force_vectors", "gap", "displacement", "candidates", "active"]
-    names += [
-        "obstacle_displacement",
-        "force",
-        "moment",
-        "center_of_pressure",
-        "given_vertex_count",
-        "parents",
-    ]
-    arrays: dict[str, Any] = {name: getattr(contact, name) for name in names}
+    per_vertex = ("pressure", "node_force", "force_vectors", "gap", "displacement", "obstacle_displacement")
+    other = ("candidates", "active", "force", "moment", "center_of_pressure", "given_vertex_count", "parents")
+    arrays: dict[str, Any] = {name: getattr(contact, name) for name in (*per_vertex, *other)}
     arrays |= {name: getattr(contact.deformed, name) for name in ("vertices", "faces", "skin_mask")}
     file = io.BytesIO()
     np.savez_compressed(file, **arrays)
