@@ -1,4 +1,4 @@
-"""Folders with a fingertip and a handle: the one that the demo fills, and a new one."""
+"""Files for the commands: the demo's folder, one with a fingertip and a handle, a hand, a bottle."""
 
 from __future__ import annotations
 
@@ -37,3 +37,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     qr.io.write_mesh(tip.vertices, tip.faces, "tip.ply", unit="m")
     qr.io.write_mesh(*handle, "handle.stl", unit="mm")
     return tmp_path
+
+
+@pytest.fixture(scope="session")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("hand") / "hand.glb"
+    qr.models.hand(edge_length=4e-3).save(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def bottle(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("product") / "bottle.stl"
+    triangles = qr.models.bottle(edge_length=2e-3).triangles()
+    assert triangles is not None
+    qr.io.write_mesh(*triangles, path, unit="mm")
+    return path
