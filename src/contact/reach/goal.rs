@@ -31,7 +31,7 @@ pub(crate) fn reach(setup: Setup, target: Target) -> Result<Contact, ContactErro
 pub(crate) fn reach_on(on_given: &OnMesh, target: Target) -> Result<Contact, ContactError> {
     let task = Task { setup: on_given.setup, target };
     let started = Instant::now();
-    match task.reach_on(on_given)? {
+    match task.search_on(on_given)? {
         Reached::Goal { contact, power } => task.unless_missed(contact, &power),
         Reached::Short { contact, why, .. } => {
             let placement = task.setup.at(contact.pressed_depth());
@@ -46,7 +46,7 @@ impl Task<'_> {
         let started = Instant::now();
         let on_given = OnMesh::given(self.setup)?;
         let power = self.target.quantity.power();
-        let (contact, found) = match self.reach_on(&on_given)? {
+        let (contact, found) = match self.search_on(&on_given)? {
             Reached::Goal { contact, power } => (contact, Searched { hint: power, why: None }),
             // What a coarse mesh jumps over a finer one may not.
             Reached::Short { contact, above: Some(above), .. } if self.setup.may_refine()? => {
@@ -59,7 +59,8 @@ impl Task<'_> {
         search_on_refined(self, &on_given, started, contact, found)
     }
 
-    fn reach_on(&self, on_given: &OnMesh) -> Result<Reached, ContactError> {
+    /// The search on the given mesh.
+    fn search_on(&self, on_given: &OnMesh) -> Result<Reached, ContactError> {
         let Setup { surface, obstacle, .. } = self.setup;
         let first = match self.target.quantity {
             Quantity::Force => {
