@@ -1,6 +1,6 @@
 //! How deep corners, sharp edges and thin walls of the obstacle stand in the skin.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -100,20 +100,19 @@ impl SkinPart<'_> {
     /// Mean length of the edges (m).
     fn mean_edge(&self) -> f64 {
         let point = |corner: u32| self.points[corner as usize];
-        let edges = self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        let sum: f64 = edges.map(|[from, to]| (point(to) - point(from)).norm()).sum();
+        let sum: f64 = self.sides().map(|[from, to]| (point(to) - point(from)).norm()).sum();
         sum / (3 * self.triangles.len()) as f64
     }
 
-    /// Vertices on edges of one triangle alone.
+    /// Vertices on edges of one triangle alone: no other has that side in the other direction.
     fn border(&self) -> HashSet<u32> {
-        let mut count: HashMap<[u32; 2], usize> = HashMap::with_capacity(2 * self.triangles.len());
-        for &[a, b, c] in self.triangles {
-            for [from, to] in [[a, b], [b, c], [c, a]] {
-                *count.entry([from.min(to), from.max(to)]).or_default() += 1;
-            }
-        }
-        count.into_iter().filter(|(_, count)| *count == 1).flat_map(|(ends, _)| ends).collect()
+        let all: HashSet<[u32; 2]> = self.sides().collect();
+        self.sides().filter(|&[from, to]| !all.contains(&[to, from])).flatten().collect()
+    }
+
+    /// The sides of the triangles, each in their direction.
+    fn sides(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
     }
 }
 
