@@ -7,9 +7,8 @@ use nalgebra::Vector3;
 use crate::contact::candidate::on_refined::KnownFingers;
 use crate::contact::cuts::Cuts;
 use crate::contact::error::ContactError;
-use crate::contact::figures::penetration::at_rest::edges_within;
+use crate::contact::figures::penetration::at_rest::SkinNear;
 use crate::contact::first_touch::{first_touch, never_touches, skin_vertices, touch_rounding};
-use crate::contact::gap::measured::Measured;
 use crate::contact::gap::touch::touch_between;
 use crate::contact::outcome::Contact;
 use crate::contact::tilt::axes::{Balance, Turn};
@@ -182,7 +181,9 @@ impl Approach {
     /// Where on its way the obstacle touches that does not turn.
     pub fn touch(&self, surface: &Surface, obstacle: &Obstacle) -> Result<Touch, ContactError> {
         if self.start == Start::Infinity {
-            return Ok(Touch { begin: self.first_touch(surface, obstacle)?, depth: 0.0 });
+            let begin =
+                self.known_touch.map_or_else(|| first_touch(surface, obstacle, &self.direction), Ok)?;
+            return Ok(Touch { begin, depth: 0.0 });
         }
         let touching: Vec<Vector3<f64>> = skin_vertices(surface).map(|(_, position)| position).collect();
         let of_vertices = obstacle.first_touch_from_current(&touching, &self.direction)?;
@@ -203,26 +204,17 @@ impl Approach {
         if self.start == Start::Infinity {
             return Ok(());
         }
-        let (vertices, positions): (Vec<usize>, Vec<Vector3<f64>>) = skin_vertices(surface).unzip();
-        let distance = Measured::near(&positions, obstacle, 0.0, None)?.distance;
+        let near = SkinNear::new(surface, obstacle, None)?;
         // A position reached by an earlier press touches exactly; its rounding is no penetration.
-        let allowed = -touch_rounding(surface);
-        let count = distance.iter().filter(|&&d| d < allowed).count();
-        match (0..distance.len()).min_by(|&a, &b| distance[a].total_cmp(&distance[b])) {
-            Some(row) if count > 0 => {
-                let (vertex, penetration) = (vertices[row], -distance[row]);
-                Err(ContactError::StartsPenetrating { vertex, penetration, count })
-            }
-            _ => match edges_within(surface, obstacle, -allowed)? {
-                Some(penetration) => Err(ContactError::StartsWithin { penetration }),
-                None => Ok(()),
-            },
+        let allowed = touch_rounding(surface);
+        let depths = near.vertices.iter().zip(near.distance.iter().map(|distance| -distance));
+        let inside = depths.filter(|(_, depth)| *depth > allowed);
+        let count = inside.clone().count();
+        if let Some((&vertex, penetration)) = inside.rev().max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            return Err(ContactError::StartsPenetrating { vertex, penetration, count });
         }
-    }
-
-    /// Travel at which the obstacle, coming from infinity, first touches (m).
-    fn first_touch(&self, surface: &Surface, obstacle: &Obstacle) -> Result<f64, ContactError> {
-        self.known_touch.map_or_else(|| first_touch(surface, obstacle, &self.direction), Ok)
+        let penetration = near.deepest_edge(obstacle, allowed);
+        if penetration > allowed { Err(ContactError::StartsWithin { penetration }) } else { Ok(()) }
     }
 }
 
