@@ -73,7 +73,6 @@ impl Guarded<'_> {
     }
 
     fn warn(&self, contact: &mut Contact) {
-        let deepest = contact.clues.deepest.as_ref();
         let found = [
             skin_size(self.surface),
             product_size(self.obstacle),
@@ -81,9 +80,9 @@ impl Guarded<'_> {
             product_modulus(self.obstacle),
             self.mask(),
             self.direction(contact),
-            self.depth(contact, deepest),
-            self.response_range(contact, deepest),
-            self.response_length(deepest),
+            self.depth(contact),
+            self.response_range(contact),
+            self.response_length(contact),
             product_range(contact),
             coarse_mesh(contact),
             self.slivers(contact),
@@ -126,7 +125,7 @@ impl Guarded<'_> {
         })
     }
 
-    fn depth(&self, contact: &Contact, deepest: Option<&DeepestVertex>) -> Option<Warning> {
+    fn depth(&self, contact: &Contact) -> Option<Warning> {
         let warn = |depth: f64, most: f64, of: String| Warning {
             kind: WarningKind::Depth,
             message: format!(
@@ -139,7 +138,7 @@ impl Guarded<'_> {
         if let Some(depth) = depth.filter(|&depth| depth > breadth) {
             return Some(warn(depth, breadth, "the breadth of the whole skin".into()));
         }
-        let DeepestVertex { vertex, overlap, normal } = deepest?;
+        let DeepestVertex { vertex, overlap, normal } = contact.clues.deepest.as_ref()?;
         if let Some(tissue) = self.skin.tissue_at(*vertex) {
             // Along the way that the skin is pushed.
             let cosine = -self.surface.vertex_normals()[*vertex].dot(normal);
@@ -161,8 +160,8 @@ impl Guarded<'_> {
         (*overlap > most).then(|| warn(*overlap, most, of()))
     }
 
-    fn response_range(&self, contact: &Contact, deepest: Option<&DeepestVertex>) -> Option<Warning> {
-        let vertex = deepest?.vertex;
+    fn response_range(&self, contact: &Contact) -> Option<Warning> {
+        let vertex = contact.clues.deepest?.vertex;
         let (found, is_beyond) = match self.skin.kernel_at(vertex)?.kernel() {
             Kernel::Layer { thickness } => {
                 let (thickness, overlap) = (thickness.at(vertex), contact.max_penetration_before);
@@ -212,8 +211,8 @@ impl Guarded<'_> {
     }
 
     /// Of a layer thicker, or a Gaussian wider, than the skin is large: both are half-spaces there.
-    fn response_length(&self, deepest: Option<&DeepestVertex>) -> Option<Warning> {
-        let vertex = deepest?.vertex;
+    fn response_length(&self, contact: &Contact) -> Option<Warning> {
+        let vertex = contact.clues.deepest?.vertex;
         let (what, length) = match self.skin.kernel_at(vertex)?.kernel() {
             Kernel::Layer { thickness } => ("layer's thickness", thickness.at(vertex)),
             Kernel::GaussianCorrected { width, height, .. } if *height > 0.0 => ("Gaussian's width", *width),
