@@ -144,6 +144,7 @@ impl Meshes {
             Some((part, contact)) => into_whole(self.given, contact, &part, self.mesh)?,
         };
         contact.warn_of_refinement(end, target);
+        contact.warn_of_penetration_left();
         Ok(contact.concluded(end, shapes))
     }
 }

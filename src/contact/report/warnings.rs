@@ -239,6 +239,10 @@ impl Contact {
             let message = format!("the target of {} is not met: {}", percent(target), short.join("; "));
             self.warn(WarningKind::Refinement, message);
         }
+    }
+
+    /// Warns of what is left on a refined mesh and too little to be warned of on any.
+    pub(crate) fn warn_of_penetration_left(&mut self) {
         let (before, after) = (self.max_penetration_before, self.max_penetration_after);
         if after > SMALL_PENETRATION * before && after <= UNRESOLVED_SHARE * before {
             let cause = match self.accuracy.discretization {
