@@ -176,8 +176,8 @@ mod tests {
         let surface = Surface::new(vertices, faces).expect("a valid surface");
         let ball = Obstacle::sphere(Vector3::new(4e-3, 4e-3, 0.0499), 0.05).expect("a sphere");
         let skin = KernelSkin::new(60e3, 0.45, Kernel::HalfSpace).expect("valid constants");
-        let options = ContactOptions { target_error: None, ..ContactOptions::default() };
-        let mut before = solve_contact(&surface, &ball, &skin, &options).expect("a valid request");
+        let given = ContactOptions::on_given_mesh();
+        let mut before = solve_contact(&surface, &ball, &skin, &given).expect("a valid request");
         let last = before.clone();
         before.accuracy.mesh_error = Some(0.2);
         before.accuracy.area_error = Some(0.3);
