@@ -40,7 +40,7 @@ pub(crate) struct KeptMatrices {
 
 /// A matrix over more nodes than were asked for.
 struct KeptMatrix {
-    /// Ascending.
+    /// Ascending, as a contact asks for them; of others some may not be found, and are assembled again.
     nodes: Vec<usize>,
     /// The directions that it holds for; `None` where it depends on none.
     directions: Option<Vec<Vector3<f64>>>,
