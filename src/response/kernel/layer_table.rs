@@ -3,6 +3,7 @@
 use pulp::Simd;
 
 use crate::response::integral::gauss::gauss_interval;
+use crate::response::kernel::bessel::bessel_ratios;
 use crate::response::series::point_loads::RadialMeans;
 use crate::response::series::taylor::{DEGREES, MAX_DEGREE};
 use crate::response::simd::lanes::Lanes;
@@ -258,7 +259,7 @@ fn transform_points(transform: &impl Fn(f64) -> f64, largest: f64) -> Vec<(f64, 
 fn integrals(points: &[(f64, Slopes)], rho: f64) -> Slopes {
     let mut sums = [0.0; SLOPE_COUNT];
     for (t, weights) in points {
-        let bessel = bessel_ratios(rho * t);
+        let bessel: Slopes = bessel_ratios(rho * t);
         for k in 0..SLOPE_COUNT {
             sums[k] += weights[k] * bessel[k];
         }
@@ -266,52 +267,10 @@ fn integrals(points: &[(f64, Slopes)], rho: f64) -> Slopes {
     sums
 }
 
-/// `J_k(x) / (x/2)^k` for k = 0 .. [`SLOPE_COUNT`], x >= 0.
-fn bessel_ratios(x: f64) -> [f64; SLOPE_COUNT] {
-    let quarter = 0.25 * x * x;
-    let mut ratios = [0.0; SLOPE_COUNT];
-    if x <= 12.0 {
-        // power series of the two highest, then J_(k-1) = 2k/x J_k - J_(k+1)
-        for k in [SLOPE_COUNT - 2, SLOPE_COUNT - 1] {
-            let mut term = 1.0 / (1..=k).map(|v| v as f64).product::<f64>();
-            let mut i = 0.0;
-            while term != 0.0 && i < 40.0 {
-                ratios[k] += term;
-                i += 1.0;
-                term *= -quarter / (i * (i + k as f64));
-            }
-        }
-        for k in (1..SLOPE_COUNT - 1).rev() {
-            ratios[k - 1] = k as f64 * ratios[k] - quarter * ratios[k + 1];
-        }
-    } else {
-        // upwards, stable as k stays below x
-        ratios[0] = libm::j0(x);
-        ratios[1] = libm::j1(x) * 2.0 / x;
-        for k in 1..SLOPE_COUNT - 1 {
-            ratios[k + 1] = (k as f64 * ratios[k] - ratios[k - 1]) / quarter;
-        }
-    }
-    ratios
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::response::kernel::layer::LayerKernel;
-
-    #[test]
-    fn bessel_ratios_are_those_of_the_library() {
-        for i in 0..400 {
-            let x = 0.037 * 1.022f64.powi(i);
-            let ratios = bessel_ratios(x);
-            for (k, ratio) in ratios.into_iter().enumerate() {
-                let expected = libm::jn(k as i32, x);
-                let found = ratio * (0.5 * x).powi(k as i32);
-                assert!((found - expected).abs() < 1e-13, "J_{k}({x}): {found} {expected}");
-            }
-        }
-    }
 
     #[test]
     fn each_slope_is_the_derivative_of_the_one_before() {
