@@ -1,6 +1,7 @@
 //! What every method reads.
 
 use crate::lcp::problem::LcpError;
+use crate::linalg::factor::Interrupt;
 
 /// Whether M is looked at for positive definiteness, which makes a solution the only one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -94,7 +95,7 @@ impl<'a> LcpOptions<'a> {
     }
 
     /// The interrupt; one that never says stop where there is none.
-    pub(super) fn interrupt(&self) -> &'a (dyn Fn() -> bool + Sync) {
+    pub(super) fn interrupt(&self) -> Interrupt<'a> {
         self.interrupt.unwrap_or(&|| false)
     }
 }

@@ -11,6 +11,7 @@ use crate::contact::{
     WarmStart,
 };
 use crate::lcp::LcpSolution;
+use crate::linalg::factor::Interrupt;
 use crate::python::accuracy::{PyAccuracy, PyRefinement};
 use crate::python::arrays_out::{nodes_out, pairs_out, read_only, vectors_out};
 use crate::python::contact_options::PyContactOptions;
@@ -63,10 +64,13 @@ pub(super) struct PyContact {
 }
 
 impl PyContact {
-    fn new(contact: Contact, skin: &Bound<'_, PySkin>, options: ContactOptions<'static>) -> PyResult<Self> {
+    fn new(
+        mut contact: Contact,
+        skin: &Bound<'_, PySkin>,
+        options: ContactOptions<'static>,
+    ) -> PyResult<Self> {
         let py = skin.py();
         let lcp_solution = |solution: &LcpSolution| PyLcpSolution::new(py, solution);
-        let mut contact = contact;
         // The arrays that nothing is drawn from move out without a copy.
         let moved = |numbers: &mut Vec<f64>| read_only(PyArray1::from_vec(py, take(numbers)));
         Ok(Self {
@@ -130,7 +134,7 @@ impl PyDrawing {
         if self.contact.obstacle.material().is_none() {
             return Ok(None);
         }
-        let draw = |interrupt: &(dyn Fn() -> bool + Sync)| {
+        let draw = |interrupt: Interrupt| {
             let options = ContactOptions { interrupt: Some(interrupt), ..self.options.clone() };
             Ok::<_, ContactError>((
                 self.contact.obstacle_displacement(),
@@ -145,7 +149,7 @@ impl PyDrawing {
     /// Displacement (n, 3) in m, fade distance (m), volume change (m³) and deformed surface, computed now.
     fn draw(&self, py: Python<'_>) -> PyResult<(Py<PyArray2<f64>>, f64, f64, PySurface)> {
         let skin = self.skin.get().elastic();
-        let draw = |interrupt: &(dyn Fn() -> bool + Sync)| {
+        let draw = |interrupt: Interrupt| {
             let options = ContactOptions { interrupt: Some(interrupt), ..self.options.clone() };
             self.contact.drawn_skin(skin, &options)
         };

@@ -5,6 +5,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::contact;
+use crate::linalg::factor::Interrupt;
 use crate::python::arrays_out::vectors_out;
 use crate::python::contact_options::PyContactOptions;
 use crate::python::convert::{nodes, scalars};
@@ -55,7 +56,7 @@ pub(super) fn overlaps<'py>(
     options: &PyContactOptions,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (surface, obstacle, options) = (&surface.inner, &obstacle.inner, &options.0);
-    let measure = |_: &(dyn Fn() -> bool + Sync)| contact::overlaps(surface, obstacle, options);
+    let measure = |_: Interrupt| contact::overlaps(surface, obstacle, options);
     let found = detached_with(py, options.num_threads, measure)?.map_err(IntoPyErr::into_py_err)?;
     Ok(PyArray1::from_vec(py, found))
 }

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
+use crate::linalg::factor::Interrupt;
 use crate::python::forked::own_pool;
 
 /// How often signals are looked at.
@@ -22,7 +23,7 @@ static SEAT: Mutex<()> = Mutex::new(());
 pub(super) fn detached_with<T: Send>(
     py: Python<'_>,
     num_threads: Option<usize>,
-    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
+    work: impl FnOnce(Interrupt) -> T + Send,
 ) -> PyResult<T> {
     if num_threads.is_some() || own_pool().is_some() {
         return detached_on_thread(py, work);
@@ -34,10 +35,7 @@ pub(super) fn detached_with<T: Send>(
 
 /// Runs `work` with the interpreter released. `work` gets a function that answers whether to stop; a pending
 /// signal (KeyboardInterrupt) makes it answer yes, and is raised once `work` has returned.
-pub(super) fn detached<T: Send>(
-    py: Python<'_>,
-    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
-) -> PyResult<T> {
+pub(super) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce(Interrupt) -> T + Send) -> PyResult<T> {
     if own_pool().is_some() {
         return detached_on_thread(py, work);
     }
@@ -65,7 +63,7 @@ pub(super) fn detached<T: Send>(
 /// and looks.
 pub(super) fn detached_on_thread<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
+    work: impl FnOnce(Interrupt) -> T + Send,
 ) -> PyResult<T> {
     let stop = AtomicBool::new(false);
     let (result, signal) = py.detach(|| {
@@ -91,10 +89,7 @@ pub(super) fn detached_on_thread<T: Send>(
 }
 
 /// As [`detached_on_thread`], on one of rayon's own.
-fn in_pool<T: Send>(
-    py: Python<'_>,
-    work: impl FnOnce(&(dyn Fn() -> bool + Sync)) -> T + Send,
-) -> PyResult<T> {
+fn in_pool<T: Send>(py: Python<'_>, work: impl FnOnce(Interrupt) -> T + Send) -> PyResult<T> {
     let stop = AtomicBool::new(false);
     let mut result = None;
     let signal = py.detach(|| {

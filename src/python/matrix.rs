@@ -4,6 +4,7 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 
 use crate::linalg::definiteness::spectrum_until;
+use crate::linalg::factor::Interrupt;
 use crate::python::arrays_out::matrix_out;
 use crate::python::convert::{MatrixArgument, nodes, vectors};
 use crate::python::errors::{IntoPyErr, ResponseError};
@@ -29,7 +30,7 @@ pub(super) fn response_matrix<'py>(
         Some(value) => vectors(value, "directions")?,
         None => nodes.iter().map(|&vertex| -surface.inner.vertex_normals()[vertex]).collect(),
     };
-    let assemble = |interrupt: &(dyn Fn() -> bool + Sync)| {
+    let assemble = |interrupt: Interrupt| {
         let options = AssemblyOptions {
             tolerance,
             num_threads,
