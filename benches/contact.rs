@@ -1,7 +1,6 @@
-//! The whole press over mesh size and depth, and its parts' share of the time.
+//! A press on the mesh as it is, over mesh size and depth.
 //!
-//! The skin is a ball of a fingertip's radius (8 mm), the product a ball of 40 mm or a plate. Seconds per stage are in
-//! every `Contact::timings`; this bench times what a user waits for.
+//! The skin is a ball of a fingertip's radius (8 mm), the product a ball of 40 mm or a plate.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
