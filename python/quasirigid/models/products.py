@@ -52,22 +52,8 @@ def cylinder_handle(
             f"edge_radius is {edge_radius} m, expected at most the radius and half the length"
         )
     _check_edge_length(edge_length, edge_radius)
-    bottom, top = -0.5 * length, 0.5 * length
-    quarter = np.linspace(0.0, 0.5 * np.pi, 40)
-    inner = radius - edge_radius
-    profile = np.concatenate(
-        [
-            [[0.0, bottom]],
-            np.stack(
-                [inner + edge_radius * np.sin(quarter), bottom + edge_radius * (1 - np.cos(quarter))], axis=1
-            ),
-            np.stack(
-                [inner + edge_radius * np.cos(quarter), top - edge_radius * (1 - np.sin(quarter))], axis=1
-            ),
-            [[0.0, top]],
-        ]
-    )
-    return _obstacle(*_revolve(profile, edge_length))
+    foot = _foot(radius, edge_radius, 0.5 * length)
+    return _obstacle(*_revolve(np.concatenate([foot, _mirrored(foot)]), edge_length))
 
 
 def bottle(
@@ -130,17 +116,11 @@ def bottle(
             f"edge_radius is {edge_radius} m, expected at most the neck_radius of {neck_radius} m"
         )
     _check_edge_length(edge_length, edge_radius)
-    bottom, top = -0.5 * height, 0.5 * height
-    quarter = np.linspace(0.0, 0.5 * np.pi, 40)
     wave = np.linspace(0.0, 1.0, 80)
-    shoulder_top = top - neck_height
+    shoulder_top = 0.5 * height - neck_height
     profile = np.concatenate(
         [
-            [[0.0, bottom]],
-            np.stack(
-                [radius - edge_radius * (1 - np.sin(quarter)), bottom + edge_radius * (1 - np.cos(quarter))],
-                axis=1,
-            ),
+            _foot(radius, edge_radius, 0.5 * height),
             np.stack(
                 [
                     radius + (neck_radius - radius) * 0.5 * (1 - np.cos(np.pi * wave)),
@@ -148,17 +128,22 @@ def bottle(
                 ],
                 axis=1,
             ),
-            np.stack(
-                [
-                    neck_radius - edge_radius * (1 - np.cos(quarter)),
-                    top - edge_radius * (1 - np.sin(quarter)),
-                ],
-                axis=1,
-            ),
-            [[0.0, top]],
+            _mirrored(_foot(neck_radius, edge_radius, 0.5 * height)),
         ]
     )
     return _obstacle(*_revolve(profile, edge_length))
+
+
+def _foot(radius: float, edge_radius: float, depth: float) -> Floats:
+    """Return radius and height (41, 2) in m of a rounded foot at -depth, from the pole up."""
+    quarter = np.linspace(0.0, 0.5 * np.pi, 40)
+    radii, heights = radius - edge_radius * (1 - np.sin(quarter)), edge_radius * (1 - np.cos(quarter)) - depth
+    return np.stack([np.append(0.0, radii), np.append(-depth, heights)], axis=1)
+
+
+def _mirrored(profile: Floats) -> Floats:
+    """Return a profile with top and bottom exchanged."""
+    return profile[::-1] * [1.0, -1.0]
 
 
 def _revolve(profile: Floats, edge_length: float) -> tuple[Floats, Indices]:
