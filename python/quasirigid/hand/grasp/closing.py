@@ -117,7 +117,7 @@ class Closing:
             By how much a share may grow or fall, at the most 1: no vertex moves by more than the product's
             surface is away, or `least`.
         """
-        found = self._found(shares, obstacle, digits, self.reach)
+        found = self._found(shares, obstacle, digits)
         distances = np.array([one.min(initial=self.reach) for one in found])
         # Shares per step, for skin that does not move.
         pace = [
@@ -144,7 +144,7 @@ class Closing:
         """Return the shares (5,) from -1 to 0, the largest found at which no digit that moves is met."""
         shares = np.zeros(len(DIGITS))
         while moving.any():
-            found = self._found(shares, obstacle, moving, self.reach)
+            found = self._found(shares, obstacle, moving)
             moving = moving & (shares > -1.0) & [one.min(initial=self.reach) <= 0.0 for one in found]
             for at in np.flatnonzero(moving):
                 # No vertex is out before it has moved by its depth.
@@ -155,13 +155,11 @@ class Closing:
                 shares[at] = max(shares[at] - step, -1.0)
         return shares
 
-    def _found(
-        self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_], reach: float
-    ) -> list[Floats]:
+    def _found(self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_]) -> list[Floats]:
         """Return the signed distances (m) of the vertices of some digits, none of the others."""
         places = self.posed(shares).surface.vertices
         vertices = [one if looked else one[:0] for one, looked in zip(self.vertices, digits, strict=True)]
-        found = obstacle.signed_distance(places[np.concatenate(vertices)], reach)[0]
+        found = obstacle.signed_distance(places[np.concatenate(vertices)], self.reach)[0]
         return np.split(found, np.cumsum([len(one) for one in vertices])[:-1])
 
     def _mesh_width(self) -> float:
