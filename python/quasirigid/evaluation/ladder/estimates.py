@@ -12,7 +12,7 @@ import numpy as np
 from ...contact import ContactOptions, solve_contact
 from .kernels import AS_GIVEN, FORMS, Form, Task, flat_skin
 from .rows import make_row
-from .scenes import jittered, sphere_scene
+from .scenes import sphere_scene
 
 __all__ = ["CASES", "FIGURES", "estimate_tasks"]
 
@@ -36,7 +36,7 @@ def _estimates(refined: bool, form: Form) -> dict[str, Any]:
     errors, known = np.empty((2, CASES, len(FIGURES)))
     for case in range(CASES):
         cells = math.exp(random.uniform(math.log(2), math.log(8)))
-        surface = jittered(scene, random, cells, random.uniform(0.0, 0.3), random.uniform(60.0, 120.0))
+        surface = scene.surface(random, cells, random.uniform(0.0, 0.3), random.uniform(60.0, 120.0))
         target = math.exp(random.uniform(math.log(0.005), math.log(0.05)))
         options = ContactOptions(target_error=target) if refined else AS_GIVEN
         contact = solve_contact(surface, scene.obstacle, flat_skin(scene, form), options=options)

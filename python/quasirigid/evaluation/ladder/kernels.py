@@ -15,7 +15,7 @@ from ...skin import Layer, Skin
 from .rows import limit_of, make_row, timed
 from .scenes import G, Scene, scenes, sphere_scene
 
-__all__ = ["FORMS", "SOLVERS", "Task", "flat_skin", "kernel_tasks", "solver_tasks"]
+__all__ = ["AS_GIVEN", "FORMS", "SOLVERS", "Form", "Task", "flat_skin", "kernel_tasks", "solver_tasks"]
 
 Form = Literal["collocation", "galerkin"]
 FORMS: tuple[Form, ...] = ("collocation", "galerkin")

@@ -19,7 +19,7 @@ from .ellipse import EllipticHertz
 if TYPE_CHECKING:
     from ...contact import Contact
 
-__all__ = ["CONTACT_MODULUS", "DEPTH", "SPHERE_RADIUS", "G", "Scene", "jittered", "scenes", "sphere_scene"]
+__all__ = ["CONTACT_MODULUS", "DEPTH", "SPHERE_RADIUS", "G", "Scene", "scenes", "sphere_scene"]
 
 G = 60e3
 CONTACT_MODULUS = reference.contact_modulus(shear_modulus=G, poisson_ratio=0.5)
@@ -70,33 +70,33 @@ class Scene:
     measured: Callable[[Contact], tuple[Figures, Figures]] | None = None
     reach: tuple[float, float] = (2.2, 2.2)
 
-    def surface(self, random: np.random.Generator, cells: float) -> Surface:
-        """Return a mesh of so many cells per contact radius, somewhere under the product."""
-        return jittered(self, random, cells)
+    def surface(
+        self, random: np.random.Generator, cells: float, jitter: float = 0.25, degrees: float = 90.0
+    ) -> Surface:
+        """Return a mesh of so many cells per contact radius, somewhere under the product.
+
+        Lattices of `degrees` whose cells are cut by one diagonal, vertices moved by up to `jitter` cells.
+        """
+        h = math.sqrt(self.extents[0] * self.extents[1]) / cells
+        second = [np.cos(np.radians(degrees)), np.sin(np.radians(degrees))]
+        edges = h * np.array([[1.0, 0.0], second])
+        columns, rows = (
+            2 * math.ceil(reach * extent / h) for reach, extent in zip(self.reach, self.extents, strict=True)
+        )
+        i, j = np.meshgrid(
+            np.arange(columns + 1) - columns / 2, np.arange(rows + 1) - rows / 2, indexing="ij"
+        )
+        moved = random.uniform(-jitter * h, jitter * h, (i.size, 2))
+        plane = i.reshape(-1, 1) * edges[0] + j.reshape(-1, 1) * edges[1] + moved
+        plane += random.uniform(-0.5, 0.5, 2) @ edges
+        heights = -0.5 * self.curvature * plane[:, 0] ** 2
+        return Surface(np.column_stack([plane, heights]), lattice_faces(columns, rows))
 
     def figures(self, contact: Contact) -> tuple[Figures, Figures]:
         """Return force (N), area (m²) and peak (Pa) of a contact, and what is true."""
         if self.measured is not None:
             return self.measured(contact)
         return (-float(contact.force[2]), contact.contact_area, contact.max_pressure), self.true
-
-
-def jittered(
-    scene: Scene, random: np.random.Generator, cells: float, jitter: float = 0.25, degrees: float = 90.0
-) -> Surface:
-    """Return cells cut by one diagonal, at a random place, vertices moved by up to `jitter` cells."""
-    h = math.sqrt(scene.extents[0] * scene.extents[1]) / cells
-    second = [np.cos(np.radians(degrees)), np.sin(np.radians(degrees))]
-    edges = h * np.array([[1.0, 0.0], second])
-    columns, rows = (
-        2 * math.ceil(reach * extent / h) for reach, extent in zip(scene.reach, scene.extents, strict=True)
-    )
-    i, j = np.meshgrid(np.arange(columns + 1) - columns / 2, np.arange(rows + 1) - rows / 2, indexing="ij")
-    moved = random.uniform(-jitter * h, jitter * h, (i.size, 2))
-    plane = i.reshape(-1, 1) * edges[0] + j.reshape(-1, 1) * edges[1] + moved
-    plane += random.uniform(-0.5, 0.5, 2) @ edges
-    heights = -0.5 * scene.curvature * plane[:, 0] ** 2
-    return Surface(np.column_stack([plane, heights]), lattice_faces(columns, rows))
 
 
 def sphere_scene() -> Scene:
