@@ -18,8 +18,9 @@ from ..meshes import lattice_faces
 from .case import Case, Outcome, near
 from .scaling import AS_GIVEN, Build, Setting, length_judge, modulus_judge, place_judge, scaled_cases
 
-__all__ = ["CELL", "flat_skin", "mesh_cases", "sphere_over"]
+__all__ = ["CELL", "Form", "flat_skin", "mesh_cases", "sphere_over"]
 
+Form = Literal["collocation", "galerkin"]
 Mesh = tuple[Floats, Indices]
 # Length of a cell (m), and depth and radius of the sphere, whose contact is four cells wide.
 CELL = 1e-3
@@ -49,7 +50,7 @@ def flat_skin(cells: int) -> Mesh:
     return points, np.stack([faces[:half], faces[half:]], 1).reshape(-1, 3)
 
 
-def sphere_over(setting: Setting, mesh: Mesh, form: Literal["collocation", "galerkin"]) -> Contact:
+def sphere_over(setting: Setting, mesh: Mesh, form: Form) -> Contact:
     """Return the contact of a sphere in place with flat skin."""
     points, faces = mesh
     surface = Surface(setting.placed(points), faces)
@@ -81,7 +82,7 @@ def mesh_cases() -> Iterator[Case]:
         yield Case(group="mesh", name=f"{name}, galerkin", judge=judge, alone=_ALONE)
 
 
-def _on(change: Callable[[], Mesh], form: Literal["collocation", "galerkin"], setting: Setting) -> Contact:
+def _on(change: Callable[[], Mesh], form: Form, setting: Setting) -> Contact:
     return sphere_over(setting, change(), form)
 
 
@@ -105,7 +106,7 @@ def _with_points(share: float, *, middle: bool) -> Mesh:
     return np.vstack([points, news]), np.vstack([faces[kept], added])
 
 
-def _as_without(build: Build, form: Literal["collocation", "galerkin"]) -> Outcome:
+def _as_without(build: Build, form: Form) -> Outcome:
     """A point more changes the contact by no more than the mesh is off at all."""
     with_points, without = build(Setting()), sphere_over(Setting(), flat_skin(_CELLS), form)
     error = float(np.linalg.norm(with_points.force - without.force) / np.linalg.norm(without.force))

@@ -13,13 +13,13 @@ from ..._arrays import Floats
 from ...contact import Contact, ContactOptions
 from .case import Case, Outcome, near
 
-__all__ = ["AS_GIVEN", "FAR", "Build", "Setting", "off", "rounding_limit", "scaled_cases"]
+__all__ = ["AS_GIVEN", "Build", "Setting", "off", "rounding_limit", "scaled_cases"]
 
 
 # One mesh, and no more memory than any machine has.
 AS_GIVEN = ContactOptions(target_error=None, memory_limit=2**30)
 # One kilometre away (m).
-FAR = (1000.0, -700.0, 500.0)
+_FAR = (1000.0, -700.0, 500.0)
 _LEAST_LIMIT = 1e-9
 _ROUNDINGS = 100.0
 
@@ -137,5 +137,5 @@ def length_judge(build: Build, smallest: float, length: float) -> Outcome:
 
 def place_judge(build: Build, smallest: float) -> Outcome:
     """Compare with the contact a kilometre away."""
-    here, there = build(Setting()), build(replace(Setting(), shift=FAR))
+    here, there = build(Setting()), build(replace(Setting(), shift=_FAR))
     return near("the same force", off(there, here), rounding_limit(there, smallest))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +18,11 @@ from ...surface import Surface
 from ..memo import remembered
 from ..meshes import ball, lattice_faces
 from .case import Case, Outcome, holds, near
-from .flat import CELL, flat_skin
+from .flat import CELL, Form, flat_skin
 from .scaling import AS_GIVEN, Build, Setting, off, rounding_limit, scaled_cases
 
 __all__ = ["touch_cases"]
 
-Form = Literal["collocation", "galerkin"]
 _UP, _DOWN = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
 _DEPTH = 0.1e-3
 _BUMPS = 32
