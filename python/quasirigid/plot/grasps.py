@@ -101,12 +101,14 @@ def _picture(
     product: tuple[Floats, Indices] | None,
 ) -> Floats:
     """Return the hand, and the product with it, as `lit_skin` does."""
+    from matplotlib.colors import to_rgb
+
     base = np.broadcast_to(SKIN, vertices.shape)
     if product is not None:
         points, triangles = product
         faces = np.vstack([faces, triangles + len(vertices)])
         vertices = np.vstack([vertices, points])
-        base = np.vstack([base, np.broadcast_to(_rgb(PRODUCT), points.shape)])
+        base = np.vstack([base, np.broadcast_to(to_rgb(PRODUCT), points.shape)])
         nothing = np.zeros(len(points))
         values, inside = np.append(values, nothing), np.append(inside, nothing)
     return lit_skin(vertices * MM, faces, view, values, inside, pressure_colors(), window, _PIXELS, base=base)
@@ -146,7 +148,3 @@ def _mirrored(grasp: Grasp, sight: tuple[float, float, float]) -> Floats:
     """Return the sight on a left hand, whose thumb is on the other side."""
     x, y, z = sight
     return np.array([x if grasp.posed.hand.side == "right" else -x, y, z])
-
-
-def _rgb(color: str) -> Floats:
-    return np.array([int(color[at : at + 2], 16) / 255.0 for at in (1, 3, 5)])
