@@ -187,7 +187,7 @@ def restored_response(header: Mapping[str, Any], stored: Mapping[str, NDArray[An
         compliance = stored["displacement"].reshape(count, 3, count, 3) if blocks else stored["matrix"]
         return GivenMatrix(nodes=nodes, compliance=compliance)
     kernels: dict[str, Any] = {kernel.__name__: kernel for kernel in (HalfSpace, GaussianCorrected, Layer)}
-    fields = {name: stored[name] for name in ("thickness",) if name in stored}
+    fields = {"thickness": stored["thickness"]} if "thickness" in stored else {}
     response: Response = kernels[kind](**header["numbers"], **fields)
     return response
 
