@@ -61,8 +61,9 @@ def close_hand(
     """Close the digits of a hand on a product until each holds its force or reaches its overlap.
 
     Each digit goes its own way from one pose to another, a single share of the turns of all its joints; hand
-    and product stay where they are. A digit that the product stands in at the start opens first, at most to
-    the pose "open". All digits are searched together, so that each answers to the others.
+    and product stay where they are. A digit that the product stands in at the start opens first, if that
+    leads it out, at most to the pose "open". All digits are searched together, so that each answers to the
+    others.
 
     Parameters
     ----------

@@ -26,6 +26,7 @@ _TOUCHES = 1e-4  # m, of a hand of REFERENCE_LENGTH: so near a digit has come to
 _LEAST_STEP = 1e-3  # m, of that hand
 _REACH = 2e-2  # m, of that hand: farther away a digit does not look
 _OPENING = 2e-3  # m, of that hand: a step of a digit that opens
+_LEAD_OUT = 5e-4  # m, of that hand: a digit that opens all the way and comes out by less opens in vain
 _SAMPLES = 6  # of a way, to see how fast a digit goes
 _SPARE = 1.1  # between them it may be faster
 
@@ -33,8 +34,8 @@ _SPARE = 1.1  # between them it may be faster
 class Closing:
     """A hand between two poses: each digit has gone a share of its own way, from 0 to 1.
 
-    Where the product stands in a digit at the start, that one opens first: shares from 0 to -1 lead from the
-    start to the pose "open".
+    Where the product stands in a digit at the start, that one opens first, if that leads it out: shares from
+    0 to -1 lead from the start to the pose "open".
 
     Attributes
     ----------
@@ -141,11 +142,18 @@ class Closing:
         return shares
 
     def _opened(self, obstacle: Obstacle, moving: NDArray[np.bool_]) -> Floats:
-        """Return the shares (5,) from -1 to 0, the largest found at which no digit that moves is met."""
-        shares = np.zeros(len(DIGITS))
+        """Return the shares (5,) from -1 to 0, the largest found at which no digit that moves is met.
+
+        Of a digit that is about as deep in it when it is open as at first, 0: its base is met.
+        """
+        shares, deepest = np.zeros(len(DIGITS)), np.full(len(DIGITS), np.nan)
         while moving.any():
             found = self._found(shares, obstacle, moving)
-            moving = moving & (shares > -1.0) & [one.min(initial=self.reach) <= 0.0 for one in found]
+            depths = -np.array([one.min(initial=self.reach) for one in found])
+            deepest = np.where(np.isnan(deepest), depths, deepest)
+            in_vain = moving & (shares == -1.0) & (depths > deepest - _LEAD_OUT * self.scale)
+            shares[in_vain] = 0.0
+            moving = moving & (shares > -1.0) & (depths >= 0.0) & ~in_vain
             for at in np.flatnonzero(moving):
                 # No vertex is out before it has moved by its depth.
                 ways = np.divide(

@@ -97,6 +97,31 @@ def test_a_base_that_touches_all_along_does_not_hide_how_fast_a_force_grows():
     assert force(search.share, 220.0) == pytest.approx(2.0, rel=8e-3)
 
 
+def test_a_base_that_holds_nearly_enough_all_along_is_no_start_of_a_slope():
+    def force(share, modulus):
+        return modulus * (0.77 + 0.09 * min(share, 0.0) + 80.0 * max(share, 0.0))
+
+    search = Search(wanted=1.0, power=2.0 / 3.0, share=-1.0)
+    for _ in range(60):
+        search.take(force(search.share, 1.0), 3e-2, step=0.02, depth=0.0)
+    assert search.error() <= 3e-2
+    search.begin_again()
+    for _ in range(3):
+        search.take(force(search.share, 0.9), 8e-3, step=0.02, depth=0.0)
+    assert force(search.share, 0.9) == pytest.approx(1.0, rel=8e-3)
+
+
+def test_a_digit_whose_base_the_product_stands_in_does_not_open_in_vain(hand):
+    closing = Closing(hand, "flat", "fist", None, None)
+    start, index = closing.posed(np.zeros(5)).surface, closing.vertices[1]
+    base = index[closing.speeds[1].argmin()]
+    ball = qr.Obstacle.sphere(start.vertices[base] + 4e-3 * start.vertex_normals[base], 5e-3)
+    deep = ball.signed_distance(start.vertices[index])[0]
+    assert deep.min() == pytest.approx(-1e-3, rel=1e-6)
+    # Its base stands where it is, whatever the digit does.
+    assert closing.first_touch(ball, np.arange(5) == 1)[1] == 0.0
+
+
 def test_digits_on_a_ball_whose_bases_touch_all_along_hold_in_the_last_rounds(hand):
     ball = qr.Obstacle.sphere([-8.79e-3, 97.85e-3, -54.53e-3], 39.71e-3)
     wanted = {"thumb": 2.4777, "index": 2.9433, "middle": 1.2823, "ring": 0.9589}
