@@ -81,9 +81,8 @@ class Hold:
     shares: Floats = field(default_factory=lambda: np.zeros(len(DIGITS)))
     searches: dict[int, Search] = field(default_factory=dict)
     rounds: int = 0
-    standing: dict[str, float] = field(
-        default_factory=dict
-    )  # digits that stay inside the product, how deep (m)
+    # Digits that stay inside the product, how deep (m).
+    standing: dict[str, float] = field(default_factory=dict)
     timings: dict[str, float] = field(default_factory=dict)
     solved: Solved | None = None
     _meshes: dict[int, Refinement] = field(default_factory=dict)
@@ -290,6 +289,8 @@ class Hold:
         for search in self.searches.values():
             search.begin_again()
         self._settle(self._with_all_options, _HELD, _MOST_ROUNDS, air=np.inf)
+        for search in self.searches.values():
+            search.end(_MISSED)
 
     def _with_all_options(self) -> Floats:
         values = self._solve(self.skin, self.options)

@@ -49,6 +49,8 @@ class Search:
     _most: tuple[float, float] = (0.0, 0.0)
     _most_depth: float = 0.0
     _faded: int = 0
+    _falls: bool = False
+    _has_missed: bool = False
     _closed: int = 0
     _trial: int = 0
     _low_since: int = 0
@@ -70,11 +72,18 @@ class Search:
         self._slope = self._known_slope = self._known_slope or self._slope
         self._last = self._low = self._high = None
         self._closed = 0
+        self._has_missed = self._has_missed or self.missed == "end"
         # To look again costs nothing at the end of a way, but many trials where a digit slips by.
         slips_by = abs(self.share) < 1.0 and self.most < _NEARLY * self.wanted
         if self.missed != "trials" and not slips_by:
             self.missed = ""
-        self._most, self._most_depth, self._faded = (0.0, 0.0), 0.0, 0
+        self._most, self._most_depth, self._faded, self._falls = (0.0, 0.0), 0.0, 0, False
+
+    def end(self, tolerance: float) -> None:
+        """Say of a digit that had missed that it does, where it holds less again the farther it goes."""
+        slips_by = self._has_missed and self._falls and self.most < self.wanted
+        if slips_by and not self.missed and self.error() > tolerance:
+            self.missed = "end"
 
     def take(self, value: float, tolerance: float, *, step: float, depth: float) -> None:
         """Take the value at the present share; go on by at most a step, unless it is the wanted one.
@@ -85,6 +94,7 @@ class Search:
         height = (value / self.wanted) ** self.power
         if (value, self.share) > self._most:
             self._most, self._most_depth = (value, self.share), depth
+        self._falls = self._falls or (value < self.most and self.share > self._most[1])
         is_faded = value < _FADED * self.most and depth > self._most_depth
         self._faded = self._faded + 1 if is_faded else 0
         if self._below is None or height < _FAR_BELOW or self.share < self._below[0]:

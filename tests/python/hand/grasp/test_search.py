@@ -40,6 +40,17 @@ def test_a_digit_that_slipped_by_is_tried_again_where_it_held_nearly_enough(forc
     assert search.most == 0.8 * force
 
 
+@pytest.mark.parametrize(("then", "missed"), [((0.9, 0.85), "end"), ((0.9, 0.95), "")])
+def test_a_digit_that_slips_by_again_is_told_what_it_comes_to_and_one_that_climbs_is_not(then, missed):
+    search = Search(wanted=1.0, power=2.0 / 3.0, share=0.5, missed="end")
+    search.take(0.9, 1e-3, step=0.01, depth=0.0)
+    search.begin_again()
+    for value in then:
+        search.take(value, 1e-3, step=0.01, depth=0.0)
+    search.end(1e-2)
+    assert search.missed == missed
+
+
 def test_digits_that_a_large_contact_left_no_trials_are_named(hand, handle, monkeypatch):
     monkeypatch.setattr(hold, "_LARGE", 1)
     grasp = qr.close_hand(hand, handle, skin(), force=16.0, options=AS_GIVEN)
