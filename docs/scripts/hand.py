@@ -74,7 +74,7 @@ hinges.
   change as slowly as they must: at a distance y from the axis the angle grows along the digit by less than
   1/y. `hand.weights` are the file's.
 - Pivots hang on the mesh a little: with each triangle split into four, the same skin comes to lie up to
-  0.04 to 0.8 mm elsewhere in "relaxed" and 0.5 to 2.6 mm in "fist", by the rig (13,000 vertices at most 0.5
+  0.04 to 1.4 mm elsewhere in "relaxed" and 0.5 to 4.4 mm in "fist", by the rig (13,000 vertices at most 0.5
   and 1.0 mm); that of a saved contact by up to 0.2 mm.
 
 ## Times
