@@ -9,8 +9,8 @@ use crate::response::skin::elastic::ElasticSkin;
 /// Error of force and peak of hats on an incompressible layer, over them, where edges are as long as the layer is thick: it goes
 /// with the square of edge over thickness. Fitted to the Galerkin form.
 const LOST_SHARE: f64 = 0.025;
-/// How that ends where tissue is compressible, as the layer gives way like springs there: with the bulk modulus over the shear
-/// modulus, fitted to ν of 0.45 and 0.495.
+/// How that ends where tissue is compressible, as the layer gives way like springs there: with twice the shear modulus over
+/// that of a layer which cannot widen, (1 - 2 ν) / (1 - ν) (Johnson 1985, §5.8); fitted to ν of 0.45 and 0.495.
 const SPRING_RATIO: f64 = 5.0;
 
 /// Tissue under the forces of a contact on a given mesh.
