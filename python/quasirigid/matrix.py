@@ -137,7 +137,15 @@ def _distance_to(obstacle: Obstacle) -> Callable[[NDArray[np.float64]], NDArray[
 
 
 class NetVolume(NamedTuple):
-    """Volume under the displacement of a unit force: dents less bulges, and both added up (m³/N)."""
+    """Volume under the displacement of a unit force.
+
+    Attributes
+    ----------
+    net : float
+        Dents less bulges (m³/N).
+    gross : float
+        Both added up (m³/N).
+    """
 
     net: float
     gross: float

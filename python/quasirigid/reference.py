@@ -25,33 +25,51 @@ __all__ = [
 
 
 class LayerIndentation(NamedTuple):
-    """A rigid sphere of radius R on an incompressible layer of thickness h bonded to a rigid base, d deep."""
+    """A rigid sphere of radius R on an incompressible layer of thickness h bonded to a rigid base, d deep.
+
+    Attributes
+    ----------
+    thinness : float
+        sqrt(R d) / h.
+    force_ratio : float
+        Force over Hertz's force on a half-space of the same material.
+    accuracy : float
+        Relative accuracy of `force_ratio`.
+    """
 
     thinness: float
-    """sqrt(R d) / h."""
     force_ratio: float
-    """Force over Hertz's force on a half-space of the same material."""
     accuracy: float
-    """Relative accuracy of `force_ratio`."""
 
 
 class CoredSphere(NamedTuple):
-    """A rigid frictionless indenter pressed against an elastic sphere bonded to a rigid concentric core."""
+    """A rigid frictionless indenter pressed against an elastic sphere bonded to a rigid concentric core.
+
+    Attributes
+    ----------
+    radius : float
+        Radius of the sphere (m).
+    core_radius : float
+        Radius of the core (m).
+    indenter_radius : float
+        Radius of the indenter (m), inf for a flat plate.
+    shear_modulus : float
+        Shear modulus (Pa).
+    accuracy : float
+        Relative accuracy of the forces.
+    poisson_ratio : float
+        Poisson's ratio.
+    indentations : dict of float to float
+        Force (N) at each depth (m).
+    """
 
     radius: float
-    """Radius of the sphere (m)."""
     core_radius: float
-    """Radius of the core (m)."""
     indenter_radius: float
-    """Radius of the indenter (m), inf for a flat plate."""
     shear_modulus: float
-    """Shear modulus (Pa)."""
     accuracy: float
-    """Relative accuracy of the forces."""
     poisson_ratio: float
-    """Poisson's ratio."""
     indentations: dict[float, float]
-    """Force (N) at each depth (m)."""
 
 
 def sphere_on_layer() -> tuple[LayerIndentation, ...]:

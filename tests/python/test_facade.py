@@ -239,6 +239,16 @@ def test_help_lists_every_parameter() -> None:
     assert not unlisted
 
 
+def test_help_lists_every_field_of_a_named_tuple_and_no_file_that_is_not_installed() -> None:
+    modules = (qr, qr.hand, qr.io, qr.models, qr.plot, qr.reference)
+    things = [getattr(module, name) for module in modules for name in module.__all__]
+    for thing in (one for one in things if callable(one)):
+        text = inspect.getdoc(thing) or ""
+        assert "docs/" not in text, thing
+        for field in getattr(thing, "_fields", ()):
+            assert f"{field} : " in text, (thing, field)
+
+
 def test_help_says_what_returns() -> None:
     for name in dir(qr):
         thing = getattr(qr, name)

@@ -20,7 +20,15 @@ class ContactStatus(StrEnum):
 
 
 class LeftOut(NamedTuple):
-    """One thing that the solve left out, and why."""
+    """One thing that the solve left out, and why.
+
+    Attributes
+    ----------
+    what : str
+        The thing, in a few words that stay the same.
+    why : str
+        The reason, with the figures of this contact.
+    """
 
     what: str
     why: str

@@ -102,7 +102,21 @@ class LcpRay(Frozen):
 
 
 class LcpAttempt(NamedTuple):
-    """One method's run within a solve: from your guess (`warm`), or looking for a crash basis (`crash`)."""
+    """One method's run within a solve.
+
+    Attributes
+    ----------
+    method : LcpMethod
+        What ran.
+    status : LcpStatus
+        How it ended.
+    pivots : int
+        How many it took.
+    warm : bool
+        Whether it began from your guess.
+    crash : bool
+        Whether it looked for a crash basis.
+    """
 
     method: LcpMethod
     status: LcpStatus
