@@ -140,7 +140,7 @@ def demo(
 
     The fingertip goes 1.12 mm deep on a handle and on a phone-sized box, each twice: as a half-space, which
     knows neither the finger's shape nor its bone, and as the body with its bone, whose compliance is computed
-    first and serves both. The hand holds the bottle with 20 N, to the target of `close_hand`.
+    first and serves both. The hand holds the bottle with 20 N, to the target of `grasp`.
     Needs no file. Prints the figures and writes, in a folder for each product, what `press` writes and
     footprints of both responses, or what `grasp` writes, with one picture.
     Exit status 0: done; 2: bad input.
