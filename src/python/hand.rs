@@ -1,8 +1,10 @@
 //! What a posed hand asks of the crate.
 
+use numpy::PyArray2;
 use pyo3::prelude::*;
 
 use crate::hand::{Blending, SkinWeights, SkinningError};
+use crate::python::arrays_out::vectors_out;
 use crate::python::convert::{index_rows, motions, number_rows};
 use crate::python::errors::IntoPyErr;
 use crate::python::forked::released;
@@ -44,5 +46,19 @@ impl PySkinWeights {
             Ok::<_, SkinningError>(surface.with_vertices(moved))
         });
         posed.map(PySurface::from).map_err(IntoPyErr::into_py_err)
+    }
+
+    /// Where the vertices (n, 3) of a surface are after that, without normals and areas, which take most of the time.
+    fn moved<'py>(
+        &self,
+        py: Python<'py>,
+        surface: &PySurface,
+        motions: &Bound<'_, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let motions = self::motions(motions, "motions")?;
+        let surface = &surface.inner;
+        let moved =
+            released(py, || self.0.move_vertices(surface.vertices(), &motions, Blending::DualQuaternion));
+        moved.map(|moved| vectors_out(py, &moved)).map_err(IntoPyErr::into_py_err)
     }
 }

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..._arrays import Floats
+from ...errors import HandError
 from ..pose import turns_of
 from ..regions import digit_of_vertices
 from ..rig.joints import DIGIT_OF, DIGITS, REFERENCE_LENGTH
+from ..rig.kinematics import motions_of, moved_frames
 from ..rig.rotations import between
 
 if TYPE_CHECKING:
@@ -63,7 +65,8 @@ class Closing:
         rotation: ArrayLike | None,
         translation: ArrayLike | None,
     ) -> None:
-        self._hand, self._rotation, self._translation = hand, rotation, translation
+        self._hand = hand
+        self._placed = moved_frames(np.eye(4)[None], rotation, translation, HandError)[0]
         self._open, self._first, self._last = (turns_of(pose, hand) for pose in ("open", start, end))
         self._digit = np.array(
             [DIGITS.index(DIGIT_OF[name]) if name in DIGIT_OF else -1 for name in hand.joint_names]
@@ -89,10 +92,14 @@ class Closing:
     def posed(self, shares: Floats) -> PosedHand:
         """Return the hand there."""
         if self._posed is None or not np.array_equal(self._posed[0], shares):
-            turns = self.pose(shares)
-            posed = self._hand.posed(turns, rotation=self._rotation, translation=self._translation)
-            self._posed = (shares.copy(), posed)
+            self._posed = (shares.copy(), self._hand.posed(self.pose(shares), rotation=self._placed))
         return self._posed[1]
+
+    def places(self, shares: Floats) -> Floats:
+        """Return where the vertices (n, 3) (m) of the hand are there."""
+        hand, turns = self._hand, turns_of(self.pose(shares), self._hand)
+        motions, _ = motions_of(hand.rest, hand._pivots, hand.parents, turns, self._placed)
+        return hand._influence.moved(hand.surface, motions)
 
     def look(
         self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_], *, least: float
@@ -165,7 +172,7 @@ class Closing:
 
     def _found(self, shares: Floats, obstacle: Obstacle, digits: NDArray[np.bool_]) -> list[Floats]:
         """Return the signed distances (m) of the vertices of some digits, none of the others."""
-        places = self.posed(shares).surface.vertices
+        places = self.places(shares)
         vertices = [one if looked else one[:0] for one, looked in zip(self.vertices, digits, strict=True)]
         found = obstacle.signed_distance(places[np.concatenate(vertices)], self.reach)[0]
         return np.split(found, np.cumsum([len(one) for one in vertices])[:-1])
@@ -181,6 +188,6 @@ class Closing:
     def _bounds(self) -> tuple[Floats, ...]:
         """Return how far each digit's vertices move at the most per unit of its share (m)."""
         shares = np.arange(-_SAMPLES, _SAMPLES + 1) / _SAMPLES
-        places = [self.posed(np.full(len(DIGITS), share)).surface.vertices for share in shares]
+        places = [self.places(np.full(len(DIGITS), share)) for share in shares]
         ways = np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=0) * _SAMPLES
         return tuple(_SPARE * ways[vertices] for vertices in self.vertices)

@@ -215,6 +215,13 @@ def test_a_digit_that_another_one_throws_over_an_edge_goes_back_and_holds():
     assert force_on_edge(0.1 * search.share) == pytest.approx(5.8, rel=1e-3)
 
 
+def test_places_are_those_of_the_posed_hand(hand):
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    closing = Closing(hand, "relaxed", "fist", turn, (0.1, -0.2, 0.3))
+    shares = np.array([-0.4, 0.0, 0.3, 0.7, 1.0])
+    np.testing.assert_array_equal(closing.places(shares), closing.posed(shares).surface.vertices)
+
+
 def test_no_vertex_goes_on_by_more_than_the_product_is_away(hand, handle):
     closing = Closing(hand, "relaxed", "fist", None, (0.0, 0.0, 0.0))
     digits = np.array([False, True, True, False, True])
