@@ -67,7 +67,7 @@ class Search:
         if self._known_slope == 0.0 and self._last is not None and self._below is not None:
             # From far below: between close shares a slope is that of other digits' moves.
             (share, height), (below, low) = self._last, self._below
-            if share - below > _CLOSE and height > low and low < _FAR_BELOW:
+            if share - below > _CLOSE and height > low:
                 self._slope = (height - low) / (share - below)
         self._slope = self._known_slope = self._known_slope or self._slope
         self._last = self._low = self._high = None

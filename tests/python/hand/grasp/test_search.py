@@ -108,20 +108,6 @@ def test_a_base_that_touches_all_along_does_not_hide_how_fast_a_force_grows():
     assert force(search.share, 220.0) == pytest.approx(2.0, rel=8e-3)
 
 
-def test_a_base_that_holds_nearly_enough_all_along_is_no_start_of_a_slope():
-    def force(share, modulus):
-        return modulus * (0.77 + 0.09 * min(share, 0.0) + 80.0 * max(share, 0.0))
-
-    search = Search(wanted=1.0, power=2.0 / 3.0, share=-1.0)
-    for _ in range(60):
-        search.take(force(search.share, 1.0), 3e-2, step=0.02, depth=0.0)
-    assert search.error() <= 3e-2
-    search.begin_again()
-    for _ in range(3):
-        search.take(force(search.share, 0.9), 8e-3, step=0.02, depth=0.0)
-    assert force(search.share, 0.9) == pytest.approx(1.0, rel=8e-3)
-
-
 def test_a_digit_whose_base_the_product_stands_in_does_not_open_in_vain(hand):
     closing = Closing(hand, "flat", "fist", None, None)
     start, index = closing.posed(np.zeros(5)).surface, closing.vertices[1]
