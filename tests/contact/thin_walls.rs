@@ -199,18 +199,21 @@ fn a_sheet_in_overlap_is_found_deeper_than_two_edges() {
 #[test]
 fn a_sheet_stands_in_the_skin_that_it_is_nearer_to_and_not_in_that_on_the_other_side() {
     let half_breadth = 2e-3;
-    let (mut vertices, faces) = icosphere(8e-3, 4);
-    vertices.iter_mut().for_each(|x| x.z *= 0.25);
-    let lens = Surface::new(vertices, faces).unwrap();
-    // The lower face of a sheet that came in from above.
-    let level = 0.3e-3;
-    let sheet = box_of([20e-3, 20e-3, 0.1e-3]).translated(&Vector3::new(0.0, 0.0, level + 0.1e-3));
-    let depths = overlaps(&lens, &sheet, &ContactOptions::default()).unwrap();
-    // Beside its rim the lens is too thin to tell its sides apart.
-    let in_middle = |x: &Vector3<f64>| x.x.hypot(x.y) < 2.0 * half_breadth;
-    let middle = depths.iter().zip(lens.vertices()).filter(|(_, x)| in_middle(x));
-    assert!(middle.clone().any(|(depth, _)| *depth > 0.8 * half_breadth));
-    middle.for_each(|(depth, x)| assert_relative_eq!(*depth, (x.z - level).max(0.0), epsilon = 1e-9));
+    // Edges of 0.5 and of 1.9 mm: skin looks twice as far, and the lens is 4 mm broad.
+    for subdivisions in [4, 2] {
+        let (mut vertices, faces) = icosphere(8e-3, subdivisions);
+        vertices.iter_mut().for_each(|x| x.z *= 0.25);
+        let lens = Surface::new(vertices, faces).unwrap();
+        // The lower face of a sheet that came in from above.
+        let level = 0.3e-3;
+        let sheet = box_of([20e-3, 20e-3, 0.1e-3]).translated(&Vector3::new(0.0, 0.0, level + 0.1e-3));
+        let depths = overlaps(&lens, &sheet, &ContactOptions::default()).unwrap();
+        // Beside its rim the lens is too thin to tell its sides apart.
+        let in_middle = |x: &Vector3<f64>| x.x.hypot(x.y) < 2.0 * half_breadth;
+        let middle = depths.iter().zip(lens.vertices()).filter(|(_, x)| in_middle(x));
+        assert!(middle.clone().any(|(depth, _)| *depth > 0.8 * half_breadth));
+        middle.for_each(|(depth, x)| assert_relative_eq!(*depth, (x.z - level).max(0.0), epsilon = 1e-9));
+    }
 }
 
 #[test]

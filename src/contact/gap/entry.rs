@@ -113,6 +113,16 @@ pub(crate) struct EntryGap {
     pub through_walls: usize,
 }
 
+/// A point whose gap is measured back the way it came.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entered {
+    pub point: usize,
+    /// Back to where it met the obstacle (m).
+    pub way: f64,
+    /// Whether it left the obstacle again.
+    pub has_left: bool,
+}
+
 /// Measures the gap back along the way in where the entry normal points elsewhere than the one at the closest point.
 ///
 /// Others keep their gap to the bit. Returns these points too.
@@ -125,7 +135,7 @@ pub(crate) fn measure_entries(
     obstacle: &Obstacle,
     way_in: &WayIn,
     gaps: &mut Measured,
-) -> Result<(EntryGap, Vec<usize>), ContactError> {
+) -> Result<(EntryGap, Vec<Entered>), ContactError> {
     let cosine = |row: usize| gaps.normal[row].dot(&way_in.direction(row));
     let is_inside = |row: usize| gaps.distance[row] < -ON_SURFACE * way_in.reach(row, &points[row], true);
     let reach = |row: usize| way_in.reach(row, &points[row], is_inside(row));
@@ -160,10 +170,11 @@ pub(crate) fn measure_entries(
         if normal.dot(&entry) >= OTHER_SIDE && !faces_back || advance <= 0.0 {
             continue;
         }
-        let through_wall = gaps.distance[vertex] >= 0.0 || faces_back || behind[row] > 0.0;
+        let has_left = gaps.distance[vertex] >= 0.0;
+        let through_wall = has_left || faces_back || behind[row] > 0.0;
         gaps.distance[vertex] = -way * advance;
         gaps.normal[vertex] = entry;
-        entered.push(vertex);
+        entered.push(Entered { point: vertex, way, has_left });
         through_walls += usize::from(through_wall);
     }
     Ok((EntryGap { vertices: entered.len(), through_walls }, entered))

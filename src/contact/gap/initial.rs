@@ -11,7 +11,7 @@ use crate::contact::first_touch::touch_rounding;
 use crate::contact::gap::averaged::{self, VertexGap};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::gap::edge::{Line, SkinPart, triangles_among};
-use crate::contact::gap::entry::{EntryGap, WayIn, measure_entries};
+use crate::contact::gap::entry::{Entered, EntryGap, WayIn, measure_entries};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
 use crate::obstacle::posed::Obstacle;
@@ -96,6 +96,9 @@ impl<'a> Gaps<'a> {
                 (measured, entry, entered) = Self::within(surface, scene, &reach)?;
             }
         }
+        if scene.press.is_none() && look_no_farther(surface, &entered, &mut reach) {
+            (measured, entry, _) = Self::within(surface, scene, &reach)?;
+        }
         let of_touch = touch_rounding(surface);
         let deepest = |vertex: usize| match &scene.press {
             Some(press) => (press.way_to(&surface.vertices()[vertex]) + of_touch).max(0.0),
@@ -132,7 +135,7 @@ impl<'a> Gaps<'a> {
         surface: &Surface,
         scene: &Scene,
         reach: &[f64],
-    ) -> Result<(Measured, EntryGap, Vec<usize>), ContactError> {
+    ) -> Result<(Measured, EntryGap, Vec<Entered>), ContactError> {
         let farthest = farthest(reach);
         let mut measured = Measured::near(surface.vertices(), &scene.obstacle, farthest, scene.depth_bound)?;
         let may_touch = |vertex: usize| surface.skin_mask()[vertex];
@@ -275,9 +278,10 @@ fn farthest(reach: &[f64]) -> f64 {
 /// * `reach`: how far each vertex looks (n, m)
 ///
 /// Returns whether some shall.
-fn reach_farther(surface: &Surface, entered: &[usize], measured: &Measured, reach: &mut [f64]) -> bool {
+fn reach_farther(surface: &Surface, entered: &[Entered], measured: &Measured, reach: &mut [f64]) -> bool {
     let mut is_farther = false;
-    for patch in surface.patches(entered) {
+    let vertices: Vec<usize> = entered.iter().map(|entered| entered.point).collect();
+    for patch in surface.patches(&vertices) {
         let deepest = deepest_of(&patch, measured).expect("no patch is empty");
         if -measured.distance[deepest] <= DEEP_SHARE * reach[deepest] {
             continue;
@@ -293,6 +297,26 @@ fn reach_farther(surface: &Surface, entered: &[usize], measured: &Measured, reac
         }
     }
     is_farther
+}
+
+/// Lets vertices that left the obstacle again look no farther than half the breadth of the skin's body under them: on a mesh whose
+/// edges are half as long as that, skin would find what came in through the other side.
+///
+/// Returns whether some did.
+fn look_no_farther(surface: &Surface, entered: &[Entered], reach: &mut [f64]) -> bool {
+    let left = entered.iter().filter(|entered| entered.has_left);
+    let ways: BTreeMap<usize, f64> = left.map(|entered| (entered.point, entered.way)).collect();
+    let mut is_nearer = false;
+    for patch in surface.patches(&ways.keys().copied().collect::<Vec<_>>()) {
+        let breadths = surface.breadths(&patch, |vertex| 2.0 * ways[&vertex]);
+        for (&vertex, breadth) in patch.iter().zip(breadths) {
+            if let Some(breadth) = breadth {
+                reach[vertex] = 0.5 * breadth;
+                is_nearer = true;
+            }
+        }
+    }
+    is_nearer
 }
 
 /// Takes the gaps to sharp edges where vertices were measured.
