@@ -44,10 +44,10 @@ class Accuracy:
     cells_per_radius : float
         Mesh cells per contact radius, taken as 2 area / rim length. Below about 4 the mesh is coarse.
     force_error : float or None
-        Estimated error of the force over its length: `mesh_error` + `body_error`. Where patches balance each
-        other, as in a pinch, little force is left, and it may be above 1. None, here and below, where
-        no estimate was made; `Contact.left_out` says why. Infinite where the mesh is too coarse to tell, as
-        where it penetrates and nothing carries force.
+        Estimated error of the force over its length: `mesh_error` + `body_error`. Where forces balance
+        each other, as in a pinch or a ring, little is left, and it may be above 1. None, here and below,
+        where no estimate was made; `Contact.left_out` says why. Infinite where the mesh is too coarse to
+        tell, as where it penetrates and nothing carries force.
     mesh_error, body_error : float or None
         Parts of `force_error`: from the mesh around the contact; from the coarse mesh of a body or of a
         product's given matrix. Penetration that a refined mesh leaves, over that before, is in `mesh_error`

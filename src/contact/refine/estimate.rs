@@ -12,8 +12,8 @@ use crate::response::kernel::basis::Discretization;
 
 /// Relative errors of force, area and peak pressure: that of the force over the length of its resultant.
 ///
-/// What cells and shapes cost each patch is a share of what the patch carries, of which a resultant is the less the more the
-/// patches balance each other.
+/// What cells and shapes cost each patch is a share of what the patch carries, of which a resultant is the less the more its
+/// forces, or the patches, balance each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ErrorEstimate {
     pub force: f64,

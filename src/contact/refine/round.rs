@@ -5,7 +5,7 @@ use std::time::Instant;
 use crate::contact::clues::Clues;
 use crate::contact::figures::accuracy::Accuracy;
 use crate::contact::figures::penetration::after::SMALL_PENETRATION;
-use crate::contact::outcome::{Contact, ContactStatus, Refinement, RefinementEnd, RefinementKind};
+use crate::contact::outcome::{Contact, ContactStatus, Patch, Refinement, RefinementEnd, RefinementKind};
 use crate::contact::refine::estimate::{BY_DEPTH, ErrorEstimate, KEPT_ON_EDGE};
 use crate::contact::refine::mesh_errors::MeshErrors;
 use crate::contact::refine::product::errors_of_area_and_peak;
@@ -20,6 +20,8 @@ const AREA_PER_BODY: f64 = 0.6;
 /// What the figures err per share of the depth that the force acts off the obstacle, against settled gaps: fitted to balls of
 /// skin on rounded holes.
 const PER_SHARE_APART: f64 = 50.0;
+/// Resultant of a pressure that is even over a hemisphere, over the sum of its forces.
+const LEFT_OF_HEMISPHERE: f64 = 0.5;
 
 impl Contact {
     /// Vertices under force, and those that penetrate where averages over their triangles feel nothing of it, ascending.
@@ -103,22 +105,22 @@ impl Contact {
     }
 
     /// What the mesh costs, to be held against a target: the larger of the error of the area, over the area, and that of the
-    /// force, over what the patches carry, each by itself. In a grasp these balance each other, and next to nothing is left in
-    /// all that an error could be a share of.
+    /// force, over what the patches carry, each by itself. In a grasp or a ring forces balance each other, and next to nothing is
+    /// left in all that an error could be a share of.
     pub(crate) fn mesh_share(&self) -> Option<f64> {
         let Accuracy { mesh_error, area_error, .. } = self.accuracy;
         Some((mesh_error? * self.unbalanced()).max(area_error?))
     }
 
-    /// Share of what the patches carry, each by itself, that is left in all.
+    /// Share of what the patches carry, each by itself, that is left in all. What the forces of one patch carry is no less than a
+    /// hemisphere under even pressure has left of them: beyond that, as in a ring, they balance each other too.
     pub(crate) fn unbalanced(&self) -> f64 {
-        match &self.patches[..] {
-            [] | [_] => 1.0,
-            all => {
-                let carried: f64 = all.iter().map(|patch| patch.resultant.force.norm()).sum();
-                self.resultant.force.norm() / carried
-            }
-        }
+        let carried = |patch: &Patch| {
+            let sum: f64 = patch.vertices.iter().map(|&vertex| self.node_force[vertex]).sum();
+            patch.resultant.force.norm().max(LEFT_OF_HEMISPHERE * sum)
+        };
+        let carried: f64 = self.patches.iter().map(carried).sum();
+        if carried > 0.0 { self.resultant.force.norm() / carried } else { 1.0 }
     }
 
     /// Says why no further round followed.

@@ -200,7 +200,7 @@ impl Contact {
         if let (Some(force), Some(area)) = (self.accuracy.mesh_error, self.accuracy.area_error)
             && (self.unbalanced() * force).max(area) > target
         {
-            let carried = if self.patches.len() > 1 { " that the patches carry" } else { "" };
+            let carried = if self.unbalanced() < 1.0 { " that the patches carry" } else { "" };
             let (force, area) = (cost_of(self.unbalanced() * force), cost_of(area));
             short.push(format!(
                 "the mesh around the contact costs {force} of the force{carried} and {area} of the area: the refinement ended: {reason}"
