@@ -127,3 +127,26 @@ def test_a_pad_that_is_held_in_the_middle_alone_is_prepared() -> None:
     )
     np.testing.assert_array_equal(again.node_force, given.node_force)
     assert again.accuracy.force_error == given.accuracy.force_error
+
+
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+def test_what_a_coarse_mesh_costs_beside_held_skin_is_told() -> None:
+    surface = qr.models.fingertip(edge_length=1.6e-3)
+    surface = surface.with_skin_mask(qr.skin_without_caps(surface))
+    place = np.where(
+        surface.skin_mask & (surface.vertices[:, 2] < 0.0), surface.vertices[:, 1], np.inf
+    ).argmin()
+    normal = surface.vertex_normals[place]
+    ball = qr.Obstacle.sphere(surface.vertices[place] + 0.05 * normal, 5e-3)
+    nodes = np.flatnonzero(surface.skin_mask)
+    two, one = (
+        qr.press(surface, ball, skin_of(surface, length).prepared(surface, nodes), -normal, depth=1e-3)
+        for length in (None, 0.0)
+    )
+    assert "holds fixed" in two.warnings[0].message
+    off = np.linalg.norm(two.force - one.force) / np.linalg.norm(one.force)
+    assert two.accuracy.force_error is not None
+    assert one.accuracy.mesh_error is not None
+    assert off < two.accuracy.force_error + one.accuracy.mesh_error
+    # What the coarse edges say of tissue that is free is not enough.
+    assert off > 0.05
