@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import quasirigid as qr
-from shapes import SKIN
+from shapes import SKIN, ball
 
 
 @pytest.fixture(scope="session")
@@ -26,6 +26,13 @@ def apart(fingertip: qr.Surface) -> qr.Contact:
     """The fingertip and a plate that does not reach it."""
     plate = qr.Obstacle.half_space([0.0, 0.0, -0.05], [0.0, 0.0, 1.0])
     return qr.solve_contact(fingertip, plate, SKIN)
+
+
+@pytest.fixture(scope="session")
+def by_depth() -> qr.Sweep:
+    """A ball of skin under a plate at three depths, out of order, one of them nothing."""
+    plate = qr.Obstacle.half_space([0.0, 0.0, -0.05], [0.0, 0.0, 1.0])
+    return qr.sweep(qr.Surface(*ball(8e-3, 2)), plate, SKIN, [0.0, 0.0, 3.0], depths=[1e-3, 0.0, 0.4e-3])
 
 
 @pytest.fixture(scope="session")

@@ -24,12 +24,6 @@ def surface() -> qr.Surface:
     return qr.Surface(*ball(8e-3, 2))
 
 
-@pytest.fixture(scope="module")
-def by_depth(surface: qr.Surface) -> qr.Sweep:
-    """Three depths, out of order, one of them nothing."""
-    return qr.sweep(surface, PLATE, SKIN, [0.0, 0.0, 3.0], depths=[1e-3, 0.0, 0.4e-3])
-
-
 def test_every_row_is_the_press_of_its_depth(surface: qr.Surface, by_depth: qr.Sweep) -> None:
     assert len(by_depth) == 3
     assert by_depth.status == ("solved", "no_contact", "solved")

@@ -23,12 +23,6 @@ def surface() -> qr.Surface:
     return qr.Surface(*ball(8e-3, 2))
 
 
-@pytest.fixture(scope="module")
-def by_depth(surface: qr.Surface) -> qr.Sweep:
-    """Three depths, out of order, one of them nothing."""
-    return qr.sweep(surface, PLATE, SKIN, [0.0, 0.0, 3.0], depths=[1e-3, 0.0, 0.4e-3])
-
-
 def test_a_sweep_is_saved_as_its_columns_with_the_inputs(by_depth: qr.Sweep, tmp_path: Path) -> None:
     files = by_depth.save(tmp_path / "made", inputs={"skin": "a ball"})
     assert [file.name for file in files] == ["sweep.csv", "sweep.json"]
