@@ -203,11 +203,11 @@ fn a_sheet_stands_in_the_skin_that_it_is_nearer_to_and_not_in_that_on_the_other_
     for subdivisions in [4, 2] {
         let (mut vertices, faces) = icosphere(8e-3, subdivisions);
         vertices.iter_mut().for_each(|x| x.z *= 0.25);
-        let lens = Surface::new(vertices, faces).unwrap();
+        let lens = Surface::new(vertices, faces).expect("a valid surface");
         // The lower face of a sheet that came in from above.
         let level = 0.3e-3;
         let sheet = box_of([20e-3, 20e-3, 0.1e-3]).translated(&Vector3::new(0.0, 0.0, level + 0.1e-3));
-        let depths = overlaps(&lens, &sheet, &ContactOptions::default()).unwrap();
+        let depths = overlaps(&lens, &sheet, &ContactOptions::default()).expect("a valid request");
         // Beside its rim the lens is too thin to tell its sides apart.
         let in_middle = |x: &Vector3<f64>| x.x.hypot(x.y) < 2.0 * half_breadth;
         let middle = depths.iter().zip(lens.vertices()).filter(|(_, x)| in_middle(x));

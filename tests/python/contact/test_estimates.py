@@ -286,6 +286,6 @@ def test_the_error_of_forces_that_balance_is_over_the_force_that_is_left(
         contact = qr.solve_contact(rough_ball(), product, soft(), options=options)
         assert len(contact.patches) == patch_count
         assert contact.accuracy.force_error is not None
-        # All that is left is error.
+        # Both scenes are symmetric: what is left is error, small next to all forces.
         assert contact.accuracy.force_error > 1.0
         assert np.linalg.norm(contact.force) < 0.03 * contact.node_force.sum()

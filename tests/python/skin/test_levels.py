@@ -148,5 +148,5 @@ def test_what_a_coarse_mesh_costs_beside_held_skin_is_told() -> None:
     assert two.accuracy.force_error is not None
     assert one.accuracy.mesh_error is not None
     assert off < two.accuracy.force_error + one.accuracy.mesh_error
-    # What the coarse edges say of tissue that is free is not enough.
+    # Far more than the 2 % that free tissue is within, above.
     assert off > 0.05
