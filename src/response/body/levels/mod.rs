@@ -21,3 +21,4 @@ mod remainder;
 pub(crate) mod sizing;
 mod thickness;
 pub(crate) mod two_levels;
+mod wanted_edges;
