@@ -6,10 +6,6 @@ use crate::contact::figures::penetration::receding::Receding;
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::response::body::levels::coarseness::BodyDoubt;
 
-/// Relative error of the force on two levels per share of it beside skin that is held, where tractions have no bound: fitted to
-/// plates and balls at the cut of scanned fingers.
-const ERROR_BESIDE_HELD: f64 = 0.3;
-
 /// What the estimates of error are made from, beside the figures.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Clues {
@@ -23,8 +19,6 @@ pub(crate) struct Clues {
     pub product: Option<BodyDoubt>,
     /// Share of the force where the skin is cut, masked or held, so that the pressure has no bound there.
     pub at_cuts: f64,
-    /// Share of it beside skin that is held.
-    pub at_held: f64,
     /// Where a sharp edge of the obstacle carries force.
     pub edge: Option<LoadedEdge>,
     /// Where one of the skin does.
@@ -47,13 +41,6 @@ pub(crate) struct Clues {
     pub unmet: Vec<[usize; 3]>,
     /// Number of triangles away from all force that the obstacle touches between their vertices.
     pub touched_between: usize,
-}
-
-impl Clues {
-    /// Relative error of the force at each node by itself, from the coarse mesh of a body.
-    pub fn body_error(&self) -> f64 {
-        self.body.map_or(0.0, |doubt| doubt.force_error + ERROR_BESIDE_HELD * self.at_held)
-    }
 }
 
 /// A sharp edge that carries force.

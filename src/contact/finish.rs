@@ -81,7 +81,7 @@ impl Contact {
         let beside = Beside::new(gaps, response, &forces, &motion)?;
         let left = penetration_after(gaps, &forces, response, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
-        let [at_cuts, at_held] = report.warn_of_cuts(gaps, response.skin, &forces);
+        let at_cuts = report.warn_of_cuts(gaps, response.skin, &forces);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let on_edges = RimOnEdges::new(gaps, &forces)?;
         let (motion, obstacle_share) = motion.with_product(response, &forces)?;
@@ -97,7 +97,6 @@ impl Contact {
             body,
             product,
             at_cuts,
-            at_held,
             edge,
             skin_edge,
             ends_at_edges: on_edges.share,

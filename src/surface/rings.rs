@@ -34,6 +34,14 @@ impl Surface {
         found
     }
 
+    /// Vertices of a set that an edge joins to one outside of it, ascending.
+    ///
+    /// * `is_in`: the set (n)
+    pub(crate) fn rim(&self, is_in: &[bool]) -> Vec<usize> {
+        let has_other = |vertex: usize| self.neighbours(vertex).iter().any(|&other| !is_in[other as usize]);
+        (0..is_in.len()).filter(|&vertex| is_in[vertex] && has_other(vertex)).collect()
+    }
+
     /// Splits a set of vertices into the parts that edges join, each sorted, ordered by their lowest vertex.
     ///
     /// # Panics

@@ -257,7 +257,8 @@ class Body(_Response):
         Edge length of the coarse mesh that the body is solved on (m). None: 0.4 to 0.7 of the local tissue
         thickness over the bone or, without one, over the fixed skin close behind, as of a pad on a plate; at
         most half the skin's radius of curvature. Skins that would need over 2,050 vertices,
-        such as a whole hand, get longer edges, first away from the nodes. 0: the skin's own mesh.
+        such as a whole hand, get longer edges, first away from the nodes. On other skins the mesh stays as
+        it is at the outline of the fixed skin and one vertex beside it. 0: the skin's own mesh.
     discretization : {"collocation", "galerkin"}, optional
         How the gap of a node is taken, see `HalfSpace`. "galerkin" averages the near kernel; what is left of
         the body is smooth and stays at the nodes.

@@ -78,8 +78,10 @@ impl Contact {
 
     /// Adds what this round found.
     pub(crate) fn note_round(&mut self, error: Option<ErrorEstimate>, started: Instant) {
-        let of_nodes = self.clues.body_error() + self.clues.product.map_or(0.0, |doubt| doubt.force_error);
-        let body = if of_nodes > 0.0 { of_nodes / self.unbalanced() } else { 0.0 };
+        let doubts = [self.clues.body, self.clues.product].into_iter().flatten();
+        // A sum of none would be -0.
+        let body =
+            doubts.map(|doubt| doubt.force_error).fold(0.0, |sum, error| sum + error) / self.unbalanced();
         self.accuracy.mesh_error = error.map(|error| error.force);
         self.accuracy.body_error = error.map(|_| body);
         self.accuracy.force_error = error.map(|error| error.force + body);
@@ -131,7 +133,7 @@ impl Contact {
         self.refinements.last_mut().expect("a round was noted").end = Some(end);
         // No round makes these less. The estimate of a mesh that was taken as it is knows of penetration.
         let [area, peak] = errors_of_area_and_peak(&self);
-        let body = self.clues.body_error();
+        let body = self.clues.body.map_or(0.0, |doubt| doubt.force_error);
         let (of_area, of_peak) = (area + AREA_PER_BODY * body, peak + body);
         let is_told = end == RefinementEnd::NoTarget || self.is_free_of_penetration();
         let deepest = self.max_penetration_after / self.max_penetration_before;

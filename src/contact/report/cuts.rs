@@ -12,8 +12,8 @@ const SMALL_SHARE: f64 = 1e-3;
 
 impl Report {
     /// Warns where vertices carry force beside a held one or the rim of the skin mask, or on an open border: each
-    /// counts for the first of these. Returns the share of the force there, and that beside held ones.
-    pub fn warn_of_cuts(&mut self, gaps: &Gaps, skin: &dyn ElasticSkin, forces: &NodeForces) -> [f64; 2] {
+    /// counts for the first of these. Returns the share of the force there.
+    pub fn warn_of_cuts(&mut self, gaps: &Gaps, skin: &dyn ElasticSkin, forces: &NodeForces) -> f64 {
         let surface = gaps.surface;
         let refined = gaps.scene.inherited.as_ref().map(|inherited| &inherited.cuts);
         let is_held = |vertex| refined.map_or_else(|| skin.is_held(vertex), |cuts| cuts.held[vertex]);
@@ -30,7 +30,7 @@ impl Report {
             ("the open border of the mesh", "take a mesh that goes on beyond it"),
         ];
         if forces.active.is_empty() {
-            return [0.0; 2];
+            return 0.0;
         }
         let total: f64 = forces.active.iter().map(|&vertex| forces.force[vertex]).sum();
         let mut carried = [0.0; 3];
@@ -62,6 +62,6 @@ impl Report {
             );
             self.warn(WarningKind::Cut, message);
         }
-        [share, carried[0] / total]
+        share
     }
 }

@@ -196,6 +196,8 @@ def test_a_target_error_refines_as_far_as_asked(
     assert rounds["none"] == 1 < rounds["0.05"] < rounds["0.005"]
 
 
+# Without a bone the coarse mesh costs 2.01 % by the estimate, beside a target of 2 %.
+@pytest.mark.filterwarnings("ignore::quasirigid.RefinementWarning")
 def test_a_body_is_pressed_with_a_bone_drawn_read_or_left_out(
     in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -33,11 +33,14 @@ fn vertex_count(skin: &Surface, edges: &[f64]) -> f64 {
     areas.map(|(area, edge)| area / (0.75_f64.sqrt() * edge * edge)).sum()
 }
 
-/// The share of the thickness (n, m) that leaves not too many vertices.
-fn edge_per_thickness(skin: &Surface, thickness: &[f64]) -> f64 {
+/// The share of the thickness (n, m) that leaves not too many vertices beside those that are kept.
+fn edge_per_thickness(skin: &Surface, thickness: &[f64], kept: &[usize]) -> f64 {
     let [least, most] = EDGE_PER_THICKNESS;
-    let vertices = vertex_count(skin, thickness) / (least * least);
-    (least * (vertices / MANY_VERTICES).sqrt()).clamp(least, most)
+    let mut elsewhere = thickness.to_vec();
+    kept.iter().for_each(|&vertex| elsewhere[vertex] = f64::INFINITY);
+    let vertices = vertex_count(skin, &elsewhere) / (least * least);
+    let many = (MANY_VERTICES - kept.len() as f64).max(1.0);
+    (least * (vertices / many).sqrt()).clamp(least, most)
 }
 
 /// Makes the edges (n, m) of a skin that would have too many vertices longer: first away from the nodes, the more so
@@ -125,12 +128,18 @@ fn bend_radii(skin: &Surface, is_held: &[bool]) -> Vec<f64> {
 impl Body {
     /// Lengths of the coarse edges that the tissue and the bend of the skin ask for (n, m), and whether the skin would get
     /// too many vertices.
-    pub(super) fn wanted_edges(&self, skin: &Surface, fixed: &[bool], nodes: &[usize]) -> (Vec<f64>, bool) {
+    pub(super) fn wanted_edges(
+        &self,
+        skin: &Surface,
+        fixed: &[bool],
+        kept: &[usize],
+        nodes: &[usize],
+    ) -> (Vec<f64>, bool) {
         let deepest = mean_thickness(skin);
         let known = self.tissue_thickness(skin, fixed);
         let mut thickness = known.unwrap_or_else(|| vec![deepest; skin.vertices().len()]);
         thickness.iter_mut().for_each(|t| *t = t.min(deepest));
-        let share = edge_per_thickness(skin, &thickness);
+        let share = edge_per_thickness(skin, &thickness, kept);
         let bends = bend_radii(skin, fixed);
         let wanted = |(thickness, bend): (f64, &f64)| (share * thickness).min(EDGE_PER_BEND[0] * bend);
         let mut edges: Vec<f64> = thickness.iter().copied().zip(&bends).map(wanted).collect();
