@@ -52,8 +52,8 @@ def check_scene(surface: Any, obstacle: Any) -> None:
 
 def _remedy(value: Any, read: str, convert: str, make: str) -> str:
     if isinstance(value, (str, PathLike)):
-        return f"{read}(path, unit=...) reads it"
+        return f"`{read}(path, unit=...)` reads it"
     pairs = ("vertices", "faces"), ("points", "cells"), ("points", "faces"), ("vertices", "triangles")
     if any(hasattr(value, one) and hasattr(value, other) for one, other in pairs):
-        return f"{convert}(mesh, unit=...) takes it"
-    return f"{make} makes one"
+        return f"`{convert}(mesh, unit=...)` takes it"
+    return f"`{make}` makes one"

@@ -88,12 +88,12 @@ pub enum ContactError {
         axis: [f64; 3],
     },
     /// Two axes that an obstacle is to turn about are one.
-    #[error("the two tilt_axes are parallel: leave one of them out, or turn it")]
+    #[error("the two `tilt_axes` are parallel: leave one of them out, or turn it")]
     ParallelAxes,
     /// An obstacle that turns finds no balance.
     #[error(
         "the obstacle finds no balance about ({x:.4}, {y:.4}, {z:.4}) m: a moment of {} N m is left about \
-         the tilt axes under {} N along the direction{}, turned by {angle:.4} rad; {why}: move tilt_point between \
+         the tilt axes under {} N along the direction{}, turned by {angle:.4} rad; {why}: move `tilt_point` between \
          the parts of the skin that are to carry it{}",
         Digits(*moment, 7),
         Digits(*force, 7),
@@ -161,7 +161,7 @@ pub enum ContactError {
     },
     /// A press from the current position starts inside the skin.
     #[error(
-        "the obstacle already penetrates the skin by {penetration:.6e} m at vertex {vertex} ({count} vertices in all): start=\"current\" needs a free start, use start=\"infinity\" or move the obstacle"
+        "the obstacle already penetrates the skin by {penetration:.6e} m at vertex {vertex} ({count} vertices in all): `start=\"current\"` needs a free start, use `start=\"infinity\"` or move the obstacle"
     )]
     StartsPenetrating {
         /// Deepest vertex.
@@ -173,7 +173,7 @@ pub enum ContactError {
     },
     /// The obstacle stands in the skin between its vertices where a press starts.
     #[error(
-        "the obstacle already stands in the skin by {penetration:.6e} m between its vertices: start=\"current\" needs a free start, use start=\"infinity\" or move the obstacle"
+        "the obstacle already stands in the skin by {penetration:.6e} m between its vertices: `start=\"current\"` needs a free start, use `start=\"infinity\"` or move the obstacle"
     )]
     StartsWithin {
         /// How deep (m).

@@ -87,8 +87,8 @@ pub enum LcpError {
     /// Projected conjugate gradients were asked for, but M is not symmetric.
     #[error(
         "projected_cg needs a symmetric M, but M[{row}, {column}] and M[{column}, {row}] differ by {difference:e} \
-         of the largest entry (limit 1e-10); use lemke or block_pivoting; a half-space \
-         and a layer have a symmetric one with discretization=\"galerkin\""
+         of the largest entry (limit 1e-10); use `method=\"lemke\"` or \
+         `method=\"block_pivoting\"`; a half-space and a layer have a symmetric one with `discretization=\"galerkin\"`"
     )]
     NotSymmetric {
         /// Row of the worst pair.

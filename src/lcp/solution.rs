@@ -133,15 +133,17 @@ impl LcpSolution {
     pub fn advice(&self) -> String {
         let remedy = match (self.status, self.method) {
             (LcpStatus::Solved | LcpStatus::Interrupted, _) => return self.ending(),
-            (LcpStatus::Ray, _) => "try method auto, another covering vector or an initial active set",
+            (LcpStatus::Ray, _) => "try `method=\"auto\"`, another covering vector or an initial active set",
             (LcpStatus::PivotLimit, _) => {
-                "raise max_pivots, start from an initial active set, or try method auto"
+                "raise `max_pivots`, start from an initial active set, or try `method=\"auto\"`"
             }
-            (LcpStatus::Breakdown, LcpMethodName::ProjectedCg) => "use method lemke or auto",
+            (LcpStatus::Breakdown, LcpMethodName::ProjectedCg) => {
+                "use `method=\"lemke\"` or `method=\"auto\"`"
+            }
             (LcpStatus::Breakdown, LcpMethodName::BlockPivoting) => {
-                "use method lemke or auto, or merge unknowns that are one"
+                "use `method=\"lemke\"` or `method=\"auto\"`, or merge unknowns that are one"
             }
-            (LcpStatus::Breakdown, _) => "merge unknowns that are one, or accept less by raising tolerance",
+            (LcpStatus::Breakdown, _) => "merge unknowns that are one, or accept less by raising `tolerance`",
         };
         format!("{}: {remedy}", self.ending())
     }

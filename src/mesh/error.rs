@@ -142,7 +142,7 @@ pub enum MeshError {
     /// A border runs along another one without being joined to it.
     #[error(
         "vertex {vertex} on a border lies {distance:.3e} m from vertex {other} on a border, but they are not \
-         joined ({count} such vertices): the mesh is not welded; call `repair` with weld_tolerance = {weld_tolerance:e} m"
+         joined ({count} such vertices): the mesh is not welded; call `repair` with `weld_tolerance={weld_tolerance:e}` m"
     )]
     Unwelded {
         /// First border vertex at fault.
@@ -196,7 +196,7 @@ pub enum MeshError {
     /// A face has no neighbour.
     #[error(
         "face {face} shares no edge with any other ({count} of {face_count} faces are loose triangles); join them \
-         (`repair` with a weld_tolerance if their corners are meant to be the same) or remove them"
+         (`repair` with a `weld_tolerance` if their corners are meant to be the same) or remove them"
     )]
     LooseFace {
         /// First face at fault.
@@ -281,7 +281,7 @@ pub enum MeshError {
         count: usize,
     },
     /// `repair` was asked to weld with a tolerance that is no length.
-    #[error("weld_tolerance = {value} m, expected a finite length >= 0")]
+    #[error("weld_tolerance is {value} m, expected a finite length >= 0")]
     WeldTolerance {
         /// The value given (m).
         value: f64,
@@ -289,7 +289,7 @@ pub enum MeshError {
     /// `repair` would leave no face.
     #[error(
         "repair leaves no face: of {face_count} faces {collapsed} collapsed in welding, {degenerate} have no area \
-         and {duplicates} cover one another; weld_tolerance = {weld_tolerance:e} m may be larger than the mesh"
+         and {duplicates} cover one another; `weld_tolerance={weld_tolerance:e}` m may be larger than the mesh"
     )]
     NothingLeft {
         /// Number of faces given.

@@ -27,7 +27,7 @@ pub enum ObstacleError {
     #[error(
         "{count} pair(s) of faces cross or touch, the first is faces {first} and {second} near \
          ({:.6}, {:.6}, {:.6}) m; the inside is not defined there: mend the mesh, or leave the check out \
-         (check_crossings = false) if the contact stays away from it",
+         (`check_crossings=False`) if the contact stays away from it",
         location[0], location[1], location[2]
     )]
     CrossingFaces {

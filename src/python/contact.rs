@@ -267,9 +267,9 @@ fn balance_in(
     let is_tilt = named("balance", name, &[(false, "none"), (true, "tilt")], PyContactError::new_err)?;
     match (is_tilt, axes, point) {
         (false, None, None) => Ok(Balance::None),
-        (false, ..) => refused("tilt_axes and tilt_point go with balance=\"tilt\""),
+        (false, ..) => refused("`tilt_axes` and `tilt_point` go with `balance=\"tilt\"`"),
         (true, _, None) => {
-            refused("balance=\"tilt\" needs tilt_point, the point (m) that the obstacle turns about")
+            refused("`balance=\"tilt\"` needs `tilt_point`, the point (m) that the obstacle turns about")
         }
         (true, axes, Some(point)) => {
             let axes = match axes {

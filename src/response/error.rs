@@ -19,7 +19,7 @@ pub enum ResponseError {
         expected: &'static str,
     },
     /// The response has no Galerkin form.
-    #[error("the {response} response takes the gap at the nodes: discretization = collocation")]
+    #[error("the {response} response takes the gap at the nodes: `discretization=\"collocation\"`")]
     CollocationOnly {
         /// What it is.
         response: &'static str,
@@ -66,7 +66,7 @@ pub enum ResponseError {
     },
     /// The matrix would need more memory than allowed.
     #[error(
-        "a response matrix over {nodes} nodes needs {bytes} bytes, more than memory_limit = {limit} (what the \
+        "a response matrix over {nodes} nodes needs {bytes} bytes, more than the {limit} of `memory_limit` (what the \
          system has free where none is set); take fewer nodes or a kernel that decays"
     )]
     TooLarge {
@@ -159,7 +159,7 @@ pub enum ResponseError {
     },
     /// A combined response was given a kernel or a body that cannot be joined with others.
     #[error(
-        "a combined skin takes linear pressure and gaps at the vertices (discretization = collocation) only, of its kernel and of its bodies"
+        "a combined skin takes linear pressure and gaps at the vertices (`discretization=\"collocation\"`) only, of its kernel and of its bodies"
     )]
     PartsNeedLinear,
     /// A patch of candidates lies on both sides of a cut.

@@ -386,5 +386,5 @@ fn a_contact_beside_what_a_products_matrix_knows_names_the_vertices() {
     let error = solved(&half_space()).to_string();
     assert!(error.contains("none of the 3 nodes of the product's matrix"), "{error}");
     let error = solved(&galerkin()).to_string();
-    assert!(error.contains("discretization = collocation"), "{error}");
+    assert!(error.contains("discretization=\"collocation\""), "{error}");
 }

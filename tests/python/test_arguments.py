@@ -63,7 +63,7 @@ def test_other_takers_of_a_surface_say_so_too() -> None:
     for take in takers:
         with pytest.raises(TypeError, match="is an Obstacle, expected a Surface: a product goes"):
             take(PLATE)
-        with pytest.raises(TypeError, match=r"is the path 'a\.ply', expected a Surface: qr\.read_surface"):
+        with pytest.raises(TypeError, match=r"is the path 'a\.ply', expected a Surface: `qr\.read_surface"):
             take("a.ply")
         with pytest.raises(TypeError, match=r"is a SimpleNamespace, .*: pass its `\.surface`"):
             take(posed)
@@ -198,7 +198,7 @@ def test_a_depth_of_a_sweep_is_no_boolean(depths: Any) -> None:
             "response is 'half-space', expected one of HalfSpace, GaussianCorrected, Layer",
         ),
         (qr.HalfSpace, r"response is the class HalfSpace, call it: `HalfSpace\(\)`"),
-        (np.eye(3), "response is .*, as in response=qr.HalfSpace"),
+        (np.eye(3), "response is .*, as in `qr.HalfSpace"),
     ],
 )
 def test_what_is_no_response_says_how_to_make_one(response: Any, message: str) -> None:

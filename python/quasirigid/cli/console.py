@@ -18,6 +18,7 @@ import typer
 from rich.console import Console
 
 from .._units import MM
+from ..contact.caps import WITHOUT_CAPS
 
 __all__ = [
     "ContactTalk",
@@ -135,13 +136,18 @@ def close_stdout() -> None:
     os.close(nowhere)
 
 
-# An argument of the library in a message, as `unit="mm"` or `Body(fixed=)`.
-_ARGUMENT = re.compile(r"`(?:\w+\()?(\w+)(?:=[^`]*)?`")
-# The one of `repair`, which other commands advise too, and that of a body, with their values (m).
-_WELDING = re.compile(r"\bweld_tolerance\b(?: = ([\d.e+-]+) m\b)?")
-_COARSE_EDGES = re.compile(r"\bcoarse_edge_length = ([\d.e+-]+) m\b")
-# How Python leaves out flat cut faces.
-_WITHOUT_CAPS = "`surface.with_skin_mask(qr.skin_without_caps(surface))`"
+# What a message tells to do stands in backticks: `name`, `name=value` or `Class(name=value)`.
+_ADVICE = re.compile(r"`([^`=]+)(?:=([^`]*))?`( mm\b)?")
+# Lengths and points of a message, and two with one unit: "0.005 to 1 m", "(0.1, 0, 0) m", "`name=8e-6` m".
+_NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+_LENGTH = rf"(?:{_NUMBER.pattern}|\({_NUMBER.pattern}(?:, {_NUMBER.pattern})*\))"
+_IN_METRES = re.compile(rf"(?<![\w.])((?:{_LENGTH} to )?{_LENGTH}`?) m(?![\w^])")
+# What options do for advice that does not have their name.
+_BY_OPTIONS = {
+    "response": ("coarse_edge_length", "--response body:coarse_edge_length"),
+    "skin_mask": (WITHOUT_CAPS, "--skin-mask caps"),
+    "product_unit": ("read_obstacle(unit", "--product-unit"),
+}
 # What the command at work has for them: its options, and the commands, which keep their names.
 _words: dict[str, str] = {}
 
@@ -154,26 +160,28 @@ def speak_for(program: typer.Context) -> None:
     _words.clear()
     _words.update({name: f"`{name}`" for name in commands})
     _words.update({name: option for name, option in names.items() if option.startswith("--")})
+    _words.update(told for option, told in _BY_OPTIONS.items() if option in names)
+    _words["weld_tolerance"] = "--weld-tolerance"  # of `repair`, which others advise
     _words["read_hand"] = "`quasirigid hand FILE --out FOLDER`, which writes posed.ply,"
 
 
 def _in_options(message: str) -> str:
-    """Return a message of the library with options for its arguments; others are told to be Python's."""
-    if "skin_mask" in _words:
-        message = message.replace(_WITHOUT_CAPS, "--skin-mask caps")
-    if "product_unit" in _words and message.startswith("the product is "):
-        message = message.replace("`unit=", "`product_unit=")
-    told = _ARGUMENT.sub(lambda found: _words.get(found[1], f"{found[0]} of Python"), message)
-    # No command leaves that check out, nor chooses how problems are solved.
-    told = told.replace("check_crossings = false", "`check_crossings=False` of Python")
-    told = re.sub(r"\bmethod auto\b", '`method="auto"` of Python', told)
-    told = re.sub(r"\btilt_point\b", "--tilt-point", told)
-    told = _COARSE_EDGES.sub(lambda found: f"--response body:coarse_edge_length={_in_mm(found[1])}", told)
-    return _WELDING.sub(lambda found: "--weld-tolerance" + (f" {_in_mm(found[1])}" if found[1] else ""), told)
+    """Return a message of the library in mm, its arguments as options; others are told to be Python's."""
+    return _ADVICE.sub(_as_option, _IN_METRES.sub(lambda found: f"{_in_mm(found[1])} mm", message))
 
 
 def _in_mm(metres: str) -> str:
-    return f"{float(metres) * MM:.12g}mm"
+    return _NUMBER.sub(lambda number: f"{float(number[0]) * MM:.12g}", metres)
+
+
+def _as_option(advice: re.Match[str]) -> str:
+    name, value, unit = advice.groups(default="")
+    argument = name.rpartition("(")[2]
+    option = _words.get(name) or _words.get(argument)
+    if option is None:
+        return f"{advice[0]} of Python" if argument.isidentifier() else advice[0]
+    value = value.strip('")').replace("None", "none") + unit.strip()
+    return option + (f"{'=' if ':' in option else ' '}{value}" if value else "")
 
 
 def show_warning(message: Warning | str, *_: Any, **__: Any) -> None:

@@ -41,7 +41,7 @@ def info(
     file: MeshFile,
     unit: Unit,
     talk: Talk,
-    check_crossings: Annotated[
+    crossings: Annotated[
         bool, typer.Option("--check-crossings", help="Look for faces that cross, of open meshes too.")
     ] = False,
 ) -> int:
@@ -54,7 +54,7 @@ def info(
         return refuse(f"{file}: holds no plain mesh; `quasirigid hand {file}` shows a hand")
     with progress(f"reading {file}"):
         vertices, faces = qr.read_mesh(file, unit=file_unit(unit, "--unit"))
-        record = _record(vertices, faces, check_crossings=check_crossings)
+        record = _record(vertices, faces, check_crossings=crossings)
     extent = float(np.ptp(vertices, axis=0).max())
     if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
         warnings.warn(

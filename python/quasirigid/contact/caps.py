@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from .. import _core
     from ..surface import Surface
 
-__all__ = ["warned_of_caps"]
+__all__ = ["WITHOUT_CAPS", "warned_of_caps"]
+
+WITHOUT_CAPS = "surface.with_skin_mask(qr.skin_without_caps(surface))"
+"""What leaves flat cut faces out of the contact."""
 
 _SMALL_SHARE = 1e-3  # of the force, as where the core warns of cuts
 _caps: WeakKeyDictionary[Surface, NDArray[np.bool_]] = WeakKeyDictionary()
@@ -41,6 +44,6 @@ def warned_of_caps(core: _core.Contact, surface: Surface) -> tuple[Warned, ...]:
     message = (
         f"{force:.3e} N ({100.0 * force / total:.2f} % of all) lie on a large flat face, as where a scan is "
         "cut and capped: the figures lack what lies beyond; where it is no skin, mask it out, as by "
-        "`surface.with_skin_mask(qr.skin_without_caps(surface))`"
+        f"`{WITHOUT_CAPS}`"
     )
     return (Warned(CutWarning, message),)

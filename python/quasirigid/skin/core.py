@@ -57,7 +57,7 @@ def build_kernel(constants: ElasticConstants, response: Response) -> _core.Skin 
     if isinstance(response, type) and response in kinds:
         raise TypeError(f"response is the class {response.__name__}, call it: `{response.__name__}()`")
     names = ", ".join(kind.__name__ for kind in kinds)
-    raise TypeError(f"response is {short(response)}, expected one of {names}, as in response=qr.HalfSpace()")
+    raise TypeError(f"response is {short(response)}, expected one of {names}, as in `qr.HalfSpace()`")
 
 
 def build_prepared(

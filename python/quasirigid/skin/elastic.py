@@ -23,6 +23,6 @@ def core_skin(skin: ElasticSkin, surface: Surface, num_threads: int | None = Non
     if not hasattr(skin, "_core_on"):
         raise TypeError(
             f"skin is a {type(skin).__name__}, expected a Skin, PreparedSkin or CombinedSkin: a response "
-            "goes into Skin(shear_modulus=..., poisson_ratio=..., response=...)"
+            "goes into `Skin(shear_modulus=..., poisson_ratio=..., response=...)`"
         )
     return skin._core_on(surface, num_threads)

@@ -71,7 +71,7 @@ class PreparedSkin(Made):
         forces = forces_on_given_mesh(load)
         pressures, unprepared = bone_pressures_of(self._response, forces)
         if pressures is None:
-            raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
+            raise ResponseError("no bone pressure is known: prepare `Body(bone=..., bone_pressure=True)`")
         if unprepared.size > 0:
             raise ResponseError(
                 f"vertex {unprepared[0]} carries force, but the response was prepared for {len(self.nodes)} "

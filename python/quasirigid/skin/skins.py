@@ -264,7 +264,7 @@ class CombinedSkin(Made):
                 )
             found[name] = pressures
         if not found:
-            raise ResponseError("no bone pressure is known: prepare Body(bone=..., bone_pressure=True)")
+            raise ResponseError("no bone pressure is known: prepare `Body(bone=..., bone_pressure=True)`")
         return found
 
     def moved(self, rotation: ArrayLike | None = None, translation: ArrayLike | None = None) -> CombinedSkin:

@@ -53,7 +53,7 @@ pub(crate) fn product_response<'a>(
         }
     };
     if traits.discretization == Discretization::Galerkin {
-        let what = "a given matrix takes the gap at the nodes: discretization = collocation of the skin";
+        let what = "a given matrix takes the gap at the nodes: `discretization=\"collocation\"` of the skin";
         return Err(ResponseError::Product { what }.into());
     }
     let obstacle = &gaps.scene.obstacle;

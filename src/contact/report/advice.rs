@@ -11,11 +11,11 @@ pub(crate) fn advice(ended: LcpStatus, solutions: &[LcpSolution]) -> String {
         LcpStatus::Solved | LcpStatus::Interrupted => return solution.ending(),
         LcpStatus::Ray => {
             "the response is not well posed on a patch this wide: take a well-posed response (half-space, layer, body; a \
-             body with a shorter coarse_edge_length), a smaller depth or a coarser mesh, or method auto"
+             body with a shorter `coarse_edge_length`), a smaller depth or a coarser mesh, or `method=\"auto\"`"
         }
-        LcpStatus::PivotLimit => "take method auto, or a smaller depth",
+        LcpStatus::PivotLimit => "take `method=\"auto\"`, or a smaller depth",
         LcpStatus::Breakdown => {
-            "merge vertices that lie on one another, take linear pressure in place of one_ring, or method auto"
+            "merge vertices that lie on one another, take `pressure=\"linear\"` in place of one-ring, or `method=\"auto\"`"
         }
     };
     format!("{}: {remedy}", solution.ending())

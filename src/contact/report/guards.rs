@@ -260,21 +260,21 @@ fn unit_of_modulus(what: &str, modulus: f64, usual: [f64; 2], of: &str) -> Optio
 }
 
 fn skin_size(surface: &Surface) -> Option<Warning> {
-    size("skin", largest(&surface.bounding_box()), SKIN_EXTENTS)
+    size("skin", "read_surface", largest(&surface.bounding_box()), SKIN_EXTENTS)
 }
 
 /// Of a mesh: primitives are given in metres by hand, and half-spaces have no end.
 fn product_size(obstacle: &Obstacle) -> Option<Warning> {
     let bounds = obstacle.bounding_box().filter(|_| obstacle.kind() == "mesh")?;
-    size("product", largest(&bounds), PRODUCT_EXTENTS)
+    size("product", "read_obstacle", largest(&bounds), PRODUCT_EXTENTS)
 }
 
-fn size(of: &str, extent: f64, usual: [f64; 2]) -> Option<Warning> {
+fn size(of: &str, read: &str, extent: f64, usual: [f64; 2]) -> Option<Warning> {
     let [least, most] = usual;
     (!is_within(extent, usual)).then(|| Warning {
         kind: WarningKind::Size,
         message: format!(
-            "the {of} is {extent:.4e} m large, outside {least} to {most} m: is it in another unit? Lengths are metres; `unit=\"mm\"` converts a file when it is read"
+            "the {of} is {extent:.4e} m large, outside {least} to {most} m: is it in another unit? `{read}(unit=\"mm\")` converts a file"
         ),
     })
 }

@@ -187,7 +187,10 @@ fn still_penetrates(after: f64, before: f64, cause: &str) -> String {
 impl Contact {
     /// Warns where the refinement ended before its target, and where a body's mesh costs more than that.
     pub(crate) fn warn_of_refinement(&mut self, end: RefinementEnd, target: f64) {
-        let reason = end.as_str();
+        let reason = match end {
+            RefinementEnd::MaxNodes | RefinementEnd::MemoryLimit => format!("`{}`", end.as_str()),
+            _ => end.as_str().to_string(),
+        };
         let percent = |share: f64| format!("{} %", Digits(100.0 * share, 3));
         let cost_of = |share: f64| {
             if share.is_finite() {
@@ -222,7 +225,7 @@ impl Contact {
             let cost = percent(doubt.force_error);
             let length = EDGE_MARGIN * doubt.edge_length * (target / doubt.force_error).sqrt();
             short.push(format!(
-                "the coarse mesh of the body costs about {cost} of the force: prepare it with coarse_edge_length = {length:.2e} m"
+                "the coarse mesh of the body costs about {cost} of the force: prepare it with `coarse_edge_length={length:.2e}` m"
             ));
         }
         if let Some(doubt) = self.clues.product

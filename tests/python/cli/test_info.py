@@ -64,4 +64,4 @@ def test_the_size_of_a_mesh_in_another_unit_is_told(
     assert run(["info", "demo-output/handle.stl", "--unit", "mm"]) == 0
     assert capsys.readouterr().err == ""
     assert run(["info", "demo-output/handle.stl", "--unit", "m"]) == 0
-    assert "the mesh is 110 m long, outside the 0.001 to 3 m of products" in capsys.readouterr().err
+    assert "the mesh is 110000 mm long, outside the 1 to 3000 mm of products" in capsys.readouterr().err

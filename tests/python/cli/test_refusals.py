@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +15,6 @@ pytest.importorskip("matplotlib")
 
 from command_words import press_arguments, sweep_arguments
 from quasirigid.cli import run
-from quasirigid.cli.console import refuse, show_warning
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
@@ -136,85 +134,6 @@ def test_bad_input_is_one_line_and_status_2(
     assert printed.err.count("\n") == 1
     assert message in printed.err
     assert sorted(in_demo_folder.iterdir()) == before
-
-
-@pytest.mark.parametrize(
-    ("command", "told", "printed"),
-    [
-        ("press", "refine it (`target_error`, `max_nodes`)", "refine it (--target-error, --max-nodes)"),
-        (
-            "demo",
-            "refine it (`target_error`, `max_nodes`)",
-            "refine it (--target-error, `max_nodes` of Python)",
-        ),
-        ("grasp", "`couple_fingers` joins them", "--couple-fingers joins them"),
-        ("sweep", "fix fewer (`Body(fixed=)`)", "fix fewer (--fixed)"),
-        ("grasp", "fix fewer (`Body(fixed=)`)", "fix fewer (`Body(fixed=)` of Python)"),
-        ("press", "let it touch (`skin_mask=`)", "let it touch (--skin-mask)"),
-        ("press", "a smaller `gap_tolerance` will", "a smaller `gap_tolerance` of Python will"),
-        ("info", '`unit="mm"` converts a file', "--unit converts a file"),
-        ("hand", "give `rig`", "give --rig"),
-        ("info", "see `repair`", "see `repair`"),
-        (
-            "info",
-            "call `repair` with weld_tolerance = 8.3e-6 m",
-            "call `repair` with --weld-tolerance 0.0083mm",
-        ),
-        (
-            "press",
-            "(`repair` with a weld_tolerance if they meet)",
-            "(`repair` with a --weld-tolerance if they meet)",
-        ),
-        (
-            "press",
-            "mask it out, as by `surface.with_skin_mask(qr.skin_without_caps(surface))`",
-            "mask it out, as by --skin-mask caps",
-        ),
-        (
-            "press",
-            "prepare it with coarse_edge_length = 6.84e-4 m",
-            "prepare it with --response body:coarse_edge_length=0.684mm",
-        ),
-        ("press", "a coarser mesh, or method auto", 'a coarser mesh, or `method="auto"` of Python'),
-        (
-            "press",
-            'the product is 1e-4 m large: `unit="mm"` converts a file',
-            "the product is 1e-4 m large: --product-unit converts a file",
-        ),
-        # What this command calls so looks for more crossings, not for fewer.
-        (
-            "info",
-            "leave it out (check_crossings = false)",
-            "leave it out (`check_crossings=False` of Python)",
-        ),
-    ],
-)
-def test_an_argument_of_the_library_is_told_as_an_option_or_as_pythons(
-    command: str, told: str, printed: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run([command, "--help"]) == 0
-    capsys.readouterr()
-    refuse(told)
-    show_warning(told)
-    assert capsys.readouterr().err == f"error: {printed}\nwarning: {printed}\n"
-
-
-@pytest.mark.parametrize("command", ["press", "sweep", "grasp"])
-def test_no_message_of_a_contact_names_an_option_that_the_command_has_not(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    sources = sorted(Path(__file__).parents[3].glob("src/contact/**/*.rs"))
-    lines = [line.strip() for source in sources for line in source.read_text("utf-8").splitlines()]
-    messages = [line for line in lines if "`" in line and not line.startswith("//")]
-    assert len(messages) > 5
-    assert run([command, "--help"]) == 0
-    options = set(re.findall(r"--[a-z][a-z-]+", capsys.readouterr().out))
-    for message in messages:
-        show_warning(message)
-        told = capsys.readouterr().err
-        assert {*re.findall(r"--[a-z][a-z-]+", told)} <= options
-        named = re.findall(r"`([^`{]+)`( of Python)?", told)
-        assert {name for name, of_python in named if not of_python} <= {"press", "repair"}
 
 
 @pytest.mark.parametrize("changes", [{"skin_mask": "file.npy"}, {"response": "body", "fixed": "file.npy"}])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -76,8 +77,11 @@ def test_a_sweep_prints_and_writes_why_a_press_failed(
     message = json.loads((folder / "out" / "sweep.json").read_text())["columns"]["message"]
     assert message[0] == ""
     assert "the largest force found is" in message[1]
+    # On the command line in mm, in files in m.
+    begin, depth, end = re.split(r"(?<= at a depth of )(\S+) m(?=;)", message[1])
     assert error == (
-        f"error: 1 of 2 presses did not end solved; the first is step 1, with 'not_reached': {message[1]}\n"
+        "error: 1 of 2 presses did not end solved; the first is step 1, with 'not_reached': "
+        f"{begin}{1e3 * float(depth):.12g} mm{end}\n"
     )
     header, *rows = csv.reader((folder / "out" / "sweep.csv").read_text().splitlines())
     assert header[-2:] == ["status", "message"]

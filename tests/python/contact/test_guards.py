@@ -145,7 +145,7 @@ CASES = {
     "left by averages": ("PenetrationWarning", "averages over triangles", pressed_on_rounded_corner),
     "a body too coarse": (
         "RefinementWarning",
-        "prepare it with coarse_edge_length",
+        "prepare it with `coarse_edge_length=",
         lambda: pressed(
             qr.Surface(*ball(8e-3, 3)), coarse_body(), options=qr.ContactOptions(target_error=0.005)
         ),

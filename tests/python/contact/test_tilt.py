@@ -203,8 +203,8 @@ def test_a_plate_held_beside_everything_finds_no_balance(goal: str, value: float
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"balance": "tilt"}, "needs tilt_point"),
-        ({"tilt_point": POINT}, 'go with balance="tilt"'),
+        ({"balance": "tilt"}, "needs `tilt_point`"),
+        ({"tilt_point": POINT}, 'go with `balance="tilt"`'),
         ({"balance": "turn"}, "balance is 'turn', expected one of"),
         ({"balance": "tilt", "tilt_point": [0, 0]}, "tilt_point.*shape"),
         ({"balance": "tilt", "tilt_point": [0, math.nan, 0]}, "tilt_point is .*, expected three finite"),

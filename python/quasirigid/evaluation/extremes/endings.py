@@ -46,7 +46,7 @@ def _endings() -> Iterator[_Ending]:
         "poisson_ratio",
     )
     yield "a layer of 1e-4 cells", _layer_too_thin, ResponseError, "1/1000 of the mesh's mean edge"
-    yield "no memory for a matrix", _no_memory, ResponseError, "memory_limit = 1000"
+    yield "no memory for a matrix", _no_memory, ResponseError, "the 1000 of `memory_limit`"
     yield "no memory for a body", _no_memory_for_a_body, ResponseError, "the limit is 1000"
     yield "the paper's Gaussian, 2 mm deep", _ill_posed, ContactError, "ray"
     yield "a product that passes by", _passes_by, ContactError, "never meets the skin"

@@ -104,7 +104,7 @@ def test_a_target_out_of_range_is_named(target: float) -> None:
 
 def test_the_most_nodes_end_the_refinement_with_a_warning() -> None:
     options = qr.ContactOptions(max_nodes=200, target_error=1e-3)
-    with pytest.warns(qr.QuasirigidWarning, match="ended: max_nodes"):
+    with pytest.warns(qr.QuasirigidWarning, match="ended: `max_nodes`"):
         contact = qr.press(jittered_ball(1), PLATE, SKIN, UP, depth=0.5e-3, options=options)
     assert contact.refinements[-1].reason == "max_nodes"
     assert len(contact.refinements) > 1
