@@ -6,7 +6,7 @@ import errno
 import io
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -49,7 +49,9 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         draft.unlink(missing_ok=True)
 
 
-def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -> tuple[Path, ...]:
+def write_files(
+    folder: str | os.PathLike[str], contents: Mapping[str, bytes], *, instead_of: Iterable[str] = ()
+) -> tuple[Path, ...]:
     """Write files of these names into a folder, each of them whole; return their paths.
 
     Parameters
@@ -58,6 +60,8 @@ def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -
         Made where it is missing.
     contents : mapping of str to bytes
         What stands in each file, by its name.
+    instead_of : iterable of str
+        Names of files that are removed first.
 
     Raises
     ------
@@ -68,6 +72,8 @@ def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(f"{folder} is a file, expected a folder to write to")
     folder.mkdir(parents=True, exist_ok=True)
+    for name in instead_of:
+        (folder / name).unlink(missing_ok=True)
     for name, content in contents.items():
         with atomic_write(folder / name) as file:
             file.write(content)

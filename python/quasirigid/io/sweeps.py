@@ -51,5 +51,6 @@ def save_sweep(
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows(zip(*columns.values(), strict=True))
-    contents = (text.getvalue().encode(), json_bytes(record))
-    return write_files(folder, dict(zip(SWEEP_FILES, contents, strict=True)))
+    texts = (text.getvalue().encode(), json_bytes(record))
+    contents = dict(zip(SWEEP_FILES, texts, strict=True))
+    return write_files(folder, contents, instead_of=["sweep.json"])

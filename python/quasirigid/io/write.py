@@ -79,8 +79,8 @@ def save_contact(
     folder : path
         Made where it is missing. Files of these names are replaced, each of them whole; beside the
         `contact.json` of an earlier contact the rest of them is removed, and beside a `grasp.json` what is a
-        grasp's alone; others stay. `contact.json` comes after all other files but the pictures: a new folder
-        that has it has all numbers, also where a run was ended or a picture cannot be drawn.
+        grasp's alone; others stay. `contact.json` is removed first and comes after all other files but the
+        pictures: a folder that has it has all numbers, also where a run was ended or no picture can be drawn.
     inputs : mapping, optional
         What the contact was computed from, for `contact.json`.
     pictures : bool
@@ -105,11 +105,11 @@ def save_contact(
     if as_boolean("pictures", pictures):
         need_matplotlib()
     place = as_path("folder", folder)
+    contents = dict(_files(contact, inputs_record(inputs), unreached))
     records = [record for record in _BY_RECORD if (place / record).exists()]
-    files = write_files(place, dict(_files(contact, inputs_record(inputs), unreached)))
     earlier = {name for record in records for name in _BY_RECORD[record]}
-    for name in earlier - {file.name for file in files}:
-        (place / name).unlink(missing_ok=True)
+    # The records in front: without them a folder holds nothing whole.
+    files = write_files(place, contents, instead_of=[*records, *(earlier - contents.keys())])
     return files + save_pictures(contact, place, bone=bone) if pictures else files
 
 
@@ -140,7 +140,7 @@ def _files(contact: Contact, inputs: Any, unreached: str | None) -> Iterator[tup
     if contact.obstacle.material is not None and contact.deformed_obstacle is not None:
         moved = contact.deformed_obstacle
         yield "deformed_product.ply", _plain_ply(moved.vertices, moved.faces, "m")
-    # Last, so that a new folder that has it has them all.
+    # Last, so that a folder that has it has them all.
     yield "contact.json", json_bytes(record)
 
 

@@ -215,6 +215,22 @@ def test_files_of_others_stay_in_a_folder_that_is_there(pressed: qr.Contact, tmp
     assert read_record(tmp_path)["status"] == "solved"
 
 
+@pytest.mark.parametrize("record", ["contact.json", "grasp.json"])
+def test_a_record_of_an_earlier_result_does_not_outlast_its_files(
+    record: str, pressed: qr.Contact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save_contact(pressed, tmp_path)
+    (tmp_path / record).touch()
+
+    def full(path: Path) -> None:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr("quasirigid.io.atomic.atomic_write", full)
+    with pytest.raises(OSError, match="No space left"):
+        save_contact(pressed, tmp_path)
+    assert not list(tmp_path.glob("*.json"))
+
+
 def test_nothing_is_written_where_no_picture_can_be_drawn(
     pressed: qr.Contact, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

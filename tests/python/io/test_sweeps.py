@@ -83,3 +83,17 @@ def test_a_peak_at_a_cut_is_infinite_in_table_and_files(surface: qr.Surface, tmp
         [{"category": one.__name__, "message": message} for one, message in step] for step in curve.warnings
     ]
     assert "CutWarning" in [one["category"] for one in record["warnings"][1]]
+
+
+def test_a_record_of_an_earlier_sweep_does_not_outlast_its_table(
+    by_depth: qr.Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    by_depth.save(tmp_path)
+
+    def full(path: Path) -> None:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr("quasirigid.io.atomic.atomic_write", full)
+    with pytest.raises(OSError, match="No space left"):
+        by_depth.save(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep.csv"]
