@@ -3,9 +3,8 @@
 A value out of range, and a question without an answer, raise a `QuasirigidError`; each but
 `MissingExtraError` is a `ValueError` too. An argument of the wrong kind raises `TypeError`, an array of the
 wrong shape a `ValueError`, plain or one of these. `reference` raises plain `ValueError`; a step that a
-sequence has not raises `IndexError`. A file that cannot be read raises the error of what it should hold
-(`MeshFileError`, `HandError`, `ResponseError`), a missing prepared skin and a file or folder that cannot be
-written to `OSError`.
+sequence has not raises `IndexError`. A file that is missing or cannot be read raises the error of what it
+should hold (`MeshFileError`, `HandError`, `ResponseError`), one that cannot be written to `OSError`.
 
 `LcpError` and `ContactError` stand beside the results that they carry, in `lcp` and `contact.result`.
 """

@@ -34,10 +34,8 @@ def load_prepared(path: str | PathLike[str]) -> PreparedSkin:
     Raises
     ------
     ResponseError
-        If the file cannot be read, is no prepared skin, damaged or from a later version. Nothing in it is
-        unpickled, and no more memory is taken than a sound file of its length needs.
-    FileNotFoundError
-        If there is no such file.
+        If the file is missing, cannot be read, is no prepared skin, damaged or from a later version. Nothing
+        in it is unpickled, and no more memory is taken than a sound file of its length needs.
     """
     header, stored = read_prepared(path)
     try:

@@ -129,8 +129,6 @@ def read_prepared(path: str | PathLike[str]) -> tuple[dict[str, Any], dict[str, 
                 raise ValueError("its parts are longer than itself")
             stored = {name: _array_of(archive, member) for name, member in zip(names, members, strict=True)}
         header = json.loads(str(stored["header"]))
-    except FileNotFoundError:
-        raise
     except Exception as error:
         raise ResponseError(f"{path} cannot be read as a prepared skin: {error}") from error
     if not isinstance(header, dict) or header.get("format") != _FORMAT or header.get("version") != _VERSION:

@@ -79,7 +79,7 @@ def test_a_file_that_is_no_prepared_skin_is_refused(tmp_path: Path) -> None:
     np.save(tmp_path / "array.npy", np.arange(3))
     with pytest.raises(qr.ResponseError, match=r"array\.npy cannot be read .*: it holds a single array"):
         qr.load_prepared(tmp_path / "array.npy")
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(qr.ResponseError, match=r"missing\.npz cannot be read .*: .*No such file"):
         qr.load_prepared(tmp_path / "missing.npz")
 
 
