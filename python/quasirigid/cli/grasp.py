@@ -142,8 +142,9 @@ def grasp(words: GraspWords, talk: ContactTalk) -> int:
     Exit status 0: every digit holds; 1: one does not, or the solver ended otherwise; 2: bad input.
     """
     asked = _read(words)
-    with progress("closing the hand"):
-        held = qr.close_hand(asked.hand, asked.obstacle, asked.skin, **asked.more, throw=False)
+    held = qr.close_hand(
+        asked.hand, asked.obstacle, asked.skin, **asked.more, progress=talk.progress, throw=False
+    )
     figures = compare_contacts({words.product.stem: held.contact}, verbose=talk.verbose, warnings=False)
     text = f"{digit_table(held)}\n{figures}"
     record = grasp_record(held) | {"contact": contact_record(held.contact), "inputs": as_plain(asked.inputs)}

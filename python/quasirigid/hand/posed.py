@@ -224,7 +224,7 @@ class PosedHand(Frozen):
             parts = in_words(self.crossings)
             raise HandError(
                 f"the skin crosses itself in this pose, {parts}: it encloses no body; open the pose there, "
-                "or take a response that needs none, such as HalfSpace()"
+                "or take a response that needs none, such as a half-space"
             )
         skin = Skin(shear_modulus=shear_modulus, poisson_ratio=poisson_ratio, response=response)
         nodes = self._touching(response) if nodes is None else nodes

@@ -1,4 +1,4 @@
-"""Progress of the preparation of a body."""
+"""Progress of the preparation of a body, and of a hand that closes."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ __all__ = ["Progress", "as_progress", "stage_reporter"]
 
 Progress = Callable[[str, float], object]
 
+_LAST = ("solution", "closing")  # Stages that end the line which they share with those before.
 _STEP = 0.05  # A stage is reported again when it is further by this share.
 
 
@@ -39,4 +40,4 @@ def _print_stage(what: str, done: float) -> None:
     text = what if done == 0.0 else f"{what}: {done:.0%}"
     # The stages share one line of a terminal; elsewhere only their ends are told.
     if sys.stderr.isatty() or done == 0.0 or done >= 1.0:
-        print_progress(text, is_last=done == 0.0 or (what == "solution" and done >= 1.0))
+        print_progress(text, is_last=done == 0.0 or (what in _LAST and done >= 1.0))

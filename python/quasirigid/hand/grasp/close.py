@@ -97,7 +97,7 @@ def close_hand(
         a `target_error` of 0.05 and `max_nodes` of 1250: forces are asked for here, so what a mesh costs goes
         into the pose, and a digit on an edge or a rim would go on refining.
     progress : callable or bool, optional
-        Called as ``progress(what, done)`` as the work goes on; True prints to stderr.
+        Called as ``progress(what, done)`` as the work goes on, `done` a share of 1; True prints to stderr.
     throw : bool
         Raise where a contact does not end solved, as `solve_contact`.
 

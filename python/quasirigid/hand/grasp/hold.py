@@ -96,6 +96,7 @@ class Hold:
             "search",
             lambda: self._settle(self._on_given_mesh, tolerance, _MOST_TRIALS, air=air, large=_LARGE),
         )
+        self._tell("closing", 1.0)
         self._timed("rounds", self._finish)
         assert self.solved is not None, "the last stage solves a contact"
         return self.solved
@@ -188,7 +189,7 @@ class Hold:
 
     def _settle(
         self,
-        measure: Callable[[], Floats],
+        measure: Callable[[float], Floats],
         tolerance: float,
         most: int,
         *,
@@ -198,14 +199,13 @@ class Hold:
         """Move the digits until all have what they shall hold, or cannot get it; else to the best trial.
 
         A digit that is farther from the product than `air` (m) holds nothing. Of `most` trials, one with more
-        than `large` candidates counts for several.
+        than `large` candidates counts for several; `measure` takes the share of them that is spent.
         """
         best = worst = (len(self.searches) + 1, 0.0)
         near, steps = self._look(self.searches)
         trials = 0.0
         while trials < most:
-            self._tell("closing", trials / most)
-            values = measure()
+            values = measure(trials / most)
             size = 0 if self.solved is None else len(self.solved.contact.candidates)
             trials += max((size / large) ** 2, 1.0)
             before, lost = self.shares.copy(), self._lost
@@ -264,7 +264,8 @@ class Hold:
         step = _STEP * self.closing.scale
         return np.array(self.closing.look(self.shares, self.obstacle, looked, least=step))
 
-    def _on_given_mesh(self) -> Floats:
+    def _on_given_mesh(self, done: float) -> Floats:
+        self._tell("closing", done)
         if not self.by_force:
             return self._overlaps()
         skin = replace(self.skin, response=HalfSpace()) if isinstance(self.skin.response, Body) else self.skin
@@ -292,7 +293,8 @@ class Hold:
         for search in self.searches.values():
             search.end(_MISSED)
 
-    def _with_all_options(self) -> Floats:
+    def _with_all_options(self, _: float = 0.0) -> Floats:
+        self._tell(f"contact {self.rounds + 1}, with all options", 0.0)
         values = self._solve(self.skin, self.options)
         assert self.solved is not None
         meshes = [one for one in self.solved.contact.refinements if one.kind == "mesh"]
@@ -328,6 +330,7 @@ class Hold:
                 poisson_ratio=skin.poisson_ratio,
                 response=skin.response,
                 nodes=beside if len(beside) else None,
+                progress=self.report,
                 num_threads=options.num_threads,
             )
         contact = solve_quietly(posed.surface, self.obstacle, elastic, options)

@@ -20,13 +20,18 @@ pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
 def test_a_digit_that_a_half_space_left_short_is_tried_again_with_the_body(hand):
     palm = np.array(hand.posed("relaxed").palm)
     ball = qr.Obstacle.sphere(palm[:3, 3] + 0.03 * palm[:3, 1] + 0.04 * palm[:3, 2], 0.033)
-    grasps = [
-        qr.close_hand(hand, ball, skin(response), force={"thumb": 2.5}, options=AS_GIVEN)
-        for response in (qr.HalfSpace(), qr.Body())
-    ]
+    told = []
+    how = {"force": {"thumb": 2.5}, "options": AS_GIVEN, "progress": lambda what, _: told.append(what)}
+    grasps = [qr.close_hand(hand, ball, skin(response), **how) for response in (qr.HalfSpace(), qr.Body())]
     assert "at the most on its way" in grasps[0].missed["thumb"]
     assert grasps[1].missed == {}
     assert forces(grasps[1])["thumb"] == pytest.approx(2.5, rel=1e-2)
+    # Each contact that waits for a body says so, and so does the body.
+    with_body = told[told.index("approach", 1) :]
+    last = [at for at, what in enumerate(with_body) if what.endswith(", with all options")]
+    assert with_body[last[0]] == f"contact {grasps[1].rounds - len(last) + 1}, with all options"
+    assert with_body[last[0] + 1].startswith("body of ")
+    assert not any(what.startswith(("contact", "body")) for what in told[: -len(with_body)])
 
 
 @pytest.mark.parametrize(("force", "missed"), [(0.9, ""), (0.5, "end")])
