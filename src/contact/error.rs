@@ -78,7 +78,7 @@ pub enum ContactError {
     },
     /// An axis that an obstacle is to turn about has no length or is not finite.
     #[error(
-        "tilt_axes[{number}] is ({0}, {1}, {2}) and cannot be normalised: give a finite vector that is not zero",
+        "axis {number} of `tilt_axes` is ({0}, {1}, {2}) and cannot be normalised: give a finite vector that is not zero",
         axis[0], axis[1], axis[2]
     )]
     TiltAxis {

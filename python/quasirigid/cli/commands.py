@@ -36,7 +36,7 @@ from .gather import gathered
 from .grasp import GRASP_EXAMPLE, grasp
 from .hand import HAND_EXAMPLE, hand
 from .meshes import INFO_EXAMPLE, REPAIR_EXAMPLE, info, repair
-from .quantities import LENGTH, parse_goal, parse_quantities
+from .quantities import LENGTH, QuantityError, parse_goal, parse_numbers, parse_quantities
 from .scene import (
     GOAL_UNITS,
     TARGET_ERROR,
@@ -170,6 +170,13 @@ def press(
             " moment about it, as in 0,19.2,-40mm. [default: it keeps its attitude]"
         ),
     ] = None,
+    tilt_axes: Annotated[
+        str | None,
+        typer.Option(
+            help="Of --tilt-point, the axes that it turns about: one, as in 0,1,0, or two, as in"
+            " 1,0,0,0,1,0. [default: all across the direction]"
+        ),
+    ] = None,
     pictures: Annotated[bool, typer.Option(help="Draw skin.png and footprint.png.")] = True,
 ) -> int:
     """Press a product against a skin mesh to a depth, a force or an overlap, and write what happens.
@@ -181,9 +188,7 @@ def press(
     """
     # Everything is read and checked before anything is computed.
     goal = parse_goal(depth, force, overlap)
-    tilt: dict[str, Any] = {}
-    if tilt_point is not None:
-        tilt = {"balance": "tilt", "tilt_point": parse_quantities(tilt_point, 3, LENGTH, "--tilt-point")}
+    tilt = _tilt(tilt_point, tilt_axes)
     if pictures and scene.out is not None:
         need_matplotlib()
     read = read_scene(scene, CONTACT_FILES)
@@ -199,7 +204,7 @@ def press(
                 raise
             contact, unreached = error.contact, str(error)
     inputs = dict(read.inputs) | {name: figure(value, GOAL_UNITS[name]) for name, value in goal.items()}
-    inputs |= {"tilt_point": figure(tilt.get("tilt_point"), "m")}
+    inputs |= {"tilt_point": figure(tilt.get("tilt_point"), "m"), "tilt_axes": tilt.get("tilt_axes")}
     text = _press_text(scene.skin_file.stem, contact, verbose=talk.verbose, is_reached=unreached is None)
     record = contact_record(contact, unreached=unreached) | {"inputs": as_plain(inputs)}
     bone = read.body.bone if read.body else None
@@ -210,6 +215,19 @@ def press(
     if contact.status in ("solved", "no_contact"):
         return 0
     return refuse(f"the contact did not end solved: {contact.advice}", status=1)
+
+
+def _tilt(point: str | None, axes: str | None) -> dict[str, Any]:
+    """Return how the product turns, as arguments of `press`."""
+    if point is None and axes is not None:
+        raise QuantityError(f"--tilt-axes: '{axes}' needs --tilt-point, which the product turns about")
+    tilt: dict[str, Any] = {}
+    if point is not None:
+        tilt = {"balance": "tilt", "tilt_point": parse_quantities(point, 3, LENGTH, "--tilt-point")}
+    if axes is not None:
+        numbers = parse_numbers(axes, 3 if axes.count(",") < 3 else 6, "--tilt-axes")
+        tilt["tilt_axes"] = [numbers[at : at + 3] for at in range(0, len(numbers), 3)]
+    return tilt
 
 
 def _press_text(name: str, contact: qr.Contact, *, verbose: bool, is_reached: bool) -> str:

@@ -128,7 +128,7 @@ def test_every_message_has_what_options_stand_for_in_backticks() -> None:
     options = {one.name for command in commands for one in command.params} | {"coarse_edge_length"}
     for message in messages():
         # What is refused stands in front: the command line has checked it before.
-        bare = re.sub(r"^\w+ is |`[^`]*`", "", message)
+        bare = re.sub(r"^\w+ (is|has) |`[^`]*`", "", message)
         told = re.findall(r"(\w+)( ?=(?!=))?", bare)
         # A word without an underscore may be English; before an equals sign it is an argument.
         assert not {word for word, equals in told if "_" in word or equals} & options, message

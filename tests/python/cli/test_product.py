@@ -82,6 +82,19 @@ def test_a_product_tilts_until_the_skin_presses_at_its_point(response: str, in_d
     }
 
 
+def test_a_product_tilts_about_the_axis_asked_for_alone(in_demo_folder: Path) -> None:
+    tilt = {"tilt_point": "0.5,19.7,-40mm", "tilt_axes": "0,1,0", "target_error": "none"}
+    assert run(press_arguments(out="tilted", **tilt)) == 0
+    document = json.loads((in_demo_folder / "tilted" / "contact.json").read_text())
+    point = np.array([0.5e-3, 19.7e-3, -40e-3 + document["travel"]["value"]])
+    force, moment = (np.array(document[name]["value"]) for name in ("force", "moment"))
+    about_x, about_y = (moment - np.cross(point, force))[:2] / np.linalg.norm(force)
+    # Levers (m): 1e-6 of one no longer than the finger's pad, and 0.5 mm from where the demo's handle stands.
+    assert abs(about_y) < 1e-6 * 20e-3
+    assert abs(about_x) > 1e-4
+    assert document["inputs"]["tilt_axes"] == [[0.0, 1.0, 0.0]]
+
+
 def test_a_product_without_balance_names_the_option(
     in_demo_folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

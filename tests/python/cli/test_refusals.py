@@ -113,6 +113,11 @@ BAD_INPUT = {
         {"max_nodes": "9" * 20},
         f"max_nodes is {'9' * 20}, expected an integer of at most {sys.maxsize}\n",
     ),
+    "axes without a point": ({"tilt_axes": "0,1,0"}, "--tilt-axes: '0,1,0' needs --tilt-point"),
+    "half an axis": (
+        {"tilt_point": "0,0,0mm", "tilt_axes": "0,1"},
+        "--tilt-axes: '0,1' has 2 values, expected 3 values parted by commas",
+    ),
     "an unknown start": ({"start": "here"}, "--start: 'here' is not known"),
     "a missing option": ({"shear_modulus": None}, "Missing option '--shear-modulus'"),
     "a start in overlap": ({"start": "current", "translate": "0,19.2,-22mm"}, "penetrat"),
