@@ -32,8 +32,11 @@ fn entry<'py>(value: &Bound<'py, PyAny>, name: &str, place: usize) -> PyResult<B
     as_array(value, name)?.call_method1("item", (place,))
 }
 
-fn shape_message(name: &str, expected: &str, shape: &[usize]) -> String {
-    format!("`{name}` has shape {shape:?}, expected {expected}")
+pub(super) fn shape_message(name: &str, expected: &str, shape: &[usize]) -> String {
+    let sides: Vec<String> = shape.iter().map(usize::to_string).collect();
+    // As Python writes tuples.
+    let end = if sides.len() == 1 { "," } else { "" };
+    format!("`{name}` has shape ({}{end}), expected {expected}", sides.join(", "))
 }
 
 fn shape_error(name: &str, expected: &str, shape: &[usize]) -> PyErr {
@@ -133,7 +136,7 @@ pub(super) fn rotation_and_translation(
     let expected = "(3, 3), or (4, 4) with the translation; a translation alone is `translation=`";
     match (motion(rotation, "rotation", expected)?, shift) {
         ((_, Some(_)), Some(_)) => Err(PyTypeError::new_err(
-            "`rotation` has shape [4, 4] and holds a translation: leave out `translation`",
+            "`rotation` has shape (4, 4) and holds a translation: leave out `translation`",
         )),
         ((turn, held), shift) => Ok((turn, held.or(shift).unwrap_or_default())),
     }

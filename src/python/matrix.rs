@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::linalg::definiteness::spectrum_until;
 use crate::linalg::factor::Interrupt;
 use crate::python::arrays_out::matrix_out;
-use crate::python::convert::{MatrixArgument, nodes, vectors};
+use crate::python::convert::{MatrixArgument, nodes, shape_message, vectors};
 use crate::python::errors::{IntoPyErr, ResponseError};
 use crate::python::interrupt::detached_with;
 use crate::python::skin::PySkin;
@@ -64,8 +64,8 @@ pub(super) fn definiteness(py: Python<'_>, matrix: &Bound<'_, PyAny>) -> PyResul
     let matrix = MatrixArgument::new(matrix, "matrix", ResponseError::new_err)?;
     let view = matrix.view();
     if view.nrows() != view.ncols() {
-        let message = format!("`matrix` has shape [{}, {}], expected (k, k)", view.nrows(), view.ncols());
-        return Err(ResponseError::new_err(message));
+        let shape = [view.nrows(), view.ncols()];
+        return Err(ResponseError::new_err(shape_message("matrix", "(k, k)", &shape)));
     }
     if !view.is_all_finite() {
         return Err(ResponseError::new_err("`matrix` has entries that are not finite"));

@@ -341,7 +341,7 @@ def test_a_thickness_is_a_number_or_a_row_of_them(thickness: Any) -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: PLATE.placed([0, 0, 1, 0]), r"^`frame` has shape \[4\], expected \(4, 4\)$"),
+        (lambda: PLATE.placed([0, 0, 1, 0]), r"^`frame` has shape \(4,\), expected \(4, 4\)$"),
         (lambda: _answering(_given("")).prepared(SURFACE), "^`compliance` has dtype <U"),
         (lambda: PLATE.with_material(**_material(_given([[1j]]))), "^`compliance` has dtype complex"),
         (lambda: _given([[1, 2], [3]]), "^`compliance` cannot be read as an array"),

@@ -45,7 +45,7 @@ def test_any_number_type_and_any_memory_order_will_do(dtype: type, index_type: t
 
 def test_malformed_arrays_are_named() -> None:
     vertices, faces = tetrahedron()
-    with pytest.raises(ValueError, match=r"`vertices` has shape \[4, 2\], expected \(n, 3\)"):
+    with pytest.raises(ValueError, match=r"`vertices` has shape \(4, 2\), expected \(n, 3\)"):
         qr.Surface(vertices[:, :2], faces)
     with pytest.raises(TypeError, match="`faces` has dtype float64, expected integers"):
         qr.Surface(vertices, faces.astype(float))
@@ -79,7 +79,7 @@ def test_neighbourhoods_and_patches() -> None:
         surface.k_ring([0, 121], 1)
     with pytest.raises(qr.SurfaceError, match=r"`nodes\[0\]` is -1"):
         surface.patches([-1])
-    with pytest.raises(qr.SurfaceError, match=r"`nodes` has shape \[1, 1\]"):
+    with pytest.raises(qr.SurfaceError, match=r"`nodes` has shape \(1, 1\)"):
         surface.patches([[0]])
     for rings, range_of in ((-1, "at least 0"), (2**70, "at most")):
         with pytest.raises(qr.SurfaceError, match=f"rings is {rings}, expected an integer of {range_of}"):

@@ -133,7 +133,7 @@ def test_malformed_problems_are_named() -> None:
         qr.solve_lcp(np.eye(2), [1])
     with pytest.raises(qr.LcpError, match=r"M\[0, 1\] is NaN"):
         qr.solve_lcp([[1, np.nan], [0, 1]], [1, 2])
-    with pytest.raises(ValueError, match=r"`M` has shape \[2\]"):
+    with pytest.raises(ValueError, match=r"`M` has shape \(2,\)"):
         qr.solve_lcp([1, 2], [1, 2])
 
 

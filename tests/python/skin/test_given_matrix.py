@@ -74,9 +74,9 @@ def test_nodes_out_of_range_and_what_is_no_matrix_are_refused(surface: qr.Surfac
     with pytest.raises(qr.ResponseError, match=above):
         qr.initial_gaps(surface, skin, [0, 642], PLATE)
     for matrix, message in (
-        (np.ones((2, 3)), r"shape \[2, 3\], expected \(k, k\)"),
+        (np.ones((2, 3)), r"shape \(2, 3\), expected \(k, k\)"),
         ([[np.nan]], "not finite"),
-        ([1.0], r"shape \[1\]"),
+        ([1.0], r"shape \(1,\)"),
     ):
         with pytest.raises(qr.ResponseError, match=message):
             qr.definiteness(matrix)
