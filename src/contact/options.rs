@@ -131,7 +131,7 @@ impl<'a> ContactOptions<'a> {
         if let Some(target) = self.target_error
             && !(target > 0.0 && target < 1.0)
         {
-            return fail("target_error", target, "a number in (0, 1), or none for the mesh as it is");
+            return fail("target_error", target, "a number in (0, 1), or None for the mesh as it is");
         }
         if self.max_nodes == 0 {
             return fail("max_nodes", 0.0, "at least 1");
@@ -148,7 +148,7 @@ impl<'a> ContactOptions<'a> {
             return fail("search_distance", distance, "a finite length >= 0 (m)");
         }
         if self.num_threads == Some(0) {
-            return fail("num_threads", 0.0, "at least 1, or none for all");
+            return fail("num_threads", 0.0, "at least 1, or None for all");
         }
         Ok(())
     }

@@ -319,7 +319,7 @@ def test_words_booleans_and_complex_numbers_are_no_vector(name: str, row: Any) -
 
 PLACES = {
     "node": lambda value: qr.net_volume(SURFACE, SKIN, value),
-    "step": lambda value: qr.sweep(SURFACE, FAR, SKIN, [0, 0, -1], depths=[1e-4], start="current")[value],
+    "step": lambda value: qr.sweep(SURFACE, FAR, SKIN, [0, 0, 1], depths=[1e-4], start="current")[value],
     "num_threads": lambda value: HAND.posed("flat").skin(**ON_HALF_SPACE, num_threads=value),
 }
 ON_HALF_SPACE: dict[str, Any] = {"shear_modulus": 6e4, "poisson_ratio": 0.3, "response": qr.HalfSpace()}

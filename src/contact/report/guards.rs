@@ -6,7 +6,7 @@ use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactStatus};
 use crate::contact::report::warning::{Warning, WarningKind};
-use crate::contact::scene::{Press, Start};
+use crate::contact::scene::{Approach, Press, Start};
 use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::direction::unit;
@@ -79,12 +79,13 @@ impl Guarded<'_> {
             self.modulus(contact),
             product_modulus(self.obstacle),
             self.mask(),
+            self.way(contact),
             self.direction(contact),
             self.depth(contact),
             self.response_range(contact),
             self.response_length(contact),
             product_range(contact),
-            coarse_mesh(contact),
+            self.coarse_mesh(contact),
             self.slivers(contact),
         ];
         contact.warnings.splice(0..0, found.into_iter().flatten());
@@ -106,6 +107,20 @@ impl Guarded<'_> {
                 "the skin mask lets {free} of {count} vertices touch ({:.2} %): is it inverted? It is true where the skin may touch",
                 100.0 * free as f64 / count as f64
             ),
+        })
+    }
+
+    /// Of a product that moves past the skin or away from it.
+    fn way(&self, contact: &Contact) -> Option<Warning> {
+        let press = self.press.filter(|press| press.start == Start::Current)?;
+        let approach = Approach::new(unit(&press.direction)?, Start::Current);
+        let never_touches = || {
+            let touch = approach.touch(self.surface, self.obstacle);
+            matches!(touch, Err(ContactError::NeverTouches { .. }))
+        };
+        (contact.status == ContactStatus::NoContact && never_touches()).then(|| Warning {
+            kind: WarningKind::Direction,
+            message: "the product meets the skin nowhere on its way from where it stands: the direction is the one that the product travels in; turn it around, or move the product, where that is not meant".into(),
         })
     }
 
@@ -184,6 +199,20 @@ impl Guarded<'_> {
             kind: WarningKind::ResponseRange,
             message: format!(
                 "{found}: there it is too stiff, by half and more on a finger; take a body, or press less deep"
+            ),
+        })
+    }
+
+    fn coarse_mesh(&self, contact: &Contact) -> Option<Warning> {
+        let cells = contact.accuracy.cells_per_radius;
+        let is_given = contact.gap.len() == contact.given_vertex_count();
+        let is_coarse = contact.status == ContactStatus::Solved && is_given && cells < FEW_CELLS;
+        let refines = self.skin.traits(self.surface).is_ok_and(|traits| traits.refines);
+        let refine = if refines { "refine it (`target_error`), or " } else { "" };
+        (is_coarse && !contact.active.is_empty()).then(|| Warning {
+            kind: WarningKind::CoarseMesh,
+            message: format!(
+                "the contact has {cells:.2} mesh cells in its radius, fewer than {FEW_CELLS}, and the mesh was taken as it is: do not trust force and area; {refine}take a finer mesh"
             ),
         })
     }
@@ -275,18 +304,6 @@ fn size(of: &str, read: &str, extent: f64, usual: [f64; 2]) -> Option<Warning> {
         kind: WarningKind::Size,
         message: format!(
             "the {of} is {extent:.4e} m large, outside {least} to {most} m: is it in another unit? `{read}(unit=\"mm\")` converts a file"
-        ),
-    })
-}
-
-fn coarse_mesh(contact: &Contact) -> Option<Warning> {
-    let cells = contact.accuracy.cells_per_radius;
-    let is_given = contact.gap.len() == contact.given_vertex_count();
-    let is_coarse = contact.status == ContactStatus::Solved && is_given && cells < FEW_CELLS;
-    (is_coarse && !contact.active.is_empty()).then(|| Warning {
-        kind: WarningKind::CoarseMesh,
-        message: format!(
-            "the contact has {cells:.2} mesh cells in its radius, fewer than {FEW_CELLS}, and the mesh was taken as it is: do not trust force and area; refine it (`target_error`), or take a finer mesh"
         ),
     })
 }

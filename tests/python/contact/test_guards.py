@@ -113,6 +113,18 @@ CASES = {
             depth=1e-3,
         ),
     ),
+    "away from where the product stands": (
+        "DirectionWarning",
+        "meets the skin nowhere on its way",
+        lambda: qr.press(
+            qr.Surface(*ball(8e-3, 3)),
+            qr.Obstacle.sphere([0, 0, 0.05], 0.01),
+            kernel(qr.HalfSpace()),
+            [0, 0, 1],
+            depth=1e-3,
+            start="current",
+        ),
+    ),
     "a modulus in kPa": (
         "ModulusWarning",
         "6.0000e1 Pa",

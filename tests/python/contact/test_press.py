@@ -121,6 +121,11 @@ def test_bad_questions_raise_and_name_the_fault() -> None:
         qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e61)
     with pytest.raises(ValueError, match="start is"):
         qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, start="somewhere")  # type: ignore[arg-type]
+    options = qr.ContactOptions(target_error=2.0)
+    with pytest.raises(
+        qr.ContactError, match=r"expected a number in \(0, 1\), or None for the mesh as it is"
+    ):
+        qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, options=options)
     options = qr.ContactOptions(method="guess")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="method is"):
         qr.press(surface, PLATE, SKIN, [0, 0, 1], depth=1e-3, options=options)

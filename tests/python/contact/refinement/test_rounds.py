@@ -74,6 +74,7 @@ def test_a_response_on_its_own_nodes_takes_the_mesh_as_it_is(kind: str) -> None:
     assert contact.surface is surface
     # Nobody refines it where it is too coarse.
     assert {one.category for one in contact.warnings} <= {qr.CoarseMeshWarning}
+    assert not any("target_error" in one.message for one in contact.warnings)
     assert {"refinement", "estimates of error"} <= {what for what, _ in contact.left_out}
     accuracy = contact.accuracy
     estimates = (
