@@ -182,8 +182,9 @@ def press(
     """Press a product against a skin mesh to a depth, a force or an overlap, and write what happens.
 
     Takes one of --depth, --force and --overlap.
-    Writes deformed.ply, deformed.vtp, product.ply, contact.npz, contact.json, skin.png and footprint.png;
-    where the force or overlap is out of reach, of the contact that comes nearest.
+    Writes deformed.ply, deformed.vtp, product.ply, contact.npz, contact.json, skin.png and footprint.png, and
+    deformed_product.ply of a product that gives way; where the force or overlap is out of reach, of the
+    contact that comes nearest.
     Exit status 0: solved or without contact; 1: out of reach, or the solver ended otherwise; 2: bad input.
     """
     # Everything is read and checked before anything is computed.

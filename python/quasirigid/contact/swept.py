@@ -163,7 +163,8 @@ class Sweep(Frozen):
         Parameters
         ----------
         folder : path
-            The folder; made where it is missing. Files of these names are replaced, others stay.
+            The folder; made where it is missing. Files of these names are replaced, others stay. An earlier
+            sweep.json goes first and the new one comes last: where it is, both files are of one sweep.
         inputs : mapping, optional
             What the sweep was computed from, for sweep.json.
 
