@@ -133,6 +133,7 @@ impl LcpSolution {
     pub fn advice(&self) -> String {
         let remedy = match (self.status, self.method) {
             (LcpStatus::Solved | LcpStatus::Interrupted, _) => return self.ending(),
+            (LcpStatus::Ray, _) if self.is_infeasible() => "no method solves it: look at M and q again",
             (LcpStatus::Ray, _) => "try `method=\"auto\"`, another covering vector or an initial active set",
             (LcpStatus::PivotLimit, _) => {
                 "raise `max_pivots`, start from an initial active set, or try `method=\"auto\"`"
@@ -146,6 +147,10 @@ impl LcpSolution {
             (LcpStatus::Breakdown, _) => "merge unknowns that are one, or accept less by raising `tolerance`",
         };
         format!("{}: {remedy}", self.ending())
+    }
+
+    fn is_infeasible(&self) -> bool {
+        self.ray.as_ref().is_some_and(|ray| ray.conclusion == RayConclusion::Infeasible)
     }
 
     /// What happened, and why that usually is.

@@ -120,6 +120,7 @@ def test_an_infeasible_problem_ends_on_a_ray_that_proves_it() -> None:
     assert solution.status is qr.LcpStatus.RAY
     assert solution.ray is not None
     assert solution.ray.conclusion == "infeasible"
+    assert solution.advice.endswith(": no method solves it: look at M and q again")
     # The columns add to 0 and rounding above it: about (2.25e15, 2.25e15) solves it.
     almost = qr.solve_lcp([[1, -1], [-1, 1 + 4 * 2.0**-52]], [-1, -1], throw=False)
     assert almost.ray is not None
