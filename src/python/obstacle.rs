@@ -249,10 +249,11 @@ impl PyObstacle {
     /// poisson_ratio : float
     ///     nu, in [0, 0.5].
     /// response : HalfSpace, GaussianCorrected, Layer or GivenMatrix, optional
-    ///     Displacement of the surface per unit force; None for ``HalfSpace()``. A kernel is taken at the contact's nodes,
-    ///     with pressure and discretization of the skin, and a `Layer` has one thickness. A `GivenMatrix` knows vertices of
-    ///     the product's mesh, all that the skin may touch, with a compliance (k, k) along the force; it is linear over
-    ///     the triangles in between, whose size `accuracy.body_error` and the other estimates know.
+    ///     Displacement of the surface per unit force; None for ``HalfSpace()``, which knows neither how thick the
+    ///     product is nor how it bends. A kernel is taken at the contact's nodes, with pressure and discretization of the
+    ///     skin, and a `Layer` has one thickness. A `GivenMatrix` knows vertices of the product's mesh, all that the skin
+    ///     may touch, with a compliance (k, k) along the force; it is linear over the triangles in between, whose size
+    ///     `accuracy.body_error` and the other estimates know.
     ///
     /// Returns
     /// -------

@@ -73,6 +73,11 @@ impl Report {
                 "the response is that of tissue without end, too soft over a bone: a layer or a body has one";
             self.leave_out("bone", why);
         }
+        let of_product = gaps.scene.obstacle.material().and_then(|material| material.kernel());
+        if of_product.is_some_and(|kernel| kernel.layer_at(0).is_none()) {
+            let why = "the response is that of a product without end: how thick it is, how it bends and where it is held, a layer or a given matrix knows";
+            self.leave_out("thickness of the product", why);
+        }
         let fingers = forces.fingers.candidates.len();
         if fingers > 1 {
             self.leave_out(FINGER_COUPLING, apart(&forces.fingers, response));

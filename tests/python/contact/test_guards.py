@@ -34,6 +34,11 @@ def pressed_on(product: qr.Obstacle, depth: float) -> qr.Contact:
     return qr.press(qr.Surface(*ball(8e-3, 3)), product, SKIN, [0, 0, 1], depth=depth)
 
 
+def pad(thickness: float, modulus: float = 60e3, response: qr.Response | None = None) -> qr.Obstacle:
+    plate = qr.Obstacle.box([0.03, 0.03, 0.5 * thickness]).moved(translation=[0, 0, -0.05])
+    return plate.with_material(shear_modulus=modulus, poisson_ratio=0.5, response=response)
+
+
 def kernel(response: qr.Response, shear_modulus: float = 60e3) -> qr.Skin:
     return qr.Skin(shear_modulus=shear_modulus, poisson_ratio=0.5, response=response)
 
@@ -148,6 +153,11 @@ CASES = {
             1.2e-3,
         ),
     ),
+    "a product thinner than a half-space": (
+        "ResponseRangeWarning",
+        "the product is 5.0000e-3 m thick",
+        lambda: pressed_on(pad(5e-3), 2e-3),
+    ),
     "a mesh too coarse": (
         "CoarseMeshWarning",
         "mesh cells",
@@ -225,6 +235,27 @@ def test_an_ordinary_press_is_told_nothing() -> None:
     plate = qr.Obstacle.half_space([0, 0, -0.05], [0, 0, 1])
     for depth in (0.1e-3, 1.12e-3):
         assert qr.press(tip, plate, SKIN, [0, 0, 1], depth=depth).warnings == ()
+
+
+def test_a_thin_product_is_told_where_its_other_side_would_be_felt() -> None:
+    def answer(product: qr.Obstacle) -> tuple[qr.Contact, bool, bool]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            contact = pressed_on(product, 2e-3)
+        is_told = any(one.category is qr.ResponseRangeWarning for one in contact.warnings)
+        return contact, is_told, "thickness of the product" in dict(contact.left_out)
+
+    thin, *told = answer(pad(5e-3))
+    assert told == [True, True]
+    backed, *told = answer(pad(5e-3, response=qr.Layer(thickness=5e-3)))
+    assert told == [False, False]
+    # On something rigid the pad gives way by less than half as much, and without that by half of all.
+    share = thin.obstacle_share
+    assert share == pytest.approx(0.5, rel=1e-9)
+    assert np.linalg.norm(backed.force) > np.linalg.norm(thin.force) / (1 - 0.5 * share)
+    # Of thick pads nobody feels the other side, nor of hard ones that they give way.
+    for product in (pad(40e-3), pad(5e-3, 10e6)):
+        assert answer(product)[1:] == (False, True)
 
 
 def test_cut_faces_are_looked_for_once_a_skin_and_never_behind_a_mask(
