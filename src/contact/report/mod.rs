@@ -5,6 +5,7 @@ pub(crate) mod cuts;
 pub(crate) mod digits;
 pub(crate) mod guards;
 pub(crate) mod left_out;
+mod product;
 pub(crate) mod record;
 pub(crate) mod warning;
 pub(crate) mod warnings;
