@@ -14,7 +14,8 @@ use crate::geometry::direction::unit;
 use crate::mesh::remesh::green::smallest_angle;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
-use crate::response::skin::elastic::{ElasticSkin, shear_modulus_under};
+use crate::response::matrix::options::AssemblyOptions;
+use crate::response::skin::elastic::{ElasticSkin, Request, shear_modulus_under};
 use crate::surface::checked::Surface;
 
 /// Largest extent that a skin has (m): from a finger's tip to a hand with its arm.
@@ -77,6 +78,7 @@ impl Guarded<'_> {
             product_size(self.obstacle),
             self.modulus(contact),
             product_modulus(self.obstacle),
+            self.given_compliance(contact),
             self.mask(),
             self.way(contact),
             self.direction(contact),
@@ -96,6 +98,26 @@ impl Guarded<'_> {
             contact.candidates.iter().copied().filter(|&vertex| vertex < contact.given_vertex_count());
         let modulus = shear_modulus_under(self.skin, given)?;
         unit_of_modulus("shear modulus", modulus, MODULI, "tissue")
+    }
+
+    /// Of a given matrix, which has no modulus.
+    fn given_compliance(&self, contact: &Contact) -> Option<Warning> {
+        let DeepestVertex { vertex, normal, .. } = contact.clues.deepest?;
+        if self.skin.shear_modulus_at(vertex).is_some() {
+            return None;
+        }
+        let options = AssemblyOptions::default();
+        let asked = Request { surface: self.surface, nodes: &[vertex], options: &options };
+        let own = self.skin.matrix(&asked, &[normal]).ok()?[(0, 0)];
+        // A hat as a cone of pressure on a disc moves the middle of an incompressible half-space by √(3π/S) / (4πG) per newton.
+        let modulus = (3.0 * PI / self.surface.vertex_areas()[vertex]).sqrt() / (4.0 * PI * own);
+        (!is_within(modulus, MODULI)).then(|| Warning {
+            kind: WarningKind::Modulus,
+            message: format!(
+                "the given compliance is {own:.4e} m/N at vertex {vertex}, as of a half-space of {modulus:.4e} Pa, outside the {:.0e} to {:.0e} Pa of tissue: is it in another unit? 1 mm/N is 1e-3 m/N",
+                MODULI[0], MODULI[1]
+            ),
+        })
     }
 
     fn mask(&self) -> Option<Warning> {

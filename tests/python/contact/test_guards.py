@@ -43,6 +43,13 @@ def kernel(response: qr.Response, shear_modulus: float = 60e3) -> qr.Skin:
     return qr.Skin(shear_modulus=shear_modulus, poisson_ratio=0.5, response=response)
 
 
+def given(scale: float) -> qr.GivenMatrix:
+    """Return the half-space of 60 kPa on the lower half of the ball, in another unit."""
+    surface = qr.Surface(*ball(8e-3, 3))
+    nodes = np.flatnonzero(surface.vertices[:, 2] < surface.vertices[:, 2].mean())
+    return qr.GivenMatrix(nodes=nodes, compliance=scale * qr.response_matrix(surface, SKIN, nodes))
+
+
 def coarse_body() -> qr.Skin:
     vertices, faces = ball(3e-3, 3)
     bone = qr.Surface(vertices + np.array([0, 0, 5e-3]), faces)
@@ -145,6 +152,16 @@ CASES = {
         "product's shear modulus is 6.0000e1 Pa",
         lambda: pressed_on(PLATE.with_material(shear_modulus=60.0, poisson_ratio=0.3), 1e-3),
     ),
+    "a compliance in mm/N": (
+        "ModulusWarning",
+        "is it in another unit? 1 mm/N is 1e-3 m/N",
+        lambda: pressed(qr.Surface(*ball(8e-3, 3)), kernel(given(1e3)), options=AS_GIVEN),
+    ),
+    "a compliance in m/kN": (
+        "ModulusWarning",
+        "of a half-space of 6",
+        lambda: pressed(qr.Surface(*ball(8e-3, 3)), kernel(given(1e-3)), options=AS_GIVEN),
+    ),
     "through the layer of a product": (
         "ResponseRangeWarning",
         "half of the 1.0000e-3 m of its layer",
@@ -231,6 +248,7 @@ def test_one_category_can_be_made_an_error() -> None:
 
 def test_an_ordinary_press_is_told_nothing() -> None:
     assert pressed(qr.Surface(*ball(8e-3, 3))).warnings == ()
+    assert pressed(qr.Surface(*ball(8e-3, 3)), kernel(given(1.0)), options=AS_GIVEN).warnings == ()
     tip = qr.models.fingertip()
     plate = qr.Obstacle.half_space([0, 0, -0.05], [0, 0, 1])
     for depth in (0.1e-3, 1.12e-3):
