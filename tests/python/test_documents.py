@@ -35,13 +35,13 @@ def test_the_python_on_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytes
 
 # Deep ones reach the cut end, and are no small strains any more.
 @pytest.mark.filterwarnings("ignore::quasirigid.CutWarning", "ignore::quasirigid.DepthWarning")
-@pytest.mark.parametrize("depth", [0.3e-3, 1.5e-3, 2e-3, 3e-3])
-def test_the_finger_with_its_bone_serves_every_depth(depth: float) -> None:
+def test_the_finger_with_its_bone_serves_every_depth() -> None:
     (block,) = (block for block in python_of("docs/usage.md") if "qr.Body(" in block)
     names: dict[str, Any] = {"qr": qr}
     exec(compile(block, "docs/usage.md", "exec"), names)
-    contact = qr.press(names["tip"], names["phone"], names["prepared"], [0, 0, 1], depth=depth)
-    assert contact.status == "solved"
+    for depth in (0.3e-3, 1.5e-3, 2e-3, 3e-3):
+        contact = qr.press(names["tip"], names["phone"], names["prepared"], [0, 0, 1], depth=depth)
+        assert contact.status == "solved"
 
 
 def run_pipeline(place: int, folder: Path) -> None:

@@ -21,8 +21,8 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="signals as POSIX has th
 
 #: Seconds from the signal to the end.
 PATIENCE = 0.3
-#: Another process may take the processor in one try.
-TRIES = 3
+#: Other processes may take the processors in some of them.
+TRIES = 10
 MAIN = "import sys; sys.argv[0] = 'quasirigid'; from quasirigid.__main__ import main; main()"
 SCENE = (
     "handle.stl --unit m --product-unit mm --translate 0,19.2,-40mm --rotate 0,90,0deg --direction 0,0,1"
