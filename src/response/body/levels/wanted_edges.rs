@@ -128,6 +128,10 @@ fn bend_radii(skin: &Surface, is_held: &[bool]) -> Vec<f64> {
 impl Body {
     /// Lengths of the coarse edges that the tissue and the bend of the skin ask for (n, m), and whether the skin would get
     /// too many vertices.
+    ///
+    /// * `fixed`: vertices of the skin that do not move (n)
+    /// * `kept`: vertices that stay whatever the length
+    /// * `nodes`: vertices where contact is expected
     pub(super) fn wanted_edges(
         &self,
         skin: &Surface,
