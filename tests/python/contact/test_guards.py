@@ -6,6 +6,7 @@ import json
 import pickle
 import warnings
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -107,6 +108,14 @@ def pressed_on_cut(pitch: float) -> qr.Contact:
     return qr.press(tip, plate, SKIN, along, depth=3e-4, options=AS_GIVEN)
 
 
+def moved_away(start: Literal["infinity", "current"]) -> qr.Contact:
+    """A product above a ball that travels up."""
+    product = qr.Obstacle.sphere([0, 0, 0.05], 0.01)
+    return qr.press(
+        qr.Surface(*ball(8e-3, 3)), product, kernel(qr.HalfSpace()), [0, 0, 1], depth=1e-3, start=start
+    )
+
+
 CASES = {
     "a ball of metres": ("SizeWarning", "1.6000e1 m", lambda: pressed(huge(), depth=0.08)),
     "deeper than broad": (
@@ -117,25 +126,12 @@ CASES = {
     "away from the product": (
         "DirectionWarning",
         "taken back by",
-        lambda: qr.press(
-            qr.Surface(*ball(8e-3, 3)),
-            qr.Obstacle.sphere([0, 0, 0.05], 0.01),
-            kernel(qr.HalfSpace()),
-            [0, 0, 1],
-            depth=1e-3,
-        ),
+        lambda: moved_away("infinity"),
     ),
     "away from where the product stands": (
         "DirectionWarning",
         "meets the skin nowhere on its way",
-        lambda: qr.press(
-            qr.Surface(*ball(8e-3, 3)),
-            qr.Obstacle.sphere([0, 0, 0.05], 0.01),
-            kernel(qr.HalfSpace()),
-            [0, 0, 1],
-            depth=1e-3,
-            start="current",
-        ),
+        lambda: moved_away("current"),
     ),
     "a modulus in kPa": (
         "ModulusWarning",
