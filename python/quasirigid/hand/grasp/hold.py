@@ -113,34 +113,8 @@ class Hold:
         if self.by_force and status not in (ContactStatus.SOLVED, ContactStatus.NO_CONTACT):
             return dict.fromkeys((DIGITS[at] for at in self.searches), _UNSOLVED.format(status))
         unit, size = ("N", 1.0) if self.by_force else ("mm", 1e3)
-        reasons = {}
-        for at, search in self.searches.items():
-            value, wanted, most = (f"{size * one:.3g}" for one in (search.value, search.wanted, search.most))
-            if search.missed == "start":
-                reason = (
-                    f"is at {value} of {wanted} {unit} when it is open: the product stands in it; "
-                    "move the hand away"
-                )
-            elif search.missed == "end" and search.most == 0.0:
-                reason = "does not meet the product on its way"
-            elif search.missed == "end":
-                reason = f"comes to {most} of {wanted} {unit} at the most on its way"
-                if most != value:
-                    reason += f" and stands at {value}"
-            elif search.missed == "trials":
-                reason = (
-                    f"was at {value} of {wanted} {unit} when its trials ended, few as the contact is large: "
-                    "the product stands in the hand; move the hand away"
-                )
-            elif search.error() > _MISSED:
-                why = "there it jumps from pose to pose, as at an edge or a thin wall"
-                if not search.is_stuck:
-                    why = f"its trials ended before it was there, or {why}; move the hand a little"
-                reason = f"stands at {value} of {wanted} {unit}: {why}"
-            else:
-                continue
-            reasons[DIGITS[at]] = reason
-        return reasons
+        reasons = {DIGITS[at]: search.reason(_MISSED, unit, size) for at, search in self.searches.items()}
+        return {digit: reason for digit, reason in reasons.items() if reason}
 
     def _approach(self) -> None:
         self._tell("approach", 0.0)

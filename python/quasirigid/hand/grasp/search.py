@@ -60,6 +60,39 @@ class Search:
         """Return how far the value is from the wanted one, over that."""
         return abs(self.value / self.wanted - 1.0)
 
+    def reason(self, tolerance: float, unit: str, size: float) -> str:
+        """Return why it does not hold what it should; nothing where it does.
+
+        Parameters
+        ----------
+        tolerance : float
+            The error up to which it does.
+        unit, size : str, float
+            Unit that values are told in, and how many of it are 1.
+        """
+        value, wanted, most = (f"{size * one:.3g}" for one in (self.value, self.wanted, self.most))
+        if self.missed == "start":
+            return (
+                f"is at {value} of {wanted} {unit} when it is open: the product stands in it; "
+                "move the hand away"
+            )
+        if self.missed == "end" and self.most == 0.0:
+            return "does not meet the product on its way"
+        if self.missed == "end":
+            stands = "" if most == value else f" and stands at {value}"
+            return f"comes to {most} of {wanted} {unit} at the most on its way{stands}"
+        if self.missed == "trials":
+            return (
+                f"was at {value} of {wanted} {unit} when its trials ended, few as the contact is large: "
+                "the product stands in the hand; move the hand away"
+            )
+        if self.error() <= tolerance:
+            return ""
+        why = "there it jumps from pose to pose, as at an edge or a thin wall"
+        if not self.is_stuck:
+            why = f"its trials ended before it was there, or {why}; move the hand a little"
+        return f"stands at {value} of {wanted} {unit}: {why}"
+
     def begin_again(self) -> None:
         """Forget all values but not how fast they grow: from now on they are measured in another way.
 
