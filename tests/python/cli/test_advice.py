@@ -124,7 +124,7 @@ def messages() -> list[str]:
 
 
 def test_every_message_has_what_options_stand_for_in_backticks() -> None:
-    commands = typer.main.get_command(app).commands.values()  # type: ignore[attr-defined]
+    commands = typer.main.get_group(app).commands.values()
     options = {one.name for command in commands for one in command.params} | {"coarse_edge_length"}
     for message in messages():
         # What is refused stands in front: the command line has checked it before.
