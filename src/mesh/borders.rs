@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::mesh::adjacency::NO_FACE;
 use crate::mesh::csr::Csr;
+use crate::mesh::distinct::distinct;
 use crate::mesh::error::MeshError;
 use crate::mesh::grid::PointGrid;
 use crate::mesh::topology::are_joined;
@@ -33,9 +34,7 @@ pub(super) fn check_borders(
             });
         }
     }
-    let mut ids: Vec<u32> = edges.iter().flat_map(|edge| edge.ends).collect();
-    ids.sort_unstable();
-    ids.dedup();
+    let ids = distinct(edges.iter().flat_map(|edge| edge.ends));
     let points: Vec<Vector3<f64>> = ids.iter().map(|id| vertices[*id as usize]).collect();
     let shortest_edge = |id: &u32| {
         let corners = incident.row(*id as usize).iter().flat_map(|face| faces[*face as usize]);

@@ -13,6 +13,7 @@ pub(crate) mod borders;
 pub(crate) mod check;
 pub(crate) mod component;
 pub(crate) mod csr;
+pub(crate) mod distinct;
 pub(crate) mod edge_map;
 pub(crate) mod error;
 pub(crate) mod fan;

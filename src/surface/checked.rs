@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Vector3};
 use crate::geometry::bounds::Bounds;
 use crate::geometry::face_tree::Faces;
 use crate::mesh::check::{check, sound_topology};
+use crate::mesh::distinct::distinct;
 use crate::mesh::error::MeshError;
 use crate::mesh::nesting::check_nesting;
 use crate::mesh::topology::Topology;
@@ -195,11 +196,7 @@ impl Surface {
 
     /// Faces around any of some vertices, ascending, each once.
     pub(crate) fn faces_at(&self, vertices: &[usize]) -> Vec<u32> {
-        let mut faces: Vec<u32> =
-            vertices.iter().flat_map(|&vertex| self.faces_around(vertex)).copied().collect();
-        faces.sort_unstable();
-        faces.dedup();
-        faces
+        distinct(vertices.iter().flat_map(|&vertex| self.faces_around(vertex)).copied())
     }
 
     /// The box around the vertices.

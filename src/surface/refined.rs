@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
+use crate::mesh::distinct::distinct;
 use crate::mesh::remesh::red_green::RedGreen;
 use crate::mesh::remesh::smooth::SmoothMesh;
 use crate::surface::checked::Surface;
@@ -135,13 +136,8 @@ impl MeshRefinement {
     pub fn part(&self) -> RefinedSurface {
         let triangles = self.mesh.triangles(&smooth(&self.given));
         let given_count = self.given.vertices().len() as u32;
-        let mut given: Vec<u32> = triangles
-            .iter()
-            .flat_map(|(_, corners)| *corners)
-            .filter(|&vertex| vertex < given_count)
-            .collect();
-        given.sort_unstable();
-        given.dedup();
+        let corners = triangles.iter().flat_map(|(_, corners)| *corners);
+        let given = distinct(corners.filter(|&vertex| vertex < given_count));
         let rows: HashMap<u32, u32> = given.iter().zip(0..).map(|(&vertex, row)| (vertex, row)).collect();
         let row = |vertex: u32| match vertex.checked_sub(given_count) {
             None => rows[&vertex],

@@ -2,6 +2,7 @@
 
 use crate::contact::candidate::fingers::Fingers;
 use crate::contact::outcome::Contact;
+use crate::mesh::distinct::distinct;
 use crate::response::skin::elastic::ElasticSkin;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -54,8 +55,7 @@ impl KnownFingers {
             return self.fingers.on_refined(part, candidates, &self.nearest);
         }
         all.extend(self.fingers.candidates.iter().flatten());
-        all.sort_unstable();
-        all.dedup();
+        let all = distinct(all);
         let is_under_kernel = |vertex: usize| self.is_under_kernel[vertex];
         let fingers = Fingers::split_by_tissue(&self.surface, &all, &self.gap, is_under_kernel);
         fingers.on_refined(part, candidates, &self.nearest)

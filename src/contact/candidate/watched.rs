@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::contact::gap::initial::Gaps;
+use crate::mesh::distinct::distinct;
 
 /// Rings around the vertices inside the obstacle in which figures look at the skin beside it.
 const RINGS_BESIDE: usize = 2;
@@ -13,11 +14,9 @@ pub(crate) fn watched(gaps: &Gaps) -> Vec<Vec<usize>> {
     // Nothing moves farther than the deepest.
     let is_near = |&(_, distance): &(usize, &f64)| *distance < gaps.deepest();
     near.extend(gaps.distances().iter().enumerate().filter(is_near).map(|(vertex, _)| vertex));
-    near.sort_unstable();
-    near.dedup();
     let known = gaps.scene.inherited.as_ref().map(|inherited| &inherited.fingers);
     let mut by_finger: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
-    for vertex in near {
+    for vertex in distinct(near) {
         by_finger.entry(known.and_then(|fingers| fingers.finger_of(vertex))).or_default().push(vertex);
     }
     by_finger.into_values().collect()

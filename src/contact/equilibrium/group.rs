@@ -17,6 +17,7 @@ use crate::lcp::problem::LcpProblem;
 use crate::lcp::solution::{LcpSolution, LcpStatus};
 use crate::lcp::solve as lcp;
 use crate::linalg::definiteness::{Definiteness, Spectrum, spectrum_until};
+use crate::mesh::distinct::distinct;
 use crate::response::kernel::basis::Discretization;
 
 /// Response matrices up to this size are examined for definiteness and condition unasked: it costs less there
@@ -114,8 +115,7 @@ impl GroupProblem<'_> {
         let mut around = with_rings(self.gaps.surface, nodes, EXPECTED_RINGS);
         around.retain(|vertex| group.binary_search(vertex).is_ok());
         around.extend(known);
-        around.sort_unstable();
-        around.dedup();
+        let around = distinct(around);
         let is_enough = !around.is_empty() && (around.len() as f64) < MOST_OF_A_GROUP * group.len() as f64;
         if is_enough { around } else { group.to_vec() }
     }

@@ -13,6 +13,7 @@ use crate::contact::error::ContactError;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::options::ContactOptions;
 use crate::contact::report::record::Report;
+use crate::mesh::distinct::distinct;
 
 /// Rings added to the penetrating vertices where a response has negative entries: three in Xie, Kanai, Date 2011, §2.5, before
 /// anything looked beyond them.
@@ -34,8 +35,7 @@ pub(crate) fn solve(
     if let Some(guess) = guess.filter(|_| traits.negative_entries) {
         // What it grew by before would be found again, one solve later.
         candidates.extend(prepared(gaps, response, with_rings(gaps.surface, guess.active, EXPECTED_RINGS)));
-        candidates.sort_unstable();
-        candidates.dedup();
+        candidates = distinct(candidates);
     }
     if is_first {
         check_free(&candidates, response)?;
@@ -54,8 +54,7 @@ pub(crate) fn solve(
         }
         let mut grown = prepared(gaps, response, with_rings(gaps.surface, &wanting, rings.max(1)));
         grown.extend(wanting.iter().chain(&forces.candidates));
-        grown.sort_unstable();
-        grown.dedup();
+        let grown = distinct(grown);
         if grown == forces.candidates {
             // The rest is held, or not prepared and not pressed.
             return Ok(forces);

@@ -9,6 +9,7 @@ use crate::contact::figures::penetration::after::SMALL_PENETRATION;
 use crate::contact::gap::measured::Measured;
 use crate::contact::options::ContactOptions;
 use crate::contact::outcome::Contact;
+use crate::mesh::distinct::distinct;
 use crate::obstacle::posed::Obstacle;
 use crate::response::skin::elastic::{ElasticSkin, Traits};
 use crate::surface::checked::Surface;
@@ -145,9 +146,7 @@ pub(crate) fn touched_between(
     if leaves.is_empty() || contact.active.is_empty() {
         return Ok(stood_in);
     }
-    let mut corners: Vec<usize> = leaves.iter().flat_map(|&leaf| mesh.corners(leaf)).collect();
-    corners.sort_unstable();
-    corners.dedup();
+    let corners = distinct(leaves.iter().flat_map(|&leaf| mesh.corners(leaf)));
     let rows: Vec<usize> = corners.iter().filter_map(|&corner| row(corner)).collect();
     let moved = contact.moved(skin, &rows, options)?;
     let moved =

@@ -9,6 +9,7 @@ use std::collections::BinaryHeap;
 use nalgebra::Vector3;
 
 use crate::geometry::closest_point::closest_on_triangle;
+use crate::mesh::distinct::distinct;
 
 /// Edges longer than this share of the wanted length stay.
 const LONG_EDGE: f64 = 1.0;
@@ -123,11 +124,7 @@ impl<'a> Collapse<'a> {
 
     fn neighbours(&self, vertex: u32) -> Vec<u32> {
         let faces = self.around[vertex as usize].iter();
-        let mut others: Vec<u32> =
-            faces.flat_map(|&face| self.faces[face as usize]).filter(|&other| other != vertex).collect();
-        others.sort_unstable();
-        others.dedup();
-        others
+        distinct(faces.flat_map(|&face| self.faces[face as usize]).filter(|&other| other != vertex))
     }
 
     /// Faces on both sides of the outline of the held faces meet at the vertex.

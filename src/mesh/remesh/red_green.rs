@@ -9,6 +9,7 @@ use std::collections::HashSet;
 
 use nalgebra::Vector3;
 
+use crate::mesh::distinct::distinct;
 use crate::mesh::edge_map::{EdgeMap, edge};
 use crate::mesh::remesh::green::Fate;
 use crate::mesh::remesh::smooth::{SmoothMesh, curved_middle};
@@ -147,9 +148,7 @@ impl RedGreen {
             self.cut_in_four(mesh, leaf, &mut beside);
         }
         while !beside.is_empty() {
-            let mut leaves = std::mem::take(&mut beside);
-            leaves.sort_unstable();
-            leaves.dedup();
+            let leaves = distinct(std::mem::take(&mut beside));
             // All of them as the mesh is now, so that none hangs on which comes first.
             let fates: Vec<Fate> = leaves.iter().map(|&leaf| self.fate(mesh, leaf as usize)).collect();
             for (leaf, fate) in leaves.into_iter().zip(fates) {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::mesh::distinct::distinct;
 use crate::response::kernel::basis::{Discretization, PressureBasis};
 use crate::surface::checked::Surface;
 
@@ -21,10 +22,7 @@ impl AveragePoints {
             let [a, b, c] = surface.faces()[face as usize];
             [edge(a, b), edge(b, c), edge(c, a)]
         };
-        let mut edges: Vec<[u32; 2]> = faces.flat_map(sides).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        Self { vertices: surface.k_ring(nodes, 1), edges }
+        Self { vertices: surface.k_ring(nodes, 1), edges: distinct(faces.flat_map(sides)) }
     }
 
     /// Middles of the edges (m).

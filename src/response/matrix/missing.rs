@@ -2,6 +2,8 @@
 
 use faer::Mat;
 
+use crate::mesh::distinct::distinct;
+
 /// Blocks that are assembled at once at the most; more are joined, as each has work of its own.
 const MOST_BLOCKS: usize = 8;
 
@@ -31,9 +33,7 @@ pub(crate) fn missing(block: &Mat<f64>, open: Vec<usize>) -> Vec<Missing> {
         }
     }
     if missing.len() > MOST_BLOCKS {
-        let mut rows: Vec<usize> = missing.iter().flat_map(|one| &one.rows).copied().collect();
-        rows.sort_unstable();
-        rows.dedup();
+        let rows = distinct(missing.iter().flat_map(|one| &one.rows).copied());
         missing = vec![Missing { rows, columns: missing.into_iter().flat_map(|one| one.columns).collect() }];
     }
     missing

@@ -8,6 +8,7 @@ use crate::contact::equilibrium::forces::NodeForces;
 use crate::contact::error::ContactError;
 use crate::contact::figures::motion::candidates::CandidateMotion;
 use crate::contact::gap::initial::Gaps;
+use crate::mesh::distinct::distinct;
 
 /// Rings around the vertices under force in which gaps place the rim.
 const RIM_RINGS: usize = 2;
@@ -44,13 +45,10 @@ impl Beside {
             near.extend((0..distance.len()).filter(|&vertex| distance[vertex] < reach));
         }
         near.retain(|vertex| surface.skin_mask()[*vertex] && is_beside(vertex));
-        near.sort_unstable();
-        near.dedup();
+        let near = distinct(near);
         let mut rim = surface.k_ring(&forces.active, RIM_RINGS);
         rim.retain(is_beside);
-        let mut vertices = [&near[..], &rim].concat();
-        vertices.sort_unstable();
-        vertices.dedup();
+        let vertices = distinct([&near[..], &rim].concat());
         let moved = response.displace(forces.applied(), &vertices)?;
         Ok(Self { near, rim, vertices, moved })
     }

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 
 use crate::contact::error::ContactError;
+use crate::mesh::distinct::distinct;
 use crate::obstacle::posed::Obstacle;
 
 /// Parts that the edges of all triangles, and of those that penetrate, are cut into to look between their vertices.
@@ -104,9 +105,7 @@ impl<'a> PointsBetween<'a> {
                 is_deep(on_faces.of(face).1) || of_edges.clone().any(|&edge| is_deep(on_edges.of(edge).1))
             })
             .collect();
-        let mut deep_edges: Vec<usize> = deep.iter().flat_map(|&face| self.edges_of[face]).collect();
-        deep_edges.sort_unstable();
-        deep_edges.dedup();
+        let deep_edges = distinct(deep.iter().flat_map(|&face| self.edges_of[face]));
         let ends: Vec<[u32; 2]> = deep_edges.iter().map(|&edge| self.edges[edge]).collect();
         let faces: Vec<[u32; 3]> = deep.iter().map(|&face| self.faces[face]).collect();
         let deepest = least.max(between);

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::geometry::direction::tangents;
+use crate::mesh::distinct::distinct;
 use crate::surface::checked::Surface;
 
 /// Coefficients of a quadratic in two variables.
@@ -144,9 +145,7 @@ fn fit_around(
     for _ in 0..MOST_RINGS {
         let around = |&vertex: &usize| surface.neighbours(vertex).iter().map(|&other| other as usize);
         let next: Vec<usize> = region.iter().flat_map(around).collect();
-        region.extend(next);
-        region.sort_unstable();
-        region.dedup();
+        region = distinct(region.into_iter().chain(next));
         let rows: Option<Vec<usize>> = region.iter().map(|other| active.binary_search(other).ok()).collect();
         let quadratic = fit(surface, active, &rows?, vertex, means, moments);
         if quadratic.is_some() {

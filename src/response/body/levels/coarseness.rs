@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use crate::mesh::distinct::distinct;
 use crate::response::body::levels::thickness::mean_thickness;
 use crate::surface::checked::Surface;
 use crate::surface::refined::RefinedSurface;
@@ -54,9 +55,8 @@ pub(crate) fn lost_displacement(
         }
     }
     let (mut sum, mut total) = (0.0, 0.0);
-    for (own, (force, others)) in spread.iter().zip(&mut beside).enumerate() {
-        others.sort_unstable();
-        others.dedup();
+    for (own, (force, others)) in spread.iter().zip(beside).enumerate() {
+        let others = distinct(others);
         let size = force.norm();
         if size > 0.0 && !others.is_empty() {
             let mean = others.iter().map(|&row| moved(row, own, force)).sum::<f64>() / others.len() as f64;

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use faer::Mat;
 use nalgebra::Matrix3;
 
+use crate::mesh::distinct::distinct;
 use crate::response::error::ResponseError;
 
 /// Blocks of more rows or columns than so many times those asked for are let go, and of more rows than so many times the
@@ -60,9 +61,7 @@ impl Places {
 
     /// These and others, or the others alone where these are far more.
     fn with(&self, others: &[usize]) -> Self {
-        let mut all = [&self.vertices, others].concat();
-        all.sort_unstable();
-        all.dedup();
+        let all = distinct([&self.vertices, others].concat());
         Self::new(if all.len() > MOST_TIMES_ASKED * others.len() { others.to_vec() } else { all })
     }
 }

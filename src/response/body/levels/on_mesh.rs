@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::linalg::columns::par_columns;
 use crate::linalg::kernels;
+use crate::mesh::distinct::distinct;
 use crate::response::body::levels::coarseness::{Coarseness, lost_displacement};
 use crate::response::body::levels::near::NearKernel;
 use crate::response::body::levels::remainder::Remainder;
@@ -99,10 +100,7 @@ impl NearAndFar {
     /// Coarse vertices that some vertices depend on, ascending.
     fn support(&self, vertices: &[usize]) -> Vec<usize> {
         let all = vertices.iter().flat_map(|&vertex| self.weights(vertex));
-        let mut support: Vec<usize> = all.map(|&(coarse, _)| coarse as usize).collect();
-        support.sort_unstable();
-        support.dedup();
-        support
+        distinct(all.map(|&(coarse, _)| coarse as usize))
     }
 
     /// Displacement (m) that interpolation between coarse vertices loses at the nodes: its mean over the forces (N).

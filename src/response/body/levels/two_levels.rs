@@ -6,6 +6,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
+use crate::mesh::distinct::distinct;
 use crate::response::body::check::parts::{Range, check_counts, check_numbers, check_order, components};
 use crate::response::body::compliance::BodyCompliance;
 use crate::response::body::error::BodyError;
@@ -224,10 +225,7 @@ fn take_off(
 /// Vertices of the coarse skin that forces at some vertices of the fine one are passed on to, ascending.
 fn loaded_corners(coarse: &CoarseSkin, nodes: &[usize]) -> Vec<usize> {
     let corners = nodes.iter().flat_map(|&vertex| coarse.places[vertex].weights_of_corners());
-    let mut corners: Vec<usize> = corners.map(|(corner, _)| corner as usize).collect();
-    corners.sort_unstable();
-    corners.dedup();
-    corners
+    distinct(corners.map(|(corner, _)| corner as usize))
 }
 
 #[cfg(test)]
