@@ -20,11 +20,7 @@ pub(crate) struct Report {
 impl Report {
     /// Adds the time since `started` to a stage.
     pub fn clock(&mut self, stage: &'static str, started: Instant) {
-        let seconds = started.elapsed().as_secs_f64();
-        match self.timings.iter_mut().find(|timing| timing.stage == stage) {
-            Some(timing) => timing.seconds += seconds,
-            None => self.timings.push(Timing { stage, seconds }),
-        }
+        add_timings(&mut self.timings, &[Timing { stage, seconds: started.elapsed().as_secs_f64() }]);
     }
 
     pub fn leave_out(&mut self, what: &'static str, why: impl Into<String>) {
