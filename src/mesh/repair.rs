@@ -22,7 +22,7 @@ pub struct RepairOptions {
 }
 
 /// What [`repair`] changed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct RepairReport {
     /// Vertices that were welded to another one.
     pub welded_vertices: usize,
@@ -123,12 +123,7 @@ pub fn repair(
     let mut report = RepairReport {
         welded_vertices: root.iter().enumerate().filter(|(i, root)| *i != **root as usize).count(),
         largest_move: root.iter().enumerate().map(distance).fold(0.0, f64::max),
-        collapsed_faces: 0,
-        zero_area_faces: 0,
-        duplicate_faces: 0,
-        unused_vertices: 0,
-        flipped_faces: 0,
-        turned_components: 0,
+        ..RepairReport::default()
     };
     let (mut kept, origin) = drop_faces(vertices, faces, &root, &mut report);
     if kept.is_empty() {
@@ -171,11 +166,7 @@ fn drop_faces(
         same[stays..].iter().for_each(|face| surplus[*face as usize] = true);
     });
     report.duplicate_faces = surplus.iter().filter(|surplus| **surplus).count();
-    let mut flags = surplus.iter();
-    kept.retain(|_| !*flags.next().expect("one flag a face"));
-    let mut flags = surplus.iter();
-    origin.retain(|_| !*flags.next().expect("one flag a face"));
-    (kept, origin)
+    (0..kept.len()).filter(|&face| !surplus[face]).map(|face| (kept[face], origin[face])).unzip()
 }
 
 /// Whether faces with the same vertices are the two sides of a fin: as many turned one way as the other, an edge
