@@ -48,9 +48,10 @@ pub(crate) fn solve_in_place(
     scene: &Scene,
     skin: &dyn ElasticSkin,
     options: &ContactOptions,
-    report: Report,
+    mut report: Report,
 ) -> Result<Contact, ContactError> {
-    InPlace::solve(surface, scene, skin, None, options, report)?.contact(options)
+    let gaps = InPlace::gaps(surface, scene, options, &mut report)?;
+    InPlace::solve(gaps, skin, None, options, report)?.contact(options)
 }
 
 impl Known {
@@ -75,21 +76,6 @@ impl Known {
 }
 
 impl<'a> InPlace<'a> {
-    /// Finds the node forces.
-    ///
-    /// * `known`: of a contact with the obstacle close by, on the same mesh
-    pub fn solve(
-        surface: &'a Surface,
-        scene: &'a Scene,
-        skin: &'a dyn ElasticSkin,
-        known: Option<&Known>,
-        options: &ContactOptions<'a>,
-        mut report: Report,
-    ) -> Result<Self, ContactError> {
-        let gaps = Self::gaps(surface, scene, options, &mut report)?;
-        Self::solve_gaps(gaps, skin, known, options, report)
-    }
-
     /// 1. Gaps; back along the press where the skin came in through another side.
     pub fn gaps(
         surface: &'a Surface,
@@ -109,7 +95,9 @@ impl<'a> InPlace<'a> {
     }
 
     /// Finds the node forces that close the [gaps](Self::gaps).
-    pub fn solve_gaps(
+    ///
+    /// * `known`: of a contact with the obstacle close by, on the same mesh
+    pub fn solve(
         mut gaps: Gaps<'a>,
         skin: &'a dyn ElasticSkin,
         known: Option<&Known>,

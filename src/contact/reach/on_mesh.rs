@@ -238,7 +238,7 @@ impl OnMesh<'_> {
         if gaps.deepest() > trials.deepest {
             return Ok(None);
         }
-        InPlace::solve_gaps(gaps, trials.skin, trials.known.as_ref(), options, report).map(Some)
+        InPlace::solve(gaps, trials.skin, trials.known.as_ref(), options, report).map(Some)
     }
 
     /// The contact so far past the touch, with what trials before it know.

@@ -313,7 +313,7 @@ impl Rounds<'_> {
         let known = self.known_on(part);
         let kept = KeptSkin::new(&*skin);
         let skin = if skin.as_kernel().is_some() { &kept } else { &*skin };
-        let solved = InPlace::solve_gaps(gaps, skin, Some(&known), self.options, report)?;
+        let solved = InPlace::solve(gaps, skin, Some(&known), self.options, report)?;
         self.steep_share = solved.steep_share();
         let linearized = solved.known().into_iter().flat_map(Known::into_linearized);
         self.linearized_at = linearized.map(|(vertex, at)| (part.number(vertex), at)).collect();
