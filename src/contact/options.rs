@@ -93,12 +93,7 @@ impl std::fmt::Debug for ContactOptions<'_> {
 impl<'a> ContactOptions<'a> {
     /// The defaults, but for the mesh, which is taken as it is.
     pub fn on_given_mesh() -> Self {
-        Self::default().unrefined()
-    }
-
-    /// The same on the mesh as it is.
-    pub(crate) fn unrefined(&self) -> Self {
-        Self { target_error: None, ..self.clone() }
+        Self { target_error: None, ..Self::default() }
     }
 
     /// How response matrices are assembled.
