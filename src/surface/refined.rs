@@ -276,9 +276,4 @@ impl RefinedSurface {
         }
         values
     }
-
-    /// The same of numbers, linear along each edge.
-    pub fn inherit_linear(&self, given: &[f64]) -> Vec<f64> {
-        self.inherit(|vertex| given[vertex], |a, b| 0.5 * (a + b))
-    }
 }

@@ -40,7 +40,9 @@ impl Thickness {
     pub(crate) fn on_refined(&self, mesh: &RefinedSurface) -> Self {
         match self {
             Self::Uniform(h) => Self::Uniform(*h),
-            Self::PerVertex(list) => Self::PerVertex(mesh.inherit_linear(list).into()),
+            Self::PerVertex(list) => {
+                Self::PerVertex(mesh.inherit(|vertex| list[vertex], |a, b| 0.5 * (a + b)).into())
+            }
         }
     }
 
