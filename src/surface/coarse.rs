@@ -98,9 +98,7 @@ impl CoarseSkin {
         let (surface, deviation) = fit(&inscribed, &fine_vertices, &places, &heights, &may_lift);
         Ok(Self { surface, fine_vertices, places, deviation })
     }
-}
 
-impl CoarseSkin {
     /// Vertices of the fine mesh on some faces of the coarse one and the faces around those.
     pub(crate) fn around(&self, faces: &[usize]) -> Vec<usize> {
         let mut is_at = vec![false; self.surface.vertices().len()];
