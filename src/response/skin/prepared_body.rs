@@ -44,21 +44,19 @@ impl PreparedBody {
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
         options.with_threads(|options| {
-            let levels = match body.coarse_skin(surface, nodes, options.interrupt)? {
-                None => {
-                    let held = body.held_vertices(surface)?;
-                    Levels::One(OneLevel {
-                        compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
-                        thickness: body.tissue_thickness(surface, &held).map(Into::into),
-                    })
-                }
-                Some(OnCoarse { skin, fixed, nodes }) => {
-                    let material = [shear_modulus, poisson_ratio];
-                    let two = TwoLevels::solve(body, surface, skin, &fixed, material, &nodes, options)?;
-                    return Self::from_levels(surface, &nodes, Levels::Two(two));
-                }
+            if let Some(OnCoarse { skin, fixed, nodes }) =
+                body.coarse_skin(surface, nodes, options.interrupt)?
+            {
+                let material = [shear_modulus, poisson_ratio];
+                let two = TwoLevels::solve(body, surface, skin, &fixed, material, &nodes, options)?;
+                return Self::from_levels(surface, &nodes, Levels::Two(two));
+            }
+            let held = body.held_vertices(surface)?;
+            let one = OneLevel {
+                compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
+                thickness: body.tissue_thickness(surface, &held).map(Into::into),
             };
-            Self::from_levels(surface, nodes, levels)
+            Self::from_levels(surface, nodes, Levels::One(one))
         })
     }
 
@@ -70,16 +68,12 @@ impl PreparedBody {
     pub fn from_levels(surface: &Surface, nodes: &[usize], levels: Levels) -> Result<Self, ResponseError> {
         let nodes = PreparedNodes::new(surface, nodes)?;
         levels.check(surface.vertices().len(), nodes.list())?;
-        let coarseness = match &levels {
-            Levels::One(one) => {
-                let ratio = one.compliance.parts().poisson_ratio;
-                Coarseness::new(surface, surface.mean_edges().into(), one.thickness.as_ref(), ratio)
-            }
-            Levels::Two(two) => {
-                let ratio = two.remainder.parts().poisson_ratio;
-                Coarseness::new(surface, Arc::clone(&two.coarse_edges), two.thickness.as_ref(), ratio)
-            }
+        let edges = match &levels {
+            Levels::One(_) => surface.mean_edges().into(),
+            Levels::Two(two) => Arc::clone(&two.coarse_edges),
         };
+        let ratio = levels.compliance().parts().poisson_ratio;
+        let coarseness = Coarseness::new(surface, edges, levels.thickness(), ratio);
         let discretization = Discretization::Collocation;
         Ok(Self { levels, nodes, coarseness, discretization })
     }
