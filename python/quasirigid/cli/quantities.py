@@ -14,7 +14,6 @@ __all__ = [
     "parse_numbers",
     "parse_positive",
     "parse_quantities",
-    "parse_quantity",
     "parse_steps",
 ]
 
@@ -41,49 +40,26 @@ class QuantityError(QuasirigidError, ValueError):
     """A quantity on the command line is not understood; the message names the units it may have."""
 
 
-def parse_quantity(text: str, units: dict[str, float], what: str) -> float:
-    """Read one number with its unit.
-
-    Parameters
-    ----------
-    text : str
-        As `1.12mm`; blanks around are allowed.
-    units : dict of str to float
-        The units it may have, and one of each in SI.
-    what : str
-        Name of the option, for messages.
-
-    Returns
-    -------
-    float
-        In SI.
-
-    Examples
-    --------
-    >>> parse_quantity("60kPa", STRESS, "--shear-modulus")
-    60000.0
-    """
-    return parse_quantities(text, 1, units, what)[0]
-
-
 def parse_positive(text: str, units: dict[str, float], what: str) -> float:
-    """Read one number above 0 with its unit, as `parse_quantity`."""
-    value = parse_quantity(text, units, what)
+    """Read one number above 0 with its unit, in SI."""
+    (value,) = parse_quantities(text, 1, units, what)
     if not value > 0.0:
         raise QuantityError(f"{what}: '{text}' is not above 0")
     return value
 
 
 def parse_not_negative(text: str, units: dict[str, float], what: str) -> float:
-    """Read one number from 0 on with its unit, as `parse_quantity`."""
-    value = parse_quantity(text, units, what)
+    """Read one number from 0 on with its unit, in SI."""
+    (value,) = parse_quantities(text, 1, units, what)
     if value < 0.0:
         raise QuantityError(f"{what}: '{text}' is below 0")
     return value
 
 
 def parse_quantities(text: str, count: int, units: dict[str, float], what: str) -> list[float]:
-    """Read `count` numbers parted by commas; one unit at the end counts for all before it.
+    """Read `count` numbers parted by commas, in SI; one unit at the end counts for all before it.
+
+    `what` is the option's name, for messages.
 
     Examples
     --------

@@ -13,7 +13,6 @@ from quasirigid.cli.quantities import (
     QuantityError,
     parse_numbers,
     parse_quantities,
-    parse_quantity,
 )
 
 
@@ -31,7 +30,7 @@ from quasirigid.cli.quantities import (
     ],
 )
 def test_a_number_with_its_unit_becomes_si(text: str, units: dict[str, float], value: float) -> None:
-    assert parse_quantity(text, units, "--option") == pytest.approx(value, rel=1e-15)
+    assert parse_quantities(text, 1, units, "--option") == pytest.approx([value], rel=1e-15)
 
 
 def test_a_unit_counts_for_the_bare_numbers_before_it() -> None:
@@ -55,7 +54,7 @@ def test_a_unit_counts_for_the_bare_numbers_before_it() -> None:
 )
 def test_a_quantity_that_is_not_understood_is_refused(text: str, message: str) -> None:
     with pytest.raises(QuantityError) as refusal:
-        parse_quantity(text, LENGTH, "--depth")
+        parse_quantities(text, 1, LENGTH, "--depth")
     assert message in str(refusal.value)
 
 

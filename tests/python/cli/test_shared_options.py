@@ -18,7 +18,7 @@ pytest.importorskip("rich")
 
 import quasirigid as qr
 from quasirigid.cli import run
-from quasirigid.cli.quantities import LENGTH, parse_quantity
+from quasirigid.cli.quantities import LENGTH, parse_quantities
 from quasirigid.io.write import CONTACT_FILES
 
 # Scenes are coarse on purpose, and taken as they are.
@@ -203,8 +203,8 @@ def test_only_commands_that_show_contacts_take_verbose(capsys: pytest.CaptureFix
 
 
 def test_lengths_may_be_inches_and_centimetres() -> None:
-    assert parse_quantity("2inch", LENGTH, "--depth") == pytest.approx(0.0508)
-    assert parse_quantity("0.2cm", LENGTH, "--depth") == pytest.approx(2e-3)
+    assert parse_quantities("2inch", 1, LENGTH, "--depth") == pytest.approx([0.0508])
+    assert parse_quantities("0.2cm", 1, LENGTH, "--depth") == pytest.approx([2e-3])
 
 
 def test_a_kept_body_is_read_again_and_grows_with_what_is_asked(
