@@ -41,7 +41,7 @@ def regions_of(hand: Hand) -> NDArray[np.str_]:
     skin = _Skin(hand)
     labels = skin.palm()
     for digit in DIGITS:
-        rows = np.flatnonzero((skin.digit == DIGITS.index(digit)) & (skin.past_knuckle(digit)))
+        rows = np.flatnonzero((skin.digit == DIGITS.index(digit)) & skin.past(digit, 1))
         labels[rows] = skin.phalanges(digit, rows)
     for pair in _NEIGHBOURS:
         # Creases of a digit face along it too.
@@ -89,15 +89,11 @@ class _Skin:
         places[0] = metacarpal_base(self.hand, digit)
         return places
 
-    def past_knuckle(self, digit: str) -> NDArray[np.bool_]:
-        """Return which vertices (n,) lie beyond the first joint of a digit's phalanges."""
-        return self._past(digit, 1)
-
     def phalanges(self, digit: str, rows: NDArray[np.intp]) -> NDArray[np.str_]:
         """Return the regions of vertices of a digit."""
         segments = _SEGMENTS[digit]
         joints = range(2, len(segments) + 1)
-        number = np.array([self._past(digit, link)[rows] for link in joints]).sum(axis=0)
+        number = np.array([self.past(digit, link)[rows] for link in joints]).sum(axis=0)
         sign = 1.0 if self.hand.side == "right" else -1.0
         frames = np.array([self.hand.frame_of(name) for name in JOINTS_OF[digit][1:-1]])[number]
         across, out = (np.einsum("ki,ki->k", self.normals[rows], frames[:, :3, axis]) for axis in (0, 2))
@@ -131,7 +127,7 @@ class _Skin:
         nearest = np.isin(np.argmin(self.away, axis=1), pair)
         # Not the tip of a digit that bends into the way.
         low = self.away[:, pair].min(axis=1) < 0.12 * self.length
-        tips = [~self._past(digit, 2) for digit in (first, second)]
+        tips = [~self.past(digit, 2) for digit in (first, second)]
         result: NDArray[np.bool_] = between & near & nearest & low & tips[0] & tips[1]
         return result
 
@@ -155,7 +151,7 @@ class _Skin:
         labels[(self.points - self.wrist) @ self.distal < 0.0] = "wrist"
         return labels
 
-    def _past(self, digit: str, link: int) -> NDArray[np.bool_]:
+    def past(self, digit: str, link: int) -> NDArray[np.bool_]:
         """Return which vertices (n,) lie beyond the plane that halves the angle at a joint."""
         chain = self.chain(digit)
         normal = unit(chain[link] - chain[link - 1]) + unit(chain[link + 1] - chain[link])
