@@ -46,9 +46,9 @@ def save_glb(hand: Hand, path: str | PathLike[str], contact: Contact | None) -> 
         targets = [{"POSITION": contact.deformed.vertices - vertices}]
     check_float32(vertices, faces, str(file), "move the hand to the origin first")
     joints, shares = _sets(weights)
-    attributes |= {"POSITION": vertices, "NORMAL": hand.surface.vertex_normals}
-    if contact is not None:
-        del attributes["NORMAL"]
+    attributes["POSITION"] = vertices
+    if contact is None:
+        attributes["NORMAL"] = hand.surface.vertex_normals
     for at in range(0, joints.shape[1], _WEIGHTS_A_SET):
         attributes[f"JOINTS_{at // _WEIGHTS_A_SET}"] = joints[:, at : at + _WEIGHTS_A_SET]
         attributes[f"WEIGHTS_{at // _WEIGHTS_A_SET}"] = shares[:, at : at + _WEIGHTS_A_SET]
