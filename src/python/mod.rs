@@ -72,51 +72,6 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         super::forked::note_process();
-        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        module.add(
-            "__all__",
-            [
-                "Accuracy",
-                "Cone",
-                "Contact",
-                "ContactOptions",
-                "Definiteness",
-                "Drawing",
-                "FlatPunch",
-                "Hertz",
-                "LcpOptions",
-                "LcpRay",
-                "LcpSolution",
-                "LoadedVertices",
-                "Obstacle",
-                "Resultant",
-                "Skin",
-                "SkinWeights",
-                "Surface",
-                "WarmStart",
-                "ball_on_cored_sphere",
-                "contact_modulus",
-                "cut_out",
-                "cut_out_marked",
-                "definiteness",
-                "find_crossings",
-                "initial_gaps",
-                "overlaps",
-                "plate_on_cored_sphere",
-                "point_load_on_layer",
-                "press",
-                "repair",
-                "response_matrix",
-                "restore_body",
-                "restore_obstacle",
-                "restore_surface",
-                "skin_parts",
-                "skin_without_caps",
-                "solve_contact",
-                "solve_lcp",
-                "sphere_on_layer",
-                "way_out",
-            ],
-        )
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }
