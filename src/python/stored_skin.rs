@@ -37,11 +37,8 @@ pub(super) fn skin_parts<'py>(py: Python<'py>, skin: &PySkin) -> PyResult<Bound<
         Elastic::Given(skin) => parts.set_item("matrix", matrix_out(py, skin.response_matrix()))?,
         Elastic::GivenBlocks(skin) => set_blocks(&parts, skin.compliance())?,
         Elastic::Body(skin) => {
-            let (compliance, thickness) = match skin.levels() {
-                Levels::One(one) => (&one.compliance, one.thickness.as_deref()),
-                Levels::Two(two) => (&two.remainder, two.thickness.as_deref()),
-            };
-            if let Some(thickness) = thickness {
+            let compliance = skin.levels().compliance();
+            if let Some(thickness) = skin.levels().thickness() {
                 parts.set_item("tissue_thickness", PyArray1::from_slice(py, thickness))?;
             }
             if let Some(bone_pressure) = &compliance.parts().bone_pressure {
