@@ -11,12 +11,11 @@ use crate::response::body::levels::gathered::{Blocks, Gathered, MOST_TIMES_ASKED
 use crate::response::body::levels::near::NearKernel;
 use crate::response::error::ResponseError;
 use crate::response::matrix::options::AssemblyOptions;
+use crate::response::rows::{NO_ROW, rows_of_vertices};
 use crate::surface::checked::Surface;
 
 /// Rows and columns of near blocks at a time, so that memory stays small.
 const NEAR_BLOCKS_AT_ONCE: usize = 256;
-/// No column.
-const NO_COLUMN: usize = usize::MAX;
 
 /// What is left of a body without its near kernel, on the coarse mesh.
 #[derive(Debug, Clone)]
@@ -24,7 +23,7 @@ pub(crate) struct Remainder {
     /// `B - N`, or B where `near` is to be taken off when it is asked for.
     compliance: BodyCompliance,
     near: Option<(Surface, NearKernel)>,
-    /// Column (in blocks of 3) of each coarse vertex.
+    /// Column (in blocks of 3) of each coarse vertex, [`NO_ROW`] for none.
     columns: Arc<[usize]>,
     gathered: Gathered,
 }
@@ -33,9 +32,9 @@ impl Remainder {
     /// * `near`: coarse mesh where it stands now, and the kernel to take off `compliance` there
     /// * `gathered`: what was asked of the same compliance before, wherever it was turned to
     pub fn new(compliance: &BodyCompliance, near: Option<(Surface, NearKernel)>, gathered: Gathered) -> Self {
-        let mut columns = vec![NO_COLUMN; compliance.vertex_count()];
-        compliance.nodes().iter().enumerate().for_each(|(column, &vertex)| columns[vertex] = column);
-        Self { compliance: compliance.clone(), near, columns: columns.into(), gathered }
+        let columns = rows_of_vertices(compliance.vertex_count(), compliance.nodes());
+        let columns = columns.expect("a compliance has checked its nodes").into();
+        Self { compliance: compliance.clone(), near, columns, gathered }
     }
 
     /// Number of coarse vertices whose response is known.
@@ -45,7 +44,7 @@ impl Remainder {
 
     /// Whether the response to a force at a coarse vertex is known.
     pub fn is_loaded(&self, vertex: u32) -> bool {
-        self.columns[vertex as usize] != NO_COLUMN
+        self.columns[vertex as usize] != NO_ROW
     }
 
     /// A direction or a force as the [blocks](Self::blocks) see it.
