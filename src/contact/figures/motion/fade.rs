@@ -11,17 +11,13 @@ const FADE_RADII: f64 = 3.0;
 
 /// How much of its displacement every vertex is drawn with.
 pub(crate) struct Fade {
+    /// Empty where nothing fades.
     share: Vec<f64>,
     /// Largest distance along the skin at which that is nothing (m); infinite where nothing fades.
     pub distance: f64,
 }
 
 impl Fade {
-    /// Nothing fades.
-    pub fn none() -> Self {
-        Self { share: Vec::new(), distance: f64::INFINITY }
-    }
-
     /// Share of its displacement that a vertex under a scalar kernel is drawn with, 1 on a candidate.
     pub fn share(&self, vertex: usize) -> f64 {
         self.share.get(vertex).copied().unwrap_or(1.0)
@@ -31,7 +27,7 @@ impl Fade {
     /// * `scalar`: those that a scalar kernel answers for; a body's displacement does not fade
     pub fn new(surface: &Surface, fingers: &Fingers, candidates: &[usize], scalar: &[usize]) -> Self {
         if scalar.is_empty() {
-            return Self::none();
+            return Self { share: Vec::new(), distance: f64::INFINITY };
         }
         if scalar.len() < candidates.len() {
             return Self::on_one(surface, scalar);
