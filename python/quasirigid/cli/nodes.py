@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..obstacle import Obstacle
-from ..skin import Body
 from ..surface import Surface
 
-__all__ = ["free_nodes", "may_touch"]
+__all__ = ["may_touch"]
 
 
 def may_touch(surface: Surface, obstacle: Obstacle, depth: float) -> NDArray[np.int64]:
@@ -28,8 +27,3 @@ def may_touch(surface: Surface, obstacle: Obstacle, depth: float) -> NDArray[np.
     distance = obstacle.signed_distance(surface.vertices, reach)[0]
     near: NDArray[np.int64] = np.flatnonzero(surface.skin_mask & (distance < reach))
     return near
-
-
-def free_nodes(nodes: NDArray[np.int64], body: Body) -> NDArray[np.int64]:
-    """Return the nodes that can be loaded: those that are not fixed."""
-    return nodes if body.fixed is None else nodes[~np.asarray(body.fixed)[nodes]]

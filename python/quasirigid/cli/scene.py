@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 import quasirigid as qr
@@ -31,7 +32,7 @@ from .arguments import (
 from .console import Talk, progress
 from .folder import OutFolder, check_file, check_folder, check_inputs
 from .kept import kept_body
-from .nodes import free_nodes, may_touch
+from .nodes import may_touch
 from .product import ProductPoissonRatio, ProductShearModulus, parse_material
 from .quantities import (
     ANGLE,
@@ -63,7 +64,7 @@ __all__ = [
 
 UNIT_NAMES = f"{', '.join(list(UNITS)[:-1])} or {list(UNITS)[-1]}"
 _OPTIONS = qr.ContactOptions()
-TARGET_ERROR = "none" if _OPTIONS.target_error is None else f"{_OPTIONS.target_error:g}"
+TARGET_ERROR = f"{_OPTIONS.target_error:g}"
 GOAL_UNITS = {"depth": "m", "force": "N", "overlap": "m"}
 
 SkinFile = Annotated[Path, typer.Argument(metavar="SKIN", help="Hand or finger mesh: .ply, .stl or .obj.")]
@@ -286,7 +287,8 @@ def prepared_skin(scene: Scene, goal: Mapping[str, Any], talk: Talk) -> qr.Skin 
         # It touches nowhere.
         return scene.skin
     body = replace(scene.skin, response=scene.body)
-    nodes = free_nodes(nodes, scene.body)
+    if scene.body.fixed is not None:
+        nodes = nodes[~np.asarray(scene.body.fixed)[nodes]]
     with _naming_bone(scene):
         if scene.prepared is None:
             return body.prepared(scene.surface, nodes, progress=talk.progress)
