@@ -156,11 +156,15 @@ impl<'a> Linearizations<'a, '_> {
         let there = Deformed::at(gaps, vertices.clone(), shift, report)?;
         let last = gaps.clone();
         gaps.linearize(&there.vertices, &there.displacement, &there.measured);
-        // The last attempt looks for an answer far away as well.
-        let is_last = report.is_unsettled && self.in_vain + 1 == MOST_IN_VAIN && !self.was_vain;
-        let nearness = if is_last { Nearness::OfCoarser } else { Nearness::Near };
-        let guess = Guess { active: &self.active, nearness, fingers: Some(&self.best.1.fingers) };
-        let forces = solve(gaps, self.response, Some(guess), self.options, report)?;
+        let mut solved = |nearness| {
+            let guess = Guess { active: &self.active, nearness, fingers: Some(&self.best.1.fingers) };
+            solve(gaps, self.response, Some(guess), self.options, report)
+        };
+        let near = solved(Nearness::Near)?;
+        let forces = match near.failure {
+            Some(_) if !self.was_vain => solved(Nearness::OfCoarser)?,
+            _ => near,
+        };
         if forces.failure.is_some() || forces.active.is_empty() {
             // Half-way there fewer nodes change sides, and skin that was inside is not let go.
             *gaps = last;

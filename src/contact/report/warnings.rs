@@ -159,7 +159,7 @@ impl Report {
     pub fn warn_of_penetration(&mut self, discretization: Discretization, before: f64, left: &Penetration) {
         if left.apart > MOST_APART * before {
             let message = format!(
-                "the force acts {:.3e} m off the obstacle in the mean, of a depth of {before:.3e} m: on flanks and rims as steep and fine as these the gaps did not settle, and the force may be several times too large; press less deep, or allow more `max_linearizations`",
+                "the force acts {:.3e} m off the obstacle in the mean, of a depth of {before:.3e} m: on flanks and rims as steep and fine as these the gaps did not settle, and the force is a guess; press less deep, or allow more `max_linearizations`",
                 left.apart
             );
             self.warn(WarningKind::Penetration, message);

@@ -75,11 +75,7 @@ pub(crate) fn penetration_after(
     Ok(Penetration {
         depth,
         mean: moved.mean_depth(&of_faces).unwrap_or(depth),
-        apart: match traits.discretization {
-            Discretization::Collocation => moved.apart(),
-            // Averaged gaps of nodes are closed, not those of vertices.
-            Discretization::Galerkin => 0.0,
-        },
+        apart: moved.apart(traits.discretization),
         is_at_vertex: moved.deepest_vertex() >= depth,
         receding: moved.receding(&middles, modulus),
         unfelt: moved.unfelt(),
@@ -166,8 +162,7 @@ impl<'a> MovedSkin<'a> {
         let (mut volume, mut loaded) = (0.0, 0.0);
         for (face, triangle) in self.triangles.iter().enumerate() {
             let corners = triangle.map(|corner| corner as usize);
-            let [a, b, c] = corners.map(|corner| self.points[corner]);
-            let area = 0.5 * (b - a).cross(&(c - a)).norm();
+            let area = self.area(corners);
             let between = of_faces.get(face).copied().unwrap_or_default();
             volume += area * corners.iter().map(|&corner| self.depths[corner]).fold(between, f64::max);
             if !corners.iter().all(|&corner| self.is_free(self.vertices[corner])) {
@@ -177,18 +172,51 @@ impl<'a> MovedSkin<'a> {
         (loaded > 0.0).then(|| volume / loaded)
     }
 
+    /// Area of a triangle where the forces put it (m²).
+    fn area(&self, corners: [usize; 3]) -> f64 {
+        let [a, b, c] = corners.map(|corner| self.points[corner]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    }
+
     /// Force (N) on a vertex by its own gap: the skin that drapes over an edge stands off it.
     fn own_force(&self, vertex: usize) -> f64 {
         if self.gaps.line_at(vertex).is_some() { 0.0 } else { self.forces.force[vertex] }
     }
 
     /// How far off the obstacle the force acts in the mean (m).
-    fn apart(&self) -> f64 {
+    fn apart(&self, discretization: Discretization) -> f64 {
         let reach = self.gaps.deepest();
-        let distances = self.vertices.iter().zip(&self.measured.distance);
-        let work: f64 =
-            distances.map(|(&vertex, distance)| self.own_force(vertex) * distance.clamp(0.0, reach)).sum();
-        work / self.forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+        let off: Vec<f64> = self.measured.distance.iter().map(|distance| distance.min(reach)).collect();
+        let off = match discretization {
+            Discretization::Collocation => off,
+            // Averaged gaps of nodes are closed, not those of vertices.
+            Discretization::Galerkin => self.averages(&off),
+        };
+        let work = self.vertices.iter().zip(off).map(|(&vertex, off)| self.own_force(vertex) * off.max(0.0));
+        work.sum::<f64>() / self.forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
+    /// Averages of a field against the hats of vertices; 0 at those with triangles around them that drape over an edge of the
+    /// obstacle or are not among those here.
+    fn averages(&self, field: &[f64]) -> Vec<f64> {
+        let (mut sums, mut areas, mut faces) =
+            (vec![0.0; field.len()], vec![0.0; field.len()], vec![0; field.len()]);
+        let drapes = |corner: usize| self.gaps.line_at(self.vertices[corner]).is_some();
+        let corners = self.triangles.iter().map(|triangle| triangle.map(|corner| corner as usize));
+        for corners in corners.filter(|corners| !corners.iter().any(|&corner| drapes(corner))) {
+            let all: f64 = corners.iter().map(|&corner| field[corner]).sum();
+            let area = self.area(corners);
+            for corner in corners {
+                sums[corner] += 0.25 * area * (all + field[corner]);
+                areas[corner] += area;
+                faces[corner] += 1;
+            }
+        }
+        let average = |(row, &vertex): (usize, &usize)| {
+            let is_whole = faces[row] == self.gaps.surface.faces_around(vertex).len();
+            if is_whole { sums[row] / areas[row] } else { 0.0 }
+        };
+        self.vertices.iter().enumerate().map(average).collect()
     }
 
     /// * `middles`: how far the middle of each triangle is from the obstacle at the least (m)
