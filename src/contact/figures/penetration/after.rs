@@ -12,6 +12,7 @@ use crate::contact::figures::motion::fade::Fade;
 use crate::contact::figures::penetration::between::{Between, PointsBetween};
 use crate::contact::figures::penetration::receding::{DeformedCorners, Receding};
 use crate::contact::gap::edge::{SkinPart, triangles_among};
+use crate::contact::gap::entry::OTHER_SIDE;
 use crate::contact::gap::initial::Gaps;
 use crate::contact::gap::measured::Measured;
 use crate::response::kernel::basis::Discretization;
@@ -196,20 +197,22 @@ impl<'a> MovedSkin<'a> {
         work.sum::<f64>() / self.forces.force.iter().sum::<f64>().max(f64::MIN_POSITIVE)
     }
 
-    /// Averages of a field against the hats of vertices; 0 at those with triangles around them that drape over an edge of the
-    /// obstacle or are not among those here.
-    fn averages(&self, field: &[f64]) -> Vec<f64> {
-        let (mut sums, mut areas, mut faces) =
-            (vec![0.0; field.len()], vec![0.0; field.len()], vec![0; field.len()]);
+    /// Averages of distances against the hats of vertices, each taken as the problem does: on another side of the obstacle a
+    /// vertex's own stands for them. 0 where some triangles around one drape over an edge or are not among those here.
+    fn averages(&self, distance: &[f64]) -> Vec<f64> {
+        let count = distance.len();
+        let (mut sums, mut areas, mut faces) = (vec![0.0; count], vec![0.0; count], vec![0; count]);
+        let normal = &self.measured.normal;
         let drapes = |corner: usize| self.gaps.line_at(self.vertices[corner]).is_some();
         let corners = self.triangles.iter().map(|triangle| triangle.map(|corner| corner as usize));
         for corners in corners.filter(|corners| !corners.iter().any(|&corner| drapes(corner))) {
-            let all: f64 = corners.iter().map(|&corner| field[corner]).sum();
             let area = self.area(corners);
-            for corner in corners {
-                sums[corner] += 0.25 * area * (all + field[corner]);
-                areas[corner] += area;
-                faces[corner] += 1;
+            for own in corners {
+                let is_other = |other: usize| normal[other].dot(&normal[own]) < OTHER_SIDE;
+                let taken = corners.map(|other| distance[if is_other(other) { own } else { other }]);
+                sums[own] += 0.25 * area * (taken.iter().sum::<f64>() + distance[own]);
+                areas[own] += area;
+                faces[own] += 1;
             }
         }
         let average = |(row, &vertex): (usize, &usize)| {
