@@ -63,7 +63,7 @@ class CutWarning(QuasirigidWarning):
 
 
 class ResponseRangeWarning(QuasirigidWarning):
-    """A response is not well posed, or is used beyond what it is right for."""
+    """A response is not well posed, does not fit its nodes, or is used beyond what it is right for."""
 
 
 class MaskWarning(QuasirigidWarning):

@@ -5,7 +5,7 @@ use faer::Mat;
 use crate::response::error::ResponseError;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
 use crate::response::kernel::thickness::Thickness;
-use crate::response::skin::elastic::Traits;
+use crate::response::skin::elastic::{ElasticSkin, Traits};
 use crate::response::skin::given_matrix::GivenMatrix;
 use crate::surface::checked::Surface;
 
@@ -85,6 +85,14 @@ impl Material {
         match &self.response {
             CheckedResponse::Kernel(kernel) => Some(kernel),
             CheckedResponse::Matrix(_) => None,
+        }
+    }
+
+    /// What speaks against a given matrix, in words that follow its name.
+    pub(crate) fn misfit(&self) -> Option<&str> {
+        match &self.response {
+            CheckedResponse::Kernel(_) => None,
+            CheckedResponse::Matrix(given) => given.misfit(),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::outcome::{Contact, ContactStatus};
+use crate::contact::report::given::misfit;
 use crate::contact::report::product::{LAYER_SHARE, product_range, product_thickness};
 use crate::contact::report::warning::{Warning, WarningKind};
 use crate::contact::scene::{Approach, Press, Start};
@@ -12,10 +13,10 @@ use crate::contact::tilt::axes::Balance;
 use crate::geometry::bounds::Bounds;
 use crate::geometry::direction::unit;
 use crate::mesh::remesh::green::smallest_angle;
+use crate::obstacle::material::Material;
 use crate::obstacle::posed::Obstacle;
 use crate::response::kernel::skin::Kernel;
-use crate::response::matrix::options::AssemblyOptions;
-use crate::response::skin::elastic::{ElasticSkin, Request, shear_modulus_under};
+use crate::response::skin::elastic::{ElasticSkin, shear_modulus_under};
 use crate::surface::checked::Surface;
 
 /// Largest extent that a skin has (m): from a finger's tip to a hand with its arm.
@@ -23,7 +24,7 @@ const SKIN_EXTENTS: [f64; 2] = [5e-3, 1.0];
 /// Largest extent that a product's mesh has (m).
 const PRODUCT_EXTENTS: [f64; 2] = [1e-3, 3.0];
 /// Shear moduli that tissue has (Pa).
-const MODULI: [f64; 2] = [1e3, 10e6];
+pub(super) const MODULI: [f64; 2] = [1e3, 10e6];
 /// Shear moduli that products have (Pa): from gels to diamond.
 const PRODUCT_MODULI: [f64; 2] = [100.0, 1e12];
 /// Share of the tissue over a bone that may be pressed in.
@@ -79,6 +80,8 @@ impl Guarded<'_> {
             self.modulus(contact),
             product_modulus(self.obstacle),
             self.given_compliance(contact),
+            misfit(self.skin.misfit(), "skin"),
+            misfit(self.obstacle.material().and_then(Material::misfit), "product"),
             self.mask(),
             self.way(contact),
             self.direction(contact),
@@ -98,26 +101,6 @@ impl Guarded<'_> {
             contact.candidates.iter().copied().filter(|&vertex| vertex < contact.given_vertex_count());
         let modulus = shear_modulus_under(self.skin, given)?;
         unit_of_modulus("shear modulus", modulus, MODULI, "tissue")
-    }
-
-    /// Of a given matrix, which has no modulus.
-    fn given_compliance(&self, contact: &Contact) -> Option<Warning> {
-        let DeepestVertex { vertex, normal, .. } = contact.clues.deepest?;
-        if self.skin.shear_modulus_at(vertex).is_some() {
-            return None;
-        }
-        let options = AssemblyOptions::default();
-        let asked = Request { surface: self.surface, nodes: &[vertex], options: &options };
-        let own = self.skin.matrix(&asked, &[normal]).ok()?[(0, 0)];
-        // A hat as a cone of pressure on a disc moves the middle of an incompressible half-space by √(3π/S) / (4πG) per newton.
-        let modulus = (3.0 * PI / self.surface.vertex_areas()[vertex]).sqrt() / (4.0 * PI * own);
-        (!is_within(modulus, MODULI)).then(|| Warning {
-            kind: WarningKind::Modulus,
-            message: format!(
-                "the given compliance is {own:.4e} m/N at vertex {vertex}, as of a half-space of {modulus:.4e} Pa, outside the {:.0e} to {:.0e} Pa of tissue: is it in another unit? 1 mm/N is 1e-3 m/N",
-                MODULI[0], MODULI[1]
-            ),
-        })
     }
 
     fn mask(&self) -> Option<Warning> {
@@ -318,7 +301,7 @@ fn size(of: &str, read: &str, extent: f64, usual: [f64; 2]) -> Option<Warning> {
     })
 }
 
-fn is_within(value: f64, [least, most]: [f64; 2]) -> bool {
+pub(super) fn is_within(value: f64, [least, most]: [f64; 2]) -> bool {
     (least..=most).contains(&value)
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod advice;
 pub(crate) mod cuts;
 pub(crate) mod digits;
+mod given;
 pub(crate) mod guards;
 pub(crate) mod left_out;
 mod product;

@@ -106,6 +106,11 @@ pub trait ElasticSkin: Sync {
         self.kernel_at(vertex)?.layer_at(vertex)
     }
 
+    /// What speaks against a compliance that somebody else computed or measured, in words that follow its name.
+    fn misfit(&self) -> Option<&str> {
+        None
+    }
+
     /// The same skin on a refinement of its surface; `None` where it takes the mesh as it is.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! 3 × 3 blocks that somebody else computed or measured.
 
+use std::sync::Arc;
+
 use faer::Mat;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
@@ -7,6 +9,7 @@ use crate::response::body::check::parts::check_counts;
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
+use crate::response::skin::misfit::misfit;
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 
@@ -17,6 +20,7 @@ pub struct GivenBlocks {
     /// Among the nodes alone, by their rows.
     compliance: BodyCompliance,
     nodes: PreparedNodes,
+    misfit: Option<Arc<str>>,
 }
 
 impl GivenBlocks {
@@ -47,7 +51,9 @@ impl GivenBlocks {
             shear_modulus,
             poisson_ratio,
         })?;
-        Ok(Self { compliance, nodes })
+        let in_the_mean = |i: usize, j: usize| compliance.block(i, j).trace() / 3.0;
+        let misfit = misfit(&nodes, in_the_mean).map(Arc::from);
+        Ok(Self { compliance, nodes, misfit })
     }
 
     /// The blocks by the rows of the nodes, as they were given, and how they have turned since.
@@ -67,7 +73,7 @@ impl GivenBlocks {
     pub fn moved(&self, motion: &Isometry3<f64>) -> Result<Self, ResponseError> {
         let rotation = motion.rotation.to_rotation_matrix();
         let compliance = self.compliance.moved(rotation.matrix())?;
-        Ok(Self { compliance, nodes: self.nodes.moved(motion) })
+        Ok(Self { compliance, nodes: self.nodes.moved(motion), misfit: self.misfit.clone() })
     }
 }
 
@@ -75,6 +81,10 @@ impl ElasticSkin for GivenBlocks {
     fn traits(&self, surface: &Surface) -> Result<Traits, ResponseError> {
         self.nodes.check_surface(surface)?;
         Ok(Traits::of_matrix(true, false))
+    }
+
+    fn misfit(&self) -> Option<&str> {
+        self.misfit.as_deref()
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {

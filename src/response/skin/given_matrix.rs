@@ -8,6 +8,7 @@ use nalgebra::{Isometry3, Vector3};
 use crate::response::error::ResponseError;
 use crate::response::matrix::displaced::displaced_at;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
+use crate::response::skin::misfit::misfit;
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 use crate::surface::coarse::CoarsePlace;
@@ -19,6 +20,7 @@ pub struct GivenMatrix {
     matrix: Arc<Mat<f64>>,
     nodes: PreparedNodes,
     has_negative_entries: bool,
+    misfit: Option<Arc<str>>,
 }
 
 impl GivenMatrix {
@@ -40,7 +42,8 @@ impl GivenMatrix {
             }
         }
         let has_negative_entries = matrix.col_iter().any(|column| column.iter().any(|&entry| entry < 0.0));
-        Ok(Self { matrix: Arc::new(matrix), nodes, has_negative_entries })
+        let misfit = misfit(&nodes, |i, j| matrix[(i, j)]).map(Arc::from);
+        Ok(Self { matrix: Arc::new(matrix), nodes, has_negative_entries, misfit })
     }
 
     /// Displacement along the force per newton (k × k, m/N).
@@ -77,6 +80,10 @@ impl ElasticSkin for GivenMatrix {
 
     fn is_scalar(&self, _: usize) -> bool {
         true
+    }
+
+    fn misfit(&self) -> Option<&str> {
+        self.misfit.as_deref()
     }
 
     fn is_prepared(&self, vertex: usize) -> bool {

@@ -152,6 +152,10 @@ impl ElasticSkin for KeptSkin<'_> {
         self.skin.tissue_at(vertex)
     }
 
+    fn misfit(&self) -> Option<&str> {
+        self.skin.misfit()
+    }
+
     fn refined(&self, mesh: &RefinedSurface) -> Result<Option<Box<dyn ElasticSkin + '_>>, ResponseError> {
         self.skin.refined(mesh)
     }

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 import quasirigid as qr
 from prepared_skins import skin_of
 from shapes import AS_GIVEN, PLATE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 # Scenes are coarse on purpose, and taken as they are.
 pytestmark = pytest.mark.filterwarnings("ignore::quasirigid.CoarseMeshWarning")
@@ -31,6 +36,44 @@ def test_a_given_matrix_is_used_as_it_stands(surface: qr.Surface) -> None:
         qr.press(surface, PLATE, given(low, np.eye(3)), [0, 0, 1], depth=0.3e-3)
     with pytest.raises(qr.ResponseError, match="compliance has shape"):
         given(low, np.zeros((2, 3, 2, 3))).prepared(surface)
+
+
+ORDERS = {
+    "as the nodes": (None, lambda matrix, order: matrix),
+    "transposed": (None, lambda matrix, order: matrix.T),
+    "another": ("does not fit its nodes", lambda matrix, order: matrix[np.ix_(order, order)]),
+    "of rows alone": ("is not the same both ways", lambda matrix, order: matrix[order]),
+    "of columns alone": ("is not the same both ways", lambda matrix, order: matrix[:, order]),
+    "one half alone": ("is not the same both ways", lambda matrix, order: np.triu(matrix)),
+    "springs": (None, lambda matrix, order: np.diag(np.diag(matrix))),
+    "rigid": (None, lambda matrix, order: np.full_like(matrix, matrix.max())),
+}
+
+
+@pytest.mark.parametrize(("words", "reorder"), ORDERS.values(), ids=ORDERS.keys())
+def test_a_matrix_that_cannot_belong_to_its_nodes_is_told(
+    words: str | None, reorder: Callable[[np.ndarray, np.ndarray], np.ndarray], surface: qr.Surface
+) -> None:
+    nodes = np.arange(len(surface.vertices))
+    matrix = qr.response_matrix(surface, skin_of(qr.HalfSpace()), nodes)
+    matrix = reorder(matrix, np.random.default_rng(1).permutation(len(nodes)))
+    plate = PLATE.with_material(shear_modulus=60e3, poisson_ratio=0.5)
+    mesh = qr.Obstacle.mesh(surface.vertices - [0, 0, 20e-3], surface.faces)
+    skins = [given(nodes, matrix), given(nodes, np.einsum("ij,ab->iajb", matrix, np.eye(3)))]
+    product = mesh.with_material(shear_modulus=60e3, poisson_ratio=0.5, response=skins[0].response)
+    for skin, obstacle, side in [
+        (skins[0], plate, "skin"),
+        (skins[1], plate, "skin"),
+        (skin_of(qr.HalfSpace()), product, "product"),
+    ]:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            contact = qr.press(
+                surface, obstacle, skin, [0, 0, 1], depth=0.3e-3, options=AS_GIVEN, throw=False
+            )
+        told = [one.message for one in contact.warnings if one.category is qr.ResponseRangeWarning]
+        assert len(told) == (words is not None)
+        assert all(f"the compliance given for the {side} {words}" in message for message in told)
 
 
 def test_given_blocks_are_kept_among_their_nodes_alone(surface: qr.Surface, tmp_path: Path) -> None:
