@@ -267,9 +267,21 @@ def test_a_thin_product_is_told_where_its_other_side_would_be_felt() -> None:
     share = thin.obstacle_share
     assert share == pytest.approx(0.5, rel=1e-9)
     assert np.linalg.norm(backed.force) > np.linalg.norm(thin.force) / (1 - 0.5 * share)
-    # Of thick pads nobody feels the other side, nor of hard ones that they give way.
+    # Of thick pads hardly anybody feels the other side, nor of hard ones that they give way.
     for product in (pad(40e-3), pad(5e-3, 10e6)):
         assert answer(product)[1:] == (False, True)
+
+
+def test_what_the_other_side_of_a_product_costs_is_told_to_the_first_order() -> None:
+    with pytest.warns(qr.ResponseRangeWarning, match="2.0000e-2 m thick") as told:
+        thin = pressed_on(pad(20e-3), 2e-3)
+    backed = pressed_on(pad(20e-3, response=qr.Layer(thickness=20e-3)), 2e-3)
+    percent = float(str(told[0].message).split("higher by ")[1].split(" %")[0])
+    # 2 phi(0) / pi = 1.127 times the share of 1/2 and the radius over 20 mm, which the second order adds to.
+    radius = np.sqrt(thin.contact_area / np.pi)
+    assert percent == pytest.approx(100 * 1.127 * 0.5 * radius / 20e-3, abs=0.51)
+    rise = 100 * (backed.force[2] / thin.force[2] - 1)
+    assert percent < rise < 1.5 * percent
 
 
 def test_cut_faces_are_looked_for_once_a_skin_and_never_behind_a_mask(
