@@ -59,7 +59,7 @@ class CoarseMeshWarning(QuasirigidWarning):
 
 
 class CutWarning(QuasirigidWarning):
-    """A contact reaches where the skin is cut, held or masked, or a cut leaves more than was meant."""
+    """A contact reaches where skin is cut, held, masked or not known, or a cut leaves more than was meant."""
 
 
 class ResponseRangeWarning(QuasirigidWarning):

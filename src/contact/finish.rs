@@ -82,6 +82,7 @@ impl Contact {
         let left = penetration_after(gaps, &forces, response, &motion, &beside)?;
         report.warn_of_penetration(discretization, gaps.deepest(), &left);
         let at_cuts = report.warn_of_cuts(gaps, response.skin, &forces);
+        report.warn_of_unknown(gaps, response.skin, &forces);
         let mut pressure = VertexPressure::new(surface, traits.basis, discretization, &forces);
         let on_edges = RimOnEdges::new(gaps, &forces)?;
         let (motion, obstacle_share) = motion.with_product(response, &forces)?;

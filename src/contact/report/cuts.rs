@@ -64,4 +64,25 @@ impl Report {
         }
         share
     }
+
+    /// Warns where vertices carry force beside such as a given matrix does not know, which may bulge into the obstacle.
+    pub fn warn_of_unknown(&mut self, gaps: &Gaps, skin: &dyn ElasticSkin, forces: &NodeForces) {
+        let surface = gaps.surface;
+        if !skin.traits(surface).is_ok_and(|traits| traits.moves_nodes_alone()) {
+            return;
+        }
+        let is_unknown = |other: usize| surface.skin_mask()[other] && !skin.is_prepared(other);
+        let is_at_rim =
+            |&&vertex: &&usize| surface.neighbours(vertex).iter().any(|&other| is_unknown(other as usize));
+        let sum = |force: f64, &vertex: &usize| force + forces.force[vertex];
+        let total = forces.active.iter().fold(0.0, sum);
+        let at_rim = forces.active.iter().filter(is_at_rim).fold(0.0, sum);
+        if at_rim > SMALL_SHARE * total {
+            let message = format!(
+                "the contact reaches the rim of the nodes that a given matrix knows, with {at_rim:.3e} N there ({:.2} % of all): skin beyond it may come to touch, and the figures lack that; give the matrix for the vertices around these too",
+                100.0 * at_rim / total
+            );
+            self.warn(WarningKind::Cut, message);
+        }
+    }
 }

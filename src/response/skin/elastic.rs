@@ -42,6 +42,11 @@ impl Traits {
             discretization: Discretization::Collocation,
         }
     }
+
+    /// Whether forces may push skin out beside them and it is known at the nodes alone, as of a given matrix.
+    pub(crate) fn moves_nodes_alone(&self) -> bool {
+        self.negative_entries && !self.refines && !self.is_kernel
+    }
 }
 
 /// What a skin is asked about.

@@ -76,6 +76,28 @@ def test_a_matrix_that_cannot_belong_to_its_nodes_is_told(
         assert all(f"the compliance given for the {side} {words}" in message for message in told)
 
 
+def test_skin_that_bulges_beside_the_nodes_is_told() -> None:
+    tip = qr.models.fingertip(edge_length=1e-3)
+    tip = tip.with_skin_mask(qr.skin_without_caps(tip))
+    layer = qr.Skin(shear_modulus=60e3, poisson_ratio=0.5, response=qr.Layer(thickness=2e-3))
+    height = tip.vertices[:, 2]
+
+    def pressed(beyond: float) -> tuple[float, list[str]]:
+        nodes = np.flatnonzero(tip.skin_mask & (height < height.min() + 1e-3 + beyond))
+        skin = given(nodes, qr.response_matrix(tip, layer, nodes))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            contact = qr.press(tip, PLATE, skin, [0, 0, 1], depth=1e-3)
+        return float(contact.force[2]), [text for one, text in contact.warnings if one is qr.CutWarning]
+
+    # What bulges beside the skin that stood in the plate takes part of its force.
+    lacks, told = pressed(0.0)
+    assert "rim of the nodes that a given matrix knows" in told[0]
+    whole, told = pressed(2e-3)
+    assert told == []
+    assert lacks < 0.98 * whole
+
+
 def test_given_blocks_are_kept_among_their_nodes_alone(surface: qr.Surface, tmp_path: Path) -> None:
     nodes = [5, 3, 40]
     blocks = np.random.default_rng(1).normal(size=(3, 3, 3, 3)) * 1e-3
