@@ -283,7 +283,8 @@ class GivenMatrix(_Response):
     Parameters
     ----------
     nodes : (k,) array_like of int
-        Vertices that it is known for; all that touch must be among them.
+        Vertices that it is known for; all that touch must be among them, with those beside them that the skin
+        bulges at. A contact warns where it reaches their rim, or the compliance cannot belong to them.
     compliance : (k, k) or (k, 3, k, 3) array_like
         Displacement per newton (m/N) in the order of the nodes. (k, k): along the force, as `response_matrix`
         of a kernel by collocation has it; a contact with normals ``n`` takes it times ``n @ n.T``, and its
