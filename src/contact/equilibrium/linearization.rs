@@ -161,6 +161,7 @@ impl<'a> Linearizations<'a, '_> {
             solve(gaps, self.response, Some(guess), self.options, report)
         };
         let near = solved(Nearness::Near)?;
+        // Where normals turn far, more nodes change sides than a near guess allows.
         let forces = match near.failure {
             Some(_) if !self.was_vain => solved(Nearness::OfCoarser)?,
             _ => near,
