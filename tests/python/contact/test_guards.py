@@ -26,6 +26,8 @@ CATEGORIES = (
     "RefinementWarning",
 )
 
+ALONG_X = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], dtype=float)
+
 
 def pressed(surface: qr.Surface, skin: qr.Skin = SKIN, depth: float = 1e-3, **asked: object) -> qr.Contact:
     return qr.press(surface, PLATE, skin, [0, 0, 1], depth=depth, **asked)  # type: ignore[arg-type]
@@ -300,3 +302,29 @@ def test_cut_faces_are_looked_for_once_a_skin_and_never_behind_a_mask(
     for surface in (tip, tip, masked):
         assert pressed(surface, options=AS_GIVEN).status == "solved"
     assert asked == [tip]
+
+
+# A pin four radii deep, where skin slips along its side, and a short roller, whose ends the skin hangs over.
+@pytest.mark.filterwarnings("ignore::quasirigid.QuasirigidWarning")
+@pytest.mark.parametrize(
+    ("product", "depth", "is_told"),
+    [
+        (qr.Obstacle.capsule([0, 5e-3, -0.1], [0, 5e-3, -0.05], 0.5e-3), 2e-3, True),
+        (qr.Obstacle.cylinder(2e-3, 4e-3).moved(ALONG_X, [0, 5e-3, -0.05]), 0.8e-3, False),
+    ],
+    ids=["pin", "roller"],
+)
+def test_both_discretizations_tell_where_the_force_acts_off_the_product(
+    product: qr.Obstacle, depth: float, is_told: bool
+) -> None:
+    at_vertices, averaged = (
+        qr.press(qr.models.fingertip(), product, kernel(response), [0, 0, 1], depth=depth)
+        for response in (qr.HalfSpace(), qr.HalfSpace(discretization="galerkin"))
+    )
+    for contact in (at_vertices, averaged):
+        assert any("off the obstacle in the mean" in one.message for one in contact.warnings) == is_told
+    # Each covers what the other says.
+    apart = abs(at_vertices.force[2] - averaged.force[2])
+    for contact in (at_vertices, averaged):
+        assert contact.accuracy.force_error is not None
+        assert apart < contact.accuracy.force_error * contact.force[2]
