@@ -90,7 +90,8 @@ def test_skin_that_bulges_beside_the_nodes_is_told() -> None:
             contact = qr.press(tip, PLATE, skin, [0, 0, 1], depth=1e-3)
         return float(contact.force[2]), [text for one, text in contact.warnings if one is qr.CutWarning]
 
-    # What bulges beside the skin that stood in the plate takes part of its force.
+    # What bulges beside the skin that stood in the plate takes part of its force, more than the 2 % that
+    # contacts aim for.
     lacks, told = pressed(0.0)
     assert "rim of the nodes that a given matrix knows" in told[0]
     whole, told = pressed(2e-3)
