@@ -36,8 +36,8 @@ def warned_of_caps(core: _core.Contact, surface: Surface) -> tuple[Warned, ...]:
     on_cap[: core.given_vertex_count] = _caps[surface]
     if not on_cap.any() or _caps[surface].all():  # a block has no other skin
         return ()
-    for vertex, beside in enumerate(core.parents, core.given_vertex_count):
-        on_cap[vertex] = on_cap[beside].all()
+    for vertex, (one, other) in enumerate(core.parents.tolist(), core.given_vertex_count):
+        on_cap[vertex] = on_cap[one] and on_cap[other]
     force, total = core.node_force[on_cap].sum(), core.node_force.sum()
     if not force >= _SMALL_SHARE * total:
         return ()
