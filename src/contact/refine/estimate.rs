@@ -112,8 +112,14 @@ impl ErrorEstimate {
             earlier.and_then(|round| round.max_pressure),
         );
         let within_rim = |contact: &Contact| contact.clues.area_within_rim;
+        let mut of_force = of_force.left(known.mesh_error, force, a.force, b.force);
+        if last.clues.edge.is_some() && of_force.is_finite() {
+            // Forces fall from round to round there, by factors: what is left to fall is no more than all of it.
+            let share = last.unbalanced();
+            of_force = -f64::exp_m1(-share * of_force) / share;
+        }
         let settling = Self {
-            force: of_force.left(known.mesh_error, force, a.force, b.force),
+            force: of_force,
             area: of_area.left(known.area_error, area, within_rim(before), within_rim(last)),
             pressure: of_peak.left(known.max_pressure_error, pressure, a.max_pressure, b.max_pressure),
         };

@@ -89,11 +89,13 @@ impl Settling {
         }
         // An infinite one was that of a sharp edge.
         let known = known.filter(|error| error.is_finite()).unwrap_or(0.0);
-        let change = (last - before).size();
-        let slowed = earlier.map_or(0.0, |earlier| change / (before - earlier).size());
+        // Over the mean of both, as logarithms would: areas fall to a third in the first rounds on an edge.
+        let change = |from: F, to: F| 2.0 * (to - from).size() / (to.size() + from.size());
+        let last_change = change(before, last);
+        let slowed = earlier.map_or(0.0, |earlier| last_change / change(earlier, before));
         let next = slowed.clamp(self.next, SLOWEST_CHANGE);
         // All changes to come, each that share of the one before.
-        (next / (1.0 - next) * change / last.size()).max(self.least * known)
+        (next / (1.0 - next) * last_change).max(self.least * known)
     }
 }
 

@@ -247,6 +247,19 @@ def test_a_blade_thinner_than_the_cells_is_told_to_be_far_off() -> None:
     assert force * (1.0 - told) <= most * (1.0 + most_told)
 
 
+@pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
+def test_no_more_than_all_of_a_force_on_a_sharp_edge_is_doubted(discretization: str) -> None:
+    tip = qr.models.fingertip(edge_length=1.2e-3)
+    upwards = np.column_stack([[1, -1, 0], [1, 1, -2], [1, 1, 1]]) / np.sqrt([2.0, 6.0, 3.0])
+    corner = qr.Obstacle.box([0.02, 0.02, 0.02]).moved(upwards.T, [0.0, 0.019, -0.1])
+    coarse = qr.press(tip, corner, soft(discretization), UP, depth=1e-3)
+    fine = qr.press(tip, corner, soft(discretization), UP, depth=1e-3, options=FINE)
+    for contact in (coarse, fine):
+        assert contact.accuracy.force_error is not None
+        assert 0.1 < contact.accuracy.force_error < 1.0
+    assert covers(coarse, fine) == (True, True)
+
+
 def rough_ball() -> qr.Surface:
     """A ball of 8 mm whose mesh is alike at no two places: what is left of forces all round is error."""
     points, faces = ball(8e-3, 3)
