@@ -189,6 +189,9 @@ impl Contact {
     pub(crate) fn warn_of_refinement(&mut self, end: RefinementEnd, target: f64) {
         let reason = match end {
             RefinementEnd::MaxNodes | RefinementEnd::MemoryLimit => format!("`{}`", end.as_str()),
+            RefinementEnd::SharpEdge => {
+                format!("{}, where a smaller `target_error` makes the mesh finer", end.as_str())
+            }
             _ => end.as_str().to_string(),
         };
         let percent = |share: f64| format!("{} %", Digits(100.0 * share, 3));
