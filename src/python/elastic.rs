@@ -11,7 +11,6 @@ use crate::response::{
 };
 
 /// A skin that answers contact forces, by who answers.
-#[expect(clippy::large_enum_variant, reason = "each is made once, and stays where it is")]
 pub(super) enum Elastic {
     Kernel(KernelSkin),
     PreparedKernel(PreparedKernel),

@@ -52,9 +52,8 @@ const REACH_OVER_THICKNESS: f64 = 0.8;
 /// The near kernel of one body.
 #[derive(Debug, Clone)]
 pub(crate) struct NearKernel {
-    half_space: KernelSkin,
-    /// The layer over what does not move; `None` without any.
-    layer: Option<KernelSkin>,
+    /// What is alike along every direction: the layer over what does not move, or the half-space without any.
+    pub(super) scalar: KernelSkin,
 }
 
 /// `1 / (1 + r⁶/ρ⁶)` at a distance squared (m²), ρ² the product of ρ at both ends, of which 1/ρ is given (1/m).
@@ -71,22 +70,20 @@ impl NearKernel {
         poisson_ratio: f64,
         thickness: Option<Arc<[f64]>>,
     ) -> Result<Self, ResponseError> {
-        let kernel = |kernel| KernelSkin::new(shear_modulus, poisson_ratio, kernel);
-        let layer = thickness.map(|list| kernel(Kernel::Layer { thickness: Thickness::PerVertex(list) }));
-        Ok(Self { half_space: kernel(Kernel::HalfSpace)?, layer: layer.transpose()? })
+        let layer = |list| Kernel::Layer { thickness: Thickness::PerVertex(list) };
+        let kernel = thickness.map_or(Kernel::HalfSpace, layer);
+        Ok(Self { scalar: KernelSkin::new(shear_modulus, poisson_ratio, kernel)? })
     }
 
     /// In Pa.
     pub fn shear_modulus(&self) -> f64 {
-        self.half_space.shear_modulus()
+        self.scalar.shear_modulus()
     }
 
     /// 1/ρ at a vertex (1/m).
     pub(super) fn per_reach(&self, vertex: usize) -> f64 {
-        match self.layer.as_ref().map(KernelSkin::kernel) {
-            Some(Kernel::Layer { thickness }) => 1.0 / (REACH_OVER_THICKNESS * thickness.at(vertex)),
-            _ => 0.0,
-        }
+        let thickness = self.scalar.layer_at(vertex);
+        thickness.map_or(0.0, |thickness| 1.0 / (REACH_OVER_THICKNESS * thickness))
     }
 
     /// The same on a refinement of the surface, or of one that it is a part of: the thickness is linear along edges.
@@ -97,13 +94,11 @@ impl NearKernel {
         mesh: &RefinedSurface,
         own: impl Fn(usize) -> Option<usize>,
     ) -> Result<Self, ResponseError> {
-        let (modulus, ratio) = (self.half_space.shear_modulus(), self.half_space.poisson_ratio());
-        let Some(Kernel::Layer { thickness }) = self.layer.as_ref().map(KernelSkin::kernel) else {
-            return Self::new(modulus, ratio, None);
-        };
+        let Kernel::Layer { thickness } = self.scalar.kernel() else { return Ok(self.clone()) };
         // Outside the part nothing is loaded, so that any thickness will do there.
         let given = |vertex| own(vertex).map_or(thickness.largest(), |own| thickness.at(own));
-        Self::new(modulus, ratio, Some(mesh.inherit(given, |a, b| 0.5 * (a + b)).into()))
+        let thickness = mesh.inherit(given, |a, b| 0.5 * (a + b)).into();
+        Self::new(self.scalar.shear_modulus(), self.scalar.poisson_ratio(), Some(thickness))
     }
 
     /// R of the kernel over the nodes along `directions` (k × k, m/N).
@@ -229,19 +224,14 @@ impl NearKernel {
         Ok(moved)
     }
 
-    /// The layer, or the half-space without one.
-    pub(super) fn scalar_kernel(&self) -> &KernelSkin {
-        self.layer.as_ref().unwrap_or(&self.half_space)
-    }
-
     /// ν / (2πG) (m²/N).
     pub(super) fn outer_factor(&self) -> f64 {
-        self.half_space.poisson_ratio() / (TAU * self.half_space.shear_modulus())
+        self.scalar.poisson_ratio() / (TAU * self.scalar.shear_modulus())
     }
 
     /// (1 - 2ν) / (4πG) (m²/N).
     pub(super) fn skew_factor(&self) -> f64 {
-        (1.0 - 2.0 * self.half_space.poisson_ratio()) / (2.0 * TAU * self.half_space.shear_modulus())
+        (1.0 - 2.0 * self.scalar.poisson_ratio()) / (2.0 * TAU * self.scalar.shear_modulus())
     }
 
     /// The scalar kernel's displacement of `rows` per newton at the nodes.
@@ -254,7 +244,7 @@ impl NearKernel {
     ) -> Result<Mat<f64>, ResponseError> {
         let options =
             &AssemblyOptions { tolerance: asked.options.tolerance.max(NEAR_TOLERANCE), ..*asked.options };
-        let kernel = self.scalar_kernel().clone().with_discretization(discretization)?;
+        let kernel = self.scalar.clone().with_discretization(discretization)?;
         let assemble = |rows: &[usize], columns: &[usize], options: &AssemblyOptions| {
             assemble_columns(asked.surface, &kernel, rows, columns, options)
         };

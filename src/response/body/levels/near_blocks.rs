@@ -44,7 +44,7 @@ impl NearKernel {
         options: &AssemblyOptions,
     ) -> Result<NearBlocks, ResponseError> {
         let options = &AssemblyOptions { tolerance: options.tolerance.max(NEAR_TOLERANCE), ..*options };
-        let scalar = assemble_block(surface, self.scalar_kernel(), rows, columns, options)?;
+        let scalar = assemble_block(surface, &self.scalar, rows, columns, options)?;
         let loads = self.loads(surface, columns);
         let reach = RuleReach::new(options.tolerance);
         let size = [PACKED_ENTRIES * columns.len(), rows.len()];
