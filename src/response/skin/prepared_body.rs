@@ -44,14 +44,13 @@ impl PreparedBody {
         options: &BodyOptions,
     ) -> Result<Self, ResponseError> {
         options.with_threads(|options| {
-            if let Some(OnCoarse { skin, fixed, nodes }) =
-                body.coarse_skin(surface, nodes, options.interrupt)?
-            {
+            let held = body.held_vertices(surface)?;
+            let coarse = body.coarse_skin(surface, &held, nodes, options.interrupt)?;
+            if let Some(OnCoarse { skin, nodes }) = coarse {
                 let material = [shear_modulus, poisson_ratio];
-                let two = TwoLevels::solve(body, surface, skin, &fixed, material, &nodes, options)?;
+                let two = TwoLevels::solve(body, surface, skin, &held, material, &nodes, options)?;
                 return Self::from_levels(surface, &nodes, Levels::Two(two));
             }
-            let held = body.held_vertices(surface)?;
             let one = OneLevel {
                 compliance: body.prepare(surface, shear_modulus, poisson_ratio, nodes, options)?,
                 thickness: body.tissue_thickness(surface, &held).map(Into::into),

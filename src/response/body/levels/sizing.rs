@@ -41,8 +41,6 @@ pub(crate) fn coarse_bone(bone: &Surface, skin: &Surface) -> Surface {
 /// A body on a coarse skin.
 pub(crate) struct OnCoarse {
     pub skin: CoarseSkin,
-    /// Vertices of the skin that do not move (n).
-    pub fixed: Vec<bool>,
     /// Vertices to prepare: those asked for, or all that move where edges are long away from them.
     pub nodes: Vec<usize>,
 }
@@ -56,14 +54,16 @@ struct Refused {
 impl Body {
     /// This body on its coarse skin; `None` where the skin itself is as coarse as that.
     ///
+    /// * `fixed`: vertices of the skin that do not move (n)
     /// * `nodes`: vertices where contact is expected
     ///
     /// # Errors
     /// [`BodyError::CoarseEdgeLength`], [`BodyError::CoarseMesh`], [`BodyError::Interrupted`]; what [`Body::prepare`] finds
-    /// wrong with the body.
+    /// wrong with the nodes.
     pub(crate) fn coarse_skin(
         &self,
         skin: &Surface,
+        fixed: &[bool],
         nodes: &[usize],
         interrupt: Option<&(dyn Fn() -> bool + Sync)>,
     ) -> Result<Option<OnCoarse>, BodyError> {
@@ -72,9 +72,8 @@ impl Body {
         if self.coarse_edge_length == Some(0.0) {
             return Ok(None);
         }
-        let fixed = self.held_vertices(skin)?;
-        check_nodes(vertex_count, &fixed, nodes)?;
-        let kept = skin.k_ring(&skin.rim(&fixed), KEPT_RINGS);
+        check_nodes(vertex_count, fixed, nodes)?;
+        let kept = skin.k_ring(&skin.rim(fixed), KEPT_RINGS);
         let (mut edge_length, has_many, tries) = match self.coarse_edge_length {
             Some(length) => {
                 let size = skin.bounding_box().diagonal();
@@ -84,7 +83,7 @@ impl Body {
                 (vec![length; vertex_count], false, 1)
             }
             None => {
-                let (wanted, has_many) = self.wanted_edges(skin, &fixed, &kept, nodes);
+                let (wanted, has_many) = self.wanted_edges(skin, fixed, &kept, nodes);
                 (wanted, has_many, MOST_COARSE_MESHES)
             }
         };
@@ -95,7 +94,7 @@ impl Body {
         // Where they would be shorter than the skin's own, that stays as it is.
         let shorter =
             |length: f64, own: f64| if SHORTER_EDGES * length < own { 0.0 } else { SHORTER_EDGES * length };
-        let mut coarse = self.coarse_body(skin, &edge_length, &fixed);
+        let mut coarse = self.coarse_body(skin, &edge_length, fixed);
         for _ in 1..tries {
             let Err(refused) = &coarse else { break };
             if interrupt.is_some_and(|interrupt| interrupt()) {
@@ -105,7 +104,7 @@ impl Body {
             let everywhere: Vec<usize> = (0..vertex_count).collect();
             let at = if refused.at.is_empty() { &everywhere } else { &refused.at };
             at.iter().for_each(|&at| edge_length[at] = shorter(edge_length[at], own_edges[at]));
-            coarse = self.coarse_body(skin, &edge_length, &fixed);
+            coarse = self.coarse_body(skin, &edge_length, fixed);
         }
         let coarse = match coarse {
             Ok(coarse) => coarse,
@@ -116,7 +115,7 @@ impl Body {
         };
         Ok(coarse.map(|coarse| {
             let moving = || (0..vertex_count).filter(|&vertex| !fixed[vertex]).collect();
-            OnCoarse { skin: coarse, nodes: if has_many { moving() } else { nodes.to_vec() }, fixed }
+            OnCoarse { skin: coarse, nodes: if has_many { moving() } else { nodes.to_vec() } }
         }))
     }
 
@@ -163,8 +162,9 @@ mod tests {
         let skin = Surface::new(vertices, faces).expect("a ball");
         let body = Body { fixed: Some(held.clone()), ..Body::default() };
         let nodes: Vec<usize> = (0..held.len()).filter(|&vertex| !held[vertex]).collect();
-        let coarse =
-            body.coarse_skin(&skin, &nodes, None).expect("a sound body").expect("a coarse skin").skin;
+        let fixed = body.held_vertices(&skin).expect("a sound body");
+        let coarse = body.coarse_skin(&skin, &fixed, &nodes, None).expect("free nodes");
+        let coarse = coarse.expect("a coarse skin").skin;
         assert!(coarse.fine_vertices.len() < skin.vertices().len() / 2);
         for &vertex in &skin.k_ring(&skin.rim(&held), 1) {
             let own = coarse.fine_vertices.binary_search(&vertex).expect("a vertex that stays");
