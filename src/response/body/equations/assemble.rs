@@ -22,10 +22,7 @@ use crate::linalg::factor::Real;
 use crate::response::body::equations::blocks::{PACKED_ENTRY, displacement_blocks, traction_blocks};
 use crate::response::body::equations::element::{Element, NO_COLUMN};
 use crate::response::body::equations::kelvin::Kelvin;
-use crate::response::body::equations::moments::exact_moments;
-use crate::response::body::equations::quadrature::{
-    Integration, LaneValues, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
-};
+use crate::response::body::equations::quadrature::{AddMoments, HatMoments, RuleReach, TriangleScratch};
 
 /// The discretised body in units of its own length, with a shear modulus of 1.
 #[derive(Debug, Clone)]
@@ -74,79 +71,6 @@ fn add_block(columns: &mut [&mut [f64]; 3], block: u32, factor: f64, value: impl
 }
 
 impl<'a> Row<'a> {
-    /// One element, in closed form.
-    fn add_exactly(&mut self, element: &Element) {
-        let moments = exact_moments(&element.triangle, &self.body.points[self.point]);
-        let n = &element.triangle.normal;
-        for (corner, m) in moments.iter().enumerate() {
-            if element.is_skin && element.nodes[corner] as usize != self.point {
-                let (isotropic, outer, skew) = self.traction_factors;
-                let trace = isotropic * (m.d[0] + m.d[3] + m.d[5]);
-                let block: [f64; 9] = std::array::from_fn(|c| {
-                    let (a, b) = (c / 3, c % 3);
-                    outer * m.d[PACKED_ENTRY[c]]
-                        + skew * (m.e[a] * n[b] - n[a] * m.e[b])
-                        + if a == b { trace } else { 0.0 }
-                });
-                self.off_diagonal.iter_mut().zip(&block).for_each(|(sum, value)| *sum += value);
-                if element.moving[corner] != NO_COLUMN {
-                    add_block(&mut self.matrix, element.moving[corner], 1.0, |c| block[c]);
-                }
-            }
-            let (isotropic, outer) = self.displacement_factors;
-            let trace = isotropic * (m.b[0] + m.b[3] + m.b[5]);
-            let block: [f64; 6] =
-                std::array::from_fn(|c| outer * m.b[c] + if matches!(c, 0 | 3 | 5) { trace } else { 0.0 });
-            self.add_displacement(element, corner, |c| block[c]);
-        }
-    }
-
-    /// `block`: packed `U` of a corner.
-    #[inline(always)]
-    fn add_displacement(&mut self, element: &Element, corner: usize, block: impl Fn(usize) -> f64) {
-        if element.supported[corner] != NO_COLUMN {
-            add_block(&mut self.matrix, element.supported[corner], -1.0, |c| block(PACKED_ENTRY[c]));
-        }
-        if element.loaded[corner] != NO_COLUMN {
-            add_block(&mut self.loads, element.loaded[corner], element.load_scales[corner], |c| {
-                block(PACKED_ENTRY[c])
-            });
-        }
-    }
-
-    /// Elements of skin or of bone that share a rule, none of them around the point.
-    #[inline(always)]
-    fn add_together(&mut self, elements: &[u32], rule: usize, scratch: &mut RowScratch) {
-        let triangle = |element: u32| &self.body.elements[element as usize].triangle;
-        scratch.lanes.set_all(elements, triangle, &self.body.points[self.point]);
-        let is_skin = self.body.elements[elements[0] as usize].is_skin;
-        if is_skin {
-            far_moments::<true>(&scratch.lanes, RULES[rule], &mut scratch.moments);
-        } else {
-            far_moments::<false>(&scratch.lanes, RULES[rule], &mut scratch.moments);
-        }
-        for corner in 0..3 {
-            let moments = &scratch.moments[corner];
-            if is_skin {
-                traction_blocks(self.traction_factors, moments, &scratch.lanes.normal, &mut scratch.traction);
-                for (sum, values) in self.off_diagonal.iter_mut().zip(&scratch.traction) {
-                    *sum += values.iter().sum::<f64>();
-                }
-                for (lane, &element) in elements.iter().enumerate() {
-                    let moving = self.body.elements[element as usize].moving[corner];
-                    if moving != NO_COLUMN {
-                        add_block(&mut self.matrix, moving, 1.0, |c| scratch.traction[c][lane]);
-                    }
-                }
-            }
-            displacement_blocks(self.displacement_factors, moments, &mut scratch.displacement);
-            for (lane, &element) in elements.iter().enumerate() {
-                let element = &self.body.elements[element as usize];
-                self.add_displacement(element, corner, |c| scratch.displacement[c][lane]);
-            }
-        }
-    }
-
     /// The point's own block from rigid translation, which needs no force.
     fn finish(&mut self) {
         if self.body.is_moving[self.point] {
@@ -156,26 +80,46 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Working space of one thread.
-#[derive(Default)]
-struct RowScratch {
-    lanes: TriangleLanes,
-    moments: MomentLanes,
-    traction: [LaneValues; 9],
-    displacement: [LaneValues; 6],
+impl AddMoments for Row<'_> {
+    #[inline(always)]
+    fn add<const L: usize>(&mut self, elements: &[u32], normal: &[[f64; L]; 3], moments: &HatMoments<L>) {
+        let first = &self.body.elements[elements[0] as usize];
+        for (corner, moments) in moments.iter().enumerate() {
+            // Elements around the point come one by one; `finish` finds the traction of the point itself.
+            if first.is_skin && first.nodes[corner] as usize != self.point {
+                let traction = traction_blocks(self.traction_factors, moments, normal);
+                for (sum, values) in self.off_diagonal.iter_mut().zip(&traction) {
+                    *sum += values.iter().sum::<f64>();
+                }
+                for (lane, &element) in elements.iter().enumerate() {
+                    let moving = self.body.elements[element as usize].moving[corner];
+                    if moving != NO_COLUMN {
+                        add_block(&mut self.matrix, moving, 1.0, |c| traction[c][lane]);
+                    }
+                }
+            }
+            let displacement = displacement_blocks(self.displacement_factors, moments);
+            for (lane, &element) in elements.iter().enumerate() {
+                let element = &self.body.elements[element as usize];
+                let block = |c: usize| displacement[PACKED_ENTRY[c]][lane];
+                if element.supported[corner] != NO_COLUMN {
+                    add_block(&mut self.matrix, element.supported[corner], -1.0, block);
+                }
+                if element.loaded[corner] != NO_COLUMN {
+                    add_block(&mut self.loads, element.loaded[corner], element.load_scales[corner], block);
+                }
+            }
+        }
+    }
 }
 
-fn fill_row(row: &mut Row, reach: &RuleReach, scratch: &mut RowScratch) {
+fn fill_row(row: &mut Row, reach: &RuleReach, scratch: &mut TriangleScratch) {
     let body = row.body;
     let point = &body.points[row.point];
-    let (skin, bone) = body.elements.split_at(body.elements.partition_point(|element| element.is_skin));
-    for (first, elements) in [(0, skin), (skin.len() as u32, bone)] {
-        let triangles = (first..).zip(elements.iter().map(|element| &element.triangle));
-        reach.integrate(point, triangles, |integration| match integration {
-            Integration::Exact(element) => row.add_exactly(&body.elements[element as usize]),
-            Integration::Rule { rule, triangles } => row.add_together(triangles, rule, scratch),
-        });
-    }
+    let triangle = |element: u32| &body.elements[element as usize].triangle;
+    let skin_count = body.elements.partition_point(|element| element.is_skin) as u32;
+    reach.integrate::<true>(point, 0..skin_count, triangle, scratch, row);
+    reach.integrate::<false>(point, skin_count..body.elements.len() as u32, triangle, scratch, row);
     row.finish();
 }
 
@@ -206,7 +150,7 @@ pub(crate) fn assemble_equations<T: Real>(
         .zip(equations.loads.par_chunks_mut(3 * load_height))
         .enumerate()
         .map_init(
-            || (RowScratch::default(), sums()),
+            || (TriangleScratch::default(), sums()),
             |(scratch, [matrix, loads]), (point, results)| {
                 matrix.fill(0.0);
                 loads.fill(0.0);

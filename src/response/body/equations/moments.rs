@@ -17,15 +17,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::response::body::equations::quadrature::HatMoments;
 use crate::response::body::equations::triangle::Triangle;
-
-/// Moments of one hat function; symmetric matrices are stored as xx, xy, xz, yy, yz, zz.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct HatMoments {
-    pub b: [f64; 6],
-    pub d: [f64; 6],
-    pub e: [f64; 3],
-}
 
 fn pack(m: &Matrix3<f64>) -> [f64; 6] {
     [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(a, b)| 0.5 * (m[(a, b)] + m[(b, a)]))
@@ -143,7 +136,7 @@ impl<'a> TriangleIntegrals<'a> {
     }
 
     /// Moments of the hat of one corner.
-    fn moments(&self, corner: usize) -> HatMoments {
+    fn moments(&self, corner: usize) -> [[f64; 1]; 15] {
         let Self { foot, z, edges, solid_angle, i0, i1, v, third, .. } = self;
         let (normal, corners, z) = (self.triangle.normal, &self.triangle.corners, *z);
         let nn = normal * normal.transpose();
@@ -176,11 +169,14 @@ impl<'a> TriangleIntegrals<'a> {
         }
         let zzz_phi_over_r5 = value * third / 3.0 + gradient.dot(&self.z3_rho_over_r5);
         let both = |m: &Vector3<f64>| m * normal.transpose() + normal * m.transpose();
-        HatMoments {
-            b: pack(&(p - both(&k) * z + nn * (z * z_phi_over_r3))),
-            d: pack(&-(q - both(&h) + nn * zzz_phi_over_r5)),
-            e: (k - normal * z_phi_over_r3).into(),
-        }
+        let b = pack(&(p - both(&k) * z + nn * (z * z_phi_over_r3)));
+        let d = pack(&-(q - both(&h) + nn * zzz_phi_over_r5));
+        let e = k - normal * z_phi_over_r3;
+        std::array::from_fn(|c| match c {
+            0..6 => [b[c]],
+            6..12 => [d[c - 6]],
+            _ => [e[c - 12]],
+        })
     }
 }
 
@@ -188,7 +184,7 @@ impl<'a> TriangleIntegrals<'a> {
 ///
 /// `point` may be a corner: then `E` of that corner's own hat, which has no finite value, is meaningless (its
 /// Cauchy value enters through the rigid translation) and all else is right.
-pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> [HatMoments; 3] {
+pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> HatMoments<1> {
     let integrals = TriangleIntegrals::new(triangle, point);
     std::array::from_fn(|corner| integrals.moments(corner))
 }
@@ -197,14 +193,6 @@ pub(crate) fn exact_moments(triangle: &Triangle, point: &Vector3<f64>) -> [HatMo
 mod tests {
     use super::*;
     use crate::response::body::equations::quadrature::tests::{by_subdivision, triangles};
-
-    fn moments_as_array(m: &HatMoments) -> [f64; 15] {
-        let mut all = [0.0; 15];
-        all[..6].copy_from_slice(&m.b);
-        all[6..12].copy_from_slice(&m.d);
-        all[12..].copy_from_slice(&m.e);
-        all
-    }
 
     fn scale(moments: &[[f64; 15]], range: std::ops::Range<usize>) -> f64 {
         moments.iter().flat_map(|m| m[range.clone()].iter()).fold(0.0, |a: f64, b| a.max(b.abs()))
@@ -227,7 +215,7 @@ mod tests {
                 for height in [1e-3, -0.02, 0.2, -1.5] {
                     let point = foot + n * height;
                     let expected = by_subdivision(&triangle, &point, 14);
-                    let found = exact_moments(&triangle, &point).map(|m| moments_as_array(&m));
+                    let found = exact_moments(&triangle, &point).map(|hat| hat.map(|[value]| value));
                     for (range, tolerance) in [(0..6, 1e-9), (6..12, 1e-8), (12..15, 1e-8)] {
                         let size = scale(&expected, range.clone());
                         for k in 0..3 {
@@ -252,7 +240,7 @@ mod tests {
         for triangle in triangles() {
             let point = triangle.corners[0];
             let expected = by_subdivision(&triangle, &point, 22);
-            let found = exact_moments(&triangle, &point).map(|m| moments_as_array(&m));
+            let found = exact_moments(&triangle, &point).map(|hat| hat.map(|[value]| value));
             for k in 0..3 {
                 for c in 0..6 {
                     assert!((found[k][c] - expected[k][c]).abs() < 1e-5 * scale(&expected, 0..6));

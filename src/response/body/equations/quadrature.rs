@@ -1,11 +1,14 @@
 //! Kelvin's kernels over triangles well away from the point, many triangles at a time.
 //!
 //! Symmetric rules of degree 2, 5 and 8 (Dunavant 1985); [`RuleReach`] says from which distance each keeps a
-//! stated tolerance. Closer than that, [`exact_moments`](crate::response::body::equations::moments::exact_moments) takes over.
+//! stated tolerance. Closer than that, [`exact_moments`] takes over.
+
+use std::ops::Range;
 
 use nalgebra::Vector3;
 
 use crate::linalg::vectorized::vectorized;
+use crate::response::body::equations::moments::exact_moments;
 use crate::response::body::equations::triangle::Triangle;
 use crate::response::integral::gauss::RulePoint;
 use crate::response::integral::symmetric_rule::{DEGREE_5, symmetric_rule};
@@ -51,53 +54,74 @@ impl RuleReach {
         (0..3).find(|&rule| distance_squared >= self.squared[rule])
     }
 
-    /// Hands triangles, each under its number, to `integrate` as seen from a point: near ones as they come, others
-    /// together with those that share their rule.
+    /// Hands the moments of triangles, as seen from a point, to `sums`: of near ones one by one, of others together with those
+    /// that share their rule.
+    ///
+    /// `TRACTION` asks for `D` and `E` too.
     #[inline(always)]
-    pub fn integrate<'a>(
+    pub fn integrate<'a, const TRACTION: bool>(
         &self,
         point: &Vector3<f64>,
-        triangles: impl Iterator<Item = (u32, &'a Triangle)>,
-        mut integrate: impl FnMut(Integration),
+        triangles: Range<u32>,
+        triangle: impl Fn(u32) -> &'a Triangle,
+        scratch: &mut TriangleScratch,
+        sums: &mut impl AddMoments,
     ) {
+        let TriangleScratch { lanes, moments } = scratch;
+        let mut add_together = |rule: usize, numbers: &[u32], sums: &mut _| {
+            lanes.set_all(numbers, &triangle, point);
+            far_moments::<TRACTION>(lanes, RULES[rule], moments);
+            AddMoments::add(sums, numbers, &lanes.normal, moments);
+        };
         let mut waiting = [[0; LANES]; RULES.len()];
         let mut counts = [0; RULES.len()];
-        for (number, triangle) in triangles {
+        for number in triangles {
+            let triangle = triangle(number);
             let radius_squared = triangle.radius * triangle.radius;
             let distance_squared = (triangle.centroid - point).norm_squared() / radius_squared;
             let Some(rule) = self.rule(distance_squared) else {
-                integrate(Integration::Exact(number));
+                let normal = [triangle.normal.x, triangle.normal.y, triangle.normal.z].map(|n| [n]);
+                sums.add(&[number], &normal, &exact_moments(triangle, point));
                 continue;
             };
             waiting[rule][counts[rule]] = number;
             counts[rule] += 1;
             if counts[rule] == LANES {
                 counts[rule] = 0;
-                integrate(Integration::Rule { rule, triangles: &waiting[rule] });
+                add_together(rule, &waiting[rule], sums);
             }
         }
         for rule in (0..RULES.len()).filter(|&rule| counts[rule] > 0) {
-            integrate(Integration::Rule { rule, triangles: &waiting[rule][..counts[rule]] });
+            add_together(rule, &waiting[rule][..counts[rule]], sums);
         }
     }
 }
 
-/// How triangles are integrated from a point, by their numbers.
-pub(crate) enum Integration<'a> {
-    /// In closed form.
-    Exact(u32),
-    /// Up to [`LANES`] of them by one of [`RULES`].
-    Rule { rule: usize, triangles: &'a [u32] },
+/// Moments of the hats of some triangles: `[corner][component][lane]`, components `B` (6), `D` (6), `E` (3), symmetric ones as
+/// xx, xy, xz, yy, yz, zz.
+pub(crate) type HatMoments<const L: usize> = [[[f64; L]; 15]; 3];
+
+/// What moments are added to.
+pub(crate) trait AddMoments {
+    /// Adds those of some triangles, by their numbers, a lane each.
+    fn add<const L: usize>(&mut self, numbers: &[u32], normal: &[[f64; L]; 3], moments: &HatMoments<L>);
+}
+
+/// Working space for triangles seen from a point.
+#[derive(Default)]
+pub(crate) struct TriangleScratch {
+    lanes: TriangleLanes,
+    moments: HatMoments<LANES>,
 }
 
 /// Number of triangles that [`far_moments`] takes at once.
-pub(crate) const LANES: usize = 8;
+const LANES: usize = 8;
 /// One number for each of them.
-pub(crate) type LaneValues = [f64; LANES];
+type LaneValues = [f64; LANES];
 
 /// Corners relative to the point, normal and area of up to [`LANES`] triangles, lane by lane.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct TriangleLanes {
+struct TriangleLanes {
     pub corners: [[LaneValues; 3]; 3],
     pub normal: [LaneValues; 3],
     pub area: LaneValues,
@@ -133,16 +157,13 @@ impl TriangleLanes {
     }
 }
 
-/// Moments of the hats of several triangles: `[corner][component][lane]`, components `b` (6), `d` (6), `e` (3).
-pub(crate) type MomentLanes = [[LaneValues; 15]; 3];
-
 /// Moments by a quadrature rule, for triangles well away from the point.
 ///
-/// `TRACTION` asks for `d` and `e` too.
-pub(crate) fn far_moments<const TRACTION: bool>(
+/// `TRACTION` asks for `D` and `E` too.
+fn far_moments<const TRACTION: bool>(
     lanes: &TriangleLanes,
     rule: &[RulePoint],
-    moments: &mut MomentLanes,
+    moments: &mut HatMoments<LANES>,
 ) {
     // Lanes alone: around them, where entries lie scattered, wide vectors would gather and scatter.
     vectorized(
@@ -153,7 +174,11 @@ pub(crate) fn far_moments<const TRACTION: bool>(
 
 /// [`far_moments`], written lane by lane for the compiler to vectorise.
 #[inline(always)]
-fn add_moments<const TRACTION: bool>(lanes: &TriangleLanes, rule: &[RulePoint], moments: &mut MomentLanes) {
+fn add_moments<const TRACTION: bool>(
+    lanes: &TriangleLanes,
+    rule: &[RulePoint],
+    moments: &mut HatMoments<LANES>,
+) {
     let components = if TRACTION { 15 } else { 6 };
     for corner in moments.iter_mut() {
         for component in corner.iter_mut().take(components) {

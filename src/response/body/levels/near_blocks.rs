@@ -4,10 +4,7 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::response::body::equations::element::NO_COLUMN;
-use crate::response::body::equations::moments::exact_moments;
-use crate::response::body::equations::quadrature::{
-    Integration, MomentLanes, RULES, RuleReach, TriangleLanes, far_moments,
-};
+use crate::response::body::equations::quadrature::{AddMoments, HatMoments, RuleReach, TriangleScratch};
 use crate::response::body::equations::triangle::Triangle;
 use crate::response::body::levels::near::{NEAR_TOLERANCE, NearKernel, fade};
 use crate::response::error::ResponseError;
@@ -48,26 +45,11 @@ impl NearKernel {
         let loads = self.loads(surface, columns);
         let reach = RuleReach::new(options.tolerance);
         let size = [PACKED_ENTRIES * columns.len(), rows.len()];
-        let outer = filled_columns(size, options, Scratch::default, |scratch, row, column| {
+        let outer = filled_columns(size, options, TriangleScratch::default, |scratch, row, column| {
             let point = &surface.vertices()[rows[row]];
-            let blocks = column.as_chunks_mut::<PACKED_ENTRIES>().0;
-            let triangles = (0..).zip(loads.iter().map(|load| &load.triangle));
-            reach.integrate(point, triangles, |integration| match integration {
-                Integration::Exact(index) => {
-                    let load = &loads[index as usize];
-                    let moments = exact_moments(&load.triangle, point);
-                    (0..3).for_each(|corner| load.add(corner, |c| moments[corner].b[c], blocks));
-                }
-                Integration::Rule { rule, triangles } => {
-                    scratch.lanes.set_all(triangles, |index| &loads[index as usize].triangle, point);
-                    far_moments::<false>(&scratch.lanes, RULES[rule], &mut scratch.moments);
-                    for (corner, moments) in scratch.moments.iter().enumerate() {
-                        for (lane, &index) in triangles.iter().enumerate() {
-                            loads[index as usize].add(corner, |c| moments[c][lane], blocks);
-                        }
-                    }
-                }
-            });
+            let mut sums = OuterRow { loads: &loads, blocks: column.as_chunks_mut().0 };
+            let triangle = |index: u32| &loads[index as usize].triangle;
+            reach.integrate::<false>(point, 0..loads.len() as u32, triangle, scratch, &mut sums);
         })?;
         let end = |&vertex: &usize| {
             (surface.vertices()[vertex], surface.vertex_normals()[vertex], self.per_reach(vertex))
@@ -105,12 +87,6 @@ impl NearBlocks {
     }
 }
 
-#[derive(Default)]
-struct Scratch {
-    lanes: TriangleLanes,
-    moments: MomentLanes,
-}
-
 /// A face with forces at its corners.
 struct Load {
     triangle: Triangle,
@@ -120,13 +96,24 @@ struct Load {
     factors: [f64; 3],
 }
 
-impl Load {
-    /// Adds what the hat of a corner moves.
+/// Blocks of one row, what is along the way alone.
+struct OuterRow<'a> {
+    loads: &'a [Load],
+    blocks: &'a mut [[f64; PACKED_ENTRIES]],
+}
+
+impl AddMoments for OuterRow<'_> {
     #[inline(always)]
-    fn add(&self, corner: usize, moment: impl Fn(usize) -> f64, blocks: &mut [[f64; PACKED_ENTRIES]]) {
-        if self.columns[corner] != NO_COLUMN {
-            let block = &mut blocks[self.columns[corner] as usize];
-            block.iter_mut().enumerate().for_each(|(c, entry)| *entry += self.factors[corner] * moment(c));
+    fn add<const L: usize>(&mut self, numbers: &[u32], _: &[[f64; L]; 3], moments: &HatMoments<L>) {
+        for (corner, moments) in moments.iter().enumerate() {
+            for (lane, &index) in numbers.iter().enumerate() {
+                let Load { columns, factors, .. } = &self.loads[index as usize];
+                if columns[corner] != NO_COLUMN {
+                    let block = &mut self.blocks[columns[corner] as usize];
+                    let entries = block.iter_mut().zip(moments);
+                    entries.for_each(|(entry, moment)| *entry += factors[corner] * moment[lane]);
+                }
+            }
         }
     }
 }
