@@ -52,10 +52,10 @@ impl Corrected {
             .flatten()
             .for_each(|(y, share)| loads.push(y, *share));
         sums.clear();
-        sums.resize(targets.x.len(), 0.0);
+        sums.resize(targets.points.len(), 0.0);
         pulp::Arch::new().dispatch(GaussianSums { targets, loads, falloff: self.falloff(), sums });
         for (i, value) in values[..targets.rows.len()].iter_mut().enumerate() {
-            let x = targets.point(i);
+            let x = targets.points.at(i);
             if faces.iter().all(|face| (x - face.frame.center).norm() + face.frame.radius <= self.cutoff) {
                 let exact = load.iter().filter(|(_, forces)| forces.is_none());
                 let taken = sums[i] + exact.map(|(face, _)| self.exact_gaussian(face, &x)).sum::<f64>();
@@ -151,10 +151,11 @@ impl WithSimd for GaussianSums<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { targets, loads, falloff, sums } = self;
         for first in (0..sums.len()).step_by(S::F64_LANES) {
-            let x = [&targets.x, &targets.y, &targets.z].map(|list| Lanes::load(simd, list, first));
+            let x = targets.points.load(simd, first);
             let mut sum = Lanes::splat(simd, 0.0);
             for k in 0..loads.share.len() {
-                let r = [x[0] - sum.all(loads.x[k]), x[1] - sum.all(loads.y[k]), x[2] - sum.all(loads.z[k])];
+                let y = loads.points.at(k);
+                let r = [x[0] - sum.all(y.x), x[1] - sum.all(y.y), x[2] - sum.all(y.z)];
                 sum = exp(dot(&r, &r) * sum.all(falloff)).mul_add(sum.all(loads.share[k]), sum);
             }
             sum.store(sums, first);

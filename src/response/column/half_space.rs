@@ -1,6 +1,5 @@
 //! One column of the half-space part: a multipole series far away, exact integrals near.
 
-use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 
 use crate::response::column::load::{LoadedFace, weighted};
@@ -43,7 +42,7 @@ impl ColumnScratch {
     pub(crate) fn new(targets: &Targets) -> Self {
         Self {
             faces: Vec::new(),
-            values: vec![0.0; targets.x.len()],
+            values: vec![0.0; targets.points.len()],
             loads: PointLoads::default(),
             multipoles: MultipoleSeries::new(),
             near: Selection::default(),
@@ -102,7 +101,7 @@ pub(crate) fn half_space_values(
     reach: f64,
     points: usize,
 ) {
-    scratch.values.resize(targets.x.len(), 0.0);
+    scratch.values.resize(targets.points.len(), 0.0);
     pulp::Arch::new().dispatch(HalfSpaceColumn { targets, scratch, amplitude, tolerance, reach, points });
 }
 
@@ -146,12 +145,8 @@ impl HalfSpaceColumn<'_> {
             let mut points = [[infinity; 3]; VECTORS_AT_ONCE];
             let (mut nearest, mut nearest_far) = (infinity, infinity);
             for (k, point) in points.iter_mut().enumerate() {
-                let from = start + k * S::F64_LANES;
-                *point = [
-                    Lanes::load(simd, &targets.x, from) - infinity.all(center.x),
-                    Lanes::load(simd, &targets.y, from) - infinity.all(center.y),
-                    Lanes::load(simd, &targets.z, from) - infinity.all(center.z),
-                ];
+                let [x, y, z] = targets.points.load(simd, start + k * S::F64_LANES);
+                *point = [x - infinity.all(center.x), y - infinity.all(center.y), z - infinity.all(center.z)];
                 let squared = dot(point, point);
                 let is_near = squared.less(infinity.all(near_squared));
                 nearest = nearest.min(squared);
@@ -160,7 +155,7 @@ impl HalfSpaceColumn<'_> {
             let nearest = nearest.least();
             if nearest < near_squared {
                 for i in start..targets.rows.len().min(start + step) {
-                    if (targets.point(i) - center).norm_squared() < near_squared * (1.0 + 1e-12) {
+                    if (targets.points.at(i) - center).norm_squared() < near_squared * (1.0 + 1e-12) {
                         scratch.near.index.push(i as u32);
                     }
                 }
@@ -186,8 +181,7 @@ impl HalfSpaceColumn<'_> {
         for face in &scratch.faces {
             if let Some(allowed) = face.error_beyond_closed_form(reach, tolerance) {
                 for k in 0..near.index.len() {
-                    let point = Vector3::new(near.x[k], near.y[k], near.z[k]);
-                    let hats = hat_integrals_within(&point, &face.frame.vertices, allowed);
+                    let hats = hat_integrals_within(&near.points.at(k), &face.frame.vertices, allowed);
                     near.values[k] += amplitude * weighted(&face.density, &hats);
                 }
             } else {

@@ -63,7 +63,7 @@ impl<'a> KernelColumns<'a> {
     ) {
         let (layer, thickness) = self.layer.as_ref().expect("a layer");
         scratch.values.clear();
-        scratch.values.resize(targets.x.len(), 0.0);
+        scratch.values.resize(targets.points.len(), 0.0);
         layer.take_off_smooth(targets, inverse_thickness, scratch, thickness.at(vertex));
     }
 }

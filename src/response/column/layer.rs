@@ -234,7 +234,7 @@ impl Pairs<'_> {
     ) {
         let half_edge = scratch.half_edge();
         let ColumnScratch { near, values, faces, rule, thicknesses, series, .. } = scratch;
-        let distance = |place: u32| (targets.point(place as usize) - series.ball.center).norm();
+        let distance = |place: u32| (targets.points.at(place as usize) - series.ball.center).norm();
         near.index.sort_unstable_by(|&a, &b| distance(a).total_cmp(&distance(b)));
         near.gather(targets);
         gather(&near.index, self.inverse, thicknesses);
@@ -253,7 +253,7 @@ impl Pairs<'_> {
             let potential = SmoothPart { table, squared_inverse: inverse * inverse };
             let mut sum = inverse.all(0.0);
             for face in &faces {
-                sum = sum + face.along_edges(near.place(simd, i), rule, &potential);
+                sum = sum + face.along_edges(near.points.load(simd, i), rule, &potential);
             }
             // Ψ of r is h² times that of ρ
             (sum / inverse).store(&mut near.values, i);

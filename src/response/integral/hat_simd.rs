@@ -56,7 +56,7 @@ impl NearFace {
     pub(crate) fn add<S: Simd>(&self, simd: S, amplitude: f64, points: &mut Selection) {
         let amplitude = Lanes::splat(simd, amplitude);
         for first in (0..points.index.len()).step_by(S::F64_LANES) {
-            let value = self.at(points.place(simd, first));
+            let value = self.at(points.points.load(simd, first));
             let sum = amplitude.mul_add(value, Lanes::load(simd, &points.values, first));
             sum.store(&mut points.values, first);
         }
@@ -194,8 +194,8 @@ mod tests {
             for k in 0..3 {
                 let mut density = [0.0; 3];
                 density[k] = 1.0;
-                let [x, y, z] = [point.x, point.y, point.z].map(|c| vec![c]);
-                let mut here = Selection { index: vec![0], x, y, z, values: vec![0.0] };
+                let mut here = Selection { index: vec![0], values: vec![0.0], ..Selection::default() };
+                here.points.push(&point);
                 NearFace::new(&frame, density).add(pulp::Scalar, 1.0, &mut here);
                 let error = (here.values[0] / case.inverse[k] - 1.0).abs();
                 assert!(error < bound, "row {row}, corner {k}: {error:e}, bound {bound:e}");

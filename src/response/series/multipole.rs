@@ -121,7 +121,7 @@ impl MultipoleSeries {
         self.sums[..used].fill(0.0);
         let sums = S::as_mut_simd_f64s(&mut self.sums[..used]).0;
         let minus_beta = &tables().minus_beta;
-        for first in (0..loads.x.len()).step_by(VECTORS_AT_ONCE * S::F64_LANES) {
+        for first in (0..loads.points.len()).step_by(VECTORS_AT_ONCE * S::F64_LANES) {
             let zeros = [Lanes::splat(simd, 0.0); VECTORS_AT_ONCE];
             let (mut x, mut y, mut z, mut r2, mut re) = (zeros, zeros, zeros, zeros, zeros);
             for k in 0..VECTORS_AT_ONCE {

@@ -5,6 +5,7 @@ use pulp::Simd;
 
 use crate::response::integral::rule_lists::RuleLists;
 use crate::response::simd::lanes::{Lanes, dot};
+use crate::response::simd::points::Points;
 
 /// Vectors that one evaluation of a series takes at a time, to hide the latency of its sums.
 pub(crate) const VECTORS_AT_ONCE: usize = 2;
@@ -23,23 +24,18 @@ pub(crate) struct LoadBall {
 /// Point forces: places (m) and shares of the unit force, as many as fill whole vectors.
 #[derive(Debug, Default)]
 pub(crate) struct PointLoads {
-    pub(crate) x: Vec<f64>,
-    pub(crate) y: Vec<f64>,
-    pub(crate) z: Vec<f64>,
+    pub(crate) points: Points,
     pub(crate) share: Vec<f64>,
 }
 
 impl PointLoads {
     pub(crate) fn clear(&mut self) {
-        for list in [&mut self.x, &mut self.y, &mut self.z, &mut self.share] {
-            list.clear();
-        }
+        self.points.clear();
+        self.share.clear();
     }
 
     pub(crate) fn push(&mut self, place: &Vector3<f64>, share: f64) {
-        self.x.push(place.x);
-        self.y.push(place.y);
-        self.z.push(place.z);
+        self.points.push(place);
         self.share.push(share);
     }
 
@@ -50,13 +46,7 @@ impl PointLoads {
     pub(crate) fn spread(&mut self, corners: &[Vector3<f64>; 3], forces: &[f64; 3], rule: &RuleLists) {
         let (first, count) = (self.share.len(), rule.count);
         let [l0, l1, l2] = rule.shares.each_ref().map(|list| &list[..count]);
-        let [a, b, c] = corners;
-        for (axis, list) in [&mut self.x, &mut self.y, &mut self.z].into_iter().enumerate() {
-            list.resize(first + count, 0.0);
-            for (k, place) in list[first..].iter_mut().enumerate() {
-                *place = a[axis] * l0[k] + b[axis] * l1[k] + c[axis] * l2[k];
-            }
-        }
+        self.points.push_on_triangle(corners, [l0, l1, l2]);
         self.share.resize(first + count, 0.0);
         let weights = &rule.weights[..count];
         for (k, share) in self.share[first..].iter_mut().enumerate() {
@@ -66,12 +56,8 @@ impl PointLoads {
 
     /// Fills up to a multiple of `lanes` with loads of no share.
     pub(crate) fn pad(&mut self, lanes: usize) {
-        while let (Some(&x), Some(&y), Some(&z)) = (self.x.last(), self.y.last(), self.z.last()) {
-            if self.x.len().is_multiple_of(lanes) {
-                break;
-            }
-            self.push(&Vector3::new(x, y, z), 0.0);
-        }
+        self.points.pad(lanes);
+        self.share.resize(self.points.len(), 0.0);
     }
 
     /// The ball about the center of the loads that holds all `corners` (m).
@@ -79,7 +65,7 @@ impl PointLoads {
     pub(crate) fn ball<'a>(&self, corners: impl Iterator<Item = &'a Vector3<f64>>) -> LoadBall {
         let (mut sum, mut total) = (Vector3::zeros(), 0.0);
         for k in 0..self.share.len() {
-            sum += Vector3::new(self.x[k], self.y[k], self.z[k]) * self.share[k];
+            sum += self.points.at(k) * self.share[k];
             total += self.share[k];
         }
         let center = sum / total;
@@ -97,10 +83,11 @@ impl PointLoads {
     ) -> ([Lanes<S>; 3], Lanes<S>) {
         let share = Lanes::load(simd, &self.share, first);
         let inverse = share.all(1.0 / ball.radius);
+        let [x, y, z] = self.points.load(simd, first);
         let place = [
-            (Lanes::load(simd, &self.x, first) - share.all(ball.center.x)) * inverse,
-            (Lanes::load(simd, &self.y, first) - share.all(ball.center.y)) * inverse,
-            (Lanes::load(simd, &self.z, first) - share.all(ball.center.z)) * inverse,
+            (x - share.all(ball.center.x)) * inverse,
+            (y - share.all(ball.center.y)) * inverse,
+            (z - share.all(ball.center.z)) * inverse,
         ];
         (place, share)
     }
@@ -109,7 +96,7 @@ impl PointLoads {
     #[inline(always)]
     pub(crate) fn radial_means<S: Simd>(&self, simd: S, ball: &LoadBall, highest: usize) -> RadialMeans {
         let mut sums = [Lanes::splat(simd, 0.0); MOST_EVEN_POWERS];
-        for first in (0..self.x.len()).step_by(S::F64_LANES) {
+        for first in (0..self.points.len()).step_by(S::F64_LANES) {
             let (place, mut power) = self.vector(simd, ball, first);
             let squared = dot(&place, &place);
             for sum in &mut sums[..=highest] {

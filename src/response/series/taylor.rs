@@ -125,7 +125,7 @@ impl TaylorSeries {
         for (n, j) in pairs(D) {
             sums[STARTS[n][j]..][..monomials(n)].fill(simd.splat_f64s(0.0));
         }
-        for first in (0..loads.x.len()).step_by(S::F64_LANES) {
+        for first in (0..loads.points.len()).step_by(S::F64_LANES) {
             let (place, share) = loads.vector(simd, &ball, first);
             let place_alone = [[place[0]], [place[1]], [place[2]]];
             let squared = dot(&place, &place);
@@ -164,11 +164,10 @@ impl TaylorSeries {
     ) -> [[Lanes<S>; VECTORS_AT_ONCE]; 3] {
         let scale = Lanes::splat(simd, 1.0 / self.ball.radius);
         let mut place = [[scale; VECTORS_AT_ONCE]; 3];
-        let lists = [&targets.x, &targets.y, &targets.z];
         for (axis, place) in place.iter_mut().enumerate() {
             for (k, place) in place.iter_mut().enumerate() {
-                let list = Lanes::load(simd, lists[axis], first + k * S::F64_LANES);
-                *place = (list - scale.all(self.ball.center[axis])) * scale;
+                let at = targets.points.load(simd, first + k * S::F64_LANES);
+                *place = (at[axis] - scale.all(self.ball.center[axis])) * scale;
             }
         }
         place
@@ -227,10 +226,7 @@ mod tests {
         let point = Vector3::new(0.7, -0.4, 0.3);
         let gaussian = |squared: f64| (-0.5 * squared).exp();
         let exact: f64 = (0..POINTS_PER_BLOCK)
-            .map(|k| {
-                let y = Vector3::new(loads.x[k], loads.y[k], loads.z[k]);
-                loads.share[k] * gaussian((point - y).norm_squared())
-            })
+            .map(|k| loads.share[k] * gaussian((point - loads.points.at(k)).norm_squared()))
             .sum();
         let mut series = TaylorSeries::new();
         let radius = 0.5;
@@ -280,7 +276,8 @@ mod tests {
         let ball = LoadBall { center: Vector3::zeros(), radius: 1.0 };
         let means = TaylorSeries::means(pulp::Scalar, &loads, &ball);
         for n in 0..=MAX_DEGREE + 2 {
-            let mean: f64 = loads.x.iter().map(|x| x.powi(n as i32) / POINTS_PER_BLOCK as f64).sum();
+            let power = |k: usize| loads.points.at(k).x.powi(n as i32) / POINTS_PER_BLOCK as f64;
+            let mean: f64 = (0..POINTS_PER_BLOCK).map(power).sum();
             assert!(means.at(n) >= mean * (1.0 - 1e-14) && means.at(n) < 1.25 * mean, "{n}");
         }
     }

@@ -1,4 +1,4 @@
-//! The points at which a column is evaluated, laid out for vector code.
+//! Points laid out for vector code: those at which a column is evaluated, and some of them.
 
 use nalgebra::Vector3;
 use pulp::Simd;
@@ -6,16 +6,71 @@ use pulp::Simd;
 use crate::geometry::bounds::Bounds;
 use crate::response::simd::lanes::Lanes;
 
-/// Coordinates in separate lists, in an order that keeps neighbours together (a Z-order curve) so that points
+/// Points (m), a list for each coordinate.
+#[derive(Debug, Default)]
+pub(crate) struct Points([Vec<f64>; 3]);
+
+impl Points {
+    pub(crate) fn len(&self) -> usize {
+        self.0[0].len()
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.0.iter_mut().for_each(Vec::clear);
+    }
+
+    pub(crate) fn push(&mut self, point: &Vector3<f64>) {
+        self.0.iter_mut().zip(point.iter()).for_each(|(list, &coordinate)| list.push(coordinate));
+    }
+
+    /// Adds points of a triangle by their shares of its corners, a list for each corner.
+    #[inline(always)]
+    pub(crate) fn push_on_triangle(&mut self, [a, b, c]: &[Vector3<f64>; 3], [l0, l1, l2]: [&[f64]; 3]) {
+        let (first, count) = (self.len(), l0.len());
+        let (l1, l2) = (&l1[..count], &l2[..count]);
+        for (axis, list) in self.0.iter_mut().enumerate() {
+            list.resize(first + count, 0.0);
+            for (k, place) in list[first..].iter_mut().enumerate() {
+                *place = a[axis] * l0[k] + b[axis] * l1[k] + c[axis] * l2[k];
+            }
+        }
+    }
+
+    /// Repeats the last point up to a multiple of `lanes`.
+    pub(crate) fn pad(&mut self, lanes: usize) {
+        let padded = self.len().next_multiple_of(lanes);
+        for list in &mut self.0 {
+            if let Some(&last) = list.last() {
+                list.resize(padded, last);
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(&self, place: usize) -> Vector3<f64> {
+        Vector3::new(self.0[0][place], self.0[1][place], self.0[2][place])
+    }
+
+    /// The points from `first` on.
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S, first: usize) -> [Lanes<S>; 3] {
+        [
+            Lanes::load(simd, &self.0[0], first),
+            Lanes::load(simd, &self.0[1], first),
+            Lanes::load(simd, &self.0[2], first),
+        ]
+    }
+}
+
+/// The points at which a column is evaluated, in an order that keeps neighbours together (a Z-order curve) so that those
 /// of a vector lie at similar distances from any load.
 #[derive(Debug, Default)]
 pub(crate) struct Targets {
-    pub(crate) x: Vec<f64>,
-    pub(crate) y: Vec<f64>,
-    pub(crate) z: Vec<f64>,
-    /// Row of each point in the matrix; shorter than the coordinates, which are padded by repeating the last.
+    /// Padded to whole blocks.
+    pub(crate) points: Points,
+    /// Row of each point in the matrix, but for the padding.
     pub(crate) rows: Vec<u32>,
-    /// Place of each row in the coordinates, of targets by [`Targets::new`].
+    /// Place of each row among the points, of targets by [`Targets::new`].
     places: Vec<u32>,
     /// A box around the points, where one is known.
     around: Option<Bounds>,
@@ -36,15 +91,12 @@ impl Targets {
         keyed.sort_unstable();
         let mut targets = Self::default();
         for (_, row) in keyed {
-            let point = &points[row as usize];
             targets.rows.push(row);
-            targets.x.push(point.x);
-            targets.y.push(point.y);
-            targets.z.push(point.z);
+            targets.points.push(&points[row as usize]);
         }
         targets.places = vec![0; points.len()];
         targets.rows.iter().zip(0..).for_each(|(&row, place)| targets.places[row as usize] = place);
-        targets.pad();
+        targets.points.pad(POINTS_PER_BLOCK);
         targets.around = Some(Bounds { low, high });
         targets
     }
@@ -55,39 +107,18 @@ impl Targets {
         self.around.as_ref().map_or(f64::INFINITY, farthest)
     }
 
-    /// Empties the lists, to be filled by [`Targets::push_on_triangle`] in place of [`Targets::new`].
+    /// Leaves no target, to be filled by [`Targets::push_on_triangle`] in place of [`Targets::new`], and padded.
     pub(crate) fn clear(&mut self) {
-        for list in [&mut self.x, &mut self.y, &mut self.z] {
-            list.clear();
-        }
+        self.points.clear();
         self.rows.clear();
         self.around = None;
     }
 
     /// Adds points of a triangle by their shares of its corners, one list a corner.
     pub(crate) fn push_on_triangle(&mut self, corners: &[Vector3<f64>; 3], shares: [&[f64]; 3]) {
-        let [a, b, c] = corners;
-        for (axis, list) in [&mut self.x, &mut self.y, &mut self.z].into_iter().enumerate() {
-            let places = shares[0].iter().zip(shares[1]).zip(shares[2]);
-            list.extend(places.map(|((l0, l1), l2)| l0 * a[axis] + l1 * b[axis] + l2 * c[axis]));
-        }
+        self.points.push_on_triangle(corners, shares);
         let first = self.rows.len() as u32;
-        self.rows.extend(first..self.x.len() as u32);
-    }
-
-    /// Fills up to whole blocks.
-    pub(crate) fn pad(&mut self) {
-        let padded = self.rows.len().next_multiple_of(POINTS_PER_BLOCK);
-        for list in [&mut self.x, &mut self.y, &mut self.z] {
-            if let Some(&last) = list.last() {
-                list.resize(padded, last);
-            }
-        }
-    }
-
-    /// A target, by its place in the lists.
-    pub(crate) fn point(&self, place: usize) -> Vector3<f64> {
-        Vector3::new(self.x[place], self.y[place], self.z[place])
+        self.rows.extend(first..self.points.len() as u32);
     }
 
     /// Copies the values of a column, in the order of the points, to their rows: these one after another, as they are not in
@@ -102,34 +133,22 @@ impl Targets {
 /// Some of the targets, gathered for vector code.
 #[derive(Debug, Default)]
 pub(crate) struct Selection {
-    /// Places in the lists of [`Targets`]; shorter than the coordinates, which are padded to whole blocks.
+    /// Places among [`Targets`].
     pub(crate) index: Vec<u32>,
-    pub(crate) x: Vec<f64>,
-    pub(crate) y: Vec<f64>,
-    pub(crate) z: Vec<f64>,
+    /// Padded to whole blocks.
+    pub(crate) points: Points,
     /// A value for each, 0 after [`Selection::gather`].
     pub(crate) values: Vec<f64>,
 }
 
 impl Selection {
-    /// Copies the coordinates of the targets in `index`.
+    /// Copies the targets in `index`.
     pub(crate) fn gather(&mut self, targets: &Targets) {
-        for (list, from) in [(&mut self.x, &targets.x), (&mut self.y, &targets.y), (&mut self.z, &targets.z)]
-        {
+        for (list, from) in self.points.0.iter_mut().zip(&targets.points.0) {
             gather(&self.index, from, list);
         }
         self.values.clear();
-        self.values.resize(self.x.len(), 0.0);
-    }
-
-    /// Coordinates from the given one on.
-    #[inline(always)]
-    pub(crate) fn place<S: Simd>(&self, simd: S, first: usize) -> [Lanes<S>; 3] {
-        [
-            Lanes::load(simd, &self.x, first),
-            Lanes::load(simd, &self.y, first),
-            Lanes::load(simd, &self.z, first),
-        ]
+        self.values.resize(self.points.len(), 0.0);
     }
 }
 

@@ -291,10 +291,10 @@ impl<'a> GalerkinColumns<'a> {
                 used.push((index, rule, range));
             }
         }
-        targets.pad();
+        targets.points.pad(POINTS_PER_BLOCK);
         if layer.is_some() {
             let list = &mut inverse_thickness.of_targets;
-            list.resize(targets.x.len(), 1.0 / own_thickness);
+            list.resize(targets.points.len(), 1.0 / own_thickness);
             inverse_thickness.largest = list.iter().copied().fold(0.0, f64::max);
         }
     }
