@@ -5,7 +5,7 @@ use crate::response::column::half_space::{ColumnScratch, half_space_values, mome
 use crate::response::column::layer::PreparedLayer;
 use crate::response::column::load::loaded_faces;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
-use crate::response::kernel::thickness::{InverseThickness, Thickness};
+use crate::response::kernel::thickness::Thickness;
 use crate::response::simd::points::Targets;
 use crate::surface::checked::Surface;
 
@@ -27,21 +27,13 @@ impl<'a> KernelColumns<'a> {
     }
 
     /// Sets `scratch.values` to the displacement (m) of the targets per newton at `vertex`.
-    ///
-    /// * `inverse_thickness`: of the targets of a layer
-    pub(crate) fn fill(
-        &self,
-        scratch: &mut ColumnScratch,
-        targets: &Targets,
-        inverse_thickness: &InverseThickness,
-        vertex: usize,
-    ) {
+    pub(crate) fn fill(&self, scratch: &mut ColumnScratch, targets: &Targets, vertex: usize) {
         let (constant, tolerance) = (self.skin.kernel_constant(), self.tolerance);
         scratch.faces.clear();
         loaded_faces(self.surface, vertex, self.skin.basis(), &mut scratch.faces);
         match (&self.layer, self.skin.kernel()) {
             (Some((layer, thickness)), _) => {
-                layer.values(targets, inverse_thickness, scratch, thickness.at(vertex));
+                layer.values(targets, scratch, thickness.at(vertex));
             }
             (None, &Kernel::GaussianCorrected { height, width, cutoff }) => {
                 Corrected { constant, height, cutoff, width }.values(targets, scratch, tolerance);
@@ -54,16 +46,10 @@ impl<'a> KernelColumns<'a> {
     }
 
     /// [`fill`](Self::fill) of the smooth part of a layer's kernel alone, after that for the same vertex.
-    pub(crate) fn fill_smooth(
-        &self,
-        scratch: &mut ColumnScratch,
-        targets: &Targets,
-        inverse_thickness: &InverseThickness,
-        vertex: usize,
-    ) {
+    pub(crate) fn fill_smooth(&self, scratch: &mut ColumnScratch, targets: &Targets, vertex: usize) {
         let (layer, thickness) = self.layer.as_ref().expect("a layer");
         scratch.values.clear();
         scratch.values.resize(targets.points.len(), 0.0);
-        layer.take_off_smooth(targets, inverse_thickness, scratch, thickness.at(vertex));
+        layer.take_off_smooth(targets, scratch, thickness.at(vertex));
     }
 }

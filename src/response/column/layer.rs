@@ -14,7 +14,6 @@ use crate::response::integral::hat_simd::NearFace;
 use crate::response::kernel::layer::LayerKernel;
 use crate::response::kernel::layer_table::{LayerTable, SINGULARITY};
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::kernel::thickness::InverseThickness;
 use crate::response::series::point_loads::VECTORS_AT_ONCE;
 use crate::response::series::taylor::{DEGREES, TaylorSeries};
 use crate::response::simd::lanes::{Lanes, dot};
@@ -54,38 +53,19 @@ impl PreparedLayer {
 
     /// Sets `scratch.values` to the displacement of all targets by the load on `scratch.faces`.
     ///
-    /// * `inverse_thickness`: of the targets, in their order
     /// * `own_thickness`: at the loaded node (m)
-    pub(crate) fn values(
-        &self,
-        targets: &Targets,
-        inverse_thickness: &InverseThickness,
-        scratch: &mut ColumnScratch,
-        own_thickness: f64,
-    ) {
+    pub(crate) fn values(&self, targets: &Targets, scratch: &mut ColumnScratch, own_thickness: f64) {
         let tolerance = SINGULAR_SHARE * self.tolerance;
         // The means that tell how far the layer's series reaches have higher degrees.
         let points = moment_points(tolerance) + 1;
         half_space_values(targets, scratch, self.constant, tolerance, self.reach * own_thickness, points);
-        self.take_off_smooth(targets, inverse_thickness, scratch, own_thickness);
+        self.take_off_smooth(targets, scratch, own_thickness);
     }
 
     /// Takes the smooth part off `scratch.values`; the load is that of the half-space's values before.
-    pub(crate) fn take_off_smooth(
-        &self,
-        targets: &Targets,
-        inverse_thickness: &InverseThickness,
-        scratch: &mut ColumnScratch,
-        own_thickness: f64,
-    ) {
+    pub(crate) fn take_off_smooth(&self, targets: &Targets, scratch: &mut ColumnScratch, own_thickness: f64) {
         let own_inverse = 1.0 / own_thickness;
-        pulp::Arch::new().dispatch(LayerColumn {
-            layer: self,
-            targets,
-            inverse_thickness,
-            own_inverse,
-            scratch,
-        });
+        pulp::Arch::new().dispatch(LayerColumn { layer: self, targets, own_inverse, scratch });
     }
 }
 
@@ -93,7 +73,6 @@ impl PreparedLayer {
 struct LayerColumn<'a> {
     layer: &'a PreparedLayer,
     targets: &'a Targets,
-    inverse_thickness: &'a InverseThickness,
     /// 1/thickness at the loaded node (1/m).
     own_inverse: f64,
     scratch: &'a mut ColumnScratch,
@@ -104,8 +83,8 @@ impl WithSimd for LayerColumn<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { layer, targets, inverse_thickness, own_inverse, scratch } = self;
-        let (ball, thinnest) = (scratch.multipoles.ball, inverse_thickness.largest.max(own_inverse));
+        let Self { layer, targets, own_inverse, scratch } = self;
+        let (ball, thinnest) = (scratch.multipoles.ball, targets.largest_inverse.max(own_inverse));
         let means = TaylorSeries::means(simd, &scratch.loads, &ball);
         let allowed = (1.0 - SINGULAR_SHARE) * layer.tolerance;
         let ladder = layer.kernel.table.ladder(&means, ball.radius * thinnest, allowed);
@@ -116,10 +95,10 @@ impl WithSimd for LayerColumn<'_> {
             2 => scratch.fill_series::<S, 7, 36>(simd),
             _ => scratch.fill_series::<S, 9, 55>(simd),
         }
-        let pairs = Pairs { layer, inverse: &inverse_thickness.of_targets, own_inverse };
-        pairs.take_off_series(simd, targets, scratch, &ladder[..=highest]);
+        let pairs = Pairs { layer, targets, own_inverse };
+        pairs.take_off_series(simd, scratch, &ladder[..=highest]);
         if !scratch.near.index.is_empty() {
-            pairs.take_off_near(simd, targets, scratch, thinnest, allowed);
+            pairs.take_off_near(simd, scratch, thinnest, allowed);
         }
     }
 }
@@ -127,8 +106,7 @@ impl WithSimd for LayerColumn<'_> {
 /// The targets of a layer, each with the loaded node.
 struct Pairs<'a> {
     layer: &'a PreparedLayer,
-    /// 1/thickness of each target (1/m).
-    inverse: &'a [f64],
+    targets: &'a Targets,
     /// 1/thickness at the loaded node (1/m).
     own_inverse: f64,
 }
@@ -146,13 +124,8 @@ impl Pairs<'_> {
     ///
     /// * `ladder`: the v from which on each of [`DEGREES`] holds
     #[inline(always)]
-    fn take_off_series<S: Simd>(
-        &self,
-        simd: S,
-        targets: &Targets,
-        scratch: &mut ColumnScratch,
-        ladder: &[f64],
-    ) {
+    fn take_off_series<S: Simd>(&self, simd: S, scratch: &mut ColumnScratch, ladder: &[f64]) {
+        let targets = self.targets;
         let ColumnScratch { series, values, near, .. } = scratch;
         near.index.clear();
         let (zero, far_from) = (Lanes::splat(simd, 0.0), ladder[ladder.len() - 1]);
@@ -164,7 +137,7 @@ impl Pairs<'_> {
             let (mut nearest, mut nearest_far, mut beyond) =
                 (zero.all(f64::INFINITY), zero.all(f64::INFINITY), zero.all(f64::INFINITY));
             for k in 0..VECTORS_AT_ONCE {
-                let inverse = self.inverse(simd, self.inverse, start + k * S::F64_LANES);
+                let inverse = self.inverse(simd, &targets.inverse_thickness, start + k * S::F64_LANES);
                 let thinness = inverse * zero.all(series.ball.radius);
                 let reach = thinness + zero.all(self.layer.reach);
                 amplitude[k] = inverse * zero.all(self.layer.constant);
@@ -224,20 +197,13 @@ impl Pairs<'_> {
     /// * `thinnest`: the largest 1/thickness of all pairs (1/m)
     /// * `allowed`: error of φ relative to 1/ρ
     #[inline(always)]
-    fn take_off_near<S: Simd>(
-        &self,
-        simd: S,
-        targets: &Targets,
-        scratch: &mut ColumnScratch,
-        thinnest: f64,
-        allowed: f64,
-    ) {
-        let half_edge = scratch.half_edge();
+    fn take_off_near<S: Simd>(&self, simd: S, scratch: &mut ColumnScratch, thinnest: f64, allowed: f64) {
+        let (targets, half_edge) = (self.targets, scratch.half_edge());
         let ColumnScratch { near, values, faces, rule, thicknesses, series, .. } = scratch;
         let distance = |place: u32| (targets.points.at(place as usize) - series.ball.center).norm();
         near.index.sort_unstable_by(|&a, &b| distance(a).total_cmp(&distance(b)));
         near.gather(targets);
-        gather(&near.index, self.inverse, thicknesses);
+        gather(&near.index, &targets.inverse_thickness, thicknesses);
         let faces: Vec<NearFace> =
             faces.iter().map(|face| NearFace::new(&face.frame, face.density)).collect();
         for i in (0..near.index.len()).step_by(S::F64_LANES) {

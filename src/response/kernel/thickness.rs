@@ -61,12 +61,3 @@ impl From<f64> for Thickness {
         Self::Uniform(thickness)
     }
 }
-
-/// 1/thickness of some points (1/m).
-#[derive(Debug, Default)]
-pub(crate) struct InverseThickness {
-    /// Of each point, padded as the points are.
-    pub(crate) of_targets: Vec<f64>,
-    /// The largest.
-    pub(crate) largest: f64,
-}

@@ -8,7 +8,6 @@ use crate::response::column::kernel::KernelColumns;
 use crate::response::error::ResponseError;
 use crate::response::kernel::basis::Discretization;
 use crate::response::kernel::skin::KernelSkin;
-use crate::response::kernel::thickness::InverseThickness;
 use crate::response::matrix::fill::{fill_items, filled_columns};
 use crate::response::matrix::galerkin::block::galerkin_block;
 use crate::response::matrix::options::{AssemblyOptions, check_memory};
@@ -105,7 +104,6 @@ fn check(
 struct AtRows<'a> {
     kernel: KernelColumns<'a>,
     targets: Targets,
-    inverse_thickness: InverseThickness,
 }
 
 impl<'a> AtRows<'a> {
@@ -115,19 +113,18 @@ impl<'a> AtRows<'a> {
             Some((_, thickness)) => displacement_point(surface, v, thickness.at(v)),
             None => surface.vertices()[v],
         };
-        let targets = Targets::new(&rows.iter().map(point).collect::<Vec<_>>());
-        let mut inverse_thickness = InverseThickness::default();
+        let mut targets = Targets::new(&rows.iter().map(point).collect::<Vec<_>>());
         if let Some((_, thickness)) = &kernel.layer {
             let of_rows: Vec<f64> = rows.iter().map(|&v| 1.0 / thickness.at(v)).collect();
-            gather(&targets.rows, &of_rows, &mut inverse_thickness.of_targets);
-            inverse_thickness.largest = of_rows.into_iter().fold(0.0, f64::max);
+            gather(&targets.rows, &of_rows, &mut targets.inverse_thickness);
+            targets.largest_inverse = of_rows.into_iter().fold(0.0, f64::max);
         }
-        Self { kernel, targets, inverse_thickness }
+        Self { kernel, targets }
     }
 
     /// Sets a column to the displacement (m) of all rows per newton at a vertex.
     fn fill(&self, scratch: &mut ColumnScratch, vertex: usize, column: &mut [f64]) {
-        self.kernel.fill(scratch, &self.targets, &self.inverse_thickness, vertex);
+        self.kernel.fill(scratch, &self.targets, vertex);
         self.targets.in_rows(&scratch.values, column);
     }
 }

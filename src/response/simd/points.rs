@@ -74,6 +74,9 @@ pub(crate) struct Targets {
     places: Vec<u32>,
     /// A box around the points, where one is known.
     around: Option<Bounds>,
+    /// On a layer: 1/thickness of each point (1/m), padded as they are, and the largest of these.
+    pub(crate) inverse_thickness: Vec<f64>,
+    pub(crate) largest_inverse: f64,
 }
 
 /// Points in a vector block, a multiple of every vector length.
@@ -111,6 +114,7 @@ impl Targets {
     pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.rows.clear();
+        self.inverse_thickness.clear();
         self.around = None;
     }
 

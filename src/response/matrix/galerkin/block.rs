@@ -11,7 +11,7 @@ use crate::response::error::ResponseError;
 use crate::response::integral::rule_lists::RuleLists;
 use crate::response::kernel::basis::PressureBasis;
 use crate::response::kernel::skin::{Kernel, KernelSkin};
-use crate::response::kernel::thickness::{InverseThickness, Thickness};
+use crate::response::kernel::thickness::Thickness;
 use crate::response::matrix::fill::filled_columns;
 use crate::response::matrix::galerkin::hat_pairs::LoadMoments;
 use crate::response::matrix::galerkin::near_faces::{NearFaces, NodeFace};
@@ -25,8 +25,6 @@ use crate::surface::checked::Surface;
 struct Outer<'a> {
     scratch: ColumnScratch,
     targets: Targets,
-    /// 1/thickness of the targets of a layer (1/m).
-    inverse_thickness: InverseThickness,
     /// Faces used in this column with their rule and the corners that they are used for.
     used: Vec<(u32, &'a RuleLists, Range<usize>)>,
     /// Whether each row is to be found face by face in this column.
@@ -120,7 +118,6 @@ pub(crate) fn galerkin_block(
     let outer = || Outer {
         scratch: ColumnScratch::new(&Targets::default()),
         targets: Targets::default(),
-        inverse_thickness: InverseThickness::default(),
         used: Vec::new(),
         is_due: vec![false; rows.len()],
         faces: Vec::new(),
@@ -188,13 +185,11 @@ impl<'a> GalerkinColumns<'a> {
         self.fill_far(outer, j, column);
         self.note_near(outer, j);
         self.place_points(outer, j, ColumnFaces::Far);
-        let Outer { scratch, targets, inverse_thickness, .. } = outer;
-        self.kernel.fill(scratch, targets, inverse_thickness, vertex);
+        self.kernel.fill(&mut outer.scratch, &outer.targets, vertex);
         self.add_up(outer, column);
         if self.kernel.layer.is_some() {
             self.place_points(outer, j, ColumnFaces::NearSmooth);
-            let Outer { scratch, targets, inverse_thickness, .. } = outer;
-            self.kernel.fill_smooth(scratch, targets, inverse_thickness, vertex);
+            self.kernel.fill_smooth(&mut outer.scratch, &outer.targets, vertex);
             self.add_up(outer, column);
         }
         self.add_near(outer, j, column);
@@ -253,7 +248,7 @@ impl<'a> GalerkinColumns<'a> {
 
     /// Sets the targets to the points of the outer rule on the faces of one part whose rows are due in column `j`.
     fn place_points(&self, outer: &mut Outer<'a>, j: usize, part: ColumnFaces) {
-        let Outer { targets, inverse_thickness, used, faces, near_in, .. } = outer;
+        let Outer { targets, used, faces, near_in, .. } = outer;
         let vertex = self.columns[j];
         let center = self.surface.vertices()[vertex];
         let radius = self.surface.longest_edge(vertex);
@@ -263,7 +258,6 @@ impl<'a> GalerkinColumns<'a> {
         // Where the thickness varies, each pair of nodes has its own.
         let together = if matches!(layer, Some((_, Thickness::PerVertex(_)))) { 1 } else { 3 };
         targets.clear();
-        inverse_thickness.of_targets.clear();
         used.clear();
         for &index in &*faces {
             let face = &self.faces[index as usize];
@@ -286,16 +280,16 @@ impl<'a> GalerkinColumns<'a> {
                 targets
                     .push_on_triangle(&face.corners, rule.shares.each_ref().map(|list| &list[..rule.count]));
                 if layer.is_some() {
-                    inverse_thickness.of_targets.extend(std::iter::repeat_n(1.0 / other, rule.count));
+                    targets.inverse_thickness.extend(std::iter::repeat_n(1.0 / other, rule.count));
                 }
                 used.push((index, rule, range));
             }
         }
         targets.points.pad(POINTS_PER_BLOCK);
         if layer.is_some() {
-            let list = &mut inverse_thickness.of_targets;
+            let list = &mut targets.inverse_thickness;
             list.resize(targets.points.len(), 1.0 / own_thickness);
-            inverse_thickness.largest = list.iter().copied().fold(0.0, f64::max);
+            targets.largest_inverse = list.iter().copied().fold(0.0, f64::max);
         }
     }
 
