@@ -15,7 +15,7 @@ import numpy as np
 from .. import _core
 from .._frozen import Frozen
 from ..models.fingers import REFERENCE_BREADTH
-from ..models.loft import loft
+from ..models.loft import joined, loft
 from ..models.phalanges import JOINT_GAP, LENGTHS, SECTIONS
 from ..obstacle import Obstacle
 from .regions import metacarpal_base
@@ -149,24 +149,13 @@ def fitted(bones: Iterable[Bone], surface: Surface) -> tuple[Bone, ...]:
     return tuple(fitting)
 
 
-def joined(bones: Sequence[Bone]) -> tuple[Floats, Indices]:
-    """Return vertices (m) and faces of all bones, one after the other."""
-    firsts = np.cumsum([0, *(len(bone.vertices) for bone in bones[:-1])])
-    faces = [bone.faces + first for bone, first in zip(bones, firsts, strict=True)]
-    return np.concatenate([bone.vertices for bone in bones]), np.concatenate(faces)
-
-
 def _crossing(bones: Sequence[Bone], surface: Surface) -> set[int]:
     """Return which bones cross another or the skin."""
     if not bones:
         return set()
-    vertices, faces = joined(bones)
-    counts = [len(surface.faces), *(len(bone.faces) for bone in bones)]
-    of_face = np.repeat(np.arange(-1, len(bones)), counts)
-    crossing = _core.find_crossings(
-        np.concatenate([surface.vertices, vertices]),
-        np.concatenate([surface.faces, faces + len(surface.vertices)]),
-    )
+    meshes = [(surface.vertices, surface.faces), *((bone.vertices, bone.faces) for bone in bones)]
+    of_face = np.repeat(np.arange(-1, len(bones)), [len(faces) for _, faces in meshes])
+    crossing = _core.find_crossings(*joined(meshes))
     return set(of_face[crossing].ravel().tolist()) - {-1}
 
 

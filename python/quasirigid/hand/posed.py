@@ -12,10 +12,11 @@ from .. import _core
 from .._check import as_integer_or_none, as_nodes, as_path
 from .._frozen import Frozen, ReadOnlyDict
 from ..errors import HandError, ResponseError
+from ..models.loft import joined
 from ..skin import Body, Skin
 from ..skin.progress import as_progress
 from ..surface import Surface
-from .bones import fitted, joined
+from .bones import fitted
 from .grasp.crossings import crossing_parts, in_words
 from .kept import kept
 from .regions import digit_of_vertices
@@ -135,7 +136,7 @@ class PosedHand(Frozen):
         if not self._bones:
             length = f"{self.hand.length:.4g} m long from wrist to middle tip"
             raise HandError(f"no bone fits into this skin, {length}: check the unit")
-        return Surface(*joined(self._bones))
+        return Surface(*joined([(bone.vertices, bone.faces) for bone in self._bones]))
 
     @property
     def bone_shares(self) -> Mapping[str, float]:

@@ -15,6 +15,7 @@ from ..obstacle import Obstacle
 from ..scene import as_surface
 from ..skin.cut_out import CutOut
 from ..surface import Surface, skin_without_caps
+from .loft import joined
 from .phalanges import LENGTHS, Frame, Phalanx, as_text, lengths_between, phalanges_in
 
 __all__ = ["bone_of"]
@@ -157,12 +158,7 @@ def _meshed(phalanges: list[Phalanx], element_size: float | None) -> Surface:
                 f"{coarsest:.1e} m (a quarter of the distal phalanx)"
             )
     meshes = [bone.mesh(element_size * _COARSER[bone.number]) for bone in phalanges]
-    starts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
-    bone = Surface(
-        np.concatenate([vertices for vertices, _ in meshes]),
-        np.concatenate([faces + start for (_, faces), start in zip(meshes, starts[:-1], strict=True)]),
-    )
-    return bone
+    return Surface(*joined(meshes))
 
 
 def _find_frame(

@@ -1,8 +1,8 @@
-"""Closed meshes from a stack of rings: the mesher behind the built-in fingers and round products."""
+"""Closed meshes from a stack of rings, as built-in fingers and round products are, and several joined."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -99,6 +99,14 @@ def loft(rings: list[Floats], first_pole: Floats, last_pole: Floats) -> tuple[Fl
         faces.append(strip_faces + starts[row])
     faces.append(_fan(len(vertices) - 1, int(starts[-2]), int(sizes[-1])))
     return vertices, np.concatenate(faces)
+
+
+def joined(meshes: Sequence[tuple[Floats, Indices]]) -> tuple[Floats, Indices]:
+    """Return vertices and faces of several meshes as one mesh, one after the other."""
+    counts = [len(vertices) for vertices, _ in meshes]
+    firsts = np.cumsum([0, *counts[:-1]])
+    faces = [own + first for (_, own), first in zip(meshes, firsts, strict=True)]
+    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces)
 
 
 def _fan(pole: int, start: int, size: int) -> Indices:

@@ -11,6 +11,7 @@ from .._check import as_kind
 from .._units import KPA, MM
 from ..contact.ending import ContactStatus
 from ..hand import Grasp
+from ..models.loft import joined
 from .figures import headline
 from .outline import contact_side
 from .shading import SKIN, lit_skin
@@ -105,11 +106,9 @@ def _picture(
 
     base = np.broadcast_to(SKIN, vertices.shape)
     if product is not None:
-        points, triangles = product
-        faces = np.vstack([faces, triangles + len(vertices)])
-        vertices = np.vstack([vertices, points])
-        base = np.vstack([base, np.broadcast_to(to_rgb(PRODUCT), points.shape)])
-        nothing = np.zeros(len(points))
+        vertices, faces = joined([(vertices, faces), product])
+        base = np.vstack([base, np.broadcast_to(to_rgb(PRODUCT), product[0].shape)])
+        nothing = np.zeros(len(product[0]))
         values, inside = np.append(values, nothing), np.append(inside, nothing)
     return lit_skin(vertices * MM, faces, view, values, inside, pressure_colors(), window, _PIXELS, base=base)
 
