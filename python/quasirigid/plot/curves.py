@@ -9,7 +9,7 @@ import numpy as np
 from .._check import as_kind
 from .._units import MM
 from ..contact.swept import Sweep
-from .style import AFTER, BEFORE, INK, new_figure, plain_numbers
+from .style import AFTER, BEFORE, INK, label_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,11 +51,7 @@ def sweep_figure(sweep: Sweep) -> Figure:
         ax.errorbar(
             sweep.depth[order] * MM, values[order], bars, color=color, marker="o", markersize=4, capsize=2
         )
-        ax.set_xlabel("depth (mm)", color=INK)
-        ax.set_ylabel(label, color=INK)
         ax.set_xlim(left=0.0)
         ax.set_ylim(bottom=0.0)
-        ax.tick_params(colors=INK)
-        plain_numbers(ax)
-        ax.spines[["top", "right"]].set_visible(False)
+        label_axes(ax, "depth (mm)", label)
     return figure

@@ -10,7 +10,7 @@ from .._check import as_number
 from .._units import KPA, MM
 from ..contact.result import ContactError
 from .outline import contact_side
-from .style import FAINT, INK, axes_or_new, color_bar, plain_numbers, pressure_colors, round_steps
+from .style import FAINT, INK, axes_or_new, color_bar, label_axes, pressure_colors, round_steps
 from .view import View, view_of
 
 if TYPE_CHECKING:
@@ -62,7 +62,10 @@ def plot_footprint(
 
     top = None if top is None else as_number("top", top, ContactError)
     view = view_of(contact, view)
-    ax = _plane_axes(axes_or_new(ax, (6.4, 5.4)))
+    ax = axes_or_new(ax, (6.4, 5.4))
+    ax.set_aspect("equal")
+    label_axes(ax, "across (mm)", "along (mm)")
+    ax.tick_params(labelsize=8.5)
     pressure = np.nan_to_num(contact.pressure) * KPA
     if not pressure.max() > 0.0:
         return _note(ax, 0.5, "no pressure")
@@ -85,18 +88,6 @@ def plot_footprint(
     _note(ax, 0.97, _unseen(contact, seen))
     if with_color_bar:
         color_bar(ax, pressure_colors(), top, "pressure (kPa)", beside=True)
-    return ax
-
-
-def _plane_axes(ax: Axes) -> Axes:
-    """Return the axes with labels in mm, without the frame above and to the right."""
-    ax.set_aspect("equal")
-    for spine in ("top", "right"):
-        ax.spines[spine].set_visible(False)
-    ax.set_xlabel("across (mm)", color=INK)
-    ax.set_ylabel("along (mm)", color=INK)
-    ax.tick_params(labelsize=8.5, colors=INK)
-    plain_numbers(ax)
     return ax
 
 

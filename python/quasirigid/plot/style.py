@@ -118,6 +118,15 @@ def color_bar(
     outline.set_visible(False)
 
 
+def label_axes(ax: Axes, across: str, up: str) -> None:
+    """Name the axes, without the frame above and to the right."""
+    ax.set_xlabel(across, color=INK)
+    ax.set_ylabel(up, color=INK)
+    ax.tick_params(colors=INK)
+    ax.spines[["top", "right"]].set_visible(False)
+    plain_numbers(ax)
+
+
 def plain_numbers(ax: Axes) -> None:
     """Write each number in full, as in 2e-10: a power of ten apart would lie on the axis' label."""
     for axis in (ax.xaxis, ax.yaxis):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ...plot.style import AFTER, BEFORE, FAINT, INK, new_figure
+from ...plot.style import AFTER, BEFORE, FAINT, INK, label_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,12 +42,7 @@ def accuracy_figure(rows: Sequence[Row]) -> Figure:
             curves.setdefault(_label(row), []).append(row)
     for ax, (error, label) in zip(figure.subplots(1, 2, sharex=True), _FIGURES.items(), strict=True):
         _draw(ax, curves, error)
-        ax.set_xlabel("time of a contact (ms)", color=INK)
-        ax.set_ylabel(label, color=INK)
-        ax.tick_params(colors=INK)
-        ax.spines[["top", "right"]].set_visible(False)
-        for axis in (ax.xaxis, ax.yaxis):
-            axis.set_major_formatter("{x:g}")
+        label_axes(ax, "time of a contact (ms)", label)
         if error == "force_error":
             ax.legend(frameon=False, fontsize=7.5)
     return figure
