@@ -185,12 +185,12 @@ class Skin:
         nodes: ArrayLike,
         *,
         coarse_edge_length: float | None,
+        discretization: str | None,
         bone_pressure: bool,
         num_threads: int | None,
         memory_limit: int | None,
         progress: Callable[[str, float], None] | None,
     ) -> Skin: ...
-    def with_discretization(self, discretization: str | None) -> Skin: ...
     @staticmethod
     def combined(
         surface: Surface, background: Skin, parts: Sequence[tuple[str, Skin, list[int], ArrayLike]]
@@ -423,6 +423,7 @@ def restore_body(
     displacement: ArrayLike,
     rotation: ArrayLike,
     *,
+    discretization: str | None,
     bone_pressure: ArrayLike | None,
     tissue_thickness: ArrayLike | None,
     levels: tuple[ArrayLike, ...] | None,

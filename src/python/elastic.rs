@@ -38,16 +38,6 @@ impl Elastic {
         Ok(Self::Kernel(skin.map_err(IntoPyErr::into_py_err)?))
     }
 
-    /// A body with another discretization by name.
-    pub(super) fn with_discretization(&self, name: Option<&str>) -> PyResult<Self> {
-        let Self::Body(body) = self else {
-            return Err(ResponseError::new_err(
-                "only a body takes another discretization once it is prepared",
-            ));
-        };
-        Ok(Self::Body(body.clone().with_discretization(discretization_of(name)?)))
-    }
-
     pub(super) fn as_skin(&self) -> &dyn ElasticSkin {
         match self {
             Self::Kernel(skin) => skin,
@@ -100,7 +90,8 @@ impl Elastic {
     }
 }
 
-fn discretization_of(name: Option<&str>) -> PyResult<Discretization> {
+/// The discretization of a name.
+pub(super) fn discretization_of(name: Option<&str>) -> PyResult<Discretization> {
     let all = [Discretization::Collocation, Discretization::Galerkin].map(|one| (one, one.as_str()));
     let named = |name| named("discretization", name, &all, ResponseError::new_err);
     name.map_or(Ok(Discretization::default()), named)

@@ -11,7 +11,7 @@ use crate::python::arrays_out::nodes_out;
 use crate::python::convert::{
     MatrixArgument, mask, matrix3, nodes, number, rotation_and_translation, scalars, vectors,
 };
-use crate::python::elastic::Elastic;
+use crate::python::elastic::{Elastic, discretization_of};
 use crate::python::errors::{IntoPyErr, ResponseError};
 use crate::python::forked::released;
 use crate::python::interrupt::{detached, detached_on_thread};
@@ -208,7 +208,7 @@ impl PySkin {
     /// A body solved for unit forces at `nodes`; `progress` hears memory and operations first, and what it raises ends the
     /// work and is raised here.
     #[staticmethod]
-    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, coarse_edge_length, bone_pressure, num_threads, memory_limit, progress))]
+    #[pyo3(signature = (surface, shear_modulus, poisson_ratio, bone, fixed, nodes, *, coarse_edge_length, discretization, bone_pressure, num_threads, memory_limit, progress))]
     #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
     fn body(
         py: Python<'_>,
@@ -219,6 +219,7 @@ impl PySkin {
         fixed: Option<&Bound<'_, PyAny>>,
         nodes: &Bound<'_, PyAny>,
         coarse_edge_length: Option<f64>,
+        discretization: Option<&str>,
         bone_pressure: bool,
         num_threads: Option<usize>,
         memory_limit: Option<usize>,
@@ -226,6 +227,7 @@ impl PySkin {
     ) -> PyResult<Self> {
         let fixed = fixed.map(|value| mask(value, "fixed")).transpose()?;
         let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
+        let discretization = discretization_of(discretization)?;
         let body = Body { bone: bone.map(|bone| bone.inner.clone()), fixed, coarse_edge_length };
         let failure = OnceLock::new();
         let announced = AtomicBool::new(false);
@@ -262,13 +264,11 @@ impl PySkin {
         })?;
         match failure.into_inner() {
             Some(raised) => Err(raised),
-            None => Ok(Elastic::Body(done.map_err(IntoPyErr::into_py_err)?).into()),
+            None => {
+                let body = done.map_err(IntoPyErr::into_py_err)?;
+                Ok(Elastic::Body(body.with_discretization(discretization)).into())
+            }
         }
-    }
-
-    /// The same body in another discretization.
-    fn with_discretization(&self, discretization: Option<&str>) -> PyResult<Self> {
-        Ok(self.inner.with_discretization(discretization)?.into())
     }
 
     /// Prepared bodies on parts of a surface, a kernel off them.

@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 
 use crate::python::arrays_out::{faces_out, matrix_out, nodes_out, rotation_out, vectors_out};
 use crate::python::convert::{MatrixArgument, faces, mask, matrix3, nodes, scalars, vectors};
-use crate::python::elastic::Elastic;
+use crate::python::elastic::{Elastic, discretization_of};
 use crate::python::errors::{IntoPyErr, ResponseError};
 use crate::python::forked::released;
 use crate::python::skin::PySkin;
@@ -71,7 +71,7 @@ fn set_blocks(parts: &Bound<'_, PyDict>, compliance: &BodyCompliance) -> PyResul
 /// Blocks of a body: `displacement` (3 n, 3 k) and `bone_pressure` (m, 3 k) as
 /// stored, turned by `rotation` since.
 #[pyfunction]
-#[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, rotation, *, bone_pressure, tissue_thickness, levels))]
+#[pyo3(signature = (surface, shear_modulus, poisson_ratio, nodes, displacement, rotation, *, discretization, bone_pressure, tissue_thickness, levels))]
 #[expect(clippy::too_many_arguments, reason = "a call has the arguments that it has")]
 pub(super) fn restore_body(
     surface: &PySurface,
@@ -80,11 +80,12 @@ pub(super) fn restore_body(
     nodes: &Bound<'_, PyAny>,
     displacement: &Bound<'_, PyAny>,
     rotation: &Bound<'_, PyAny>,
+    discretization: Option<&str>,
     bone_pressure: Option<&Bound<'_, PyAny>>,
     tissue_thickness: Option<&Bound<'_, PyAny>>,
     levels: Option<LevelsArgument<'_>>,
 ) -> PyResult<PySkin> {
-    let py = nodes.py();
+    let (py, discretization) = (nodes.py(), discretization_of(discretization)?);
     let nodes = self::nodes(nodes, "nodes", surface.inner.vertices().len(), ResponseError::new_err)?;
     let matrix = |value: &Bound<'_, PyAny>, name| {
         Ok::<_, PyErr>(MatrixArgument::new(value, name, ResponseError::new_err)?.view().to_owned())
@@ -115,7 +116,8 @@ pub(super) fn restore_body(
         Some(levels) => Levels::Two(two_levels(py, compliance, thickness, levels)?),
     };
     let body = released(py, || PreparedBody::from_levels(&surface.inner, &nodes, levels));
-    Ok(Elastic::Body(body.map_err(IntoPyErr::into_py_err)?).into())
+    let body = body.map_err(IntoPyErr::into_py_err)?;
+    Ok(Elastic::Body(body.with_discretization(discretization)).into())
 }
 
 fn two_levels(

@@ -97,19 +97,19 @@ def _build_body(
     held = np.zeros(len(surface.vertices), dtype=bool) if fixed is None else _held(fixed, surface)
     if nodes is None:
         nodes = np.flatnonzero(surface.skin_mask & ~held)
-    prepared = _core.Skin.body(
+    return _core.Skin.body(
         surface,
         *constants,
         body.bone,
         fixed,
         nodes,
         coarse_edge_length=as_float_or_none("coarse_edge_length", body.coarse_edge_length),
+        discretization=body.discretization,
         bone_pressure=as_boolean("bone_pressure", body.bone_pressure),
         num_threads=num_threads,
         memory_limit=as_integer_or_none("memory_limit", body.memory_limit, ResponseError),
         progress=stage_reporter(progress),
     )
-    return prepared.with_discretization(body.discretization)
 
 
 def _held(fixed: NDArray[np.bool_], surface: Surface) -> NDArray[np.bool_]:
@@ -169,17 +169,17 @@ def restore_prepared(
     if "coarse_nodes" in stored:
         names = "coarse_nodes", "coarse_corners", "coarse_weights", "coarse_edges", "held"
         levels = tuple(stored[name] for name in names)
-    restored = _core.restore_body(
+    return _core.restore_body(
         surface,
         *constants,
         nodes,
         stored["displacement"],
         stored["rotation"],
+        discretization=response.discretization,
         bone_pressure=stored.get("bone_pressure"),
         tissue_thickness=stored.get("tissue_thickness") if bone is None else stored["tissue_thickness"],
         levels=levels,
     )
-    return restored.with_discretization(response.discretization)
 
 
 def _check_bone_pressure(bone: Surface | None, stored: NDArray[np.float64] | None) -> None:
