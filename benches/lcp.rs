@@ -21,7 +21,7 @@ fn bench(criterion: &mut Criterion, name: &str, contact: &GridContact) {
                 let solution =
                     solve(&problem, &method.into(), &LcpOptions::default()).expect("valid options");
                 assert_eq!(solution.status, LcpStatus::Solved);
-                solution.natural_residual
+                solution.certificate.natural_residual
             });
         });
     }

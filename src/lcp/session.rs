@@ -95,8 +95,6 @@ impl<'a> Session<'a> {
             z,
             w,
             pivots: outcome.pivots,
-            natural_residual: certificate.natural_residual,
-            complementarity: certificate.complementarity,
             method,
             certificate,
             ray: None,

@@ -107,10 +107,6 @@ pub struct LcpSolution {
     pub w: Vec<f64>,
     /// Basis exchanges of every run together.
     pub pivots: usize,
-    /// `certificate.natural_residual`.
-    pub natural_residual: f64,
-    /// `certificate.complementarity`.
-    pub complementarity: f64,
     /// The method that gave this ending.
     pub method: LcpMethodName,
     /// Measures against the M and q given.
@@ -155,7 +151,7 @@ impl LcpSolution {
 
     /// What happened, and why that usually is.
     pub fn ending(&self) -> String {
-        let residual = self.natural_residual;
+        let residual = self.certificate.natural_residual;
         match self.status {
             LcpStatus::Solved => {
                 let unique = if self.certificate.is_unique() { "; it is the only solution" } else { "" };

@@ -133,6 +133,7 @@ fn conclusion_name(conclusion: RayConclusion) -> &'static str {
 
 impl PyLcpSolution {
     pub(super) fn new(py: Python<'_>, solution: &LcpSolution) -> PyResult<Py<Self>> {
+        let certificate = &solution.certificate;
         let attempt = |attempt: &lcp::LcpAttempt| {
             let (method, status) = (attempt.method.as_str(), attempt.status.as_str());
             let is = |start| attempt.start == start;
@@ -144,14 +145,14 @@ impl PyLcpSolution {
             w: numbers_out(py, &solution.w),
             active: read_only(nodes_out(py, &solution.active())),
             pivots: solution.pivots,
-            natural_residual: solution.natural_residual,
-            complementarity: solution.complementarity,
-            infeasibility: solution.certificate.infeasibility,
-            definiteness: match solution.certificate.definiteness {
-                _ if solution.certificate.known_p_matrix => "p_matrix",
+            natural_residual: certificate.natural_residual,
+            complementarity: certificate.complementarity,
+            infeasibility: certificate.infeasibility,
+            definiteness: match certificate.definiteness {
+                _ if certificate.known_p_matrix => "p_matrix",
                 found => found.as_str(),
             },
-            is_unique: solution.certificate.is_unique(),
+            is_unique: certificate.is_unique(),
             method: solution.method.as_str(),
             advice: solution.advice(),
             ray: solution.ray.as_ref().map(|ray| Py::new(py, PyLcpRay::new(py, ray))).transpose()?,

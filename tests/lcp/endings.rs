@@ -62,7 +62,7 @@ fn nothing_is_called_solved_that_tolerance_does_not_pass() {
     let options = LcpOptions { tolerance: 1e-30, ..LcpOptions::default() };
     let solution = run_with(&contact.m, &contact.q, LcpMethodName::Lemke, &options);
     assert_eq!(solution.status, LcpStatus::Breakdown);
-    assert!(solution.natural_residual > 1e-30 && solution.advice().contains("tolerance"));
+    assert!(solution.certificate.natural_residual > 1e-30 && solution.advice().contains("tolerance"));
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn extreme_numbers_end_without_panic() {
             assert!(solution.w.iter().all(|w| w.is_finite()), "{}", solution.advice());
             if solution.status == LcpStatus::Solved {
                 assert!(solution.z.iter().all(|&z| z >= 0.0 && z.is_finite()));
-                assert!(solution.natural_residual <= 1e-10);
+                assert!(solution.certificate.natural_residual <= 1e-10);
             }
         }
     }

@@ -217,7 +217,7 @@ fn gradients_within_the_tolerance_are_solved_whatever_stopped_them() {
         let m = &factor * factor.transpose();
         let q: Vec<f64> = (0..n).map(|_| noise.value() - 0.5).collect();
         let solution = run_with(&m, &q, LcpMethodName::ProjectedCg, &LcpOptions::default());
-        let passed = solution.natural_residual <= LcpOptions::default().tolerance;
+        let passed = solution.certificate.natural_residual <= LcpOptions::default().tolerance;
         assert_eq!(solution.status == LcpStatus::Solved, passed, "{seed}: {solution:?}");
     }
 }

@@ -1,5 +1,6 @@
 //! How far the figures of a contact can be trusted.
 
+use crate::lcp::certificate::Certificate;
 use crate::lcp::solution::LcpSolution;
 use crate::linalg::definiteness::{Definiteness, Spectrum};
 use crate::response::kernel::basis::Discretization;
@@ -53,10 +54,11 @@ impl Accuracy {
         discretization: Discretization,
         cells_per_radius: f64,
     ) -> Self {
-        let worst = |value: fn(&LcpSolution) -> f64| solutions.iter().map(value).fold(0.0, f64::max);
+        let certificates = || solutions.iter().map(|solution| &solution.certificate);
+        let worst = |value: fn(&Certificate) -> f64| certificates().map(value).fold(0.0, f64::max);
         Self {
-            natural_residual: worst(|solution| solution.natural_residual),
-            complementarity: worst(|solution| solution.complementarity),
+            natural_residual: worst(|certificate| certificate.natural_residual),
+            complementarity: worst(|certificate| certificate.complementarity),
             integration_tolerance: tolerance,
             discretization,
             condition: worst_condition(spectra),
