@@ -17,7 +17,7 @@ use crate::response::simd::points::{POINTS_PER_BLOCK, Selection, Targets};
 const FEWEST_POINTS: usize = 4;
 
 /// Memory that one thread uses again for every column.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct ColumnScratch {
     /// The loaded triangles of the column's node.
     pub(crate) faces: Vec<LoadedFace>,
@@ -39,20 +39,6 @@ pub(crate) struct ColumnScratch {
 }
 
 impl ColumnScratch {
-    pub(crate) fn new(targets: &Targets) -> Self {
-        Self {
-            faces: Vec::new(),
-            values: vec![0.0; targets.points.len()],
-            loads: PointLoads::default(),
-            multipoles: MultipoleSeries::new(),
-            near: Selection::default(),
-            series: TaylorSeries::new(),
-            rule: EdgeRule::default(),
-            thicknesses: Vec::new(),
-            sums: Vec::new(),
-        }
-    }
-
     /// Moments up to degree D for the layer's series, of the load on `faces`.
     #[inline(always)]
     pub(crate) fn fill_series<S: Simd, const D: usize, const M: usize>(&mut self, simd: S) {

@@ -57,8 +57,7 @@ pub fn assemble_block(
         return galerkin_block(surface, skin, rows, columns, options);
     }
     let at_rows = AtRows::new(surface, skin, rows, options);
-    let scratch = || ColumnScratch::new(&at_rows.targets);
-    filled_columns([rows.len(), columns.len()], options, scratch, |scratch: &mut ColumnScratch, j, column| {
+    filled_columns([rows.len(), columns.len()], options, ColumnScratch::default, |scratch, j, column| {
         at_rows.fill(scratch, columns[j], column);
     })
 }
@@ -77,9 +76,8 @@ pub(crate) fn assemble_columns(
     }
     check(surface, skin, rows, columns, options)?;
     let at_rows = AtRows::new(surface, skin, rows, options);
-    let scratch = || ColumnScratch::new(&at_rows.targets);
     let mut filled = vec![Vec::new(); columns.len()];
-    fill_items(&mut filled, options, scratch, |scratch: &mut ColumnScratch, j, column: &mut Vec<f64>| {
+    fill_items(&mut filled, options, ColumnScratch::default, |scratch, j, column| {
         column.resize(rows.len(), 0.0);
         at_rows.fill(scratch, columns[j], column);
     })?;

@@ -86,8 +86,8 @@ pub(crate) struct MultipoleSeries {
     sums: Vec<f64>,
 }
 
-impl MultipoleSeries {
-    pub(crate) fn new() -> Self {
+impl Default for MultipoleSeries {
+    fn default() -> Self {
         Self {
             ball: LoadBall::default(),
             reach: Vec::with_capacity(ORDER_LADDER.len()),
@@ -96,7 +96,9 @@ impl MultipoleSeries {
             sums: vec![0.0; 8 * 2 * ROW_LENGTH * ROW_LENGTH],
         }
     }
+}
 
+impl MultipoleSeries {
     /// Squared distance (m²) from the center below which the series is not accurate enough.
     pub(crate) fn near_squared(&self) -> f64 {
         self.reach[0].1
@@ -285,7 +287,7 @@ mod tests {
                 let mut loads = PointLoads::default();
                 loads.spread(&corners, &[2.0, 0.5, 0.5], RuleLists::gauss(points));
                 loads.pad(VECTORS_AT_ONCE);
-                let mut series = MultipoleSeries::new();
+                let mut series = MultipoleSeries::default();
                 let ball = loads.ball(corners.iter());
                 series.fill(pulp::Scalar, &loads, ball, 1.0, tolerance, f64::INFINITY);
                 series

@@ -97,12 +97,14 @@ pub(crate) struct TaylorSeries {
     sums: Vec<f64>,
 }
 
-impl TaylorSeries {
-    pub(crate) fn new() -> Self {
+impl Default for TaylorSeries {
+    fn default() -> Self {
         let count = factors().len();
         Self { ball: LoadBall::default(), moments: vec![0.0; count], sums: vec![0.0; 8 * count] }
     }
+}
 
+impl TaylorSeries {
     /// The means of a load that say how far its series reaches.
     #[inline(always)]
     pub(crate) fn means<S: Simd>(simd: S, loads: &PointLoads, ball: &LoadBall) -> RadialMeans {
@@ -228,7 +230,7 @@ mod tests {
         let exact: f64 = (0..POINTS_PER_BLOCK)
             .map(|k| loads.share[k] * gaussian((point - loads.points.at(k)).norm_squared()))
             .sum();
-        let mut series = TaylorSeries::new();
+        let mut series = TaylorSeries::default();
         let radius = 0.5;
         let ball = LoadBall { center: Vector3::zeros(), radius };
         series.fill::<_, MAX_DEGREE, { monomials(MAX_DEGREE) }>(pulp::Scalar, &loads, ball);

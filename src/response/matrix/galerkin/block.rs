@@ -116,7 +116,7 @@ pub(crate) fn galerkin_block(
         density: rows.iter().map(|&v| 1.0 / surface.vertex_areas()[v]).collect(),
     };
     let outer = || Outer {
-        scratch: ColumnScratch::new(&Targets::default()),
+        scratch: ColumnScratch::default(),
         targets: Targets::default(),
         used: Vec::new(),
         is_due: vec![false; rows.len()],
