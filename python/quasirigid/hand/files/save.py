@@ -39,11 +39,11 @@ def save_glb(hand: Hand, path: str | PathLike[str], contact: Contact | None) -> 
     vertices, faces = hand.surface.vertices, hand.surface.faces
     weights = shares_of(hand)
     attributes: dict[str, NDArray[Any]] = {}
-    targets: list[dict[str, NDArray[Any]]] = []
+    pressed: dict[str, NDArray[Any]] = {}
     if contact is not None:
         vertices, faces, weights = _on_mesh_of(contact, hand, weights)
         attributes = {"COLOR_0": _colors(contact.pressure), "_PRESSURE": contact.pressure[:, None]}
-        targets = [{"POSITION": contact.deformed.vertices - vertices}]
+        pressed = {"POSITION": contact.deformed.vertices - vertices}
     check_float32(vertices, faces, str(file), "move the hand to the origin first")
     joints, shares = _sets(weights)
     attributes["POSITION"] = vertices
@@ -53,7 +53,7 @@ def save_glb(hand: Hand, path: str | PathLike[str], contact: Contact | None) -> 
         attributes[f"JOINTS_{at // _WEIGHTS_A_SET}"] = joints[:, at : at + _WEIGHTS_A_SET]
         attributes[f"WEIGHTS_{at // _WEIGHTS_A_SET}"] = shares[:, at : at + _WEIGHTS_A_SET]
     with atomic_write(file) as stream:
-        stream.write(_file(hand, attributes, targets, faces))
+        stream.write(_file(hand, attributes, pressed, faces))
 
 
 def _on_mesh_of(contact: Contact, hand: Hand, weights: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
@@ -117,11 +117,26 @@ class _Buffers:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
 
+    def packed(self, description: dict[str, Any]) -> bytes:
+        """Return a GLB file of the arrays and the objects that are made of them."""
+        description = description | {
+            "accessors": self.accessors,
+            "bufferViews": self.views,
+            "buffers": [{"byteLength": len(self.data)}],
+        }
+        text = json.dumps(description, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = b"".join(
+            struct.pack("<I4s", len(chunk), kind) + chunk
+            for kind, chunk in ((b"JSON", text), (b"BIN\0", self.data))
+        )
+        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
 
 def _file(
     hand: Hand,
     attributes: dict[str, NDArray[Any]],
-    targets: list[dict[str, NDArray[Any]]],
+    pressed: dict[str, NDArray[Any]],
     faces: NDArray[np.int64],
 ) -> bytes:
     """Return the bytes of the file."""
@@ -142,8 +157,8 @@ def _file(
         "material": 0,
     }
     mesh: dict[str, Any] = {"name": "skin", "primitives": [primitive]}
-    if targets:
-        primitive["targets"] = [added(target) for target in targets]
+    if pressed:
+        primitive["targets"] = [added(pressed)]
         mesh |= {"weights": [0.0], "extras": {"targetNames": ["pressed"]}}
     inverse = inverse_motions(hand.rest).transpose(0, 2, 1).reshape(-1, 16)
     count = len(hand.joint_names)
@@ -153,38 +168,18 @@ def _file(
         "joints": list(range(count)),
         "name": "hand",
     }
-    material = {
-        "pbrMetallicRoughness": {
-            "baseColorFactor": [1.0, 1.0, 1.0, 1.0]
-            if "COLOR_0" in attributes
-            else [*_UNLOADED.tolist(), 1.0],
-            "metallicFactor": 0.0,
-            "roughnessFactor": 0.6,
+    color = [1.0, 1.0, 1.0] if "COLOR_0" in attributes else _UNLOADED.tolist()
+    surface = {"baseColorFactor": [*color, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.6}
+    return buffers.packed(
+        {
+            "asset": {"version": "2.0", "generator": "quasirigid"},
+            "scene": 0,
+            "scenes": [{"nodes": [*roots, count]}],
+            "nodes": [*_joint_nodes(hand), {"name": "skin", "mesh": 0, "skin": 0}],
+            "meshes": [mesh],
+            "skins": [skin],
+            "materials": [{"pbrMetallicRoughness": surface}],
         }
-    }
-    description = {
-        "asset": {"version": "2.0", "generator": "quasirigid"},
-        "scene": 0,
-        "scenes": [{"nodes": [*roots, count]}],
-        "nodes": [*_joint_nodes(hand), {"name": "skin", "mesh": 0, "skin": 0}],
-        "meshes": [mesh],
-        "skins": [skin],
-        "materials": [material],
-        "accessors": buffers.accessors,
-        "bufferViews": buffers.views,
-        "buffers": [{"byteLength": len(buffers.data)}],
-    }
-    text = json.dumps(description, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    length = 12 + 8 + len(text) + 8 + len(buffers.data)
-    return b"".join(
-        [
-            struct.pack("<4sII", b"glTF", 2, length),
-            struct.pack("<I4s", len(text), b"JSON"),
-            text,
-            struct.pack("<I4s", len(buffers.data), b"BIN\0"),
-            bytes(buffers.data),
-        ]
     )
 
 
