@@ -41,6 +41,14 @@ impl Left {
         Self { largest, mean: (squares / count.max(1) as f64).sqrt(), turned }
     }
 
+    /// Whether less is left than such shares of the gaps that another leaves; of the turns, where gaps are next to none.
+    ///
+    /// * `none`: a mean gap (m) that is next to none
+    pub fn is_less(&self, [of_gaps, of_turns]: [f64; 2], other: &Self, none: f64) -> bool {
+        let is_turned_less = self.turned < of_turns * other.turned;
+        self.mean < of_gaps * other.mean || self.mean.max(other.mean) <= none && is_turned_less
+    }
+
     /// * `tolerance`: of gaps, as a share of the deepest
     pub fn is_settled(&self, tolerance: f64, deepest: f64) -> bool {
         self.largest <= tolerance * deepest && self.turned <= TURNED_PER_GAP * tolerance
@@ -97,11 +105,13 @@ impl Deformed {
         let turned = self.turned(forces);
         let rounding = PRESSED_SHARE * gaps.deepest();
         if traits.discretization == Discretization::Galerkin {
-            // Solved, the gap is as far from nothing as another linearization changes it.
+            // Solved, the gap is as far from nothing as another linearization along the same normals changes it.
             let mut anew = gaps.clone();
             anew.linearize(&self.vertices, &self.displacement, &self.measured);
-            let [before, after] = [gaps, &anew].map(|gaps| gaps.averaged(traits.basis, &forces.active));
-            let changes = before?.into_iter().zip(after?).map(|(before, after)| (after - before).abs());
+            let (active, normals) = (&forces.active, gaps.at(&forces.active)?.normal);
+            let before = gaps.averaged(traits.basis, active)?;
+            let after = anew.averaged_along(traits.basis, active, &normals)?;
+            let changes = before.into_iter().zip(after).map(|(before, after)| (after - before).abs());
             return Ok(Left::of(changes, rounding, turned));
         }
         let rows = self.vertices.iter().zip(&self.measured.distance);
@@ -122,5 +132,21 @@ impl Deformed {
             }
         }
         if total > 0.0 { f64::sqrt(squares / total) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_count_where_gaps_are_next_to_none() {
+        let left = |mean: f64, turned: f64| Left { largest: mean, mean, turned };
+        let is_less = |a: Left, b: Left| a.is_less([0.7, 0.9], &b, 1e-6);
+        assert!(is_less(left(6e-5, 0.2), left(1e-4, 0.1)));
+        assert!(!is_less(left(8e-5, 0.05), left(1e-4, 0.1)));
+        assert!(is_less(left(8e-7, 0.08), left(7e-7, 0.1)));
+        assert!(!is_less(left(8e-7, 0.095), left(7e-7, 0.1)));
+        assert!(!is_less(left(1.1e-6, 0.08), left(7e-7, 0.1)));
     }
 }

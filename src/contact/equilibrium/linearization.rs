@@ -31,6 +31,9 @@ use crate::response::skin::kept::KeptSkin;
 /// Share of the gaps that a linearization at a full step leaves at the most; more, and one of half the step follows. A shorter
 /// step takes away as much less.
 const MOST_LEFT: f64 = 0.7;
+/// The same of the turns of the normals where gaps are next to none: forces on a steep rim turn long after gaps have closed. No
+/// shorter step follows unless normals turn more.
+const MOST_TURNED: f64 = 0.9;
 /// How much longer the step after one that left less is.
 const LONGER_STEP: f64 = 1.5;
 /// Linearizations without gain after which the obstacle's shape is beyond gaps in planes; one that leaves the force as it was counts
@@ -108,7 +111,7 @@ fn settle<'a>(
         deformed,
         active: forces.active.clone(),
         force: forces.vectors.iter().sum(),
-        best: (least.mean, forces, gaps.clone()),
+        best: (least, forces, gaps.clone()),
         first: None,
         before: least,
         step: 1.0,
@@ -135,8 +138,8 @@ struct Linearizations<'a, 'b> {
     deformed: Deformed,
     active: Vec<usize>,
     force: Vector3<f64>,
-    /// The least mean gap left (m), with its forces and the gaps that they were solved with.
-    best: (f64, NodeForces, Gaps<'a>),
+    /// The least that was left, with its forces and the gaps that they were solved with.
+    best: (Left, NodeForces, Gaps<'a>),
     /// The gaps of the first forces, once others leave less.
     first: Option<Gaps<'a>>,
     /// What the last round left.
@@ -191,18 +194,19 @@ impl<'a> Linearizations<'a, '_> {
         let is_same_force = (total - self.force).norm() <= self.options.gap_tolerance * total.norm();
         self.force = total;
         report.linearizations.push(round(total, &forces, left.largest, started));
-        let settling = 1.0 - (1.0 - MOST_LEFT) * self.step;
-        if left.mean > settling * self.before.mean {
-            self.shorten();
-        } else {
+        let none = self.options.gap_tolerance * gaps.deepest();
+        let [of_gaps, of_turns] = [MOST_LEFT, MOST_TURNED].map(|most| 1.0 - (1.0 - most) * self.step);
+        let vain = if is_same_force { 2 } else { 1 };
+        let is_gain = left.is_less([of_gaps, of_turns], &self.best.0, none);
+        self.in_vain = if is_gain { 0 } else { self.in_vain + vain };
+        if left.is_less([of_gaps, 1.0], &self.before, none) {
             self.step = (LONGER_STEP * self.step).min(1.0);
+        } else {
+            self.shorten();
         }
         self.before = left;
-        let least = self.best.0;
-        let vain = if is_same_force { 2 } else { 1 };
-        self.in_vain = if left.mean < settling * least { 0 } else { self.in_vain + vain };
-        if left.mean < (1.0 - SAME_GAP) * least {
-            let (.., before) = std::mem::replace(&mut self.best, (left.mean, forces, gaps.clone()));
+        if left.is_less([1.0 - SAME_GAP; 2], &self.best.0, none) {
+            let (.., before) = std::mem::replace(&mut self.best, (left, forces, gaps.clone()));
             self.first.get_or_insert(before);
             report.is_unsettled = false;
         }

@@ -31,12 +31,14 @@ pub(crate) struct VertexGap {
 /// A gap to another side of the obstacle than the node's says nothing of the way to the node's side: across a sharp edge
 /// the node's own gap stands for it.
 ///
+/// * `normals`: along which the rows of R of the nodes are (k)
 /// * `at_vertices`: what is known of some vertices
 pub(crate) fn measure(
     surface: &Surface,
     scene: &Scene,
     basis: PressureBasis,
     nodes: &[usize],
+    normals: &[Vector3<f64>],
     at_vertices: impl FnOnce(&[usize]) -> Result<Vec<VertexGap>, ContactError>,
 ) -> Result<Vec<f64>, ContactError> {
     let around = AveragePoints::around(surface, nodes);
@@ -48,12 +50,9 @@ pub(crate) fn measure(
     let at_middles = measure_middles(surface, scene, &around, at)?;
     // A node's row of R is of displacements along its own normal, all around it.
     let taken = |node: usize, there: &VertexGap| {
-        let own = at(node as u32);
-        if there.normal.dot(&own.normal) < OTHER_SIDE {
-            own.distance
-        } else {
-            there.distance + (there.normal - own.normal).dot(&there.shift)
-        }
+        let own = at(nodes[node] as u32);
+        let there = if there.normal.dot(&own.normal) < OTHER_SIDE { own } else { there };
+        there.distance + (there.normal - normals[node]).dot(&there.shift)
     };
     let at_vertex = |node, row: usize| taken(node, &at_vertices[row]);
     let at_middle = |node, row: usize| taken(node, &at_middles[row]);

@@ -241,20 +241,30 @@ impl<'a> Gaps<'a> {
         let mut known = self.averaged.borrow_mut();
         let missing: Vec<usize> = nodes.iter().copied().filter(|node| !known.contains_key(node)).collect();
         if !missing.is_empty() {
-            let at_vertices = |vertices: &[usize]| {
-                let measured = self.at(vertices)?;
-                let vertex_gap = |(row, &vertex): (usize, &usize)| VertexGap {
-                    distance: measured.distance[row],
-                    normal: measured.normal[row],
-                    shift: self.linearized_at(vertex),
-                    is_on_line: self.line_at(vertex).is_some(),
-                };
-                Ok(vertices.iter().enumerate().map(vertex_gap).collect())
-            };
-            let averages = averaged::measure(self.surface, self.scene, basis, &missing, at_vertices)?;
+            let averages = self.averaged_along(basis, &missing, &self.at(&missing)?.normal)?;
             known.extend(missing.into_iter().zip(averages));
         }
         Ok(nodes.iter().map(|node| known[node]).collect())
+    }
+
+    /// The same where the displacement of each node counts along another normal than its own.
+    pub fn averaged_along(
+        &self,
+        basis: PressureBasis,
+        nodes: &[usize],
+        normals: &[Vector3<f64>],
+    ) -> Result<Vec<f64>, ContactError> {
+        let at_vertices = |vertices: &[usize]| {
+            let measured = self.at(vertices)?;
+            let vertex_gap = |(row, &vertex): (usize, &usize)| VertexGap {
+                distance: measured.distance[row],
+                normal: measured.normal[row],
+                shift: self.linearized_at(vertex),
+                is_on_line: self.line_at(vertex).is_some(),
+            };
+            Ok(vertices.iter().enumerate().map(vertex_gap).collect())
+        };
+        averaged::measure(self.surface, self.scene, basis, nodes, normals, at_vertices)
     }
 }
 

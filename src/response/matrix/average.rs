@@ -33,7 +33,7 @@ impl AveragePoints {
 
     /// Average at each of the nodes that the points were chosen for.
     ///
-    /// * `at_vertex`, `at_middle`: the field as a node takes it, at a row of [`Self::vertices`] and of [`Self::middles`]
+    /// * `at_vertex`, `at_middle`: the field as a row of `nodes` takes it, at a row of [`Self::vertices`] and of [`Self::middles`]
     pub(crate) fn averages(
         &self,
         surface: &Surface,
@@ -45,11 +45,11 @@ impl AveragePoints {
         let known = "a point around the nodes";
         let vertex_row = |v: u32| self.vertices.binary_search(&(v as usize)).expect(known);
         let middle_row = |a: u32, b: u32| self.edges.binary_search(&edge(a, b)).expect(known);
-        let average = |&node: &usize| {
-            let at_vertex = |v| at_vertex(node, vertex_row(v));
-            pressure_average(surface, basis, node, at_vertex, |a, b| at_middle(node, middle_row(a, b)))
+        let average = |(row, &node): (usize, &usize)| {
+            let at_vertex = |v| at_vertex(row, vertex_row(v));
+            pressure_average(surface, basis, node, at_vertex, |a, b| at_middle(row, middle_row(a, b)))
         };
-        nodes.iter().map(average).collect()
+        nodes.iter().enumerate().map(average).collect()
     }
 }
 

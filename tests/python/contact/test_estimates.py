@@ -115,6 +115,39 @@ def test_the_estimate_of_areas_with_a_finer_rim_covers_nine_of_ten() -> None:
     assert np.mean(covered) >= 0.9
 
 
+def rounded_hole(radius: float, rim: float) -> qr.Obstacle:
+    """A slab with a hole, its upper rim rounded."""
+    across, around = np.linspace(0.0, 0.5 * np.pi, 25), np.arange(120) * 2.0 * np.pi / 120
+    profile = np.append(radius + rim * (1.0 - np.cos(across)), 25e-3)
+    height = np.append(rim * (np.sin(across) - 1.0), 0.0)
+    circle = np.column_stack([np.cos(around), np.sin(around)])
+    flat = (circle[:, None] * profile[:, None]).reshape(-1, 2)
+    points = np.column_stack([flat, np.tile(height, 120)])
+    a, b = np.divmod(np.arange(120 * 25), 25)
+    corner = [(a + i) % 120 * 26 + b + j for i, j in ((0, 0), (0, 1), (1, 1), (1, 0))]
+    faces = np.concatenate([np.column_stack([corner[i] for i in face]) for face in ([0, 1, 2], [0, 2, 3])])
+    return qr.Obstacle.mesh(*slab((points, faces), 10e-3))
+
+
+@pytest.mark.parametrize(
+    ("radius", "rim", "depth"),
+    [(6e-3, 2e-3, 2e-3), (6e-3, 1.5e-3, 2.5e-3), (6.5e-3, 2e-3, 2e-3), (6e-3, 1e-3, 2e-3)],
+)
+def test_averages_at_a_rounded_rim_that_skin_slips_over_settle_within_what_is_told(
+    radius: float, rim: float, depth: float
+) -> None:
+    check_covered(qr.Surface(*ball(8e-3, 4)), rounded_hole(radius, rim), soft("galerkin"), depth)
+
+
+def test_linearizations_go_on_where_forces_turn_long_after_gaps_have_closed() -> None:
+    surface, hole = qr.Surface(*ball(8e-3, 4)), rounded_hole(6e-3, 1e-3)
+    given, fine = (
+        qr.press(surface, hole, skin, UP, depth=2.5e-3, options=options)
+        for skin, options in ((soft(), AS_GIVEN), (soft("galerkin"), FINE))
+    )
+    assert covers(given, fine) == (True, True)
+
+
 @pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
 def test_the_estimate_of_a_peak_on_facets_covers_smaller_cells_and_the_smooth_product(
     fingertip: qr.Surface, discretization: str
