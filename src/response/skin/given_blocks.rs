@@ -9,7 +9,7 @@ use crate::response::body::check::parts::check_counts;
 use crate::response::body::compliance::{BodyCompliance, BodyParts};
 use crate::response::error::ResponseError;
 use crate::response::skin::elastic::{ElasticSkin, Request, Traits};
-use crate::response::skin::misfit::misfit;
+use crate::response::skin::misfit::{misfit, misfit_of_axes};
 use crate::response::skin::nodes::PreparedNodes;
 use crate::surface::checked::Surface;
 
@@ -52,7 +52,8 @@ impl GivenBlocks {
             poisson_ratio,
         })?;
         let in_the_mean = |i: usize, j: usize| compliance.block(i, j).trace() / 3.0;
-        let misfit = misfit(&nodes, in_the_mean).map(Arc::from);
+        let of_axes = || misfit_of_axes(&nodes, |i, j| compliance.block(i, j));
+        let misfit = misfit(&nodes, in_the_mean).or_else(of_axes).map(Arc::from);
         Ok(Self { compliance, nodes, misfit })
     }
 

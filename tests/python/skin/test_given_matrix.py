@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 import quasirigid as qr
-from prepared_skins import skin_of
+from prepared_skins import core, skin_of
 from shapes import AS_GIVEN, PLATE
 
 if TYPE_CHECKING:
@@ -74,6 +75,36 @@ def test_a_matrix_that_cannot_belong_to_its_nodes_is_told(
         told = [one.message for one in contact.warnings if one.category is qr.ResponseRangeWarning]
         assert len(told) == (words is not None)
         assert all(f"the compliance given for the {side} {words}" in message for message in told)
+
+
+def body_blocks(surface: qr.Surface, nodes: np.ndarray) -> np.ndarray:
+    """Blocks of a ball with a core (k, 3, k, 3), as far as they are the same with their axes exchanged."""
+    prepared = skin_of(qr.Body(bone=core())).prepared(surface, nodes)
+
+    def along(axis: np.ndarray) -> np.ndarray:
+        directions = np.tile(axis / np.linalg.norm(axis), (len(nodes), 1))
+        return qr.response_matrix(surface, prepared, nodes, directions=directions)
+
+    own = [along(axis) for axis in np.eye(3)]
+    blocks = np.empty((len(nodes), 3, len(nodes), 3))
+    for a, b in np.ndindex(3, 3):
+        between = own[a] if a == b else along(np.eye(3)[a] + np.eye(3)[b]) - 0.5 * (own[a] + own[b])
+        blocks[:, a, :, b] = between
+    return blocks
+
+
+def test_blocks_with_their_axes_in_another_order_are_told(surface: qr.Surface) -> None:
+    nodes = np.flatnonzero(surface.vertices[:, 2] < 3e-3)
+    blocks = body_blocks(surface, nodes)
+    for axes in itertools.permutations(range(3)):
+        of_rows = blocks[:, axes]
+        for compliance in (of_rows, of_rows[..., axes]):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                skin = given(nodes, compliance)
+                contact = qr.press(surface, PLATE, skin, [0, 0, 1], depth=0.3e-3, throw=False)
+            told = [one.message for one in contact.warnings if one.category is qr.ResponseRangeWarning]
+            assert len(told) == (axes != (0, 1, 2))
 
 
 def test_skin_that_bulges_beside_the_nodes_is_told() -> None:
