@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use crate::contact::error::{ContactError, PressedContact};
 use crate::contact::outcome::{Contact, ContactStatus};
-use crate::contact::reach::on_mesh::{OnMesh, Reached};
+use crate::contact::reach::on_mesh::{JUMPS, OnMesh, Reached};
 use crate::contact::reach::on_refined::{MeshSearch, Searched, search_on_refined};
 use crate::contact::reach::search::Search;
 use crate::contact::reach::target::{Quantity, Target};
@@ -116,7 +116,7 @@ impl MeshSearch for Task<'_> {
         if is_near || matches!(contact.status, ContactStatus::Failed(_)) {
             return Ok(contact);
         }
-        Err(self.missed(contact, &self.target.quantity.power(), "it jumps there from depth to depth".into()))
+        Err(self.missed(contact, &self.target.quantity.power(), JUMPS.into()))
     }
 
     fn missed(&self, contact: Contact, _: &f64, why: String) -> ContactError {

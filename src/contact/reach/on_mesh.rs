@@ -25,6 +25,8 @@ use crate::surface::refined::RefinedSurface;
 
 /// Share of the promised tolerance to which a value is found where more is to follow from it.
 const CLOSE: f64 = 0.1;
+/// Why no depth has a value, where none of those tried stays near it.
+pub(crate) const JUMPS: &str = "it jumps there from depth to depth";
 
 /// One mesh of the skin, and the press that is carried out on it.
 pub(crate) struct OnMesh<'a> {
@@ -131,10 +133,14 @@ impl OnMesh<'_> {
         match end {
             Ok(power) => {
                 let value = quantity.of(&contact, &self.setup.approach.direction);
-                let is_close = (value / search.value - 1.0).abs() <= Search::TOLERANCE;
-                if is_refined || is_close || matches!(contact.status, ContactStatus::Failed(_)) {
+                let most = if is_refined { Search::UNEVENNESS } else { Search::TOLERANCE };
+                let is_close = (value / search.value - 1.0).abs() <= most;
+                if is_close || matches!(contact.status, ContactStatus::Failed(_)) {
                     self.warn_of_jump(quantity, search.value, &mut contact);
                     return Ok(Reached::Goal { contact, power });
+                }
+                if is_refined {
+                    return Ok(Reached::Short { contact, above: None, why: JUMPS.into() });
                 }
                 self.reach_exactly(quantity, &Search { known: Some((at, value)), power, ..*search }, contact)
             }

@@ -171,7 +171,7 @@ def test_a_force_that_the_given_mesh_jumps_over_is_found_on_a_finer_one(force: f
     ("response", "force", "options"),
     [
         (qr.HalfSpace(), 20.0, AS_GIVEN),
-        (qr.HalfSpace(discretization="galerkin"), 10.0, qr.ContactOptions(max_nodes=600)),
+        (qr.HalfSpace(discretization="galerkin"), 6.0, qr.ContactOptions(max_nodes=600)),
     ],
 )
 def test_a_force_that_jumps_on_a_scan_deep_over_a_ball_is_refused(
