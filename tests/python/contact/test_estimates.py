@@ -139,15 +139,6 @@ def test_averages_at_a_rounded_rim_that_skin_slips_over_settle_within_what_is_to
     check_covered(qr.Surface(*ball(8e-3, 4)), rounded_hole(radius, rim), soft("galerkin"), depth)
 
 
-def test_linearizations_go_on_where_forces_turn_long_after_gaps_have_closed() -> None:
-    surface, hole = qr.Surface(*ball(8e-3, 4)), rounded_hole(6e-3, 1e-3)
-    given, fine = (
-        qr.press(surface, hole, skin, UP, depth=2.5e-3, options=options)
-        for skin, options in ((soft(), AS_GIVEN), (soft("galerkin"), FINE))
-    )
-    assert covers(given, fine) == (True, True)
-
-
 @pytest.mark.parametrize("discretization", ["collocation", "galerkin"])
 def test_the_estimate_of_a_peak_on_facets_covers_smaller_cells_and_the_smooth_product(
     fingertip: qr.Surface, discretization: str
