@@ -12,6 +12,7 @@ use crate::contact::gap::averaged::{self, VertexGap};
 use crate::contact::gap::deepest::DeepestVertex;
 use crate::contact::gap::edge::{Line, SkinPart, triangles_among};
 use crate::contact::gap::entry::{Entered, EntryGap, WayIn, measure_entries};
+use crate::contact::gap::look::{look_no_farther, reach_farther};
 use crate::contact::gap::measured::Measured;
 use crate::contact::scene::Scene;
 use crate::obstacle::posed::Obstacle;
@@ -22,11 +23,6 @@ use crate::surface::checked::Surface;
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Default search distance beyond the depth, in mean edge lengths.
 const SEARCH_EDGES: f64 = 2.0;
-/// Where skin in overlap stands deeper than this share of the search distance, some may stand deeper than that.
-const DEEP_SHARE: f64 = 0.7;
-/// How far around such a patch the skin looks farther, in its search distance: what the patch holds deeper than it looked is no
-/// farther.
-const AROUND_PATCH: f64 = 2.0;
 /// How often the search distance is doubled for that.
 const MOST_DOUBLINGS: usize = 4;
 /// Cosine between the obstacle's normal and the inward normal of the skin below which a side is one that skin is kept off: 75
@@ -115,7 +111,7 @@ impl<'a> Gaps<'a> {
             search_distance: farthest(&reach),
             reach: reach.into(),
             entry,
-            deepest_vertex: deepest_of(&penetrating, &measured).map(|vertex| DeepestVertex {
+            deepest_vertex: measured.deepest_of(&penetrating).map(|vertex| DeepestVertex {
                 vertex,
                 overlap: -measured.distance[vertex],
                 normal: measured.normal[vertex],
@@ -268,65 +264,9 @@ impl<'a> Gaps<'a> {
     }
 }
 
-/// Of some vertices the one with the lowest gap.
-fn deepest_of(vertices: &[usize], measured: &Measured) -> Option<usize> {
-    vertices.iter().copied().min_by(|&a, &b| measured.distance[a].total_cmp(&measured.distance[b]))
-}
-
 /// The farthest that any vertex looks (m).
 fn farthest(reach: &[f64]) -> f64 {
     reach.iter().copied().fold(0.0, f64::max)
-}
-
-/// Lets the skin around a patch look farther where the patch stands nearly as deep as it looked, and nowhere else: another
-/// finger would find walls that it never met.
-///
-/// No farther than half the breadth of the skin's body under the deepest vertex: what stands farther in came through the skin
-/// on the other side.
-///
-/// * `entered`: vertices whose gap is measured back the way they came
-/// * `reach`: how far each vertex looks (n, m)
-///
-/// Returns whether some shall.
-fn reach_farther(surface: &Surface, entered: &[Entered], measured: &Measured, reach: &mut [f64]) -> bool {
-    let mut is_farther = false;
-    let vertices: Vec<usize> = entered.iter().map(|entered| entered.point).collect();
-    for patch in surface.patches(&vertices) {
-        let deepest = deepest_of(&patch, measured).expect("no patch is empty");
-        if -measured.distance[deepest] <= DEEP_SHARE * reach[deepest] {
-            continue;
-        }
-        let breadth = surface.breadth_along(deepest, &-surface.vertex_normals()[deepest]);
-        let farther = (2.0 * reach[deepest]).min(0.5 * breadth.unwrap_or(f64::INFINITY));
-        if farther <= reach[deepest] {
-            continue;
-        }
-        is_farther = true;
-        for (vertex, _) in surface.skin_distances(&patch, AROUND_PATCH * farther) {
-            reach[vertex] = reach[vertex].max(farther);
-        }
-    }
-    is_farther
-}
-
-/// Lets vertices that left the obstacle again look no farther than half the breadth of the skin's body under them: on a mesh whose
-/// edges are half as long as that, skin would find what came in through the other side.
-///
-/// Returns whether some did.
-fn look_no_farther(surface: &Surface, entered: &[Entered], reach: &mut [f64]) -> bool {
-    let left = entered.iter().filter(|entered| entered.has_left);
-    let ways: BTreeMap<usize, f64> = left.map(|entered| (entered.point, entered.way)).collect();
-    let mut is_nearer = false;
-    for patch in surface.patches(&ways.keys().copied().collect::<Vec<_>>()) {
-        let breadths = surface.breadths(&patch, |vertex| 2.0 * ways[&vertex]);
-        for (&vertex, breadth) in patch.iter().zip(breadths) {
-            if let Some(breadth) = breadth {
-                reach[vertex] = 0.5 * breadth;
-                is_nearer = true;
-            }
-        }
-    }
-    is_nearer
 }
 
 /// Takes the gaps to sharp edges where vertices were measured.

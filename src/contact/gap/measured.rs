@@ -58,6 +58,11 @@ impl Measured {
         }
     }
 
+    /// Of some points the one with the lowest gap.
+    pub fn deepest_of(&self, points: &[usize]) -> Option<usize> {
+        points.iter().copied().min_by(|&a, &b| self.distance[a].total_cmp(&self.distance[b]))
+    }
+
     /// Those of some points that have not been measured yet.
     pub fn missing(&self, points: &[usize]) -> Vec<usize> {
         points.iter().copied().filter(|&point| self.distance[point].is_infinite()).collect()
