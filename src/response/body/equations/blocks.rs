@@ -4,7 +4,6 @@
 pub(crate) const PACKED_ENTRY: [usize; 9] = [0, 1, 2, 1, 3, 4, 2, 4, 5];
 
 /// `T` of one corner's hats from their moments, lane by lane.
-#[inline(never)]
 pub(crate) fn traction_blocks<const L: usize>(
     (isotropic, outer, skew): (f64, f64, f64),
     moments: &[[f64; L]; 15],
@@ -30,7 +29,6 @@ pub(crate) fn traction_blocks<const L: usize>(
 }
 
 /// Packed `U` of one corner's hats from their moments, lane by lane.
-#[inline(never)]
 pub(crate) fn displacement_blocks<const L: usize>(
     (isotropic, outer): (f64, f64),
     moments: &[[f64; L]; 15],
