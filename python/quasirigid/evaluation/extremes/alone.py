@@ -8,7 +8,7 @@ import sys
 import time
 from typing import Any
 
-from .case import COLUMNS, Case
+from .case import Case, blank_row
 
 __all__ = ["row_of_alone"]
 
@@ -18,7 +18,7 @@ _PROGRAM = "import sys; from quasirigid.evaluation.extremes.run import print_row
 def row_of_alone(case: Case) -> dict[str, Any]:
     """Carry out a case in another process; one that is not done in its time makes a row that is off."""
     started = time.perf_counter()
-    row: dict[str, Any] = dict.fromkeys(COLUMNS) | {"group": case.group, "case": case.name, "note": ""}
+    row = blank_row(case)
     command = [sys.executable, "-c", _PROGRAM, case.group, case.name]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=case.alone, check=False)

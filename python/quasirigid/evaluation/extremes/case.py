@@ -9,20 +9,9 @@ from typing import Any
 
 from ...errors import QuasirigidError
 
-__all__ = ["COLUMNS", "Case", "Outcome", "ends_with", "holds", "near", "row_of"]
+__all__ = ["Case", "Outcome", "blank_row", "ends_with", "holds", "near", "row_of"]
 
-# Every column of a row with its unit; "1" is dimensionless, "" is no number.
-COLUMNS = {
-    "group": "",
-    "case": "",
-    "expected": "",
-    "found": "",
-    "error": "1",
-    "limit": "1",
-    "seconds": "s",
-    "ok": "",
-    "note": "",
-}
+_COLUMNS = ("group", "case", "expected", "found", "error", "limit", "seconds", "ok", "note")
 # Longest time of a case (s), some ten times what the longest takes on a quiet machine.
 LONGEST = 30.0
 
@@ -83,10 +72,15 @@ def ends_with(work: Callable[[], object], kind: type[QuasirigidError], words: st
     return Outcome(expected=expected, found=f"no error: {made!r}", ok=False)
 
 
+def blank_row(case: Case) -> dict[str, Any]:
+    """Return the row of a case before it is carried out."""
+    return dict.fromkeys(_COLUMNS) | {"group": case.group, "case": case.name, "note": ""}
+
+
 def row_of(case: Case) -> dict[str, Any]:
     """Carry out a case; what it did not expect to be raised makes a row that is off, with its words."""
     started = time.perf_counter()
-    row: dict[str, Any] = dict.fromkeys(COLUMNS) | {"group": case.group, "case": case.name, "note": ""}
+    row = blank_row(case)
     try:
         outcome = case.judge()
     except (KeyboardInterrupt, SystemExit):

@@ -9,36 +9,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-__all__ = ["COLUMNS", "limit_of", "make_row", "mark_knee", "refused", "timed"]
+__all__ = ["limit_of", "make_row", "mark_knee", "refused", "timed"]
 
-# Every column with its unit; "1" is dimensionless, "" is no number. Errors are relative.
-COLUMNS = {
-    "scene": "",
-    "response": "",
-    "discretization": "",
-    "solver": "",
-    "mesh": "",
-    "cells_per_radius": "1",
-    "target_error": "1",
-    "depth": "m",
-    "nodes": "1",
-    "force": "N",
-    "true_force": "N",
-    "force_error": "1",
-    "area_error": "1",
-    "max_pressure_error": "1",
-    "estimated_force_error": "1",
-    "seconds": "s",
-    "setup_seconds": "s",
-    "truth": "",
-    "truth_accuracy": "1",
-    "limit": "1",
-    "within": "1",
-    "ratio": "1",
-    "knee": "",
-    "ok": "",
-    "note": "",
-}
+_COLUMNS = (
+    *("scene", "response", "discretization", "solver", "mesh", "cells_per_radius", "target_error", "depth"),
+    *("nodes", "force", "true_force", "force_error", "area_error", "max_pressure_error"),
+    *("estimated_force_error", "seconds", "setup_seconds", "truth", "truth_accuracy", "limit"),
+    *("within", "ratio", "knee", "ok", "note"),
+)
 
 Made = TypeVar("Made")
 
@@ -48,14 +26,14 @@ def make_row(**given: Any) -> dict[str, Any]:
 
     A row is off where its force is further from the truth than `limit`, or known not at all.
     """
-    row = dict.fromkeys(COLUMNS) | {"knee": False, "ok": True, "note": ""} | given
+    row = dict.fromkeys(_COLUMNS) | {"knee": False, "ok": True, "note": ""} | given
     if row["limit"] is not None and "ok" not in given:
         error = row["force_error"]
         row["ok"] = error is not None and abs(error) <= row["limit"]
     return row
 
 
-def limit_of(*, cells: float | None = None, target: float | None = None, accuracy: float) -> float:
+def limit_of(*, cells: float, target: float | None, accuracy: float) -> float:
     """Return how far a force may be from a truth of an `accuracy`.
 
     Twice the target of a refined contact; on a mesh as it is one cell of the contact's radius.
