@@ -15,7 +15,8 @@ from .._progress import print_progress, reporter
 from ..errors import MissingExtraError
 from ..io.atomic import json_bytes, png_bytes, write_files
 from ..io.record import as_plain
-from .page import page_of, summary_of
+from .extremes.page import stress_page, stress_summary
+from .ladder.page import accuracy_page, accuracy_summary
 
 __all__ = ["Row", "Table", "TableProgress", "table_reporter"]
 
@@ -87,17 +88,18 @@ class Table(Frozen):
             If the folder cannot be written to.
         """
         contents = {f"{self.name}.json": json_bytes(self.record())}
-        picture = self._picture()
-        if picture is not None:
-            contents[f"{self.name}.png"] = picture
-        page = page_of(self.name, self._rows, has_picture=picture is not None)
+        if self.name == "accuracy":
+            picture = self._picture()
+            if picture is not None:
+                contents["accuracy.png"] = picture
+            page = accuracy_page(self._rows, has_picture=picture is not None)
+        else:
+            page = stress_page(self._rows)
         contents[f"{self.name}.md"] = page.encode()
         return write_files(folder, contents)
 
     def _picture(self) -> bytes | None:
-        """Return the picture of error against time as PNG; None where there is none to draw."""
-        if self.name != "accuracy":
-            return None
+        """Return the picture of error against time as PNG; None without matplotlib."""
         from .ladder.picture import accuracy_figure
 
         try:
@@ -111,7 +113,8 @@ class Table(Frozen):
 
     def __str__(self) -> str:
         """Return the rows as a table of text, the ones that are off named last."""
-        return summary_of(self.name, self._rows)
+        summary = accuracy_summary if self.name == "accuracy" else stress_summary
+        return summary(self._rows)
 
     def __repr__(self) -> str:
         """Return the counts on one line."""
