@@ -13,7 +13,7 @@ from ... import models
 from ...contact import Contact, press
 from ...errors import PenetrationWarning
 from ...obstacle import Obstacle
-from ...skin import Body, GaussianCorrected, HalfSpace, Layer, PreparedSkin, Skin
+from ...skin import Body, GaussianCorrected, HalfSpace, Layer, PreparedSkin
 from ...surface import Surface, skin_without_caps
 from ..memo import remembered
 from ..meshes import ball
@@ -57,10 +57,6 @@ def _phone() -> tuple[Any, Any]:
     return triangles
 
 
-def _surface(setting: Setting, surface: Surface) -> Surface:
-    return Surface(setting.placed(surface.vertices), surface.faces, surface.skin_mask)
-
-
 def _plate(setting: Setting) -> Obstacle:
     return Obstacle.half_space(setting.placed(np.array(_BELOW)), _UP)
 
@@ -89,22 +85,15 @@ def _gaussian(setting: Setting) -> GaussianCorrected:
 def _pressed(
     response: Callable[[Setting], Any], product: Callable[[Setting], Obstacle], depth: float, setting: Setting
 ) -> Contact:
-    skin = Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=response(setting))
-    return press(
-        _surface(setting, _finger()),
-        product(setting),
-        skin,
-        _UP,
-        depth=depth * setting.length,
-        options=AS_GIVEN,
-    )
+    surface, skin = setting.surface(_finger()), setting.skin(response(setting))
+    return press(surface, product(setting), skin, _UP, depth=depth * setting.length, options=AS_GIVEN)
 
 
 def _soft(depth: float, setting: Setting) -> Contact:
     """Press a box as soft as the finger."""
-    skin = Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=HalfSpace())
+    skin = setting.skin(HalfSpace())
     box = _box(setting).with_material(shear_modulus=setting.modulus, poisson_ratio=0.4)
-    return press(_surface(setting, _finger()), box, skin, _UP, depth=depth * setting.length, options=AS_GIVEN)
+    return press(setting.surface(_finger()), box, skin, _UP, depth=depth * setting.length, options=AS_GIVEN)
 
 
 def _body(depth: float, setting: Setting) -> Contact:
@@ -115,11 +104,10 @@ def _body(depth: float, setting: Setting) -> Contact:
 
 @remembered
 def _prepared(setting: Setting) -> tuple[Surface, PreparedSkin]:
-    skin, core = _surface(setting, ball(8e-3, 2, 2.0)), _surface(setting, ball(3e-3, 1, 2.0))
+    skin, core = setting.surface(ball(8e-3, 2, 2.0)), setting.surface(ball(3e-3, 1, 2.0))
     body = Body(bone=core, coarse_edge_length=0.0)
     nodes = np.flatnonzero(ball(8e-3, 2, 2.0).vertices[:, 2] < 0.0)
-    material = Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=body)
-    return skin, material.prepared(skin, nodes)
+    return skin, setting.skin(body).prepared(skin, nodes)
 
 
 @remembered
@@ -129,21 +117,19 @@ def _finger_bone() -> Surface:
 
 def _finger_body(setting: Setting) -> Contact:
     """Press the fingertip with its bone, solved on a coarse mesh as is usual."""
-    finger, given = _surface(setting, _finger()), _finger()
-    body = Body(bone=_surface(setting, _finger_bone()), fixed=~finger.skin_mask)
+    finger, given = setting.surface(_finger()), _finger()
+    body = Body(bone=setting.surface(_finger_bone()), fixed=~finger.skin_mask)
     nodes = np.flatnonzero(given.skin_mask & (given.vertices[:, 2] < given.vertices[:, 2].min() + 2e-3))
-    material = Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=body)
-    prepared = material.prepared(finger, nodes)
+    prepared = setting.skin(body).prepared(finger, nodes)
     return press(finger, _plate(setting), prepared, _UP, depth=_DEPTH * setting.length, options=AS_GIVEN)
 
 
 def _ball_body(setting: Setting) -> Contact:
     """Press an icosphere with a core, on a coarse mesh too; its equal edges leave the coarsening ties."""
     shell = ball(8e-3, 2, 3.0)
-    skin, core = _surface(setting, shell), _surface(setting, ball(3e-3, 2))
+    skin, core = setting.surface(shell), setting.surface(ball(3e-3, 2))
     nodes = np.flatnonzero(shell.vertices[:, 2] < -6e-3)
-    material = Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=Body(bone=core))
-    prepared = material.prepared(skin, nodes)
+    prepared = setting.skin(Body(bone=core)).prepared(skin, nodes)
     return press(skin, _plate(setting), prepared, _UP, depth=0.6e-3 * setting.length, options=AS_GIVEN)
 
 

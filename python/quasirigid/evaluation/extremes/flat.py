@@ -12,7 +12,7 @@ import numpy as np
 from ..._arrays import Floats, Indices
 from ...contact import Contact, solve_contact
 from ...obstacle import Obstacle
-from ...skin import HalfSpace, Skin
+from ...skin import HalfSpace
 from ...surface import Surface
 from ..meshes import lattice_faces
 from .case import Case, Outcome, near
@@ -52,12 +52,10 @@ def flat_skin(cells: int) -> Mesh:
 
 def sphere_over(setting: Setting, mesh: Mesh, form: Form) -> Contact:
     """Return the contact of a sphere in place with flat skin."""
-    points, faces = mesh
-    surface = Surface(setting.placed(points), faces)
+    surface = setting.surface(Surface(*mesh))
     center = setting.placed(np.array([0.0, 0.0, _RADIUS - _DEPTH]))
     sphere = Obstacle.sphere(center, _RADIUS * setting.length)
-    response = HalfSpace(discretization=form)
-    skin = Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=response)
+    skin = setting.skin(HalfSpace(discretization=form))
     options = _TO_THE_LAST_DIGIT if form == "collocation" else AS_GIVEN
     return solve_contact(surface, sphere, skin, options=options)
 

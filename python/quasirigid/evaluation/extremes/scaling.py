@@ -11,6 +11,8 @@ import numpy as np
 
 from ..._arrays import Floats
 from ...contact import Contact, ContactOptions
+from ...skin import Response, Skin
+from ...surface import Surface
 from .case import Case, Outcome, near
 
 __all__ = ["AS_GIVEN", "Build", "Setting", "off", "rounding_limit", "scaled_cases"]
@@ -49,6 +51,14 @@ class Setting:
         """Return points (k, 3) or (3,) in this unit, at this place."""
         placed: Floats = self.length * points + np.asarray(self.shift)
         return placed
+
+    def surface(self, surface: Surface) -> Surface:
+        """Return a surface in this unit, at this place."""
+        return Surface(self.placed(surface.vertices), surface.faces, surface.skin_mask)
+
+    def skin(self, response: Response) -> Skin:
+        """Return a skin of this material."""
+        return Skin(shear_modulus=self.modulus, poisson_ratio=self.nu, response=response)
 
 
 Build = Callable[[Setting], Contact]

@@ -13,7 +13,7 @@ from ..._arrays import Floats, Indices
 from ...contact import Contact, press, solve_contact
 from ...matrix import response_matrix
 from ...obstacle import Obstacle
-from ...skin import Body, HalfSpace, Layer, PreparedSkin, Skin, cut_out
+from ...skin import Body, HalfSpace, Layer, PreparedSkin, cut_out
 from ...surface import Surface
 from ..memo import remembered
 from ..meshes import ball, lattice_faces
@@ -61,19 +61,14 @@ def touch_cases() -> Iterator[Case]:
         )
 
 
-def _skin(setting: Setting, response: Any) -> Skin:
-    return Skin(shear_modulus=setting.modulus, poisson_ratio=setting.nu, response=response)
-
-
 def _flat(setting: Setting) -> Surface:
-    points, faces = flat_skin(_CELLS)
-    return Surface(setting.placed(points), faces)
+    return setting.surface(Surface(*flat_skin(_CELLS)))
 
 
 def _flat_on_flat(form: Form, depth: float, setting: Setting) -> Contact:
     """Press a plate on the whole of a square."""
     plate = Obstacle.half_space(setting.placed(np.array([0.0, 0.0, 0.01])), _DOWN)
-    skin = _skin(setting, HalfSpace(discretization=form))
+    skin = setting.skin(HalfSpace(discretization=form))
     return press(_flat(setting), plate, skin, _DOWN, depth=depth * setting.length, options=AS_GIVEN)
 
 
@@ -91,7 +86,7 @@ def _punch(form: Form, share: float) -> Contact:
     radius = 5.3 * CELL
     punch = Obstacle.cylinder(radius, radius).moved(np.eye(3), [0.0, 0.0, radius * (1.0 - share)])
     return solve_contact(
-        _flat(Setting()), punch, _skin(Setting(), HalfSpace(discretization=form)), options=AS_GIVEN
+        _flat(Setting()), punch, Setting().skin(HalfSpace(discretization=form)), options=AS_GIVEN
     )
 
 
@@ -123,7 +118,7 @@ def _odd_places() -> dict[str, Build]:
 def _sphere_at(place: tuple[float, float], radius: float, setting: Setting) -> Contact:
     sphere = Obstacle.sphere(setting.placed(np.array([*place, 2 * radius])), radius * setting.length)
     depth = _DEPTH * setting.length
-    return press(_flat(setting), sphere, _skin(setting, HalfSpace()), _DOWN, depth=depth, options=AS_GIVEN)
+    return press(_flat(setting), sphere, setting.skin(HalfSpace()), _DOWN, depth=depth, options=AS_GIVEN)
 
 
 def _one_node() -> Outcome:
@@ -131,7 +126,7 @@ def _one_node() -> Outcome:
     points, faces = flat_skin(_CELLS)
     middle = len(points) // 2
     points[middle, 2] += 2 * _DEPTH
-    surface, skin = Surface(points, faces), _skin(Setting(), HalfSpace())
+    surface, skin = Surface(points, faces), Setting().skin(HalfSpace())
     plate = Obstacle.half_space([0, 0, 0.01], _DOWN)
     contact = press(surface, plate, skin, _DOWN, depth=_DEPTH, options=AS_GIVEN)
     compliance = float(response_matrix(surface, skin, [middle])[0, 0])
@@ -147,10 +142,10 @@ def _bumps(setting: Setting) -> Contact:
     across, along = np.meshgrid(x, x, indexing="ij")
     high = np.sin(np.pi * across / (4 * CELL)) ** 2 * np.sin(np.pi * along / (4 * CELL)) ** 2
     points = np.stack([across, along, CELL * high], -1).reshape(-1, 3)
-    surface = Surface(setting.placed(points), lattice_faces(cells, cells))
+    surface = setting.surface(Surface(points, lattice_faces(cells, cells)))
     plate = Obstacle.half_space(setting.placed(np.array([0.0, 0.0, 0.01])), _DOWN)
     depth = _DEPTH * setting.length
-    return press(surface, plate, _skin(setting, HalfSpace()), _DOWN, depth=depth, options=AS_GIVEN)
+    return press(surface, plate, setting.skin(HalfSpace()), _DOWN, depth=depth, options=AS_GIVEN)
 
 
 def _thousand_patches() -> Outcome:
@@ -171,7 +166,7 @@ def _on_a_cut() -> Outcome:
     plate = Obstacle.half_space([0.0, 0.0, -0.05], _UP).moved(_leaning(), [0.0, 0.0, 0.0])
     direction = _leaning() @ np.array(_UP)
     free = np.flatnonzero(~part.fixed)
-    prepared = _skin(Setting(), part.body()).prepared(part.surface, free)
+    prepared = Setting().skin(part.body()).prepared(part.surface, free)
     pressed = press(part.surface, plate, prepared, direction, depth=1e-3, options=AS_GIVEN, throw=False)
     return holds("solved", str(pressed.status), pressed.status == "solved")
 
@@ -215,7 +210,7 @@ def _slab(flat: Floats, faces: Indices, count: int) -> Obstacle:
 
 def _other_triangles(product: Any) -> Outcome:
     """The triangles of a flat product change nothing."""
-    skin, surface = _skin(Setting(), HalfSpace()), Surface(*_dome())
+    skin, surface = Setting().skin(HalfSpace()), Surface(*_dome())
     plate = Obstacle.half_space([0, 0, 0.01], _DOWN)
     here = press(surface, plate, skin, _DOWN, depth=_DEPTH, options=AS_GIVEN)
     there = press(surface, product(), skin, _DOWN, depth=_DEPTH, options=AS_GIVEN)
@@ -229,10 +224,9 @@ def _dome() -> tuple[Floats, Indices]:
 
 
 def _thin_layer(setting: Setting) -> Contact:
-    points, faces = _dome()
-    surface = Surface(setting.placed(points), faces)
+    surface = setting.surface(Surface(*_dome()))
     plate = Obstacle.half_space(setting.placed(np.array([0.0, 0.0, 0.01])), _DOWN)
-    skin = _skin(setting, Layer(thickness=0.2e-3 * setting.length))
+    skin = setting.skin(Layer(thickness=0.2e-3 * setting.length))
     return press(surface, plate, skin, _DOWN, depth=0.02e-3 * setting.length, options=AS_GIVEN)
 
 
@@ -246,7 +240,6 @@ def _thin_body(setting: Setting) -> Contact:
 def _thin_prepared(setting: Setting) -> tuple[Surface, PreparedSkin]:
     """Return a sphere of 8 mm with 0.2 mm of tissue on its core, on meshes drawn towards the pole."""
     shell, core = ball(8e-3, 2, 12.0), ball(7.8e-3, 2, 12.0)
-    surface = Surface(setting.placed(shell.vertices), shell.faces)
-    bone = Surface(setting.placed(core.vertices), core.faces)
+    surface, bone = setting.surface(shell), setting.surface(core)
     nodes = np.flatnonzero(shell.vertices[:, 2] < -7.9e-3)
-    return surface, _skin(setting, Body(bone=bone, coarse_edge_length=0.0)).prepared(surface, nodes)
+    return surface, setting.skin(Body(bone=bone, coarse_edge_length=0.0)).prepared(surface, nodes)
